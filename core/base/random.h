@@ -1,0 +1,54 @@
+// Random numbers as a pure function of (pixel, sample, dimension): no state, no order, the same on any thread.
+//
+// Each pair of dimensions is an Owen-scrambled Sobol (0,2)-sequence whose sample index is shuffled and whose digits are
+// scrambled by hashes (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020, sections 3-4). Pairs are padded: pair
+// k uses its own shuffle, so any number of dimensions may be asked for.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstdint>
+
+namespace rayleaf {
+
+/// A 32-bit hash with full avalanche ("lowbias32", C. Wellons).
+constexpr uint32_t hash32(uint32_t x) {
+    x ^= x >> 16;
+    x *= 0x7feb352du;
+    x ^= x >> 15;
+    x *= 0x846ca68bu;
+    x ^= x >> 16;
+    return x;
+}
+
+constexpr uint32_t hash_combine(uint32_t seed, uint32_t value) {
+    return hash32(seed ^ (value + 0x9e3779b9u + (seed << 6) + (seed >> 2)));
+}
+
+/// The top 24 bits of `bits` as a float in [0, 1).
+constexpr float unit_float(uint32_t bits) {
+    return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
+
+/// The random numbers of one (pixel, sample). Dimensions are named by the caller; equal arguments give equal numbers.
+class Sampler {
+  public:
+    /// `pixel` is any integer unique to the pixel; `seed` is the scene's.
+    Sampler(uint32_t pixel, uint32_t sample, uint32_t seed)
+        : pixel_hash_(hash_combine(hash32(seed), pixel)), sample_(sample) {}
+
+    float get1(uint32_t dimension) const { return get2(dimension).x; }
+    /// Two numbers in [0,1)², stratified over the samples of the pixel.
+    Vec2f get2(uint32_t dimension) const;
+    /// Three numbers: a stratified pair and the first of the next sequence.
+    Vec3f get3(uint32_t dimension) const {
+        const Vec2f a = get2(dimension);
+        return {a.x, a.y, get2(dimension ^ 0x40000000u).x};
+    }
+
+  private:
+    uint32_t pixel_hash_;
+    uint32_t sample_;
+};
+
+}  // namespace rayleaf

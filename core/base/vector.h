@@ -1,0 +1,97 @@
+// Vectors, boxes and matrices: short names for the Imath types, and the few functions Imath lacks.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <ImathBox.h>
+#include <ImathMatrix.h>
+#include <ImathVec.h>
+
+namespace rayleaf {
+
+using Vec2f = Imath::V2f;
+using Vec2d = Imath::V2d;
+using Vec3f = Imath::V3f;
+using Vec3d = Imath::V3d;
+using Vec4f = Imath::V4f;
+using Vec4d = Imath::V4d;
+using Box3f = Imath::Box3f;
+using Box3d = Imath::Box3d;
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+/// Linear scene-referred colour with Rec. 709 primaries, no unit of its own.
+using Color = Vec3f;
+
+inline float luminance(const Color& c) {
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
+inline float max_component(const Vec3f& v) {
+    return std::max(v.x, std::max(v.y, v.z));
+}
+inline double max_component(const Vec3d& v) {
+    return std::max(v.x, std::max(v.y, v.z));
+}
+inline float max_abs(const Vec3f& v) {
+    return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
+}
+inline double max_abs(const Vec3d& v) {
+    return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
+}
+inline bool is_black(const Color& c) {
+    return c.x == 0.0f && c.y == 0.0f && c.z == 0.0f;
+}
+
+template <typename T>
+bool is_finite(const Imath::Vec3<T>& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// The unit vector along `v`, or `otherwise` where `v` is zero, not finite, or too short to have a direction.
+template <typename T>
+Imath::Vec3<T> normalized_or(const Imath::Vec3<T>& v, const Imath::Vec3<T>& otherwise) {
+    const T largest = max_abs(v);
+    if (!(largest > T(0)) || !std::isfinite(largest)) return otherwise;
+    const Imath::Vec3<T> scaled = v / largest;
+    const T length = std::sqrt(scaled.dot(scaled));
+    return scaled / length;
+}
+
+/// Two unit vectors that complete unit `n` to a right-handed orthonormal frame (Duff et al. 2017, revised ONB).
+inline void orthonormal_basis(const Vec3f& n, Vec3f& tangent, Vec3f& bitangent) {
+    const float sign = std::copysign(1.0f, n.z);
+    const float a = -1.0f / (sign + n.z);
+    const float b = n.x * n.y * a;
+    tangent = Vec3f(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    bitangent = Vec3f(b, sign + n.y * n.y * a, -n.y);
+}
+
+/// An affine map p -> linear * p + translation in double precision, columns as Blender's matrix_world has them.
+struct Affine3d {
+    Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< images of the unit axes
+    Vec3d translation{0, 0, 0};
+
+    Vec3d vector(const Vec3d& v) const { return x * v.x + y * v.y + z * v.z; }
+    Vec3d point(const Vec3d& p) const { return vector(p) + translation; }
+    double determinant() const { return x.dot(y.cross(z)); }
+    /// Image of a normal (a covector): the inverse transpose applied by cofactors, so it needs no inverse. Not unit.
+    /// Points to the same side as the mapped winding: a mirroring map turns it.
+    Vec3d normal(const Vec3d& n) const { return y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z; }
+    /// The inverse map; the linear part must be regular.
+    Affine3d inverse() const {
+        const double d = 1.0 / determinant();
+        const Vec3d r0 = y.cross(z) * d, r1 = z.cross(x) * d, r2 = x.cross(y) * d;
+        Affine3d out{{r0.x, r1.x, r2.x}, {r0.y, r1.y, r2.y}, {r0.z, r1.z, r2.z}, {}};
+        out.translation = -out.vector(translation);
+        return out;
+    }
+};
+
+/// The map "first `inner`, then `outer`".
+inline Affine3d operator*(const Affine3d& outer, const Affine3d& inner) {
+    return {outer.vector(inner.x), outer.vector(inner.y), outer.vector(inner.z), outer.point(inner.translation)};
+}
+
+}  // namespace rayleaf

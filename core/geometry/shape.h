@@ -1,0 +1,90 @@
+// What a scene can hold: shapes in their own local space, and what a hit on one becomes.
+#pragma once
+
+#include "base/vector.h"
+#include "rays/hit.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+/// Object space -> local space: `local = (object - center) / scale`. One frame per shape, so that borders shared inside
+/// the shape stay bit-equal; all local coordinates lie in about [-1, 1], whatever the size and place of the object.
+struct LocalFrame {
+    Vec3d center{0, 0, 0};  ///< object units
+    double scale = 1.0;     ///< a power of two, so that dividing by it rounds nothing
+
+    /// The frame that fits a box in object space. An empty or pointlike box gives scale 1.
+    static LocalFrame fitting(const Box3d& box);
+
+    Vec3f to_local(const Vec3d& object) const { return Vec3f((object - center) / scale); }
+    /// Local space -> object space as an affine map.
+    Affine3d to_object() const { return {{scale, 0, 0}, {0, scale, 0}, {0, 0, scale}, center}; }
+};
+
+/// The surface at a hit, in local space.
+struct LocalSurface {
+    Vec3d position;      ///< on the exact surface; for triangles the facet's own point
+    Vec3f normal;        ///< unit shading normal, on the side of the winding; interpolated or exact where smooth
+    Vec3f dp_du, dp_dv;  ///< derivatives by the texture coordinate `uv`; zero where there is none
+    Vec3f dn_du, dn_dv;  ///< derivatives of the unit normal by the same; zero where flat
+    Vec2f uv;            ///< active texture coordinate: first UV map of a mesh, spline parameters of a surface
+};
+
+/// Named data over a shape ("UVMap", "Col"): an index into the scene's table of names.
+using AttributeId = int32_t;
+
+/// A point chosen by parameters on an element.
+struct ElementPoint {
+    LocalHit hit;           ///< as if a ray had hit here
+    Vec3f normal;           ///< unit, local space, of the exact surface, on the side of the winding
+    float area_factor = 0;  ///< local area per unit of parameter area: |dP/du x dP/dv|; a triangle's whole area
+};
+
+enum class ShapeKind { TriangleMesh, PatchSurface };
+
+/// A renderable shape. Immutable after construction; all threads read it. Constructors validate and throw InputError.
+class Shape {
+  public:
+    Shape(ShapeKind kind, std::string name) : kind_(kind), name_(std::move(name)) {}
+    virtual ~Shape() = default;
+    Shape(const Shape&) = delete;
+    Shape& operator=(const Shape&) = delete;
+
+    ShapeKind kind() const { return kind_; }
+    const std::string& name() const { return name_; }
+    const LocalFrame& frame() const { return frame_; }
+    /// Bounds in local space.
+    const Box3f& bounds() const { return bounds_; }
+    /// Bounds in object space before normalization, for Blender's Generated coordinates.
+    const Box3d& object_bounds() const { return object_bounds_; }
+
+    /// Triangles, or Bezier patches before any splitting.
+    virtual uint32_t element_count() const = 0;
+    /// The surface at a hit. Pure; never NaN.
+    virtual LocalSurface surface(const LocalHit& hit) const = 0;
+    /// Value of an attribute at a hit, missing channels 0, alpha 1; empty if the shape has no such attribute.
+    virtual std::optional<Vec4f> attribute(AttributeId id, const LocalHit& hit) const = 0;
+    /// Index into the instance's material slots for a primitive of a hit.
+    virtual uint32_t material_slot(const LocalHit& hit) const = 0;
+    /// Element that a hit lies on (a subpatch belongs to a patch) and the point of an element at parameters in [0,1]²
+    /// (a triangle is covered once: parameters with u + v > 1 are mirrored into it). For light from emitting surfaces.
+    virtual uint32_t element_of(const LocalHit& hit) const = 0;
+    virtual ElementPoint element_point(uint32_t element, const Vec2f& parameters) const = 0;
+    /// Bytes held, itself included.
+    virtual size_t bytes() const = 0;
+
+  protected:
+    LocalFrame frame_;
+    Box3f bounds_;
+    Box3d object_bounds_;
+
+  private:
+    ShapeKind kind_;
+    std::string name_;
+};
+
+}  // namespace rayleaf

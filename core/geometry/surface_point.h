@@ -1,0 +1,34 @@
+// A point on a surface of the scene, in world space: what shading and lights work on.
+#pragma once
+
+#include "base/vector.h"
+#include "geometry/shape.h"
+
+#include <cstdint>
+
+namespace rayleaf {
+
+struct SurfacePoint {
+    Vec3d position;        ///< exact surface, world units
+    Vec3d facet_position;  ///< point of the facet that the ray hit: secondary rays start here (core/README.md)
+    double start_offset =
+        0;  ///< how far along the facet's normal a secondary ray must start to leave the facet, world units
+    Vec3f facet_normal;  ///< unit, of the facet, on the side of the winding (the outside)
+    Vec3f normal;        ///< unit shading normal, same side as the winding
+    Vec3f dp_du, dp_dv;  ///< world units per unit of uv
+    Vec3f dn_du, dn_dv;  ///< change of the unit normal per unit of uv
+    Vec2f uv;
+    double t = 0;  ///< distance along the ray, world units
+
+    const Shape* shape = nullptr;
+    LocalHit local;
+    uint32_t instance = 0;
+
+    /// Where a ray that leaves towards `direction` (unit) starts: the facet point moved to the side the ray goes.
+    Vec3d ray_origin(const Vec3f& direction) const {
+        const double side = direction.dot(facet_normal) < 0.0f ? -start_offset : start_offset;
+        return facet_position + Vec3d(facet_normal) * side;
+    }
+};
+
+}  // namespace rayleaf

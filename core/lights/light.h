@@ -1,0 +1,93 @@
+// Lamps and emitting surfaces: emit, sample, density; and the choice of one.
+//
+// Strengths are Blender's: a point or spot lamp of P watts has the radiant intensity P / (4 pi) W/sr, a sun the
+// irradiance given, an area lamp of P watts and area A the radiance that Cycles gives it (measured in tests/blender).
+#pragma once
+
+#include "base/vector.h"
+#include "rays/ray.h"
+#include "trace/tracer.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+enum class LampKind : uint8_t { Point, Sun, Spot, Rectangle, Disk };
+
+/// A lamp as Blender describes it. It shines along the -z axis of its frame.
+struct Lamp {
+    std::string name;
+    LampKind kind = LampKind::Point;
+    Affine3d to_world;                 ///< scale counts for area lamps only
+    Color strength{0, 0, 0};           ///< colour times watts; the sun: colour times W/m²
+    double radius = 0;                 ///< point and spot: of the shining sphere, world units; 0 is a point
+    double angle = 0;                  ///< sun: angular diameter, radians
+    double spot_size = 0;              ///< full cone angle, radians
+    double spot_blend = 0;             ///< 0..1 share of the cone that fades
+    double size_x = 1, size_y = 1;     ///< area lamps, in lamp space; a disk's axes
+    double spread = 3.14159265358979;  ///< area lamps: full angle of emission, radians
+    bool casts_shadow = true;
+    uint8_t visibility = kVisibleAll;  ///< which rays may hit the lamp itself
+};
+
+/// Light that arrives at a point from a sampled direction.
+struct LightSample {
+    Vec3f direction;          ///< unit, from the point to the light
+    double distance = 0;      ///< world units; infinity for suns and the world
+    Color radiance{0, 0, 0};  ///< arriving if nothing is in the way; delta lights: irradiance at normal incidence
+    float density = 0;        ///< per solid angle, choice of the light included; delta lights: the choice alone
+    bool delta = false;       ///< cannot be hit by a scattered ray
+    bool casts_shadow = true;
+};
+
+/// What a ray that misses or passes lamps meets: a lamp, with the density light sampling would have had for it.
+struct LampHit {
+    double t = 0;
+    Color radiance{0, 0, 0};
+    float density = 0;
+};
+
+/// Emitted radiance of a surface point towards `outgoing`, for emitters and the world; given by the scene.
+using SurfaceEmission = std::function<Color(const SurfacePoint&, const Vec3f& outgoing)>;
+using WorldEmission = std::function<Color(const Vec3f& direction)>;
+
+/// An emitting instance, all elements of which whose material slot emits.
+struct EmittingInstance {
+    uint32_t instance = 0;
+    std::vector<uint32_t> elements;
+};
+
+class LightSet {
+  public:
+    /// `world_resolution` is the width of the table by which the world is importance sampled; 0: not sampled (black,
+    /// constant worlds are sampled by scattering alone).
+    LightSet(std::vector<Lamp> lamps, std::vector<EmittingInstance> emitters, const Tracer& tracer,
+             SurfaceEmission emission, WorldEmission world, int world_resolution);
+    ~LightSet();
+    LightSet(const LightSet&) = delete;
+    LightSet& operator=(const LightSet&) = delete;
+
+    bool empty() const;  ///< nothing to sample
+    /// A light for a point at `position`; `random` in [0,1)³, z chooses the light.
+    std::optional<LightSample> sample(const Vec3d& position, const Vec3f& random) const;
+    /// Density with which `sample` at `from` would have chosen the direction to an emitting surface point.
+    float emitter_density(const Vec3d& from, const SurfacePoint& point) const;
+    /// The same for the world in `direction`.
+    float world_density(const Vec3f& direction) const;
+    /// All lamps with a size that the ray meets before t_max, nearest first matters not: they add up.
+    /// Calls `add` for each.
+    void lamp_hits(const Ray& ray, Visibility kind, const std::function<void(const LampHit&)>& add) const;
+    size_t bytes() const;
+    size_t count() const;
+
+  private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace rayleaf

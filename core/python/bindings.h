@@ -1,0 +1,14 @@
+// The bound areas, and what their files share.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+namespace rayleaf {
+
+namespace py = pybind11;
+
+void bind_errors(py::module_& module);
+
+}  // namespace rayleaf

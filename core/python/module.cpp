@@ -1,0 +1,7 @@
+// The extension module rayleaf._core. Each bound area has a file of its own; none holds an algorithm.
+#include "python/bindings.h"
+
+PYBIND11_MODULE(_core, module) {
+    module.doc() = "Rayleaf's core: splines and meshes in, pixels out. Usable from plain Python.";
+    rayleaf::bind_errors(module);
+}

@@ -1,0 +1,25 @@
+// Where a ray met a shape.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstdint>
+
+namespace rayleaf {
+
+/// A hit in the local space of its shape (geometry/shape.h: centred, scaled to about [-1, 1]).
+struct LocalHit {
+    uint32_t primitive = 0;  ///< triangle, or subpatch, of the shape
+    float u = 0, v = 0;  ///< triangle: weights of vertices 1 and 2. Subpatch: parameters in the *Bezier patch's* [0,1]²
+    Vec3f position;      ///< the point on the facet that was hit
+    Vec3f normal;        ///< of that facet by its winding; not unit, never zero
+};
+
+/// A hit in the scene.
+struct Hit {
+    double t = 0;           ///< along the world ray, world units
+    uint32_t instance = 0;  ///< index of the instance
+    LocalHit local;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,19 @@
+// A ray in world space, or in a shape's local space where the name says so.
+#pragma once
+
+#include "base/vector.h"
+
+#include <limits>
+
+namespace rayleaf {
+
+struct Ray {
+    Vec3d origin;                                            ///< world units
+    Vec3d direction;                                         ///< unit length, points away from the origin
+    double t_min = 0.0;                                      ///< hits nearer than this are ignored, world units
+    double t_max = std::numeric_limits<double>::infinity();  ///< and those beyond this
+
+    Vec3d at(double t) const { return origin + direction * t; }
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,54 @@
+#include "rays/ray_differential.h"
+
+namespace rayleaf {
+namespace {
+
+Vec3f transferred_position(const Vec3f& dp, const Vec3f& dd, const Vec3f& direction, float t, const Vec3f& normal) {
+    const Vec3f moved = dp + dd * t;
+    const float cosine = direction.dot(normal);
+    // At a grazing hit the footprint grows without bound; a thousandfold stretch is where it stops to matter for
+    // filtering.
+    const float safe = std::copysign(std::max(std::abs(cosine), 1e-3f), cosine);
+    return moved - direction * (moved.dot(normal) / safe);
+}
+
+}  // namespace
+
+RayDifferential RayDifferential::transferred(const Vec3f& direction, double t, const Vec3f& normal) const {
+    const auto distance = static_cast<float>(t);
+    return {transferred_position(dp_dx, dd_dx, direction, distance, normal),
+            transferred_position(dp_dy, dd_dy, direction, distance, normal), dd_dx, dd_dy};
+}
+
+RayDifferential reflected(const RayDifferential& in, const Vec3f& d, const Vec3f& n, const Vec3f& dn_dx,
+                          const Vec3f& dn_dy) {
+    const float dn = d.dot(n);
+    const auto change = [&](const Vec3f& dd, const Vec3f& dnormal) {
+        const float ddn = dd.dot(n) + d.dot(dnormal);
+        return dd - (dnormal * dn + n * ddn) * 2.0f;
+    };
+    return {in.dp_dx, in.dp_dy, change(in.dd_dx, dn_dx), change(in.dd_dy, dn_dy)};
+}
+
+RayDifferential refracted(const RayDifferential& in, const Vec3f& d, const Vec3f& n, const Vec3f& dn_dx,
+                          const Vec3f& dn_dy, float eta) {
+    const float dn = d.dot(n);
+    const float cos_out = -std::sqrt(std::max(1.0f - eta * eta * (1.0f - dn * dn), 1e-6f));
+    const float mu = eta * dn - cos_out;
+    const float dmu_factor = eta - eta * eta * dn / cos_out;
+    const auto change = [&](const Vec3f& dd, const Vec3f& dnormal) {
+        const float ddn = dd.dot(n) + d.dot(dnormal);
+        return dd * eta - (dnormal * mu + n * (dmu_factor * ddn));
+    };
+    return {in.dp_dx, in.dp_dy, change(in.dd_dx, dn_dx), change(in.dd_dy, dn_dy)};
+}
+
+RayDifferential widened(const RayDifferential& in, const Vec3f& new_direction, float angle) {
+    Vec3f tangent, bitangent;
+    orthonormal_basis(new_direction, tangent, bitangent);
+    const float old = std::sqrt(std::max(in.dd_dx.length2(), in.dd_dy.length2()));
+    const float wide = std::max(old, angle);
+    return {in.dp_dx, in.dp_dy, tangent * wide, bitangent * wide};
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,33 @@
+// How a ray's origin and direction change with the pixel: two vectors each (Igehy 1999; Christensen et al. 2003,
+// section 4).
+#pragma once
+
+#include "base/vector.h"
+
+namespace rayleaf {
+
+struct RayDifferential {
+    Vec3f dp_dx, dp_dy;  ///< change of the origin per pixel step, world units
+    Vec3f dd_dx, dd_dy;  ///< change of the unit direction per pixel step, radians
+
+    /// The differential `t` further along `direction`, on the plane with unit `normal` (Igehy, equation 10).
+    RayDifferential transferred(const Vec3f& direction, double t, const Vec3f& normal) const;
+    /// Length of the larger of the two position vectors: the ray's width, world units.
+    float width() const { return std::sqrt(std::max(dp_dx.length2(), dp_dy.length2())); }
+};
+
+/// Differential of the mirrored ray at a surface whose unit normal changes by `dn_dx`, `dn_dy` over the footprint
+/// (Igehy, equation 15). `direction` is the incoming one; the input must have been transferred to the surface.
+RayDifferential reflected(const RayDifferential& incoming, const Vec3f& direction, const Vec3f& normal,
+                          const Vec3f& dn_dx, const Vec3f& dn_dy);
+
+/// Differential of the refracted ray (Igehy, equation 18). `normal` faces the incoming side; `eta` is the index of the
+/// incoming side over that of the other. The caller has excluded total internal reflection.
+RayDifferential refracted(const RayDifferential& incoming, const Vec3f& direction, const Vec3f& normal,
+                          const Vec3f& dn_dx, const Vec3f& dn_dy, float eta);
+
+/// Differential after a scatter over a wide lobe: directions open up to at least `angle` radians. Distribution ray
+/// tracing's rule for a fraction of the hemisphere (Christensen et al. 2003, section 4.2).
+RayDifferential widened(const RayDifferential& incoming, const Vec3f& new_direction, float angle);
+
+}  // namespace rayleaf

@@ -1,0 +1,54 @@
+// The camera: from a point on the picture to a ray and its differential.
+#pragma once
+
+#include "base/vector.h"
+#include "rays/ray.h"
+#include "rays/ray_differential.h"
+#include "shading/inputs.h"
+#include "trace/tracer.h"
+
+namespace rayleaf {
+
+enum class CameraKind : uint8_t { Perspective, Orthographic };
+
+/// A camera as the add-on describes it. It looks along the -z axis of its frame, y up, as Blender's.
+struct CameraDescription {
+    CameraKind kind = CameraKind::Perspective;
+    Affine3d to_world;  ///< scale is removed
+    /// The picture's window: perspective: on the plane at distance 1; orthographic: world units. Of the whole picture.
+    Vec2d window_min{-1, -1}, window_max{1, 1};
+    double clip_start = 0.1, clip_end = 1000;  ///< along the view axis, world units
+    double aperture_radius = 0;                ///< world units; 0: a pinhole
+    double focus_distance = 10;                ///< along the view axis
+    int blades = 0;                            ///< 0..2: a round aperture
+    double blade_rotation = 0;                 ///< radians
+    double aperture_ratio = 1;                 ///< anamorphic: width is radius / ratio
+};
+
+struct CameraRay {
+    Ray ray;
+    RayDifferential differential;
+};
+
+class Camera {
+  public:
+    /// Throws InputError for a window, clip range or matrix that shows nothing.
+    Camera(const CameraDescription& description, int width, int height);
+
+    /// `pixel` in pixels from the lower left corner of the whole picture; `lens` in [0,1)².
+    CameraRay ray(const Vec2d& pixel, const Vec2f& lens) const;
+    /// Distance of a point along the view axis, Blender's Depth.
+    double depth(const Vec3d& world) const;
+    const CameraInfo& info() const { return info_; }
+    DicingView dicing_view() const;
+
+  private:
+    CameraDescription description_;
+    Affine3d to_world_;
+    CameraInfo info_;
+    int width_, height_;
+
+    Vec2d lens_point(const Vec2f& random) const;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,66 @@
+// The plain description of a scene that the add-on fills. Adding validates: what is wrong throws InputError and leaves
+// the description as it was, so the rest of the scene can still be rendered.
+#pragma once
+
+#include "geometry/shape.h"
+#include "lights/light.h"
+#include "scene/camera.h"
+#include "shading/program.h"
+#include "textures/texture_store.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace rayleaf {
+
+struct Material {
+    std::string name;
+    std::shared_ptr<const Program> surface;  ///< null: a neutral grey diffuse
+    float pass_index = 0;
+};
+
+struct InstanceDescription {
+    std::string name;
+    int shape = -1;
+    Affine3d object_to_world;
+    int material_list = -1;  ///< index of a list of materials, one per slot; -1: neutral material everywhere
+    float object_index = 0, random = 0;
+    uint8_t visibility = kVisibleAll;
+};
+
+class SceneDescription {
+  public:
+    int add_shape(std::shared_ptr<const Shape> shape);
+    int add_material(Material material);
+    int add_material_list(std::vector<int> materials);
+    int add_instance(InstanceDescription instance);
+    int add_lamp(const Lamp& lamp);
+    void set_world(std::shared_ptr<const Program> world, int sampling_resolution);
+    void set_camera(const CameraDescription& camera) { camera_ = camera; }
+    /// The id of an attribute name, new or old.
+    AttributeId attribute(const std::string& name);
+    /// The scene's textures; created by the first call.
+    std::shared_ptr<TextureStore> textures();
+
+    std::vector<std::shared_ptr<const Shape>> shapes;
+    std::vector<Material> materials;
+    std::vector<std::vector<int>> material_lists;
+    std::vector<InstanceDescription> instances;
+    std::vector<Lamp> lamps;
+    std::shared_ptr<const Program> world;
+    int world_resolution = 0;
+    size_t texture_memory = size_t{1} << 30;
+
+    const std::optional<CameraDescription>& camera() const { return camera_; }
+    const std::shared_ptr<TextureStore>& existing_textures() const { return textures_; }
+
+  private:
+    std::optional<CameraDescription> camera_;
+    std::unordered_map<std::string, AttributeId> attributes_;
+    std::shared_ptr<TextureStore> textures_;
+};
+
+}  // namespace rayleaf

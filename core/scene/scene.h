@@ -1,0 +1,53 @@
+// The committed scene: everything a render reads, immutable. Built from a SceneDescription.
+#pragma once
+
+#include "lights/light.h"
+#include "scene/camera.h"
+#include "scene/description.h"
+#include "scene/settings.h"
+#include "shading/program.h"
+#include "trace/tracer.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+class Scene {
+  public:
+    /// Validates, splits, builds. Throws InputError where nothing can be rendered (no camera, zero resolution).
+    Scene(const SceneDescription& description, const Settings& settings);
+    ~Scene();
+
+    const Tracer& tracer() const { return *tracer_; }
+    const Camera& camera() const { return *camera_; }
+    const LightSet& lights() const { return *lights_; }
+    const TextureStore* textures() const { return textures_.get(); }
+
+    /// Runs the material at a point.
+    void shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
+               const PathState& path, Closures& result) const;
+    /// Radiance of the world seen along `direction`.
+    Color world(const Vec3f& direction, const RayDifferential& differential, const PathState& path) const;
+    const Material& material(uint32_t instance, const LocalHit& hit) const;
+    float object_index(uint32_t instance) const { return infos_[instance].object_index; }
+    /// Whether any material lets light straight through, so that shadow rays have to ask.
+    bool has_transparency() const { return has_transparency_; }
+    bool has_world() const { return world_ != nullptr; }
+
+  private:
+    std::vector<Material> materials_;
+    std::vector<InstanceInfo> infos_;
+    std::vector<std::vector<int>> slots_;  ///< per material list
+    std::vector<int> instance_slots_;      ///< per instance, its list
+    std::shared_ptr<const Program> world_;
+    std::shared_ptr<const TextureStore> textures_;
+    std::unique_ptr<Camera> camera_;
+    std::unique_ptr<Tracer> tracer_;
+    std::unique_ptr<LightSet> lights_;
+    bool has_transparency_ = false;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,89 @@
+// The closures of one point: a short list of weighted lobes that can be evaluated, sampled and weighed.
+//
+// Directions are unit, world space, and point away from the surface. `outgoing` is towards the viewer.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace rayleaf {
+
+/// Which of Blender's pass families and bounce limits a lobe belongs to.
+enum class LobeKind : uint8_t { Diffuse, Glossy, Transmission };
+
+enum class LobeType : uint8_t {
+    Diffuse,      ///< Lambert, or Oren-Nayar with roughness
+    Translucent,  ///< Lambert on the far side
+    Reflection,   ///< GGX or Beckmann microfacets, reflection; roughness 0 is a mirror
+    Refraction,   ///< the same, refraction
+    Glass,        ///< both, weighted by Fresnel
+    Sheen,
+    PrincipledDiffuse,  ///< Disney diffuse with its retro-reflection
+    Clearcoat
+};
+
+enum class MicrofacetDistribution : uint8_t { Ggx, Beckmann };
+
+/// One lobe. What the fields mean depends on the type; see closures.cpp.
+struct Lobe {
+    LobeType type = LobeType::Diffuse;
+    LobeKind kind = LobeKind::Diffuse;
+    MicrofacetDistribution distribution = MicrofacetDistribution::Ggx;
+    Color weight;                    ///< factor on the lobe's value
+    Vec3f normal;                    ///< unit; faces the viewer
+    Vec3f tangent;                   ///< unit, orthogonal to `normal`; for anisotropy
+    float alpha_x = 0, alpha_y = 0;  ///< microfacet roughness (already squared); both 0: singular
+    float ior = 1.5f;                ///< inside over outside where the viewer is outside
+    float roughness = 0;             ///< of diffuse lobes
+    Color fresnel_0;                 ///< reflectance at normal incidence, for coloured Schlick; see `fresnel`
+    enum class Fresnel : uint8_t { None, Dielectric, Schlick } fresnel = Fresnel::None;
+};
+
+/// A sampled direction.
+struct LobeSample {
+    Vec3f direction;    ///< unit
+    Color weight;       ///< all closures' value * |cosine| / density; singular: value * |cosine| / discrete probability
+    float density = 0;  ///< of all non-singular lobes, per solid angle; 0 for singular samples
+    LobeKind kind = LobeKind::Diffuse;  ///< of the lobe that was chosen
+    bool singular = false;              ///< mirror or clear glass: no light sampling can find it
+    bool transmitted = false;           ///< went through the surface
+    float eta = 1;                      ///< refraction: index on the viewer's side over that beyond; else 1
+    float roughness = 0;                ///< of the lobe, 0..1: how wide the ray's differential opens
+};
+
+class Closures {
+  public:
+    static constexpr int kMaxLobes = 16;
+
+    Color emission{0, 0, 0};      ///< radiance towards the viewer
+    Color transparency{0, 0, 0};  ///< share of light that goes straight through
+    float holdout = 0;            ///< share that shows the film's emptiness
+
+    void clear();
+    void add(
+        const Lobe& lobe);  ///< drops lobes of zero or negative weight; past kMaxLobes the last is merged by weight
+    int size() const { return count_; }
+    const Lobe& operator[](int i) const { return lobes_[i]; }
+
+    /// `facet_normal` decides on which side a direction lies, so that no light leaks through bumped normals.
+    /// Sum of value * |cosine| of all non-singular lobes of `kind` (of all without one) from `incoming` (towards the
+    /// light).
+    Color evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
+    Color evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal, LobeKind kind) const;
+    /// Density per solid angle with which `sample` gives `incoming`; singular lobes count 0.
+    float density(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
+    /// A direction; `random` in [0,1)³, z chooses the lobe. Empty where the sample fails or carries nothing.
+    std::optional<LobeSample> sample(const Vec3f& outgoing, const Vec3f& facet_normal, const Vec3f& random) const;
+    /// True if any lobe can be lit by sampled lights.
+    bool has_smooth_lobes() const;
+    /// Albedo (directional reflectance, approximate for microfacets) of the lobes of `kind`, for the colour passes.
+    Color albedo(const Vec3f& outgoing, LobeKind kind) const;
+
+  private:
+    Lobe lobes_[kMaxLobes];
+    int count_ = 0;
+};
+
+}  // namespace rayleaf

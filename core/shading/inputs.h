@@ -1,0 +1,48 @@
+// What a shader program may read about the point it shades.
+#pragma once
+
+#include "base/vector.h"
+#include "geometry/surface_point.h"
+#include "rays/ray_differential.h"
+
+#include <cstdint>
+
+namespace rayleaf {
+
+class TextureStore;  // textures/texture_store.h
+
+/// The kind of ray that asks, and how it came here (Blender's Light Path node).
+struct PathState {
+    bool camera = true, shadow = false, diffuse = false, glossy = false, singular = false, reflection = false,
+         transmission = false;
+    float ray_length = 0;  ///< world units
+    int depth = 0, diffuse_depth = 0, glossy_depth = 0, transparent_depth = 0, transmission_depth = 0;
+};
+
+/// Facts of the object instance that programs read.
+struct InstanceInfo {
+    Affine3d object_to_world, world_to_object;
+    float object_index = 0;  ///< Blender's pass index
+    float random = 0;        ///< 0..1
+};
+
+/// The camera as far as programs need it (Camera and Window coordinates).
+struct CameraInfo {
+    Affine3d world_to_camera;  ///< camera looks along its -z, as in Blender
+    /// x, y on the picture 0..1 = (p.xy / (perspective ? -p.z : 1) - window_min) / window_size, p in camera space.
+    Vec2d window_min{-1, -1}, window_size{2, 2};
+    bool perspective = true;
+};
+
+struct ShadingInputs {
+    const SurfacePoint* point = nullptr;     ///< null in the world's program
+    const InstanceInfo* instance = nullptr;  ///< null in the world's program
+    const CameraInfo* camera = nullptr;
+    const TextureStore* textures = nullptr;  ///< null if the scene has no textures
+    Vec3f outgoing;                ///< unit, from the point towards the viewer; the world: minus the ray's direction
+    RayDifferential differential;  ///< transferred to the surface
+    PathState path;
+    float material_index = 0;  ///< Blender's pass index
+};
+
+}  // namespace rayleaf

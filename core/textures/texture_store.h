@@ -1,0 +1,51 @@
+// The scene's image textures: footprint in, filtered linear colour out, through OpenImageIO's TextureSystem.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace rayleaf {
+
+using TextureId = int32_t;
+
+enum class ColorSpace : uint8_t { Srgb, Linear, NonColor };
+enum class TextureExtension : uint8_t { Repeat, Extend, Clip };
+enum class TextureInterpolation : uint8_t { Linear, Closest, Cubic };
+
+/// Created only for scenes that have textures. Lookups are thread-safe and never wait for one another's files longer
+/// than the library does; a lookup never throws.
+class TextureStore {
+  public:
+    /// `memory_limit` in bytes, for cached tiles.
+    explicit TextureStore(size_t memory_limit);
+    ~TextureStore();
+    TextureStore(const TextureStore&) = delete;
+    TextureStore& operator=(const TextureStore&) = delete;
+
+    /// An image file. Throws InputError that names `name` and the path if it is missing or cannot be read.
+    TextureId add_file(const std::string& name, const std::string& path, ColorSpace space);
+    /// Pixels as Blender holds them: `channels` floats each (1, 3 or 4), rows bottom to top, alpha straight.
+    TextureId add_pixels(const std::string& name, std::span<const float> pixels, int width, int height, int channels,
+                         ColorSpace space);
+
+    /// Filtered linear colour with alpha in w at (u, v), v up as in Blender. The derivatives are changes of (u, v) per
+    /// pixel.
+    Vec4f lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, const Vec2f& duv_dy, TextureExtension extension,
+                 TextureInterpolation interpolation) const;
+
+    /// Bytes of tiles cached now, and counts, for the statistics.
+    struct Statistics {
+        size_t textures = 0, bytes = 0, file_reads = 0;
+    };
+    Statistics statistics() const;
+
+  private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,79 @@
+// Rays against all instances of a scene: closest hit, any hit, and the surface point of a hit.
+//
+// Instances are user geometry of one top-level Embree scene: its callback moves the ray to the shape's local space in
+// double precision, with the origin drawn near the shape, and traces it there in float. So an object of size 1 at 10^6
+// renders as it does at 0, and an object with a ray cache can be asked before it is traced.
+#pragma once
+
+#include "base/vector.h"
+#include "geometry/shape.h"
+#include "geometry/surface_point.h"
+#include "rays/hit.h"
+#include "rays/ray.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace rayleaf {
+
+/// Which rays see an instance (Blender's ray visibility); also the kind of a ray.
+enum Visibility : uint8_t {
+    kVisibleCamera = 1,
+    kVisibleDiffuse = 2,
+    kVisibleGlossy = 4,
+    kVisibleTransmission = 8,
+    kVisibleShadow = 16,
+    kVisibleAll = 31
+};
+
+struct TracedInstance {
+    std::shared_ptr<const Shape> shape;
+    Affine3d object_to_world;  ///< must be regular; checked where the scene is described
+    uint8_t visibility = kVisibleAll;
+};
+
+/// How finely patches are diced. The grid of a subpatch has 17x17 vertices; patches are split evenly until the distance
+/// between facets and surface is below `tolerance(instance)`.
+struct DicingView {
+    Vec3d eye{0, 0, 0};         ///< world
+    double pixel_angle = 1e-3;  ///< radians a pixel spans; 0 for orthographic views
+    double pixel_width = 0;     ///< world units a pixel spans in orthographic views
+    double pixels = 0.1;        ///< wanted distance between facet and surface, in pixels
+};
+
+struct TraceStatistics {
+    uint64_t subpatches = 0, grids_diced = 0, grid_bytes = 0, bvh_bytes = 0, triangles = 0, instances = 0, shapes = 0;
+};
+
+class Tracer {
+  public:
+    Tracer(std::vector<TracedInstance> instances, const DicingView& view);
+    ~Tracer();
+    Tracer(const Tracer&) = delete;
+    Tracer& operator=(const Tracer&) = delete;
+
+    /// The nearest hit in [t_min, t_max]; ties go to the lower instance, then primitive. Thread-safe; a ray that is not
+    /// finite or has a zero direction hits nothing.
+    std::optional<Hit> closest_hit(const Ray& ray, Visibility kind) const;
+    /// Whether anything lies in [t_min, t_max].
+    bool occluded(const Ray& ray, Visibility kind) const;
+    /// Everything about a hit that shading needs, in world space.
+    SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+    /// The same for a point chosen on an element of an instance, for emitting surfaces. `t` is 0.
+    SurfacePoint surface_point(uint32_t instance, const LocalHit& hit) const;
+
+    const TracedInstance& instance(uint32_t index) const;
+    /// Local space of an instance's shape -> world.
+    const Affine3d& local_to_world(uint32_t index) const;
+    /// Bounds of everything, world space; empty for an empty scene.
+    Box3d bounds() const;
+    TraceStatistics statistics() const;
+
+  private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,1 @@
+"""Rayleaf: a render engine for smooth geometry."""

@@ -1,0 +1,180 @@
+"""Rayleaf's core: splines and meshes in, pixels out. Usable from plain Python.
+
+Arrays are NumPy arrays; the shapes and types given here are checked and a wrong one raises InputError or TypeError that
+names the argument. Matrices are 4x4, float64, Blender's convention (columns are the images of the axes). Lengths are in
+world or object units, angles in radians, colours linear Rec. 709.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float32]
+Doubles = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+class InputError(ValueError):
+    """Input that cannot be rendered; the message names the object, the argument, what came and what was wanted."""
+
+class Program:
+    """A flat shader program. The operations are those of core/shading/operations.def."""
+
+    def __init__(self, name: str) -> None: ...
+    def constant(self, x: float, y: float, z: float, w: float) -> int: ...
+    def operation(
+        self,
+        identifier: str,
+        operands: Sequence[int] = (),
+        ints: Sequence[int] = (),
+        floats: Sequence[float] = (),
+        text: str = "",
+    ) -> int: ...
+
+class NurbsSpline:
+    """One spline of a Blender SURFACE object. `points` is (count_v, count_u, 4): x, y, z, weight, object space."""
+
+    def __init__(
+        self,
+        points: Doubles,
+        order_u: int,
+        order_v: int,
+        cyclic_u: bool = False,
+        cyclic_v: bool = False,
+        endpoint_u: bool = False,
+        endpoint_v: bool = False,
+        bezier_u: bool = False,
+        bezier_v: bool = False,
+        material_slot: int = 0,
+        smooth: bool = True,
+    ) -> None: ...
+
+class SceneDescription:
+    """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
+
+    def __init__(self) -> None: ...
+    def attribute(self, name: str) -> int:
+        """The id of an attribute name (UV map, colour attribute), for operations and shapes."""
+    def add_mesh(
+        self,
+        name: str,
+        vertices: Floats,
+        triangles: Ints,
+        corner_normals: Floats | None = None,
+        material_slots: Ints | None = None,
+        uv: int = -1,
+        attributes: dict[int, Floats] | None = None,
+    ) -> int:
+        """vertices (n, 3), triangles (m, 3), corner_normals (m, 3, 3) or None for flat, material_slots (m,).
+
+        attributes: id -> (m, 3, channels), channels 1..4; `uv` is the id of the active UV map, -1 if there is none.
+        """
+    def add_surface(self, name: str, splines: Sequence[NurbsSpline]) -> int: ...
+    def add_material(self, name: str, surface: Program | None, pass_index: int = 0) -> int: ...
+    def add_material_list(self, materials: Sequence[int]) -> int:
+        """Materials by slot; -1 in a slot is the neutral material."""
+    def add_instance(
+        self,
+        name: str,
+        shape: int,
+        matrix: Doubles,
+        material_list: int = -1,
+        object_index: int = 0,
+        random: float = 0.0,
+        visibility: int = 31,
+    ) -> int:
+        """visibility: sum of 1 camera, 2 diffuse, 4 glossy, 8 transmission, 16 shadow."""
+    def add_instances(
+        self,
+        names: Sequence[str],
+        shapes: Ints,
+        matrices: Doubles,
+        material_lists: Ints,
+        object_indices: Ints,
+        randoms: Floats,
+        visibilities: Ints,
+    ) -> list[str]:
+        """Many at once; matrices (n, 4, 4). Instances that cannot be rendered are left out, one message for each."""
+    def add_lamp(
+        self,
+        name: str,
+        kind: str,
+        matrix: Doubles,
+        strength: Sequence[float],
+        radius: float = 0.0,
+        angle: float = 0.0,
+        spot_size: float = 0.0,
+        spot_blend: float = 0.0,
+        size_x: float = 1.0,
+        size_y: float = 1.0,
+        spread: float = 3.141592653589793,
+        casts_shadow: bool = True,
+        visibility: int = 31,
+    ) -> int:
+        """kind: POINT, SUN, SPOT, RECTANGLE, DISK. strength: colour times watts (SUN: W/m²)."""
+    def set_world(self, world: Program | None, sampling_resolution: int = 1024) -> None: ...
+    def set_camera(
+        self,
+        kind: str,
+        matrix: Doubles,
+        window_min: tuple[float, float],
+        window_max: tuple[float, float],
+        clip_start: float,
+        clip_end: float,
+        aperture_radius: float = 0.0,
+        focus_distance: float = 10.0,
+        blades: int = 0,
+        blade_rotation: float = 0.0,
+        aperture_ratio: float = 1.0,
+    ) -> None:
+        """kind: PERSPECTIVE (window on the plane at distance 1) or ORTHOGRAPHIC (world units); whole picture."""
+    def add_image_file(self, name: str, path: str, color_space: str) -> int:
+        """color_space: SRGB, LINEAR or NON_COLOR. Returns a texture id for the operations image and environment."""
+    def add_image_pixels(self, name: str, pixels: Floats, color_space: str) -> int:
+        """pixels (height, width, channels), rows bottom to top."""
+    texture_memory: int
+
+class Settings:
+    """What an artist sets; see core/scene/settings.h for meaning and units. All are keyword arguments."""
+
+    def __init__(self, **values: Any) -> None: ...
+    width: int
+    height: int
+    crop_x: int
+    crop_y: int
+    crop_width: int
+    crop_height: int
+    samples: int
+    seed: int
+    threads: int
+    tile_size: int
+    max_bounces: int
+    diffuse_bounces: int
+    glossy_bounces: int
+    transmission_bounces: int
+    transparent_bounces: int
+    roulette_start: int
+    clamp_direct: float
+    clamp_indirect: float
+    film_transparent: bool
+    filter: str
+    filter_width: float
+    exposure: float
+    passes: list[str]
+
+class Session:
+    """One render of one scene. Commits the scene in `render`, not before."""
+
+    def __init__(self, scene: SceneDescription, settings: Settings) -> None: ...
+    def render(self) -> bool:
+        """Blocks, without the GIL, until done (True) or cancelled (False)."""
+    def cancel(self) -> None:
+        """From any thread; `render` returns soon after."""
+    def progress(self) -> tuple[str, float]:
+        """What is being done ("building", "rendering", "done") and the share of pixels done, 0..1."""
+    def pass_pixels(self, name: str) -> Floats:
+        """(height, width, channels) of the cropped part, rows bottom to top; a copy of what is there now."""
+    def statistics(self) -> dict[str, Any]: ...
+    def write_exr(self, path: str) -> None:
+        """All passes as one multilayer EXR."""
