@@ -1,0 +1,48 @@
+"""Where the tests find the module, and how Hypothesis behaves. RAYLEAF_PACKAGE_DIR names the folder that holds `rayleaf`."""
+
+import importlib
+import os
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import hypothesis
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+ADDONS = Path(os.environ.get("RAYLEAF_PACKAGE_DIR") or ROOT / "build" / "release" / "scripts" / "addons").resolve()
+sys.path.insert(0, str(ADDONS))
+
+# The same examples in every run, so that a test fails for everyone or for no one. To look for new ones, set
+# RAYLEAF_EXPLORE=1: a failure prints the line that repeats it.
+hypothesis.settings.register_profile(
+    "rayleaf",
+    deadline=None,
+    derandomize=not os.environ.get("RAYLEAF_EXPLORE"),
+    print_blob=True,
+    suppress_health_check=[hypothesis.HealthCheck.too_slow],
+)
+hypothesis.settings.load_profile("rayleaf")
+
+
+def pytest_report_header() -> str:
+    """Say which module is under test."""
+    return f"rayleaf: {ADDONS}"
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """The folder of the checkout."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def addons() -> Path:
+    """The folder with the built package `rayleaf`."""
+    return ADDONS
+
+
+@pytest.fixture(scope="session")
+def core() -> ModuleType:
+    """The extension module rayleaf._core."""
+    return importlib.import_module("rayleaf._core")
