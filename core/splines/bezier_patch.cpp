@@ -1,0 +1,93 @@
+#include "splines/bezier_patch.h"
+
+#include "splines/bernstein.h"
+
+namespace rayleaf {
+
+namespace {
+
+using RowBuffer = StackBuffer<Vec4d, kStackDegree + 1>;
+
+/// The part [begin,end] in one direction; see BezierCurve::restricted for the order of the cuts.
+BezierPatch restricted_once(const BezierPatch& patch, PatchDirection direction, double begin, double end) {
+    if (end >= 1.0 - begin) {
+        const BezierPatch low = end < 1.0 ? patch.split(direction, end).first : patch;
+        return begin > 0.0 ? low.split(direction, begin / end).second : low;
+    }
+    const BezierPatch high = begin > 0.0 ? patch.split(direction, begin).second : patch;
+    return high.split(direction, (end - begin) / (1.0 - begin)).first;
+}
+
+}  // namespace
+
+Vec3d PatchView::position(double u, double v) const {
+    const BernsteinBasis basis_u(degree_u, u), basis_v(degree_v, v);
+    RowBuffer row(static_cast<size_t>(rows()));
+    for (int j = 0; j < rows(); ++j) row[j] = basis_u.value(points + j * columns());
+    const Vec4d a = basis_v.value(row.data());
+    return rational ? rayleaf::project(a) : spatial_part(a);
+}
+
+HomogeneousPatchPoint PatchView::evaluate_homogeneous(double u, double v) const {
+    const BernsteinBasis basis_u(degree_u, u), basis_v(degree_v, v);
+    const size_t count = static_cast<size_t>(rows());
+    RowBuffer value(count), first(count), second(count);
+    for (int j = 0; j < rows(); ++j) {
+        const Vec4d* row = points + j * columns();
+        value[j] = basis_u.value(row);
+        first[j] = basis_u.first(row);
+        second[j] = basis_u.second(row);
+    }
+    return {basis_v.value(value.data()),  basis_v.value(first.data()), basis_v.first(value.data()),
+            basis_v.value(second.data()), basis_v.first(first.data()), basis_v.second(value.data())};
+}
+
+PatchPoint PatchView::evaluate(double u, double v) const {
+    const HomogeneousPatchPoint a = evaluate_homogeneous(u, v);
+    if (rational) return rayleaf::project(a);
+    return {spatial_part(a.value), spatial_part(a.du),  spatial_part(a.dv),
+            spatial_part(a.duu),   spatial_part(a.duv), spatial_part(a.dvv)};
+}
+
+PatchPoint project(const HomogeneousPatchPoint& a) {
+    const double w = a.value.w;
+    PatchPoint p;
+    p.position = project(a.value);
+    p.du = (spatial_part(a.du) - p.position * a.du.w) / w;
+    p.dv = (spatial_part(a.dv) - p.position * a.dv.w) / w;
+    p.duu = (spatial_part(a.duu) - p.du * (2.0 * a.du.w) - p.position * a.duu.w) / w;
+    p.duv = (spatial_part(a.duv) - p.du * a.dv.w - p.dv * a.du.w - p.position * a.duv.w) / w;
+    p.dvv = (spatial_part(a.dvv) - p.dv * (2.0 * a.dv.w) - p.position * a.dvv.w) / w;
+    return p;
+}
+
+std::pair<BezierPatch, BezierPatch> BezierPatch::split(PatchDirection direction, double t) const {
+    const int columns = degree_u + 1, rows = degree_v + 1;
+    BezierPatch low = *this, high = *this;
+    if (direction == PatchDirection::U) {
+        for (int j = 0; j < rows; ++j) subdivide(degree_u, t, &low.point(0, j), &high.point(0, j));
+    } else {
+        for (int i = 0; i < columns; ++i) subdivide(degree_v, t, &low.point(i, 0), &high.point(i, 0), columns);
+    }
+    return {std::move(low), std::move(high)};
+}
+
+BezierPatch BezierPatch::restricted(double u_begin, double u_end, double v_begin, double v_end) const {
+    return restricted_once(restricted_once(*this, PatchDirection::U, u_begin, u_end), PatchDirection::V, v_begin,
+                           v_end);
+}
+
+BezierPatch BezierPatch::elevated(PatchDirection direction) const {
+    const int columns = degree_u + 1, rows = degree_v + 1;
+    const bool along_u = direction == PatchDirection::U;
+    BezierPatch out{degree_u + (along_u ? 1 : 0), degree_v + (along_u ? 0 : 1), rational, {}};
+    out.points.resize(static_cast<size_t>(out.degree_u + 1) * static_cast<size_t>(out.degree_v + 1));
+    if (along_u) {
+        for (int j = 0; j < rows; ++j) elevate(degree_u, &point(0, j), 1, &out.point(0, j), 1);
+    } else {
+        for (int i = 0; i < columns; ++i) elevate(degree_v, &point(i, 0), columns, &out.point(i, 0), columns);
+    }
+    return out;
+}
+
+}  // namespace rayleaf
