@@ -11,6 +11,7 @@
 
 namespace rayleaf {
 
+// Imath leaves default-constructed vectors uninitialized: members of these types name their initial value.
 using Vec2f = Imath::V2f;
 using Vec2d = Imath::V2d;
 using Vec3f = Imath::V3f;

@@ -27,11 +27,11 @@ struct LocalFrame {
 
 /// The surface at a hit, in local space.
 struct LocalSurface {
-    Vec3d position;      ///< on the exact surface; for triangles the facet's own point
-    Vec3f normal;        ///< unit shading normal, on the side of the winding; interpolated or exact where smooth
-    Vec3f dp_du, dp_dv;  ///< derivatives by the texture coordinate `uv`; zero where there is none
-    Vec3f dn_du, dn_dv;  ///< derivatives of the unit normal by the same; zero where flat
-    Vec2f uv;            ///< active texture coordinate: first UV map of a mesh, spline parameters of a surface
+    Vec3d position{0, 0, 0};  ///< on the exact surface; for triangles the facet's own point
+    Vec3f normal{0, 0, 1};    ///< unit shading normal, on the side of the winding; interpolated or exact where smooth
+    Vec3f dp_du{0, 0, 0}, dp_dv{0, 0, 0};  ///< derivatives by the texture coordinate `uv`; zero where there is none
+    Vec3f dn_du{0, 0, 0}, dn_dv{0, 0, 0};  ///< derivatives of the unit normal by the same; zero where flat
+    Vec2f uv{0, 0};  ///< active texture coordinate: first UV map of a mesh, spline parameters of a surface
 };
 
 /// Named data over a shape ("UVMap", "Col"): an index into the scene's table of names.
@@ -40,7 +40,7 @@ using AttributeId = int32_t;
 /// A point chosen by parameters on an element.
 struct ElementPoint {
     LocalHit hit;           ///< as if a ray had hit here
-    Vec3f normal;           ///< unit, local space, of the exact surface, on the side of the winding
+    Vec3f normal{0, 0, 1};  ///< unit, local space, of the exact surface, on the side of the winding
     float area_factor = 0;  ///< local area per unit of parameter area: |dP/du x dP/dv|; a triangle's whole area
 };
 

@@ -9,15 +9,14 @@
 namespace rayleaf {
 
 struct SurfacePoint {
-    Vec3d position;        ///< exact surface, world units
-    Vec3d facet_position;  ///< point of the facet that the ray hit: secondary rays start here (core/README.md)
-    double start_offset =
-        0;  ///< how far along the facet's normal a secondary ray must start to leave the facet, world units
-    Vec3f facet_normal;  ///< unit, of the facet, on the side of the winding (the outside)
-    Vec3f normal;        ///< unit shading normal, same side as the winding
-    Vec3f dp_du, dp_dv;  ///< world units per unit of uv
-    Vec3f dn_du, dn_dv;  ///< change of the unit normal per unit of uv
-    Vec2f uv;
+    Vec3d position{0, 0, 0};        ///< exact surface, world units
+    Vec3d facet_position{0, 0, 0};  ///< point of the facet that the ray hit: secondary rays start here (core/README.md)
+    double start_offset = 0;  ///< how far along the facet normal a secondary ray must start to leave it, world units
+    Vec3f facet_normal{0, 0, 1};           ///< unit, of the facet, on the side of the winding (the outside)
+    Vec3f normal{0, 0, 1};                 ///< unit shading normal, same side as the winding
+    Vec3f dp_du{0, 0, 0}, dp_dv{0, 0, 0};  ///< world units per unit of uv
+    Vec3f dn_du{0, 0, 0}, dn_dv{0, 0, 0};  ///< change of the unit normal per unit of uv
+    Vec2f uv{0, 0};
     double t = 0;  ///< distance along the ray, world units
 
     const Shape* shape = nullptr;

@@ -11,8 +11,8 @@ namespace rayleaf {
 struct LocalHit {
     uint32_t primitive = 0;  ///< triangle, or subpatch, of the shape
     float u = 0, v = 0;  ///< triangle: weights of vertices 1 and 2. Subpatch: parameters in the *Bezier patch's* [0,1]²
-    Vec3f position;      ///< the point on the facet that was hit
-    Vec3f normal;        ///< of that facet by its winding; not unit, never zero
+    Vec3f position{0, 0, 0};  ///< the point on the facet that was hit
+    Vec3f normal{0, 0, 1};    ///< of that facet by its winding; not unit, never zero
 };
 
 /// A hit in the scene.

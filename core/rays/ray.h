@@ -8,8 +8,8 @@
 namespace rayleaf {
 
 struct Ray {
-    Vec3d origin;                                            ///< world units
-    Vec3d direction;                                         ///< unit length, points away from the origin
+    Vec3d origin{0, 0, 0};                                   ///< world units
+    Vec3d direction{0, 0, 1};                                ///< unit length, points away from the origin
     double t_min = 0.0;                                      ///< hits nearer than this are ignored, world units
     double t_max = std::numeric_limits<double>::infinity();  ///< and those beyond this
 

@@ -7,8 +7,8 @@
 namespace rayleaf {
 
 struct RayDifferential {
-    Vec3f dp_dx, dp_dy;  ///< change of the origin per pixel step, world units
-    Vec3f dd_dx, dd_dy;  ///< change of the unit direction per pixel step, radians
+    Vec3f dp_dx{0, 0, 0}, dp_dy{0, 0, 0};  ///< change of the origin per pixel step, world units
+    Vec3f dd_dx{0, 0, 0}, dd_dy{0, 0, 0};  ///< change of the unit direction per pixel step, radians
 
     /// The differential `t` further along `direction`, on the plane with unit `normal` (Igehy, equation 10).
     RayDifferential transferred(const Vec3f& direction, double t, const Vec3f& normal) const;

@@ -20,6 +20,8 @@ class Scene {
     /// Validates, splits, builds. Throws InputError where nothing can be rendered (no camera, zero resolution).
     Scene(const SceneDescription& description, const Settings& settings);
     ~Scene();
+    Scene(const Scene&) = delete;
+    Scene& operator=(const Scene&) = delete;
 
     const Tracer& tracer() const { return *tracer_; }
     const Camera& camera() const { return *camera_; }
@@ -40,14 +42,18 @@ class Scene {
   private:
     std::vector<Material> materials_;
     std::vector<InstanceInfo> infos_;
-    std::vector<std::vector<int>> slots_;  ///< per material list
-    std::vector<int> instance_slots_;      ///< per instance, its list
+    std::vector<std::vector<int>> lists_;  ///< materials by slot; none empty, none negative; the last is neutral
+    std::vector<int> instance_lists_;      ///< per instance, its list
     std::shared_ptr<const Program> world_;
     std::shared_ptr<const TextureStore> textures_;
     std::unique_ptr<Camera> camera_;
     std::unique_ptr<Tracer> tracer_;
     std::unique_ptr<LightSet> lights_;
     bool has_transparency_ = false;
+
+    void commit_materials(const SceneDescription& description);
+    void commit_lights(const SceneDescription& description);
+    const Material& material_of(const std::vector<int>& list, uint32_t slot) const;
 };
 
 }  // namespace rayleaf

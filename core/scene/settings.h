@@ -2,13 +2,12 @@
 #pragma once
 
 #include "film/pass.h"
+#include "film/pixel_filter.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace rayleaf {
-
-enum class PixelFilter : uint8_t { Box, Gaussian, BlackmanHarris };
 
 struct Settings {
     int width = 0, height = 0;            ///< of the whole picture, pixels
@@ -23,11 +22,23 @@ struct Settings {
     int roulette_start = 3;                       ///< bounces after which Russian roulette may end a path
     float clamp_direct = 0, clamp_indirect = 10;  ///< largest component of one contribution; 0: no limit
     bool film_transparent = false;
-    PixelFilter filter = PixelFilter::BlackmanHarris;
+    PixelFilterKind filter = PixelFilterKind::BlackmanHarris;
     float filter_width = 1.5f;  ///< pixels, full width
     float exposure = 1;         ///< factor on radiance, as Blender's Film exposure
 
     std::vector<Pass> passes = {Pass::combined};
 };
+
+/// Throws InputError that names the first setting out of its range.
+void validate(const Settings& settings);
+
+/// The rendered part of the picture in pixels, lower left corner and size: the crop, or the whole.
+struct Window {
+    int x = 0, y = 0, width = 0, height = 0;
+};
+inline Window window(const Settings& s) {
+    if (s.crop_width == 0 || s.crop_height == 0) return {0, 0, s.width, s.height};
+    return {s.crop_x, s.crop_y, s.crop_width, s.crop_height};
+}
 
 }  // namespace rayleaf

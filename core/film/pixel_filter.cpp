@@ -1,0 +1,53 @@
+#include "film/pixel_filter.h"
+
+#include <vector>
+
+namespace rayleaf {
+namespace {
+
+/// Filter value at `x` in [-1, 1], the share of half the width.
+double filter_value(PixelFilterKind kind, double x) {
+    switch (kind) {
+        case PixelFilterKind::Gaussian: {
+            // Three standard deviations in the half width, cut to reach 0 there.
+            constexpr double kSharpness = 4.5;
+            return std::exp(-kSharpness * x * x) - std::exp(-kSharpness);
+        }
+        case PixelFilterKind::BlackmanHarris: {
+            // Four-term Blackman-Harris window (Harris 1978, table I, -92 dB).
+            const double phase = std::numbers::pi * (x + 1.0);
+            return 0.35875 - 0.48829 * std::cos(phase) + 0.14128 * std::cos(2 * phase) - 0.01168 * std::cos(3 * phase);
+        }
+        case PixelFilterKind::Box:
+            break;
+    }
+    return 1.0;
+}
+
+}  // namespace
+
+PixelFilter::PixelFilter(PixelFilterKind kind, float width) {
+    constexpr int kSteps = 4096;
+    std::vector<double> cumulative(kSteps + 1, 0.0);
+    for (int i = 0; i < kSteps; ++i)
+        cumulative[static_cast<size_t>(i) + 1] =
+            cumulative[static_cast<size_t>(i)] + filter_value(kind, (2.0 * i + 1.0) / kSteps - 1.0);
+    size_t cell = 0;
+    for (int i = 0; i <= kEntries; ++i) {
+        const double target = cumulative.back() * i / kEntries;
+        while (cell + 1 < kSteps && cumulative[cell + 1] < target) ++cell;
+        const double inside = (target - cumulative[cell]) / (cumulative[cell + 1] - cumulative[cell]);
+        const double x = 2.0 * (static_cast<double>(cell) + inside) / kSteps - 1.0;
+        inverse_[static_cast<size_t>(i)] = static_cast<float>(x * 0.5 * width);
+    }
+}
+
+double PixelFilter::offset(float random) const {
+    const float scaled = random * kEntries;
+    const int cell = std::min(static_cast<int>(scaled), kEntries - 1);
+    const float inside = scaled - static_cast<float>(cell);
+    const auto i = static_cast<size_t>(cell);
+    return inverse_[i] + (inverse_[i + 1] - inverse_[i]) * inside;
+}
+
+}  // namespace rayleaf

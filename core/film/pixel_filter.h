@@ -1,0 +1,29 @@
+// Where in a pixel's surroundings a sample falls. The filter is sampled instead of splatted: each sample belongs to one
+// pixel with weight 1, so tiles share no pixel and need no order (Ernst et al. 2006, filter importance sampling).
+#pragma once
+
+#include "base/vector.h"
+
+#include <array>
+#include <cstdint>
+
+namespace rayleaf {
+
+enum class PixelFilterKind : uint8_t { Box, Gaussian, BlackmanHarris };
+
+class PixelFilter {
+  public:
+    /// `width`: full width in pixels; 0 puts every sample at the pixel's centre.
+    PixelFilter(PixelFilterKind kind, float width);
+
+    /// Offset from the pixel's centre, pixels, for `random` in [0,1)².
+    Vec2d offset(const Vec2f& random) const { return {offset(random.x), offset(random.y)}; }
+
+  private:
+    static constexpr int kEntries = 256;
+    std::array<float, kEntries + 1> inverse_;  ///< offsets at equal steps of the cumulative filter
+
+    double offset(float random) const;
+};
+
+}  // namespace rayleaf

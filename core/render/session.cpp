@@ -1,0 +1,127 @@
+#include "render/session.h"
+
+#include "base/random.h"
+#include "integrators/path.h"
+
+#include <chrono>
+#include <unordered_set>
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+namespace rayleaf {
+namespace {
+
+/// Dimensions of the sampler that belong to the camera (integrators start at 16).
+enum CameraDimension : uint32_t { kFilterDimension = 0, kLensDimension = 1 };
+
+/// Paths between two looks at the cancel token: well under a frame of a display for any scene.
+constexpr int kSamplesPerLook = 4;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The window cut into tiles, row by row from below.
+std::vector<Window> tiles_of(const Window& window, int size) {
+    std::vector<Window> tiles;
+    for (int y = 0; y < window.height; y += size)
+        for (int x = 0; x < window.width; x += size)
+            tiles.push_back(
+                {window.x + x, window.y + y, std::min(size, window.width - x), std::min(size, window.height - y)});
+    return tiles;
+}
+
+Settings validated(Settings settings) {
+    validate(settings);
+    return settings;
+}
+
+}  // namespace
+
+Session::Session(std::shared_ptr<const SceneDescription> description, Settings settings)
+    : description_(std::move(description)),
+      settings_(validated(std::move(settings))),
+      film_(window(settings_).width, window(settings_).height, computed_passes(settings_.passes)) {
+    settings_.passes = film_.passes();
+}
+
+bool Session::render() {
+    const int threads = settings_.threads > 0 ? settings_.threads : oneapi::tbb::this_task_arena::max_concurrency();
+    // More threads than cores only where they were asked for by number.
+    const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            static_cast<size_t>(threads));
+    oneapi::tbb::task_arena arena(threads);
+    arena.execute([&] {
+        const auto start = std::chrono::steady_clock::now();
+        state_ = RenderState::Building;
+        scene_ = std::make_unique<Scene>(*description_, settings_);
+        const double build = seconds_since(start);
+        state_ = RenderState::Rendering;
+        render_tiles();
+        gather_statistics(build, seconds_since(start) - build);
+    });
+    const bool finished = !cancel_.cancelled();
+    state_ = finished ? RenderState::Done : RenderState::Cancelled;
+    return finished;
+}
+
+void Session::render_tiles() {
+    const std::vector<Window> tiles = tiles_of(window(settings_), settings_.tile_size);
+    const PixelFilter filter(settings_.filter, settings_.filter_width);
+    oneapi::tbb::parallel_for(
+        size_t{0}, tiles.size(), [&](size_t i) { render_tile(tiles[i], filter); }, oneapi::tbb::simple_partitioner());
+}
+
+void Session::render_tile(const Window& tile, const PixelFilter& filter) {
+    std::vector<PixelSums> sums(static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height));
+    for (int y = 0; y < tile.height; ++y)
+        for (int x = 0; x < tile.width; ++x)
+            if (!render_pixel(tile.x + x, tile.y + y, filter, sums[static_cast<size_t>(y * tile.width + x)])) return;
+    const Window part = window(settings_);
+    film_.put(tile.x - part.x, tile.y - part.y, tile.width, tile.height, sums);
+    finished_pixels_ += sums.size();
+}
+
+bool Session::render_pixel(int x, int y, const PixelFilter& filter, PixelSums& sums) const {
+    const auto pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(x);
+    for (int s = 0; s < settings_.samples; ++s) {
+        if (s % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
+        const Sampler sampler(pixel, static_cast<uint32_t>(s), settings_.seed);
+        const Vec2d place = Vec2d(x + 0.5, y + 0.5) + filter.offset(sampler.get2(kFilterDimension));
+        const CameraRay ray = scene_->camera().ray(place, sampler.get2(kLensDimension));
+        sums.add(trace_path(*scene_, settings_, ray, sampler), settings_.passes);
+    }
+    return true;
+}
+
+Progress Session::progress() const {
+    const Window part = window(settings_);
+    const double pixels = static_cast<double>(part.width) * part.height;
+    return {state_, static_cast<double>(finished_pixels_) / pixels};
+}
+
+void Session::gather_statistics(double build_seconds, double render_seconds) {
+    const std::scoped_lock lock(mutex_);
+    statistics_.build_seconds = build_seconds;
+    statistics_.render_seconds = render_seconds;
+    statistics_.pixels = finished_pixels_;
+    statistics_.paths = finished_pixels_ * static_cast<uint64_t>(settings_.samples);
+    statistics_.trace = scene_->tracer().statistics();
+    statistics_.has_textures = scene_->textures() != nullptr;
+    if (scene_->textures()) statistics_.textures = scene_->textures()->statistics();
+    statistics_.lights = scene_->lights().count();
+    statistics_.light_bytes = scene_->lights().bytes();
+    statistics_.film_bytes = film_.bytes();
+    std::unordered_set<const Shape*> seen;
+    for (const auto& shape : description_->shapes)
+        if (seen.insert(shape.get()).second) statistics_.shape_bytes += shape->bytes();
+}
+
+RenderStatistics Session::statistics() const {
+    const std::scoped_lock lock(mutex_);
+    return statistics_;
+}
+
+}  // namespace rayleaf

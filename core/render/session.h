@@ -1,0 +1,65 @@
+// One render of one scene: tiles over threads, progress, cancel, statistics.
+#pragma once
+
+#include "base/cancel.h"
+#include "film/film.h"
+#include "scene/description.h"
+#include "scene/scene.h"
+#include "scene/settings.h"
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+
+namespace rayleaf {
+
+enum class RenderState { Waiting, Building, Rendering, Done, Cancelled };
+
+struct Progress {
+    RenderState state = RenderState::Waiting;
+    double share = 0;  ///< of the pixels, 0..1
+};
+
+struct RenderStatistics {
+    double build_seconds = 0, render_seconds = 0;
+    uint64_t pixels = 0, paths = 0;
+    TraceStatistics trace;
+    TextureStore::Statistics textures;
+    bool has_textures = false;
+    size_t lights = 0, light_bytes = 0, film_bytes = 0, shape_bytes = 0;
+};
+
+class Session {
+  public:
+    /// Throws InputError for settings out of range. The description is read when `render` runs.
+    Session(std::shared_ptr<const SceneDescription> description, Settings settings);
+
+    /// Commits the scene and renders it; blocks. False if it was cancelled. Called once.
+    bool render();
+    /// From any thread: `render` returns as soon as the samples in flight are done.
+    void cancel() { cancel_.cancel(); }
+    Progress progress() const;
+    const Film& film() const { return film_; }
+    const Settings& settings() const { return settings_; }
+    /// Complete after `render`; before, what is known so far.
+    RenderStatistics statistics() const;
+
+  private:
+    std::shared_ptr<const SceneDescription> description_;
+    Settings settings_;
+    Film film_;
+    CancelToken cancel_;
+    std::unique_ptr<Scene> scene_;
+    std::atomic<RenderState> state_{RenderState::Waiting};
+    std::atomic<uint64_t> finished_pixels_{0};
+    mutable std::mutex mutex_;  ///< guards statistics_
+    RenderStatistics statistics_;
+
+    void render_tiles();
+    void render_tile(const Window& tile, const PixelFilter& filter);
+    bool render_pixel(int x, int y, const PixelFilter& filter, PixelSums& sums) const;
+    void gather_statistics(double build_seconds, double render_seconds);
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,132 @@
+#include "scene/camera.h"
+
+#include "base/error.h"
+
+namespace rayleaf {
+namespace {
+
+constexpr const char* kCamera = "camera";
+
+/// The axis as a unit vector; a camera's scale does not count, but an axis of no length shows nothing.
+Vec3d unit_axis(const Vec3d& axis) {
+    const Vec3d unit = normalized_or(axis, Vec3d(0.0));
+    if (unit == Vec3d(0.0))
+        throw InputError(kCamera, "matrix", "singular or not finite", "three axes with a direction");
+    return unit;
+}
+
+Affine3d without_scale(const Affine3d& m) {
+    if (!is_finite(m.translation)) throw InputError(kCamera, "matrix", "not finite", "a finite location");
+    return {unit_axis(m.x), unit_axis(m.y), unit_axis(m.z), m.translation};
+}
+
+void require(bool condition, const char* argument, double got, const char* wanted) {
+    if (!condition) throw InputError(kCamera, argument, std::to_string(got), wanted);
+}
+
+/// Change of the unit vector along `v` when `v` changes by `dv`.
+Vec3f unit_derivative(const Vec3d& v, const Vec3d& dv) {
+    const double square = v.dot(v);
+    return Vec3f((dv * square - v * v.dot(dv)) / (square * std::sqrt(square)));
+}
+
+/// A uniform point of the unit disk (Shirley and Chiu 1997, concentric map).
+Vec2d disk_point(const Vec2f& random) {
+    const double a = 2.0 * random.x - 1.0, b = 2.0 * random.y - 1.0;
+    if (a == 0.0 && b == 0.0) return {0.0, 0.0};
+    constexpr double quarter = std::numbers::pi / 4;
+    const bool wide = std::abs(a) > std::abs(b);
+    const double r = wide ? a : b;
+    const double angle = wide ? quarter * (b / a) : quarter * (2.0 - a / b);
+    return {r * std::cos(angle), r * std::sin(angle)};
+}
+
+/// A uniform point of the regular polygon with `blades` corners on the unit circle: a triangle of it, then a point
+/// inside.
+Vec2d polygon_point(const Vec2f& random, int blades, double rotation) {
+    const double scaled = random.x * blades;
+    const double corner = std::floor(scaled);
+    const double along = scaled - corner, out = std::sqrt(static_cast<double>(random.y));
+    const double step = 2.0 * std::numbers::pi / blades, angle = corner * step + rotation;
+    const Vec2d a(std::cos(angle), std::sin(angle)), b(std::cos(angle + step), std::sin(angle + step));
+    return (a * (1.0 - along) + b * along) * out;
+}
+
+}  // namespace
+
+Camera::Camera(const CameraDescription& description, int width, int height)
+    : description_(description), to_world_(without_scale(description.to_world)), width_(width), height_(height) {
+    const Vec2d size = description.window_max - description.window_min;
+    require(std::isfinite(size.x) && size.x > 0, "window width", size.x, "a positive number");
+    require(std::isfinite(size.y) && size.y > 0, "window height", size.y, "a positive number");
+    require(description.clip_start >= 0 && description.clip_start < description.clip_end, "clip start",
+            description.clip_start, "a number from 0 to less than the clip end");
+    require(description.aperture_radius >= 0 && std::isfinite(description.aperture_radius), "aperture radius",
+            description.aperture_radius, "0 or a positive number");
+    if (description.aperture_radius > 0) {
+        require(description.focus_distance > 0 && std::isfinite(description.focus_distance), "focus distance",
+                description.focus_distance, "a positive number where the aperture is open");
+        require(description.aperture_ratio > 0 && std::isfinite(description.aperture_ratio), "aperture ratio",
+                description.aperture_ratio, "a positive number");
+    }
+    info_.world_to_camera = to_world_.inverse();
+    info_.window_min = description.window_min;
+    info_.window_size = size;
+    info_.perspective = description.kind == CameraKind::Perspective;
+}
+
+Vec2d Camera::lens_point(const Vec2f& random) const {
+    if (description_.aperture_radius <= 0) return {0.0, 0.0};
+    const Vec2d unit = description_.blades >= 3
+                           ? polygon_point(random, description_.blades, description_.blade_rotation)
+                           : disk_point(random);
+    return Vec2d(unit.x / description_.aperture_ratio, unit.y) * description_.aperture_radius;
+}
+
+CameraRay Camera::ray(const Vec2d& pixel, const Vec2f& lens) const {
+    const Vec2d step(info_.window_size.x / width_, info_.window_size.y / height_);
+    const Vec2d window = info_.window_min + Vec2d(pixel.x * step.x, pixel.y * step.y);
+    const Vec2d on_lens = lens_point(lens);
+    const bool open = description_.aperture_radius > 0;
+    const double focus = open ? description_.focus_distance : 1.0;
+
+    // In camera space: the ray runs from `from` through the point in focus.
+    Vec3d from(on_lens.x, on_lens.y, 0.0), dx(step.x, 0.0, 0.0), dy(0.0, step.y, 0.0), towards;
+    if (info_.perspective) {
+        towards = Vec3d(window.x, window.y, -1.0) * focus - from;
+    } else {
+        towards = Vec3d(0.0, 0.0, -focus) - from;
+        from += Vec3d(window.x, window.y, 0.0);
+    }
+
+    CameraRay result;
+    const Vec3d direction = towards.normalized();
+    result.ray.origin = to_world_.point(from);
+    result.ray.direction = to_world_.vector(direction).normalized();
+    const double cosine = -direction.z;
+    result.ray.t_min = description_.clip_start / cosine;
+    result.ray.t_max = description_.clip_end / cosine;
+    if (info_.perspective) {
+        result.differential.dd_dx = Vec3f(to_world_.vector(Vec3d(unit_derivative(towards, dx * focus))));
+        result.differential.dd_dy = Vec3f(to_world_.vector(Vec3d(unit_derivative(towards, dy * focus))));
+    } else {
+        result.differential.dp_dx = Vec3f(to_world_.vector(dx));
+        result.differential.dp_dy = Vec3f(to_world_.vector(dy));
+    }
+    return result;
+}
+
+double Camera::depth(const Vec3d& world) const {
+    return -info_.world_to_camera.point(world).z;
+}
+
+DicingView Camera::dicing_view() const {
+    DicingView view;
+    view.eye = to_world_.translation;
+    const double pixel = std::min(info_.window_size.x / width_, info_.window_size.y / height_);
+    view.pixel_angle = info_.perspective ? pixel : 0.0;
+    view.pixel_width = info_.perspective ? 0.0 : pixel;
+    return view;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,91 @@
+#include "scene/description.h"
+
+#include "base/error.h"
+
+namespace rayleaf {
+namespace {
+
+constexpr const char* kScene = "scene";
+
+void check_index(const std::string& object, const char* argument, int index, size_t count, int least) {
+    if (index < least || index >= static_cast<int>(count))
+        throw InputError(
+            object, argument, std::to_string(index),
+            "an index from " + std::to_string(least) + " to " + std::to_string(static_cast<int>(count) - 1));
+}
+
+/// Rejects maps that are not finite or that flatten space so far that its normals have no direction.
+void check_matrix(const std::string& object, const Affine3d& m) {
+    if (!is_finite(m.x) || !is_finite(m.y) || !is_finite(m.z) || !is_finite(m.translation))
+        throw InputError(object, "matrix", "not finite", "finite numbers");
+    const double lengths = m.x.length() * m.y.length() * m.z.length();
+    // Below this share of a box's volume the axes are parallel within double rounding, and no inverse can be trusted.
+    constexpr double kFlat = 1e-12;
+    if (!(std::abs(m.determinant()) > kFlat * lengths))
+        throw InputError(object, "scale", "zero in some direction (or axes that are parallel)",
+                         "a matrix that can be inverted");
+}
+
+void check_strength(const Lamp& lamp) {
+    if (!is_finite(lamp.strength)) throw InputError(lamp.name, "strength", "not finite", "finite numbers");
+    const double sizes[] = {lamp.radius,    lamp.angle,      lamp.size_x, lamp.size_y,
+                            lamp.spot_size, lamp.spot_blend, lamp.spread};
+    for (const double size : sizes)
+        if (!std::isfinite(size) || size < 0)
+            throw InputError(lamp.name, "size", std::to_string(size), "0 or a positive finite number");
+}
+
+}  // namespace
+
+int SceneDescription::add_shape(std::shared_ptr<const Shape> shape) {
+    shapes.push_back(std::move(shape));
+    return static_cast<int>(shapes.size()) - 1;
+}
+
+int SceneDescription::add_material(Material material) {
+    materials.push_back(std::move(material));
+    return static_cast<int>(materials.size()) - 1;
+}
+
+int SceneDescription::add_material_list(std::vector<int> list) {
+    for (const int material : list) check_index(kScene, "material", material, materials.size(), -1);
+    material_lists.push_back(std::move(list));
+    return static_cast<int>(material_lists.size()) - 1;
+}
+
+int SceneDescription::add_instance(InstanceDescription instance) {
+    check_index(instance.name, "shape", instance.shape, shapes.size(), 0);
+    check_index(instance.name, "material list", instance.material_list, material_lists.size(), -1);
+    check_matrix(instance.name, instance.object_to_world);
+    instances.push_back(std::move(instance));
+    return static_cast<int>(instances.size()) - 1;
+}
+
+int SceneDescription::add_lamp(const Lamp& lamp) {
+    const Affine3d& m = lamp.to_world;
+    if (!is_finite(m.x) || !is_finite(m.y) || !is_finite(m.z) || !is_finite(m.translation))
+        throw InputError(lamp.name, "matrix", "not finite", "finite numbers");
+    check_strength(lamp);
+    lamps.push_back(lamp);
+    return static_cast<int>(lamps.size()) - 1;
+}
+
+void SceneDescription::set_world(std::shared_ptr<const Program> program, int sampling_resolution) {
+    constexpr int kLargest = 8192;
+    if (sampling_resolution < 0 || sampling_resolution > kLargest)
+        throw InputError("world", "sampling resolution", std::to_string(sampling_resolution),
+                         "a number from 0 to 8192");
+    world = std::move(program);
+    world_resolution = sampling_resolution;
+}
+
+AttributeId SceneDescription::attribute(const std::string& name) {
+    return attributes_.try_emplace(name, static_cast<AttributeId>(attributes_.size())).first->second;
+}
+
+std::shared_ptr<TextureStore> SceneDescription::textures() {
+    if (!textures_) textures_ = std::make_shared<TextureStore>(texture_memory);
+    return textures_;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,142 @@
+#include "scene/scene.h"
+
+#include "base/error.h"
+
+namespace rayleaf {
+namespace {
+
+/// What an object without a material looks like: Blender's default grey, diffuse.
+std::shared_ptr<const Program> neutral_program() {
+    Program program("neutral material");
+    const Register one = program.constant(Vec4f(1.0f));
+    const Register grey = program.constant(Vec4f(0.8f, 0.8f, 0.8f, 1.0f));
+    const Register operands[] = {one, grey};
+    program.operation("diffuse", operands);
+    return std::make_shared<const Program>(std::move(program));
+}
+
+/// Elements of a shape whose material emits; `emits` is asked by slot.
+template <typename Emits>
+std::vector<uint32_t> emitting_elements(const Shape& shape, const Emits& emits) {
+    std::vector<uint32_t> elements;
+    for (uint32_t element = 0; element < shape.element_count(); ++element)
+        if (emits(shape.material_slot(shape.element_point(element, Vec2f(0.25f, 0.25f)).hit)))
+            elements.push_back(element);
+    return elements;
+}
+
+const CameraDescription& required_camera(const SceneDescription& description) {
+    if (!description.camera()) throw InputError("scene", "camera", "missing", "a camera to look through");
+    return *description.camera();
+}
+
+std::vector<TracedInstance> traced_instances(const SceneDescription& description) {
+    std::vector<TracedInstance> traced;
+    traced.reserve(description.instances.size());
+    for (const InstanceDescription& instance : description.instances)
+        traced.push_back(
+            {description.shapes[static_cast<size_t>(instance.shape)], instance.object_to_world, instance.visibility});
+    return traced;
+}
+
+}  // namespace
+
+Scene::Scene(const SceneDescription& description, const Settings& settings)
+    : materials_(description.materials),
+      lists_(description.material_lists),
+      world_(description.world),
+      textures_(description.existing_textures()) {
+    validate(settings);
+    camera_ = std::make_unique<Camera>(required_camera(description), settings.width, settings.height);
+    commit_materials(description);
+    tracer_ = std::make_unique<Tracer>(traced_instances(description), camera_->dicing_view());
+    commit_lights(description);
+}
+
+Scene::~Scene() = default;
+
+void Scene::commit_materials(const SceneDescription& description) {
+    const std::shared_ptr<const Program> neutral = neutral_program();
+    materials_.push_back({"neutral material", neutral, 0});
+    const int neutral_index = static_cast<int>(materials_.size()) - 1;
+    for (Material& material : materials_) {
+        if (!material.surface) material.surface = neutral;
+        has_transparency_ |= material.surface->may_be_transparent();
+    }
+    for (std::vector<int>& list : lists_)
+        for (int& material : list)
+            if (material < 0) material = neutral_index;
+    lists_.push_back({neutral_index});
+    infos_.reserve(description.instances.size());
+    instance_lists_.reserve(description.instances.size());
+    for (const InstanceDescription& instance : description.instances) {
+        infos_.push_back(
+            {instance.object_to_world, instance.object_to_world.inverse(), instance.object_index, instance.random});
+        const bool has_list =
+            instance.material_list >= 0 && !lists_[static_cast<size_t>(instance.material_list)].empty();
+        instance_lists_.push_back(has_list ? instance.material_list : static_cast<int>(lists_.size()) - 1);
+    }
+}
+
+void Scene::commit_lights(const SceneDescription& description) {
+    std::vector<EmittingInstance> emitters;
+    for (uint32_t i = 0; i < instance_lists_.size(); ++i) {
+        const std::vector<int>& list = lists_[static_cast<size_t>(instance_lists_[i])];
+        const auto emits = [&](uint32_t slot) { return material_of(list, slot).surface->emits(); };
+        bool any = false;
+        for (uint32_t slot = 0; slot < list.size(); ++slot) any |= emits(slot);
+        if (!any) continue;
+        std::vector<uint32_t> elements = emitting_elements(*tracer_->instance(i).shape, emits);
+        if (!elements.empty()) emitters.push_back({i, std::move(elements)});
+    }
+    const auto emission = [this](const SurfacePoint& point, const Vec3f& outgoing) {
+        Closures closures;
+        shade(point, outgoing, {}, {}, closures);
+        return closures.emission;
+    };
+    const auto world_emission = [this](const Vec3f& direction) { return world(direction, {}, {}); };
+    const bool sampled = world_ && world_->emits() && !world_->is_constant();
+    lights_ = std::make_unique<LightSet>(description.lamps, std::move(emitters), *tracer_, emission, world_emission,
+                                         sampled ? description.world_resolution : 0);
+}
+
+const Material& Scene::material_of(const std::vector<int>& list, uint32_t slot) const {
+    // A slot past the list shows the last material, as Blender does.
+    const size_t clamped = std::min<size_t>(slot, list.size() - 1);
+    return materials_[static_cast<size_t>(list[clamped])];
+}
+
+const Material& Scene::material(uint32_t instance, const LocalHit& hit) const {
+    const std::vector<int>& list = lists_[static_cast<size_t>(instance_lists_[instance])];
+    return material_of(list, list.size() == 1 ? 0 : tracer_->instance(instance).shape->material_slot(hit));
+}
+
+void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
+                  const PathState& path, Closures& result) const {
+    const Material& surface = material(point.instance, point.local);
+    ShadingInputs inputs;
+    inputs.point = &point;
+    inputs.instance = &infos_[point.instance];
+    inputs.camera = &camera_->info();
+    inputs.textures = textures_.get();
+    inputs.outgoing = outgoing;
+    inputs.differential = differential;
+    inputs.path = path;
+    inputs.material_index = surface.pass_index;
+    surface.surface->evaluate(inputs, result);
+}
+
+Color Scene::world(const Vec3f& direction, const RayDifferential& differential, const PathState& path) const {
+    if (!world_) return Color(0.0f);
+    ShadingInputs inputs;
+    inputs.camera = &camera_->info();
+    inputs.textures = textures_.get();
+    inputs.outgoing = -direction;
+    inputs.differential = differential;
+    inputs.path = path;
+    Closures closures;
+    world_->evaluate(inputs, closures);
+    return closures.emission;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,42 @@
+#include "scene/settings.h"
+
+#include "base/error.h"
+
+#include <cmath>
+#include <string>
+
+namespace rayleaf {
+namespace {
+
+void check(const char* argument, double value, double least, double most) {
+    if (!(value >= least && value <= most))
+        throw InputError("settings", argument, std::to_string(value),
+                         "a number from " + std::to_string(least) + " to " + std::to_string(most));
+}
+
+}  // namespace
+
+void validate(const Settings& s) {
+    constexpr double kLargestSide = 65536, kMany = 1 << 24;
+    check("width", s.width, 1, kLargestSide);
+    check("height", s.height, 1, kLargestSide);
+    check("crop x", s.crop_x, 0, s.width);
+    check("crop y", s.crop_y, 0, s.height);
+    check("crop width", s.crop_width, 0, s.width - s.crop_x);
+    check("crop height", s.crop_height, 0, s.height - s.crop_y);
+    check("samples", s.samples, 1, kMany);
+    check("threads", s.threads, 0, 1024);
+    check("tile size", s.tile_size, 1, 4096);
+    check("bounces", s.max_bounces, 0, 1024);
+    check("diffuse bounces", s.diffuse_bounces, 0, 1024);
+    check("glossy bounces", s.glossy_bounces, 0, 1024);
+    check("transmission bounces", s.transmission_bounces, 0, 1024);
+    check("transparent bounces", s.transparent_bounces, 0, 1024);
+    check("roulette start", s.roulette_start, 0, 1024);
+    check("clamp direct", s.clamp_direct, 0, 1e30);
+    check("clamp indirect", s.clamp_indirect, 0, 1e30);
+    check("filter width", s.filter_width, 0, 10);
+    check("exposure", s.exposure, 0, 1e10);
+}
+
+}  // namespace rayleaf
