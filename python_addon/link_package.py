@@ -7,7 +7,9 @@ from pathlib import Path
 
 def link_tree(source: Path, package: Path) -> None:
     """Make `package` mirror the files of `source` by symbolic links, and drop links whose file is gone."""
-    wanted = {file.relative_to(source) for file in source.rglob("*") if file.is_file() and "__pycache__" not in file.parts}
+    wanted = {
+        file.relative_to(source) for file in source.rglob("*") if file.is_file() and "__pycache__" not in file.parts
+    }
     for relative in wanted:
         link = package / relative
         link.parent.mkdir(parents=True, exist_ok=True)

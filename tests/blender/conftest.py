@@ -76,7 +76,8 @@ def run_blender(tmp_path: Path, addons: Path) -> Callable[..., BlenderRun]:
         command = [blender_path()] + (["--background"] if background else []) + ["--factory-startup"]
         command += ["--python-exit-code", "1", "--addons", "rayleaf", "--python", str(preamble), "--"]
         command += [str(argument) for argument in args]
-        environment = dict(os.environ, BLENDER_USER_SCRIPTS=str(addons.parent))
+        scripts = os.environ.get("RAYLEAF_BLENDER_SCRIPTS") or str(addons.parent)
+        environment = dict(os.environ, BLENDER_USER_SCRIPTS=scripts)
         for kind in ("CONFIG", "DATAFILES"):
             environment[f"BLENDER_USER_{kind}"] = str(folder / kind.lower())
         environment.update(env or {})

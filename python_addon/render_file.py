@@ -1,0 +1,123 @@
+"""Renders the file that Blender has open; `rayleaf render` starts Blender with this script.
+
+Each frame becomes a PNG and a multilayer EXR, saved by Blender from its Render Result. The add-on writes its statistics
+to the file that RAYLEAF_STATS names; they are printed and, on demand, gathered in one JSON file:
+{"file": path, "frames": [{"frame": number, "seconds": s, "png": path, "exr": path, "statistics": {…}}]}.
+"""
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+
+def arguments() -> argparse.Namespace:
+    """The arguments that `rayleaf render` puts behind `--`."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--output", type=Path, required=True, help="path of the pictures without ending")
+    parser.add_argument("--frame", type=int)
+    parser.add_argument("--start", type=int)
+    parser.add_argument("--end", type=int)
+    parser.add_argument("--stats", type=Path)
+    return parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
+
+
+def frames_and_outputs(options: argparse.Namespace) -> list[tuple[int, Path]]:
+    """The frames to render and where each goes, without ending."""
+    output: Path = options.output
+    if output.suffix.lower() in (".png", ".exr"):
+        output = output.with_suffix("")
+    scene = bpy.context.scene
+    if options.start is None:
+        return [(scene.frame_current if options.frame is None else options.frame, output)]
+    numbers = range(options.start, options.end + 1, scene.frame_step)
+    return [(number, output.with_name(f"{output.name}_{number:04d}")) for number in numbers]
+
+
+def save(path: Path, file_format: str, color_depth: str) -> None:
+    """Save Blender's Render Result."""
+    scene = bpy.context.scene
+    settings = scene.render.image_settings
+    settings.file_format = file_format
+    settings.color_mode = "RGBA" if scene.render.film_transparent or file_format != "PNG" else "RGB"
+    settings.color_depth = color_depth
+    bpy.data.images["Render Result"].save_render(str(path), scene=scene)
+    if not path.is_file():
+        raise RuntimeError(f"Blender did not write {path}")
+
+
+def with_ending(output: Path, ending: str) -> Path:
+    """`output` with an ending; a name with a dot in it keeps it."""
+    return output.with_name(output.name + ending)
+
+
+def render(frame: int, output: Path, statistics_path: Path) -> dict[str, Any]:
+    """Render one frame, save it, and tell what happened."""
+    statistics_path.unlink(missing_ok=True)
+    started = time.perf_counter()
+    bpy.context.scene.frame_set(frame)
+    bpy.ops.render.render()
+    png, exr = with_ending(output, ".png"), with_ending(output, ".exr")
+    output.parent.mkdir(parents=True, exist_ok=True)
+    save(png, "PNG", "8")
+    save(exr, "OPEN_EXR_MULTILAYER", "32")
+    seconds = time.perf_counter() - started
+    statistics = json.loads(statistics_path.read_text()) if statistics_path.is_file() else {}
+    return {"frame": frame, "seconds": seconds, "png": str(png), "exr": str(exr), "statistics": statistics}
+
+
+def readable(value: Any) -> str:
+    """A number as people read it."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}"
+    if isinstance(value, float):
+        return f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}"
+    return str(value)
+
+
+def summary(statistics: dict[str, Any], indent: int = 2) -> list[str]:
+    """The statistics as lines of text, one level of nesting a step of indentation."""
+    lines = []
+    plain = [str(key) for key, value in statistics.items() if not isinstance(value, (dict, list))]
+    width = max(map(len, plain), default=0)
+    for key, value in statistics.items():
+        name = str(key).replace("_", " ")
+        if isinstance(value, dict):
+            lines += [f"{' ' * indent}{name}:"] + summary(value, indent + 2) if value else []
+        elif isinstance(value, list):
+            lines += (
+                [f"{' ' * indent}{name}:"] + [f"{' ' * indent}  {readable(item)}" for item in value] if value else []
+            )
+        else:
+            lines.append(f"{' ' * indent}{name:<{width}}  {readable(value)}")
+    return lines
+
+
+def main() -> None:
+    options = arguments()
+    done = []
+    with tempfile.TemporaryDirectory() as folder:
+        statistics_path = Path(folder) / "statistics.json"
+        os.environ["RAYLEAF_STATS"] = str(statistics_path)
+        for frame, output in frames_and_outputs(options):
+            done.append(render(frame, output, statistics_path))
+            print(f"\nframe {frame}: {done[-1]['seconds']:.2f} s\n  {done[-1]['png']}\n  {done[-1]['exr']}")
+            print("\n".join(summary(done[-1]["statistics"])), flush=True)
+    if options.stats:
+        options.stats.parent.mkdir(parents=True, exist_ok=True)
+        options.stats.write_text(json.dumps({"file": bpy.data.filepath, "frames": done}, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (RuntimeError, OSError) as error:  # what Blender's operators raise, and a full disk: no traceback needed
+        sys.exit(f"rayleaf: rendering failed: {str(error).strip()}")

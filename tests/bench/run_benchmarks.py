@@ -1,0 +1,101 @@
+"""Runs tests/bench/bench_*.py; started by `rayleaf bench`.
+
+Each benchmark is a module with `run() -> list[dict]`: it checks its answers first (an assertion that fails ends that
+benchmark), then measures, and returns rows {"name": what, "unit": of the values, "values": every single measurement}.
+The first line of its docstring says what it measures.
+"""
+
+import argparse
+import importlib.util
+import json
+import os
+import platform
+import statistics
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+
+
+def cases() -> dict[str, Path]:
+    """The benchmarks by name."""
+    return {path.stem.removeprefix("bench_"): path for path in sorted(HERE.glob("bench_*.py"))}
+
+
+def load(path: Path) -> ModuleType:
+    """Import a benchmark from its file."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def table(rows: list[dict[str, Any]]) -> list[str]:
+    """Rows as text: name, median, smallest and largest value, spread as a share of the median, count, unit."""
+    width = max([len(row["name"]) for row in rows] + [4])
+    lines = [f"  {'':<{width}}  {'median':>10}  {'least':>10}  {'most':>10}  {'spread':>6}  {'of':>3}"]
+    for row in rows:
+        values = row["values"]
+        median = statistics.median(values)
+        spread = (max(values) - min(values)) / median if median else 0.0
+        numbers = "  ".join(f"{value:>10.4g}" for value in (median, min(values), max(values)))
+        lines.append(f"  {row['name']:<{width}}  {numbers}  {spread:>6.0%}  {len(values):>3}  {row['unit']}")
+    return lines
+
+
+def machine() -> dict[str, Any]:
+    """What the figures depend on."""
+    names = [
+        line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line
+    ]
+    return {
+        "processor": names[0] if names else platform.machine(),
+        "cores": os.cpu_count(),
+        "load": os.getloadavg()[0],
+        "python": platform.python_version(),
+    }
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="rayleaf bench")
+    parser.add_argument("case", nargs="*", help="default: all")
+    parser.add_argument("--json", type=Path, help="writes every single measurement")
+    parser.add_argument("--list", action="store_true", help="names the cases")
+    options = parser.parse_args()
+    known = cases()
+    if options.list:
+        print("\n".join(known))
+        return 0
+    unknown = [name for name in options.case if name not in known]
+    if unknown:
+        parser.error(f"there is no case {', '.join(unknown)}; there are: {', '.join(known)}")
+    sys.path[:0] = [os.environ["RAYLEAF_PACKAGE_DIR"], str(HERE)]
+    results: dict[str, Any] = {"machine": machine(), "cases": {}}
+    print(
+        f"{results['machine']['processor']}, {results['machine']['cores']} cores, load {results['machine']['load']:.1f}"
+    )
+    failed = []
+    for name in options.case or known:
+        module = load(known[name])
+        print(f"\n{name}: {(module.__doc__ or '').strip().splitlines()[0]}", flush=True)
+        try:
+            rows = module.run()
+        except AssertionError:
+            traceback.print_exc()
+            failed.append(name)
+            continue
+        results["cases"][name] = rows
+        print("\n".join(table(rows)), flush=True)
+    if options.json:
+        options.json.write_text(json.dumps(results, indent=2) + "\n")
+    if failed:
+        print(f"\nwrong answers, therefore not timed: {', '.join(failed)}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
