@@ -25,17 +25,15 @@ uint32_t owen_scramble(uint32_t x, uint32_t seed) {
     return reverse_bits(laine_karras(reverse_bits(x), seed));
 }
 
-/// Second Sobol dimension of a 32-bit index: its generator matrix is Pascal's triangle mod 2, applied by five
-/// shift-xors.
+/// Second Sobol dimension of a 32-bit index. Its generator matrix is Pascal's triangle mod 2, a tensor power of
+/// ((1, 1), (0, 1)): five steps, each adding every digit with a bit of its place set to the digit without it.
 uint32_t sobol_second(uint32_t index) {
-    uint32_t r = reverse_bits(index);
-    // Rows of Pascal's triangle mod 2 factor into powers of two; each step adds the digits shifted by 1, 2, 4, 8, 16.
-    r ^= (r & 0xaaaaaaaau) >> 1;
-    r ^= (r & 0xccccccccu) >> 2;
-    r ^= (r & 0xf0f0f0f0u) >> 4;
-    r ^= (r & 0xff00ff00u) >> 8;
-    r ^= (r & 0xffff0000u) >> 16;
-    return r;
+    index ^= (index & 0xaaaaaaaau) >> 1;
+    index ^= (index & 0xccccccccu) >> 2;
+    index ^= (index & 0xf0f0f0f0u) >> 4;
+    index ^= (index & 0xff00ff00u) >> 8;
+    index ^= (index & 0xffff0000u) >> 16;
+    return reverse_bits(index);
 }
 
 }  // namespace

@@ -10,5 +10,6 @@ namespace rayleaf {
 namespace py = pybind11;
 
 void bind_errors(py::module_& module);
+void bind_sampling(py::module_& module);
 
 }  // namespace rayleaf

@@ -178,3 +178,16 @@ class Session:
     def statistics(self) -> dict[str, Any]: ...
     def write_exr(self, path: str) -> None:
         """All passes as one multilayer EXR."""
+
+class PixelFilterKind:
+    """Shapes of the pixel filter."""
+
+    BOX: PixelFilterKind
+    GAUSSIAN: PixelFilterKind
+    BLACKMAN_HARRIS: PixelFilterKind
+
+def sampler_pairs(pixel: int, samples: int, dimension: int, seed: int = 0) -> Floats:
+    """The renderer's random numbers for samples 0..n-1 of a pixel in one dimension: (n, 2) in [0, 1)."""
+
+def filter_offsets(kind: PixelFilterKind, width: float, random: Floats) -> Doubles:
+    """Where the pixel filter puts samples: offsets (n, 2) from the pixel's centre for random numbers (n, 2)."""

@@ -1,0 +1,48 @@
+#include "base/random.h"
+#include "film/pixel_filter.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+
+namespace rayleaf {
+namespace {
+
+py::array_t<float> sampler_pairs(uint32_t pixel, uint32_t samples, uint32_t dimension, uint32_t seed) {
+    py::array_t<float> pairs({static_cast<py::ssize_t>(samples), py::ssize_t{2}});
+    auto out = pairs.mutable_unchecked<2>();
+    for (uint32_t s = 0; s < samples; ++s) {
+        const Vec2f pair = Sampler(pixel, s, seed).get2(dimension);
+        out(s, 0) = pair.x;
+        out(s, 1) = pair.y;
+    }
+    return pairs;
+}
+
+py::array_t<double> filter_offsets(PixelFilterKind kind, float width, const Array<float>& random) {
+    check_shape("filter", "random", random, {-1, 2});
+    const PixelFilter filter(kind, width);
+    py::array_t<double> offsets({random.shape(0), py::ssize_t{2}});
+    auto out = offsets.mutable_unchecked<2>();
+    for (py::ssize_t i = 0; i < random.shape(0); ++i) {
+        const Vec2d offset = filter.offset(Vec2f(random.data()[2 * i], random.data()[2 * i + 1]));
+        out(i, 0) = offset.x;
+        out(i, 1) = offset.y;
+    }
+    return offsets;
+}
+
+}  // namespace
+
+void bind_sampling(py::module_& module) {
+    using namespace py::literals;
+    py::enum_<PixelFilterKind>(module, "PixelFilterKind", "Shapes of the pixel filter.")
+        .value("BOX", PixelFilterKind::Box)
+        .value("GAUSSIAN", PixelFilterKind::Gaussian)
+        .value("BLACKMAN_HARRIS", PixelFilterKind::BlackmanHarris);
+    module.def("sampler_pairs", &sampler_pairs, "pixel"_a, "samples"_a, "dimension"_a, "seed"_a = 0,
+               "The renderer's random numbers for samples 0..n-1 of a pixel in one dimension: (n, 2) in [0, 1).");
+    module.def(
+        "filter_offsets", &filter_offsets, "kind"_a, "width"_a, "random"_a,
+        "Where the pixel filter puts samples: offsets (n, 2) from the pixel's centre for random numbers (n, 2).");
+}
+
+}  // namespace rayleaf
