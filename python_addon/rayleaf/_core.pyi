@@ -191,3 +191,12 @@ def sampler_pairs(pixel: int, samples: int, dimension: int, seed: int = 0) -> Fl
 
 def filter_offsets(kind: PixelFilterKind, width: float, random: Floats) -> Doubles:
     """Where the pixel filter puts samples: offsets (n, 2) from the pixel's centre for random numbers (n, 2)."""
+
+def transferred_differential(incoming: Any, direction: Any, t: float, normal: Any) -> list[list[float]]:
+    """A ray differential (dp_dx, dp_dy, dd_dx, dd_dy) moved along its ray to a plane."""
+
+def reflected_differential(incoming: Any, direction: Any, normal: Any, dn_dx: Any, dn_dy: Any) -> list[list[float]]:
+    """The differential after a mirror."""
+
+def refracted_differential(incoming: Any, direction: Any, normal: Any, dn_dx: Any, dn_dy: Any, eta: float) -> list[list[float]]:
+    """The differential after a refraction."""
