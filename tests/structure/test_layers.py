@@ -1,0 +1,95 @@
+"""The floors of the house: who may include whom. core/README.md says what lives on each."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from structure.sources import ADDON, CORE, core_files, python_files
+
+FLOORS = {
+    "base": 0,
+    "rays": 1,
+    "splines": 1,
+    "film": 1,
+    "geometry": 2,
+    "textures": 2,
+    "tessellation": 3,
+    "shading": 3,
+    "trace": 4,
+    "lights": 4,
+    "ri_tree": 5,
+    "scene": 6,
+    "integrators": 7,
+    "render": 8,
+    "python": 9,
+}
+
+# Neighbours on one floor that may meet, in this direction only.
+WITHIN_A_FLOOR = {("lights", "trace"): "emitting surfaces are found and sampled through the tracer's instances"}
+
+# The files of the add-on that talk to Blender. What is not named here works in plain Python.
+BPY_FREE = {"session.py", "passes.py"}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+
+
+def includes() -> Iterator[tuple[Path, str]]:
+    """(file, what it includes in quotes), files relative to core/."""
+    for path in core_files():
+        for target in INCLUDE.findall(path.read_text()):
+            yield path.relative_to(CORE), target
+
+
+def test_every_folder_of_the_core_has_its_floor():
+    folders = {path.relative_to(CORE).parts[0] for path in core_files()}
+    assert folders <= set(FLOORS)
+
+
+def test_a_quoted_include_names_a_file_by_its_path_from_the_core():
+    assert [f"{path} includes {target}" for path, target in includes() if not (CORE / target).is_file()] == []
+
+
+def test_includes_run_downward_only():
+    wrong = []
+    for path, target in includes():
+        here, there = path.parts[0], Path(target).parts[0]
+        if here != there and FLOORS[there] >= FLOORS[here] and (here, there) not in WITHIN_A_FLOOR:
+            wrong.append(f"{path} (floor {FLOORS[here]}) includes {target} (floor {FLOORS[there]})")
+    assert wrong == []
+
+
+def test_no_header_includes_itself_by_a_detour():
+    graph: dict[str, set[str]] = {}
+    for path, target in includes():
+        graph.setdefault(str(path), set()).add(target)
+    finished: set[str] = set()
+
+    def visit(name: str, trail: list[str]) -> None:
+        assert name not in trail, " -> ".join([*trail[trail.index(name) :], name])
+        if name not in finished:
+            for target in graph.get(name, ()):
+                visit(target, [*trail, name])
+            finished.add(name)
+
+    for name in graph:
+        visit(name, [])
+
+
+def imports(path: Path) -> set[str]:
+    """The top-level packages that a Python file imports anywhere in it."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            names.add(node.module.split(".")[0])
+    return names
+
+
+BLENDER = {"bpy", "mathutils", "bl_ui", "gpu", "addon_utils", "bpy_extras"}
+
+
+def test_what_needs_no_blender_imports_none():
+    free = [path for path in python_files("python_addon/rayleaf") if str(path.relative_to(ADDON)) in BPY_FREE]
+    assert [str(path) for path in free if imports(path) & BLENDER] == []
