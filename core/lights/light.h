@@ -1,7 +1,9 @@
 // Lamps and emitting surfaces: emit, sample, density; and the choice of one.
 //
-// Strengths are Blender's: a point or spot lamp of P watts has the radiant intensity P / (4 pi) W/sr, a sun the
-// irradiance given, an area lamp of P watts and area A the radiance that Cycles gives it (measured in tests/blender).
+// Strengths are Blender's, as Cycles 3.4 takes them (measured in tests/blender/test_lamp_oracle.py): a point lamp of P
+// watts has the radiant intensity P / (4 pi) W/sr; a spot that times the cosine to its axis; a sun the irradiance
+// given; an area lamp of P watts and area A the radiance P / (4 A). A lamp too small for its radiance to be a float is
+// a delta light. Black lamps are left out.
 #pragma once
 
 #include "base/vector.h"
@@ -38,11 +40,12 @@ struct Lamp {
 /// Light that arrives at a point from a sampled direction.
 struct LightSample {
     Vec3f direction;          ///< unit, from the point to the light
-    double distance = 0;      ///< world units; infinity for suns and the world
+    double distance = 0;      ///< how far the way must be free, world units; infinity for suns and the world
     Color radiance{0, 0, 0};  ///< arriving if nothing is in the way; delta lights: irradiance at normal incidence
     float density = 0;        ///< per solid angle, choice of the light included; delta lights: the choice alone
     bool delta = false;       ///< cannot be hit by a scattered ray
     bool casts_shadow = true;
+    uint8_t visibility = kVisibleAll;  ///< which kinds of rays see the light: other lobes are not lit by it
 };
 
 /// What a ray that misses or passes lamps meets: a lamp, with the density light sampling would have had for it.
@@ -64,8 +67,8 @@ struct EmittingInstance {
 
 class LightSet {
   public:
-    /// `world_resolution` is the width of the table by which the world is importance sampled; 0: not sampled (black,
-    /// constant worlds are sampled by scattering alone).
+    /// `world_resolution` is the width of the table by which the world is importance sampled; 0: not sampled. Black and
+    /// constant worlds are sampled by scattering alone whatever it is.
     LightSet(std::vector<Lamp> lamps, std::vector<EmittingInstance> emitters, const Tracer& tracer,
              SurfaceEmission emission, WorldEmission world, int world_resolution);
     ~LightSet();
@@ -78,10 +81,12 @@ class LightSet {
     /// Density with which `sample` at `from` would have chosen the direction to an emitting surface point.
     float emitter_density(const Vec3d& from, const SurfacePoint& point) const;
     /// The same for the world in `direction`.
-    float world_density(const Vec3f& direction) const;
-    /// All lamps with a size that the ray meets before t_max, nearest first matters not: they add up.
-    /// Calls `add` for each.
-    void lamp_hits(const Ray& ray, Visibility kind, const std::function<void(const LampHit&)>& add) const;
+    float world_density(const Vec3f& direction, const Vec3d& from) const;
+    /// Calls `add` for each lamp with a size that the ray meets in (t_min, t_max), in no order: they add up. Suns are
+    /// met by rays with infinite t_max only. `from` is where `sample` stood for the densities, usually near the origin.
+    void lamp_hits(const Ray& ray, const Vec3d& from, Visibility kind,
+                   const std::function<void(const LampHit&)>& add) const;
+    bool has_hittable_lamps() const;  ///< false: lamp_hits never finds any
     size_t bytes() const;
     size_t count() const;
 

@@ -1,0 +1,22 @@
+#include "lights/lamp_sample.h"
+
+namespace rayleaf {
+
+void orthonormal_basis(const Vec3d& n, Vec3d& tangent, Vec3d& bitangent) {
+    const double sign = std::copysign(1.0, n.z);
+    const double a = -1.0 / (sign + n.z);
+    const double b = n.x * n.y * a;
+    tangent = Vec3d(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    bitangent = Vec3d(b, sign + n.y * n.y * a, -n.y);
+}
+
+ConeDirection sample_cone(const Vec3d& axis, double one_minus_cosine, const Vec2f& random) {
+    Vec3d tangent, bitangent;
+    orthonormal_basis(axis, tangent, bitangent);
+    const double below = one_minus_cosine * static_cast<double>(random.x);
+    const double sine = std::sqrt(std::max(0.0, below * (2.0 - below)));
+    const double phi = 2.0 * std::numbers::pi * static_cast<double>(random.y);
+    return {axis * (1.0 - below) + tangent * (sine * std::cos(phi)) + bitangent * (sine * std::sin(phi)), below};
+}
+
+}  // namespace rayleaf

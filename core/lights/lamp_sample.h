@@ -1,0 +1,56 @@
+// What one light answers before the choice of a light is known; shared by the files of this folder.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace rayleaf {
+
+/// A direction sampled towards one light.
+struct LampSample {
+    Vec3d direction;          ///< unit, from the point to the light
+    double distance = 0;      ///< world units; infinity for suns
+    Color radiance{0, 0, 0};  ///< delta: irradiance at normal incidence
+    double density = 0;       ///< per solid angle, of this light alone; delta: 1
+    bool delta = false;
+};
+
+/// What a ray meets of one lamp.
+struct LampIntersection {
+    double t = 0;  ///< world units; infinity for suns
+    Color radiance{0, 0, 0};
+    double density = 0;  ///< with which the lamp alone is sampled there, per solid angle
+};
+
+/// Solid angles below this are sampled as if they had no extent: their densities would leave the range of floats.
+/// No scattered ray can find them anyway.
+constexpr double kSmallestSolidAngle = 1e-30;
+
+/// Densities are clamped to this so that ratios of two of them stay finite.
+constexpr double kLargestDensity = 1e35;
+
+/// Solid angle of a cone with half angle `a`, from sin²(a); exact where the angle is tiny. Below a right angle only.
+inline double cone_solid_angle(double sine_squared) {
+    const double cosine = std::sqrt(std::max(0.0, 1.0 - sine_squared));
+    return 2.0 * std::numbers::pi * sine_squared / (1.0 + cosine);
+}
+
+/// A direction uniform in solid angle within a cone about unit `axis`, given 1 - cos of its half angle. Returns also
+/// 1 - cos of the angle to the axis, exact where it is tiny.
+struct ConeDirection {
+    Vec3d direction;
+    double one_minus_cosine = 0;
+};
+ConeDirection sample_cone(const Vec3d& axis, double one_minus_cosine, const Vec2f& random);
+
+/// Two unit vectors that complete unit `n` to an orthonormal frame, in double precision.
+void orthonormal_basis(const Vec3d& n, Vec3d& tangent, Vec3d& bitangent);
+
+/// Whether a colour can be multiplied on without leaving the range of floats.
+inline bool is_usable(const Color& c) {
+    return is_finite(c) && max_abs(c) < 1e37f;
+}
+
+}  // namespace rayleaf

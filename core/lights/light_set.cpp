@@ -1,0 +1,241 @@
+// All lights of a scene, and the choice of one: first among each sun, the world, and all lights that have a place; then
+// among those by the tree.
+#include "lights/area_lamp.h"
+#include "lights/light.h"
+#include "lights/light_tree.h"
+#include "lights/point_lamp.h"
+#include "lights/sun.h"
+#include "lights/surface_light.h"
+#include "lights/world_light.h"
+
+#include <variant>
+
+namespace rayleaf {
+namespace {
+
+/// Half of the choices among suns, world and placed lights are even: the tree's irradiance is a rough guess.
+constexpr double kEvenShare = 0.5;
+
+bool shines(const Lamp& lamp) {
+    return is_finite(lamp.strength) && max_component(lamp.strength) > 0;
+}
+
+struct PlacedLamp {
+    std::variant<PointLamp, AreaLamp> shape;
+    uint8_t visibility;
+    bool casts_shadow;
+};
+
+struct DistantLamp {
+    Sun sun;
+    uint8_t visibility;
+    bool casts_shadow;
+};
+
+}  // namespace
+
+struct LightSet::Implementation {
+    std::vector<PlacedLamp> lamps;  ///< the tree's items start with these, then come the surfaces'
+    std::vector<DistantLamp> suns;
+    std::vector<uint32_t> lamps_with_size;  ///< those that rays can hit
+    SurfaceLights surfaces;
+    WorldEmission world_emission;
+    std::optional<WorldLight> world;
+    LightTree tree{{}};
+    double suns_and_world = 0;  ///< sum of irradiances
+
+    Implementation(std::vector<EmittingInstance> emitters, const Tracer& tracer, SurfaceEmission emission,
+                   WorldEmission world_function)
+        : surfaces(std::move(emitters), tracer, std::move(emission)), world_emission(std::move(world_function)) {}
+
+    void add(const Lamp& lamp);
+    void build_tree();
+
+    /// Whether light of the tree's item arrives at a position; the choice inside the tree asks it.
+    auto reaches(const Vec3d& position) const {
+        return [this, &position](uint32_t item) {
+            if (item >= lamps.size()) return true;
+            return std::visit([&](const auto& lamp) { return lamp.reaches(position); }, lamps[item].shape);
+        };
+    }
+    size_t group_count() const { return suns.size() + (world ? 1 : 0) + (tree.empty() ? 0 : 1); }
+    /// Probability of a group of the given irradiance, all groups together having `total`.
+    double group_probability(double irradiance, double total) const {
+        const double even = 1.0 / static_cast<double>(group_count());
+        if (!(total > 0) || !std::isfinite(total)) return even;
+        return kEvenShare * even + (1.0 - kEvenShare) * irradiance / total;
+    }
+    double tree_probability(const Vec3d& position) const {
+        const double irradiance = tree.irradiance(position);
+        return group_probability(irradiance, suns_and_world + irradiance);
+    }
+    double total_irradiance(const Vec3d& position) const { return suns_and_world + tree.irradiance(position); }
+    std::optional<LightSample> sample_tree(const Vec3d& position, const Vec2f& random, double choice) const;
+};
+
+void LightSet::Implementation::add(const Lamp& lamp) {
+    if (lamp.kind == LampKind::Sun) {
+        suns.push_back({Sun(lamp), lamp.visibility, lamp.casts_shadow});
+        suns_and_world += suns.back().sun.irradiance();
+        return;
+    }
+    const bool is_area = lamp.kind == LampKind::Rectangle || lamp.kind == LampKind::Disk;
+    if (is_area)
+        lamps.push_back({AreaLamp(lamp), lamp.visibility, lamp.casts_shadow});
+    else
+        lamps.push_back({PointLamp(lamp), lamp.visibility, lamp.casts_shadow});
+    const bool has_size = std::visit([](const auto& shape) { return shape.has_size(); }, lamps.back().shape);
+    if (has_size) lamps_with_size.push_back(static_cast<uint32_t>(lamps.size() - 1));
+}
+
+void LightSet::Implementation::build_tree() {
+    std::vector<LightTreeItem> items;
+    for (const PlacedLamp& lamp : lamps)
+        std::visit([&](const auto& shape) { items.push_back({shape.bounds(), shape.intensity()}); }, lamp.shape);
+    const std::vector<LightTreeItem> of_surfaces = surfaces.tree_items();
+    items.insert(items.end(), of_surfaces.begin(), of_surfaces.end());
+    tree = LightTree(items);
+}
+
+LightSet::LightSet(std::vector<Lamp> lamps, std::vector<EmittingInstance> emitters, const Tracer& tracer,
+                   SurfaceEmission emission, WorldEmission world, int world_resolution)
+    : implementation_(
+          std::make_unique<Implementation>(std::move(emitters), tracer, std::move(emission), std::move(world))) {
+    Implementation& set = *implementation_;
+    for (const Lamp& lamp : lamps)
+        if (shines(lamp)) set.add(lamp);
+    if (world_resolution > 0 && set.world_emission) {
+        set.world.emplace(set.world_emission, world_resolution);
+        if (set.world->is_uniform()) set.world.reset();
+    }
+    if (set.world) set.suns_and_world += set.world->irradiance();
+    set.build_tree();
+}
+
+LightSet::~LightSet() = default;
+
+bool LightSet::empty() const {
+    return implementation_->group_count() == 0;
+}
+
+namespace {
+
+/// The choice of this light taken into account; empty where nothing that floats can hold arrives.
+std::optional<LightSample> chosen(const LampSample& from, double probability, uint8_t visibility, bool casts_shadow) {
+    LightSample sample;
+    sample.direction = Vec3f(from.direction);
+    sample.distance = from.distance;
+    sample.radiance = from.radiance;
+    sample.density = static_cast<float>(std::min(from.density * probability, kLargestDensity));
+    sample.delta = from.delta;
+    sample.casts_shadow = casts_shadow;
+    sample.visibility = visibility;
+    if (!is_usable(sample.radiance) || is_black(sample.radiance) || !(sample.density > 0) ||
+        !is_finite(sample.direction))
+        return std::nullopt;
+    return sample;
+}
+
+}  // namespace
+
+std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& position, const Vec2f& random,
+                                                                 double choice) const {
+    const std::optional<LightTree::Choice> item = tree.choose(position, choice, reaches(position));
+    if (!item) return std::nullopt;
+    const double probability = item->probability * tree_probability(position);
+    if (item->item < lamps.size()) {
+        const PlacedLamp& lamp = lamps[item->item];
+        const auto sample = std::visit([&](const auto& shape) { return shape.sample(position, random); }, lamp.shape);
+        if (!sample) return std::nullopt;
+        return chosen(*sample, probability, lamp.visibility, lamp.casts_shadow);
+    }
+    const auto surface = static_cast<uint32_t>(item->item - lamps.size());
+    const auto sample = surfaces.sample(surface, position, random);
+    if (!sample) return std::nullopt;
+    return chosen(*sample, probability, surfaces.visibility(surface), true);
+}
+
+std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& random) const {
+    const Implementation& set = *implementation_;
+    if (set.group_count() == 0) return std::nullopt;
+    const Vec2f within(random.x, random.y);
+    double choice = random.z;
+    const double total = set.total_irradiance(position);
+    for (const DistantLamp& lamp : set.suns) {
+        const double probability = set.group_probability(lamp.sun.irradiance(), total);
+        if (choice < probability)
+            return chosen(lamp.sun.sample(within), probability, lamp.visibility, lamp.casts_shadow);
+        choice -= probability;
+    }
+    if (set.world) {
+        const double probability = set.group_probability(set.world->irradiance(), total);
+        if (choice < probability || set.tree.empty()) {
+            LampSample sample = set.world->sample(within);
+            sample.radiance = set.world_emission(Vec3f(sample.direction));
+            return chosen(sample, probability, kVisibleAll, true);
+        }
+        choice -= probability;
+    }
+    if (set.tree.empty()) {  // rounding left a crumb beyond the last sun
+        const DistantLamp& lamp = set.suns.back();
+        return chosen(lamp.sun.sample(within), set.group_probability(lamp.sun.irradiance(), total), lamp.visibility,
+                      lamp.casts_shadow);
+    }
+    return set.sample_tree(position, within, std::clamp(choice / set.tree_probability(position), 0.0, 1.0 - 0x1p-53));
+}
+
+float LightSet::emitter_density(const Vec3d& from, const SurfacePoint& point) const {
+    const Implementation& set = *implementation_;
+    const std::optional<uint32_t> item = set.surfaces.item_of(point);
+    if (!item) return 0.0f;
+    const auto in_tree = static_cast<uint32_t>(*item + set.lamps.size());
+    const double choice = set.tree_probability(from) * set.tree.probability(from, in_tree, set.reaches(from));
+    return static_cast<float>(std::min(choice * set.surfaces.density(from, point), kLargestDensity));
+}
+
+float LightSet::world_density(const Vec3f& direction, const Vec3d& from) const {
+    const Implementation& set = *implementation_;
+    if (!set.world) return 0.0f;
+    const double choice = set.group_probability(set.world->irradiance(), set.total_irradiance(from));
+    return static_cast<float>(choice * set.world->density(direction));
+}
+
+void LightSet::lamp_hits(const Ray& ray, const Vec3d& from, Visibility kind,
+                         const std::function<void(const LampHit&)>& add) const {
+    const Implementation& set = *implementation_;
+    const auto report = [&](const LampIntersection& hit, double choice) {
+        add({hit.t, hit.radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity))});
+    };
+    for (const uint32_t index : set.lamps_with_size) {
+        const PlacedLamp& lamp = set.lamps[index];
+        if (!(lamp.visibility & kind)) continue;
+        const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, from); }, lamp.shape);
+        if (hit) report(*hit, set.tree_probability(from) * set.tree.probability(from, index, set.reaches(from)));
+    }
+    if (std::isfinite(ray.t_max)) return;
+    for (const DistantLamp& lamp : set.suns) {
+        if (!(lamp.visibility & kind)) continue;
+        if (const auto hit = lamp.sun.hit(ray))
+            report(*hit, set.group_probability(lamp.sun.irradiance(), set.total_irradiance(from)));
+    }
+}
+
+bool LightSet::has_hittable_lamps() const {
+    const Implementation& set = *implementation_;
+    return !set.lamps_with_size.empty() ||
+           std::any_of(set.suns.begin(), set.suns.end(), [](const DistantLamp& lamp) { return lamp.sun.has_size(); });
+}
+
+size_t LightSet::bytes() const {
+    const Implementation& set = *implementation_;
+    return sizeof(Implementation) + set.lamps.capacity() * sizeof(PlacedLamp) +
+           set.suns.capacity() * sizeof(DistantLamp) + set.surfaces.bytes() + set.tree.bytes() +
+           (set.world ? set.world->bytes() : 0);
+}
+
+size_t LightSet::count() const {
+    const Implementation& set = *implementation_;
+    return set.lamps.size() + set.suns.size() + set.surfaces.count() + (set.world ? 1 : 0);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,110 @@
+// Choice of one of many lights: a binary tree whose nodes know the power and the place of the lights below them.
+//
+// A reduced light tree (A. Conty Estevez, C. Kulla: Importance Sampling of Many Lights with Adaptive Tree Splitting,
+// HPG 2018, section 4): at each node the side is chosen in proportion to intensity over squared distance. Without the
+// orientation cones; instead a single light may say that its light does not arrive. One light costs O(log n), and the
+// choice is a pure function of the position and the random number.
+#pragma once
+
+#include "base/vector.h"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace rayleaf {
+
+/// A light as the tree sees it.
+struct LightTreeItem {
+    Box3d bounds;          ///< world
+    double intensity = 0;  ///< W/sr at best, positive
+};
+
+class LightTree {
+  public:
+    explicit LightTree(const std::vector<LightTreeItem>& items);
+
+    bool empty() const { return nodes_.empty(); }
+    /// Irradiance, very roughly, that all lights give to a point: what the tree is worth against suns and the world.
+    double irradiance(const Vec3d& position) const;
+
+    struct Choice {
+        uint32_t item = 0;
+        double probability = 0;
+    };
+    /// `random` in [0,1). Empty where no light arrives. `reaches(item)` is asked of single lights only.
+    template <typename Reaches>
+    std::optional<Choice> choose(const Vec3d& position, double random, const Reaches& reaches) const;
+    /// The probability with which `choose` returns `item`.
+    template <typename Reaches>
+    double probability(const Vec3d& position, uint32_t item, const Reaches& reaches) const;
+
+    size_t bytes() const;
+
+  private:
+    struct Node {
+        Vec3d center;
+        double radius_squared = 0;  ///< of the sphere about the box
+        double intensity = 0;
+        uint32_t parent = 0;
+        uint32_t left = 0;  ///< the right child follows its left sibling; 0: a leaf
+        uint32_t item = 0;  ///< of a leaf
+    };
+    std::vector<Node> nodes_;
+    std::vector<uint32_t> leaf_of_item_;
+
+    void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
+               uint32_t node);
+
+    template <typename Reaches>
+    double importance(const Node& node, const Vec3d& position, const Reaches& reaches) const {
+        if (node.left == 0 && !reaches(node.item)) return 0.0;
+        // Inside a node the distance says nothing; half its radius is as good a guess as any.
+        const double distance_squared = (node.center - position).length2();
+        return node.intensity / std::max({distance_squared, 0.25 * node.radius_squared, kNearest});
+    }
+    /// Probability of the left child.
+    template <typename Reaches>
+    double left_share(const Node& node, const Vec3d& position, const Reaches& reaches) const {
+        const double left = importance(nodes_[node.left], position, reaches);
+        const double right = importance(nodes_[node.left + 1], position, reaches);
+        if (left == 0 && right == 0) return 0.5;
+        return left / (left + right);
+    }
+
+    static constexpr double kNearest = 1e-30;  ///< squared distance, world units²; keeps importances finite
+};
+
+template <typename Reaches>
+std::optional<LightTree::Choice> LightTree::choose(const Vec3d& position, double random, const Reaches& reaches) const {
+    if (nodes_.empty()) return std::nullopt;
+    const Node* node = nodes_.data();
+    Choice choice{0, 1.0};
+    while (node->left != 0) {
+        const double left = left_share(*node, position, reaches);
+        const bool goes_left = random < left;
+        random = goes_left ? random / left : (random - left) / (1.0 - left);
+        random = std::min(random, 1.0 - 0x1p-53);
+        choice.probability *= goes_left ? left : 1.0 - left;
+        node = &nodes_[node->left + (goes_left ? 0 : 1)];
+    }
+    if (!(choice.probability > 0)) return std::nullopt;
+    choice.item = node->item;
+    return choice;
+}
+
+template <typename Reaches>
+double LightTree::probability(const Vec3d& position, uint32_t item, const Reaches& reaches) const {
+    double probability = 1.0;
+    uint32_t index = leaf_of_item_[item];
+    while (index != 0) {
+        const Node& parent = nodes_[nodes_[index].parent];
+        const double left = left_share(parent, position, reaches);
+        probability *= index == parent.left ? left : 1.0 - left;
+        index = nodes_[index].parent;
+    }
+    return probability;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,97 @@
+#include "lights/point_lamp.h"
+
+namespace rayleaf {
+namespace {
+
+constexpr double kSphere = 4.0 * std::numbers::pi;  ///< solid angle of all directions
+
+}  // namespace
+
+PointLamp::PointLamp(const Lamp& lamp)
+    : center_(lamp.to_world.translation),
+      radius_(std::max(0.0, lamp.radius)),
+      intensity_(lamp.strength * static_cast<float>(1.0 / kSphere)),
+      axis_(normalized_or(-lamp.to_world.z, Vec3d(0, 0, -1))),
+      spot_(lamp.kind == LampKind::Spot) {
+    radiance_ = Color(Vec3d(intensity_) / (std::numbers::pi * radius_ * radius_));
+    if (!(radius_ > 0) || !is_usable(radiance_)) radius_ = 0;
+    if (!spot_) return;
+    cos_half_ = std::cos(0.5 * std::clamp(lamp.spot_size, 0.0, std::numbers::pi));
+    fade_width_ = (1.0 - cos_half_) * std::clamp(lamp.spot_blend, 0.0, 1.0);
+}
+
+/// Cycles 3.4: the cosine to the axis, faded by a smooth step towards the cone's border.
+float PointLamp::attenuation(const Vec3d& towards_lamp) const {
+    if (!spot_) return 1.0f;
+    const double cosine = -towards_lamp.dot(axis_);
+    const double inside = cosine - cos_half_;
+    if (!(inside > 0)) return 0.0f;
+    if (!(inside < fade_width_)) return static_cast<float>(cosine);
+    const double x = inside / fade_width_;
+    return static_cast<float>(cosine * x * x * (3.0 - 2.0 * x));
+}
+
+double PointLamp::density(const Vec3d& position) const {
+    const double distance_squared = (center_ - position).length2();
+    const double sine_squared = radius_ * radius_ / distance_squared;
+    if (!(sine_squared < 1.0)) return 1.0 / kSphere;
+    return std::min(kLargestDensity, 1.0 / cone_solid_angle(sine_squared));
+}
+
+std::optional<LampSample> PointLamp::sample(const Vec3d& position, const Vec2f& random) const {
+    const Vec3d offset = center_ - position;
+    const double distance = offset.length();
+    const double sine_squared = radius_ * radius_ / (distance * distance);
+    LampSample sample;
+    if (radius_ > 0 && !(sine_squared < 1.0)) {  // inside the sphere: all of it, its shell seen from within
+        const ConeDirection cone = sample_cone(Vec3d(0, 0, 1), 2.0, random);
+        sample.direction = cone.direction;
+        const double along = offset.dot(sample.direction);
+        sample.distance = along + std::sqrt(std::max(0.0, along * along - offset.length2() + radius_ * radius_));
+        sample.density = 1.0 / kSphere;
+        sample.radiance = radiance_ * attenuation(sample.direction);
+        return sample;
+    }
+    if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
+    const Vec3d axis = offset / distance;
+    const double solid_angle = cone_solid_angle(sine_squared);
+    if (radius_ == 0 || solid_angle < kSmallestSolidAngle) {
+        const Color irradiance(Vec3d(intensity_) / (distance * distance));
+        return LampSample{axis, distance, irradiance * attenuation(axis), 1.0, true};
+    }
+    const double one_minus_cosine = solid_angle / (2.0 * std::numbers::pi);
+    const ConeDirection cone = sample_cone(axis, one_minus_cosine, random);
+    const double below = cone.one_minus_cosine;
+    const double half_chord_squared = radius_ * radius_ - distance * distance * below * (2.0 - below);
+    sample.direction = cone.direction;
+    sample.distance = distance * (1.0 - below) - std::sqrt(std::max(0.0, half_chord_squared));
+    sample.density = 1.0 / solid_angle;
+    sample.radiance = radiance_ * attenuation(sample.direction);
+    return sample;
+}
+
+std::optional<LampIntersection> PointLamp::hit(const Ray& ray, const Vec3d& from) const {
+    if (radius_ == 0) return std::nullopt;
+    const Vec3d offset = center_ - ray.origin;
+    const double along = offset.dot(ray.direction);
+    const double miss_squared = (offset - ray.direction * along).length2();
+    const double half_chord_squared = radius_ * radius_ - miss_squared;
+    if (half_chord_squared < 0) return std::nullopt;
+    const bool inside = (center_ - from).length2() <= radius_ * radius_;
+    const double half_chord = std::sqrt(half_chord_squared);
+    const double t = inside ? along + half_chord : along - half_chord;
+    if (!(t > ray.t_min && t < ray.t_max)) return std::nullopt;
+    return LampIntersection{t, radiance_ * attenuation(ray.direction), density(from)};
+}
+
+Box3d PointLamp::bounds() const {
+    const Vec3d half(radius_, radius_, radius_);
+    return {center_ - half, center_ + half};
+}
+
+bool PointLamp::reaches(const Vec3d& position) const {
+    if (!spot_ || radius_ > 0) return true;
+    return attenuation(normalized_or(center_ - position, Vec3d(0, 0, 1))) > 0;
+}
+
+}  // namespace rayleaf

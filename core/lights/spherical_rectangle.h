@@ -1,0 +1,25 @@
+// A rectangle seen from a point, sampled uniformly in solid angle.
+//
+// C. Ureña, M. Fajardo, A. King: An Area-Preserving Parametrization for Spherical Rectangles, EGSR 2013, section 4.
+#pragma once
+
+#include "base/vector.h"
+
+namespace rayleaf {
+
+class SphericalRectangle {
+  public:
+    /// In a frame at the viewpoint whose axes follow the edges: the rectangle [x0, x1] x [y0, y1] at height -`height`
+    /// (> 0).
+    SphericalRectangle(double x0, double x1, double y0, double y1, double height);
+
+    double solid_angle() const { return solid_angle_; }
+    /// The point (x, y) in that frame.
+    Vec2d sample(const Vec2f& random) const;
+
+  private:
+    double x0_, x1_, y0_, y1_, z0_;
+    double b0_, b1_, k_, solid_angle_;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,139 @@
+#include "lights/surface_light.h"
+
+#include <tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// A point of an element in world space: unit normal and world area per unit of parameters.
+struct WorldElementPoint {
+    Vec3d normal;
+    double area_factor = 0;
+};
+
+WorldElementPoint to_world(const Affine3d& local_to_world, const Shape& shape, const ElementPoint& point) {
+    // A triangle's parameters cover the facet; its normal in ElementPoint may be a smooth one.
+    const bool flat = shape.kind() == ShapeKind::TriangleMesh;
+    const Vec3d local = normalized_or(Vec3d(flat ? point.hit.normal : point.normal), Vec3d(0, 0, 1));
+    const Vec3d covector = local_to_world.normal(local);
+    const double stretch = covector.length();
+    return {normalized_or(covector, Vec3d(0, 0, 1)), stretch * static_cast<double>(point.area_factor)};
+}
+
+/// Where an element is looked at to guess what it emits: parameters inside a triangle too.
+constexpr Vec2f kProbes[] = {Vec2f(0.2f, 0.2f), Vec2f(0.6f, 0.2f), Vec2f(0.2f, 0.6f), Vec2f(0.75f, 0.75f)};
+/// An element whose probes saw less than this share of the mean is still sampled as often as one with that share.
+constexpr double kSmallestShare = 0.05;
+
+struct Estimate {
+    Box3d bounds;
+    double area = 0, radiance = 0;  ///< world units², mean of the probes
+};
+
+Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_t instance, uint32_t element) {
+    const Shape& shape = *tracer.instance(instance).shape;
+    const Affine3d& local_to_world = tracer.local_to_world(instance);
+    Estimate result;
+    for (const float v : {0.0f, 0.5f, 1.0f})
+        for (const float u : {0.0f, 0.5f, 1.0f}) {
+            const ElementPoint point = shape.element_point(element, Vec2f(u, v));
+            result.bounds.extendBy(local_to_world.point(Vec3d(point.hit.position)));
+        }
+    for (const Vec2f& probe : kProbes) {
+        const ElementPoint point = shape.element_point(element, probe);
+        const WorldElementPoint world = to_world(local_to_world, shape, point);
+        const SurfacePoint surface = tracer.surface_point(instance, point.hit);
+        const Color color = emission(surface, surface.normal);
+        result.area += world.area_factor / std::size(kProbes);
+        if (is_finite(color)) result.radiance += std::max(0.0f, max_component(color)) / double(std::size(kProbes));
+    }
+    return result;
+}
+
+}  // namespace
+
+SurfaceLights::SurfaceLights(std::vector<EmittingInstance> emitters, const Tracer& tracer, SurfaceEmission emission)
+    : tracer_(tracer), emission_(std::move(emission)) {
+    for (const EmittingInstance& emitter : emitters) {
+        if (emitter.elements.empty()) continue;
+        if (emitter.instance >= table_of_instance_.size()) table_of_instance_.resize(emitter.instance + 1, -1);
+        table_of_instance_[emitter.instance] = static_cast<int32_t>(item_of_element_.size());
+        auto& items = item_of_element_.emplace_back(tracer.instance(emitter.instance).shape->element_count(), kNone);
+        for (const uint32_t element : emitter.elements) {
+            items[element] = count();
+            elements_.push_back({emitter.instance, element});
+        }
+    }
+}
+
+std::vector<LightTreeItem> SurfaceLights::tree_items() const {
+    std::vector<Estimate> estimates(elements_.size());
+    tbb::parallel_for(size_t{0}, elements_.size(), [&](size_t i) {
+        estimates[i] = estimate(tracer_, emission_, elements_[i].instance, elements_[i].element);
+    });
+    double radiance = 0;
+    for (const Estimate& e : estimates) radiance += e.radiance / static_cast<double>(estimates.size());
+    const double least = radiance > 0 ? radiance * kSmallestShare : 1.0;
+    std::vector<LightTreeItem> items;
+    items.reserve(estimates.size());
+    // Both sides shine; half a cosine is the mean over the directions of one. The smallest double keeps weights
+    // positive.
+    for (const Estimate& e : estimates)
+        items.push_back({e.bounds, std::max(1e-300, 0.5 * e.area * std::max(e.radiance, least))});
+    return items;
+}
+
+std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, const Vec2f& random) const {
+    const auto [instance, element] = elements_[item];
+    const Shape& shape = *tracer_.instance(instance).shape;
+    const Affine3d& local_to_world = tracer_.local_to_world(instance);
+    const ElementPoint chosen = shape.element_point(element, random);
+    const WorldElementPoint world = to_world(local_to_world, shape, chosen);
+    const SurfacePoint point = tracer_.surface_point(instance, chosen.hit);
+    const Vec3d offset = point.position - position;
+    const double distance = offset.length();
+    if (!(distance > 0)) return std::nullopt;
+    LampSample sample;
+    sample.direction = offset / distance;
+    const double cosine = std::abs(sample.direction.dot(world.normal));
+    const double density = distance * distance / (cosine * world.area_factor);
+    if (!std::isfinite(density)) return std::nullopt;
+    const Vec3f outgoing = -Vec3f(sample.direction);
+    // The way must be free up to the facet's own side that looks here.
+    sample.distance = (point.ray_origin(outgoing) - position).dot(sample.direction);
+    sample.density = std::min(density, kLargestDensity);
+    sample.radiance = emission_(point, outgoing);
+    return sample;
+}
+
+double SurfaceLights::density(const Vec3d& from, const SurfacePoint& point) const {
+    const uint32_t element = point.shape->element_of(point.local);
+    const ElementPoint chosen = point.shape->element_point(element, Vec2f(point.local.u, point.local.v));
+    const WorldElementPoint world = to_world(tracer_.local_to_world(point.instance), *point.shape, chosen);
+    const Vec3d offset = point.position - from;
+    const double distance_squared = offset.length2();
+    const double cosine = std::abs(offset.dot(world.normal)) / std::sqrt(distance_squared);
+    const double density = distance_squared / (cosine * world.area_factor);
+    return std::isfinite(density) ? std::min(density, kLargestDensity) : 0.0;
+}
+
+std::optional<uint32_t> SurfaceLights::item_of(const SurfacePoint& point) const {
+    if (point.instance >= table_of_instance_.size()) return std::nullopt;
+    const int32_t table = table_of_instance_[point.instance];
+    if (table < 0) return std::nullopt;
+    const uint32_t item = item_of_element_[static_cast<size_t>(table)][point.shape->element_of(point.local)];
+    if (item == kNone) return std::nullopt;
+    return item;
+}
+
+uint8_t SurfaceLights::visibility(uint32_t item) const {
+    return tracer_.instance(elements_[item].instance).visibility;
+}
+
+size_t SurfaceLights::bytes() const {
+    size_t total = elements_.capacity() * sizeof(Element) + table_of_instance_.capacity() * sizeof(int32_t);
+    for (const auto& table : item_of_element_) total += table.capacity() * sizeof(uint32_t);
+    return total;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,42 @@
+// Emitting surfaces: the elements (triangles, patches) of instances whose material emits, each a light of its own.
+//
+// A point is chosen by the element's parameters; its density per area is one over the area that a unit of parameters
+// covers, so that patches of any shape need no table of their own.
+#pragma once
+
+#include "lights/lamp_sample.h"
+#include "lights/light.h"
+#include "lights/light_tree.h"
+
+namespace rayleaf {
+
+class SurfaceLights {
+  public:
+    SurfaceLights(std::vector<EmittingInstance> emitters, const Tracer& tracer, SurfaceEmission emission);
+
+    uint32_t count() const { return static_cast<uint32_t>(elements_.size()); }
+    /// The elements as the tree sees them, in order.
+    std::vector<LightTreeItem> tree_items() const;
+    std::optional<LampSample> sample(uint32_t item, const Vec3d& position, const Vec2f& random) const;
+    /// Density of `sample(item, from)` towards a point that a ray hit on that element.
+    double density(const Vec3d& from, const SurfacePoint& point) const;
+    /// The element that holds a point; empty where none of its instance was given as emitting.
+    std::optional<uint32_t> item_of(const SurfacePoint& point) const;
+    /// Which kinds of rays see the element.
+    uint8_t visibility(uint32_t item) const;
+    size_t bytes() const;
+
+  private:
+    struct Element {
+        uint32_t instance = 0, element = 0;
+    };
+    std::vector<Element> elements_;
+    std::vector<int32_t> table_of_instance_;              ///< -1: does not emit
+    std::vector<std::vector<uint32_t>> item_of_element_;  ///< per table; kNone: does not emit
+    const Tracer& tracer_;
+    SurfaceEmission emission_;
+
+    static constexpr uint32_t kNone = 0xffffffffu;
+};
+
+}  // namespace rayleaf

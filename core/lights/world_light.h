@@ -1,0 +1,37 @@
+// The world as a light: a table over latitude and longitude, sampled cell by cell in proportion to what arrives.
+//
+// Inside a cell the density is constant per solid angle (longitude and height are uniform there), so that the density
+// asked for a direction is exactly the one it is sampled with. A small share is uniform, for what the table missed.
+#pragma once
+
+#include "lights/lamp_sample.h"
+#include "lights/light.h"
+
+namespace rayleaf {
+
+class WorldLight {
+  public:
+    /// `width` cells around, half as many from pole to pole.
+    WorldLight(const WorldEmission& world, int width);
+
+    /// True where the table found nothing, or the same everywhere: scattering alone samples such a world.
+    bool is_uniform() const { return is_uniform_; }
+    /// A direction with its density; the radiance is left to the caller.
+    LampSample sample(const Vec2f& random) const;
+    double density(const Vec3f& direction) const;
+    /// Irradiance of a point from the mean world, as one number; for the choice of a light.
+    double irradiance() const { return mean_ * std::numbers::pi; }
+    size_t bytes() const;
+
+  private:
+    int width_, height_;
+    std::vector<float> rows_;   ///< cumulated, height + 1 of them
+    std::vector<float> cells_;  ///< per row, width + 1 of them
+    double mean_ = 0;
+    bool is_uniform_ = true;
+
+    const float* row(int y) const { return cells_.data() + static_cast<size_t>(y) * (static_cast<size_t>(width_) + 1); }
+    double cell_density(int x, int y) const;
+};
+
+}  // namespace rayleaf
