@@ -1,0 +1,161 @@
+#include "splines/bounds.h"
+
+#include "splines/bernstein.h"
+
+#include <limits>
+
+namespace rayleaf {
+
+namespace {
+
+Vec3d position_of(const Vec4d& point, bool rational) {
+    return rational ? project(point) : spatial_part(point);
+}
+
+/// Evaluating sums of `terms` products is exact to this share of the largest coordinate (a few roundings for each).
+double rounding_share(int terms) {
+    return (4.0 * terms + 8.0) * std::numeric_limits<double>::epsilon();
+}
+
+Box3d hull_box(const Vec4d* points, int count, bool rational, double share) {
+    Box3d box;
+    for (int i = 0; i < count; ++i) box.extendBy(position_of(points[i], rational));
+    for (int axis = 0; axis < 3; ++axis) {
+        const double margin = share * std::max(std::abs(box.min[axis]), std::abs(box.max[axis]));
+        box.min[axis] -= margin;
+        box.max[axis] += margin;
+    }
+    return box;
+}
+
+float float_not_above(double x) {
+    const float rounded = static_cast<float>(x);
+    return static_cast<double>(rounded) > x ? std::nextafter(rounded, -std::numeric_limits<float>::infinity())
+                                            : rounded;
+}
+
+float float_not_below(double x) {
+    return -float_not_above(-x);
+}
+
+/// Largest lengths over a control net: of the spatial part and of the weight.
+struct Largest {
+    double space = 0, weight = 0;
+
+    void add(const Vec4d& difference) {
+        space = std::max(space, spatial_part(difference).length());
+        weight = std::max(weight, std::abs(difference.w));
+    }
+    Largest scaled(double factor) const { return {space * factor, weight * factor}; }
+};
+
+/// The derivatives' control nets of a homogeneous patch, by their largest elements.
+struct DerivativeNets {
+    Largest du, dv, duu, duv, dvv;
+};
+
+DerivativeNets derivative_nets(const PatchView& p) {
+    DerivativeNets nets;
+    const int n = p.degree_u, m = p.degree_v;
+    for (int j = 0; j <= m; ++j) {
+        for (int i = 0; i <= n; ++i) {
+            const Vec4d& here = p.point(i, j);
+            if (i < n) nets.du.add(p.point(i + 1, j) - here);
+            if (j < m) nets.dv.add(p.point(i, j + 1) - here);
+            if (i + 1 < n) nets.duu.add((p.point(i + 2, j) - p.point(i + 1, j)) - (p.point(i + 1, j) - here));
+            if (j + 1 < m) nets.dvv.add((p.point(i, j + 2) - p.point(i, j + 1)) - (p.point(i, j + 1) - here));
+            if (i < n && j < m) nets.duv.add((p.point(i + 1, j + 1) - p.point(i, j + 1)) - (p.point(i + 1, j) - here));
+        }
+    }
+    return {nets.du.scaled(n), nets.dv.scaled(m), nets.duu.scaled(n * (n - 1)), nets.duv.scaled(n * m),
+            nets.dvv.scaled(m * (m - 1))};
+}
+
+struct WeightRange {
+    double lowest = std::numeric_limits<double>::infinity(), highest = 0;
+};
+
+WeightRange weight_range(const PatchView& patch) {
+    WeightRange range;
+    for (int i = 0; i < patch.point_count(); ++i) {
+        range.lowest = std::min(range.lowest, patch.points[i].w);
+        range.highest = std::max(range.highest, patch.points[i].w);
+    }
+    return range;
+}
+
+CurvatureBounds rational_bounds(const PatchView& patch, const WeightRange& weights, const Box3d& box) {
+    const Vec3d center = box.center();
+    BezierPatch moved{patch.degree_u, patch.degree_v, true, {patch.points, patch.points + patch.point_count()}};
+    double radius = 0;
+    for (Vec4d& p : moved.points) {
+        const Vec3d offset = project(p) - center;
+        radius = std::max(radius, offset.length());
+        p = homogeneous(offset, p.w);
+    }
+    const DerivativeNets a = derivative_nets(moved.view());
+    const double w = weights.lowest;
+    const double du = (a.du.space + radius * a.du.weight) / w, dv = (a.dv.space + radius * a.dv.weight) / w;
+    CurvatureBounds out;
+    out.duu = (a.duu.space + 2.0 * du * a.du.weight + radius * a.duu.weight) / w;
+    out.duv = (a.duv.space + du * a.dv.weight + dv * a.du.weight + radius * a.duv.weight) / w;
+    out.dvv = (a.dvv.space + 2.0 * dv * a.dv.weight + radius * a.dvv.weight) / w;
+    return out;
+}
+
+/// Bounds by the parameters of the patch itself; `extent` is left alone.
+CurvatureBounds bounds_by_quarters(const PatchView& patch, int quarterings) {
+    const WeightRange weights = weight_range(patch);
+    if (weights.highest <= kTameWeightRatio * weights.lowest || quarterings == 0)
+        return rational_bounds(patch, weights, hull_box(patch.points, patch.point_count(), true, 0.0));
+    const BezierPatch whole{patch.degree_u, patch.degree_v, true, {patch.points, patch.points + patch.point_count()}};
+    const auto [low, high] = whole.split(PatchDirection::U, 0.5);
+    CurvatureBounds largest;
+    for (const BezierPatch* half : {&low, &high}) {
+        const auto [below, above] = half->split(PatchDirection::V, 0.5);
+        for (const BezierPatch* quarter : {&below, &above}) {
+            const CurvatureBounds b = bounds_by_quarters(quarter->view(), quarterings - 1);
+            largest.duu = std::max(largest.duu, b.duu);
+            largest.duv = std::max(largest.duv, b.duv);
+            largest.dvv = std::max(largest.dvv, b.dvv);
+        }
+    }
+    // A quarter's parameters run twice as fast as the whole's, so its second derivatives are a quarter.
+    return {4.0 * largest.duu, 4.0 * largest.duv, 4.0 * largest.dvv, 0.0};
+}
+
+}  // namespace
+
+Box3d hull_bounds(const PatchView& patch) {
+    return hull_box(patch.points, patch.point_count(), patch.rational, rounding_share(patch.degree_u + patch.degree_v));
+}
+
+Box3d hull_bounds(const BezierCurve& curve) {
+    return hull_box(curve.points.data(), curve.degree + 1, curve.rational, rounding_share(curve.degree));
+}
+
+Box3f outward_float(const Box3d& box) {
+    if (box.isEmpty()) return {};
+    return {{float_not_above(box.min.x), float_not_above(box.min.y), float_not_above(box.min.z)},
+            {float_not_below(box.max.x), float_not_below(box.max.y), float_not_below(box.max.z)}};
+}
+
+CurvatureBounds curvature_bounds(const PatchView& patch) {
+    CurvatureBounds out;
+    if (patch.rational) {
+        out = bounds_by_quarters(patch, kMostQuarterings);
+    } else {
+        const DerivativeNets nets = derivative_nets(patch);
+        out = {nets.duu.space, nets.duv.space, nets.dvv.space, 0.0};
+    }
+    out.extent = hull_bounds(patch).size().length();
+    return out;
+}
+
+double facet_distance_bound(const CurvatureBounds& bounds, int cells_u, int cells_v) {
+    const double hu = 1.0 / cells_u, hv = 1.0 / cells_v;
+    const double by_curvature = (bounds.duu * hu * hu + 2.0 * bounds.duv * hu * hv + bounds.dvv * hv * hv) / 8.0;
+    return std::min(by_curvature, bounds.extent);  // facets and patch lie in one box
+}
+
+}  // namespace rayleaf
