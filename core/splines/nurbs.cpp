@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace rayleaf {
 
@@ -124,18 +125,22 @@ std::optional<SplineProblem> find_direction_problem(int count, const NurbsDirect
     return std::nullopt;
 }
 
+std::string coordinates_text(const Vec4d& point) {
+    std::ostringstream text;
+    text << '(' << point.x << ", " << point.y << ", " << point.z << ')';
+    return text.str();
+}
+
 std::optional<SplineProblem> find_point_problem(const std::vector<Vec4d>& points) {
     for (size_t i = 0; i < points.size(); ++i) {
         const Vec4d& p = points[i];
-        const std::string name = "points[" + std::to_string(i) + "]";
-        if (!is_finite(Vec3d(p.x, p.y, p.z)))
-            return SplineProblem{
-                SplineProblemKind::BadData, name,
-                "(" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " + std::to_string(p.z) + ")",
-                "finite coordinates"};
+        std::ostringstream name;
+        name << "points[" << i << ']';
+        if (!is_finite(spatial_part(p)))
+            return SplineProblem{SplineProblemKind::BadData, name.str(), coordinates_text(p), "finite coordinates"};
+        name << ".weight";
         if (!(p.w > 0.0) || !std::isfinite(p.w))
-            return SplineProblem{SplineProblemKind::BadData, "weight of " + name, std::to_string(p.w),
-                                 "a positive number"};
+            return SplineProblem{SplineProblemKind::BadData, name.str(), std::to_string(p.w), "a positive number"};
     }
     return std::nullopt;
 }
