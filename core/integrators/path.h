@@ -1,4 +1,13 @@
-// Path tracing: light and scattering sampled together by the power heuristic (Veach 1997).
+// Path tracing: light and scattering sampled together by the power heuristic (Veach 1997, section 9.2.4).
+//
+// A vertex does, in this order: lamps passed on the way and emission of the surface (weighed against light sampling),
+// one sampled light, then either straight on through a transparent surface or on by a scattered ray.
+//
+// Bounce limits are Blender's: a path that has used up a limit still sees what its last ray meets emit, so that 0
+// bounces leave direct light.
+//
+// The light passes hold radiance with the lobes' colour in it; the film divides the mean of a pixel by the mean of the
+// colour pass, as Cycles does. So Combined is, per sample, the sum of all light passes, Emit and Env.
 #pragma once
 
 #include "base/random.h"
@@ -8,9 +17,25 @@
 
 namespace rayleaf {
 
-/// Traces one path from the camera ray and returns what it contributes to each pass. Pure: equal arguments, equal bits.
-/// Dimensions of `sampler` from 16 on are free for the path; the lower ones belong to the camera.
-PixelSample trace_path(const Scene& scene, const Settings& settings, const CameraRay& camera_ray,
+/// What of the settings a path needs, in the form in which it needs it. Made once a render.
+struct PathSettings {
+    PathSettings(const Settings& settings);  // NOLINT(google-explicit-constructor): settings are path settings
+
+    int max_bounces, diffuse_bounces, glossy_bounces, transmission_bounces, transparent_bounces, roulette_start;
+    float clamp_direct, clamp_indirect;  ///< infinity: no limit
+    float exposure;
+    bool film_transparent;
+    uint32_t passes;    ///< a bit per pass that is on
+    bool light_passes;  ///< any pass that splits light by the kind of lobe
+    bool color_passes;
+    bool surface_passes;  ///< any pass that describes the first surface
+
+    bool wants(Pass pass) const { return (passes >> static_cast<uint32_t>(pass)) & 1u; }
+};
+
+/// Traces one path from the camera ray and returns what it contributes to each pass that is on. Pure: equal arguments,
+/// equal bits. Dimensions of `sampler`: integrators/dimensions.h.
+PixelSample trace_path(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray,
                        const Sampler& sampler);
 
 }  // namespace rayleaf

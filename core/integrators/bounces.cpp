@@ -1,0 +1,47 @@
+#include "integrators/bounces.h"
+
+namespace rayleaf {
+
+void Bounces::scatter(const LobeSample& sample) {
+    const bool diffuse = sample.kind == LobeKind::Diffuse;
+    state_.camera = false;
+    state_.diffuse = diffuse;
+    state_.glossy = !diffuse;
+    state_.singular = sample.singular;
+    state_.transmission = sample.transmitted;
+    state_.reflection = !sample.transmitted;
+    passed_ = 0;
+    ++state_.depth;
+    is_last_ |= state_.depth > settings_.max_bounces;
+    // What went through a surface counts as transmission whatever its lobe, as in Cycles.
+    if (sample.transmitted) {
+        is_last_ |= ++state_.transmission_depth > settings_.transmission_bounces;
+        ray_kind_ = kVisibleTransmission;
+    } else if (diffuse) {
+        is_last_ |= ++state_.diffuse_depth > settings_.diffuse_bounces;
+        ray_kind_ = kVisibleDiffuse;
+    } else {
+        is_last_ |= ++state_.glossy_depth > settings_.glossy_bounces;
+        ray_kind_ = kVisibleGlossy;
+    }
+}
+
+bool Bounces::pass_through(double length) {
+    passed_ += length;
+    return ++state_.transparent_depth <= settings_.transparent_bounces;
+}
+
+PathState Bounces::at(double length) const {
+    PathState state = state_;
+    state.ray_length = static_cast<float>(passed_ + length);
+    return state;
+}
+
+PathState Bounces::of_shadow_ray() const {
+    PathState state = state_;
+    state.camera = state.diffuse = state.glossy = state.singular = state.reflection = state.transmission = false;
+    state.shadow = true;
+    return state;
+}
+
+}  // namespace rayleaf

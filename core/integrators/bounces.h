@@ -1,0 +1,39 @@
+// What a path has gone through: its bounces by kind against Blender's limits, and what the Light Path node may ask.
+#pragma once
+
+#include "integrators/path.h"
+#include "shading/closures.h"
+#include "shading/inputs.h"
+#include "trace/tracer.h"
+
+namespace rayleaf {
+
+class Bounces {
+  public:
+    explicit Bounces(const PathSettings& settings) : settings_(settings) {}
+
+    /// After a scattering.
+    void scatter(const LobeSample& sample);
+    /// After going straight on through a transparent surface `length` away. False: one more than allowed.
+    bool pass_through(double length);
+    /// No limit is left: what the ray meets may still emit or be transparent, but scatters no more.
+    bool is_last() const { return is_last_; }
+    int count() const { return state_.depth; }
+    /// The kind of ray now under way.
+    Visibility ray_kind() const { return ray_kind_; }
+    /// Transparent surfaces that a shadow ray from here may pass.
+    int transparent_left() const { return settings_.transparent_bounces - state_.transparent_depth; }
+    /// The state at a hit `length` along the ray.
+    PathState at(double length) const;
+    /// The state of a shadow ray that leaves the present vertex.
+    PathState of_shadow_ray() const;
+
+  private:
+    const PathSettings& settings_;
+    PathState state_;
+    Visibility ray_kind_ = kVisibleCamera;
+    bool is_last_ = false;
+    double passed_ = 0;  ///< length since the last scattering, before the present transparent surface
+};
+
+}  // namespace rayleaf

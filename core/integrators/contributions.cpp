@@ -1,0 +1,62 @@
+#include "integrators/contributions.h"
+
+namespace rayleaf {
+namespace {
+
+/// Scaled down so that no channel passes `limit`. Light that left the range of floats counts nothing: a single path of
+/// a pixel must not spoil the rest.
+Color clamped(const Color& light, float limit) {
+    if (!is_finite(light)) return Color(0.0f);
+    const float largest = max_component(light);
+    return largest > limit ? light * (limit / largest) : light;
+}
+
+constexpr std::array kDirectPasses = {Pass::diffuse_direct, Pass::glossy_direct, Pass::transmission_direct};
+constexpr std::array kIndirectPasses = {Pass::diffuse_indirect, Pass::glossy_indirect, Pass::transmission_indirect};
+
+}  // namespace
+
+void Contributions::add_seen(Pass pass, const Color& light) {
+    const Color c = clamped(light, settings_.clamp_direct);
+    sample.add(Pass::combined, c);
+    sample.add(pass, c);
+}
+
+void Contributions::add_split(const Color& light, const ByKind& shares, bool direct) {
+    sample.add(Pass::combined, light);
+    if (!settings_.light_passes) return;
+    const auto& passes = direct ? kDirectPasses : kIndirectPasses;
+    for (const LobeKind kind : kLobeKinds) sample.add(passes[static_cast<size_t>(kind)], light * shares[kind]);
+}
+
+void Contributions::add_first(const Color& light, const ByKind& shares) {
+    add_split(clamped(light, settings_.clamp_direct), shares, true);
+}
+
+void Contributions::add_scattered(const Color& light, int scatterings, const ByKind& first_shares) {
+    const bool direct = scatterings == 1;
+    add_split(clamped(light, direct ? settings_.clamp_direct : settings_.clamp_indirect), first_shares, direct);
+}
+
+void Contributions::finish(float alpha) {
+    if (settings_.exposure != 1.0f) {
+        for (const PassInfo& entry : kPasses) {
+            const bool light =
+                entry.pass == Pass::combined || entry.pass == Pass::emission || entry.pass == Pass::environment ||
+                std::find(kDirectPasses.begin(), kDirectPasses.end(), entry.pass) != kDirectPasses.end() ||
+                std::find(kIndirectPasses.begin(), kIndirectPasses.end(), entry.pass) != kIndirectPasses.end();
+            if (light) sample[entry.pass] *= settings_.exposure;
+        }
+    }
+    sample[Pass::combined].w = alpha;
+}
+
+ByKind shares_of(const ByKind& parts, const Color& total) {
+    ByKind shares;
+    for (const LobeKind kind : kLobeKinds)
+        for (int channel = 0; channel < 3; ++channel)
+            if (total[channel] > 0.0f) shares[kind][channel] = parts[kind][channel] / total[channel];
+    return shares;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,47 @@
+// Where the light of one path goes: Combined, and the passes that split it by where it came from.
+#pragma once
+
+#include "film/pixel.h"
+#include "integrators/path.h"
+#include "shading/closures.h"
+
+#include <array>
+
+namespace rayleaf {
+
+/// One colour for each kind of lobe.
+struct ByKind {
+    std::array<Color, 3> of{Color(0.0f), Color(0.0f), Color(0.0f)};
+
+    Color& operator[](LobeKind kind) { return of[static_cast<size_t>(kind)]; }
+    const Color& operator[](LobeKind kind) const { return of[static_cast<size_t>(kind)]; }
+};
+
+constexpr std::array kLobeKinds = {LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission};
+
+class Contributions {
+  public:
+    explicit Contributions(const PathSettings& settings) : settings_(settings) {}
+
+    /// Light the camera sees without any scattering: emitted by a surface, or the world's.
+    void add_seen(Pass pass, const Color& light);
+    /// Light that the first surface scattered straight from a light, split by the kinds of its lobes.
+    void add_first(const Color& light, const ByKind& shares);
+    /// Light that came over `scatterings` (at least one) surfaces, the first of which passed it on in `first_shares`.
+    void add_scattered(const Color& light, int scatterings, const ByKind& first_shares);
+
+    PixelSample sample{};
+
+    /// Ends the path: exposure and alpha.
+    void finish(float alpha);
+
+  private:
+    const PathSettings& settings_;
+
+    void add_split(const Color& light, const ByKind& shares, bool direct);
+};
+
+/// Shares of `total`, channel by channel, in what each kind gave; zero where the total is.
+ByKind shares_of(const ByKind& parts, const Color& total);
+
+}  // namespace rayleaf

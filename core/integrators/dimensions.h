@@ -1,0 +1,27 @@
+// Which random numbers an integrator uses for what: the one table of the sampler's dimensions.
+//
+//   0..15                 the camera: filter, lens (render/session.cpp)
+//   16 + 16 * v + ...     vertex v of the path, counted from the camera, transparent surfaces included
+//
+// The sampler gives two stratified numbers a dimension, and three by joining a second one.
+#pragma once
+
+#include <cstdint>
+
+namespace rayleaf {
+
+enum class PathDimension : uint32_t {
+    Light = 0,         ///< which light, and where on it: three numbers
+    Scatter = 1,       ///< which lobe, and the direction: three numbers
+    Transparency = 2,  ///< straight on or scattered
+    Roulette = 3
+};
+
+constexpr uint32_t kFirstPathDimension = 16;
+constexpr uint32_t kDimensionsPerVertex = 16;
+
+constexpr uint32_t dimension(int vertex, PathDimension use) {
+    return kFirstPathDimension + kDimensionsPerVertex * static_cast<uint32_t>(vertex) + static_cast<uint32_t>(use);
+}
+
+}  // namespace rayleaf

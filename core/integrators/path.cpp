@@ -1,0 +1,296 @@
+#include "integrators/path.h"
+
+#include "integrators/bounces.h"
+#include "integrators/contributions.h"
+#include "integrators/dimensions.h"
+#include "integrators/scattered_differential.h"
+#include "integrators/shadow.h"
+
+namespace rayleaf {
+namespace {
+
+/// A surface at least this opaque is the one that Depth, Normal and the like describe (Blender's default threshold).
+constexpr float kPassOpacity = 0.5f;
+/// Depth where nothing is hit, as Blender's.
+constexpr float kNoDepth = 1e10f;
+/// The least probability of going on: bounds what a surviving path is multiplied by.
+constexpr float kLeastSurvival = 0.05f;
+
+float average(const Color& c) {
+    return (c.x + c.y + c.z) * (1.0f / 3.0f);
+}
+
+/// Weight of the technique with density `a` beside one with density `b` (Veach 1997, equation 9.15, beta 2). Of the
+/// ratio, so that no square leaves the range of floats.
+float power_heuristic(float a, float b) {
+    const float ratio = b / a;
+    return 1.0f / (1.0f + ratio * ratio);
+}
+
+/// How the ray under way came about: what light sampling would have done instead.
+struct Departure {
+    Vec3d position{0, 0, 0};  ///< where lights were sampled
+    float density = 0;        ///< with which scattering chose the direction; 0: no light sampling could have
+
+    float weight(float light_density) const {
+        return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_density) : 1.0f;
+    }
+};
+
+/// A hit and all that is known there.
+struct Vertex {
+    SurfacePoint point;
+    Vec3f outgoing;
+    RayDifferential differential;
+    Closures closures;
+};
+
+class PathTracer {
+  public:
+    PathTracer(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray, const Sampler& sampler)
+        : scene_(scene),
+          settings_(settings),
+          sampler_(sampler),
+          ray_(camera_ray.ray),
+          differential_(camera_ray.differential),
+          departure_{camera_ray.ray.origin},
+          bounces_(settings),
+          light_(settings) {}
+
+    PixelSample trace();
+
+  private:
+    const Scene& scene_;
+    const PathSettings& settings_;
+    const Sampler& sampler_;
+    Ray ray_;
+    RayDifferential differential_;
+    Departure departure_;
+    Color throughput_{1, 1, 1};
+    Bounces bounces_;
+    Contributions light_;
+    ByKind first_shares_;  ///< of the first scattering
+    float alpha_ = 1;
+    bool surface_recorded_ = false;
+    int vertex_ = 0;
+
+    float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
+
+    /// Records light that the ray under way met, before the path's throughput; `seen` is its pass where the camera sees
+    /// it.
+    void add(const Color& radiance, Pass seen);
+    void add_lamps(double t_max);
+    void add_world();
+    void add_emission(const Vertex& vertex);
+    void add_direct_light(const Vertex& vertex);
+    void record_surface(const Vertex& vertex);
+    void write_surface(const Vertex& vertex);
+
+    /// True if the path goes on past the surface.
+    bool leave(const Vertex& vertex);
+    bool pass_through(const Vertex& vertex, float probability);
+    bool scatter(const Vertex& vertex);
+    bool survives_roulette();
+    float straight_probability(const Closures& closures) const;
+};
+
+PixelSample PathTracer::trace() {
+    for (;; ++vertex_) {
+        const std::optional<Hit> hit = scene_.tracer().closest_hit(ray_, bounces_.ray_kind());
+        add_lamps(hit ? hit->t : std::numeric_limits<double>::infinity());
+        if (!hit) {
+            add_world();
+            break;
+        }
+        Vertex vertex;
+        vertex.point = scene_.tracer().surface_point(ray_, *hit);
+        const Vec3f direction(ray_.direction);
+        vertex.outgoing = -direction;
+        vertex.differential = differential_.transferred(direction, hit->t, vertex.point.facet_normal);
+        scene_.shade(vertex.point, vertex.outgoing, vertex.differential, bounces_.at(hit->t), vertex.closures);
+        if (bounces_.count() == 0) record_surface(vertex);
+        add_emission(vertex);
+        if (!bounces_.is_last()) add_direct_light(vertex);
+        if (!leave(vertex)) break;
+    }
+    if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
+    light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
+    return light_.sample;
+}
+
+void PathTracer::add(const Color& radiance, Pass seen) {
+    const Color light = throughput_ * radiance;
+    if (bounces_.count() == 0)
+        light_.add_seen(seen, light);
+    else
+        light_.add_scattered(light, bounces_.count(), first_shares_);
+}
+
+void PathTracer::add_lamps(double t_max) {
+    if (!scene_.lights().has_hittable_lamps()) return;
+    Ray ray = ray_;
+    ray.t_max = t_max;
+    scene_.lights().lamp_hits(ray, departure_.position, bounces_.ray_kind(), [this](const LampHit& hit) {
+        add(hit.radiance * departure_.weight(hit.density), Pass::emission);
+    });
+}
+
+void PathTracer::add_world() {
+    if (bounces_.count() == 0 && settings_.film_transparent) {
+        alpha_ -= average(throughput_);
+        return;
+    }
+    if (!scene_.has_world()) return;
+    const Vec3f direction(ray_.direction);
+    const float density =
+        departure_.density > 0.0f ? scene_.lights().world_density(direction, departure_.position) : 0.0f;
+    const Color radiance = scene_.world(direction, differential_, bounces_.at(0));
+    add(radiance * departure_.weight(density), Pass::environment);
+}
+
+void PathTracer::add_emission(const Vertex& vertex) {
+    if (is_black(vertex.closures.emission)) return;
+    const float density =
+        departure_.density > 0.0f ? scene_.lights().emitter_density(departure_.position, vertex.point) : 0.0f;
+    add(vertex.closures.emission * departure_.weight(density), Pass::emission);
+}
+
+void PathTracer::add_direct_light(const Vertex& vertex) {
+    if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
+    const std::optional<LightSample> light =
+        scene_.lights().sample(vertex.point.position, sampler_.get3(dimension(vertex_, PathDimension::Light)));
+    if (!light) return;
+    const Closures& closures = vertex.closures;
+    const Vec3f& facet = vertex.point.facet_normal;
+    const bool first = bounces_.count() == 0;
+    const bool split = (first && settings_.light_passes) || light->visibility != kVisibleAll;
+    ByKind parts;
+    Color value(0.0f);
+    if (split) {
+        constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
+        for (const LobeKind kind : kLobeKinds) {
+            if (!(light->visibility & kSeenBy[static_cast<size_t>(kind)])) continue;
+            parts[kind] = closures.evaluate(vertex.outgoing, light->direction, facet, kind);
+            value += parts[kind];
+        }
+    } else {
+        value = closures.evaluate(vertex.outgoing, light->direction, facet);
+    }
+    if (is_black(value)) return;
+    const float weight =
+        light->delta ? 1.0f
+                     : power_heuristic(light->density, closures.density(vertex.outgoing, light->direction, facet));
+    const Color arriving = throughput_ * value * (light->radiance / light->density) * weight;
+    if (is_black(arriving)) return;
+    const Color free = shadow_transmittance(scene_, vertex.point, *light, vertex.differential, bounces_);
+    if (is_black(free)) return;
+    if (first)
+        light_.add_first(arriving * free, split ? shares_of(parts, value) : ByKind{});
+    else
+        light_.add_scattered(arriving * free, bounces_.count() + 1, first_shares_);
+}
+
+void PathTracer::record_surface(const Vertex& vertex) {
+    const Closures& closures = vertex.closures;
+    if (settings_.film_transparent) alpha_ -= average(throughput_) * closures.holdout;
+    if (settings_.color_passes) {
+        constexpr std::array kColors = {Pass::diffuse_color, Pass::glossy_color, Pass::transmission_color};
+        for (const LobeKind kind : kLobeKinds)
+            light_.sample.add(kColors[static_cast<size_t>(kind)], throughput_ * closures.albedo(vertex.outgoing, kind));
+    }
+    if (!settings_.surface_passes || surface_recorded_ || 1.0f - average(closures.transparency) < kPassOpacity) return;
+    surface_recorded_ = true;
+    write_surface(vertex);
+}
+
+void PathTracer::write_surface(const Vertex& vertex) {
+    const SurfacePoint& point = vertex.point;
+    PixelSample& sample = light_.sample;
+    const Vec3f position(point.position);
+    const Vec3f normal = point.normal.dot(vertex.outgoing) < 0.0f ? -point.normal : point.normal;
+    sample[Pass::depth].x = static_cast<float>(scene_.camera().depth(point.position));
+    sample[Pass::position] = Vec4f(position.x, position.y, position.z, 0.0f);
+    sample[Pass::normal] = Vec4f(normal.x, normal.y, normal.z, 0.0f);
+    sample[Pass::uv] = Vec4f(point.uv.x, point.uv.y, 1.0f, 0.0f);
+    sample[Pass::object_index].x = scene_.object_index(point.instance);
+    sample[Pass::material_index].x = scene_.material(point.instance, point.local).pass_index;
+}
+
+float PathTracer::straight_probability(const Closures& closures) const {
+    const float straight = max_component(closures.transparency);
+    if (!(straight > 0.0f)) return 0.0f;
+    if (bounces_.is_last()) return 1.0f;
+    float scattered = 0.0f;
+    for (int i = 0; i < closures.size(); ++i) scattered += max_component(closures[i].weight);
+    return straight / (straight + scattered);
+}
+
+bool PathTracer::leave(const Vertex& vertex) {
+    const float straight = straight_probability(vertex.closures);
+    if (straight >= 1.0f || (straight > 0.0f && random(PathDimension::Transparency) < straight))
+        return pass_through(vertex, straight);
+    if (bounces_.is_last() || vertex.closures.size() == 0) return false;
+    throughput_ /= 1.0f - straight;
+    return scatter(vertex);
+}
+
+bool PathTracer::pass_through(const Vertex& vertex, float probability) {
+    throughput_ *= vertex.closures.transparency / probability;
+    if (!bounces_.pass_through(vertex.point.t)) return false;
+    const Vec3f direction(ray_.direction);
+    const Vec3d origin = vertex.point.ray_origin(direction);
+    ray_.t_max -= (origin - ray_.origin).dot(ray_.direction);
+    ray_.t_min = 0;
+    ray_.origin = origin;
+    differential_ = vertex.differential;
+    return true;
+}
+
+bool PathTracer::scatter(const Vertex& vertex) {
+    const Vec3f& facet = vertex.point.facet_normal;
+    const std::optional<LobeSample> sample =
+        vertex.closures.sample(vertex.outgoing, facet, sampler_.get3(dimension(vertex_, PathDimension::Scatter)));
+    if (!sample) return false;
+    if (bounces_.count() == 0 && settings_.light_passes) {
+        ByKind parts;
+        if (sample->singular) {
+            first_shares_ = {};
+            first_shares_[sample->kind] = Color(1.0f);
+        } else {
+            Color total(0.0f);
+            for (const LobeKind kind : kLobeKinds) {
+                parts[kind] = vertex.closures.evaluate(vertex.outgoing, sample->direction, facet, kind);
+                total += parts[kind];
+            }
+            first_shares_ = shares_of(parts, total);
+        }
+    }
+    throughput_ *= sample->weight;
+    bounces_.scatter(*sample);
+    if (!survives_roulette()) return false;
+    differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
+    departure_ = {vertex.point.position, sample->singular ? 0.0f : sample->density};
+    ray_ = Ray{};
+    ray_.origin = vertex.point.ray_origin(sample->direction);
+    ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
+    return true;
+}
+
+bool PathTracer::survives_roulette() {
+    const float largest = max_component(throughput_);
+    if (!(largest > 0.0f) || !is_finite(throughput_)) return false;
+    if (bounces_.count() <= settings_.roulette_start) return true;
+    const float survival = std::clamp(largest, kLeastSurvival, 1.0f);
+    if (random(PathDimension::Roulette) >= survival) return false;
+    throughput_ /= survival;
+    return true;
+}
+
+}  // namespace
+
+PixelSample trace_path(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray,
+                       const Sampler& sampler) {
+    return PathTracer(scene, settings, camera_ray, sampler).trace();
+}
+
+}  // namespace rayleaf

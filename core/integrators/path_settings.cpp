@@ -1,0 +1,44 @@
+#include "integrators/path.h"
+
+#include <limits>
+
+namespace rayleaf {
+namespace {
+
+float limit_or_infinity(float limit) {
+    return limit > 0.0f ? limit : std::numeric_limits<float>::infinity();
+}
+
+constexpr uint32_t bit(Pass pass) {
+    return 1u << static_cast<uint32_t>(pass);
+}
+static_assert(kPassCount <= 32, "a pass is a bit");
+
+constexpr uint32_t kLightPasses = bit(Pass::diffuse_direct) | bit(Pass::diffuse_indirect) | bit(Pass::glossy_direct) |
+                                  bit(Pass::glossy_indirect) | bit(Pass::transmission_direct) |
+                                  bit(Pass::transmission_indirect);
+constexpr uint32_t kColorPasses = bit(Pass::diffuse_color) | bit(Pass::glossy_color) | bit(Pass::transmission_color);
+constexpr uint32_t kSurfacePasses = bit(Pass::depth) | bit(Pass::position) | bit(Pass::normal) | bit(Pass::uv) |
+                                    bit(Pass::object_index) | bit(Pass::material_index);
+
+}  // namespace
+
+PathSettings::PathSettings(const Settings& s)
+    : max_bounces(s.max_bounces),
+      diffuse_bounces(s.diffuse_bounces),
+      glossy_bounces(s.glossy_bounces),
+      transmission_bounces(s.transmission_bounces),
+      transparent_bounces(s.transparent_bounces),
+      roulette_start(s.roulette_start),
+      clamp_direct(limit_or_infinity(s.clamp_direct)),
+      clamp_indirect(limit_or_infinity(s.clamp_indirect)),
+      exposure(s.exposure),
+      film_transparent(s.film_transparent),
+      passes(0) {
+    for (const Pass pass : s.passes) passes |= bit(pass);
+    light_passes = (passes & kLightPasses) != 0;
+    color_passes = (passes & kColorPasses) != 0;
+    surface_passes = (passes & kSurfacePasses) != 0;
+}
+
+}  // namespace rayleaf

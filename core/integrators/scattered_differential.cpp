@@ -1,0 +1,51 @@
+#include "integrators/scattered_differential.h"
+
+namespace rayleaf {
+namespace {
+
+/// Opening of the widest lobe, radians: a pixel's worth of diffuse rays, some tens, share the hemisphere (Christensen
+/// et al. 2003, section 4.2).
+constexpr float kWidestLobe = 0.5f;
+
+/// Change of the texture coordinates for a step `dp` on the surface, by least squares.
+Vec2f parameter_step(const SurfacePoint& point, const Vec3f& dp) {
+    const float uu = point.dp_du.length2(), uv = point.dp_du.dot(point.dp_dv), vv = point.dp_dv.length2();
+    const float determinant = uu * vv - uv * uv;
+    if (!(determinant > 0.0f)) return Vec2f(0.0f);
+    const float u = point.dp_du.dot(dp), v = point.dp_dv.dot(dp);
+    const Vec2f step((vv * u - uv * v) / determinant, (uu * v - uv * u) / determinant);
+    return std::isfinite(step.x) && std::isfinite(step.y) ? step : Vec2f(0.0f);
+}
+
+Vec3f normal_step(const SurfacePoint& point, const Vec3f& dp) {
+    const Vec2f step = parameter_step(point, dp);
+    const Vec3f dn = point.dn_du * step.x + point.dn_dv * step.y;
+    return is_finite(dn) ? dn : Vec3f(0.0f);
+}
+
+/// The normal at which the lobe mirrored or refracted, facing the incoming side.
+Vec3f microfacet_normal(const Vec3f& direction, const SurfacePoint& point, const LobeSample& sample) {
+    const Vec3f otherwise = point.normal.dot(direction) < 0.0f ? point.normal : -point.normal;
+    const Vec3f sum = sample.transmitted ? direction * sample.eta - sample.direction : sample.direction - direction;
+    const Vec3f normal = normalized_or(sum, otherwise);
+    return normal.dot(direction) < 0.0f ? normal : -normal;
+}
+
+}  // namespace
+
+RayDifferential scattered_differential(const RayDifferential& differential, const Vec3f& direction,
+                                       const SurfacePoint& point, const LobeSample& sample) {
+    const bool diffuse = sample.kind == LobeKind::Diffuse;
+    if (diffuse) return widened(differential, sample.direction, kWidestLobe);
+    const Vec3f normal = microfacet_normal(direction, point, sample);
+    const float side = point.normal.dot(normal) < 0.0f ? -1.0f : 1.0f;
+    const Vec3f dn_dx = normal_step(point, differential.dp_dx) * side;
+    const Vec3f dn_dy = normal_step(point, differential.dp_dy) * side;
+    const RayDifferential mirrored = sample.transmitted
+                                         ? refracted(differential, direction, normal, dn_dx, dn_dy, sample.eta)
+                                         : reflected(differential, direction, normal, dn_dx, dn_dy);
+    if (sample.roughness <= 0.0f) return mirrored;
+    return widened(mirrored, sample.direction, kWidestLobe * sample.roughness);
+}
+
+}  // namespace rayleaf

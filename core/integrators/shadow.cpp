@@ -1,0 +1,51 @@
+#include "integrators/shadow.h"
+
+namespace rayleaf {
+namespace {
+
+/// Share of the way to a light that is left unchecked at its end, so that the light's own surface does not shade it:
+/// directions are floats, with some 1e-7 of relative error.
+constexpr double kUncheckedEnd = 1e-6;
+
+Ray shadow_ray(const SurfacePoint& point, const LightSample& light) {
+    Ray ray;
+    ray.origin = point.ray_origin(light.direction);
+    ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
+    ray.t_max = (light.distance - (ray.origin - point.position).dot(ray.direction)) * (1.0 - kUncheckedEnd);
+    return ray;
+}
+
+Color transmittance_through(const Scene& scene, Ray ray, RayDifferential differential, const Bounces& bounces) {
+    PathState state = bounces.of_shadow_ray();
+    Color transmittance(1.0f);
+    const Vec3f outgoing = -Vec3f(ray.direction);
+    for (int left = bounces.transparent_left();; --left) {
+        const std::optional<Hit> hit = scene.tracer().closest_hit(ray, kVisibleShadow);
+        if (!hit) return transmittance;
+        if (left <= 0 || !scene.material(hit->instance, hit->local).surface->may_be_transparent()) return Color(0.0f);
+        const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
+        state.ray_length += static_cast<float>(hit->t);
+        differential = differential.transferred(Vec3f(ray.direction), hit->t, point.facet_normal);
+        Closures closures;
+        scene.shade(point, outgoing, differential, state, closures);
+        transmittance *= closures.transparency;
+        if (!(max_component(transmittance) > 0.0f)) return Color(0.0f);
+        ++state.transparent_depth;
+        const Vec3d origin = point.ray_origin(Vec3f(ray.direction));
+        ray.t_max -= (origin - ray.origin).dot(ray.direction);
+        ray.origin = origin;
+    }
+}
+
+}  // namespace
+
+Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
+                           const RayDifferential& differential, const Bounces& bounces) {
+    if (!light.casts_shadow) return Color(1.0f);
+    const Ray ray = shadow_ray(point, light);
+    if (!(ray.t_max > 0)) return Color(1.0f);
+    if (scene.has_transparency()) return transmittance_through(scene, ray, differential, bounces);
+    return scene.tracer().occluded(ray, kVisibleShadow) ? Color(0.0f) : Color(1.0f);
+}
+
+}  // namespace rayleaf
