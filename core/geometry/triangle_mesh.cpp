@@ -1,0 +1,212 @@
+#include "geometry/triangle_mesh.h"
+
+#include "base/error.h"
+
+#include <algorithm>
+
+namespace rayleaf {
+namespace {
+
+/// More slots than Blender offers.
+constexpr int32_t kLargestMaterialSlot = 65535;
+
+void require_finite(const std::string& name, const char* argument, std::span<const float> values) {
+    const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
+    if (bad == values.end()) return;
+    throw InputError(name, argument + ("[" + std::to_string(bad - values.begin()) + "]"), std::to_string(*bad),
+                     "a finite number");
+}
+
+void require_size(const std::string& name, const char* argument, size_t got, size_t wanted) {
+    if (got != wanted) throw InputError(name, argument, std::to_string(got) + " numbers", std::to_string(wanted));
+}
+
+void require_multiple_of_three(const std::string& name, const char* argument, size_t got) {
+    if (got % 3 != 0) throw InputError(name, argument, std::to_string(got) + " numbers", "a multiple of 3");
+}
+
+/// How the weights of vertices 1 and 2 change with the texture coordinates; zero where those do not span the triangle.
+struct WeightDerivatives {
+    Vec2d by_u{0, 0}, by_v{0, 0};
+};
+
+WeightDerivatives weight_derivatives(const Vec2f& uv0, const Vec2f& uv1, const Vec2f& uv2) {
+    const Vec2d a = Vec2d(uv1) - Vec2d(uv0), b = Vec2d(uv2) - Vec2d(uv0);
+    const double determinant = a.x * b.y - a.y * b.x;
+    if (determinant == 0.0) return {};
+    const WeightDerivatives result{Vec2d(b.y, -a.y) / determinant, Vec2d(-b.x, a.x) / determinant};
+    const bool usable = std::isfinite(result.by_u.x + result.by_u.y + result.by_v.x + result.by_v.y);
+    return usable ? result : WeightDerivatives{};
+}
+
+/// As a vector of floats; one that does not fit is no derivative anyone can use.
+Vec3f float_or_zero(const Vec3d& v) {
+    const Vec3f result(v);
+    return is_finite(result) ? result : Vec3f(0.0f);
+}
+
+}  // namespace
+
+TriangleMesh::TriangleMesh(TriangleMeshArrays arrays) : Shape(ShapeKind::TriangleMesh, std::move(arrays.name)) {
+    require_multiple_of_three(name(), "vertices", arrays.vertices.size());
+    require_finite(name(), "vertices", arrays.vertices);
+    const size_t count = arrays.vertices.size() / 3;
+    const auto vertex = [&](size_t i) {
+        return Vec3d(arrays.vertices[3 * i], arrays.vertices[3 * i + 1], arrays.vertices[3 * i + 2]);
+    };
+    for (size_t i = 0; i < count; ++i) object_bounds_.extendBy(vertex(i));
+    frame_ = LocalFrame::fitting(object_bounds_);
+    vertices_.reserve(count);
+    for (size_t i = 0; i < count; ++i) {
+        vertices_.push_back(frame_.to_local(vertex(i)));
+        bounds_.extendBy(vertices_.back());
+    }
+    set_triangles(arrays.triangles);
+    set_corner_normals(arrays.corner_normals);
+    set_material_slots(arrays.material_slots);
+    set_attributes(std::move(arrays.attributes), arrays.active_uv);
+}
+
+void TriangleMesh::set_triangles(std::span<const int32_t> triangles) {
+    require_multiple_of_three(name(), "triangles", triangles.size());
+    const auto vertex_count = static_cast<int64_t>(vertices_.size());
+    triangles_.resize(triangles.size() / 3);
+    for (size_t i = 0; i < triangles.size(); ++i) {
+        if (triangles[i] < 0 || triangles[i] >= vertex_count)
+            throw InputError(name(), "triangles[" + std::to_string(i) + "]", std::to_string(triangles[i]),
+                             "a vertex index below " + std::to_string(vertex_count));
+        triangles_[i / 3][i % 3] = static_cast<uint32_t>(triangles[i]);
+    }
+    for (uint32_t i = 0; i < triangles_.size(); ++i)
+        if (max_abs(area_vector(corners(i))) == 0.0) triangles_[i].fill(triangles_[i][0]);
+}
+
+void TriangleMesh::set_corner_normals(std::span<const float> normals) {
+    if (normals.empty()) return;
+    require_size(name(), "corner_normals", normals.size(), 9 * triangles_.size());
+    require_finite(name(), "corner_normals", normals);
+    corner_normals_.reserve(3 * triangles_.size());
+    for (size_t i = 0; i < normals.size(); i += 3)
+        corner_normals_.push_back(normalized_or(Vec3f(normals[i], normals[i + 1], normals[i + 2]), Vec3f(0.0f)));
+}
+
+void TriangleMesh::set_material_slots(std::span<const int32_t> slots) {
+    if (slots.empty()) return;
+    require_size(name(), "material_slots", slots.size(), triangles_.size());
+    material_slots_.reserve(slots.size());
+    for (const int32_t slot : slots) {
+        if (slot < 0 || slot > kLargestMaterialSlot)
+            throw InputError(name(), "material_slots", std::to_string(slot),
+                             "0 to " + std::to_string(kLargestMaterialSlot));
+        material_slots_.push_back(static_cast<uint16_t>(slot));
+    }
+}
+
+void TriangleMesh::set_attributes(std::vector<CornerAttribute> attributes, AttributeId active_uv) {
+    attributes_ = std::move(attributes);
+    for (size_t i = 0; i < attributes_.size(); ++i) {
+        const CornerAttribute& attribute = attributes_[i];
+        const std::string argument = "attributes[" + std::to_string(i) + "]";
+        if (attribute.channels < 1 || attribute.channels > 4)
+            throw InputError(name(), argument + ".channels", std::to_string(attribute.channels), "1 to 4");
+        require_size(name(), argument.c_str(), attribute.values.size(), 3 * triangles_.size() * attribute.channels);
+        require_finite(name(), argument.c_str(), attribute.values);
+        if (attribute.id == active_uv && attribute.channels >= 2) active_uv_ = static_cast<int>(i);
+    }
+}
+
+FacetCorners TriangleMesh::corners(uint32_t triangle) const {
+    const std::array<uint32_t, 3>& indices = triangles_[triangle];
+    return {Vec3d(vertices_[indices[0]]), Vec3d(vertices_[indices[1]]), Vec3d(vertices_[indices[2]])};
+}
+
+Vec2f TriangleMesh::corner_uv(uint32_t triangle, int corner) const {
+    const CornerAttribute& uv = attributes_[active_uv_];
+    const float* value = &uv.values[(3 * static_cast<size_t>(triangle) + corner) * uv.channels];
+    return {value[0], value[1]};
+}
+
+LocalSurface TriangleMesh::surface(const LocalHit& hit) const {
+    LocalSurface result;
+    result.position = hit.position;
+    const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
+    result.normal = facet_normal;
+    const FacetCorners p = corners(hit.primitive);
+    WeightDerivatives weights;
+    if (active_uv_ >= 0) {
+        const Vec2f uv0 = corner_uv(hit.primitive, 0), uv1 = corner_uv(hit.primitive, 1);
+        const Vec2f uv2 = corner_uv(hit.primitive, 2);
+        result.uv = uv0 + (uv1 - uv0) * hit.u + (uv2 - uv0) * hit.v;
+        weights = weight_derivatives(uv0, uv1, uv2);
+        const Vec3d edge1 = p[1] - p[0], edge2 = p[2] - p[0];
+        result.dp_du = float_or_zero(edge1 * weights.by_u.x + edge2 * weights.by_u.y);
+        result.dp_dv = float_or_zero(edge1 * weights.by_v.x + edge2 * weights.by_v.y);
+    }
+    if (corner_normals_.empty()) return result;
+
+    const Vec3f* normals = &corner_normals_[3 * static_cast<size_t>(hit.primitive)];
+    const Vec3f sum = normals[0] * (1.0f - hit.u - hit.v) + normals[1] * hit.u + normals[2] * hit.v;
+    Vec3f normal = normalized_or(sum, facet_normal);
+    const float side = normal.dot(facet_normal) < 0.0f ? -1.0f : 1.0f;
+    normal *= side;
+    result.normal = normal;
+    // Derivative of n = s/|s|: (s' - n (n.s')) / |s|.
+    const float length = sum.length();
+    if (!(length > 0.0f)) return result;
+    const auto derivative = [&](const Vec2d& weight) {
+        const Vec3d change = Vec3d(normals[1] - normals[0]) * weight.x + Vec3d(normals[2] - normals[0]) * weight.y;
+        const Vec3d n(normal);
+        return float_or_zero((change - n * n.dot(change)) * (static_cast<double>(side) / length));
+    };
+    result.dn_du = derivative(weights.by_u);
+    result.dn_dv = derivative(weights.by_v);
+    return result;
+}
+
+const CornerAttribute* TriangleMesh::find_attribute(AttributeId id) const {
+    const auto found = std::find_if(attributes_.begin(), attributes_.end(),
+                                    [id](const CornerAttribute& attribute) { return attribute.id == id; });
+    return found == attributes_.end() ? nullptr : &*found;
+}
+
+std::optional<Vec4f> TriangleMesh::attribute(AttributeId id, const LocalHit& hit) const {
+    const CornerAttribute* found = find_attribute(id);
+    if (!found) return std::nullopt;
+    Vec4f result(0, 0, 0, 1);
+    const int channels = found->channels;
+    const float* corner = &found->values[3 * static_cast<size_t>(hit.primitive) * channels];
+    const float weights[3] = {1.0f - hit.u - hit.v, hit.u, hit.v};
+    for (int c = 0; c < channels; ++c)
+        result[c] = corner[c] * weights[0] + corner[channels + c] * weights[1] + corner[2 * channels + c] * weights[2];
+    return result;
+}
+
+uint32_t TriangleMesh::material_slot(const LocalHit& hit) const {
+    return material_slots_.empty() ? 0u : material_slots_[hit.primitive];
+}
+
+ElementPoint TriangleMesh::element_point(uint32_t element, const Vec2f& parameters) const {
+    ElementPoint result;
+    const bool mirrored = parameters.x + parameters.y > 1.0f;
+    result.hit.primitive = element;
+    result.hit.u = mirrored ? 1.0f - parameters.x : parameters.x;
+    result.hit.v = mirrored ? 1.0f - parameters.y : parameters.y;
+    const FacetCorners p = corners(element);
+    const double u = result.hit.u, v = result.hit.v;
+    result.hit.position = p[0] + (p[1] - p[0]) * u + (p[2] - p[0]) * v;
+    const Vec3d area = area_vector(p);
+    result.hit.normal = Vec3f(normalized_or(area, Vec3d(0, 0, 1)));
+    result.normal = result.hit.normal;
+    result.area_factor = static_cast<float>(0.5 * area.length());
+    return result;
+}
+
+size_t TriangleMesh::bytes() const {
+    size_t total = sizeof(*this) + vertices_.capacity() * sizeof(Vec3f) +
+                   triangles_.capacity() * sizeof(triangles_[0]) + corner_normals_.capacity() * sizeof(Vec3f) +
+                   material_slots_.capacity() * sizeof(uint16_t);
+    for (const CornerAttribute& attribute : attributes_) total += attribute.values.capacity() * sizeof(float);
+    return total;
+}
+
+}  // namespace rayleaf

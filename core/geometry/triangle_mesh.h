@@ -1,0 +1,74 @@
+// A triangle mesh with normals, texture coordinates and attributes per corner.
+//
+// Corner c of triangle t is entry 3 t + c of every per-corner array. A triangle without area is kept in the numbering,
+// but its three vertices are made one, so that no ray can hit it.
+#pragma once
+
+#include "geometry/facet.h"
+#include "geometry/shape.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+/// No attribute.
+inline constexpr AttributeId kNoAttribute = -1;
+
+/// Values of an attribute, one per corner; `channels` (1..4) floats each.
+struct CornerAttribute {
+    AttributeId id = kNoAttribute;
+    int channels = 0;
+    std::vector<float> values;
+};
+
+/// What a mesh is made of; the spans are read during construction only.
+struct TriangleMeshArrays {
+    std::string name;                         ///< for messages
+    std::span<const float> vertices;          ///< x,y,z each, object space
+    std::span<const int32_t> triangles;       ///< three vertex indices each, counter-clockwise seen from the outside
+    std::span<const float> corner_normals;    ///< nine floats a triangle, object space; empty: flat
+    std::span<const int32_t> material_slots;  ///< one a triangle; empty: slot 0 everywhere
+    AttributeId active_uv = kNoAttribute;  ///< the attribute that is the surface's `uv`; the first two channels count
+    std::vector<CornerAttribute> attributes;
+};
+
+class TriangleMesh final : public Shape {
+  public:
+    explicit TriangleMesh(TriangleMeshArrays arrays);
+
+    uint32_t element_count() const override { return static_cast<uint32_t>(triangles_.size()); }
+    LocalSurface surface(const LocalHit& hit) const override;
+    std::optional<Vec4f> attribute(AttributeId id, const LocalHit& hit) const override;
+    uint32_t material_slot(const LocalHit& hit) const override;
+    uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
+    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    size_t bytes() const override;
+
+    /// Local space.
+    const std::vector<Vec3f>& vertices() const { return vertices_; }
+    /// Vertex indices; those of a triangle without area are all equal.
+    const std::vector<std::array<uint32_t, 3>>& triangles() const { return triangles_; }
+    FacetCorners corners(uint32_t triangle) const;
+
+  private:
+    std::vector<Vec3f> vertices_;
+    std::vector<std::array<uint32_t, 3>> triangles_;
+    std::vector<Vec3f> corner_normals_;  ///< unit; empty: flat
+    std::vector<uint16_t> material_slots_;
+    std::vector<CornerAttribute> attributes_;
+    int active_uv_ = -1;  ///< index into attributes_
+
+    void set_triangles(std::span<const int32_t> triangles);
+    void set_corner_normals(std::span<const float> normals);
+    void set_material_slots(std::span<const int32_t> slots);
+    void set_attributes(std::vector<CornerAttribute> attributes, AttributeId active_uv);
+    Vec2f corner_uv(uint32_t triangle, int corner) const;
+    const CornerAttribute* find_attribute(AttributeId id) const;
+};
+
+}  // namespace rayleaf

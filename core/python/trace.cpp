@@ -1,0 +1,196 @@
+#include "geometry/triangle_mesh.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "trace/tracer.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+using Placement = std::tuple<std::shared_ptr<Shape>, Array<double>, int>;
+
+std::shared_ptr<TriangleMesh> make_mesh(const std::string& name, const Array<float>& vertices,
+                                        const Array<int32_t>& triangles, const Array<float>& corner_normals,
+                                        const Array<int32_t>& material_slots, const Array<float>& uv) {
+    TriangleMeshArrays arrays;
+    arrays.name = name;
+    arrays.vertices = span_of(vertices);
+    arrays.triangles = span_of(triangles);
+    arrays.corner_normals = span_of(corner_normals);
+    arrays.material_slots = span_of(material_slots);
+    if (uv.size() > 0) {
+        arrays.active_uv = 0;
+        arrays.attributes.push_back({0, 2, std::vector<float>(uv.data(), uv.data() + uv.size())});
+    }
+    return std::make_shared<TriangleMesh>(std::move(arrays));
+}
+
+std::unique_ptr<Tracer> make_tracer(const std::vector<Placement>& placements, double pixel_angle,
+                                    const std::array<double, 3>& eye) {
+    std::vector<TracedInstance> instances;
+    instances.reserve(placements.size());
+    for (const auto& [shape, matrix, visibility] : placements)
+        instances.push_back({shape, affine_of(shape->name(), matrix), static_cast<uint8_t>(visibility)});
+    DicingView view;
+    view.pixel_angle = pixel_angle;
+    view.eye = {eye[0], eye[1], eye[2]};
+    const py::gil_scoped_release released;
+    return std::make_unique<Tracer>(std::move(instances), view);
+}
+
+/// Rays from arrays of three doubles each, with t_min and t_max per ray.
+struct Rays {
+    Array<double> origins, directions, t_min, t_max;
+
+    size_t size() const { return static_cast<size_t>(origins.size() / 3); }
+    Ray operator[](size_t i) const {
+        const double *o = origins.data() + 3 * i, *d = directions.data() + 3 * i;
+        Ray ray;
+        ray.origin = {o[0], o[1], o[2]};
+        ray.direction = {d[0], d[1], d[2]};
+        ray.t_min = t_min.data()[t_min.size() == 1 ? 0 : i];
+        ray.t_max = t_max.data()[t_max.size() == 1 ? 0 : i];
+        return ray;
+    }
+};
+
+Rays rays_from(const Array<double>& origins, const Array<double>& directions, const Array<double>& t_min,
+               const Array<double>& t_max) {
+    const auto count = origins.size() / 3;
+    if (origins.size() % 3 != 0 || directions.size() != origins.size())
+        throw py::value_error("origins and directions must both have shape (n, 3)");
+    if ((t_min.size() != 1 && t_min.size() != count) || (t_max.size() != 1 && t_max.size() != count))
+        throw py::value_error("t_min and t_max must be numbers or have one number a ray");
+    return {origins, directions, t_min, t_max};
+}
+
+Array<double> number(double value) {
+    Array<double> array(1);
+    *array.mutable_data() = value;
+    return array;
+}
+
+template <typename T>
+py::array_t<T> columns(size_t rows, size_t count) {
+    return py::array_t<T>(std::vector<size_t>{rows, count});
+}
+
+template <typename V, typename T>
+void store(const V& value, T* out) {
+    for (int i = 0; i < 3; ++i) out[i] = value[i];
+}
+
+py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
+                      const Array<double>& t_min, const Array<double>& t_max, int kind) {
+    const Rays rays = rays_from(origins, directions, t_min, t_max);
+    const size_t n = rays.size();
+    py::array_t<double> t(n), offset(n), position = columns<double>(n, 3), facet = columns<double>(n, 3);
+    py::array_t<int32_t> instance(n), primitive(n);
+    py::array_t<float> u(n), v(n), normal = columns<float>(n, 3), facet_normal = columns<float>(n, 3);
+    py::array_t<float> uv = columns<float>(n, 2);
+    py::array_t<float> derivatives(std::vector<size_t>{n, 4, 3});
+    double *t_out = t.mutable_data(), *offset_out = offset.mutable_data();
+    double *position_out = position.mutable_data(), *facet_out = facet.mutable_data();
+    int32_t *instance_out = instance.mutable_data(), *primitive_out = primitive.mutable_data();
+    float *u_out = u.mutable_data(), *v_out = v.mutable_data(), *uv_out = uv.mutable_data();
+    float *normal_out = normal.mutable_data(), *facet_normal_out = facet_normal.mutable_data();
+    float* derivatives_out = derivatives.mutable_data();
+    const auto trace = [&](size_t i) {
+        const Ray ray = rays[i];
+        const std::optional<Hit> hit = tracer.closest_hit(ray, static_cast<Visibility>(kind));
+        SurfacePoint point;
+        if (hit) point = tracer.surface_point(ray, *hit);
+        t_out[i] = hit ? hit->t : std::numeric_limits<double>::infinity();
+        instance_out[i] = hit ? static_cast<int32_t>(hit->instance) : -1;
+        primitive_out[i] = hit ? static_cast<int32_t>(hit->local.primitive) : -1;
+        u_out[i] = hit ? hit->local.u : 0.0f;
+        v_out[i] = hit ? hit->local.v : 0.0f;
+        offset_out[i] = point.start_offset;
+        store(point.position, position_out + 3 * i);
+        store(point.facet_position, facet_out + 3 * i);
+        store(point.normal, normal_out + 3 * i);
+        store(point.facet_normal, facet_normal_out + 3 * i);
+        uv_out[2 * i] = point.uv.x;
+        uv_out[2 * i + 1] = point.uv.y;
+        store(point.dp_du, derivatives_out + 12 * i);
+        store(point.dp_dv, derivatives_out + 12 * i + 3);
+        store(point.dn_du, derivatives_out + 12 * i + 6);
+        store(point.dn_dv, derivatives_out + 12 * i + 9);
+    };
+    {
+        const py::gil_scoped_release released;
+        tbb::parallel_for(size_t{0}, n, trace);
+    }
+    py::dict result;
+    result["t"] = t;
+    result["instance"] = instance;
+    result["primitive"] = primitive;
+    result["u"] = u;
+    result["v"] = v;
+    result["uv"] = uv;
+    result["position"] = position;
+    result["facet_position"] = facet;
+    result["normal"] = normal;
+    result["facet_normal"] = facet_normal;
+    result["start_offset"] = offset;
+    result["derivatives"] = derivatives;
+    return result;
+}
+
+py::array_t<bool> occluded(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
+                           const Array<double>& t_min, const Array<double>& t_max, int kind) {
+    const Rays rays = rays_from(origins, directions, t_min, t_max);
+    py::array_t<bool> result(rays.size());
+    bool* out = result.mutable_data();
+    const py::gil_scoped_release released;
+    tbb::parallel_for(size_t{0}, rays.size(),
+                      [&](size_t i) { out[i] = tracer.occluded(rays[i], static_cast<Visibility>(kind)); });
+    return result;
+}
+
+py::dict statistics(const Tracer& tracer) {
+    const TraceStatistics s = tracer.statistics();
+    py::dict result;
+    result["subpatches"] = s.subpatches;
+    result["grids_diced"] = s.grids_diced;
+    result["grid_bytes"] = s.grid_bytes;
+    result["bvh_bytes"] = s.bvh_bytes;
+    result["triangles"] = s.triangles;
+    result["instances"] = s.instances;
+    result["shapes"] = s.shapes;
+    return result;
+}
+
+py::tuple bounds(const Tracer& tracer) {
+    const Box3d box = tracer.bounds();
+    return py::make_tuple(std::array{box.min.x, box.min.y, box.min.z}, std::array{box.max.x, box.max.y, box.max.z});
+}
+
+}  // namespace
+
+void bind_trace(py::module_& parent) {
+    py::module_ module = parent.def_submodule("trace", "Shapes and rays against them, for tests and benchmarks.");
+    py::class_<Shape, std::shared_ptr<Shape>>(module, "Shape", "A renderable shape in its own space.")
+        .def_property_readonly("name", &Shape::name)
+        .def_property_readonly("element_count", &Shape::element_count)
+        .def_property_readonly("bytes", &Shape::bytes);
+    py::class_<TriangleMesh, Shape, std::shared_ptr<TriangleMesh>>(module, "TriangleMesh", "A triangle mesh.")
+        .def(py::init(&make_mesh), py::arg("name"), py::arg("vertices"), py::arg("triangles"),
+             py::arg("corner_normals") = Array<float>(0), py::arg("material_slots") = Array<int32_t>(0),
+             py::arg("uv") = Array<float>(0));
+
+    const Array<double> zero = number(0.0), infinity = number(std::numeric_limits<double>::infinity());
+    py::class_<Tracer>(module, "Tracer", "Rays against instances: (shape, 4x4 matrix, visibility) each.")
+        .def(py::init(&make_tracer), py::arg("instances"), py::arg("pixel_angle") = 1e-3,
+             py::arg("eye") = std::array<double, 3>{0, 0, 0})
+        .def("closest_hits", &closest_hits, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
+             py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
+        .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
+             py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
+        .def("bounds", &bounds)
+        .def("statistics", &statistics);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,67 @@
+#include "trace/embree.h"
+
+#include <atomic>
+#include <stdexcept>
+#include <string>
+
+namespace rayleaf {
+namespace {
+
+std::atomic<int64_t> bytes_held{0};
+
+bool count_bytes(void*, ssize_t bytes, bool /*after_the_fact*/) {
+    bytes_held.fetch_add(bytes, std::memory_order_relaxed);
+    return true;
+}
+
+RTCDevice make_device() {
+    RTCDevice device = rtcNewDevice(nullptr);
+    if (!device) throw std::runtime_error("Embree cannot start on this machine");
+    rtcSetDeviceMemoryMonitorFunction(device, count_bytes, nullptr);
+    return device;
+}
+
+const char* error_text(RTCError error) {
+    switch (error) {
+        case RTC_ERROR_OUT_OF_MEMORY:
+            return "out of memory";
+        case RTC_ERROR_UNSUPPORTED_CPU:
+            return "unsupported processor";
+        case RTC_ERROR_CANCELLED:
+            return "cancelled";
+        case RTC_ERROR_INVALID_ARGUMENT:
+        case RTC_ERROR_INVALID_OPERATION:
+            return "invalid use";
+        default:
+            return "unknown error";
+    }
+}
+
+}  // namespace
+
+RTCDevice embree_device() {
+    static RTCDevice device = make_device();
+    return device;
+}
+
+EmbreeScene new_embree_scene() {
+    EmbreeScene scene(rtcNewScene(embree_device()));
+    rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    return scene;
+}
+
+void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene.get(), geometry, 0);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene.get());
+    const RTCError error = rtcGetDeviceError(embree_device());
+    if (error != RTC_ERROR_NONE) throw std::runtime_error(std::string("Embree: ") + error_text(error));
+}
+
+uint64_t embree_bytes() {
+    return static_cast<uint64_t>(std::max<int64_t>(0, bytes_held.load(std::memory_order_relaxed)));
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,79 @@
+// The only header that includes Embree, and the one place that knows how Embree 3.13 and 4 differ.
+#pragma once
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <cstdint>
+#include <utility>
+
+namespace rayleaf {
+
+#if RTC_VERSION_MAJOR >= 4
+using EmbreeContext = RTCRayQueryContext;
+
+inline void initialize(EmbreeContext& context) {
+    rtcInitRayQueryContext(&context);
+}
+inline void embree_closest(RTCScene scene, EmbreeContext& context, RTCRayHit& ray) {
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &context;
+    rtcIntersect1(scene, &ray, &arguments);
+}
+inline void embree_any(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = &context;
+    rtcOccluded1(scene, &ray, &arguments);
+}
+#else
+using EmbreeContext = RTCIntersectContext;
+
+inline void initialize(EmbreeContext& context) {
+    rtcInitIntersectContext(&context);
+}
+inline void embree_closest(RTCScene scene, EmbreeContext& context, RTCRayHit& ray) {
+    rtcIntersect1(scene, &context, &ray);
+}
+inline void embree_any(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
+    rtcOccluded1(scene, &context, &ray);
+}
+#endif
+
+/// Releases the scene when it goes.
+class EmbreeScene {
+  public:
+    EmbreeScene() = default;
+    explicit EmbreeScene(RTCScene scene) : scene_(scene) {}
+    ~EmbreeScene() {
+        if (scene_) rtcReleaseScene(scene_);
+    }
+    EmbreeScene(const EmbreeScene&) = delete;
+    EmbreeScene& operator=(const EmbreeScene&) = delete;
+    EmbreeScene(EmbreeScene&& other) noexcept : scene_(other.scene_) { other.scene_ = nullptr; }
+    EmbreeScene& operator=(EmbreeScene&& other) noexcept {
+        std::swap(scene_, other.scene_);
+        return *this;
+    }
+    RTCScene get() const { return scene_; }
+    explicit operator bool() const { return scene_ != nullptr; }
+
+  private:
+    RTCScene scene_ = nullptr;
+};
+
+/// The device all tracers of the process share; it lives as long as the process.
+RTCDevice embree_device();
+/// A new scene of best quality with the robust flag.
+EmbreeScene new_embree_scene();
+/// Adds a geometry, which it takes over, to a scene as number 0 and builds it. Throws std::runtime_error with Embree's
+/// word if that fails.
+void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry);
+/// What Embree holds now for all scenes of the process.
+uint64_t embree_bytes();
+
+}  // namespace rayleaf

@@ -1,0 +1,64 @@
+#include "trace/local_ray.h"
+
+#include <limits>
+
+namespace rayleaf {
+
+RTCRay LocalRay::embree_ray() const {
+    RTCRay ray;
+    ray.org_x = float_origin.x;
+    ray.org_y = float_origin.y;
+    ray.org_z = float_origin.z;
+    ray.tnear = 0.0f;
+    ray.dir_x = float_direction.x;
+    ray.dir_y = float_direction.y;
+    ray.dir_z = float_direction.z;
+    ray.time = 0.0f;
+    ray.tfar = float_distance(t_max);
+    ray.mask = ~0u;
+    ray.id = 0;
+    ray.flags = 0;
+    return ray;
+}
+
+RTCRayHit LocalRay::embree_ray_hit() const {
+    RTCRayHit result;
+    result.ray = embree_ray();
+    result.hit.geomID = result.hit.primID = result.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return result;
+}
+
+std::optional<Stretch> inside_box(const Box3d& box, const Vec3d& origin, const Vec3d& direction) {
+    Stretch stretch{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    for (int axis = 0; axis < 3; ++axis) {
+        if (direction[axis] == 0.0) {
+            if (origin[axis] < box.min[axis] || origin[axis] > box.max[axis]) return std::nullopt;
+            continue;
+        }
+        const double inverse = 1.0 / direction[axis];
+        const double a = (box.min[axis] - origin[axis]) * inverse, b = (box.max[axis] - origin[axis]) * inverse;
+        stretch.begin = std::max(stretch.begin, std::min(a, b));
+        stretch.end = std::min(stretch.end, std::max(a, b));
+    }
+    if (!(stretch.begin <= stretch.end)) return std::nullopt;
+    return stretch;
+}
+
+std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const Vec3d& direction, double t_min,
+                                    double t_max) {
+    const std::optional<Stretch> stretch = inside_box(box, origin, direction);
+    if (!stretch || stretch->end < t_min || stretch->begin > t_max) return std::nullopt;
+    LocalRay ray;
+    ray.origin = origin;
+    ray.direction = direction;
+    ray.t_min = t_min;
+    ray.t_max = t_max;
+    ray.speed = std::sqrt(direction.dot(direction));
+    ray.start = std::max(stretch->begin, t_min) - kBackstep / ray.speed;
+    ray.float_origin = Vec3f(origin + direction * ray.start);
+    ray.float_direction = Vec3f(direction / ray.speed);
+    if (!is_finite(ray.float_origin) || !(max_abs(ray.float_direction) > 0.0f)) return std::nullopt;
+    return ray;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,53 @@
+// A ray in the local space of a shape: in double precision, and as the float ray that Embree gets.
+//
+// The float ray starts where the ray enters the shape's box, so its numbers are of the order of 1 wherever the object
+// lies. It starts a little earlier than the true ray (`kBackstep`), for rounding must not lose a hit close to the
+// start: what Embree or a grid kernel finds is a candidate, and the exact t in double decides whether it counts.
+#pragma once
+
+#include "base/vector.h"
+#include "trace/embree.h"
+
+#include <optional>
+
+namespace rayleaf {
+
+/// How far the float ray starts before the true one, local units. The error of t in single precision is about 2^-22
+/// over the cosine of incidence, so only surfaces that the ray meets at less than 1/1000 rad could be missed, and only
+/// within this distance of its start.
+inline constexpr double kBackstep = 0x1p-12;
+
+/// What boxes are enlarged by for a float ray, local units. Coordinates are at most 1 and a ray runs at most 2 sqrt(3)
+/// inside the box: its points are off by the rounding of the origin, the direction times the distance, the product and
+/// the sum, each at most 2^-24 * 3.5, together 8.4e-7.
+inline constexpr double kBoxPadding = 0x1p-20;
+
+struct LocalRay {
+    Vec3d origin{0, 0, 0};
+    Vec3d direction{0, 0, 1};     ///< local units per world unit, not unit length: t is the world ray's
+    double t_min = 0, t_max = 0;  ///< world units
+
+    double start = 0;                ///< t of the float ray's origin
+    double speed = 1;                ///< local units per world unit: length of `direction`
+    Vec3f float_origin{0, 0, 0};     ///< local
+    Vec3f float_direction{0, 0, 1};  ///< unit
+
+    /// Distance along the float ray within which everything with at most this t lies; infinity stays.
+    float float_distance(double t) const {
+        return static_cast<float>((t - start) * speed * (1.0 + 0x1p-20) + kBackstep);
+    }
+    RTCRay embree_ray() const;
+    RTCRayHit embree_ray_hit() const;
+};
+
+/// The stretch of t in which a ray is inside a box, empty if there is none. `origin` and `direction` are finite.
+struct Stretch {
+    double begin, end;
+};
+std::optional<Stretch> inside_box(const Box3d& box, const Vec3d& origin, const Vec3d& direction);
+
+/// The ray clipped to a shape's box and ready for Embree; empty where it misses the box within [t_min, t_max].
+std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const Vec3d& direction, double t_min,
+                                    double t_max);
+
+}  // namespace rayleaf

@@ -1,0 +1,26 @@
+#include "trace/shape_scene.h"
+
+namespace rayleaf {
+
+void ShapeScene::set_scene(EmbreeScene scene, const Box3f& box) {
+    scene_ = std::move(scene);
+    const Vec3d padding(kBoxPadding);
+    box_ = Box3d(Vec3d(box.min) - padding, Vec3d(box.max) + padding);
+}
+
+std::optional<ShapeHit> ShapeScene::closest(const LocalRay& ray) const {
+    ShapeQuery query(ray);
+    RTCRayHit embree_ray = ray.embree_ray_hit();
+    embree_closest(scene_.get(), query.context, embree_ray);
+    if (!query.found) return std::nullopt;
+    return query.best;
+}
+
+bool ShapeScene::occluded(const LocalRay& ray) const {
+    ShapeQuery query(ray);
+    RTCRay embree_ray = ray.embree_ray();
+    embree_any(scene_.get(), query.context, embree_ray);
+    return query.found;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,88 @@
+// One shape ready to be traced in its local space: an Embree scene and what turns a candidate into a hit.
+//
+// Which facets a ray may hit is found in single precision, watertight along shared edges. Each candidate's t is then
+// computed in double from the facet's corners, and only that decides: whether it lies in [t_min, t_max], and which of
+// two is nearer, the lower facet if they are equal. So results depend neither on the order in which Embree visits nodes
+// nor on how the rays' origins round.
+#pragma once
+
+#include "geometry/facet.h"
+#include "geometry/shape.h"
+#include "rays/hit.h"
+#include "trace/embree.h"
+#include "trace/local_ray.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+namespace rayleaf {
+
+/// A facet of a shape: a triangle of a mesh (`part` is 0), or triangle number `part` of a subpatch's grid.
+struct FacetId {
+    uint32_t primitive = 0, part = 0;
+    auto operator<=>(const FacetId&) const = default;
+};
+
+struct ShapeHit {
+    FacetId facet;
+    FacetHit point;
+    FacetCorners corners;
+};
+
+/// A query in one shape, as Embree's callbacks find it: the context is the first member.
+struct ShapeQuery {
+    EmbreeContext context;
+    const LocalRay* ray = nullptr;
+    ShapeHit best;
+    double farthest = 0;  ///< t of the best hit, or the ray's t_max
+    bool found = false;
+
+    explicit ShapeQuery(const LocalRay& local) : ray(&local), farthest(local.t_max) { initialize(context); }
+    static ShapeQuery& of(EmbreeContext* context) { return *reinterpret_cast<ShapeQuery*>(context); }
+
+    /// Takes the facet if its exact hit is the nearest so far.
+    bool offer(const FacetId& facet, const FacetCorners& corners) {
+        const std::optional<FacetHit> hit = exact_facet_hit(corners, ray->origin, ray->direction);
+        if (!hit || !(hit->t >= ray->t_min && hit->t <= farthest)) return false;
+        if (found && hit->t == best.point.t && best.facet < facet) return false;
+        best = {facet, *hit, corners};
+        farthest = hit->t;
+        found = true;
+        return true;
+    }
+};
+
+class ShapeScene {
+  public:
+    virtual ~ShapeScene() = default;
+    ShapeScene(const ShapeScene&) = delete;
+    ShapeScene& operator=(const ShapeScene&) = delete;
+
+    const Shape& shape() const { return *shape_; }
+    /// Bounds of everything a ray can hit, local space, padded for float rays; empty for an empty shape.
+    const Box3d& box() const { return box_; }
+
+    std::optional<ShapeHit> closest(const LocalRay& ray) const;
+    bool occluded(const LocalRay& ray) const;
+
+    virtual LocalHit local_hit(const ShapeHit& hit) const = 0;
+    /// A point of an element as if a ray had hit its facet there.
+    virtual LocalHit on_facet(const LocalHit& hit) const = 0;
+    virtual uint64_t triangle_count() const { return 0; }
+    virtual uint64_t subpatch_count() const { return 0; }
+    virtual uint64_t grids_diced() const { return 0; }
+    virtual uint64_t grid_bytes() const { return 0; }
+
+  protected:
+    explicit ShapeScene(const Shape& shape) : shape_(&shape) {}
+    /// Embree's scene of the facets; the box is that of the facets, not yet padded.
+    void set_scene(EmbreeScene scene, const Box3f& box);
+
+  private:
+    const Shape* shape_;
+    EmbreeScene scene_;
+    Box3d box_;
+};
+
+}  // namespace rayleaf

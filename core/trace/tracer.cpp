@@ -1,0 +1,339 @@
+#include "trace/tracer.h"
+
+#include "base/error.h"
+#include "trace/embree.h"
+#include "trace/float_environment.h"
+#include "trace/local_ray.h"
+#include "trace/shape_scene.h"
+#include "trace/triangle_scene.h"
+
+#include <array>
+#include <unordered_map>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// Up to so many instances are asked one after the other, without an Embree scene above them.
+constexpr size_t kDirectInstances = 3;
+
+/// The longest edge a world box may have: products of such lengths still fit a double.
+constexpr double kLargestExtent = 1e100;
+
+/// What a query needs of an instance, beside what the caller gave.
+struct InstanceRecord {
+    const ShapeScene* scene = nullptr;
+    Affine3d local_to_world;
+    Vec3d to_local_x{1, 0, 0}, to_local_y{0, 1, 0}, to_local_z{0, 0, 1};  ///< linear part world -> local, columns
+
+    Vec3d vector_to_local(const Vec3d& v) const { return to_local_x * v.x + to_local_y * v.y + to_local_z * v.z; }
+    /// The translation is subtracted first: that rounds nothing where it matters, close to a far object.
+    Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }
+    /// +1, or -1 where the map mirrors and so turns the winding.
+    double side() const { return local_to_world.determinant() < 0.0 ? -1.0 : 1.0; }
+};
+
+Box3d image_of(const Box3d& box, const Affine3d& map) {
+    if (box.isEmpty()) return {};
+    const Vec3d center = map.point((box.min + box.max) * 0.5), half = (box.max - box.min) * 0.5;
+    Vec3d reach(0.0);
+    for (int axis = 0; axis < 3; ++axis)
+        reach[axis] = std::abs(map.x[axis]) * half.x + std::abs(map.y[axis]) * half.y + std::abs(map.z[axis]) * half.z;
+    return {center - reach, center + reach};
+}
+
+/// How far from a facet a ray must start so that rounding cannot put it on the other side. World units.
+///
+/// The candidate's t is computed in double (geometry/facet.h), so the numbers involved are rounded by 2^-53 of their
+/// size: the world coordinates of the point and of the ray that found it (`size`), the translation, and local ones of
+/// the order of 1, which the map enlarges by the sum of its axes. Each local axis takes part with the length of its
+/// row in the inverse times its column, 3 in all unless the map shears. The factor 512 covers the number of operations
+/// and facets up to a hundred times longer than wide.
+double start_offset(const InstanceRecord& record, const Vec3d& position, double size) {
+    constexpr double kUnit = 512 * 0x1p-53;
+    const Affine3d& map = record.local_to_world;
+    const double lengths[3] = {map.x.length(), map.y.length(), map.z.length()};
+    double shear = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+        shear +=
+            lengths[axis] * Vec3d(record.to_local_x[axis], record.to_local_y[axis], record.to_local_z[axis]).length();
+    const double world = size + max_abs(position) + max_abs(map.translation);
+    return kUnit * (shear * world + lengths[0] + lengths[1] + lengths[2]);
+}
+
+bool is_traceable(const Ray& ray) {
+    return is_finite(ray.origin) && is_finite(ray.direction) && max_abs(ray.direction) > 0.0 && ray.t_min <= ray.t_max;
+}
+
+}  // namespace
+
+struct Tracer::Implementation {
+    std::vector<TracedInstance> instances;
+    std::vector<InstanceRecord> records;
+    std::vector<std::unique_ptr<ShapeScene>> shapes;
+    Box3d bounds;
+    LocalFrame frame;  ///< world -> the space of the scene above the instances
+    EmbreeScene scene;
+
+    struct Query {
+        EmbreeContext context;
+        const Implementation* tracer = nullptr;
+        const Ray* ray = nullptr;
+        Visibility kind = kVisibleAll;
+        LocalRay scene_ray;  ///< in the space above the instances
+        ShapeHit best;
+        uint32_t instance = 0;
+        double farthest = 0;  ///< world t of the best hit, or the ray's t_max
+        bool found = false;
+
+        static Query& of(EmbreeContext* embree_context) { return *reinterpret_cast<Query*>(embree_context); }
+    };
+
+    void build_shapes(const DicingView& view);
+    void build_records();
+    void build_scene();
+    Box3d world_box(uint32_t index) const {
+        return image_of(records[index].scene->box(), records[index].local_to_world);
+    }
+
+    std::optional<LocalRay> local_ray(const Query& query, uint32_t index) const;
+    void visit_closest(Query& query, uint32_t index) const;
+    void visit_any(Query& query, uint32_t index) const;
+    bool start(Query& query, const Ray& ray, Visibility kind) const;
+    SurfacePoint surface_point(uint32_t index, const LocalHit& hit, double size) const;
+
+    static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
+    static void closest_callback(const RTCIntersectFunctionNArguments* arguments);
+    static void any_callback(const RTCOccludedFunctionNArguments* arguments);
+};
+
+void Tracer::Implementation::build_shapes(const DicingView&) {
+    std::unordered_map<const Shape*, size_t> numbers;
+    std::vector<const Shape*> unique;
+    std::vector<size_t> shape_of;
+    shape_of.reserve(instances.size());
+    for (const TracedInstance& instance : instances) {
+        const auto [entry, added] = numbers.try_emplace(instance.shape.get(), unique.size());
+        if (added) unique.push_back(instance.shape.get());
+        shape_of.push_back(entry->second);
+    }
+    shapes.resize(unique.size());
+    tbb::parallel_for(size_t{0}, unique.size(), [&](size_t i) {
+        shapes[i] = std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(*unique[i]));
+    });
+    records.resize(instances.size());
+    for (size_t i = 0; i < instances.size(); ++i) records[i].scene = shapes[shape_of[i]].get();
+}
+
+void Tracer::Implementation::build_records() {
+    for (size_t i = 0; i < instances.size(); ++i) {
+        InstanceRecord& record = records[i];
+        const Shape& shape = *instances[i].shape;
+        record.local_to_world = instances[i].object_to_world * shape.frame().to_object();
+        const Affine3d inverse = record.local_to_world.inverse();
+        record.to_local_x = inverse.x;
+        record.to_local_y = inverse.y;
+        record.to_local_z = inverse.z;
+        const bool usable = is_finite(inverse.x) && is_finite(inverse.y) && is_finite(inverse.z) &&
+                            max_abs(record.local_to_world.translation) < kLargestExtent;
+        if (!usable) throw InputError(shape.name(), "object_to_world", "singular or not finite", "a regular matrix");
+        bounds.extendBy(world_box(static_cast<uint32_t>(i)));
+    }
+    frame = LocalFrame::fitting(bounds);
+}
+
+void Tracer::Implementation::build_scene() {
+    if (instances.size() <= kDirectInstances || bounds.isEmpty()) return;
+    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(instances.size()));
+    rtcSetGeometryUserData(geometry, this);
+    rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, closest_callback);
+    rtcSetGeometryOccludedFunction(geometry, any_callback);
+    scene = new_embree_scene();
+    build_embree_scene(scene, geometry);
+}
+
+void Tracer::Implementation::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
+    const auto& self = *static_cast<const Implementation*>(arguments->geometryUserPtr);
+    const Box3d box = self.world_box(arguments->primID);
+    RTCBounds& out = *arguments->bounds_o;
+    if (box.isEmpty()) {  // Embree leaves out primitives whose bounds are reversed.
+        out = {1.0f, 1.0f, 1.0f, 0.0f, -1.0f, -1.0f, -1.0f, 0.0f};
+        return;
+    }
+    constexpr auto kPadding = static_cast<float>(kBoxPadding);
+    const Vec3f low = self.frame.to_local(box.min) - Vec3f(kPadding),
+                high = self.frame.to_local(box.max) + Vec3f(kPadding);
+    out = {low.x, low.y, low.z, 0.0f, high.x, high.y, high.z, 0.0f};
+}
+
+std::optional<LocalRay> Tracer::Implementation::local_ray(const Query& query, uint32_t index) const {
+    const InstanceRecord& record = records[index];
+    if ((instances[index].visibility & query.kind) == 0 || record.scene->box().isEmpty()) return std::nullopt;
+    return clipped_ray(record.scene->box(), record.point_to_local(query.ray->origin),
+                       record.vector_to_local(query.ray->direction), query.ray->t_min, query.farthest);
+}
+
+void Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
+    const std::optional<LocalRay> ray = local_ray(query, index);
+    if (!ray) return;
+    const std::optional<ShapeHit> hit = records[index].scene->closest(*ray);
+    if (!hit) return;
+    if (query.found && hit->point.t == query.farthest && query.instance < index) return;
+    query.best = *hit;
+    query.instance = index;
+    query.farthest = hit->point.t;
+    query.found = true;
+}
+
+void Tracer::Implementation::visit_any(Query& query, uint32_t index) const {
+    const std::optional<LocalRay> ray = local_ray(query, index);
+    if (ray && records[index].scene->occluded(*ray)) query.found = true;
+}
+
+void Tracer::Implementation::closest_callback(const RTCIntersectFunctionNArguments* arguments) {
+    if (arguments->valid[0] == 0) return;
+    Query& query = Query::of(arguments->context);
+    query.tracer->visit_closest(query, arguments->primID);
+    RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
+    if (query.found) RTCRayN_tfar(ray, arguments->N, 0) = query.scene_ray.float_distance(query.farthest);
+}
+
+void Tracer::Implementation::any_callback(const RTCOccludedFunctionNArguments* arguments) {
+    if (arguments->valid[0] == 0) return;
+    Query& query = Query::of(arguments->context);
+    query.tracer->visit_any(query, arguments->primID);
+    if (query.found) RTCRayN_tfar(arguments->ray, arguments->N, 0) = -std::numeric_limits<float>::infinity();
+}
+
+/// Prepares a query; false if the ray can hit nothing.
+bool Tracer::Implementation::start(Query& query, const Ray& ray, Visibility kind) const {
+    if (bounds.isEmpty() || !is_traceable(ray)) return false;
+    initialize(query.context);
+    query.tracer = this;
+    query.ray = &ray;
+    query.kind = kind;
+    query.farthest = ray.t_max;
+    if (!scene) return true;
+    const Box3d box((bounds.min - frame.center) / frame.scale, (bounds.max - frame.center) / frame.scale);
+    const std::optional<LocalRay> scene_ray =
+        clipped_ray(box, (ray.origin - frame.center) / frame.scale, ray.direction / frame.scale, ray.t_min, ray.t_max);
+    if (!scene_ray) return false;
+    query.scene_ray = *scene_ray;
+    return true;
+}
+
+Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view)
+    : implementation_(std::make_unique<Implementation>()) {
+    implementation_->instances = std::move(instances);
+    implementation_->build_shapes(view);
+    implementation_->build_records();
+    implementation_->build_scene();
+}
+
+Tracer::~Tracer() = default;
+
+std::optional<Hit> Tracer::closest_hit(const Ray& ray, Visibility kind) const {
+    const FloatEnvironment environment;
+    const Implementation& self = *implementation_;
+    Implementation::Query query;
+    if (!self.start(query, ray, kind)) return std::nullopt;
+    if (self.scene) {
+        RTCRayHit embree_ray = query.scene_ray.embree_ray_hit();
+        embree_closest(self.scene.get(), query.context, embree_ray);
+    } else {
+        for (uint32_t i = 0; i < self.instances.size(); ++i) self.visit_closest(query, i);
+    }
+    if (!query.found) return std::nullopt;
+    return Hit{query.farthest, query.instance, self.records[query.instance].scene->local_hit(query.best)};
+}
+
+bool Tracer::occluded(const Ray& ray, Visibility kind) const {
+    const FloatEnvironment environment;
+    const Implementation& self = *implementation_;
+    Implementation::Query query;
+    if (!self.start(query, ray, kind)) return false;
+    if (self.scene) {
+        RTCRay embree_ray = query.scene_ray.embree_ray();
+        embree_any(self.scene.get(), query.context, embree_ray);
+    } else {
+        for (uint32_t i = 0; i < self.instances.size() && !query.found; ++i) self.visit_any(query, i);
+    }
+    return query.found;
+}
+
+/// `size` is the largest number that went into the computation of the hit: coordinates of the ray, world units.
+SurfacePoint Tracer::Implementation::surface_point(uint32_t index, const LocalHit& hit, double size) const {
+    const InstanceRecord& record = records[index];
+    const Affine3d& map = record.local_to_world;
+    const double side = record.side();
+    const auto world_normal = [&](const Vec3f& n) {
+        return Vec3f(normalized_or(map.normal(Vec3d(n)) * side, Vec3d(n)));
+    };
+    const LocalSurface local = instances[index].shape->surface(hit);
+
+    SurfacePoint point;
+    point.shape = instances[index].shape.get();
+    point.local = hit;
+    point.instance = index;
+    point.position = map.point(local.position);
+    point.facet_position = map.point(hit.position);
+    point.facet_normal = world_normal(hit.normal);
+    point.normal = world_normal(local.normal);
+    point.dp_du = Vec3f(map.vector(Vec3d(local.dp_du)));
+    point.dp_dv = Vec3f(map.vector(Vec3d(local.dp_dv)));
+    // Derivative of N = m/|m|, m the mapped normal: (m' - N (N.m')) / |m|.
+    const double length = map.normal(Vec3d(local.normal)).length();
+    const auto normal_derivative = [&](const Vec3f& dn) {
+        const Vec3d change = map.normal(Vec3d(dn)) * side, n(point.normal);
+        return length > 0.0 ? Vec3f((change - n * n.dot(change)) / length) : Vec3f(0.0f);
+    };
+    point.dn_du = normal_derivative(local.dn_du);
+    point.dn_dv = normal_derivative(local.dn_dv);
+    point.uv = local.uv;
+    point.start_offset = start_offset(record, point.facet_position, size);
+    return point;
+}
+
+SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit) const {
+    const double size = max_abs(ray.origin) + hit.t * max_abs(ray.direction);
+    SurfacePoint point = implementation_->surface_point(hit.instance, hit.local, size);
+    point.t = hit.t;
+    return point;
+}
+
+SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit) const {
+    const LocalHit on_facet = implementation_->records[instance].scene->on_facet(hit);
+    return implementation_->surface_point(instance, on_facet, 0.0);
+}
+
+const TracedInstance& Tracer::instance(uint32_t index) const {
+    return implementation_->instances[index];
+}
+
+const Affine3d& Tracer::local_to_world(uint32_t index) const {
+    return implementation_->records[index].local_to_world;
+}
+
+Box3d Tracer::bounds() const {
+    return implementation_->bounds;
+}
+
+TraceStatistics Tracer::statistics() const {
+    TraceStatistics result;
+    result.instances = implementation_->instances.size();
+    result.shapes = implementation_->shapes.size();
+    result.bvh_bytes = embree_bytes();
+    for (const std::unique_ptr<ShapeScene>& shape : implementation_->shapes) {
+        result.subpatches += shape->subpatch_count();
+        result.grids_diced += shape->grids_diced();
+        result.grid_bytes += shape->grid_bytes();
+        result.triangles += shape->triangle_count();
+    }
+    return result;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,21 @@
+// A triangle mesh traced by Embree's own robust triangles.
+#pragma once
+
+#include "geometry/triangle_mesh.h"
+#include "trace/shape_scene.h"
+
+namespace rayleaf {
+
+class TriangleScene final : public ShapeScene {
+  public:
+    explicit TriangleScene(const TriangleMesh& mesh);
+
+    LocalHit local_hit(const ShapeHit& hit) const override;
+    LocalHit on_facet(const LocalHit& hit) const override { return hit; }
+    uint64_t triangle_count() const override { return mesh_->triangles().size(); }
+
+  private:
+    const TriangleMesh* mesh_;
+};
+
+}  // namespace rayleaf
