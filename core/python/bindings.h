@@ -12,6 +12,5 @@ namespace py = pybind11;
 void bind_errors(py::module_& module);
 void bind_rays(py::module_& module);
 void bind_sampling(py::module_& module);
-void bind_trace(py::module_& module);
 
 }  // namespace rayleaf

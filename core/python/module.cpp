@@ -6,5 +6,4 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::bind_errors(module);
     rayleaf::bind_rays(module);
     rayleaf::bind_sampling(module);
-    rayleaf::bind_trace(module);
 }

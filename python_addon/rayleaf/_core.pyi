@@ -198,8 +198,7 @@ def transferred_differential(incoming: Any, direction: Any, t: float, normal: An
 def reflected_differential(incoming: Any, direction: Any, normal: Any, dn_dx: Any, dn_dy: Any) -> list[list[float]]:
     """The differential after a mirror."""
 
-def refracted_differential(incoming: Any, direction: Any, normal: Any, dn_dx: Any, dn_dy: Any, eta: float) -> list[list[float]]:
+def refracted_differential(
+    incoming: Any, direction: Any, normal: Any, dn_dx: Any, dn_dy: Any, eta: float
+) -> list[list[float]]:
     """The differential after a refraction."""
-
-trace: Any
-"""Shapes and rays against them without a scene, for tests and benchmarks (core/python/trace.cpp)."""

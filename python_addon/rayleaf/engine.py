@@ -1,0 +1,41 @@
+"""Blender's RenderEngine: each method hands on."""
+
+from typing import Any
+
+import bpy
+
+from . import passes
+
+
+class RayleafRenderEngine(bpy.types.RenderEngine):
+    """Rayleaf in Blender's list of render engines."""
+
+    bl_idname = "RAYLEAF"
+    bl_label = "Rayleaf"
+    bl_use_eevee_viewport = True
+    bl_use_shading_nodes_custom = False
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+
+    def render(self, depsgraph: Any) -> None:
+        """Render one view layer of one frame. The core is loaded here first."""
+        from . import _core
+        from .frame import FrameRender
+
+        FrameRender(self, depsgraph, _core).run()
+
+    def update_render_passes(self, scene: Any, renderlayer: Any) -> None:
+        """Tell Blender which passes come, for the compositor's sockets."""
+        for entry in passes.enabled(renderlayer):
+            self.register_pass(scene, renderlayer, entry.name, len(entry.channels), entry.channels, entry.socket_type)
+
+
+def register() -> None:
+    """Add the engine to Blender's list."""
+    bpy.utils.register_class(RayleafRenderEngine)
+
+
+def unregister() -> None:
+    """Take it away."""
+    bpy.utils.unregister_class(RayleafRenderEngine)

@@ -1,0 +1,60 @@
+"""Named data over a mesh: UV maps, colour attributes and generic ones, by triangle corner."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import versions
+
+Floats = NDArray[np.float32]
+Ints = NDArray[np.int32]
+
+# Names no attribute can have in Blender: the UV map and the colour attribute that are active for rendering.
+ACTIVE_UV = "\nactive uv"
+ACTIVE_COLOR = "\nactive color"
+
+# Blender's kinds of attribute: how their values are read (property, NumPy type, channels).
+_KINDS: dict[str, tuple[str, Any, int]] = {
+    "FLOAT": ("value", np.float32, 1),
+    "INT": ("value", np.int32, 1),
+    "INT8": ("value", np.int32, 1),
+    "BOOLEAN": ("value", bool, 1),
+    "FLOAT2": ("vector", np.float32, 2),
+    "FLOAT_VECTOR": ("vector", np.float32, 3),
+    "FLOAT_COLOR": ("color", np.float32, 4),
+    "BYTE_COLOR": ("color", np.float32, 4),
+}
+
+
+def _active_uv(mesh: Any) -> Any:
+    return next((layer for layer in mesh.uv_layers if layer.active_render), None)
+
+
+def _active_color(mesh: Any) -> Any:
+    index = mesh.color_attributes.render_color_index
+    return mesh.color_attributes[index] if 0 <= index < len(mesh.color_attributes) else None
+
+
+def _generic(attribute: Any, triangles: Ints, loops: Ints, polygons: Ints) -> Floats | None:
+    """(m, 3, channels) of an attribute, whatever it is stored on; None for kinds that shading cannot use."""
+    if attribute.data_type not in _KINDS:
+        return None
+    property_name, dtype, channels = _KINDS[attribute.data_type]
+    values = np.empty(len(attribute.data) * channels, dtype)
+    attribute.data.foreach_get(property_name, values)
+    values = values.reshape(-1, channels).astype(np.float32)
+    where = {"POINT": triangles, "CORNER": loops, "FACE": np.repeat(polygons[:, None], 3, axis=1)}.get(attribute.domain)
+    return None if where is None else np.ascontiguousarray(values[where])
+
+
+def attribute_values(mesh: Any, name: str, triangles: Ints, loops: Ints, polygons: Ints) -> Floats | None:
+    """(m, 3, channels): an attribute at each triangle's corners, linear colours; None if the mesh has none of that name."""
+    if name == ACTIVE_COLOR:
+        color = _active_color(mesh)
+        return None if color is None else _generic(color, triangles, loops, polygons)
+    layer = _active_uv(mesh) if name == ACTIVE_UV else mesh.uv_layers.get(name)
+    if layer is not None:
+        return np.ascontiguousarray(versions.uv_map(layer, len(mesh.loops))[loops])
+    attribute = mesh.attributes.get(name)
+    return None if attribute is None else _generic(attribute, triangles, loops, polygons)

@@ -1,0 +1,121 @@
+"""Blender's camera to the core's."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Least f-number; below it the aperture would be infinite.
+_LEAST_FSTOP = 1e-5
+_MILLIMETRE = 1e-3
+
+
+class CameraError(ValueError):
+    """The camera cannot be rendered; the message names it."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The size of the picture."""
+
+    width: int  # pixels, of the whole picture
+    height: int
+    pixel_aspect_x: float = 1.0
+    pixel_aspect_y: float = 1.0
+
+
+@dataclass(frozen=True)
+class CropRectangle:
+    """The part of the picture that is rendered, pixels from the lower left corner."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+def frame_of(scene: Any) -> Frame:
+    """The whole picture's size: resolution and percentage."""
+    render = scene.render
+    share = render.resolution_percentage
+    # Whole-number arithmetic, as Blender does it.
+    width, height = render.resolution_x * share // 100, render.resolution_y * share // 100
+    return Frame(width, height, render.pixel_aspect_x, render.pixel_aspect_y)
+
+
+def crop_of(scene: Any, frame: Frame) -> CropRectangle:
+    """The render border in pixels; the whole picture where there is none."""
+    render = scene.render
+    if not render.use_border:
+        return CropRectangle(0, 0, frame.width, frame.height)
+    left, right = int(render.border_min_x * frame.width), int(render.border_max_x * frame.width)
+    bottom, top = int(render.border_min_y * frame.height), int(render.border_max_y * frame.height)
+    return CropRectangle(left, bottom, right - left, top - bottom)
+
+
+def window(camera: Any, frame: Frame) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The picture's window: on the plane at distance 1 (perspective) or in world units (orthographic)."""
+    width, height = frame.width * frame.pixel_aspect_x, frame.height * frame.pixel_aspect_y
+    horizontal = camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and width >= height)
+    if camera.type == "ORTHO":
+        larger_half = camera.ortho_scale / 2
+    else:
+        sensor = camera.sensor_height if camera.sensor_fit == "VERTICAL" else camera.sensor_width
+        larger_half = sensor / 2 / camera.lens
+    half_x = larger_half if horizontal else larger_half * width / height
+    half_y = larger_half * height / width if horizontal else larger_half
+    # Shift is in units of the fitted side, for both axes.
+    center_x, center_y = 2 * larger_half * camera.shift_x, 2 * larger_half * camera.shift_y
+    return (center_x - half_x, center_y - half_y), (center_x + half_x, center_y + half_y)
+
+
+def focus_distance(camera_object: Any, matrix: NDArray[np.float64]) -> float:
+    """Along the view axis: to the focus object or its bone, else as set. World units."""
+    dof = camera_object.data.dof
+    if dof.focus_object is None:
+        return float(dof.focus_distance)
+    target = dof.focus_object.matrix_world.copy()
+    pose = dof.focus_object.pose
+    if pose is not None and dof.focus_subtarget in pose.bones:
+        target = target @ pose.bones[dof.focus_subtarget].matrix
+    axis = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
+    return float(abs(axis @ (matrix[:3, 3] - np.array(target.translation))))
+
+
+def aperture_radius(camera: Any) -> float:
+    """World units, one being a metre."""
+    fstop = max(camera.dof.aperture_fstop, _LEAST_FSTOP)
+    return (1.0 if camera.type == "ORTHO" else camera.lens * _MILLIMETRE) / (2 * fstop)
+
+
+def describe(camera_object: Any, matrix: NDArray[np.float64], frame: Frame) -> dict[str, Any]:
+    """The arguments of the core's `set_camera`."""
+    camera = camera_object.data
+    kinds = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
+    if camera_object.type != "CAMERA":
+        raise CameraError(f"Camera '{camera_object.name}' is a {camera_object.type.lower()}, not a camera")
+    if camera.type not in kinds:
+        raise CameraError(
+            f"Camera '{camera_object.name}': type {camera.type.title()} is not supported; "
+            "use Perspective or Orthographic"
+        )
+    window_min, window_max = window(camera, frame)
+    arguments = dict(
+        kind=kinds[camera.type],
+        matrix=matrix,
+        window_min=window_min,
+        window_max=window_max,
+        clip_start=camera.clip_start,
+        clip_end=camera.clip_end,
+    )
+    if camera.dof.use_dof:
+        arguments.update(
+            aperture_radius=aperture_radius(camera),
+            focus_distance=focus_distance(camera_object, matrix),
+            blades=camera.dof.aperture_blades,
+            blade_rotation=math.remainder(camera.dof.aperture_rotation, 2 * math.pi),
+            aperture_ratio=camera.dof.aperture_ratio,
+        )
+    return arguments

@@ -1,0 +1,158 @@
+"""The objects of a view layer, each once, grouped by what they share: up to millions of instances in seconds."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import ExportCancelled
+from .surfaces import fallback_reason
+
+# Instances between two looks at the Esc key: some 10 ms.
+_CANCEL_STRIDE = 10_000
+# Blender gives an instance's random number as 32 bits.
+_RANDOM_RANGE = 0xFFFFFFFF
+
+VISIBLE_CAMERA, VISIBLE_DIFFUSE, VISIBLE_GLOSSY, VISIBLE_TRANSMISSION, VISIBLE_SHADOW = 1, 2, 4, 8, 16
+
+# What has faces only through the mesh that Blender evaluates beside it.
+_WITH_MESH_TWIN = {"CURVE", "SURFACE", "FONT", "META", "CURVES"}
+_UNSUPPORTED = {"VOLUME": "volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
+
+
+@dataclass
+class Group:
+    """Instances that share geometry, materials and settings."""
+
+    owner: Any  # the evaluated object whose settings count
+    data: Any  # what is rendered: a Mesh, or the SurfaceCurve of an exact surface
+    exact: bool  # splines, not a mesh
+    from_owner: bool  # the data is the owner's own, so its material slots count
+    members: list[int]  # places in the depsgraph's list of instances
+
+    @property
+    def shape_key(self) -> Any:
+        """Equal for groups that can share one shape in the core."""
+        if not self.exact:
+            return self.data.as_pointer()
+        # Shape keys can be pinned per object.
+        pinned = self.owner.as_pointer() if self.data.shape_keys is not None else None
+        return (self.data.original.as_pointer(), pinned)
+
+
+@dataclass
+class Instances:
+    """All that a view layer shows."""
+
+    groups: list[Group]
+    lamps: list[tuple[Any, int]]  # evaluated lamp object, place in the list
+    matrices: NDArray[np.float64]  # (n, 4, 4) of every place
+    randoms: NDArray[np.float32]  # (n,) 0..1
+    skipped: dict[str, str]  # object name -> why it is not rendered
+
+
+def _is_surface_twin(owner: Any, is_instance: bool, exact: dict[int, bool]) -> bool:
+    return is_instance and owner.type == "SURFACE" and _is_exact(owner, exact)
+
+
+def _is_exact(owner: Any, known: dict[int, bool]) -> bool:
+    pointer = owner.as_pointer()
+    if pointer not in known:
+        known[pointer] = fallback_reason(owner) is None
+    return known[pointer]
+
+
+def collect(depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
+    """Walk the view layer once. Blender lists a CURVE, SURFACE, FONT or META object and, if it has faces, an instance
+    with its evaluated mesh: of the two exactly one is taken."""
+    listed = depsgraph.object_instances
+    count = len(listed)
+    result = Instances([], [], _matrices(listed, count), _randoms(listed, count), {})
+    shown = np.empty(count, bool)
+    listed.foreach_get("show_self", shown)
+    shown_list = shown.tolist()
+
+    groups: dict[tuple[int, int], Group | None] = {}
+    exact: dict[int, bool] = {}
+    for place, instance in enumerate(listed):
+        if place % _CANCEL_STRIDE == 0 and should_stop():
+            raise ExportCancelled
+        if not shown_list[place]:
+            continue
+        item = instance.object
+        data = item.data
+        if data is None:
+            continue
+        owner = instance.instance_object
+        is_instance = owner is not None
+        key = ((owner if is_instance else item).as_pointer(), data.as_pointer())
+        try:
+            group = groups[key]
+        except KeyError:
+            group = groups[key] = _new_group(item, owner, data, exact, result, place)
+            if group is not None:
+                result.groups.append(group)
+        if group is not None:
+            group.members.append(place)
+        elif item.type == "LIGHT":
+            result.lamps.append((owner if is_instance else item, place))
+    return result
+
+
+def _new_group(item: Any, owner: Any, data: Any, exact: dict[int, bool], result: Instances, place: int) -> Group | None:
+    """The group an instance of a new kind opens; None for what is no shape."""
+    kind = item.type
+    settings = item if owner is None else owner
+    if kind == "MESH":
+        if _is_surface_twin(settings, owner is not None, exact) and data.name == settings.data.name:
+            return None
+        return Group(settings, data, exact=False, from_owner=_is_own_data(settings, data), members=[])
+    if kind == "SURFACE" and _is_exact(settings, exact):
+        return Group(settings, data, exact=True, from_owner=True, members=[])
+    if kind in _UNSUPPORTED:
+        result.skipped[settings.name] = f"{_UNSUPPORTED[kind]} are not supported"
+    return None
+
+
+def _is_own_data(owner: Any, data: Any) -> bool:
+    """True if the mesh is the owner's own, or made from it; geometry nodes may instance meshes of others."""
+    return owner.type in _WITH_MESH_TWIN or owner.data is None or owner.data.as_pointer() == data.as_pointer()
+
+
+def _matrices(listed: Any, count: int) -> NDArray[np.float64]:
+    values = np.empty(count * 16, np.float32)
+    listed.foreach_get("matrix_world", values)
+    # Blender stores matrices by columns.
+    return np.ascontiguousarray(values.reshape(-1, 4, 4).transpose(0, 2, 1), np.float64)
+
+
+def _randoms(listed: Any, count: int) -> NDArray[np.float32]:
+    values = np.empty(count, np.int32)
+    listed.foreach_get("random_id", values)
+    return (values.astype(np.int64) & _RANDOM_RANGE).astype(np.float32) / np.float32(_RANDOM_RANGE)
+
+
+def visibility(owner: Any, view_layer: Any) -> int:
+    """The core's visibility bits of an object in a view layer."""
+    bits = 0
+    for flag, name in (
+        (VISIBLE_CAMERA, "visible_camera"),
+        (VISIBLE_DIFFUSE, "visible_diffuse"),
+        (VISIBLE_GLOSSY, "visible_glossy"),
+        (VISIBLE_TRANSMISSION, "visible_transmission"),
+        (VISIBLE_SHADOW, "visible_shadow"),
+    ):
+        if getattr(owner, name, True):
+            bits |= flag
+    original = owner.original
+    if original.indirect_only_get(view_layer=view_layer):
+        bits &= ~VISIBLE_CAMERA
+    return bits
+
+
+def is_holdout(owner: Any, view_layer: Any) -> bool:
+    """True if the object cuts a hole into the picture, by itself or by its collection."""
+    original = owner.original
+    return bool(original.is_holdout or original.holdout_get(view_layer=view_layer))

@@ -1,0 +1,73 @@
+"""Materials to shader programs, each once."""
+
+from types import ModuleType
+from typing import Any
+
+from ..messages import Messages
+from .nodes.compiler import Compiler, Resources
+from .nodes.emitter import Emitter
+
+_NEUTRAL = -1  # the core's grey, for slots without a material
+
+
+class MaterialLibrary:
+    """The materials of a scene and their lists by slot."""
+
+    def __init__(self, core: ModuleType, scene: Any, resources: Resources, messages: Messages, depsgraph: Any) -> None:
+        """`depsgraph`: materials are taken as evaluated in it, so that animated values count."""
+        self._core, self._scene, self._resources, self._messages = core, scene, resources, messages
+        self._depsgraph = depsgraph
+        self._materials: dict[str, int] = {}
+        self._lists: dict[tuple[int, ...], int] = {}
+        self._holdout: int | None = None
+
+    def material(self, material: Any) -> int:
+        """The index of a material; the neutral one for None and for what the core rejects."""
+        if material is None:
+            return _NEUTRAL
+        key = material.name_full
+        if key not in self._materials:
+            self._materials[key] = self._add(material.evaluated_get(self._depsgraph))
+        return self._materials[key]
+
+    def _add(self, material: Any) -> int:
+        emitter = Emitter(self._core, material.name)
+        subject = f"Material '{material.name}'"
+        try:
+            if material.use_nodes and material.node_tree is not None:
+                Compiler(emitter, subject, self._resources, self._messages).compile_tree(material.node_tree)
+            else:
+                emitter.operation("diffuse", [emitter.scalar(1.0), emitter.constant(*material.diffuse_color[:3])])
+            return int(self._scene.add_material(material.name, emitter.program, material.pass_index))
+        except self._core.InputError as error:
+            self._messages.warn(f"{subject}: {error}; rendered grey")
+        except RecursionError:
+            self._messages.warn(f"{subject}: its chain of nodes is too long; rendered grey")
+        return _NEUTRAL
+
+    def holdout(self) -> int:
+        """A material that cuts a hole into the picture."""
+        if self._holdout is None:
+            emitter = Emitter(self._core, "Holdout")
+            emitter.operation("holdout", [emitter.scalar(1.0)])
+            self._holdout = int(self._scene.add_material("Holdout", emitter.program))
+        return self._holdout
+
+    def slot_list(self, materials: list[Any], holdout: bool) -> int:
+        """The index of the list of an object's materials by slot; -1 where all are neutral."""
+        if holdout:
+            indices = tuple(self.holdout() for _ in materials or [None])
+        else:
+            indices = tuple(self.material(material) for material in materials)
+        if all(index == _NEUTRAL for index in indices):
+            return -1
+        if indices not in self._lists:
+            self._lists[indices] = int(self._scene.add_material_list(list(indices)))
+        return self._lists[indices]
+
+
+def slots_of(owner: Any, data: Any, from_owner: bool) -> list[Any]:
+    """The materials by slot: the object's slots, linked to it or to its data; of foreign data its own materials."""
+    if from_owner and owner.data is not None:
+        return [slot.material for slot in owner.material_slots]
+    return list(data.materials)

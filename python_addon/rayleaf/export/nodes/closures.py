@@ -1,0 +1,150 @@
+"""Shader nodes: what they add to a point's closures, with a weight."""
+
+from ...versions import PRINCIPLED_SOCKETS
+from .compiler import NodeView, closure_node
+from .emitter import UNCONNECTED, Register
+
+# Blender 4 sets the reflectance by the index of refraction; before, "Specular" of 1 meant this reflectance.
+_SPECULAR_SCALE = 0.08
+
+
+@closure_node("ShaderNodeBsdfDiffuse")
+def diffuse(view: NodeView, weight: Register) -> None:
+    """Diffuse BSDF."""
+    operands = [weight, view.input("Color"), view.input("Roughness"), view.linked("Normal")]
+    view.emitter.operation("diffuse", operands)
+
+
+@closure_node("ShaderNodeBsdfTranslucent")
+def translucent(view: NodeView, weight: Register) -> None:
+    """Translucent BSDF."""
+    view.emitter.operation("translucent", [weight, view.input("Color"), view.linked("Normal")])
+
+
+@closure_node("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic")
+def glossy(view: NodeView, weight: Register) -> None:
+    """Glossy BSDF; in Blender 4 it is the anisotropic node."""
+    anisotropy = view.socket("Anisotropy")
+    if anisotropy is not None:
+        known = view.emitter.value_of(view.input("Anisotropy"))
+        if known is None or known[0] != 0.0:
+            view.warn("anisotropy is not supported; rendered without")
+    operands = [weight, view.input("Color"), view.input("Roughness"), view.linked("Normal")]
+    view.emitter.operation("glossy", operands, text=view.node.distribution)
+
+
+@closure_node("ShaderNodeBsdfGlass")
+def glass(view: NodeView, weight: Register) -> None:
+    """Glass BSDF."""
+    _dielectric(view, weight, "glass")
+
+
+@closure_node("ShaderNodeBsdfRefraction")
+def refraction(view: NodeView, weight: Register) -> None:
+    """Refraction BSDF."""
+    _dielectric(view, weight, "refraction")
+
+
+def _dielectric(view: NodeView, weight: Register, operation: str) -> None:
+    operands = [weight, view.input("Color"), view.input("Roughness"), view.input("IOR"), view.linked("Normal")]
+    view.emitter.operation(operation, operands, text=view.node.distribution)
+
+
+@closure_node("ShaderNodeBsdfTransparent")
+def transparent(view: NodeView, weight: Register) -> None:
+    """Transparent BSDF."""
+    view.emitter.operation("transparent", [weight, view.input("Color")])
+
+
+@closure_node("ShaderNodeEmission", "ShaderNodeBackground")
+def emission(view: NodeView, weight: Register) -> None:
+    """Emission and Background; the world shines by either."""
+    operation = "background" if view.compiler.is_world else "emission"
+    view.emitter.operation(operation, [weight, view.input("Color"), view.input("Strength")])
+
+
+@closure_node("ShaderNodeHoldout")
+def holdout(view: NodeView, weight: Register) -> None:
+    """Holdout."""
+    view.emitter.operation("holdout", [weight])
+
+
+def _named(view: NodeView, name: str, default: float = 0.0) -> Register:
+    return view.input(*PRINCIPLED_SOCKETS[name], default=default)
+
+
+def _specular(view: NodeView) -> Register:
+    """The reflectance at normal incidence over 0.08. Blender 4: that of the index of refraction times twice the level."""
+    emitter = view.emitter
+    if view.socket("Specular IOR Level") is None:
+        return view.input("Specular")
+    level, ior = view.input("Specular IOR Level"), view.input("IOR")
+    known_level, known_ior = emitter.value_of(level), emitter.value_of(ior)
+    if known_level is not None and known_ior is not None:
+        reflectance = ((known_ior[0] - 1.0) / (known_ior[0] + 1.0)) ** 2
+        return emitter.scalar(reflectance * 2.0 * known_level[0] / _SPECULAR_SCALE)
+    one = emitter.scalar(1.0)
+    ratio = emitter.math("DIVIDE", emitter.math("SUBTRACT", ior, one), emitter.math("ADD", ior, one))
+    factor = emitter.math("MULTIPLY", level, emitter.scalar(2.0 / _SPECULAR_SCALE))
+    return emitter.math("MULTIPLY", emitter.math("MULTIPLY", ratio, ratio), factor)
+
+
+def _tint(view: NodeView, name: str) -> Register:
+    """A tint by the base colour, 0..1. Since Blender 4 tints are colours of their own: white is none."""
+    socket = view.socket(name)
+    if socket is None or socket.type != "RGBA":
+        return view.input(name)
+    known = view.emitter.value_of(view.input(name))
+    if known is not None and min(known[:3]) >= 1.0:
+        return view.emitter.scalar(0.0)
+    view.warn(f"a coloured {name} is not supported; taken as a tint by the base colour")
+    return view.emitter.scalar(1.0)
+
+
+def _base_color(view: NodeView) -> Register:
+    """The base colour; subsurface scattering is rendered as a diffuse share of its colour."""
+    emitter, base = view.emitter, view.input("Base Color")
+    share = _named(view, "subsurface")
+    known = emitter.value_of(share)
+    if known is not None and known[0] == 0.0:
+        return base
+    view.warn("subsurface scattering is not supported; rendered diffuse")
+    if view.socket("Subsurface Color") is None:
+        return base
+    return emitter.operation("mix", [share, base, view.input("Subsurface Color")], [1, 0], text="MIX")
+
+
+@closure_node("ShaderNodeBsdfPrincipled")
+def principled(view: NodeView, weight: Register) -> None:
+    """Principled BSDF, with the sockets of 3.4 and of 4.x."""
+    tangent = view.linked("Tangent")
+    anisotropic = view.input("Anisotropic")
+    known = view.emitter.value_of(anisotropic)
+    if tangent == UNCONNECTED and (known is None or known[0] != 0.0):
+        view.resources.active_uv()
+    view.emitter.operation(
+        "principled",
+        [
+            weight,
+            _base_color(view),
+            view.input("Metallic"),
+            _specular(view),
+            _tint(view, "Specular Tint"),
+            view.input("Roughness"),
+            anisotropic,
+            view.input("Anisotropic Rotation"),
+            _named(view, "sheen"),
+            _tint(view, "Sheen Tint"),
+            _named(view, "clearcoat"),
+            _named(view, "clearcoat_roughness"),
+            view.input("IOR", default=1.45),
+            _named(view, "transmission"),
+            view.input("Transmission Roughness"),
+            _named(view, "emission_color"),
+            view.input("Emission Strength", default=1.0),
+            view.input("Alpha", default=1.0),
+            view.linked("Normal"),
+            view.linked(*PRINCIPLED_SOCKETS["clearcoat_normal"]),
+            tangent,
+        ],
+    )

@@ -1,0 +1,344 @@
+"""Walks a node tree from its output and writes the operations its nodes stand for."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from ...messages import Messages
+from ..attributes import ACTIVE_COLOR, ACTIVE_UV
+from ..images import ImageLibrary
+from .emitter import UNCONNECTED, Emitter, Register
+
+# The way into nested groups: the group nodes entered, outermost first.
+Path = tuple[Any, ...]
+
+_SCALARS = {"VALUE", "INT", "BOOLEAN"}
+
+
+@dataclass
+class Resources:
+    """What programs refer to: images, attribute ids; and what the shapes must carry because of it."""
+
+    attribute_id: Callable[[str], int]
+    images: ImageLibrary
+    frame: int
+    wanted_attributes: set[str] = field(default_factory=set)
+
+    def attribute(self, name: str) -> int:
+        """The id of an attribute; shapes that have it will carry it."""
+        self.wanted_attributes.add(name)
+        return self.attribute_id(name)
+
+    def active_uv(self) -> int:
+        """The active UV map, as operations name it."""
+        self.wanted_attributes.add(ACTIVE_UV)
+        return -1
+
+    def active_color(self) -> int:
+        """The active colour attribute."""
+        return self.attribute(ACTIVE_COLOR)
+
+
+class NodeView:
+    """A node as the functions that compile it see it: its inputs as registers."""
+
+    def __init__(self, compiler: "Compiler", node: Any, path: Path) -> None:
+        self.compiler, self.node, self._path = compiler, node, path
+        self.emitter, self.resources = compiler.emitter, compiler.resources
+
+    def socket(self, *names: str) -> Any:
+        """The input of the first of these identifiers, or names, that the node has; None if it has none."""
+        for name in names:
+            for socket in self.node.inputs:
+                if socket.identifier == name:
+                    return socket
+        for name in names:
+            for socket in self.node.inputs:
+                if socket.name == name:
+                    return socket
+        return None
+
+    def input(self, *names: str, default: float = 0.0) -> Register:
+        """An input's value; `default` where this version of the node has no such input."""
+        socket = self.socket(*names)
+        return self.emitter.scalar(default) if socket is None else self.compiler.input(socket, self._path)
+
+    def linked(self, *names: str) -> Register:
+        """A linked input's value; unconnected where nothing is linked."""
+        socket = self.socket(*names)
+        if socket is None or self.compiler.link(socket) is None:
+            return UNCONNECTED
+        return self.compiler.input(socket, self._path)
+
+    def vector(self, *names: str) -> Register:
+        """A linked vector; without a link the texture coordinate that Blender takes: Generated."""
+        register = self.linked(*names)
+        return self.emitter.operation("generated") if register == UNCONNECTED else register
+
+    def warn(self, text: str) -> None:
+        """Tell about this node."""
+        self.compiler.warn(self.node, text)
+
+
+ValueFunction = Callable[[NodeView, str], Register]
+ClosureFunction = Callable[[NodeView, Register], None]
+VALUE_NODES: dict[str, ValueFunction] = {}
+CLOSURE_NODES: dict[str, ClosureFunction] = {}
+
+
+def value_node(*identifiers: str) -> Callable[[ValueFunction], ValueFunction]:
+    """Registers the function that compiles one output, by identifier, of these nodes."""
+
+    def keep(function: ValueFunction) -> ValueFunction:
+        for identifier in identifiers:
+            VALUE_NODES[identifier] = function
+        return function
+
+    return keep
+
+
+def closure_node(*identifiers: str) -> Callable[[ClosureFunction], ClosureFunction]:
+    """Registers the function that writes these nodes' closures with a weight."""
+
+    def keep(function: ClosureFunction) -> ClosureFunction:
+        for identifier in identifiers:
+            CLOSURE_NODES[identifier] = function
+        return function
+
+    return keep
+
+
+class Compiler:
+    """Compiles one material's or world's tree."""
+
+    def __init__(
+        self, emitter: Emitter, subject: str, resources: Resources, messages: Messages, is_world: bool = False
+    ) -> None:
+        """`subject` names the tree's owner in messages."""
+        from . import load_nodes
+
+        load_nodes()
+        self.emitter, self.resources, self.is_world = emitter, resources, is_world
+        self._subject, self._messages = subject, messages
+        self._links: dict[int, dict[tuple[str, str], Any]] = {}
+        self._done: dict[Any, Register] = {}
+        self._open: set[Any] = set()
+
+    def warn(self, node: Any, text: str) -> None:
+        """Tell about a node, once."""
+        self._messages.warn(f"{self._subject}, node '{node.name}': {text}")
+
+    # --- the graph ---------------------------------------------------------------------------------------------------
+
+    def link(self, socket: Any) -> Any:
+        """The link into an input, None if nothing valid is linked."""
+        tree = socket.id_data
+        key = tree.as_pointer()
+        if key not in self._links:
+            self._links[key] = {
+                (link.to_node.name, link.to_socket.identifier): link for link in tree.links if not link.is_muted
+            }
+        return self._links[key].get((socket.node.name, socket.identifier))
+
+    def forward(self, socket: Any, path: Path) -> tuple[Any, Path] | None:
+        """The input that an output merely passes on (reroutes, muted nodes, groups and their borders), with its path.
+
+        None for outputs of nodes that compute; the input is None where nothing is passed on.
+        """
+        node = socket.node
+        if node.bl_idname == "NodeReroute":
+            return node.inputs[0], path
+        if node.mute:
+            inner = next((link.from_socket for link in node.internal_links if link.to_socket == socket), None)
+            return inner, path
+        if node.bl_idname == "ShaderNodeGroup":
+            if node.node_tree is None:
+                self.warn(node, "its node group is missing")
+                return None, path
+            output = _group_output(node.node_tree)
+            return (_by_identifier(output.inputs, socket.identifier) if output else None), (*path, node)
+        if node.bl_idname == "NodeGroupInput" and path:
+            return _by_identifier(path[-1].inputs, socket.identifier), path[:-1]
+        return None
+
+    # --- values ------------------------------------------------------------------------------------------------------
+
+    def input(self, socket: Any, path: Path) -> Register:
+        """The value that arrives at an input, converted to its type."""
+        link = self.link(socket)
+        if link is None:
+            return self._default(socket)
+        return self._convert(self.output(link.from_socket, path), link.from_socket.type, socket.type)
+
+    def output(self, socket: Any, path: Path) -> Register:
+        """The value of an output."""
+        node = socket.node
+        key = (tuple(group.name for group in path), node.name, socket.identifier)
+        if key in self._done:
+            return self._done[key]
+        if key in self._open:
+            self.warn(node, "nodes form a loop; the link that closes it is ignored")
+            return self._neutral(socket)
+        self._open.add(key)
+        try:
+            self._done[key] = self._compute(socket, path)
+        finally:
+            self._open.discard(key)
+        return self._done[key]
+
+    def _compute(self, socket: Any, path: Path) -> Register:
+        forward = self.forward(socket, path)
+        if forward is not None:
+            source, source_path = forward
+            if source is None:
+                return self._neutral(socket)
+            return self._convert(self.input(source, source_path), source.type, socket.type)
+        node = socket.node
+        function = VALUE_NODES.get(node.bl_idname)
+        if function is None:
+            self.warn(node, f"{node.bl_label} nodes are not supported; a neutral value is used")
+            return self._neutral(socket)
+        return function(NodeView(self, node, path), socket.identifier)
+
+    def _default(self, socket: Any) -> Register:
+        value = getattr(socket, "default_value", None)
+        if value is None or isinstance(value, str):
+            return self.emitter.scalar(0.0)
+        if socket.type in _SCALARS:
+            return self.emitter.scalar(float(value))
+        return self.emitter.constant(*value)
+
+    def _neutral(self, socket: Any) -> Register:
+        """What stands for an output that cannot be computed: the normal, grey, or the middle of 0..1."""
+        if socket.type == "VECTOR":
+            return self.emitter.operation("normal") if "ormal" in socket.name else self.emitter.constant(0, 0, 0)
+        return self.emitter.scalar(0.5)
+
+    def _convert(self, register: Register, from_type: str, to_type: str) -> Register:
+        """Blender's implicit conversions. A number stands in all four floats, so it is a vector and a grey already."""
+        if to_type in _SCALARS and from_type == "RGBA":
+            return self.emitter.operation("luminance", [register])
+        if to_type in _SCALARS and from_type == "VECTOR":
+            return self.emitter.operation("average", [register])
+        return register
+
+    # --- closures ----------------------------------------------------------------------------------------------------
+
+    def compile_tree(self, tree: Any) -> None:
+        """Write the closures of a tree's output. Without one, or with nothing linked, there are none: black."""
+        output = tree.get_output_node("CYCLES")
+        if output is None:
+            return
+        for name in ("Volume", "Displacement"):
+            socket = output.inputs.get(name)
+            if socket is not None and self.link(socket) is not None:
+                self.warn(output, f"{name.lower()} is not supported; left out")
+        source = self._shader_source(output.inputs["Surface"], ())
+        if source is not None:
+            self._write_closures(source)
+
+    def _shader_source(self, socket: Any, path: Path) -> tuple[Any, Path] | None:
+        """The output that feeds a shader input, past everything that merely passes it on."""
+        seen = set()
+        while True:
+            link = self.link(socket)
+            if link is None:
+                return None
+            source = link.from_socket
+            forward = self.forward(source, path)
+            if forward is None or source.type != "SHADER":
+                return source, path
+            key = (tuple(group.name for group in path), source.node.name, source.identifier)
+            if key in seen:
+                self.warn(source.node, "nodes form a loop; the link that closes it is ignored")
+                return None
+            seen.add(key)
+            socket, path = forward
+            if socket is None:
+                return None
+
+    def _write_closures(self, source: tuple[Any, Path]) -> None:
+        """Give each shader node the sum of its weights over all ways that lead to it, and write it once."""
+        order: list[_Shader] = []
+        root = self._sorted(source, {}, set(), order)
+        if root is None:
+            return
+        weights = {root.key: self.emitter.scalar(1.0)}
+        for shader in reversed(order):  # users come before what they use
+            weight = weights[shader.key]
+            known = self.emitter.value_of(weight)
+            if known is not None and known[0] <= 0.0:
+                weights.update({used.key: weights.get(used.key, weight) for used in shader.uses if used is not None})
+                continue
+            for used, share in zip(shader.uses, self._shares(shader), strict=True):
+                if used is not None:
+                    part = self.emitter.multiply(weight, share)
+                    old = weights.get(used.key)
+                    weights[used.key] = part if old is None else self.emitter.add(old, part)
+            if not shader.uses:
+                self._write_leaf(shader, weight)
+
+    def _sorted(
+        self, source: tuple[Any, Path], known: dict[Any, "_Shader"], open_keys: set[Any], order: list["_Shader"]
+    ) -> "_Shader | None":
+        """Depth first; `order` receives each shader after what it uses. None where a loop closes."""
+        socket, path = source
+        key = (tuple(group.name for group in path), socket.node.name, socket.identifier)
+        if key in open_keys:
+            self.warn(socket.node, "nodes form a loop; the link that closes it is ignored")
+            return None
+        if key in known:
+            return known[key]
+        shader = known[key] = _Shader(key, socket, path)
+        open_keys.add(key)
+        if socket.type == "SHADER" and socket.node.bl_idname in ("ShaderNodeMixShader", "ShaderNodeAddShader"):
+            for shader_input in [s for s in socket.node.inputs if s.type == "SHADER"]:
+                used = self._shader_source(shader_input, path)
+                shader.uses.append(None if used is None else self._sorted(used, known, open_keys, order))
+        open_keys.discard(key)
+        order.append(shader)
+        return shader
+
+    def _shares(self, shader: "_Shader") -> list[Register]:
+        """The factor on each shader that a Mix or Add Shader uses."""
+        one = self.emitter.scalar(1.0)
+        if shader.socket.node.bl_idname != "ShaderNodeMixShader":
+            return [one] * len(shader.uses)
+        factor = self.emitter.saturate(NodeView(self, shader.socket.node, shader.path).input("Fac", "Factor"))
+        return [self.emitter.complement(factor), factor]
+
+    def _write_leaf(self, shader: "_Shader", weight: Register) -> None:
+        node = shader.socket.node
+        if shader.socket.type != "SHADER":  # a value where a shader is wanted shines
+            color = self._convert(self.output(shader.socket, shader.path), shader.socket.type, "RGBA")
+            kind = "background" if self.is_world else "emission"
+            self.emitter.operation(kind, [weight, color, self.emitter.scalar(1.0)])
+            return
+        view = NodeView(self, node, shader.path)
+        function = CLOSURE_NODES.get(node.bl_idname)
+        if function is not None:
+            function(view, weight)
+            return
+        self.warn(node, f"{node.bl_label} nodes are not supported; rendered diffuse")
+        color = view.input("Color", "Base Color", default=0.8)
+        if not self.is_world:
+            self.emitter.operation("diffuse", [weight, color])
+
+
+@dataclass
+class _Shader:
+    """A node of the graph of shaders: a closure, a mixing node, or a value that shines."""
+
+    key: Any
+    socket: Any
+    path: Path
+    uses: "list[_Shader | None]" = field(default_factory=list)
+
+
+def _group_output(tree: Any) -> Any:
+    outputs = [node for node in tree.nodes if node.bl_idname == "NodeGroupOutput"]
+    return next((node for node in outputs if node.is_active_output), outputs[0] if outputs else None)
+
+
+def _by_identifier(sockets: Any, identifier: str) -> Any:
+    return next((socket for socket in sockets if socket.identifier == identifier), None)

@@ -1,0 +1,157 @@
+"""Nodes that bring values in: coordinates, geometry, attributes, constants."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...versions import reads_geometry
+from .compiler import NodeView, value_node
+from .emitter import Register
+
+
+def _one_of(view: NodeView, output: str, operations: dict[str, str], neutral: float) -> Register:
+    """The operation that stands for an output, or a message and a neutral value."""
+    if output in operations:
+        return view.emitter.operation(operations[output])
+    view.warn(f"its output {output} is not supported; a neutral value is used")
+    return view.emitter.scalar(neutral)
+
+
+@value_node("ShaderNodeTexCoord")
+def texture_coordinate(view: NodeView, output: str) -> Register:
+    """Texture Coordinate."""
+    emitter = view.emitter
+    if output == "UV":
+        return emitter.operation("uv", ints=[view.resources.active_uv()])
+    if output == "Object" and view.node.object is not None:
+        return _in_space_of(view, np.array(view.node.object.matrix_world.inverted_safe(), np.float64))
+    if output == "Normal":
+        view.warn("its output Normal is given in world space")
+    operations = {
+        "Generated": "generated",
+        "Normal": "normal",
+        "Object": "object_coordinates",
+        "Camera": "camera_coordinates",
+        "Window": "window",
+        "Reflection": "reflection",
+    }
+    return _one_of(view, output, operations, 0.0)
+
+
+def _in_space_of(view: NodeView, matrix: NDArray[np.float64]) -> Register:
+    """The world position in another object's space; `matrix` takes world to it."""
+    emitter = view.emitter
+    position = emitter.operation("position")
+    components = []
+    for row in matrix[:3]:
+        turned = emitter.operation("vector_math", [position, emitter.constant(*row[:3])], text="DOT_PRODUCT")
+        components.append(emitter.add(turned, emitter.scalar(float(row[3]))))
+    return emitter.operation("combine", components)
+
+
+@value_node("ShaderNodeUVMap")
+def uv_map(view: NodeView, output: str) -> Register:
+    """UV Map."""
+    name = view.node.uv_map
+    identifier = view.resources.attribute(name) if name else view.resources.active_uv()
+    return view.emitter.operation("uv", ints=[identifier])
+
+
+@value_node("ShaderNodeNewGeometry")
+def geometry(view: NodeView, output: str) -> Register:
+    """Geometry."""
+    if output == "Tangent":
+        view.resources.active_uv()
+    operations = {
+        "Position": "position",
+        "Normal": "normal",
+        "Tangent": "tangent",
+        "True Normal": "true_normal",
+        "Incoming": "incoming",
+        "Parametric": "parametric",
+        "Backfacing": "backfacing",
+    }
+    return _one_of(view, output, operations, 0.5)
+
+
+@value_node("ShaderNodeObjectInfo")
+def object_info(view: NodeView, output: str) -> Register:
+    """Object Info."""
+    operations = {
+        "Location": "object_location",
+        "Object Index": "object_index",
+        "Material Index": "material_index",
+        "Random": "object_random",
+    }
+    return _one_of(view, output, operations, 1.0)
+
+
+@value_node("ShaderNodeAttribute")
+def attribute(view: NodeView, output: str) -> Register:
+    """Attribute."""
+    if not reads_geometry(view.node):
+        view.warn(f"attributes of type {view.node.attribute_type.lower()} are not supported; zero is used")
+        return view.emitter.scalar(0.0)
+    return _attribute_output(view, output, view.resources.attribute(view.node.attribute_name))
+
+
+@value_node("ShaderNodeVertexColor")
+def color_attribute(view: NodeView, output: str) -> Register:
+    """Color Attribute; without a name the active one."""
+    name = view.node.layer_name
+    return _attribute_output(view, output, view.resources.attribute(name) if name else view.resources.active_color())
+
+
+def _attribute_output(view: NodeView, output: str, identifier: int) -> Register:
+    value = view.emitter.operation("attribute", ints=[identifier])
+    if output == "Fac":
+        return view.emitter.operation("average", [value])
+    return view.emitter.component(value, 3) if output == "Alpha" else value
+
+
+@value_node("ShaderNodeLightPath")
+def light_path(view: NodeView, output: str) -> Register:
+    """Light Path: "Is Camera Ray" is the core's is_camera, "Ray Depth" its ray_depth."""
+    return view.emitter.operation("light_path", text=output.lower().replace(" ", "_").removesuffix("_ray"))
+
+
+@value_node("ShaderNodeCameraData")
+def camera_data(view: NodeView, output: str) -> Register:
+    """Camera Data."""
+    emitter = view.emitter
+    point = emitter.operation("camera_coordinates")
+    if output == "View Z Depth":
+        return emitter.component(point, 2)
+    return emitter.operation("vector_math", [point], text="NORMALIZE" if output == "View Vector" else "LENGTH")
+
+
+@value_node("ShaderNodeFresnel")
+def fresnel(view: NodeView, output: str) -> Register:
+    """Fresnel."""
+    return view.emitter.operation("fresnel", [view.input("IOR"), view.linked("Normal")])
+
+
+@value_node("ShaderNodeLayerWeight")
+def layer_weight(view: NodeView, output: str) -> Register:
+    """Layer Weight."""
+    return view.emitter.operation("layer_weight", [view.input("Blend"), view.linked("Normal")], text=output.upper())
+
+
+@value_node("ShaderNodeTangent")
+def tangent(view: NodeView, output: str) -> Register:
+    """Tangent, along the active UV map."""
+    if view.node.direction_type != "UV_MAP" or view.node.uv_map:
+        view.warn("only the tangent of the active UV map is supported; it is used")
+    view.resources.active_uv()
+    return view.emitter.operation("tangent")
+
+
+@value_node("ShaderNodeRGB")
+def rgb(view: NodeView, output: str) -> Register:
+    """RGB."""
+    return view.emitter.constant(*view.node.outputs[0].default_value)
+
+
+@value_node("ShaderNodeValue")
+def value(view: NodeView, output: str) -> Register:
+    """Value."""
+    return view.emitter.scalar(view.node.outputs[0].default_value)

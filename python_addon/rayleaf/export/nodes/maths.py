@@ -1,0 +1,116 @@
+"""Nodes that calculate: Math, Vector Math, Map Range, Clamp, Mapping, and the vector nodes."""
+
+from .compiler import NodeView, value_node
+from .curves import curve_table
+from .emitter import UNCONNECTED, Register
+
+# Vector Math operations by the inputs they read.
+_UNARY = {"NORMALIZE", "LENGTH", "ABSOLUTE", "FLOOR", "CEIL", "FRACTION", "SINE", "COSINE", "TANGENT"}
+_TERNARY = {"MULTIPLY_ADD", "FACEFORWARD", "WRAP"}
+_SCALED = {"SCALE", "REFRACT"}
+
+
+@value_node("ShaderNodeMath")
+def math(view: NodeView, output: str) -> Register:
+    """Math; the inputs that the operation hides are left out."""
+    used = [socket.identifier for socket in view.node.inputs if socket.enabled]
+    operands = [view.input(identifier) for identifier in used]
+    return view.emitter.operation("math", operands, [int(view.node.use_clamp)], text=view.node.operation)
+
+
+@value_node("ShaderNodeVectorMath")
+def vector_math(view: NodeView, output: str) -> Register:
+    """Vector Math."""
+    operation = view.node.operation
+    a = view.input("Vector")
+    b = UNCONNECTED if operation in _UNARY or operation == "SCALE" else view.input("Vector_001")
+    c = view.input("Vector_002") if operation in _TERNARY else UNCONNECTED
+    scale = view.input("Scale") if operation in _SCALED else UNCONNECTED
+    return view.emitter.operation("vector_math", [a, b, c, scale], text=operation)
+
+
+@value_node("ShaderNodeClamp")
+def clamp(view: NodeView, output: str) -> Register:
+    """Clamp."""
+    operands = [view.input("Value"), view.input("Min"), view.input("Max")]
+    return view.emitter.operation("clamp", operands, text=view.node.clamp_type)
+
+
+@value_node("ShaderNodeMapRange")
+def map_range(view: NodeView, output: str) -> Register:
+    """Map Range, of numbers or per component of vectors."""
+    node, emitter = view.node, view.emitter
+    ints, text = [int(node.clamp)], node.interpolation_type
+    stepped = text == "STEPPED"
+    if node.data_type == "FLOAT":
+        names = ["Value", "From Min", "From Max", "To Min", "To Max"] + (["Steps"] if stepped else [])
+        return emitter.operation("map_range", [view.input(name) for name in names], ints, text=text)
+    names = ["Vector", "From_Min_FLOAT3", "From_Max_FLOAT3", "To_Min_FLOAT3", "To_Max_FLOAT3"]
+    vectors = [view.input(name) for name in names + (["Steps_FLOAT3"] if stepped else [])]
+    parts = [
+        emitter.operation("map_range", [emitter.component(v, axis) for v in vectors], ints, text=text)
+        for axis in range(3)
+    ]
+    return emitter.operation("combine", parts)
+
+
+@value_node("ShaderNodeMapping")
+def mapping(view: NodeView, output: str) -> Register:
+    """Mapping."""
+    zero = view.emitter.constant(0, 0, 0)
+    # Vectors and normals are not moved: their node has no Location.
+    location = zero if view.node.vector_type in ("VECTOR", "NORMAL") else view.input("Location")
+    operands = [view.input("Vector"), location, view.input("Rotation"), view.input("Scale")]
+    return view.emitter.operation("mapping", operands, text=view.node.vector_type)
+
+
+@value_node("ShaderNodeNormalMap")
+def normal_map(view: NodeView, output: str) -> Register:
+    """Normal Map."""
+    space = view.node.space.removeprefix("BLENDER_")
+    identifier = -1
+    if space == "TANGENT":
+        name = view.node.uv_map
+        identifier = view.resources.attribute(name) if name else view.resources.active_uv()
+    return view.emitter.operation("normal_map", [view.input("Strength"), view.input("Color")], [identifier], text=space)
+
+
+@value_node("ShaderNodeNormal")
+def normal(view: NodeView, output: str) -> Register:
+    """Normal: a fixed direction, and its cosine with the input."""
+    emitter = view.emitter
+    direction = emitter.constant(*view.node.outputs["Normal"].default_value)
+    if output == "Normal":
+        return direction
+    unit = emitter.operation("vector_math", [view.input("Normal")], text="NORMALIZE")
+    return emitter.operation("vector_math", [direction, unit], text="DOT_PRODUCT")
+
+
+@value_node("ShaderNodeVectorCurve")
+def vector_curve(view: NodeView, output: str) -> Register:
+    """Vector Curves, one per component."""
+    emitter, vector = view.emitter, view.input("Vector")
+    curves = view.node.mapping.curves
+    parts = [curve_table(view, emitter.component(vector, axis), curves[axis], axis) for axis in range(3)]
+    result = emitter.operation("combine", parts)
+    return emitter.operation("mix", [view.input("Fac", "Factor"), vector, result], [1, 0], text="MIX")
+
+
+@value_node("ShaderNodeFloatCurve")
+def float_curve(view: NodeView, output: str) -> Register:
+    """Float Curve."""
+    value = view.input("Value")
+    result = curve_table(view, value, view.node.mapping.curves[0], 0)
+    return view.emitter.operation("mix", [view.input("Factor", "Fac"), value, result], [1, 0], text="MIX")
+
+
+@value_node("ShaderNodeSeparateXYZ")
+def separate_xyz(view: NodeView, output: str) -> Register:
+    """Separate XYZ."""
+    return view.emitter.component(view.input("Vector"), "XYZ".index(output))
+
+
+@value_node("ShaderNodeCombineXYZ")
+def combine_xyz(view: NodeView, output: str) -> Register:
+    """Combine XYZ."""
+    return view.emitter.operation("combine", [view.input("X"), view.input("Y"), view.input("Z")])

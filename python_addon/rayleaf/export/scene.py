@@ -1,0 +1,188 @@
+"""From an evaluated view layer to a scene the core can render."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from ..messages import Messages
+from . import ExportCancelled, camera, instances, lights, meshes, surfaces, world
+from .images import ImageLibrary
+from .instances import Group, Instances
+from .materials import MaterialLibrary, slots_of
+from .nodes.compiler import Resources
+
+# Width of the table by which a world made of nodes is importance sampled; a plain colour needs none.
+_WORLD_TABLE_WIDTH = 1024
+_BYTES_PER_MEGABYTE = 1 << 20
+
+# Why objects of these types come as meshes.
+_EVALUATED_REASONS = {"CURVE": "curve", "FONT": "text", "META": "metaball", "CURVES": "hair curves"}
+
+
+@dataclass
+class ExportReport:
+    """What was sent, and how."""
+
+    exact: list[str] = field(default_factory=list)  # objects sent as splines
+    evaluated: dict[str, str] = field(default_factory=dict)  # object -> why as its evaluated mesh
+    left_out: dict[str, str] = field(default_factory=dict)  # object -> why not rendered
+    shapes: int = 0
+    instances: int = 0
+    lamps: int = 0
+
+
+class SceneExporter:
+    """Exports one view layer once."""
+
+    def __init__(
+        self, core: ModuleType, depsgraph: Any, messages: Messages, should_stop: Callable[[], bool] = lambda: False
+    ) -> None:
+        """`should_stop` is asked often; when it says so, `export` raises ExportCancelled."""
+        self._core, self._depsgraph, self._messages, self._should_stop = core, depsgraph, messages, should_stop
+        self._blender_scene = depsgraph.scene_eval
+        self._view_layer = depsgraph.view_layer
+        self.scene = core.SceneDescription()
+        self.report = ExportReport()
+        images = ImageLibrary(core, self.scene, messages)
+        self._resources = Resources(self.scene.attribute, images, self._blender_scene.frame_current)
+        self._materials = MaterialLibrary(core, self.scene, self._resources, messages, depsgraph)
+
+    def export(self, frame: camera.Frame, needs_uv: bool) -> Any:
+        """The scene description. `needs_uv`: a pass shows the UV map. Raises CameraError, InputError, ExportCancelled."""
+        self.scene.texture_memory = self._blender_scene.rayleaf.texture_memory * _BYTES_PER_MEGABYTE
+        self._export_camera(frame)
+        listed = instances.collect(self._depsgraph, self._should_stop)
+        for name, reason in listed.skipped.items():
+            self._leave_out(name, reason)
+        material_lists = [self._material_list(group) for group in listed.groups]
+        self._export_world()
+        self._export_lamps(listed)
+        if needs_uv:
+            self._resources.active_uv()
+        shapes = self._export_shapes(listed.groups)
+        self._export_instances(listed, shapes, material_lists)
+        return self.scene
+
+    def _export_camera(self, frame: camera.Frame) -> None:
+        camera_object = self._blender_scene.camera
+        if camera_object is None:
+            raise camera.CameraError(f"Scene '{self._blender_scene.name}' has no camera")
+        camera_object = camera_object.evaluated_get(self._depsgraph)
+        matrix = np.array(camera_object.matrix_world, np.float64)
+        self.scene.set_camera(**camera.describe(camera_object, matrix, frame))
+
+    def _material_list(self, group: Group) -> int:
+        override = self._depsgraph.view_layer_eval.material_override
+        slots = slots_of(group.owner, group.data, group.from_owner)
+        if override is not None:
+            slots = [override] * max(len(slots), 1)
+        return self._materials.slot_list(slots, instances.is_holdout(group.owner, self._view_layer))
+
+    def _export_world(self) -> None:
+        blender_world = self._blender_scene.world
+        if blender_world is None:
+            self.scene.set_world(None)
+            return
+        try:
+            program = world.compile_world(self._core, blender_world, self._resources, self._messages)
+            width = _WORLD_TABLE_WIDTH if world.uses_nodes(blender_world) else 0
+            self.scene.set_world(program, sampling_resolution=width)
+        except self._core.InputError as error:
+            self._messages.warn(f"World '{blender_world.name}': {error}; rendered black")
+
+    def _export_lamps(self, listed: Instances) -> None:
+        for lamp_object, place in listed.lamps:
+            self._check_cancel()
+            visibility = instances.visibility(lamp_object, self._view_layer)
+            try:
+                self.scene.add_lamp(**lights.describe(lamp_object, listed.matrices[place], visibility, self._messages))
+                self.report.lamps += 1
+            except self._core.InputError as error:
+                self._leave_out(lamp_object.name, str(error))
+
+    def _export_shapes(self, groups: list[Group]) -> list[int | None]:
+        """The shape of each group; groups with the same data share one."""
+        wanted = frozenset(self._resources.wanted_attributes)
+        known: dict[Any, int | None] = {}
+        result = []
+        for group in groups:
+            self._check_cancel()
+            key = group.shape_key
+            if key not in known:
+                known[key] = self._export_surface(group) if group.exact else self._export_mesh(group, wanted)
+            result.append(known[key])
+            self._note_way(group)
+        self.report.shapes = sum(shape is not None for shape in known.values())
+        return result
+
+    def _export_surface(self, group: Group) -> int | None:
+        shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages)
+        if shape is None:
+            self.report.left_out.setdefault(group.owner.name, "no spline that can be rendered")
+        return shape
+
+    def _export_mesh(self, group: Group, wanted: frozenset[str]) -> int | None:
+        name = group.owner.name
+        arrays = meshes.mesh_arrays(group.data, wanted)
+        if arrays is None:
+            self.report.left_out[name] = "no faces"
+            self._messages.note(f"Object '{name}' has no faces; left out")
+            return None
+        try:
+            return meshes.add_mesh(self.scene, name, arrays)
+        except self._core.InputError as error:
+            self._leave_out(name, str(error))
+            return None
+
+    def _note_way(self, group: Group) -> None:
+        """Which way an object went: exact or as a mesh, and why."""
+        name, kind = group.owner.name, group.owner.type
+        if name in self.report.left_out:
+            return
+        if group.exact:
+            if name not in self.report.exact:
+                self.report.exact.append(name)
+        elif kind == "SURFACE":
+            self.report.evaluated[name] = surfaces.fallback_reason(group.owner) or "geometry made by other means"
+        elif kind in _EVALUATED_REASONS:
+            self.report.evaluated[name] = _EVALUATED_REASONS[kind]
+
+    def _export_instances(self, listed: Instances, shapes: list[int | None], material_lists: list[int]) -> None:
+        chosen = [
+            (group, shape, materials)
+            for group, shape, materials in zip(listed.groups, shapes, material_lists, strict=True)
+            if shape is not None
+        ]
+        if not chosen:
+            return
+        counts = [len(group.members) for group, _, _ in chosen]
+        places = np.concatenate([np.array(group.members, np.int64) for group, _, _ in chosen])
+
+        def spread(values: list[int]) -> Any:
+            return np.repeat(np.array(values, np.int32), counts)
+
+        self._check_cancel()
+        problems = self.scene.add_instances(
+            [group.owner.name for group, _, _ in chosen for _ in range(len(group.members))],
+            spread([shape for _, shape, _ in chosen if shape is not None]),
+            listed.matrices[places],
+            spread([materials for _, _, materials in chosen]),
+            spread([group.owner.pass_index for group, _, _ in chosen]),
+            listed.randoms[places],
+            spread([instances.visibility(group.owner, self._view_layer) for group, _, _ in chosen]),
+        )
+        self.report.instances = len(places) - len(problems)
+        for problem in problems:
+            self._messages.warn(problem)
+
+    def _leave_out(self, name: str, reason: str) -> None:
+        self.report.left_out[name] = reason
+        text = reason if name in reason else f"Object '{name}': {reason}"
+        self._messages.warn(f"{text}; left out")
+
+    def _check_cancel(self) -> None:
+        if self._should_stop():
+            raise ExportCancelled

@@ -1,0 +1,111 @@
+"""SURFACE objects as exact splines: which can be, and their control points."""
+
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..messages import Messages
+
+
+def fallback_reason(surface_object: Any) -> str | None:
+    """Why an object must be taken as Blender's evaluated mesh; None if it can be sent as splines."""
+    for modifier in surface_object.modifiers:
+        if modifier.show_render:
+            return f"modifier {modifier.name}"
+    keys = surface_object.data.shape_keys
+    if keys is not None and not keys.use_relative:
+        return "absolute shape keys"
+    return None
+
+
+def _key_coordinates(block: Any) -> NDArray[np.float32]:
+    values = np.empty(len(block.data) * 3, np.float32)
+    block.data.foreach_get("co", values)
+    return values.reshape(-1, 3)
+
+
+def mixed_shape_keys(surface_object: Any) -> NDArray[np.float64] | None:
+    """(points, 3): the control points of all splines with the relative shape keys mixed in; None without keys."""
+    keys = surface_object.data.shape_keys
+    if keys is None or not keys.key_blocks:
+        return None
+    blocks = list(keys.key_blocks)
+    if surface_object.show_only_shape_key:
+        return _key_coordinates(blocks[surface_object.active_shape_key_index]).astype(np.float64)
+    mixed = _key_coordinates(blocks[0]).astype(np.float64)
+    for block in blocks[1:]:
+        if not block.mute and block.value != 0.0:
+            mixed += block.value * (_key_coordinates(block).astype(np.float64) - _key_coordinates(block.relative_key))
+    return mixed
+
+
+def control_points(spline: Any) -> NDArray[np.float64]:
+    """(count_v, count_u, 4): x, y, z, weight."""
+    values = np.empty(len(spline.points) * 4, np.float32)
+    spline.points.foreach_get("co", values)
+    return values.astype(np.float64).reshape(spline.point_count_v, spline.point_count_u, 4)
+
+
+def splines_of(core: ModuleType, surface_object: Any, messages: Messages) -> list[Any]:
+    """The splines of a SURFACE object that the core accepts; the others are named in messages."""
+    moved = mixed_shape_keys(surface_object)
+    splines, first = [], 0
+    for number, spline in enumerate(surface_object.data.splines):
+        points = control_points(spline)
+        count = points.shape[0] * points.shape[1]
+        if moved is not None and spline.type == "NURBS":
+            points[..., :3] = moved[first : first + count].reshape(*points.shape[:2], 3)
+        first += count
+        if spline.hide:
+            continue
+        what = f"Object '{surface_object.name}', spline {number + 1}"
+        if spline.point_count_v < 2 or spline.point_count_u < 2:
+            messages.warn(f"{what}: {spline.point_count_u} x {spline.point_count_v} points make no surface; left out")
+            continue
+        try:
+            splines.append(
+                core.NurbsSpline(
+                    points,
+                    spline.order_u,
+                    spline.order_v,
+                    cyclic_u=spline.use_cyclic_u,
+                    cyclic_v=spline.use_cyclic_v,
+                    endpoint_u=spline.use_endpoint_u,
+                    endpoint_v=spline.use_endpoint_v,
+                    bezier_u=spline.use_bezier_u,
+                    bezier_v=spline.use_bezier_v,
+                    material_slot=spline.material_index,
+                    smooth=spline.use_smooth,
+                )
+            )
+        except core.InputError as error:
+            messages.warn(f"{what}: {error}; left out")
+    return splines
+
+
+def add_surface(core: ModuleType, scene: Any, surface_object: Any, messages: Messages) -> int | None:
+    """Send a SURFACE object; the shape's index, or None if nothing of it can be rendered."""
+    splines = splines_of(core, surface_object, messages)
+    if not splines:
+        return None
+    try:
+        return int(scene.add_surface(surface_object.name, splines))
+    except core.InputError as error:
+        if len(splines) == 1:
+            messages.warn(f"{error}; left out")
+            return None
+    return _add_good_splines(core, scene, surface_object.name, splines, messages)
+
+
+def _add_good_splines(core: ModuleType, scene: Any, name: str, splines: list[Any], messages: Messages) -> int | None:
+    """One bad spline must not take the others with it: try each in a scene of its own, and send those that pass."""
+    good = []
+    for number, spline in enumerate(splines):
+        try:
+            core.SceneDescription().add_surface(name, [spline])
+            good.append(spline)
+        except core.InputError as error:
+            messages.warn(f"{error} (spline {number + 1}); left out")
+    return int(scene.add_surface(name, good)) if good else None

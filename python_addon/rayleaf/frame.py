@@ -1,0 +1,108 @@
+"""The render of one view layer of one frame: export, render in a thread, hand the picture to Blender."""
+
+import time
+from dataclasses import asdict
+from types import ModuleType
+from typing import Any
+
+import bpy
+
+from . import passes, statistics, versions
+from .export import ExportCancelled
+from .export.camera import CameraError, CropRectangle, Frame, crop_of, frame_of
+from .export.scene import ExportReport, SceneExporter
+from .messages import Messages
+from .session import RenderThread
+from .settings import core_settings
+
+_POLL_SECONDS = 0.05  # how soon Esc is noticed
+_FIRST_RESULT_SECONDS = 0.3  # until the first unfinished picture is shown
+_RESULT_SECONDS = 1.0  # between unfinished pictures
+
+
+class FrameRender:
+    """Renders one view layer through Blender's engine object."""
+
+    def __init__(self, engine: Any, depsgraph: Any, core: ModuleType) -> None:
+        self._engine, self._depsgraph, self._core = engine, depsgraph, core
+        self._messages = Messages(lambda kind, text: engine.report({kind}, text))
+        self._scene = depsgraph.scene_eval
+        self._layer_name = depsgraph.view_layer.name
+        self._frame: Frame = frame_of(self._scene)
+        self._crop: CropRectangle = crop_of(self._scene, self._frame)
+        self._passes = passes.enabled(depsgraph.view_layer)
+
+    def run(self) -> None:
+        """Render to the end or until cancelled. What goes wrong is reported and ends this render alone."""
+        try:
+            self._run()
+        except ExportCancelled:
+            pass
+        except (CameraError, self._core.InputError) as error:
+            self._messages.error(str(error))
+            self._engine.error_set(str(error))
+
+    def _run(self) -> None:
+        if self._scene.render.use_multiview:
+            self._messages.warn("Stereoscopy is not supported; every view shows the same picture")
+        began = time.perf_counter()
+        self._status("exporting", 0.0)
+        exporter = SceneExporter(self._core, self._depsgraph, self._messages, self._engine.test_break)
+        description = exporter.export(self._frame, needs_uv=any(entry.identifier == "uv" for entry in self._passes))
+        exported = time.perf_counter()
+        settings = self._core.Settings(**core_settings(self._scene, self._frame, self._crop, self._passes))
+        session = RenderThread(self._core, description, settings)
+        try:
+            session.start()
+            self._follow(session)
+            session.raise_error()
+            self._write_result(session)
+            rendered = time.perf_counter()
+            times = {"export": exported - began, "render": rendered - exported, "total": rendered - began}
+            self._publish(session, exporter.report, times)
+        finally:
+            session.close()
+
+    def _follow(self, session: RenderThread) -> None:
+        """Until the core has ended: look for Esc, tell how far it is, show what there is."""
+        next_result = time.perf_counter() + _FIRST_RESULT_SECONDS
+        cancelled = False
+        while not session.wait(_POLL_SECONDS):
+            if not cancelled and self._engine.test_break():
+                session.cancel()
+                cancelled = True
+            stage, share = session.progress()
+            self._status(stage, share)
+            if not bpy.app.background and not cancelled and share > 0.0 and time.perf_counter() >= next_result:
+                self._write_result(session)
+                next_result = time.perf_counter() + _RESULT_SECONDS
+
+    def _status(self, stage: str, share: float) -> None:
+        self._engine.update_progress(share)
+        self._engine.update_stats("", f"Rayleaf | {self._layer_name} | {stage.capitalize()} {share:.0%}")
+        memory = statistics.process_memory()
+        if memory is not None:
+            self._engine.update_memory_stats(memory_used=memory[0], memory_peak=memory[1])
+
+    def _write_result(self, session: RenderThread) -> None:
+        """Hand over the passes as they are. All is made ready before Blender's result is opened."""
+        pixels = {entry.name: session.pixels(entry.identifier) for entry in self._passes}
+        result = self._engine.begin_result(0, 0, self._crop.width, self._crop.height, layer=self._layer_name)
+        try:
+            versions.write_passes(result.layers[0], pixels)
+        finally:
+            self._engine.end_result(result)
+
+    def _publish(self, session: RenderThread, report: ExportReport, times: dict[str, float]) -> None:
+        statistics.publish(
+            {
+                "scene": self._scene.name,
+                "frame": self._scene.frame_current,
+                "view_layer": self._layer_name,
+                "completed": session.completed,
+                "times": times,
+                "export": asdict(report),
+                "messages": self._messages.texts,
+                "core": session.statistics(),
+            }
+        )

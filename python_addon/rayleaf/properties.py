@@ -1,0 +1,75 @@
+"""The settings that an artist sees, as `scene.rayleaf`. Meanings and units: core/scene/settings.h."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+
+FILTERS = (
+    ("BOX", "Box", "Every sample of a pixel counts alike"),
+    ("GAUSSIAN", "Gaussian", "Bell-shaped"),
+    ("BLACKMAN_HARRIS", "Blackman-Harris", "Smooth and compact; the default"),
+)
+
+
+class RayleafSceneSettings(bpy.types.PropertyGroup):
+    """What is set per scene."""
+
+    samples: IntProperty(name="Samples", description="Paths per pixel", default=64, min=1, max=1 << 20)  # type: ignore
+    seed: IntProperty(name="Seed", description="Another number gives other noise", default=0, min=0)  # type: ignore
+    use_animated_seed: BoolProperty(  # type: ignore
+        name="Animate Seed", description="Other noise in every frame", default=False
+    )
+
+    max_bounces: IntProperty(name="Total", description="Bounces of any kind", default=12, min=0, max=1024)  # type: ignore
+    diffuse_bounces: IntProperty(name="Diffuse", default=4, min=0, max=1024)  # type: ignore
+    glossy_bounces: IntProperty(name="Glossy", default=4, min=0, max=1024)  # type: ignore
+    transmission_bounces: IntProperty(name="Transmission", default=12, min=0, max=1024)  # type: ignore
+    transparent_bounces: IntProperty(  # type: ignore
+        name="Transparent", description="Surfaces a ray may pass straight through", default=8, min=0, max=1024
+    )
+    roulette_start: IntProperty(  # type: ignore
+        name="Russian Roulette",
+        description="Bounces after which dim paths may end by chance",
+        default=4,
+        min=0,
+        max=1024,
+    )
+    clamp_direct: FloatProperty(  # type: ignore
+        name="Direct",
+        description="Largest light of one sample straight from lights; 0 for no limit",
+        default=0.0,
+        min=0.0,
+    )
+    clamp_indirect: FloatProperty(  # type: ignore
+        name="Indirect", description="Largest light of one sample after bounces; 0 for no limit", default=10.0, min=0.0
+    )
+
+    film_exposure: FloatProperty(  # type: ignore
+        name="Exposure", description="Factor on all light", default=1.0, min=0.0, soft_max=10.0
+    )
+    filter_type: EnumProperty(name="Pixel Filter", items=FILTERS, default="BLACKMAN_HARRIS")  # type: ignore
+    filter_width: FloatProperty(  # type: ignore
+        name="Width", description="Full width of the filter, in pixels", default=1.5, min=0.01, max=10.0
+    )
+
+    tile_size: IntProperty(  # type: ignore
+        name="Tile Size",
+        description="Pixels along the side of what one thread renders at a time",
+        default=32,
+        min=8,
+        max=512,
+    )
+    texture_memory: IntProperty(  # type: ignore
+        name="Texture Memory", description="Megabytes of image textures kept at once", default=1024, min=16, max=1 << 20
+    )
+
+
+def register() -> None:
+    """Make the settings part of every scene."""
+    bpy.utils.register_class(RayleafSceneSettings)
+    bpy.types.Scene.rayleaf = PointerProperty(type=RayleafSceneSettings)
+
+
+def unregister() -> None:
+    """Take them away again."""
+    del bpy.types.Scene.rayleaf
+    bpy.utils.unregister_class(RayleafSceneSettings)

@@ -1,0 +1,36 @@
+"""A scene's settings as the core's."""
+
+from typing import Any
+
+from .export.camera import CropRectangle, Frame
+from .passes import Pass
+
+
+def core_settings(scene: Any, frame: Frame, crop: CropRectangle, passes: list[Pass]) -> dict[str, Any]:
+    """The keyword arguments of the core's Settings."""
+    own, render = scene.rayleaf, scene.render
+    return dict(
+        width=frame.width,
+        height=frame.height,
+        crop_x=crop.x,
+        crop_y=crop.y,
+        crop_width=crop.width,
+        crop_height=crop.height,
+        samples=own.samples,
+        seed=own.seed + (scene.frame_current if own.use_animated_seed else 0),
+        threads=render.threads if render.threads_mode == "FIXED" else 0,
+        tile_size=own.tile_size,
+        max_bounces=own.max_bounces,
+        diffuse_bounces=own.diffuse_bounces,
+        glossy_bounces=own.glossy_bounces,
+        transmission_bounces=own.transmission_bounces,
+        transparent_bounces=own.transparent_bounces,
+        roulette_start=own.roulette_start,
+        clamp_direct=own.clamp_direct,
+        clamp_indirect=own.clamp_indirect,
+        film_transparent=render.film_transparent,
+        filter=own.filter_type,
+        filter_width=own.filter_width,
+        exposure=own.film_exposure,
+        passes=[entry.identifier for entry in passes],
+    )

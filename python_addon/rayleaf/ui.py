@@ -1,0 +1,250 @@
+"""Panels: Rayleaf's own, and Blender's that suit it."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+
+from . import passes
+
+ENGINE = "RAYLEAF"
+
+# Blender's panels that any engine may take carry this engine's name.
+_FOR_ANY_ENGINE = "BLENDER_RENDER"
+# Of those, the ones that show what Rayleaf has not, or shows in panels of its own.
+_UNSUITABLE = {
+    "DATA_PT_area",
+    "DATA_PT_falloff_curve",
+    "DATA_PT_light",
+    "DATA_PT_preview",
+    "DATA_PT_spot",
+    "NODE_DATA_PT_light",
+    "RENDER_PT_freestyle",
+    "MATERIAL_PT_freestyle_line",
+    "RENDER_PT_output_views",
+    "DATA_PT_camera_stereoscopy",
+}
+_UNSUITABLE_PREFIX = ("VIEWLAYER_PT_freestyle", "DATA_PT_lightprobe", "TEXTURE_PT_")
+# Panels meant for other engines that suit as they are: nodes of materials and worlds, depth of field.
+_SUITABLE = {
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_surface",
+    "DATA_PT_camera_dof",
+    "DATA_PT_camera_dof_aperture",
+}
+
+
+def _subclasses(base: type) -> Iterator[type]:
+    for subclass in base.__subclasses__():
+        yield subclass
+        yield from _subclasses(subclass)
+
+
+def blender_panels() -> list[Any]:
+    """Blender's own panels that Rayleaf shows."""
+    chosen = []
+    for panel in _subclasses(bpy.types.Panel):
+        engines, name = getattr(panel, "COMPAT_ENGINES", None), panel.__name__
+        if engines is None or not panel.__module__.startswith("bl_ui."):
+            continue
+        general = _FOR_ANY_ENGINE in engines and name not in _UNSUITABLE and not name.startswith(_UNSUITABLE_PREFIX)
+        if general or name in _SUITABLE:
+            chosen.append(panel)
+    return chosen
+
+
+class _Panel:
+    """What Rayleaf's panels share: their place, and that they show only with Rayleaf chosen."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.engine in cls.COMPAT_ENGINES
+
+    def _column(self) -> Any:
+        layout = self.layout  # type: ignore[attr-defined]
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        return layout.column()
+
+
+class RAYLEAF_PT_sampling(_Panel, bpy.types.Panel):
+    """How many paths, and their random numbers."""
+
+    bl_label = "Sampling"
+
+    def draw(self, context: Any) -> None:
+        column, settings = self._column(), context.scene.rayleaf
+        column.prop(settings, "samples")
+        row = column.row(align=True)
+        row.prop(settings, "seed")
+        row.prop(settings, "use_animated_seed", text="", icon="TIME")
+
+
+class RAYLEAF_PT_light_paths(_Panel, bpy.types.Panel):
+    """How far light is followed."""
+
+    bl_label = "Light Paths"
+
+    def draw(self, context: Any) -> None:
+        column, settings = self._column(), context.scene.rayleaf
+        bounces = column.column(align=True, heading="Max Bounces")
+        bounces.prop(settings, "max_bounces")
+        bounces.prop(settings, "diffuse_bounces")
+        bounces.prop(settings, "glossy_bounces")
+        bounces.prop(settings, "transmission_bounces")
+        bounces.prop(settings, "transparent_bounces")
+        column.prop(settings, "roulette_start")
+        clamping = column.column(align=True, heading="Clamping")
+        clamping.prop(settings, "clamp_direct", text="Clamp Direct")
+        clamping.prop(settings, "clamp_indirect", text="Clamp Indirect")
+
+
+class RAYLEAF_PT_film(_Panel, bpy.types.Panel):
+    """From light to pixels."""
+
+    bl_label = "Film"
+
+    def draw(self, context: Any) -> None:
+        column, settings = self._column(), context.scene.rayleaf
+        column.prop(settings, "film_exposure")
+        column.prop(context.scene.render, "film_transparent")
+        column.prop(settings, "filter_type")
+        row = column.row()
+        row.active = settings.filter_type != "BOX"
+        row.prop(settings, "filter_width")
+
+
+class RAYLEAF_PT_performance(_Panel, bpy.types.Panel):
+    """What the machine gives."""
+
+    bl_label = "Performance"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Any) -> None:
+        column, render = self._column(), context.scene.render
+        column.prop(render, "threads_mode")
+        threads = column.row()
+        threads.enabled = render.threads_mode == "FIXED"
+        threads.prop(render, "threads")
+        column.prop(context.scene.rayleaf, "tile_size")
+        column.prop(context.scene.rayleaf, "texture_memory")
+
+
+class RAYLEAF_PT_passes(_Panel, bpy.types.Panel):
+    """The passes of a view layer, from the pass table."""
+
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw(self, context: Any) -> None:
+        column = self._column()
+        for entry in passes.table():
+            if entry.switch:
+                column.prop(context.view_layer, entry.switch, text=entry.label)
+
+
+class RAYLEAF_PT_light(_Panel, bpy.types.Panel):
+    """A lamp."""
+
+    bl_label = "Light"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.light is not None and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        light = context.light
+        self.layout.row().prop(light, "type", expand=True)
+        column = self._column()
+        column.prop(light, "color")
+        column.prop(light, "energy", text="Strength" if light.type == "SUN" else "Power")
+        if light.type in ("POINT", "SPOT"):
+            column.prop(light, "shadow_soft_size", text="Radius")
+        elif light.type == "SUN":
+            column.prop(light, "angle")
+        else:
+            self._draw_area(column, light)
+        column.prop(light, "use_shadow", text="Cast Shadow")
+
+    @staticmethod
+    def _draw_area(column: Any, light: Any) -> None:
+        column.prop(light, "shape")
+        size = column.column(align=True)
+        if light.shape in ("RECTANGLE", "ELLIPSE"):
+            size.prop(light, "size", text="Size X")
+            size.prop(light, "size_y", text="Y")
+        else:
+            size.prop(light, "size")
+        column.prop(light, "spread")
+
+
+class RAYLEAF_PT_light_spot(_Panel, bpy.types.Panel):
+    """A spot lamp's cone."""
+
+    bl_label = "Beam Shape"
+    bl_context = "data"
+    bl_parent_id = "RAYLEAF_PT_light"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.light is not None and context.light.type == "SPOT" and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        column = self._column()
+        column.prop(context.light, "spot_size", text="Spot Size")
+        column.prop(context.light, "spot_blend", text="Blend", slider=True)
+        column.prop(context.light, "show_cone")
+
+
+class RAYLEAF_PT_ray_visibility(_Panel, bpy.types.Panel):
+    """Which rays see an object."""
+
+    bl_label = "Ray Visibility"
+    bl_context = "object"
+    bl_parent_id = "OBJECT_PT_visibility"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        shown = {"MESH", "CURVE", "SURFACE", "FONT", "META", "LIGHT"}
+        return context.object is not None and context.object.type in shown and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        column = self._column()
+        for kind in ("camera", "diffuse", "glossy", "transmission", "shadow"):
+            column.prop(context.object, f"visible_{kind}", text=kind.title())
+        column.prop(context.object, "is_holdout")
+
+
+PANELS = (
+    RAYLEAF_PT_sampling,
+    RAYLEAF_PT_light_paths,
+    RAYLEAF_PT_film,
+    RAYLEAF_PT_performance,
+    RAYLEAF_PT_passes,
+    RAYLEAF_PT_light,
+    RAYLEAF_PT_light_spot,
+    RAYLEAF_PT_ray_visibility,
+)
+
+
+def register() -> None:
+    """Show the panels."""
+    for panel in PANELS:
+        bpy.utils.register_class(panel)
+    for panel in blender_panels():
+        panel.COMPAT_ENGINES.add(ENGINE)
+
+
+def unregister() -> None:
+    """Take them away."""
+    for panel in blender_panels():
+        panel.COMPAT_ENGINES.discard(ENGINE)
+    for panel in reversed(PANELS):
+        bpy.utils.unregister_class(panel)

@@ -1,0 +1,64 @@
+"""The one place where Blender's versions differ (3.4 to 5.x)."""
+
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float32]
+
+# Sockets of the Principled node: our name, then the names it had, newest first.
+PRINCIPLED_SOCKETS = {
+    "specular": ("Specular IOR Level", "Specular"),
+    "transmission": ("Transmission Weight", "Transmission"),
+    "sheen": ("Sheen Weight", "Sheen"),
+    "clearcoat": ("Coat Weight", "Clearcoat"),
+    "clearcoat_roughness": ("Coat Roughness", "Clearcoat Roughness"),
+    "clearcoat_normal": ("Coat Normal", "Clearcoat Normal"),
+    "emission_color": ("Emission Color", "Emission"),
+    "subsurface": ("Subsurface Weight", "Subsurface"),
+}
+
+
+def corner_normals(mesh: Any) -> Floats:
+    """(corners, 3): the normals that Blender shades with, sharp edges, flat faces and custom normals respected."""
+    normals = np.empty(len(mesh.loops) * 3, np.float32)
+    if hasattr(mesh, "corner_normals"):  # 4.1
+        mesh.corner_normals.foreach_get("vector", normals)
+    else:
+        mesh.calc_normals_split()
+        mesh.loops.foreach_get("normal", normals)
+        mesh.free_normals_split()
+    return normals.reshape(-1, 3)
+
+
+def uv_map(layer: Any, corners: int) -> Floats:
+    """(corners, 2): the coordinates of a UV map."""
+    values = np.empty(corners * 2, np.float32)
+    if hasattr(layer, "uv"):  # 3.5
+        layer.uv.foreach_get("vector", values)
+    else:
+        layer.data.foreach_get("uv", values)
+    return values.reshape(-1, 2)
+
+
+def write_passes(layer: Any, pixels: dict[str, Floats]) -> None:
+    """Fill the passes of a render layer; `pixels` by Blender's pass name, (height, width, channels). Others stay black."""
+    if bpy.app.version >= (4, 0, 0):
+        for entry in layer.passes:
+            if entry.name in pixels:
+                entry.rect.foreach_set(np.ascontiguousarray(pixels[entry.name], np.float32).ravel())
+        return
+    # 3.x: the passes of a layer are set together; a pass of several channels cannot be set alone.
+    height, width = next(iter(pixels.values())).shape[:2]
+    parts = []
+    for entry in layer.passes:
+        values = pixels.get(entry.name)
+        parts.append(np.zeros(height * width * entry.channels, np.float32) if values is None else values.ravel())
+    layer.passes.foreach_set("rect", np.concatenate(parts))
+
+
+def reads_geometry(node: Any) -> bool:
+    """True if an Attribute node reads geometry, the only kind before 2.93."""
+    return getattr(node, "attribute_type", "GEOMETRY") == "GEOMETRY"
