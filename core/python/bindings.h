@@ -12,5 +12,6 @@ namespace py = pybind11;
 void bind_errors(py::module_& module);
 void bind_rays(py::module_& module);
 void bind_sampling(py::module_& module);
+void bind_shading(py::module_& module);
 
 }  // namespace rayleaf

@@ -6,4 +6,5 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::bind_errors(module);
     rayleaf::bind_rays(module);
     rayleaf::bind_sampling(module);
+    rayleaf::bind_shading(module);
 }

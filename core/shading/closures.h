@@ -1,6 +1,9 @@
 // The closures of one point: a short list of weighted lobes that can be evaluated, sampled and weighed.
 //
 // Directions are unit, world space, and point away from the surface. `outgoing` is towards the viewer.
+//
+// Values are for radiance, as Cycles has it: refraction does not scale radiance by the squared ratio of indices. (What
+// enters glass leaves it again, and then the factors cancel; only pictures taken from inside would differ.)
 #pragma once
 
 #include "base/vector.h"
@@ -26,18 +29,20 @@ enum class LobeType : uint8_t {
 
 enum class MicrofacetDistribution : uint8_t { Ggx, Beckmann };
 
-/// One lobe. What the fields mean depends on the type; see closures.cpp.
+/// One lobe. `normal`, `tangent`, `weight` count for all types, the rest where named.
 struct Lobe {
     LobeType type = LobeType::Diffuse;
-    LobeKind kind = LobeKind::Diffuse;
+    LobeKind kind = LobeKind::Diffuse;  ///< Glass: its reflection counts as Glossy, its refraction as Transmission
     MicrofacetDistribution distribution = MicrofacetDistribution::Ggx;
     Color weight;                    ///< factor on the lobe's value
     Vec3f normal;                    ///< unit; faces the viewer
-    Vec3f tangent;                   ///< unit, orthogonal to `normal`; for anisotropy
+    Vec3f tangent;                   ///< for anisotropy, made orthogonal to `normal` by `add`; zero: any
     float alpha_x = 0, alpha_y = 0;  ///< microfacet roughness (already squared); both 0: singular
-    float ior = 1.5f;                ///< inside over outside where the viewer is outside
-    float roughness = 0;             ///< of diffuse lobes
-    Color fresnel_0;                 ///< reflectance at normal incidence, for coloured Schlick; see `fresnel`
+    float ior = 1.5f;                ///< index beyond the surface over that on the viewer's side
+    float roughness = 0;             ///< Diffuse: Oren-Nayar's sigma, 0..1; PrincipledDiffuse: Disney's roughness
+    Color fresnel_0;                 ///< Schlick: reflectance at normal incidence
+    /// Dielectric: Reflection is weighted by the reflectance of `ior`, Refraction by the rest. Schlick: Reflection is
+    /// coloured, from `fresnel_0` to white along the dielectric curve of `ior` (shading/fresnel.h).
     enum class Fresnel : uint8_t { None, Dielectric, Schlick } fresnel = Fresnel::None;
 };
 
@@ -62,8 +67,10 @@ class Closures {
     float holdout = 0;            ///< share that shows the film's emptiness
 
     void clear();
-    void add(
-        const Lobe& lobe);  ///< drops lobes of zero or negative weight; past kMaxLobes the last is merged by weight
+    /// Drops lobes of zero or negative weight; past kMaxLobes the last is merged by weight. Numbers that are not finite
+    /// become harmless ones; roughness too small for floating point, or an index too near 1 to spread, becomes
+    /// singular.
+    void add(const Lobe& lobe);
     int size() const { return count_; }
     const Lobe& operator[](int i) const { return lobes_[i]; }
 
@@ -80,6 +87,13 @@ class Closures {
     bool has_smooth_lobes() const;
     /// Albedo (directional reflectance, approximate for microfacets) of the lobes of `kind`, for the colour passes.
     Color albedo(const Vec3f& outgoing, LobeKind kind) const;
+
+    /// Value * |cosine| and density of all non-singular lobes together, for the cost of one of the two.
+    struct Evaluation {
+        Color value{0, 0, 0};
+        float density = 0;
+    };
+    Evaluation evaluate_with_density(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
 
   private:
     Lobe lobes_[kMaxLobes];

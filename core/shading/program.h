@@ -1,9 +1,14 @@
 // The flat shader program that Blender's node trees compile to: a list of operations over registers, run once per hit.
+//
+// Operations whose operands are all constant are computed when they are added. Image lookups need to know how their
+// coordinate changes over the pixel: the operations it depends on, and only those, run a second and third time at the
+// points one pixel step away by the ray's differential. That is exact to first order whatever the nodes between do.
 #pragma once
 
 #include "base/vector.h"
 #include "shading/closures.h"
 #include "shading/inputs.h"
+#include "shading/operation.h"
 
 #include <cstdint>
 #include <memory>
@@ -13,21 +18,17 @@
 
 namespace rayleaf {
 
-enum class Operation : uint8_t {
-#define OPERATION(identifier, least, most, description) identifier,
-#include "shading/operations.def"
-#undef OPERATION
-};
+class Operands;
 
 using Register = int32_t;  ///< -1: not connected
 
 /// A program under construction. Every mistake throws InputError that names the material.
-/// After the last operation `finish` is called; the program is then immutable and read by all threads.
+/// Once built it is only read, by all threads.
 class Program {
   public:
     explicit Program(std::string name) : name_(std::move(name)) {}
 
-    /// A register that holds a constant.
+    /// A register that holds a constant; its numbers must be finite.
     Register constant(const Vec4f& value);
     /// Appends an operation of the table; returns its result register, -1 for closures.
     Register operation(const std::string& identifier, std::span<const Register> operands,
@@ -36,8 +37,14 @@ class Program {
 
     const std::string& name() const { return name_; }
 
-    /// Runs the program: closures, emission and transparency of one point. Pure; never NaN.
+    /// Runs the program: closures, emission and transparency of one point, in place of what `result` held. Pure; never
+    /// NaN.
     void evaluate(const ShadingInputs& inputs, Closures& result) const;
+
+    /// What a register holds after a run: for tests, and for programs that serve as functions. A closure's register
+    /// (-1) is not allowed.
+    Vec4f value(Register target, const ShadingInputs& inputs) const;
+    int register_count() const { return static_cast<int>(registers_.size()); }
 
     /// What the program may do, so that a scene pays only for what it uses.
     bool emits() const { return emits_; }
@@ -48,19 +55,40 @@ class Program {
   private:
     struct Instruction {
         Operation operation;
-        uint8_t variant = 0;  ///< what `text` named, as an enum of the operation
+        uint8_t variant = 0;          ///< what `text` named, as an enum of the operation
+        bool differentiated = false;  ///< also run at the neighbouring points
         Register result = -1;
         uint32_t first_operand = 0, first_int = 0, first_float = 0;
         uint32_t operand_count = 0, int_count = 0, float_count = 0;
     };
+    static constexpr int32_t kConstant = -1;  ///< origin of registers that no instruction writes
+
+    Instruction checked(const std::string& identifier, std::span<const Register> operands,
+                        std::span<const int32_t> ints, std::span<const float> floats, const std::string& text) const;
+    void note_effects(const Instruction& instruction, std::span<const Register> operands);
+    void differentiate(Register target);
+    bool is_constant_register(Register r) const { return r < 0 || origins_[static_cast<size_t>(r)] == kConstant; }
+    [[noreturn]] void reject(const std::string& argument, const std::string& got, const std::string& wanted) const;
+
+    Operands operands_of(const Instruction& instruction, const Vec4f* registers) const;
+    std::span<const int32_t> ints_of(const Instruction& instruction) const;
+    Vec4f arithmetic(const Instruction& instruction, const Operands& operands) const;
+    Vec4f value_at(const Instruction& instruction, const Vec4f* registers, const ShadingInputs& inputs) const;
+    void run(const ShadingInputs& inputs, Vec4f* registers, Closures& result) const;
+    void run_textured(const ShadingInputs& inputs, Vec4f* registers, Closures& result) const;
+    template <typename Function>
+    void with_registers(Function function) const;
 
     std::string name_;
     std::vector<Instruction> instructions_;
     std::vector<Register> operands_;
     std::vector<int32_t> ints_;
     std::vector<float> floats_;
-    std::vector<Vec4f> constants_;  ///< initial contents of the registers
+    std::vector<Vec4f> registers_;  ///< initial contents
+    std::vector<int32_t> origins_;  ///< per register: the instruction that writes it, or kConstant
     bool emits_ = false, transparent_ = false, constant_ = true;
+    bool textured_ = false;                   ///< some instruction is differentiated, or reads an image
+    bool differentiates_attributes_ = false;  ///< and reads a named attribute
 };
 
 }  // namespace rayleaf

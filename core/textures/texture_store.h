@@ -13,7 +13,12 @@ namespace rayleaf {
 using TextureId = int32_t;
 
 enum class ColorSpace : uint8_t { Srgb, Linear, NonColor };
-enum class TextureExtension : uint8_t { Repeat, Extend, Clip };
+enum class TextureExtension : uint8_t {
+    Repeat,
+    Extend,   ///< the border pixels go on
+    Clip,     ///< transparent black outside
+    Panorama  ///< repeats along u, extends along v: a direction's longitude and latitude
+};
 enum class TextureInterpolation : uint8_t { Linear, Closest, Cubic };
 
 /// Created only for scenes that have textures. Lookups are thread-safe and never wait for one another's files longer

@@ -1,0 +1,180 @@
+#include "shading/closures.h"
+
+#include "shading/lobes.h"
+
+namespace rayleaf {
+namespace {
+
+/// Below this product of the two roughnesses a lobe is singular (Cycles' limit; float cannot resolve narrower ones).
+constexpr float kSingularAlphaProduct = 1e-7f;
+/// The narrower direction of a lobe that is not singular.
+constexpr float kLeastAlpha = 1e-4f;
+/// An interface whose index differs less from 1 bends rays by less than a milliradian: clear, whatever its roughness.
+constexpr float kLeastIndexStep = 1e-3f;
+constexpr float kLeastIndex = 1e-5f, kLargestIndex = 1e5f;
+/// Largest factor a lobe may have; what is larger is a mistake that would overflow.
+constexpr float kLargestWeight = 1e10f;
+
+/// NaN and negative values to 0.
+float positive(float x) {
+    return x > 0.0f ? std::min(x, kLargestWeight) : 0.0f;
+}
+Color positive(const Color& c) {
+    return {positive(c.x), positive(c.y), positive(c.z)};
+}
+/// NaN to `least`.
+float limited(float x, float least, float most) {
+    return x > least ? std::min(x, most) : least;
+}
+
+bool refracts(const Lobe& lobe) {
+    return lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
+}
+
+/// A lobe all of whose numbers can be computed with.
+Lobe sound(Lobe lobe) {
+    lobe.weight = positive(lobe.weight);
+    lobe.fresnel_0 = positive(lobe.fresnel_0);
+    lobe.roughness = limited(lobe.roughness, 0.0f, 1.0f);
+    lobe.ior = limited(lobe.ior, kLeastIndex, kLargestIndex);
+    lobe.alpha_x = limited(lobe.alpha_x, 0.0f, 1.0f);
+    lobe.alpha_y = limited(lobe.alpha_y, 0.0f, 1.0f);
+    const bool clear = refracts(lobe) && std::abs(lobe.ior - 1.0f) < kLeastIndexStep;
+    if (clear || lobe.alpha_x * lobe.alpha_y <= kSingularAlphaProduct) {
+        lobe.alpha_x = lobe.alpha_y = 0.0f;
+        if (lobe.type == LobeType::Clearcoat) lobe.type = LobeType::Reflection;
+    } else {
+        lobe.alpha_x = std::max(lobe.alpha_x, kLeastAlpha);
+        lobe.alpha_y = std::max(lobe.alpha_y, kLeastAlpha);
+    }
+    Vec3f tangent, bitangent;
+    orthonormal_basis(lobe.normal, tangent, bitangent);
+    lobe.tangent = normalized_or(lobe.tangent - lobe.normal * lobe.normal.dot(lobe.tangent), tangent);
+    return lobe;
+}
+
+Side side_of(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) {
+    const bool same = (facet_normal.dot(outgoing) > 0.0f) == (facet_normal.dot(incoming) > 0.0f);
+    return same ? Side::Reflected : Side::Transmitted;
+}
+
+/// Probabilities with which `sample` chooses each lobe.
+struct Choice {
+    float probability[Closures::kMaxLobes];
+    bool any = false;
+
+    Choice(const Closures& closures, const Vec3f& outgoing) {
+        const int count = closures.size();
+        if (count == 1) {
+            probability[0] = 1.0f;
+            any = choice_weight(closures[0], outgoing) > 0.0f;
+            return;
+        }
+        float sum = 0.0f;
+        for (int i = 0; i < count; ++i) sum += probability[i] = choice_weight(closures[i], outgoing);
+        any = sum > 0.0f;
+        const float scale = any ? 1.0f / sum : 0.0f;
+        for (int i = 0; i < count; ++i) probability[i] *= scale;
+    }
+};
+
+}  // namespace
+
+void Closures::clear() {
+    emission = transparency = Color(0.0f);
+    holdout = 0.0f;
+    count_ = 0;
+}
+
+void Closures::add(const Lobe& lobe) {
+    const Lobe clean = sound(lobe);
+    if (is_black(clean.weight)) return;
+    if (count_ == kMaxLobes) {
+        lobes_[count_ - 1].weight += clean.weight;
+        return;
+    }
+    lobes_[count_++] = clean;
+}
+
+Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const {
+    const Side side = side_of(outgoing, incoming, facet_normal);
+    Color sum(0.0f);
+    for (int i = 0; i < count_; ++i) sum += evaluate_lobe(lobes_[i], outgoing, incoming, side).value;
+    return sum;
+}
+
+Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal, LobeKind kind) const {
+    const Side side = side_of(outgoing, incoming, facet_normal);
+    Color sum(0.0f);
+    for (int i = 0; i < count_; ++i)
+        if (kind_of(lobes_[i], side) == kind) sum += evaluate_lobe(lobes_[i], outgoing, incoming, side).value;
+    return sum;
+}
+
+Closures::Evaluation Closures::evaluate_with_density(const Vec3f& outgoing, const Vec3f& incoming,
+                                                     const Vec3f& facet_normal) const {
+    const Side side = side_of(outgoing, incoming, facet_normal);
+    const Choice choice(*this, outgoing);
+    Evaluation sum;
+    for (int i = 0; i < count_; ++i) {
+        const LobeValue lobe = evaluate_lobe(lobes_[i], outgoing, incoming, side);
+        sum.value += lobe.value;
+        sum.density += choice.probability[i] * lobe.density;
+    }
+    return sum;
+}
+
+float Closures::density(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const {
+    return evaluate_with_density(outgoing, incoming, facet_normal).density;
+}
+
+std::optional<LobeSample> Closures::sample(const Vec3f& outgoing, const Vec3f& facet_normal,
+                                           const Vec3f& random) const {
+    const Choice choice(*this, outgoing);
+    if (!choice.any) return std::nullopt;
+    int chosen = 0;
+    float rest = random.z;
+    while (chosen + 1 < count_ && rest >= choice.probability[chosen]) rest -= choice.probability[chosen++];
+    const float probability = choice.probability[chosen];
+    if (!(probability > 0.0f)) return std::nullopt;
+    constexpr float kBelowOne = 1.0f - 6e-8f;
+    const Vec3f reused(random.x, random.y, std::min(rest / probability, kBelowOne));
+
+    const Lobe& lobe = lobes_[chosen];
+    const std::optional<LobeDirection> direction = sample_lobe(lobe, outgoing, reused);
+    if (!direction) return std::nullopt;
+    const Side side = side_of(outgoing, direction->direction, facet_normal);
+    LobeSample sample;
+    sample.direction = direction->direction;
+    sample.kind = kind_of(lobe, side);
+    sample.singular = is_singular(lobe);
+    sample.transmitted = side == Side::Transmitted;
+    sample.eta = direction->eta;
+    sample.roughness = lobe_width(lobe);
+    if (sample.singular) {
+        // A shading normal bent far from the facet may send the ray to the wrong side.
+        if (sample.transmitted != (lobe.normal.dot(direction->direction) < 0.0f)) return std::nullopt;
+        sample.weight = direction->weight / probability;
+    } else {
+        const Evaluation all = evaluate_with_density(outgoing, direction->direction, facet_normal);
+        if (!(all.density > 0.0f)) return std::nullopt;
+        sample.density = all.density;
+        sample.weight = all.value / all.density;
+    }
+    if (is_black(sample.weight) || !is_finite(sample.weight)) return std::nullopt;
+    return sample;
+}
+
+bool Closures::has_smooth_lobes() const {
+    for (int i = 0; i < count_; ++i)
+        if (!is_singular(lobes_[i])) return true;
+    return false;
+}
+
+Color Closures::albedo(const Vec3f& outgoing, LobeKind kind) const {
+    Color sum(0.0f);
+    for (int i = 0; i < count_; ++i) sum += lobe_albedo(lobes_[i], outgoing, kind);
+    return sum;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,58 @@
+#include "shading/lobe_diffuse.h"
+
+#include "shading/fresnel.h"
+#include "shading/lobe_frame.h"
+
+#include <cfloat>
+
+namespace rayleaf {
+namespace {
+
+/// Oren-Nayar in Fujii's form ("A tiny improvement of Oren-Nayar reflectance model"), the one Cycles uses; times the
+/// cosine. `sigma` 0..1.
+float oren_nayar(float sigma, float cos_i, float cos_o, float cos_between) {
+    if (sigma == 0.0f) return cos_i / kPi;
+    const float divisor = 1.0f / (kPi + (3.0f * kPi - 4.0f) / 6.0f * sigma);
+    const float seen = std::max(cos_o, 0.0f);
+    float t = cos_between - cos_i * seen;
+    if (t > 0.0f) t /= std::max(cos_i, seen) + FLT_MIN;
+    return cos_i * divisor * (1.0f + sigma * t);
+}
+
+/// Disney diffuse with retro-reflection (Burley 2012, section 5.3), times the cosine.
+float disney_diffuse(float roughness, float cos_i, float cos_o, float cos_half) {
+    if (cos_o <= 0.0f) return 0.0f;
+    const float grazing = 0.5f + 2.0f * roughness * cos_half * cos_half - 1.0f;
+    return cos_i / kPi * (1.0f + grazing * schlick_weight(cos_i)) * (1.0f + grazing * schlick_weight(cos_o));
+}
+
+}  // namespace
+
+LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
+    const bool translucent = lobe.type == LobeType::Translucent;
+    if (translucent != (side == Side::Transmitted)) return {};
+    const float cos_i = lobe.normal.dot(incoming) * (translucent ? -1.0f : 1.0f);
+    if (!(cos_i > 0.0f)) return {};
+    const float cos_o = lobe.normal.dot(outgoing);
+    const float density = cos_i / kPi;
+    float value = density;
+    if (lobe.type == LobeType::Diffuse) {
+        value = oren_nayar(lobe.roughness, cos_i, cos_o, outgoing.dot(incoming));
+    } else if (!translucent) {
+        const float cos_half = normalized_or(outgoing + incoming, lobe.normal).dot(incoming);
+        if (lobe.type == LobeType::PrincipledDiffuse) {
+            value = disney_diffuse(lobe.roughness, cos_i, cos_o, cos_half);
+        } else {  // Disney's sheen has no 1 / pi
+            value = cos_o > 0.0f ? cos_i * schlick_weight(cos_half) : 0.0f;
+        }
+    }
+    return {lobe.weight * value, density};
+}
+
+LobeDirection sample_diffuse_lobe(const Lobe& lobe, const Vec3f& random) {
+    Vec3f local = cosine_hemisphere(random.x, random.y);
+    if (lobe.type == LobeType::Translucent) local.z = -local.z;
+    return {LobeFrame(lobe).to_world(local), Color(0.0f), 1.0f};
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,149 @@
+#include "shading/lobe_microfacet.h"
+
+#include "shading/fresnel.h"
+#include "shading/lobe_frame.h"
+#include "shading/microfacet.h"
+
+namespace rayleaf {
+namespace {
+
+Microfacets microfacets(const Lobe& lobe) {
+    return {lobe.distribution, lobe.alpha_x, lobe.alpha_y};
+}
+
+/// Share of samples that a glass facet reflects.
+float reflection_share(const Lobe& lobe, float cosine) {
+    return lobe.type == LobeType::Glass ? dielectric_fresnel(cosine, lobe.ior) : 1.0f;
+}
+
+/// Direction of the refracted ray about unit `normal` on the side of `outgoing`; empty under total reflection.
+std::optional<Vec3f> refracted_direction(const Vec3f& outgoing, const Vec3f& normal, float ior) {
+    const float cosine = normal.dot(outgoing);
+    const float beyond2 = (ior - 1.0f) * (ior + 1.0f) + cosine * cosine;  // squared cosine beyond, times ior²
+    if (!(cosine > 0.0f) || !(beyond2 > 0.0f)) return std::nullopt;
+    const Vec3f direction = (normal * (cosine - std::sqrt(beyond2)) - outgoing) / ior;
+    return normalized_or(direction, -outgoing);
+}
+
+Vec3f mirrored(const Vec3f& outgoing, const Vec3f& normal) {
+    return normal * (2.0f * normal.dot(outgoing)) - outgoing;
+}
+
+LobeValue evaluate_reflection(const Lobe& lobe, const Vec3f& o, const Vec3f& i) {
+    if (!(i.z > 0.0f)) return {};
+    const Microfacets facets = microfacets(lobe);
+    const Vec3f h = normalized_or(o + i, Vec3f(0.0f, 0.0f, 1.0f));
+    const float density = facets.normal_density(h) * facets.masking(o) / (4.0f * o.z);
+    const float cosine = o.dot(h);
+    return {lobe.weight * reflectance(lobe, cosine) * (density * facets.masking(i)),
+            density * reflection_share(lobe, cosine)};
+}
+
+LobeValue evaluate_refraction(const Lobe& lobe, const Vec3f& o, const Vec3f& i) {
+    if (!(i.z < 0.0f)) return {};
+    const Microfacets facets = microfacets(lobe);
+    Vec3f h = normalized_or(o + i * lobe.ior, Vec3f(0.0f, 0.0f, 1.0f));
+    if (h.z < 0.0f) h = -h;
+    const float cos_o = o.dot(h), cos_i = i.dot(h);
+    if (!(cos_o > 0.0f) || !(cos_i < 0.0f)) return {};
+    const float change = cos_o + lobe.ior * cos_i;
+    const float jacobian = lobe.ior * lobe.ior * -cos_i / (change * change);  // Walter et al. 2007, equation 17
+    const float density = facets.visible_density(o, h) * jacobian;
+    const float share = 1.0f - (lobe.type == LobeType::Glass ? reflection_share(lobe, cos_o) : 0.0f);
+    const Vec3f far_side(i.x, i.y, -i.z);
+    return {lobe.weight * (transmittance(lobe, cos_o) * density * facets.masking(far_side)), density * share};
+}
+
+/// Singular glass, mirror or refraction about the lobe's own normal.
+std::optional<LobeDirection> sample_singular(const Lobe& lobe, const Vec3f& outgoing, float random) {
+    const float cosine = lobe.normal.dot(outgoing);
+    if (!(cosine > 0.0f)) return std::nullopt;
+    const bool reflects =
+        lobe.type == LobeType::Reflection || (lobe.type == LobeType::Glass && random < reflection_share(lobe, cosine));
+    if (reflects) {
+        const Color value = lobe.type == LobeType::Glass ? Color(1.0f) : reflectance(lobe, cosine);
+        return LobeDirection{mirrored(outgoing, lobe.normal), lobe.weight * value, 1.0f};
+    }
+    const std::optional<Vec3f> direction = refracted_direction(outgoing, lobe.normal, lobe.ior);
+    if (!direction) return std::nullopt;
+    const float value = lobe.type == LobeType::Glass ? 1.0f : transmittance(lobe, cosine);
+    return LobeDirection{*direction, lobe.weight * value, 1.0f / lobe.ior};
+}
+
+/// The clearcoat's distribution of normals: generalized Trowbridge-Reitz with exponent 1 (Burley 2012, appendix B).
+float clearcoat_normal_density(float alpha, float cosine) {
+    const float alpha2 = alpha * alpha;
+    if (alpha2 >= 1.0f) return 1.0f / kPi;
+    return (alpha2 - 1.0f) / (kPi * std::log(alpha2) * (1.0f + (alpha2 - 1.0f) * cosine * cosine));
+}
+
+}  // namespace
+
+Color reflectance(const Lobe& lobe, float cosine) {
+    if (lobe.type == LobeType::Glass || lobe.fresnel == Lobe::Fresnel::Dielectric)
+        return Color(dielectric_fresnel(cosine, lobe.ior));
+    if (lobe.fresnel == Lobe::Fresnel::Schlick) return coloured_fresnel(lobe.fresnel_0, lobe.ior, cosine);
+    return Color(1.0f);
+}
+
+float transmittance(const Lobe& lobe, float cosine) {
+    const bool fresnel = lobe.type == LobeType::Glass || lobe.fresnel == Lobe::Fresnel::Dielectric;
+    return fresnel ? 1.0f - dielectric_fresnel(cosine, lobe.ior) : 1.0f;
+}
+
+LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
+    if (is_singular(lobe)) return {};
+    const LobeFrame frame(lobe);
+    const Vec3f o = frame.to_local(outgoing), i = frame.to_local(incoming);
+    if (!(o.z > 0.0f)) return {};
+    if (side == Side::Reflected)
+        return lobe.type == LobeType::Refraction ? LobeValue{} : evaluate_reflection(lobe, o, i);
+    return lobe.type == LobeType::Reflection ? LobeValue{} : evaluate_refraction(lobe, o, i);
+}
+
+std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
+    if (is_singular(lobe)) return sample_singular(lobe, outgoing, random.z);
+    const LobeFrame frame(lobe);
+    const Vec3f o = frame.to_local(outgoing);
+    if (!(o.z > 0.0f)) return std::nullopt;
+    const Vec3f h = microfacets(lobe).sample_visible(o, Vec2f(random.x, random.y));
+    const bool reflects = lobe.type == LobeType::Reflection ||
+                          (lobe.type == LobeType::Glass && random.z < reflection_share(lobe, o.dot(h)));
+    if (reflects) {
+        const Vec3f i = mirrored(o, h);
+        if (!(i.z > 0.0f)) return std::nullopt;
+        return LobeDirection{frame.to_world(i), Color(0.0f), 1.0f};
+    }
+    const std::optional<Vec3f> i = refracted_direction(o, h, lobe.ior);
+    if (!i || !(i->z < 0.0f)) return std::nullopt;
+    return LobeDirection{frame.to_world(*i), Color(0.0f), 1.0f / lobe.ior};
+}
+
+LobeValue evaluate_clearcoat(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
+    const LobeFrame frame(lobe);
+    const Vec3f o = frame.to_local(outgoing), i = frame.to_local(incoming);
+    if (side == Side::Transmitted || !(o.z > 0.0f) || !(i.z > 0.0f)) return {};
+    const Vec3f h = normalized_or(o + i, Vec3f(0.0f, 0.0f, 1.0f));
+    const float cosine = o.dot(h);
+    if (!(cosine > 0.0f)) return {};
+    constexpr float kMaskingAlpha = 0.25f;  // Disney's fixed masking, whatever the gloss
+    const Microfacets masks{MicrofacetDistribution::Ggx, kMaskingAlpha, kMaskingAlpha};
+    const float facets = clearcoat_normal_density(lobe.alpha_x, h.z);
+    const float value = facets * masks.masking(o) * masks.masking(i) / (4.0f * o.z);
+    return {lobe.weight * reflectance(lobe, cosine) * value, facets * h.z / (4.0f * cosine)};
+}
+
+std::optional<LobeDirection> sample_clearcoat(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
+    const LobeFrame frame(lobe);
+    const Vec3f o = frame.to_local(outgoing);
+    const float alpha2 = lobe.alpha_x * lobe.alpha_x;
+    const float cos2 = alpha2 >= 1.0f ? 1.0f - random.x : (1.0f - std::pow(alpha2, 1.0f - random.x)) / (1.0f - alpha2);
+    const float cosine = std::sqrt(std::clamp(cos2, 0.0f, 1.0f)), sine = std::sqrt(std::clamp(1.0f - cos2, 0.0f, 1.0f));
+    const float angle = 2.0f * kPi * random.y;
+    const Vec3f h(sine * std::cos(angle), sine * std::sin(angle), cosine);
+    const Vec3f i = mirrored(o, h);
+    if (!(o.z > 0.0f) || !(o.dot(h) > 0.0f) || !(i.z > 0.0f)) return std::nullopt;
+    return LobeDirection{frame.to_world(i), Color(0.0f), 1.0f};
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,84 @@
+#include "shading/lobes.h"
+
+#include "shading/lobe_diffuse.h"
+#include "shading/lobe_microfacet.h"
+
+namespace rayleaf {
+
+bool is_singular(const Lobe& lobe) {
+    const bool microfacets =
+        lobe.type == LobeType::Reflection || lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
+    return microfacets && lobe.alpha_x == 0.0f;
+}
+
+LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
+    switch (lobe.type) {
+        case LobeType::Reflection:
+        case LobeType::Refraction:
+        case LobeType::Glass:
+            return evaluate_microfacet_lobe(lobe, outgoing, incoming, side);
+        case LobeType::Clearcoat:
+            return evaluate_clearcoat(lobe, outgoing, incoming, side);
+        default:
+            return evaluate_diffuse_lobe(lobe, outgoing, incoming, side);
+    }
+}
+
+std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
+    switch (lobe.type) {
+        case LobeType::Reflection:
+        case LobeType::Refraction:
+        case LobeType::Glass:
+            return sample_microfacet_lobe(lobe, outgoing, random);
+        case LobeType::Clearcoat:
+            return sample_clearcoat(lobe, outgoing, random);
+        default:
+            return sample_diffuse_lobe(lobe, random);
+    }
+}
+
+float choice_weight(const Lobe& lobe, const Vec3f& outgoing) {
+    const float mean = (lobe.weight.x + lobe.weight.y + lobe.weight.z) / 3.0f;
+    if (lobe.fresnel == Lobe::Fresnel::None || lobe.type == LobeType::Glass) return mean;
+    const float cosine = lobe.normal.dot(outgoing);
+    float share = 0.0f;
+    if (lobe.type == LobeType::Refraction) {
+        share = transmittance(lobe, cosine);
+    } else {
+        const Color f = reflectance(lobe, cosine);
+        share = (f.x + f.y + f.z) / 3.0f;
+    }
+    // Facets of a rough surface tilt, so their Fresnel factor may be far from that at the normal.
+    constexpr float kLeastShare = 0.05f;
+    return mean * (is_singular(lobe) ? share : std::max(share, kLeastShare));
+}
+
+LobeKind kind_of(const Lobe& lobe, Side side) {
+    if (lobe.type != LobeType::Glass) return lobe.kind;
+    return side == Side::Reflected ? LobeKind::Glossy : LobeKind::Transmission;
+}
+
+Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind) {
+    const float cosine = lobe.normal.dot(outgoing);
+    if (lobe.type == LobeType::Glass) {
+        if (kind == LobeKind::Diffuse) return Color(0.0f);
+        return lobe.weight * (kind == LobeKind::Glossy ? reflectance(lobe, cosine).x : transmittance(lobe, cosine));
+    }
+    if (lobe.kind != kind) return Color(0.0f);
+    if (lobe.type == LobeType::Refraction) return lobe.weight * transmittance(lobe, cosine);
+    return lobe.weight * reflectance(lobe, cosine);
+}
+
+float lobe_width(const Lobe& lobe) {
+    switch (lobe.type) {
+        case LobeType::Reflection:
+        case LobeType::Refraction:
+        case LobeType::Glass:
+        case LobeType::Clearcoat:
+            return std::min(std::sqrt(std::max(lobe.alpha_x, lobe.alpha_y)), 1.0f);
+        default:
+            return 1.0f;
+    }
+}
+
+}  // namespace rayleaf

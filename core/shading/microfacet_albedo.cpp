@@ -1,0 +1,133 @@
+#include "shading/microfacet_albedo.h"
+
+#include "shading/fresnel.h"
+#include "shading/microfacet.h"
+
+#include <array>
+
+namespace rayleaf {
+namespace {
+
+constexpr int kNodes = 24;       ///< of each axis of the reflection table
+constexpr int kGlassNodes = 16;  ///< of each axis of the glass tables
+constexpr int kQuadrature = 16;  ///< points of the quadrature per dimension
+constexpr float kLeastCosine = 1e-3f, kLeastAlpha = 1e-3f;
+/// Axis of indices: |ior - 1| / (ior + 1), up to an index of 10.
+constexpr float kLargestIndexAxis = 9.0f / 11.0f;
+
+// Nodes lie closer at grazing angles and at small roughness, where albedo changes fastest.
+float cosine_at(float x) {
+    return std::max(x * x, kLeastCosine);
+}
+float alpha_at(float x) {
+    return std::max(x * x, kLeastAlpha);
+}
+
+float reflection_quadrature(const Microfacets& facets, const Vec3f& o) {
+    float sum = 0.0f;
+    for (int i = 0; i < kQuadrature * kQuadrature; ++i) {
+        const Vec2f random((static_cast<float>(i % kQuadrature) + 0.5f) / kQuadrature,
+                           (static_cast<float>(i / kQuadrature) + 0.5f) / kQuadrature);
+        const Vec3f h = facets.sample_visible(o, random);
+        sum += facets.masking(h * (2.0f * o.dot(h)) - o);
+    }
+    return sum / (kQuadrature * kQuadrature);
+}
+
+float glass_quadrature(const Microfacets& facets, const Vec3f& o, float ior) {
+    float sum = 0.0f;
+    for (int i = 0; i < kQuadrature * kQuadrature; ++i) {
+        const Vec2f random((static_cast<float>(i % kQuadrature) + 0.5f) / kQuadrature,
+                           (static_cast<float>(i / kQuadrature) + 0.5f) / kQuadrature);
+        const Vec3f h = facets.sample_visible(o, random);
+        const float cosine = o.dot(h), fresnel = dielectric_fresnel(cosine, ior);
+        sum += fresnel * facets.masking(h * (2.0f * cosine) - o);
+        const float beyond2 = (ior - 1.0f) * (ior + 1.0f) + cosine * cosine;
+        if (!(beyond2 > 0.0f)) continue;
+        const Vec3f through = (h * (cosine - std::sqrt(beyond2)) - o) / ior;
+        sum += (1.0f - fresnel) * facets.masking(Vec3f(through.x, through.y, -through.z));
+    }
+    return sum / (kQuadrature * kQuadrature);
+}
+
+/// A position on an axis of `nodes`: the node below and the share of the one above.
+struct AxisPosition {
+    int node;
+    float share;
+
+    AxisPosition(float x, int nodes) {
+        const float scaled = std::clamp(x, 0.0f, 1.0f) * static_cast<float>(nodes - 1);
+        node = std::min(static_cast<int>(scaled), nodes - 2);
+        share = scaled - static_cast<float>(node);
+    }
+};
+
+float node_value(int i, int nodes) {
+    return static_cast<float>(i) / static_cast<float>(nodes - 1);
+}
+
+Vec3f view_at(float x) {
+    const float cosine = cosine_at(x);
+    return {std::sqrt(1.0f - cosine * cosine), 0.0f, cosine};
+}
+
+using ReflectionTable = std::array<std::array<float, kNodes>, kNodes>;
+
+ReflectionTable reflection_table() {
+    ReflectionTable table;
+    for (int a = 0; a < kNodes; ++a) {
+        const float alpha = alpha_at(node_value(a, kNodes));
+        for (int c = 0; c < kNodes; ++c)
+            table[a][c] =
+                reflection_quadrature({MicrofacetDistribution::Ggx, alpha, alpha}, view_at(node_value(c, kNodes)));
+    }
+    return table;
+}
+
+using GlassTable = std::array<std::array<std::array<float, kGlassNodes>, kGlassNodes>, kGlassNodes>;
+
+/// `denser`: the medium beyond has the larger index.
+GlassTable glass_table(bool denser) {
+    GlassTable table;
+    for (int n = 0; n < kGlassNodes; ++n) {
+        const float r = node_value(n, kGlassNodes) * kLargestIndexAxis;
+        const float ior = denser ? (1.0f + r) / (1.0f - r) : (1.0f - r) / (1.0f + r);
+        for (int a = 0; a < kGlassNodes; ++a) {
+            const float alpha = alpha_at(node_value(a, kGlassNodes));
+            for (int c = 0; c < kGlassNodes; ++c)
+                table[n][a][c] = glass_quadrature({MicrofacetDistribution::Ggx, alpha, alpha},
+                                                  view_at(node_value(c, kGlassNodes)), ior);
+        }
+    }
+    return table;
+}
+
+template <typename Row>
+float interpolated(const Row& row, const AxisPosition& x) {
+    return row[x.node] * (1.0f - x.share) + row[x.node + 1] * x.share;
+}
+template <typename Plane>
+float interpolated(const Plane& plane, const AxisPosition& y, const AxisPosition& x) {
+    return interpolated(plane[y.node], x) * (1.0f - y.share) + interpolated(plane[y.node + 1], x) * y.share;
+}
+
+}  // namespace
+
+float ggx_reflection_albedo(float alpha, float cosine) {
+    static const ReflectionTable table = reflection_table();
+    return interpolated(table, AxisPosition(std::sqrt(alpha), kNodes), AxisPosition(std::sqrt(cosine), kNodes));
+}
+
+float ggx_glass_albedo(float alpha, float cosine, float ior) {
+    static const GlassTable denser = glass_table(true), thinner = glass_table(false);
+    const GlassTable& table = ior >= 1.0f ? denser : thinner;
+    const AxisPosition n(std::abs(ior - 1.0f) / (ior + 1.0f) / kLargestIndexAxis, kGlassNodes);
+    const AxisPosition a(std::sqrt(alpha), kGlassNodes), c(std::sqrt(std::max(cosine, 0.0f)), kGlassNodes);
+    return interpolated(table[n.node], a, c) * (1.0f - n.share) + interpolated(table[n.node + 1], a, c) * n.share;
+}
+
+Color energy_compensation(const Color& color, float albedo) {
+    return Color(1.0f) + color * ((1.0f - albedo) / albedo);
+}
+
+}  // namespace rayleaf

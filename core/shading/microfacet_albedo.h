@@ -1,0 +1,24 @@
+// Energy that single scattering among GGX facets loses, and what gives it back.
+//
+// Smith's masking discards light that a facet sends into another facet. Light scattered more often looks about like the
+// rest, so the lobe is scaled (Turquin 2019, "Practical multiple scattering compensation for microfacet models"): a
+// lobe of albedo E at the viewer's angle is multiplied by 1 + F (1 - E) / E, where F is the facets' reflectance. A
+// white lobe then reflects all light; a coloured one is more saturated, as after several bounces. The scale depends on
+// the viewer's direction alone, so compensated lobes are not reciprocal.
+//
+// The albedos are tables filled by quadrature at first use, some 0.1 s, and only programs with MULTI_GGX use them.
+#pragma once
+
+#include "base/vector.h"
+
+namespace rayleaf {
+
+/// Albedo of white isotropic GGX reflection of roughness `alpha` seen under `cosine`.
+float ggx_reflection_albedo(float alpha, float cosine);
+/// Albedo of clear rough glass, reflection and refraction together; `ior` beyond over viewer's side.
+float ggx_glass_albedo(float alpha, float cosine, float ior);
+
+/// 1 + color (1 - albedo) / albedo.
+Color energy_compensation(const Color& color, float albedo);
+
+}  // namespace rayleaf

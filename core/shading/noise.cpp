@@ -1,0 +1,184 @@
+#include "shading/noise.h"
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+namespace rayleaf {
+namespace {
+
+template <int N>
+using Point = std::array<float, N>;
+
+template <int N>
+Point<N> plus(Point<N> a, const Point<N>& b) {
+    for (int i = 0; i < N; ++i) a[i] += b[i];
+    return a;
+}
+template <int N>
+Point<N> times(Point<N> a, float factor) {
+    for (float& x : a) x *= factor;
+    return a;
+}
+
+/// lookup3's final mixing of three words.
+uint32_t final_mix(uint32_t a, uint32_t b, uint32_t c) {
+    const auto step = [](uint32_t& x, uint32_t y, int turn) {
+        x ^= y;
+        x -= std::rotl(y, turn);
+    };
+    step(c, b, 14);
+    step(a, c, 11);
+    step(b, a, 25);
+    step(c, b, 16);
+    step(a, c, 4);
+    step(b, a, 14);
+    step(c, b, 24);
+    return c;
+}
+
+/// lookup3's inner mixing, needed where there are more than three words.
+void inner_mix(uint32_t& a, uint32_t& b, uint32_t& c) {
+    const auto step = [](uint32_t& x, uint32_t& y, uint32_t& z, int turn) {
+        x -= z;
+        x ^= std::rotl(z, turn);
+        z += y;
+    };
+    step(a, b, c, 4);
+    step(b, c, a, 6);
+    step(c, a, b, 8);
+    step(a, b, c, 16);
+    step(b, c, a, 19);
+    step(c, a, b, 4);
+}
+
+template <size_t N>
+uint32_t jenkins_hash(const std::array<uint32_t, N>& key) {
+    const uint32_t start = 0xdeadbeefu + (static_cast<uint32_t>(N) << 2) + 13u;
+    uint32_t words[3] = {start, start, start};
+    for (size_t i = 0; i < std::min<size_t>(N, 3); ++i) words[i] += key[i];
+    if constexpr (N > 3) {
+        inner_mix(words[0], words[1], words[2]);
+        words[0] += key[3];
+    }
+    return final_mix(words[0], words[1], words[2]);
+}
+
+float negated_if(uint32_t condition, float x) {
+    return condition ? -x : x;
+}
+
+// Scalar products of the offset from a lattice point with the gradient that the hash names.
+float gradient(uint32_t hash, const Point<1>& p) {
+    const float slope = 1.0f + static_cast<float>(hash & 7u);
+    return negated_if(hash & 8u, slope) * p[0];
+}
+float gradient(uint32_t hash, const Point<2>& p) {
+    const bool first = (hash & 7u) < 4u;
+    const float u = first ? p[0] : p[1], v = 2.0f * (first ? p[1] : p[0]);
+    return negated_if(hash & 1u, u) + negated_if(hash & 2u, v);
+}
+float gradient(uint32_t hash, const Point<3>& p) {
+    const uint32_t h = hash & 15u;
+    const float u = h < 8u ? p[0] : p[1];
+    const float v = h < 4u ? p[1] : (h == 12u || h == 14u ? p[0] : p[2]);
+    return negated_if(h & 1u, u) + negated_if(h & 2u, v);
+}
+float gradient(uint32_t hash, const Point<4>& p) {
+    const uint32_t h = hash & 31u;
+    const float u = h < 24u ? p[0] : p[1], v = h < 16u ? p[1] : p[2], s = h < 8u ? p[2] : p[3];
+    return negated_if(h & 1u, u) + negated_if(h & 2u, v) + negated_if(h & 4u, s);
+}
+
+/// Noise in [-1, 1]. A coordinate beyond 32-bit lattice indices, or not finite, counts as 0.
+template <int N>
+float signed_noise(const Point<N>& p) {
+    constexpr float kLatticeLimit = 2147483000.0f;                     // below 2^31
+    constexpr float kScale[4] = {0.2500f, 0.6616f, 0.9820f, 0.8344f};  // Blender's, make each dimension fill [-1, 1]
+    Point<N> fraction, blend;
+    std::array<uint32_t, N> cell;
+    for (int i = 0; i < N; ++i) {
+        const float x = std::abs(p[i]) < kLatticeLimit ? p[i] : 0.0f;
+        const float base = std::floor(x);
+        const float f = x - base;
+        cell[i] = static_cast<uint32_t>(static_cast<int32_t>(base));
+        fraction[i] = f;
+        blend[i] = f * f * f * (f * (f * 6.0f - 15.0f) + 10.0f);
+    }
+    float corners[1 << N];
+    for (int corner = 0; corner < (1 << N); ++corner) {
+        std::array<uint32_t, N> lattice = cell;
+        Point<N> offset = fraction;
+        for (int i = 0; i < N; ++i) {
+            if (((corner >> i) & 1) == 0) continue;
+            lattice[i] += 1u;
+            offset[i] -= 1.0f;
+        }
+        corners[corner] = gradient(jenkins_hash(lattice), offset);
+    }
+    for (int i = 0, count = 1 << N; i < N; ++i) {
+        count /= 2;
+        for (int j = 0; j < count; ++j) corners[j] = (1.0f - blend[i]) * corners[2 * j] + blend[i] * corners[2 * j + 1];
+    }
+    return corners[0] * kScale[N - 1];
+}
+
+/// Octaves of noise in [0, 1], weighted by powers of the roughness.
+template <int N>
+float fractal_noise(const Point<N>& p, const NoiseParameters& parameters) {
+    constexpr float kMostOctaves = 15.0f;  // Blender's limit
+    const float detail = parameters.detail > 0.0f ? std::min(parameters.detail, kMostOctaves) : 0.0f;
+    const float roughness = parameters.roughness > 0.0f ? std::min(parameters.roughness, 1.0f) : 0.0f;
+    const auto octave = [&p](float frequency) { return 0.5f * signed_noise<N>(times<N>(p, frequency)) + 0.5f; };
+    float frequency = 1.0f, amplitude = 1.0f, sum = 0.0f, amplitudes = 0.0f;
+    for (int i = 0; i <= static_cast<int>(detail); ++i) {
+        sum += octave(frequency) * amplitude;
+        amplitudes += amplitude;
+        amplitude *= roughness;
+        frequency *= 2.0f;
+    }
+    const float rest = detail - std::floor(detail);
+    if (rest == 0.0f) return sum / amplitudes;
+    const float finer = (sum + octave(frequency) * amplitude) / (amplitudes + amplitude);
+    return (1.0f - rest) * (sum / amplitudes) + rest * finer;
+}
+
+/// Shifts that make one noise serve as several: 100..200 in each coordinate, from a hash of the seed.
+template <int N>
+Point<N> seed_offset(int seed) {
+    const auto unit = [](uint32_t hash) { return static_cast<float>(hash) * (1.0f / 4294967295.0f); };
+    Point<N> offset;
+    for (int i = 0; i < N; ++i) {
+        const uint32_t first = std::bit_cast<uint32_t>(static_cast<float>(seed));
+        const uint32_t second = std::bit_cast<uint32_t>(static_cast<float>(i));
+        const uint32_t hash = N == 1 ? jenkins_hash(std::array{first}) : jenkins_hash(std::array{first, second});
+        offset[i] = 100.0f + unit(hash) * 100.0f;
+    }
+    return offset;
+}
+
+template <int N>
+Vec3f texture(const Point<N>& point, const NoiseParameters& parameters) {
+    Point<N> p = point;
+    if (parameters.distortion != 0.0f)
+        for (int i = 0; i < N; ++i) p[i] += signed_noise<N>(plus<N>(point, seed_offset<N>(i))) * parameters.distortion;
+    return {fractal_noise<N>(p, parameters), fractal_noise<N>(plus<N>(p, seed_offset<N>(N)), parameters),
+            fractal_noise<N>(plus<N>(p, seed_offset<N>(N + 1)), parameters)};
+}
+
+}  // namespace
+
+Vec3f noise_texture(int dimensions, const Vec4f& point, const NoiseParameters& parameters) {
+    switch (dimensions) {
+        case 1:
+            return texture<1>({point.w}, parameters);
+        case 2:
+            return texture<2>({point.x, point.y}, parameters);
+        case 3:
+            return texture<3>({point.x, point.y, point.z}, parameters);
+        default:
+            return texture<4>({point.x, point.y, point.z, point.w}, parameters);
+    }
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,19 @@
+// Perlin's gradient noise and its fractal sum, as Blender's Noise Texture has them: gradients chosen by Bob Jenkins'
+// lookup3 hash of the lattice point, quintic blending (Perlin, "Improving Noise", 2002), in one to four dimensions.
+#pragma once
+
+#include "base/vector.h"
+
+namespace rayleaf {
+
+struct NoiseParameters {
+    float detail = 0;       ///< octaves beyond the first, 0..15; a fraction blends in the next one
+    float roughness = 0.5;  ///< amplitude of an octave over that of the one before, 0..1
+    float distortion = 0;   ///< how far noise displaces the coordinate before the sum
+};
+
+/// The texture at `point`, of which the first `dimensions` (1..4) components count; 1: only w. The three channels are
+/// independent, the first is Blender's factor.
+Vec3f noise_texture(int dimensions, const Vec4f& point, const NoiseParameters& parameters);
+
+}  // namespace rayleaf

@@ -1,0 +1,119 @@
+#include "shading/operation.h"
+
+#include "shading/variants.h"
+
+#include <array>
+
+namespace rayleaf {
+namespace {
+
+constexpr OperationFamily family(Operation operation) {
+    if (operation >= Operation::diffuse) return OperationFamily::Closure;
+    switch (operation) {
+        case Operation::image:
+        case Operation::environment:
+            return OperationFamily::Texture;
+        case Operation::fresnel:
+        case Operation::layer_weight:
+        case Operation::normal_map:
+            return OperationFamily::Input;
+        default:
+            return operation < Operation::math ? OperationFamily::Input : OperationFamily::Arithmetic;
+    }
+}
+
+struct IntCounts {
+    int least, most;
+};
+
+constexpr IntCounts int_counts(Operation operation) {
+    switch (operation) {
+        case Operation::attribute:
+        case Operation::component:
+        case Operation::table:
+        case Operation::noise:
+            return {1, 1};
+        case Operation::uv:
+        case Operation::math:
+        case Operation::map_range:
+        case Operation::normal_map:
+            return {0, 1};
+        case Operation::mix:
+            return {0, 2};
+        case Operation::image:
+        case Operation::environment:
+            return {1, 3};
+        default:
+            return {0, 0};
+    }
+}
+
+constexpr OperationInfo describe(Operation operation, std::string_view identifier, int least, int most) {
+    const IntCounts ints = int_counts(operation);
+    return {identifier, least, most, family(operation), ints.least, ints.most, operation == Operation::table};
+}
+
+constexpr std::array kOperations = {
+#define OPERATION(identifier, least, most, description) describe(Operation::identifier, #identifier, least, most),
+#include "shading/operations.def"
+#undef OPERATION
+};
+
+#define RAYLEAF_NAME(name) #name,
+constexpr std::string_view kMath[] = {RAYLEAF_MATH_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kVectorMath[] = {RAYLEAF_VECTOR_MATH_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kBlend[] = {RAYLEAF_BLEND_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kClamp[] = {RAYLEAF_CLAMP_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kMapRange[] = {RAYLEAF_MAP_RANGE_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kMapping[] = {RAYLEAF_MAPPING_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kLayerWeight[] = {RAYLEAF_LAYER_WEIGHT_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kNormalMap[] = {RAYLEAF_NORMAL_MAP_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kMicrofacet[] = {RAYLEAF_MICROFACET_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kPrincipled[] = {RAYLEAF_PRINCIPLED_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kLightPath[] = {RAYLEAF_LIGHT_PATH_VARIANTS(RAYLEAF_NAME)};
+#undef RAYLEAF_NAME
+
+}  // namespace
+
+const OperationInfo& operation_info(Operation operation) {
+    return kOperations[static_cast<size_t>(operation)];
+}
+
+std::optional<Operation> operation_named(std::string_view identifier) {
+    for (size_t i = 0; i < kOperations.size(); ++i)
+        if (kOperations[i].identifier == identifier) return static_cast<Operation>(i);
+    return std::nullopt;
+}
+
+std::span<const std::string_view> variants_of(Operation operation) {
+    switch (operation) {
+        case Operation::math:
+            return kMath;
+        case Operation::vector_math:
+            return kVectorMath;
+        case Operation::mix:
+            return kBlend;
+        case Operation::clamp:
+            return kClamp;
+        case Operation::map_range:
+            return kMapRange;
+        case Operation::mapping:
+            return kMapping;
+        case Operation::layer_weight:
+            return kLayerWeight;
+        case Operation::normal_map:
+            return kNormalMap;
+        case Operation::light_path:
+            return kLightPath;
+        case Operation::glossy:
+        case Operation::refraction:
+        case Operation::glass:
+            return kMicrofacet;
+        case Operation::principled:
+            return kPrincipled;
+        default:
+            return {};
+    }
+}
+
+}  // namespace rayleaf

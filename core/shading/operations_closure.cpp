@@ -1,0 +1,187 @@
+#include "shading/operations_closure.h"
+
+#include "shading/microfacet_albedo.h"
+#include "shading/operations_input.h"
+#include "shading/principled.h"
+#include "shading/variants.h"
+
+namespace rayleaf {
+
+Vec3f clearing_normal(const Vec3f& facet_normal, const Vec3f& outgoing, const Vec3f& normal) {
+    // The mirror direction rises above the facet by at least this sine, less where the viewer himself is lower.
+    constexpr float kLeastRise = 0.01f, kShareOfViewer = 0.9f;
+    const float view_z = std::max(facet_normal.dot(outgoing), 0.0f);
+    const float wanted = std::min(kLeastRise, kShareOfViewer * view_z);
+    const float rise = 2.0f * normal.dot(outgoing) * normal.dot(facet_normal) - facet_normal.dot(outgoing);
+    if (rise >= wanted && normal.dot(outgoing) > 0.0f) return normal;
+    // In the plane of both normals let the shading normal be tilted by `a` from the facet's, and the viewer lie at
+    // angle `phi` and distance `length` from the plane's origin. The mirror direction rises by length cos(2 a - phi).
+    const Vec3f across = normalized_or(normal - facet_normal * facet_normal.dot(normal), Vec3f(0.0f));
+    const float view_x = across.dot(outgoing);
+    const float length = std::hypot(view_x, view_z);
+    if (!(length > 0.0f) || is_black(across)) return facet_normal;
+    const float phi = std::atan2(view_x, view_z);
+    const float half_width = std::acos(std::min(wanted / length, 1.0f));
+    const float tilt = std::atan2(normal.dot(across), normal.dot(facet_normal));
+    const float a = std::clamp(tilt, 0.5f * (phi - half_width), 0.5f * (phi + half_width));
+    return normalized_or(across * std::sin(a) + facet_normal * std::cos(a), facet_normal);
+}
+
+namespace {
+
+Color weight_of(const Operands& operands) {
+    return operands.vector(0, Color(1.0f));
+}
+
+/// The operand `i` as a normal fit for scattering, the surface's own where it is not connected.
+Vec3f scattering_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs) {
+    const Vec3f own = facing_normal(inputs);
+    const Vec3f normal = operands.connected(i) ? normalized_or(operands.vector(i), own) : own;
+    return clearing_normal(facing_facet_normal(inputs), inputs.outgoing, normal);
+}
+
+/// Index beyond the surface over that on the viewer's side.
+float index_beyond(float ior, const ShadingInputs& inputs) {
+    constexpr float kLeastIndex = 1e-5f;  // as Cycles
+    const float inside = std::max(ior, kLeastIndex);
+    return is_backfacing(inputs) ? 1.0f / inside : inside;
+}
+
+Lobe diffuse_lobe(const Operands& operands, const ShadingInputs& inputs) {
+    Lobe lobe;
+    lobe.type = LobeType::Diffuse;
+    lobe.weight = weight_of(operands) * operands.vector(1);
+    lobe.roughness = operands.scalar(2);
+    lobe.normal = scattering_normal(operands, 3, inputs);
+    return lobe;
+}
+
+Lobe translucent_lobe(const Operands& operands, const ShadingInputs& inputs) {
+    Lobe lobe;
+    lobe.type = LobeType::Translucent;
+    lobe.weight = weight_of(operands) * operands.vector(1);
+    lobe.normal = scattering_normal(operands, 2, inputs);
+    return lobe;
+}
+
+void set_roughness(Lobe& lobe, MicrofacetVariant variant, float roughness) {
+    const float clamped = saturate(roughness);
+    const float alpha = variant == MicrofacetVariant::SHARP ? 0.0f : clamped * clamped;
+    lobe.alpha_x = lobe.alpha_y = alpha;
+    // Ashikhmin-Shirley's lobes have no tails, like Beckmann's.
+    const bool beckmann = variant == MicrofacetVariant::BECKMANN || variant == MicrofacetVariant::ASHIKHMIN_SHIRLEY;
+    lobe.distribution = beckmann ? MicrofacetDistribution::Beckmann : MicrofacetDistribution::Ggx;
+}
+
+Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
+    Lobe lobe;
+    lobe.type = LobeType::Reflection;
+    lobe.kind = LobeKind::Glossy;
+    lobe.normal = scattering_normal(operands, 3, inputs);
+    set_roughness(lobe, variant, operands.scalar(2));
+    const Color color = operands.vector(1);
+    lobe.weight = weight_of(operands) * color;
+    if (variant == MicrofacetVariant::MULTI_GGX) {
+        const float albedo = ggx_reflection_albedo(lobe.alpha_x, std::max(lobe.normal.dot(inputs.outgoing), 0.0f));
+        lobe.weight = lobe.weight * energy_compensation(color, albedo);
+    }
+    return lobe;
+}
+
+Lobe refraction_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
+    Lobe lobe;
+    lobe.type = LobeType::Refraction;
+    lobe.kind = LobeKind::Transmission;
+    lobe.weight = weight_of(operands) * operands.vector(1);
+    lobe.normal = scattering_normal(operands, 4, inputs);
+    lobe.ior = index_beyond(operands.scalar(3), inputs);
+    set_roughness(lobe, variant, operands.scalar(2));
+    return lobe;
+}
+
+Lobe glass_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
+    Lobe lobe = refraction_lobe(variant, operands, inputs);
+    lobe.type = LobeType::Glass;
+    if (variant == MicrofacetVariant::MULTI_GGX) {
+        const float cosine = std::max(lobe.normal.dot(inputs.outgoing), 0.0f);
+        lobe.weight =
+            lobe.weight * energy_compensation(operands.vector(1), ggx_glass_albedo(lobe.alpha_x, cosine, lobe.ior));
+    }
+    return lobe;
+}
+
+PrincipledParameters principled_parameters(PrincipledVariant variant, const Operands& operands,
+                                           const ShadingInputs& inputs) {
+    PrincipledParameters p;
+    p.multiple_scattering = variant == PrincipledVariant::MULTI_GGX;
+    p.weight = weight_of(operands);
+    p.base_color = operands.vector(1);
+    p.metallic = saturate(operands.scalar(2));
+    p.specular = operands.scalar(3);
+    p.specular_tint = operands.scalar(4);
+    p.roughness = saturate(operands.scalar(5));
+    p.anisotropic = saturate(operands.scalar(6));
+    p.anisotropic_rotation = operands.scalar(7);
+    p.sheen = operands.scalar(8);
+    p.sheen_tint = operands.scalar(9);
+    p.clearcoat = operands.scalar(10);
+    p.clearcoat_roughness = saturate(operands.scalar(11));
+    p.ior = index_beyond(operands.scalar(12), inputs);
+    p.transmission = saturate(operands.scalar(13));
+    p.transmission_roughness = saturate(operands.scalar(14));
+    p.emission = operands.vector(15) * operands.scalar(16);
+    p.alpha = saturate(operands.scalar(17, 1.0f));
+    p.normal = scattering_normal(operands, 18, inputs);
+    p.clearcoat_normal = scattering_normal(operands, 19, inputs);
+    p.tangent = operands.vector(20, inputs.point->dp_du);
+    p.outgoing = inputs.outgoing;
+    return p;
+}
+
+}  // namespace
+
+void add_closure(Operation operation, uint8_t variant, const Operands& operands, const ShadingInputs& inputs,
+                 Closures& closures) {
+    const Color weight = weight_of(operands);
+    if (is_black(weight)) return;
+    switch (operation) {
+        case Operation::emission:
+        case Operation::background:
+            closures.emission += weight * operands.vector(1) * operands.scalar(2);
+            return;
+        case Operation::holdout:
+            closures.holdout += (weight.x + weight.y + weight.z) / 3.0f;
+            return;
+        default:
+            break;
+    }
+    if (inputs.point == nullptr) return;  // the world scatters nothing
+    const auto microfacets = static_cast<MicrofacetVariant>(variant);
+    switch (operation) {
+        case Operation::diffuse:
+            closures.add(diffuse_lobe(operands, inputs));
+            return;
+        case Operation::translucent:
+            closures.add(translucent_lobe(operands, inputs));
+            return;
+        case Operation::glossy:
+            closures.add(glossy_lobe(microfacets, operands, inputs));
+            return;
+        case Operation::refraction:
+            closures.add(refraction_lobe(microfacets, operands, inputs));
+            return;
+        case Operation::glass:
+            closures.add(glass_lobe(microfacets, operands, inputs));
+            return;
+        case Operation::transparent:
+            closures.transparency += weight * operands.vector(1);
+            return;
+        case Operation::principled:
+            add_principled(principled_parameters(static_cast<PrincipledVariant>(variant), operands, inputs), closures);
+            return;
+        default:
+            return;
+    }
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,19 @@
+// Operations that add to a point's closures.
+#pragma once
+
+#include "shading/closures.h"
+#include "shading/inputs.h"
+#include "shading/operands.h"
+#include "shading/operation.h"
+
+namespace rayleaf {
+
+/// Adds what a closure operation stands for. In the world's program only emission, background and holdout count.
+void add_closure(Operation operation, uint8_t variant, const Operands& operands, const ShadingInputs& inputs,
+                 Closures& closures);
+
+/// The normal nearest to `normal`, in the plane of the two, whose mirror direction of `outgoing` clears the facet: a
+/// shading normal bent too far would reflect rays into the surface. `facet_normal` is on the viewer's side.
+Vec3f clearing_normal(const Vec3f& facet_normal, const Vec3f& outgoing, const Vec3f& normal);
+
+}  // namespace rayleaf

@@ -1,0 +1,23 @@
+// Operations that read the point, the object, the camera and the path.
+#pragma once
+
+#include "shading/inputs.h"
+#include "shading/operands.h"
+#include "shading/operation.h"
+
+#include <cstdint>
+#include <span>
+
+namespace rayleaf {
+
+/// Unit shading normal and facet normal on the viewer's side; in the world both point at the viewer.
+Vec3f facing_normal(const ShadingInputs& inputs);
+Vec3f facing_facet_normal(const ShadingInputs& inputs);
+/// True where the back of the surface is seen: on which side the viewer is, the facet decides.
+bool is_backfacing(const ShadingInputs& inputs);
+
+/// Value of any operation of the family Input. `variant` and `ints` as the program holds them.
+Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints,
+                  const ShadingInputs& inputs);
+
+}  // namespace rayleaf

@@ -1,0 +1,30 @@
+// Procedural textures and image lookups.
+#pragma once
+
+#include "base/vector.h"
+#include "shading/inputs.h"
+#include "shading/operation.h"
+
+#include <cstdint>
+#include <span>
+
+namespace rayleaf {
+
+/// 1 in the cells of colour 1, 0 in those of colour 2; unit cells.
+float checker_value(const Vec3f& position);
+
+/// A lookup coordinate and its change per pixel step.
+struct CoordinateFootprint {
+    Vec3f value, dx, dy;
+};
+
+/// Value of `image` (coordinate: u, v) or `environment` (coordinate: direction). Without textures: 0.
+Vec4f image_value(Operation operation, std::span<const int32_t> ints, const CoordinateFootprint& coordinate,
+                  const ShadingInputs& inputs);
+
+/// Picture coordinates, 0..1, of a direction, as Blender maps them. An equirectangular picture has +x in its middle, +y
+/// a quarter to the left, +z on top; a mirror ball is looked at along +y.
+Vec2f equirectangular(const Vec3f& direction);
+Vec2f mirror_ball(const Vec3f& direction);
+
+}  // namespace rayleaf

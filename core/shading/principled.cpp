@@ -1,0 +1,118 @@
+#include "shading/principled.h"
+
+#include "shading/fresnel.h"
+#include "shading/microfacet_albedo.h"
+#include "shading/operands.h"
+
+namespace rayleaf {
+namespace {
+
+using Parameters = PrincipledParameters;
+
+Color mixed(const Color& a, const Color& b, float share) {
+    return a * (1.0f - share) + b * share;
+}
+
+/// The hue and saturation of `color`, its brightness by `channel_weights` taken out; white for black.
+Color tint(const Color& color, const Color& channel_weights) {
+    const float brightness = color.dot(channel_weights);
+    return brightness > 0.0f ? color / brightness : Color(1.0f);
+}
+
+Lobe lobe_of(LobeType type, LobeKind kind, const Parameters& p, const Color& weight) {
+    Lobe lobe;
+    lobe.type = type;
+    lobe.kind = kind;
+    lobe.weight = weight;
+    lobe.normal = p.normal;
+    return lobe;
+}
+
+void add_diffuse(const Parameters& p, const Color& weight, Closures& closures) {
+    Lobe diffuse = lobe_of(LobeType::PrincipledDiffuse, LobeKind::Diffuse, p, weight * p.base_color);
+    diffuse.roughness = p.roughness;
+    closures.add(diffuse);
+    if (!(p.sheen > 0.0f)) return;
+    const Color color = mixed(Color(1.0f), tint(p.base_color, Color(0.2126f, 0.7152f, 0.0722f)), p.sheen_tint);
+    closures.add(lobe_of(LobeType::Sheen, LobeKind::Diffuse, p, weight * color * p.sheen));
+}
+
+/// `v` turned about unit `axis` by `turns` full turns.
+Vec3f turned(const Vec3f& v, const Vec3f& axis, float turns) {
+    const float angle = turns * 2.0f * kPi, c = std::cos(angle), s = std::sin(angle);
+    return v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0f - c));
+}
+
+/// Index of refraction whose reflectance at normal incidence is 8 % of `specular`.
+float index_of(float specular) {
+    constexpr float kMost = 0.99f;  // beyond, the index runs to infinity
+    return 2.0f / (1.0f - std::min(std::sqrt(0.08f * std::max(specular, 0.0f)), kMost)) - 1.0f;
+}
+
+void add_specular(const Parameters& p, const Color& weight, Closures& closures) {
+    if (!(p.specular > 0.0f) && !(p.metallic > 0.0f)) return;
+    Lobe lobe = lobe_of(LobeType::Reflection, LobeKind::Glossy, p, weight);
+    const float aspect = std::sqrt(1.0f - 0.9f * p.anisotropic), alpha = p.roughness * p.roughness;
+    lobe.alpha_x = alpha / aspect;
+    lobe.alpha_y = alpha * aspect;
+    lobe.tangent = p.anisotropic_rotation != 0.0f ? turned(p.tangent, p.normal, p.anisotropic_rotation) : p.tangent;
+    lobe.fresnel = Lobe::Fresnel::Schlick;
+    lobe.ior = index_of(p.specular);
+    const Color dielectric =
+        mixed(Color(1.0f), tint(p.base_color, Color(0.3f, 0.6f, 0.1f)), p.specular_tint) * (0.08f * p.specular);
+    lobe.fresnel_0 = mixed(dielectric, p.base_color, p.metallic);
+    if (p.multiple_scattering) {
+        const float albedo = ggx_reflection_albedo(saturate(alpha), std::max(p.normal.dot(p.outgoing), 0.0f));
+        lobe.weight = lobe.weight * energy_compensation(lobe.fresnel_0, albedo);
+    }
+    closures.add(lobe);
+}
+
+void add_transmission(const Parameters& p, const Color& weight, Closures& closures) {
+    const float alpha = p.roughness * p.roughness;
+    // Cycles applies the transmission's own roughness with single scattering only.
+    const float refraction_roughness =
+        p.multiple_scattering ? p.roughness : 1.0f - (1.0f - p.roughness) * (1.0f - p.transmission_roughness);
+    const float cosine = std::max(p.normal.dot(p.outgoing), 0.0f);
+    const Color scale =
+        p.multiple_scattering ? energy_compensation(Color(1.0f), ggx_glass_albedo(alpha, cosine, p.ior)) : Color(1.0f);
+    const Color reflection_color = mixed(Color(1.0f), p.base_color, p.specular_tint);
+    Lobe reflection = lobe_of(LobeType::Reflection, LobeKind::Glossy, p, weight * reflection_color * scale);
+    reflection.alpha_x = reflection.alpha_y = alpha;
+    reflection.fresnel = Lobe::Fresnel::Dielectric;
+    reflection.ior = p.ior;
+    closures.add(reflection);
+    Lobe refraction = lobe_of(LobeType::Refraction, LobeKind::Transmission, p, weight * p.base_color * scale);
+    refraction.alpha_x = refraction.alpha_y = refraction_roughness * refraction_roughness;
+    refraction.fresnel = Lobe::Fresnel::Dielectric;
+    refraction.ior = p.ior;
+    closures.add(refraction);
+}
+
+void add_clearcoat(const Parameters& p, const Color& weight, Closures& closures) {
+    constexpr float kShare = 0.25f;  // Disney's: a full clearcoat is a quarter of a lacquer's reflection
+    Lobe lobe = lobe_of(LobeType::Clearcoat, LobeKind::Glossy, p, weight * (kShare * p.clearcoat));
+    lobe.normal = p.clearcoat_normal;
+    lobe.alpha_x = lobe.alpha_y = p.clearcoat_roughness * p.clearcoat_roughness;
+    lobe.fresnel = Lobe::Fresnel::Schlick;
+    lobe.ior = 1.5f;
+    lobe.fresnel_0 = Color(normal_fresnel(lobe.ior));
+    closures.add(lobe);
+}
+
+}  // namespace
+
+void add_principled(const PrincipledParameters& parameters, Closures& closures) {
+    closures.transparency += parameters.weight * (1.0f - parameters.alpha);
+    const Color weight = parameters.weight * parameters.alpha;
+    if (is_black(weight)) return;
+    closures.emission += weight * parameters.emission;
+    const float opaque = 1.0f - parameters.transmission, dielectric = 1.0f - parameters.metallic;
+    const float glass = parameters.transmission * dielectric;
+    if (opaque * dielectric > 0.0f) add_diffuse(parameters, weight * (opaque * dielectric), closures);
+    if (glass < 1.0f) add_specular(parameters, weight * (1.0f - glass), closures);
+    if (glass > 0.0f) add_transmission(parameters, weight * glass, closures);
+    if (parameters.clearcoat > 0.0f) add_clearcoat(parameters, weight, closures);
+}
+
+}  // namespace rayleaf

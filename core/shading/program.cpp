@@ -1,0 +1,191 @@
+#include "shading/program.h"
+
+#include "base/error.h"
+#include "shading/operands.h"
+#include "shading/variants.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace rayleaf {
+namespace {
+
+std::string joined(std::span<const std::string_view> names) {
+    std::string text;
+    for (const std::string_view name : names) text.append(text.empty() ? "" : ", ").append(name);
+    return text;
+}
+
+std::string between(int least, int most) {
+    if (least == most) return std::to_string(least);
+    return std::to_string(least) + " to " + std::to_string(most);
+}
+
+bool is_finite(const Vec4f& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
+}
+
+/// Limits of an operation's integers; most < least: any.
+struct IntRange {
+    int least = 0, most = -1;
+};
+
+IntRange int_range(Operation operation, size_t i) {
+    switch (operation) {
+        case Operation::component:
+            return {0, 3};
+        case Operation::noise:
+            return {1, 4};
+        case Operation::table:
+        case Operation::math:
+        case Operation::mix:
+        case Operation::map_range:
+            return {0, 1};
+        case Operation::image:
+            return i == 0 ? IntRange{} : IntRange{0, 2};
+        case Operation::environment:
+            return i == 0 ? IntRange{} : IntRange{0, i == 1 ? 1 : 2};
+        default:
+            return {};
+    }
+}
+
+}  // namespace
+
+void Program::reject(const std::string& argument, const std::string& got, const std::string& wanted) const {
+    throw InputError(name_, argument, got, wanted);
+}
+
+Register Program::constant(const Vec4f& value) {
+    if (!is_finite(value)) reject("shader constant", "not finite", "four finite numbers");
+    registers_.push_back(value);
+    origins_.push_back(kConstant);
+    return static_cast<Register>(registers_.size()) - 1;
+}
+
+Program::Instruction Program::checked(const std::string& identifier, std::span<const Register> operands,
+                                      std::span<const int32_t> ints, std::span<const float> floats,
+                                      const std::string& text) const {
+    const std::optional<Operation> operation = operation_named(identifier);
+    if (!operation) reject("shader operation", "'" + identifier + "'", "one of the table of operations");
+    const OperationInfo& info = operation_info(*operation);
+    const auto in = [&](int least, int most, size_t count) {
+        return static_cast<int>(count) >= least && static_cast<int>(count) <= most;
+    };
+    if (!in(info.least_operands, info.most_operands, operands.size()))
+        reject("number of operands of '" + identifier + "'", std::to_string(operands.size()),
+               between(info.least_operands, info.most_operands));
+    for (const Register r : operands)
+        if (r < -1 || r >= register_count())
+            reject("operand of '" + identifier + "'", std::to_string(r),
+                   "-1 or an earlier register (below " + std::to_string(register_count()) + ")");
+    if (!in(info.least_ints, info.most_ints, ints.size()))
+        reject("number of integers of '" + identifier + "'", std::to_string(ints.size()),
+               between(info.least_ints, info.most_ints));
+    for (size_t i = 0; i < ints.size(); ++i)
+        if (const IntRange range = int_range(*operation, i);
+            range.least <= range.most && (ints[i] < range.least || ints[i] > range.most))
+            reject("integer of '" + identifier + "'", std::to_string(ints[i]), between(range.least, range.most));
+    if (info.takes_floats ? floats.empty() || floats.size() % 4 != 0 : !floats.empty())
+        reject("number of floats of '" + identifier + "'", std::to_string(floats.size()),
+               info.takes_floats ? "a positive multiple of 4" : "0");
+    if (!std::all_of(floats.begin(), floats.end(), [](float x) { return std::isfinite(x); }))
+        reject("table of '" + identifier + "'", "not finite", "finite numbers");
+
+    Instruction instruction{};
+    instruction.operation = *operation;
+    const std::span<const std::string_view> variants = variants_of(*operation);
+    const bool optional_text = *operation == Operation::principled;
+    if (variants.empty() ? !text.empty() : !(optional_text && text.empty())) {
+        const auto found = std::find(variants.begin(), variants.end(), text);
+        if (found == variants.end())
+            reject("text of '" + identifier + "'", "'" + text + "'", variants.empty() ? "empty" : joined(variants));
+        instruction.variant = static_cast<uint8_t>(found - variants.begin());
+    }
+    return instruction;
+}
+
+Register Program::operation(const std::string& identifier, std::span<const Register> operands,
+                            std::span<const int32_t> ints, std::span<const float> floats, const std::string& text) {
+    Instruction instruction = checked(identifier, operands, ints, floats, text);
+    const OperationFamily family = operation_info(instruction.operation).family;
+    instruction.first_operand = static_cast<uint32_t>(operands_.size());
+    instruction.first_int = static_cast<uint32_t>(ints_.size());
+    instruction.first_float = static_cast<uint32_t>(floats_.size());
+    instruction.operand_count = static_cast<uint32_t>(operands.size());
+    instruction.int_count = static_cast<uint32_t>(ints.size());
+    instruction.float_count = static_cast<uint32_t>(floats.size());
+    operands_.insert(operands_.end(), operands.begin(), operands.end());
+    ints_.insert(ints_.end(), ints.begin(), ints.end());
+    floats_.insert(floats_.end(), floats.begin(), floats.end());
+
+    if (family == OperationFamily::Arithmetic &&
+        std::all_of(operands.begin(), operands.end(), [this](Register r) { return is_constant_register(r); })) {
+        const Vec4f value = arithmetic(instruction, operands_of(instruction, registers_.data()));
+        operands_.resize(instruction.first_operand);
+        ints_.resize(instruction.first_int);
+        floats_.resize(instruction.first_float);
+        return constant(is_finite(value) ? value : spread(0.0f));
+    }
+    if (family != OperationFamily::Closure) {
+        instruction.result = register_count();
+        registers_.emplace_back(0.0f, 0.0f, 0.0f, 0.0f);
+        origins_.push_back(static_cast<int32_t>(instructions_.size()));
+    }
+    note_effects(instruction, operands);
+    instructions_.push_back(instruction);
+    return instruction.result;
+}
+
+void Program::note_effects(const Instruction& instruction, std::span<const Register> operands) {
+    const auto surely = [&](size_t i, float x) {
+        if (i >= operands.size() || operands[i] < 0 || !is_constant_register(operands[i])) return false;
+        const Vec4f& v = registers_[static_cast<size_t>(operands[i])];
+        return v.x == x && v.y == x && v.z == x;
+    };
+    const OperationFamily family = operation_info(instruction.operation).family;
+    if (family == OperationFamily::Texture) {
+        textured_ = true;
+        if (operands[0] >= 0) differentiate(operands[0]);
+    }
+    if (family == OperationFamily::Input || family == OperationFamily::Texture) constant_ = false;
+    if (family != OperationFamily::Closure) return;
+    switch (instruction.operation) {
+        case Operation::emission:
+        case Operation::background:
+            emits_ |= !surely(0, 0.0f) && !surely(1, 0.0f) && !surely(2, 0.0f);
+            return;
+        case Operation::transparent:
+            transparent_ |= !surely(0, 0.0f) && !surely(1, 0.0f);
+            return;
+        case Operation::holdout:
+            return;
+        case Operation::principled:
+            emits_ |= !surely(15, 0.0f) && !surely(16, 0.0f);
+            transparent_ |= operands[17] >= 0 && !surely(17, 1.0f);
+            break;
+        default:
+            break;
+    }
+    constant_ = false;
+}
+
+/// Marks what `target` depends on to be run at the neighbouring points too.
+void Program::differentiate(Register target) {
+    std::vector<Register> open{target};
+    while (!open.empty()) {
+        const Register r = open.back();
+        open.pop_back();
+        if (is_constant_register(r)) continue;
+        Instruction& instruction = instructions_[static_cast<size_t>(origins_[static_cast<size_t>(r)])];
+        if (instruction.differentiated) continue;
+        instruction.differentiated = true;
+        const bool named_uv =
+            instruction.operation == Operation::uv && instruction.int_count > 0 && ints_[instruction.first_int] >= 0;
+        differentiates_attributes_ |= instruction.operation == Operation::attribute || named_uv;
+        const auto first = operands_.begin() + instruction.first_operand;
+        open.insert(open.end(), first, first + instruction.operand_count);
+    }
+}
+
+}  // namespace rayleaf

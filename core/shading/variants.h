@@ -1,0 +1,56 @@
+// What an operation's `text` may name: Blender's own identifiers, in capitals as Blender writes them, one enumeration
+// per operation. A program stores the position in the list.
+#pragma once
+
+#include "shading/operation.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace rayleaf {
+
+// clang-format off
+#define RAYLEAF_MATH_VARIANTS(X) \
+    X(ADD) X(SUBTRACT) X(MULTIPLY) X(DIVIDE) X(MULTIPLY_ADD) X(POWER) X(LOGARITHM) X(SQRT) X(INVERSE_SQRT) X(ABSOLUTE) \
+    X(EXPONENT) X(MINIMUM) X(MAXIMUM) X(LESS_THAN) X(GREATER_THAN) X(SIGN) X(COMPARE) X(SMOOTH_MIN) X(SMOOTH_MAX) \
+    X(ROUND) X(FLOOR) X(CEIL) X(TRUNC) X(FRACT) X(MODULO) X(FLOORED_MODULO) X(WRAP) X(SNAP) X(PINGPONG) X(SINE) \
+    X(COSINE) X(TANGENT) X(ARCSINE) X(ARCCOSINE) X(ARCTANGENT) X(ARCTAN2) X(SINH) X(COSH) X(TANH) X(RADIANS) X(DEGREES)
+#define RAYLEAF_VECTOR_MATH_VARIANTS(X) \
+    X(ADD) X(SUBTRACT) X(MULTIPLY) X(DIVIDE) X(MULTIPLY_ADD) X(CROSS_PRODUCT) X(PROJECT) X(REFLECT) X(REFRACT) \
+    X(FACEFORWARD) X(DOT_PRODUCT) X(DISTANCE) X(LENGTH) X(SCALE) X(NORMALIZE) X(ABSOLUTE) X(MINIMUM) X(MAXIMUM) \
+    X(FLOOR) X(CEIL) X(FRACTION) X(MODULO) X(WRAP) X(SNAP) X(SINE) X(COSINE) X(TANGENT)
+#define RAYLEAF_BLEND_VARIANTS(X) \
+    X(MIX) X(DARKEN) X(MULTIPLY) X(BURN) X(LIGHTEN) X(SCREEN) X(DODGE) X(ADD) X(OVERLAY) X(SOFT_LIGHT) X(LINEAR_LIGHT) \
+    X(DIFFERENCE) X(EXCLUSION) X(SUBTRACT) X(DIVIDE) X(HUE) X(SATURATION) X(COLOR) X(VALUE)
+#define RAYLEAF_CLAMP_VARIANTS(X) X(MINMAX) X(RANGE)
+#define RAYLEAF_MAP_RANGE_VARIANTS(X) X(LINEAR) X(STEPPED) X(SMOOTHSTEP) X(SMOOTHERSTEP)
+#define RAYLEAF_MAPPING_VARIANTS(X) X(POINT) X(TEXTURE) X(VECTOR) X(NORMAL)
+#define RAYLEAF_LAYER_WEIGHT_VARIANTS(X) X(FRESNEL) X(FACING)
+#define RAYLEAF_NORMAL_MAP_VARIANTS(X) X(TANGENT) X(OBJECT) X(WORLD)
+#define RAYLEAF_MICROFACET_VARIANTS(X) X(SHARP) X(GGX) X(MULTI_GGX) X(BECKMANN) X(ASHIKHMIN_SHIRLEY)
+#define RAYLEAF_PRINCIPLED_VARIANTS(X) X(GGX) X(MULTI_GGX)
+#define RAYLEAF_LIGHT_PATH_VARIANTS(X) \
+    X(is_camera) X(is_shadow) X(is_diffuse) X(is_glossy) X(is_singular) X(is_reflection) X(is_transmission) \
+    X(ray_length) X(ray_depth) X(diffuse_depth) X(glossy_depth) X(transparent_depth) X(transmission_depth)
+// clang-format on
+
+#define RAYLEAF_ENUMERATOR(name) name,
+enum class MathVariant : uint8_t { RAYLEAF_MATH_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class VectorMathVariant : uint8_t { RAYLEAF_VECTOR_MATH_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class BlendVariant : uint8_t { RAYLEAF_BLEND_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class ClampVariant : uint8_t { RAYLEAF_CLAMP_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class MapRangeVariant : uint8_t { RAYLEAF_MAP_RANGE_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class MappingVariant : uint8_t { RAYLEAF_MAPPING_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class LayerWeightVariant : uint8_t { RAYLEAF_LAYER_WEIGHT_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class NormalMapVariant : uint8_t { RAYLEAF_NORMAL_MAP_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class MicrofacetVariant : uint8_t { RAYLEAF_MICROFACET_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class PrincipledVariant : uint8_t { RAYLEAF_PRINCIPLED_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class LightPathVariant : uint8_t { RAYLEAF_LIGHT_PATH_VARIANTS(RAYLEAF_ENUMERATOR) };
+#undef RAYLEAF_ENUMERATOR
+
+/// The texts an operation takes, in the order of its enumeration; empty if it takes none.
+std::span<const std::string_view> variants_of(Operation operation);
+
+}  // namespace rayleaf
