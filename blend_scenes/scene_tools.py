@@ -1,0 +1,214 @@
+"""What the scripts that make the scenes share. Each is run as:
+
+blender -b --factory-startup --addons rayleaf --python blend_scenes/make_NAME.py [-- FOLDER]
+
+and writes NAME.blend to FOLDER, by default to the folder of the script.
+"""
+
+import shutil
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Vector
+from numpy.typing import NDArray
+
+HERE = Path(__file__).resolve().parent
+Triple = Sequence[float]
+
+
+def start_empty(width: int, height: int, samples: int) -> None:
+    """Leave nothing of the startup file, and set what every scene sets."""
+    bpy.data.batch_remove(
+        [*bpy.data.objects, *bpy.data.meshes, *bpy.data.materials, *bpy.data.lights, *bpy.data.cameras]
+    )
+    bpy.data.batch_remove(list(bpy.data.collections))
+    scene = bpy.context.scene
+    scene.render.engine = "RAYLEAF"
+    scene.rayleaf.samples = samples
+    scene.render.resolution_x, scene.render.resolution_y = width, height
+    scene.render.filepath = "//"
+    scene.view_settings.view_transform = "Standard"
+    layer = bpy.context.view_layer
+    layer.use_pass_z = layer.use_pass_normal = True
+
+
+def save(name: str) -> None:
+    """Write NAME.blend, compressed. By way of a temporary folder: a .blend remembers the path it was saved to."""
+    folder = Path(sys.argv[sys.argv.index("--") + 1]) if "--" in sys.argv else HERE
+    with tempfile.TemporaryDirectory() as temporary:
+        path = Path(temporary) / f"{name}.blend"
+        bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True, relative_remap=False)
+        shutil.copyfile(path, folder / path.name)
+
+
+def link(name: str, data: Any, location: Triple = (0, 0, 0)) -> Any:
+    """A new object in the scene."""
+    thing = bpy.data.objects.new(name, data)
+    thing.location = location
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+
+
+def look_at(thing: Any, target: Triple) -> None:
+    """Turn a camera or lamp towards a point of the world."""
+    direction = Vector(target) - thing.location
+    thing.rotation_euler = direction.to_track_quat("-Z", "Y").to_euler()
+
+
+def add_camera(location: Triple, target: Triple, lens: float) -> Any:
+    """The scene's camera; `lens` in millimetres on Blender's 36 mm sensor."""
+    data = bpy.data.cameras.new("Camera")
+    data.lens = lens
+    camera = link("Camera", data, location)
+    look_at(camera, target)
+    bpy.context.scene.camera = camera
+    return camera
+
+
+def add_lamp(name: str, kind: str, location: Triple, target: Triple, power: float, color: Triple = (1, 1, 1)) -> Any:
+    """kind: POINT, SPOT, AREA (power in watts) or SUN (W/m²)."""
+    data = bpy.data.lights.new(name, kind)
+    data.energy = power
+    data.color = color
+    lamp = link(name, data, location)
+    look_at(lamp, target)
+    return lamp
+
+
+# --- surfaces ------------------------------------------------------------------------------------------------------
+
+
+def add_surface(name: str, location: Triple = (0, 0, 0)) -> Any:
+    """An empty SURFACE object, for `add_grid`."""
+    data = bpy.data.curves.new(name, "SURFACE")
+    data.dimensions = "3D"
+    return link(name, data, location)
+
+
+def add_grid(surface: Any, points: NDArray[np.float64], resolution: int = 4) -> Any:
+    """Append a NURBS grid; points (count_v, count_u, 4): x, y, z, weight, at least three each way.
+
+    Blender's data interface makes only rows of points; the operator that joins rows makes the grid, and shuffles the
+    points, so their coordinates come last. Set flags and orders on the spline returned.
+    """
+    count_v, count_u = points.shape[:2]
+    bpy.context.view_layer.objects.active = surface
+    for spline in surface.data.splines:
+        spline.points.foreach_set("select", [False] * len(spline.points))
+    for row in range(count_u):
+        spline = surface.data.splines.new("NURBS")
+        spline.points.add(count_v - 1)
+        apart = np.array([[row, 0.01 * i, 0, 1] for i in range(count_v)], dtype=np.float64)
+        spline.points.foreach_set("co", apart.ravel())
+        spline.points.foreach_set("select", [True] * count_v)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.curve.make_segment()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    spline = surface.data.splines[-1]
+    if (spline.point_count_u, spline.point_count_v) != (count_u, count_v):
+        raise RuntimeError(f"{surface.name}: Blender made a grid of {spline.point_count_u} x {spline.point_count_v}")
+    spline.points.foreach_set("co", points.astype(np.float64).ravel())
+    spline.points.foreach_set("select", [False] * len(spline.points))
+    spline.resolution_u = spline.resolution_v = resolution
+    spline.use_smooth = True
+    return spline
+
+
+def bezier_from_cubic_b_spline(points: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+    """Bezier points of a uniform cubic B-spline along an axis: n + 3 points become 3 n + 1, the curve stays.
+
+    The Bezier points of a span are thirds and the mean of thirds of its neighbours (Böhm's knot insertion).
+    """
+    p = np.moveaxis(points, axis, 0)
+    spans = len(p) - 3
+    result = np.empty((3 * spans + 1, *p.shape[1:]))
+    result[0::3] = (p[:-2] + 4 * p[1:-1] + p[2:]) / 6
+    result[1::3] = (2 * p[1:-2] + p[2:-1]) / 3
+    result[2::3] = (p[1:-2] + 2 * p[2:-1]) / 3
+    return np.moveaxis(result, 0, axis)
+
+
+CIRCLE = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
+
+
+def lathe(profile: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Control points of a profile (n, 2: radius, height) turned about z; v runs along the profile, u around.
+
+    Around, it is Blender's exact circle: eight points, order 3, cyclic, with the bezier flag; corners weigh 1/√2.
+    """
+    grid = np.empty((len(profile), 8, 4))
+    for index, (x, y) in enumerate(CIRCLE):
+        grid[:, index, 0] = profile[:, 0] * x
+        grid[:, index, 1] = profile[:, 0] * y
+        grid[:, index, 2] = profile[:, 1]
+        grid[:, index, 3] = np.sqrt(0.5) if index % 2 else 1.0
+    return grid
+
+
+def make_circle_of_u(spline: Any) -> None:
+    """The flags that `lathe` counts on."""
+    spline.use_cyclic_u = spline.use_bezier_u = True
+    spline.order_u = 3
+
+
+# --- materials -----------------------------------------------------------------------------------------------------
+
+
+class NodeTree:
+    """Builds a node tree: `tree.add("ShaderNodeMix", input=value or a socket)`."""
+
+    def __init__(self, owner: Any) -> None:
+        owner.use_nodes = True
+        self.tree = owner.node_tree
+        self.tree.nodes.clear()
+
+    def add(self, kind: str, inputs: dict[str | int, Any] | None = None, **properties: Any) -> Any:
+        """A node; an input given as a socket is linked, another value is its default."""
+        node = self.tree.nodes.new(kind)
+        node.location = (220 * len(self.tree.nodes), 0)
+        for name, value in properties.items():
+            setattr(node, name, value)
+        for key, value in (inputs or {}).items():
+            if isinstance(value, bpy.types.NodeSocket):
+                self.tree.links.new(value, node.inputs[key])
+            else:
+                node.inputs[key].default_value = value
+        return node
+
+
+def material(name: str, color: Triple = (0.8, 0.8, 0.8), roughness: float = 0.5, **inputs: Any) -> Any:
+    """A material with the Principled shader; further inputs by their names, `_` for a space."""
+    made = bpy.data.materials.new(name)
+    tree = NodeTree(made)
+    values: dict[str | int, Any] = {"Base Color": (*color, 1), "Roughness": roughness}
+    values.update({key.replace("_", " "): value for key, value in inputs.items()})
+    shader = tree.add("ShaderNodeBsdfPrincipled", values)
+    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
+    made.diffuse_color = (*color, 1)
+    return made
+
+
+def color_ramp(tree: NodeTree, factor: Any, stops: Sequence[tuple[float, Triple]]) -> Any:
+    """A colour ramp node with these stops."""
+    node = tree.add("ShaderNodeValToRGB", {"Fac": factor})
+    elements = node.color_ramp.elements
+    while len(elements) < len(stops):
+        elements.new(0.5)
+    for element, (position, color) in zip(elements, stops):
+        element.position = position
+        element.color = (*color, 1)
+    return node
+
+
+def plain_world(color: Triple, strength: float = 1.0) -> None:
+    """A world of one colour."""
+    world = bpy.data.worlds.new("World")
+    bpy.context.scene.world = world
+    tree = NodeTree(world)
+    background = tree.add("ShaderNodeBackground", {"Color": (*color, 1), "Strength": strength})
+    tree.add("ShaderNodeOutputWorld", {"Surface": background.outputs[0]})
