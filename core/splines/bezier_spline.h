@@ -18,7 +18,7 @@ struct BezierSpline {
     bool cyclic = false;  ///< one more segment, from the last knot to the first
 };
 
-/// Empty if the spline can be converted. Fewer than two knots draw nothing, as in Blender.
+/// Empty if the spline can be converted. Fewer than two knots draw nothing.
 std::optional<SplineProblem> find_problem(const BezierSpline& spline);
 /// Needs a spline without problem. Segments have equal parameter ranges and are C^0 by construction.
 BezierChain to_bezier(const BezierSpline& spline);

@@ -158,9 +158,10 @@ std::optional<SplineProblem> find_problem(const NurbsSurface& surface) {
 }
 
 std::optional<SplineProblem> find_problem(const NurbsCurve& curve) {
-    if (auto problem = find_direction_problem(static_cast<int>(curve.points.size()), curve.direction, ""))
-        return problem;
-    return find_point_problem(curve.points);
+    auto problem = find_direction_problem(static_cast<int>(curve.points.size()), curve.direction, "");
+    if (!problem) return find_point_problem(curve.points);
+    if (problem->kind == SplineProblemKind::DrawsNothing) problem->kind = SplineProblemKind::DrawsControlPolygon;
+    return problem;
 }
 
 std::vector<double> implied_knots(int count, const NurbsDirection& direction) {
@@ -208,6 +209,16 @@ BezierPatch BezierNet::patch(size_t span_u, size_t span_v) const {
         out.points.insert(out.points.end(), begin, begin + u.degree + 1);
     }
     return out;
+}
+
+Vec3d BezierChain::position(double t) const {
+    const size_t span = axis.span_at(t);
+    return segment(span).position(axis.local_parameter(span, t));
+}
+
+Vec3d BezierNet::position(double at_u, double at_v) const {
+    const size_t span_u = u.span_at(at_u), span_v = v.span_at(at_v);
+    return patch(span_u, span_v).position(u.local_parameter(span_u, at_u), v.local_parameter(span_v, at_v));
 }
 
 BezierNet to_bezier(const NurbsSurface& surface) {

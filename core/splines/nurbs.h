@@ -48,8 +48,9 @@ struct NurbsCurve {
 };
 
 enum class SplineProblemKind {
-    BadData,      ///< no meaning: not finite, weights that are not positive, sizes that do not agree
-    DrawsNothing  ///< legal in Blender, which shows nothing for it
+    BadData,             ///< no meaning: not finite, weights that are not positive, sizes that do not agree
+    DrawsNothing,        ///< legal in Blender, which shows nothing for it
+    DrawsControlPolygon  ///< legal in Blender, which joins the control points of such a curve by straight lines
 };
 
 /// Why a spline has no surface, in the words of InputError.
@@ -77,6 +78,8 @@ struct BezierChain {
     std::vector<Vec4d> points;  ///< homogeneous; axis.point_count of them
 
     BezierCurve segment(size_t index) const;
+    /// The point at a parameter in [0,1] of the whole curve; outside, the nearest end.
+    Vec3d position(double t) const;
 };
 
 /// A surface as Bezier patches that share their borders.
@@ -87,6 +90,8 @@ struct BezierNet {
 
     size_t patch_count() const { return u.spans.size() * v.spans.size(); }
     BezierPatch patch(size_t span_u, size_t span_v) const;
+    /// The point at parameters in [0,1]² of the whole surface; outside, the nearest border.
+    Vec3d position(double u, double v) const;
 };
 
 /// Need a spline without problem. Spans without length are left out.

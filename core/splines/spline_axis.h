@@ -25,6 +25,11 @@ struct SplineAxis {
     bool closed = false;       ///< the last point repeats the first bit by bit
     uint32_t point_count = 0;  ///< along this axis; joined spans share their border point
     std::vector<SplineSpan> spans;
+
+    /// The span that holds a parameter in [0,1], the later one at a border; the nearest one outside.
+    size_t span_at(double parameter) const;
+    /// A parameter of the whole spline as the parameter in [0,1] of a span that holds it.
+    double local_parameter(size_t span, double parameter) const;
 };
 
 }  // namespace rayleaf

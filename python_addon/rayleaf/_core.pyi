@@ -49,6 +49,137 @@ class NurbsSpline:
         material_slot: int = 0,
         smooth: bool = True,
     ) -> None: ...
+    @property
+    def material_slot(self) -> int: ...
+    @property
+    def smooth(self) -> bool: ...
+    def problem(self) -> tuple[str, str, str, str] | None:
+        """Why there is no surface: BAD_DATA or DRAWS_NOTHING, the argument, what it is, what was wanted."""
+    def to_bezier(self) -> BezierNet: ...
+
+class BezierCurve:
+    """A rational Bezier curve of any degree. `points` is given as (degree + 1, 4): x, y, z, weight > 0."""
+
+    def __init__(self, points: Doubles) -> None: ...
+    @property
+    def degree(self) -> int: ...
+    @property
+    def rational(self) -> bool: ...
+    @property
+    def points(self) -> Doubles:
+        """(degree + 1, 4), homogeneous: wx, wy, wz, w."""
+    def evaluate(self, t: Doubles) -> Doubles:
+        """(n, 3, 3): position, first and second derivative for each parameter."""
+    def split(self, t: float) -> tuple[BezierCurve, BezierCurve]: ...
+    def restricted(self, begin: float, end: float) -> BezierCurve: ...
+    def elevated(self) -> BezierCurve: ...
+    def bounds(self) -> Doubles:
+        """(2, 3): a box that contains the curve."""
+
+class BezierPatch:
+    """A rational Bezier patch. `points` is given as (degree_v + 1, degree_u + 1, 4): x, y, z, weight > 0."""
+
+    def __init__(self, points: Doubles) -> None: ...
+    @property
+    def degree_u(self) -> int: ...
+    @property
+    def degree_v(self) -> int: ...
+    @property
+    def rational(self) -> bool: ...
+    @property
+    def points(self) -> Doubles:
+        """(degree_v + 1, degree_u + 1, 4), homogeneous: wx, wy, wz, w."""
+    def evaluate(self, u: Doubles, v: Doubles) -> Doubles:
+        """(n, 6, 3): P, P_u, P_v, P_uu, P_uv, P_vv for each pair of parameters."""
+    def normals(
+        self,
+        u: Doubles,
+        v: Doubles,
+        neighbour: Sequence[float] | None = None,
+        geometric: Sequence[float] = (0, 0, 1),
+    ) -> tuple[Doubles, list[str]]:
+        """(n, 3, 3): unit normal and its derivatives by u and v; and which stage gave each: REGULAR, SECOND_ORDER, INSET,
+        NEIGHBOUR, GEOMETRIC (see core/splines/limit_normal.h)."""
+    def split(self, direction: str, t: float) -> tuple[BezierPatch, BezierPatch]:
+        """direction: U or V."""
+    def restricted(self, u_begin: float, u_end: float, v_begin: float, v_end: float) -> BezierPatch: ...
+    def elevated(self, direction: str) -> BezierPatch: ...
+    def bounds(self) -> Doubles:
+        """(2, 3): a box that contains the patch."""
+    def float_bounds(self) -> Floats:
+        """(2, 3): the same in floats; contains the points rounded to float too."""
+    def facet_distance_bound(self, cells_u: int, cells_v: int) -> float:
+        """No point is further than this from the facets of a uniform grid of that many cells, and the other way round."""
+    def closest_point(self, target: Sequence[float]) -> tuple[float, float, float]:
+        """u, v and distance."""
+
+class BezierChain:
+    """A curve as Bezier segments."""
+
+    @property
+    def rational(self) -> bool: ...
+    @property
+    def closed(self) -> bool: ...
+    @property
+    def ranges(self) -> Doubles:
+        """(segments, 2): the part of [0, 1] that each takes, proportional to the knots."""
+    @property
+    def continuity(self) -> list[int]:
+        """k after each segment, where the knots make the next one join C^k; -1 where none follows."""
+    @property
+    def points(self) -> Doubles:
+        """(n, 4), homogeneous; neighbours share a point."""
+    def positions(self, t: Doubles) -> Doubles:
+        """(n, 3): points at parameters in [0, 1] of the whole curve."""
+    def segment(self, index: int) -> BezierCurve: ...
+
+class BezierNet:
+    """A surface as Bezier patches."""
+
+    @property
+    def rational(self) -> bool: ...
+    @property
+    def closed_u(self) -> bool: ...
+    @property
+    def closed_v(self) -> bool: ...
+    @property
+    def ranges_u(self) -> Doubles:
+        """(spans, 2): the part of [0, 1] that each span takes, proportional to the knots."""
+    @property
+    def ranges_v(self) -> Doubles: ...
+    @property
+    def continuity_u(self) -> list[int]:
+        """k after each span, where the knots make the next one join C^k; -1 where none follows."""
+    @property
+    def continuity_v(self) -> list[int]: ...
+    @property
+    def points(self) -> Doubles:
+        """(rows, columns, 4), homogeneous; neighbours share a row or column."""
+    def positions(self, u: Doubles, v: Doubles) -> Doubles:
+        """(n, 3): points at parameters in [0, 1] of the whole surface."""
+    def patch(self, span_u: int, span_v: int) -> BezierPatch: ...
+
+class NurbsCurve:
+    """One NURBS spline of a Blender CURVE object. `points` is (count, 4): x, y, z, weight, object space."""
+
+    def __init__(
+        self, points: Doubles, order: int, cyclic: bool = False, endpoint: bool = False, bezier: bool = False
+    ) -> None: ...
+    def problem(self) -> tuple[str, str, str, str] | None:
+        """Why there is no curve: BAD_DATA or DRAWS_CONTROL_POLYGON, the argument, what it is, what was wanted."""
+    def to_bezier(self) -> BezierChain: ...
+
+class BezierSpline:
+    """One Bezier spline of a Blender CURVE object. `knots` is (count, 3, 3): left handle, point, right handle."""
+
+    def __init__(self, knots: Doubles, cyclic: bool = False) -> None: ...
+    def problem(self) -> tuple[str, str, str, str] | None: ...
+    def to_bezier(self) -> BezierChain: ...
+
+def implied_knots(
+    count: int, order: int, cyclic: bool = False, endpoint: bool = False, bezier: bool = False
+) -> Doubles:
+    """The knots that Blender implies for a direction of a NURBS spline."""
 
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
