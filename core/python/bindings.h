@@ -13,6 +13,7 @@ void bind_errors(py::module_& module);
 void bind_rays(py::module_& module);
 void bind_sampling(py::module_& module);
 void bind_shading(py::module_& module);
+void bind_trace(py::module_& module);
 void bind_splines(py::module_& module);
 
 }  // namespace rayleaf

@@ -7,5 +7,6 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::bind_rays(module);
     rayleaf::bind_sampling(module);
     rayleaf::bind_shading(module);
+    rayleaf::bind_trace(module);
     rayleaf::bind_splines(module);
 }

@@ -333,3 +333,6 @@ def refracted_differential(
     incoming: Any, direction: Any, normal: Any, dn_dx: Any, dn_dy: Any, eta: float
 ) -> list[list[float]]:
     """The differential after a refraction."""
+
+trace: Any
+"""Shapes and rays against them without a scene, for tests and benchmarks (core/python/trace.cpp)."""
