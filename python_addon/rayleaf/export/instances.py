@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import ExportCancelled
+from .random_numbers import random_of_name
 from .surfaces import fallback_reason
 
 # Instances between two looks at the Esc key: some 10 ms.
@@ -51,10 +52,7 @@ class Instances:
     matrices: NDArray[np.float64]  # (n, 4, 4) of every place
     randoms: NDArray[np.float32]  # (n,) 0..1
     skipped: dict[str, str]  # object name -> why it is not rendered
-
-
-def _is_surface_twin(owner: Any, is_instance: bool, exact: dict[int, bool]) -> bool:
-    return is_instance and owner.type == "SURFACE" and _is_exact(owner, exact)
+    without_faces: list[Any]  # curves, texts and the like of which Blender makes no mesh
 
 
 def _is_exact(owner: Any, known: dict[int, bool]) -> bool:
@@ -69,17 +67,17 @@ def collect(depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
     with its evaluated mesh: of the two exactly one is taken."""
     listed = depsgraph.object_instances
     count = len(listed)
-    result = Instances([], [], _matrices(listed, count), _randoms(listed, count), {})
-    shown = np.empty(count, bool)
-    listed.foreach_get("show_self", shown)
-    shown_list = shown.tolist()
+    result = Instances([], [], _matrices(listed, count), _randoms(listed, count), {}, [])
+    shown_array = np.empty(count, bool)
+    listed.foreach_get("show_self", shown_array)
+    shown = shown_array.tolist()
 
     groups: dict[tuple[int, int], Group | None] = {}
     exact: dict[int, bool] = {}
     for place, instance in enumerate(listed):
         if place % _CANCEL_STRIDE == 0 and should_stop():
             raise ExportCancelled
-        if not shown_list[place]:
+        if not shown[place]:
             continue
         item = instance.object
         data = item.data
@@ -91,28 +89,34 @@ def collect(depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
         try:
             group = groups[key]
         except KeyError:
-            group = groups[key] = _new_group(item, owner, data, exact, result, place)
+            group = groups[key] = _new_group(item, owner, data, exact, result)
             if group is not None:
                 result.groups.append(group)
         if group is not None:
             group.members.append(place)
+            if not is_instance:
+                result.randoms[place] = random_of_name(item.name)
         elif item.type == "LIGHT":
             result.lamps.append((owner if is_instance else item, place))
+    with_faces = {group.owner.as_pointer() for group in result.groups}
+    result.without_faces = [owner for owner in result.without_faces if owner.as_pointer() not in with_faces]
     return result
 
 
-def _new_group(item: Any, owner: Any, data: Any, exact: dict[int, bool], result: Instances, place: int) -> Group | None:
+def _new_group(item: Any, owner: Any, data: Any, exact: dict[int, bool], result: Instances) -> Group | None:
     """The group an instance of a new kind opens; None for what is no shape."""
     kind = item.type
     settings = item if owner is None else owner
     if kind == "MESH":
-        if _is_surface_twin(settings, owner is not None, exact) and data.name == settings.data.name:
-            return None
+        if settings.type == "SURFACE" and _is_exact(settings, exact):
+            return None  # the mesh beside exact splines
         return Group(settings, data, exact=False, from_owner=_is_own_data(settings, data), members=[])
     if kind == "SURFACE" and _is_exact(settings, exact):
         return Group(settings, data, exact=True, from_owner=True, members=[])
     if kind in _UNSUPPORTED:
         result.skipped[settings.name] = f"{_UNSUPPORTED[kind]} are not supported"
+    if kind in _WITH_MESH_TWIN:
+        result.without_faces.append(settings)
     return None
 
 

@@ -17,6 +17,8 @@ from .nodes.compiler import Resources
 # Width of the table by which a world made of nodes is importance sampled; a plain colour needs none.
 _WORLD_TABLE_WIDTH = 1024
 _BYTES_PER_MEGABYTE = 1 << 20
+# Instances sent between two looks at the Esc key: some 100 ms.
+_INSTANCE_CHUNK = 100_000
 
 # Why objects of these types come as meshes.
 _EVALUATED_REASONS = {"CURVE": "curve", "FONT": "text", "META": "metaball", "CURVES": "hair curves"}
@@ -57,6 +59,8 @@ class SceneExporter:
         listed = instances.collect(self._depsgraph, self._should_stop)
         for name, reason in listed.skipped.items():
             self._leave_out(name, reason)
+        for owner in listed.without_faces:
+            self.report.left_out[owner.name] = f"{owner.type.lower()} without faces"
         material_lists = [self._material_list(group) for group in listed.groups]
         self._export_world()
         self._export_lamps(listed)
@@ -164,19 +168,22 @@ class SceneExporter:
         def spread(values: list[int]) -> Any:
             return np.repeat(np.array(values, np.int32), counts)
 
-        self._check_cancel()
-        problems = self.scene.add_instances(
-            [group.owner.name for group, _, _ in chosen for _ in range(len(group.members))],
-            spread([shape for _, shape, _ in chosen if shape is not None]),
-            listed.matrices[places],
+        names = [group.owner.name for group, _, _ in chosen for _ in range(len(group.members))]
+        columns = (
+            spread([shape for _, shape, _ in chosen]),
             spread([materials for _, _, materials in chosen]),
             spread([group.owner.pass_index for group, _, _ in chosen]),
-            listed.randoms[places],
             spread([instances.visibility(group.owner, self._view_layer) for group, _, _ in chosen]),
         )
-        self.report.instances = len(places) - len(problems)
-        for problem in problems:
-            self._messages.warn(problem)
+        for first in range(0, len(places), _INSTANCE_CHUNK):
+            self._check_cancel()
+            part = slice(first, first + _INSTANCE_CHUNK)
+            shape, materials, index, visibility = (column[part] for column in columns)
+            matrices, randoms = listed.matrices[places[part]], listed.randoms[places[part]]
+            problems = self.scene.add_instances(names[part], shape, matrices, materials, index, randoms, visibility)
+            self.report.instances += len(shape) - len(problems)
+            for problem in problems:
+                self._messages.warn(f"{problem}; left out")
 
     def _leave_out(self, name: str, reason: str) -> None:
         self.report.left_out[name] = reason

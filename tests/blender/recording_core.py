@@ -1,0 +1,192 @@
+"""A stand-in for rayleaf._core that records what the exporter sends, and renders pictures that say where each value belongs.
+
+Scripts inside Blender use it to look at the export alone: `core = recording_core.install()` before the first render.
+"""
+
+import sys
+import time
+import types
+
+import numpy as np
+
+CLOSURES = {
+    *("diffuse", "translucent", "glossy", "refraction", "glass", "transparent"),
+    *("emission", "background", "holdout", "principled"),
+}
+
+
+class InputError(ValueError):
+    """As the core's."""
+
+
+class Program:
+    """Keeps constants and operations; `lines` tells them in words."""
+
+    def __init__(self, name):
+        self.name, self.registers, self.lines = name, [], []
+
+    def constant(self, x, y, z, w):
+        self.registers.append((x, y, z, w))
+        return len(self.registers) - 1
+
+    def operation(self, identifier, operands=(), ints=(), floats=(), text=""):
+        result = -1
+        if identifier not in CLOSURES:
+            self.registers.append(f"%{len(self.registers)}")
+            result = len(self.registers) - 1
+        self.lines.append(
+            dict(op=identifier, operands=list(operands), ints=list(ints), floats=list(floats), text=text, result=result)
+        )
+        return result
+
+    def line(self, identifier):
+        """The only operation of that name."""
+        (found,) = [line for line in self.lines if line["op"] == identifier]
+        return found
+
+    def operands(self, line):
+        """Of a line: constants as tuples, computed values as the operation that made them, None for unconnected."""
+        made = {each["result"]: each for each in self.lines}
+        values = [None if r < 0 else self.registers[r] for r in line["operands"]]
+        return [
+            made[register] if isinstance(value, str) else value
+            for register, value in zip(line["operands"], values, strict=True)
+        ]
+
+
+class NurbsSpline:
+    def __init__(self, points, order_u, order_v, **flags):
+        self.points, self.order_u, self.order_v, self.flags = points, order_u, order_v, flags
+
+
+class SceneDescription:
+    """Keeps the arguments of every call by kind."""
+
+    def __init__(self):
+        self.meshes, self.surfaces, self.materials, self.material_lists = [], [], [], []
+        self.instances, self.lamps, self.images = None, [], []
+        self.world = self.camera = None
+        self.attributes, self.texture_memory, self.shapes = {}, 0, []
+        RECORDED.append(self)
+
+    def attribute(self, name):
+        return self.attributes.setdefault(name, len(self.attributes))
+
+    def _shape(self, kind, arguments):
+        self.shapes.append((kind, arguments))
+        return len(self.shapes) - 1
+
+    def add_mesh(self, name, vertices, triangles, **more):
+        self.meshes.append(dict(name=name, vertices=vertices, triangles=triangles, **more))
+        return self._shape("mesh", self.meshes[-1])
+
+    def add_surface(self, name, splines):
+        self.surfaces.append(dict(name=name, splines=splines))
+        return self._shape("surface", self.surfaces[-1])
+
+    def add_material(self, name, surface, pass_index=0):
+        self.materials.append(dict(name=name, surface=surface, pass_index=pass_index))
+        return len(self.materials) - 1
+
+    def add_material_list(self, materials):
+        self.material_lists.append(list(materials))
+        return len(self.material_lists) - 1
+
+    def add_instances(self, names, shapes, matrices, material_lists, object_indices, randoms, visibilities):
+        part = dict(
+            names=list(names),
+            shapes=shapes.tolist(),
+            matrices=list(matrices),
+            material_lists=material_lists.tolist(),
+            object_indices=object_indices.tolist(),
+            randoms=randoms.tolist(),
+            visibilities=visibilities.tolist(),
+        )
+        self.instances = {key: self.instances[key] + part[key] for key in part} if self.instances else part
+        return []
+
+    def add_lamp(self, **arguments):
+        self.lamps.append(arguments)
+        return len(self.lamps) - 1
+
+    def set_world(self, world, sampling_resolution=1024):
+        self.world = world
+
+    def set_camera(self, **arguments):
+        self.camera = arguments
+
+    def add_image_file(self, name, path, color_space):
+        self.images.append(dict(name=name, path=path, color_space=color_space))
+        return len(self.images) - 1
+
+    def add_image_pixels(self, name, pixels, color_space):
+        self.images.append(dict(name=name, pixels=pixels, color_space=color_space))
+        return len(self.images) - 1
+
+
+class Settings:
+    def __init__(self, **values):
+        self.__dict__.update(values)
+
+
+class Session:
+    """Takes `Session.seconds` to render; a pixel of channel c holds x + 1000 y + 10⁶ c, in pixels of the whole picture."""
+
+    seconds = 0.0
+    last = None
+
+    def __init__(self, scene, settings):
+        self.scene, self.settings, self.cancelled, self.began = scene, settings, False, None
+        Session.last = self
+
+    def render(self):
+        self.began = time.perf_counter()
+        while time.perf_counter() - self.began < self.seconds and not self.cancelled:
+            time.sleep(0.005)
+        return not self.cancelled
+
+    def cancel(self):
+        self.cancelled = True
+
+    def progress(self):
+        return "rendering", 0.5
+
+    def pass_pixels(self, name):
+        from rayleaf import passes
+
+        (entry,) = [entry for entry in passes.table() if entry.identifier == name]
+        s = self.settings
+        x = np.arange(s.crop_x, s.crop_x + s.crop_width)[None, :, None]
+        y = np.arange(s.crop_y, s.crop_y + s.crop_height)[:, None, None]
+        return (x + 1000 * y + 1_000_000 * np.arange(len(entry.channels))).astype(np.float32)
+
+    def statistics(self):
+        return {"stand-in": True}
+
+
+RECORDED = []
+
+
+def install():
+    """Make the stand-in the core that the add-on loads."""
+    module = types.ModuleType("rayleaf._core")
+    for item in (InputError, Program, NurbsSpline, SceneDescription, Settings, Session):
+        setattr(module, item.__name__, item)
+    sys.modules["rayleaf._core"] = module
+    import rayleaf
+
+    rayleaf._core = module
+    return module
+
+
+def export():
+    """Export the current scene; the recorded description, the exporter's report and the texts of its messages."""
+    import bpy
+    from rayleaf.export import camera, scene
+    from rayleaf.messages import Messages
+
+    messages = Messages()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    exporter = scene.SceneExporter(install(), depsgraph, messages)
+    exporter.export(camera.frame_of(bpy.context.scene), needs_uv=False)
+    return exporter.scene, exporter.report, messages.texts
