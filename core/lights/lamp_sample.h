@@ -10,10 +10,10 @@ namespace rayleaf {
 
 /// A direction sampled towards one light.
 struct LampSample {
-    Vec3d direction;          ///< unit, from the point to the light
-    double distance = 0;      ///< world units; infinity for suns
-    Color radiance{0, 0, 0};  ///< delta: irradiance at normal incidence
-    double density = 0;       ///< per solid angle, of this light alone; delta: 1
+    Vec3d direction{0, 0, 1};  ///< unit, from the point to the light
+    double distance = 0;       ///< world units; infinity for suns
+    Color radiance{0, 0, 0};   ///< delta: irradiance at normal incidence
+    double density = 0;        ///< per solid angle, of this light alone; delta: 1
     bool delta = false;
 };
 

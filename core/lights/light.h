@@ -39,11 +39,11 @@ struct Lamp {
 
 /// Light that arrives at a point from a sampled direction.
 struct LightSample {
-    Vec3f direction;          ///< unit, from the point to the light
-    double distance = 0;      ///< how far the way must be free, world units; infinity for suns and the world
-    Color radiance{0, 0, 0};  ///< arriving if nothing is in the way; delta lights: irradiance at normal incidence
-    float density = 0;        ///< per solid angle, choice of the light included; delta lights: the choice alone
-    bool delta = false;       ///< cannot be hit by a scattered ray
+    Vec3f direction{0, 0, 1};  ///< unit, from the point to the light
+    double distance = 0;       ///< how far the way must be free, world units; infinity for suns and the world
+    Color radiance{0, 0, 0};   ///< arriving if nothing is in the way; delta lights: irradiance at normal incidence
+    float density = 0;         ///< per solid angle, choice of the light included; delta lights: the choice alone
+    bool delta = false;        ///< cannot be hit by a scattered ray
     bool casts_shadow = true;
     uint8_t visibility = kVisibleAll;  ///< which kinds of rays see the light: other lobes are not lit by it
 };

@@ -10,6 +10,7 @@ namespace rayleaf {
 namespace py = pybind11;
 
 void bind_errors(py::module_& module);
+void bind_lights(py::module_& module);
 void bind_rays(py::module_& module);
 void bind_sampling(py::module_& module);
 void bind_shading(py::module_& module);

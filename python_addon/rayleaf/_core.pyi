@@ -336,3 +336,17 @@ def refracted_differential(
 
 trace: Any
 """Shapes and rays against them without a scene, for tests and benchmarks (core/python/trace.cpp)."""
+
+class LightProbe:
+    """The lights of a scene, asked from a position."""
+
+    def __init__(self, scene: SceneDescription) -> None: ...
+    def sample(self, position: Doubles, random: Floats) -> dict[str, Any]:
+        """Light sampling for random numbers (n, 3): a dictionary of direction, distance, radiance, density, delta.
+
+        A sample that carries nothing has density 0.
+        """
+    def look(self, position: Doubles, directions: Doubles) -> tuple[Floats, Floats]:
+        """What shines from directions (n, 3): radiance, and the density with which light sampling chooses them."""
+    def count(self) -> int:
+        """How many lights there are: each lamp, emitting element, and the world if it is sampled."""
