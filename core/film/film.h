@@ -33,11 +33,12 @@ std::vector<Pass> computed_passes(const std::vector<Pass>& wanted);
 /// Sums of one pixel's samples.
 class PixelSums {
   public:
+    PixelSums() { sums_.fill(Vec4d(0.0)); }
     void add(const PixelSample& sample, std::span<const Pass> passes);
     Vec4f value(Pass pass) const;
 
   private:
-    std::array<Vec4d, kPassCount> sums_{};
+    std::array<Vec4d, kPassCount> sums_;
     int count_ = 0;
 };
 

@@ -10,7 +10,9 @@ namespace rayleaf {
 
 /// Values of all passes for one sample; passes that are off are simply not read. xyzw are the channels in order.
 struct PixelSample {
-    std::array<Vec4f, kPassCount> values{};
+    std::array<Vec4f, kPassCount> values;
+
+    PixelSample() { values.fill(Vec4f(0.0f)); }
 
     Vec4f& operator[](Pass pass) { return values[static_cast<size_t>(pass)]; }
     const Vec4f& operator[](Pass pass) const { return values[static_cast<size_t>(pass)]; }

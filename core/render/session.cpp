@@ -40,6 +40,11 @@ Settings validated(Settings settings) {
 
 }  // namespace
 
+struct Session::Frame {
+    PixelFilter filter;
+    PathSettings path;
+};
+
 Session::Session(std::shared_ptr<const SceneDescription> description, Settings settings)
     : description_(std::move(description)),
       settings_(validated(std::move(settings))),
@@ -69,29 +74,29 @@ bool Session::render() {
 
 void Session::render_tiles() {
     const std::vector<Window> tiles = tiles_of(window(settings_), settings_.tile_size);
-    const PixelFilter filter(settings_.filter, settings_.filter_width);
+    const Frame frame{PixelFilter(settings_.filter, settings_.filter_width), PathSettings(settings_)};
     oneapi::tbb::parallel_for(
-        size_t{0}, tiles.size(), [&](size_t i) { render_tile(tiles[i], filter); }, oneapi::tbb::simple_partitioner());
+        size_t{0}, tiles.size(), [&](size_t i) { render_tile(tiles[i], frame); }, oneapi::tbb::simple_partitioner());
 }
 
-void Session::render_tile(const Window& tile, const PixelFilter& filter) {
+void Session::render_tile(const Window& tile, const Frame& frame) {
     std::vector<PixelSums> sums(static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height));
     for (int y = 0; y < tile.height; ++y)
         for (int x = 0; x < tile.width; ++x)
-            if (!render_pixel(tile.x + x, tile.y + y, filter, sums[static_cast<size_t>(y * tile.width + x)])) return;
+            if (!render_pixel(tile.x + x, tile.y + y, frame, sums[static_cast<size_t>(y * tile.width + x)])) return;
     const Window part = window(settings_);
     film_.put(tile.x - part.x, tile.y - part.y, tile.width, tile.height, sums);
     finished_pixels_ += sums.size();
 }
 
-bool Session::render_pixel(int x, int y, const PixelFilter& filter, PixelSums& sums) const {
+bool Session::render_pixel(int x, int y, const Frame& frame, PixelSums& sums) const {
     const auto pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(x);
     for (int s = 0; s < settings_.samples; ++s) {
         if (s % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
         const Sampler sampler(pixel, static_cast<uint32_t>(s), settings_.seed);
-        const Vec2d place = Vec2d(x + 0.5, y + 0.5) + filter.offset(sampler.get2(kFilterDimension));
+        const Vec2d place = Vec2d(x + 0.5, y + 0.5) + frame.filter.offset(sampler.get2(kFilterDimension));
         const CameraRay ray = scene_->camera().ray(place, sampler.get2(kLensDimension));
-        sums.add(trace_path(*scene_, settings_, ray, sampler), settings_.passes);
+        sums.add(trace_path(*scene_, frame.path, ray, sampler), settings_.passes);
     }
     return true;
 }

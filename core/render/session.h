@@ -57,8 +57,9 @@ class Session {
     RenderStatistics statistics_;
 
     void render_tiles();
-    void render_tile(const Window& tile, const PixelFilter& filter);
-    bool render_pixel(int x, int y, const PixelFilter& filter, PixelSums& sums) const;
+    struct Frame;  ///< what all tiles share
+    void render_tile(const Window& tile, const Frame& frame);
+    bool render_pixel(int x, int y, const Frame& frame, PixelSums& sums) const;
     void gather_statistics(double build_seconds, double render_seconds);
 };
 

@@ -1,0 +1,190 @@
+#include "geometry/triangle_mesh.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "scene/description.h"
+
+#include <array>
+#include <map>
+
+namespace rayleaf {
+namespace {
+
+constexpr std::pair<const char*, LampKind> kLampKinds[] = {{"POINT", LampKind::Point},
+                                                           {"SUN", LampKind::Sun},
+                                                           {"SPOT", LampKind::Spot},
+                                                           {"RECTANGLE", LampKind::Rectangle},
+                                                           {"DISK", LampKind::Disk}};
+
+LampKind lamp_kind(const std::string& object, const std::string& name) {
+    for (const auto& [text, kind] : kLampKinds)
+        if (name == text) return kind;
+    throw InputError(object, "kind", "'" + name + "'", "POINT, SUN, SPOT, RECTANGLE or DISK");
+}
+
+ColorSpace color_space(const std::string& object, const std::string& name) {
+    if (name == "SRGB") return ColorSpace::Srgb;
+    if (name == "LINEAR") return ColorSpace::Linear;
+    if (name == "NON_COLOR") return ColorSpace::NonColor;
+    throw InputError(object, "color space", "'" + name + "'", "SRGB, LINEAR or NON_COLOR");
+}
+
+/// Per-corner attributes: id -> (triangles, 3, channels).
+std::vector<CornerAttribute> corner_attributes(const std::string& name, const std::map<int, Array<float>>& arrays,
+                                               py::ssize_t triangles) {
+    std::vector<CornerAttribute> attributes;
+    for (const auto& [id, array] : arrays) {
+        check_shape(name, "attributes", array, {triangles, 3, -1});
+        const std::span<const float> values = span_of(array);
+        attributes.push_back({id, static_cast<int>(array.shape(2)), {values.begin(), values.end()}});
+    }
+    return attributes;
+}
+
+int add_mesh(SceneDescription& scene, const std::string& name, const Array<float>& vertices,
+             const Array<int32_t>& triangles, const std::optional<Array<float>>& corner_normals,
+             const std::optional<Array<int32_t>>& material_slots, int uv,
+             const std::optional<std::map<int, Array<float>>>& attributes) {
+    check_shape(name, "vertices", vertices, {-1, 3});
+    check_shape(name, "triangles", triangles, {-1, 3});
+    const py::ssize_t count = triangles.shape(0);
+    TriangleMeshArrays arrays;
+    arrays.name = name;
+    arrays.vertices = span_of(vertices);
+    arrays.triangles = span_of(triangles);
+    if (corner_normals) {
+        check_shape(name, "corner_normals", *corner_normals, {count, 3, 3});
+        arrays.corner_normals = span_of(*corner_normals);
+    }
+    if (material_slots) {
+        check_shape(name, "material_slots", *material_slots, {count});
+        arrays.material_slots = span_of(*material_slots);
+    }
+    arrays.active_uv = uv;
+    if (attributes) arrays.attributes = corner_attributes(name, *attributes, count);
+    return scene.add_shape(std::make_shared<const TriangleMesh>(std::move(arrays)));
+}
+
+int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
+                 int pass_index) {
+    return scene.add_material({name, surface, static_cast<float>(pass_index)});
+}
+
+int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
+                 int material_list, int object_index, float random, int visibility) {
+    return scene.add_instance({name, shape, affine_of(name, matrix), material_list, static_cast<float>(object_index),
+                               random, static_cast<uint8_t>(visibility)});
+}
+
+std::vector<std::string> add_instances(SceneDescription& scene, const std::vector<std::string>& names,
+                                       const Array<int32_t>& shapes, const Array<double>& matrices,
+                                       const Array<int32_t>& material_lists, const Array<int32_t>& object_indices,
+                                       const Array<float>& randoms, const Array<int32_t>& visibilities) {
+    const auto count = static_cast<py::ssize_t>(names.size());
+    constexpr const char* kObject = "instances";
+    check_shape(kObject, "shapes", shapes, {count});
+    check_shape(kObject, "matrices", matrices, {count, 4, 4});
+    check_shape(kObject, "material_lists", material_lists, {count});
+    check_shape(kObject, "object_indices", object_indices, {count});
+    check_shape(kObject, "randoms", randoms, {count});
+    check_shape(kObject, "visibilities", visibilities, {count});
+    std::vector<std::string> messages;
+    for (py::ssize_t i = 0; i < count; ++i) {
+        try {
+            scene.add_instance({names[static_cast<size_t>(i)], shapes.data()[i], affine_of(matrices.data() + 16 * i),
+                                material_lists.data()[i], static_cast<float>(object_indices.data()[i]),
+                                randoms.data()[i], static_cast<uint8_t>(visibilities.data()[i])});
+        } catch (const InputError& error) {
+            messages.emplace_back(error.what());
+        }
+    }
+    return messages;
+}
+
+int add_lamp(SceneDescription& scene, const std::string& name, const std::string& kind, const Array<double>& matrix,
+             const std::array<float, 3>& strength, double radius, double angle, double spot_size, double spot_blend,
+             double size_x, double size_y, double spread, bool casts_shadow, int visibility) {
+    Lamp lamp;
+    lamp.name = name;
+    lamp.kind = lamp_kind(name, kind);
+    lamp.to_world = affine_of(name, matrix);
+    lamp.strength = Color(strength[0], strength[1], strength[2]);
+    lamp.radius = radius;
+    lamp.angle = angle;
+    lamp.spot_size = spot_size;
+    lamp.spot_blend = spot_blend;
+    lamp.size_x = size_x;
+    lamp.size_y = size_y;
+    lamp.spread = spread;
+    lamp.casts_shadow = casts_shadow;
+    lamp.visibility = static_cast<uint8_t>(visibility);
+    return scene.add_lamp(lamp);
+}
+
+void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, int sampling_resolution) {
+    scene.set_world(world, sampling_resolution);
+}
+
+void set_camera(SceneDescription& scene, const std::string& kind, const Array<double>& matrix,
+                std::pair<double, double> window_min, std::pair<double, double> window_max, double clip_start,
+                double clip_end, double aperture_radius, double focus_distance, int blades, double blade_rotation,
+                double aperture_ratio) {
+    if (kind != "PERSPECTIVE" && kind != "ORTHOGRAPHIC")
+        throw InputError("camera", "kind", "'" + kind + "'", "PERSPECTIVE or ORTHOGRAPHIC");
+    CameraDescription camera;
+    camera.kind = kind == "PERSPECTIVE" ? CameraKind::Perspective : CameraKind::Orthographic;
+    camera.to_world = affine_of("camera", matrix);
+    camera.window_min = Vec2d(window_min.first, window_min.second);
+    camera.window_max = Vec2d(window_max.first, window_max.second);
+    camera.clip_start = clip_start;
+    camera.clip_end = clip_end;
+    camera.aperture_radius = aperture_radius;
+    camera.focus_distance = focus_distance;
+    camera.blades = blades;
+    camera.blade_rotation = blade_rotation;
+    camera.aperture_ratio = aperture_ratio;
+    scene.set_camera(camera);
+}
+
+int add_image_pixels(SceneDescription& scene, const std::string& name, const Array<float>& pixels,
+                     const std::string& space) {
+    check_shape(name, "pixels", pixels, {-1, -1, -1});
+    return scene.textures()->add_pixels(name, span_of(pixels), static_cast<int>(pixels.shape(1)),
+                                        static_cast<int>(pixels.shape(0)), static_cast<int>(pixels.shape(2)),
+                                        color_space(name, space));
+}
+
+}  // namespace
+
+void bind_scene(py::module_& module) {
+    using namespace py::literals;
+    py::class_<SceneDescription, std::shared_ptr<SceneDescription>>(
+        module, "SceneDescription",
+        "A scene. Each add_... returns an index for later calls, or raises and leaves the scene as it was.")
+        .def(py::init<>())
+        .def("attribute", &SceneDescription::attribute, "name"_a)
+        .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a, "corner_normals"_a = py::none(),
+             "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none())
+        .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0)
+        .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
+        .def("add_instance", &add_instance, "name"_a, "shape"_a, "matrix"_a, "material_list"_a = -1,
+             "object_index"_a = 0, "random"_a = 0.0f, "visibility"_a = static_cast<int>(kVisibleAll))
+        .def("add_instances", &add_instances, "names"_a, "shapes"_a, "matrices"_a, "material_lists"_a,
+             "object_indices"_a, "randoms"_a, "visibilities"_a)
+        .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
+             "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "size_x"_a = 1.0, "size_y"_a = 1.0,
+             "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = static_cast<int>(kVisibleAll))
+        .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024)
+        .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,
+             "clip_end"_a, "aperture_radius"_a = 0.0, "focus_distance"_a = 10.0, "blades"_a = 0,
+             "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0)
+        .def(
+            "add_image_file",
+            [](SceneDescription& scene, const std::string& name, const std::string& path, const std::string& space) {
+                return scene.textures()->add_file(name, path, color_space(name, space));
+            },
+            "name"_a, "path"_a, "color_space"_a)
+        .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a)
+        .def_readwrite("texture_memory", &SceneDescription::texture_memory);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,90 @@
+#include "render/session.h"
+
+#include "base/error.h"
+#include "python/bindings.h"
+
+namespace rayleaf {
+namespace {
+
+const char* state_name(RenderState state) {
+    switch (state) {
+        case RenderState::Waiting:
+            return "waiting";
+        case RenderState::Building:
+            return "building";
+        case RenderState::Rendering:
+            return "rendering";
+        case RenderState::Done:
+            return "done";
+        case RenderState::Cancelled:
+            break;
+    }
+    return "cancelled";
+}
+
+/// A pass as an array that owns its numbers.
+py::array_t<float> pass_pixels(const Session& session, const std::string& name) {
+    const std::optional<Pass> pass = find_pass(name);
+    std::vector<float> pixels = pass ? session.film().pixels(*pass) : std::vector<float>();
+    if (pixels.empty()) throw InputError("session", "pass", "'" + name + "'", "one of the passes in the settings");
+    auto owner = std::make_unique<std::vector<float>>(std::move(pixels));
+    float* const data = owner->data();
+    const py::capsule capsule(owner.release(), [](void* memory) { delete static_cast<std::vector<float>*>(memory); });
+    const auto channels = static_cast<py::ssize_t>(info(*pass).channels.size());
+    const py::array::ShapeContainer shape{py::ssize_t{session.film().height()}, py::ssize_t{session.film().width()},
+                                          channels};
+    return py::array_t<float>(shape, data, capsule);
+}
+
+/// What was neither allocated nor run because the scene does not need it.
+py::list left_out(const RenderStatistics& s, const Session& session) {
+    py::list names;
+    if (!s.has_textures) names.append("texture system");
+    if (s.lights == 0) names.append("light sampling");
+    if (s.trace.subpatches == 0) names.append("tessellation");
+    if (s.trace.triangles == 0) names.append("triangles");
+    for (const PassInfo& entry : kPasses)
+        if (!session.film().has(entry.pass)) names.append("pass " + std::string(entry.name));
+    return names;
+}
+
+py::dict statistics(const Session& session) {
+    using namespace py::literals;
+    const RenderStatistics s = session.statistics();
+    const TraceStatistics& t = s.trace;
+    return py::dict(
+        "time"_a = py::dict("build_seconds"_a = s.build_seconds, "render_seconds"_a = s.render_seconds),
+        "rays"_a = py::dict("pixels"_a = s.pixels, "paths"_a = s.paths),
+        "geometry"_a = py::dict("shapes"_a = t.shapes, "instances"_a = t.instances, "triangles"_a = t.triangles,
+                                "subpatches"_a = t.subpatches, "grids_diced"_a = t.grids_diced),
+        "lights"_a = s.lights,
+        "memory"_a = py::dict("shapes"_a = s.shape_bytes, "grids"_a = t.grid_bytes, "acceleration"_a = t.bvh_bytes,
+                              "lights"_a = s.light_bytes, "film"_a = s.film_bytes, "textures"_a = s.textures.bytes),
+        "left_out"_a = left_out(s, session));
+}
+
+}  // namespace
+
+void bind_session(py::module_& module) {
+    using namespace py::literals;
+    py::class_<Session, std::shared_ptr<Session>>(module, "Session",
+                                                  "One render of one scene. Commits the scene in `render`, not before.")
+        .def(py::init([](const std::shared_ptr<SceneDescription>& scene, const Settings& settings) {
+                 return std::make_shared<Session>(scene, settings);
+             }),
+             "scene"_a, "settings"_a)
+        .def("render", &Session::render, py::call_guard<py::gil_scoped_release>())
+        .def("cancel", &Session::cancel)
+        .def("progress",
+             [](const Session& session) {
+                 const Progress progress = session.progress();
+                 return std::make_pair(std::string(state_name(progress.state)), progress.share);
+             })
+        .def("pass_pixels", &pass_pixels, "name"_a)
+        .def("statistics", &statistics)
+        .def(
+            "write_exr", [](const Session& session, const std::string& path) { write_exr(session.film(), path); },
+            "path"_a, py::call_guard<py::gil_scoped_release>());
+}
+
+}  // namespace rayleaf

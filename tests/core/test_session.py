@@ -1,0 +1,149 @@
+"""Whole renders from plain Python: the same bits, borders, cancelling, passes, statistics."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+import scenes
+
+ALL_PASSES = [
+    "combined", "depth", "position", "normal", "uv", "object_index", "material_index",
+    "diffuse_direct", "diffuse_indirect", "diffuse_color", "glossy_direct", "glossy_indirect", "glossy_color",
+    "transmission_direct", "transmission_indirect", "transmission_color", "emission", "environment",
+]  # fmt: skip
+
+
+def test_one_two_and_seven_threads_give_the_same_bits(core):
+    scene = scenes.small_scene(core)
+    pictures = [scenes.render(core, scene, threads=t, tile_size=5, passes=ALL_PASSES) for t in (1, 2, 7)]
+    for name in ALL_PASSES:
+        assert np.array_equal(pictures[0][name], pictures[1][name]), name
+        assert np.array_equal(pictures[0][name], pictures[2][name]), name
+
+
+def test_the_size_of_tiles_does_not_change_the_picture(core):
+    scene = scenes.small_scene(core)
+    small, large = (scenes.render(core, scene, tile_size=t)["combined"] for t in (3, 64))
+    assert np.array_equal(small, large)
+
+
+def test_a_cropped_render_equals_that_part_of_the_whole(core):
+    scene = scenes.small_scene(core)
+    whole = scenes.render(core, scene)["combined"]
+    part = scenes.render(core, scene, crop_x=5, crop_y=3, crop_width=9, crop_height=7)["combined"]
+    assert part.shape == (7, 9, 4)
+    assert np.array_equal(part, whole[3:10, 5:14])
+
+
+def test_no_pass_holds_nan_and_the_light_is_not_negative(core):
+    for name, pixels in scenes.render(core, scenes.small_scene(core), passes=ALL_PASSES, samples=16).items():
+        assert np.isfinite(pixels).all(), name
+        if name not in ("position", "normal"):
+            assert pixels.min() >= 0.0, name
+
+
+def test_rows_run_from_bottom_to_top(core):
+    """The lower half of the picture looks at a white floor, the upper half at nothing."""
+    scene = core.SceneDescription()
+    scene.add_instance("floor", scenes.quad(scene, "floor", 1.0), scenes.matrix((0, -1, 0)), -1)
+    scene.set_world(scenes.background(core))
+    scenes.look_down(scene, 1.0, 0.9)
+    depth = scenes.render(core, scene, width=8, height=8, filter_width=0.0, passes=["depth"])["depth"][..., 0]
+    assert np.all(depth[:4] == 1.0) and np.all(depth[4:] > 1e9), depth
+
+
+def test_indices_position_normal_and_depth_are_those_of_the_first_hit(core):
+    passes = scenes.render(
+        core, scenes.small_scene(core), width=64, height=64, filter_width=0.0, samples=1,
+        passes=["object_index", "material_index", "position", "normal", "depth"],
+    )  # fmt: skip
+    index = passes["object_index"][..., 0]
+    assert set(np.unique(index)) == {1.0, 2.0, 5.0}
+    assert np.all(passes["material_index"] == 3.0)
+    ball = index == 2.0
+    radii = np.linalg.norm(passes["position"][ball] - [-1.2, 0, 0], axis=1)
+    np.testing.assert_allclose(radii, 1.0, atol=1e-5)
+    np.testing.assert_allclose(passes["normal"][ball], passes["position"][ball] - [-1.2, 0, 0], atol=2e-5)
+    np.testing.assert_allclose(passes["depth"][..., 0], 6.0 - passes["position"][..., 2], rtol=1e-5)
+
+
+def test_cancelling_from_another_thread_ends_a_long_render_soon(core):
+    session = core.Session(scenes.small_scene(core), core.Settings(width=400, height=400, samples=100000))
+    results = []
+    worker = threading.Thread(target=lambda: results.append(session.render()))
+    worker.start()
+    while session.progress()[0] != "rendering":
+        time.sleep(0.01)
+    time.sleep(0.1)
+    start = time.monotonic()
+    session.cancel()
+    worker.join(10)
+    # Generous against a loaded machine; the wish is 0.3 s.
+    assert results == [False] and time.monotonic() - start < 2.0
+    assert session.progress()[0] == "cancelled"
+
+
+def test_progress_ends_at_all_pixels(core):
+    session = core.Session(scenes.small_scene(core), core.Settings(width=8, height=8, samples=1))
+    assert session.progress() == ("waiting", 0.0)
+    session.render()
+    assert session.progress() == ("done", 1.0)
+
+
+def test_statistics_name_what_was_left_out(core):
+    scene = core.SceneDescription()
+    scene.add_instance("floor", scenes.quad(scene, "floor"), scenes.matrix())
+    scenes.look_down(scene)
+    session = core.Session(scene, core.Settings(width=8, height=8, samples=1))
+    session.render()
+    statistics = session.statistics()
+    assert {"texture system", "light sampling", "tessellation", "pass Depth"} <= set(statistics["left_out"])
+    assert statistics["memory"]["grids"] == 0 and statistics["memory"]["lights"] == 0
+
+
+def test_an_exr_holds_every_pass(core, tmp_path):
+    session = core.Session(
+        scenes.small_scene(core), core.Settings(width=16, height=12, samples=1, passes=["combined", "depth"])
+    )
+    session.render()
+    path = tmp_path / "picture.exr"
+    session.write_exr(str(path))
+    header = path.read_bytes()[:2000]
+    for channel in (b"Combined.R", b"Combined.A", b"Depth.Z"):
+        assert channel in header
+
+
+@pytest.mark.parametrize(
+    "setting,value,words",
+    [
+        ("width", 0, "width is 0"),
+        ("samples", 0, "samples is 0"),
+        ("clamp_indirect", -1.0, "clamp indirect"),
+        ("filter", "ROUND", "filter is 'ROUND'"),
+        ("passes", ["Combind"], "passes is 'Combind'"),
+        ("crop_width", 99, "crop width"),
+    ],
+)
+def test_a_setting_out_of_range_is_named(core, setting, value, words):
+    with pytest.raises(core.InputError, match=words):
+        core.Session(scenes.small_scene(core), core.Settings(**{"width": 8, "height": 8, setting: value}))
+
+
+def test_an_unknown_setting_is_named(core):
+    with pytest.raises(core.InputError, match="sampels"):
+        core.Settings(sampels=3)
+
+
+def test_a_scene_without_camera_says_so(core):
+    session = core.Session(core.SceneDescription(), core.Settings(width=8, height=8))
+    with pytest.raises(core.InputError, match="camera is missing"):
+        session.render()
+
+
+def test_an_empty_scene_renders_its_world(core):
+    scene = core.SceneDescription()
+    scene.set_world(scenes.background(core, (0.25, 0.5, 0.75)))
+    scenes.look_down(scene)
+    picture = scenes.render(core, scene)["combined"]
+    np.testing.assert_allclose(picture, np.broadcast_to([0.25, 0.5, 0.75, 1.0], picture.shape), rtol=1e-6)
