@@ -1,3 +1,4 @@
+#include "geometry/patch_surface.h"
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
@@ -8,6 +9,37 @@
 
 namespace rayleaf {
 namespace {
+
+using Direction = std::tuple<int, bool, bool, bool>;
+
+/// `points` (count_v, count_u, 4): x, y, z, weight; directions: order, cyclic, endpoint, bezier.
+NurbsSpline make_spline(const Array<double>& points, const Direction& u, const Direction& v, bool smooth, int slot) {
+    check_shape("spline", "points", points, {-1, -1, 4});
+    NurbsSpline spline;
+    spline.surface.count_v = static_cast<int>(points.shape(0));
+    spline.surface.count_u = static_cast<int>(points.shape(1));
+    for (py::ssize_t i = 0; i < points.size(); i += 4) {
+        const double* p = points.data() + i;
+        spline.surface.points.emplace_back(p[0], p[1], p[2], p[3]);
+    }
+    const auto direction = [](const Direction& d) {
+        return NurbsDirection{std::get<0>(d), std::get<1>(d), std::get<2>(d), std::get<3>(d)};
+    };
+    spline.surface.u = direction(u);
+    spline.surface.v = direction(v);
+    spline.smooth = smooth;
+    spline.material_slot = slot;
+    return spline;
+}
+
+using SplineArguments = std::tuple<Array<double>, Direction, Direction, bool, int>;
+
+std::shared_ptr<PatchSurface> make_surface(const std::string& name, const std::vector<SplineArguments>& splines) {
+    std::vector<NurbsSpline> made;
+    made.reserve(splines.size());
+    for (const auto& [points, u, v, smooth, slot] : splines) made.push_back(make_spline(points, u, v, smooth, slot));
+    return std::make_shared<PatchSurface>(name, made);
+}
 
 using Placement = std::tuple<std::shared_ptr<Shape>, Array<double>, int>;
 
@@ -180,6 +212,13 @@ void bind_trace(py::module_& parent) {
         .def(py::init(&make_mesh), py::arg("name"), py::arg("vertices"), py::arg("triangles"),
              py::arg("corner_normals") = Array<float>(0), py::arg("material_slots") = Array<int32_t>(0),
              py::arg("uv") = Array<float>(0));
+
+    py::class_<PatchSurface, Shape, std::shared_ptr<PatchSurface>>(module, "PatchSurface",
+                                                                   "A surface of NURBS splines.")
+        .def(py::init(&make_surface), py::arg("name"), py::arg("splines"),
+             "splines: (points (count_v, count_u, 4), direction u, direction v, smooth, material slot) each; a "
+             "direction "
+             "is (order, cyclic, endpoint, bezier)");
 
     const Array<double> zero = number(0.0), infinity = number(std::numeric_limits<double>::infinity());
     py::class_<Tracer>(module, "Tracer", "Rays against instances: (shape, 4x4 matrix, visibility) each.")

@@ -9,7 +9,7 @@ void ShapeScene::set_scene(EmbreeScene scene, const Box3f& box) {
 }
 
 std::optional<ShapeHit> ShapeScene::closest(const LocalRay& ray) const {
-    ShapeQuery query(ray);
+    ShapeQuery query(ray, kind_);
     RTCRayHit embree_ray = ray.embree_ray_hit();
     embree_closest(scene_.get(), query.context, embree_ray);
     if (!query.found) return std::nullopt;
@@ -17,7 +17,7 @@ std::optional<ShapeHit> ShapeScene::closest(const LocalRay& ray) const {
 }
 
 bool ShapeScene::occluded(const LocalRay& ray) const {
-    ShapeQuery query(ray);
+    ShapeQuery query(ray, kind_);
     RTCRay embree_ray = ray.embree_ray();
     embree_any(scene_.get(), query.context, embree_ray);
     return query.found;

@@ -9,6 +9,7 @@
 #include "geometry/facet.h"
 #include "geometry/shape.h"
 #include "rays/hit.h"
+#include "tessellation/grid_intersection.h"
 #include "trace/embree.h"
 #include "trace/local_ray.h"
 
@@ -30,15 +31,22 @@ struct ShapeHit {
     FacetCorners corners;
 };
 
+/// What a shape's facets are held in.
+enum class FacetKind : uint8_t { Triangles, Grids };
+
 /// A query in one shape, as Embree's callbacks find it: the context is the first member.
 struct ShapeQuery {
     EmbreeContext context;
     const LocalRay* ray = nullptr;
+    GridRay grid_ray;  ///< set for grids only
     ShapeHit best;
     double farthest = 0;  ///< t of the best hit, or the ray's t_max
     bool found = false;
 
-    explicit ShapeQuery(const LocalRay& local) : ray(&local), farthest(local.t_max) { initialize(context); }
+    ShapeQuery(const LocalRay& local, FacetKind kind) : ray(&local), farthest(local.t_max) {
+        initialize(context);
+        if (kind == FacetKind::Grids) grid_ray = GridRay(local.float_origin, local.float_direction);
+    }
     static ShapeQuery& of(EmbreeContext* context) { return *reinterpret_cast<ShapeQuery*>(context); }
 
     /// Takes the facet if its exact hit is the nearest so far.
@@ -75,12 +83,13 @@ class ShapeScene {
     virtual uint64_t grid_bytes() const { return 0; }
 
   protected:
-    explicit ShapeScene(const Shape& shape) : shape_(&shape) {}
+    ShapeScene(const Shape& shape, FacetKind kind) : shape_(&shape), kind_(kind) {}
     /// Embree's scene of the facets; the box is that of the facets, not yet padded.
     void set_scene(EmbreeScene scene, const Box3f& box);
 
   private:
     const Shape* shape_;
+    FacetKind kind_;
     EmbreeScene scene_;
     Box3d box_;
 };

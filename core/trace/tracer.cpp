@@ -1,9 +1,11 @@
 #include "trace/tracer.h"
 
 #include "base/error.h"
+#include "trace/dicing.h"
 #include "trace/embree.h"
 #include "trace/float_environment.h"
 #include "trace/local_ray.h"
+#include "trace/patch_scene.h"
 #include "trace/shape_scene.h"
 #include "trace/triangle_scene.h"
 
@@ -44,23 +46,36 @@ Box3d image_of(const Box3d& box, const Affine3d& map) {
     return {center - reach, center + reach};
 }
 
-/// How far from a facet a ray must start so that rounding cannot put it on the other side. World units.
+/// How far a float ray may lie beside the true one where it starts, local units: coordinates up to 1 are rounded once
+/// in the origin and once against each vertex, on three axes.
+constexpr double kFloatRayError = 0x1p-21;
+
+/// How far from a facet a ray must start so that rounding cannot put it on the other side, world units.
 ///
-/// The candidate's t is computed in double (geometry/facet.h), so the numbers involved are rounded by 2^-53 of their
-/// size: the world coordinates of the point and of the ray that found it (`size`), the translation, and local ones of
-/// the order of 1, which the map enlarges by the sum of its axes. Each local axis takes part with the length of its
-/// row in the inverse times its column, 3 in all unless the map shears. The factor 512 covers the number of operations
-/// and facets up to a hundred times longer than wide.
-double start_offset(const InstanceRecord& record, const Vec3d& position, double size) {
-    constexpr double kUnit = 512 * 0x1p-53;
+/// First, the float ray must lie on the true ray's side of the facet: a ray that leaves at a grazing angle and runs
+/// outside a closed surface for that error would never find the neighbouring facet that it should hit. A local error
+/// moves the point along the facet's normal by at most the length of the normal's image under the transposed map.
+/// Second, what was computed in double is rounded by 2^-53 of the numbers involved: the world coordinates of the point
+/// and of the ray that found it (`size`), the translation, and local ones of the order of 1, which the map enlarges by
+/// the sum of its axes. Each local axis takes part with the length of its row in the inverse times its column, 3 in all
+/// unless the map shears. The factor 64 covers the number of operations.
+double start_offset(const InstanceRecord& record, const Vec3d& position, const Vec3d& normal, double size) {
+    constexpr double kUnit = 64 * 0x1p-53;
     const Affine3d& map = record.local_to_world;
+    const double float_error = kFloatRayError * Vec3d(map.x.dot(normal), map.y.dot(normal), map.z.dot(normal)).length();
     const double lengths[3] = {map.x.length(), map.y.length(), map.z.length()};
     double shear = 0.0;
     for (int axis = 0; axis < 3; ++axis)
         shear +=
             lengths[axis] * Vec3d(record.to_local_x[axis], record.to_local_y[axis], record.to_local_z[axis]).length();
     const double world = size + max_abs(position) + max_abs(map.translation);
-    return kUnit * (shear * world + lengths[0] + lengths[1] + lengths[2]);
+    return float_error + kUnit * (shear * world + lengths[0] + lengths[1] + lengths[2]);
+}
+
+std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance& tolerance) {
+    if (shape.kind() == ShapeKind::TriangleMesh)
+        return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape));
+    return std::make_unique<PatchScene>(static_cast<const PatchSurface&>(shape), tolerance);
 }
 
 bool is_traceable(const Ray& ray) {
@@ -109,7 +124,7 @@ struct Tracer::Implementation {
     static void any_callback(const RTCOccludedFunctionNArguments* arguments);
 };
 
-void Tracer::Implementation::build_shapes(const DicingView&) {
+void Tracer::Implementation::build_shapes(const DicingView& view) {
     std::unordered_map<const Shape*, size_t> numbers;
     std::vector<const Shape*> unique;
     std::vector<size_t> shape_of;
@@ -119,10 +134,9 @@ void Tracer::Implementation::build_shapes(const DicingView&) {
         if (added) unique.push_back(instance.shape.get());
         shape_of.push_back(entry->second);
     }
+    const std::vector<FacetTolerance> tolerances = facet_tolerances(instances, unique.size(), shape_of, view);
     shapes.resize(unique.size());
-    tbb::parallel_for(size_t{0}, unique.size(), [&](size_t i) {
-        shapes[i] = std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(*unique[i]));
-    });
+    tbb::parallel_for(size_t{0}, unique.size(), [&](size_t i) { shapes[i] = make_scene(*unique[i], tolerances[i]); });
     records.resize(instances.size());
     for (size_t i = 0; i < instances.size(); ++i) records[i].scene = shapes[shape_of[i]].get();
 }
@@ -294,7 +308,7 @@ SurfacePoint Tracer::Implementation::surface_point(uint32_t index, const LocalHi
     point.dn_du = normal_derivative(local.dn_du);
     point.dn_dv = normal_derivative(local.dn_dv);
     point.uv = local.uv;
-    point.start_offset = start_offset(record, point.facet_position, size);
+    point.start_offset = start_offset(record, point.facet_position, Vec3d(point.facet_normal), size);
     return point;
 }
 

@@ -29,7 +29,7 @@ void filter_any(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-TriangleScene::TriangleScene(const TriangleMesh& mesh) : ShapeScene(mesh), mesh_(&mesh) {
+TriangleScene::TriangleScene(const TriangleMesh& mesh) : ShapeScene(mesh, FacetKind::Triangles), mesh_(&mesh) {
     if (mesh.triangles().empty()) return;
     RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     // Embree reads 16 bytes at the last vertex, so it gets a copy of its own with room behind.

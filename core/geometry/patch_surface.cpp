@@ -1,0 +1,177 @@
+#include "geometry/patch_surface.h"
+
+#include "base/error.h"
+#include "splines/bernstein.h"
+#include "splines/bounds.h"
+#include "splines/limit_normal.h"
+
+#include <algorithm>
+
+namespace rayleaf {
+namespace {
+
+/// Control points of a border closer together than this are one point. Local units: rounding of the conversion to
+/// Bezier form stays far below, what an artist means as an edge far above.
+constexpr double kCollapsedLength = 1e-11;
+
+/// The points along one line of a net: a row or a column.
+struct NetLine {
+    Vec4d* first;
+    size_t stride;
+
+    Vec4d& operator[](size_t i) const { return first[i * stride]; }
+};
+
+/// Draws the control points of each collapsed span of a line to one point. Spans run in order and share their ends, so
+/// a pole that several spans make stays one.
+void merge_collapsed_spans(const NetLine& line, const SplineAxis& axis) {
+    for (const SplineSpan& span : axis.spans) {
+        const Vec3d center = project(line[span.first_point]);
+        bool collapsed = true;
+        for (int i = 1; i <= axis.degree && collapsed; ++i)
+            collapsed = max_abs(project(line[span.first_point + i]) - center) < kCollapsedLength;
+        if (!collapsed) continue;
+        const Vec3d point = Vec3d(Vec3f(center));
+        for (int i = 0; i <= axis.degree; ++i) {
+            Vec4d& control = line[span.first_point + i];
+            control = homogeneous(point, control.w);
+        }
+    }
+}
+
+/// Every line of the net that is a border of patches.
+void merge_collapsed_borders(BezierNet& net) {
+    const size_t width = net.u.point_count;
+    const auto lines = [](const SplineAxis& axis, const auto& merge) {
+        for (const SplineSpan& span : axis.spans) {
+            merge(size_t{span.first_point});
+            merge(size_t{span.first_point} + axis.degree);
+        }
+    };
+    lines(net.v, [&](size_t row) { merge_collapsed_spans({&net.points[row * width], 1}, net.u); });
+    lines(net.u, [&](size_t column) { merge_collapsed_spans({&net.points[column], width}, net.v); });
+}
+
+void require_sound(const std::string& name, size_t index, const NurbsSpline& spline) {
+    const std::string prefix = "splines[" + std::to_string(index) + "].";
+    const std::optional<SplineProblem> problem = find_problem(spline.surface);
+    if (problem && problem->kind == SplineProblemKind::BadData)
+        throw InputError(name, prefix + problem->argument, problem->got, problem->wanted);
+    const int order = std::max(spline.surface.u.order, spline.surface.v.order);
+    if (!problem && order > kLargestSurfaceDegree + 1)
+        throw InputError(name, prefix + "order", std::to_string(order),
+                         "2 to " + std::to_string(kLargestSurfaceDegree + 1));
+    if (spline.material_slot < 0)
+        throw InputError(name, prefix + "material_slot", std::to_string(spline.material_slot), "0 or more");
+}
+
+}  // namespace
+
+PatchSurface::PatchSurface(std::string name, const std::vector<NurbsSpline>& splines)
+    : Shape(ShapeKind::PatchSurface, std::move(name)) {
+    std::vector<const NurbsSpline*> drawn;
+    for (size_t i = 0; i < splines.size(); ++i) {
+        require_sound(this->name(), i, splines[i]);
+        if (find_problem(splines[i].surface)) continue;
+        drawn.push_back(&splines[i]);
+        for (const Vec4d& point : splines[i].surface.points) object_bounds_.extendBy(spatial_part(point));
+    }
+    frame_ = LocalFrame::fitting(object_bounds_);
+    for (const NurbsSpline* spline : drawn) add_spline(*spline);
+
+    Box3d box;
+    for (uint32_t i = 0; i < patch_count_; ++i) box.extendBy(hull_bounds(patch(i)));
+    if (!box.isEmpty()) bounds_ = outward_float(box);
+}
+
+void PatchSurface::add_spline(const NurbsSpline& spline) {
+    NurbsSurface local = spline.surface;
+    for (Vec4d& point : local.points) {
+        const Vec3d position = (spatial_part(point) - frame_.center) / frame_.scale;
+        point = Vec4d(position.x, position.y, position.z, point.w);
+    }
+    BezierNet net = to_bezier(local);
+    merge_collapsed_borders(net);
+
+    SplinePatches patches;
+    patches.degree_u = net.u.degree;
+    patches.degree_v = net.v.degree;
+    patches.rational = net.rational;
+    patches.smooth = spline.smooth;
+    patches.material_slot = static_cast<uint32_t>(spline.material_slot);
+    patches.first_patch = patch_count_;
+    patches.first_point = points_.size();
+    for (size_t v = 0; v < net.v.spans.size(); ++v) {
+        for (size_t u = 0; u < net.u.spans.size(); ++u) {
+            const BezierPatch patch = net.patch(u, v);
+            points_.insert(points_.end(), patch.points.begin(), patch.points.end());
+        }
+    }
+    patches.spans_u = std::move(net.u.spans);
+    patches.spans_v = std::move(net.v.spans);
+    patch_count_ += patches.patch_count();
+    splines_.push_back(std::move(patches));
+}
+
+const SplinePatches& PatchSurface::spline_of(uint32_t patch) const {
+    if (splines_.size() == 1) return splines_.front();
+    const auto after = std::upper_bound(splines_.begin(), splines_.end(), patch,
+                                        [](uint32_t p, const SplinePatches& spline) { return p < spline.first_patch; });
+    return *(after - 1);
+}
+
+PatchView PatchSurface::patch(uint32_t patch) const {
+    const SplinePatches& spline = spline_of(patch);
+    const Vec4d* points = &points_[spline.first_point + (patch - spline.first_patch) * spline.points_per_patch()];
+    return {spline.degree_u, spline.degree_v, spline.rational, points};
+}
+
+LocalSurface PatchSurface::surface(const LocalHit& hit) const {
+    const SplinePatches& spline = spline_of(hit.primitive);
+    const PatchView view = patch(hit.primitive);
+    const PatchPoint point = view.evaluate(hit.u, hit.v);
+    const SplineSpan &span_u = spline.span_u(hit.primitive), &span_v = spline.span_v(hit.primitive);
+    const double length_u = span_u.end - span_u.begin, length_v = span_v.end - span_v.begin;
+
+    LocalSurface result;
+    result.position = point.position;
+    result.uv =
+        Vec2f(static_cast<float>(span_u.begin + hit.u * length_u), static_cast<float>(span_v.begin + hit.v * length_v));
+    result.dp_du = Vec3f(point.du / length_u);
+    result.dp_dv = Vec3f(point.dv / length_v);
+    const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
+    if (!spline.smooth) {
+        result.normal = facet_normal;
+        return result;
+    }
+    const LimitNormal limit = limit_normal(view, hit.u, hit.v, point, {{}, -Vec3d(facet_normal)});
+    // Where a coarse facet and the exact surface face opposite sides (next to a pole), the facet that was hit decides.
+    const double side = Vec3f(limit.normal).dot(facet_normal) > 0.0f ? 1.0 : -1.0;
+    result.normal = Vec3f(limit.normal * side);
+    result.dn_du = Vec3f(limit.dn_du * (side / length_u));
+    result.dn_dv = Vec3f(limit.dn_dv * (side / length_v));
+    return result;
+}
+
+ElementPoint PatchSurface::element_point(uint32_t element, const Vec2f& parameters) const {
+    const PatchView view = patch(element);
+    const PatchPoint point = view.evaluate(parameters.x, parameters.y);
+    ElementPoint result;
+    result.hit.primitive = element;
+    result.hit.u = parameters.x;
+    result.hit.v = parameters.y;
+    result.hit.position = point.position;
+    result.normal = -Vec3f(limit_normal(view, parameters.x, parameters.y, point).normal);
+    result.hit.normal = result.normal;
+    result.area_factor = static_cast<float>(point.du.cross(point.dv).length());
+    return result;
+}
+
+size_t PatchSurface::bytes() const {
+    size_t total = sizeof(*this) + points_.capacity() * sizeof(Vec4d) + splines_.capacity() * sizeof(SplinePatches);
+    for (const SplinePatches& spline : splines_)
+        total += (spline.spans_u.capacity() + spline.spans_v.capacity()) * sizeof(SplineSpan);
+    return total;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,65 @@
+// A surface of NURBS splines, held as Bezier patches in local space.
+//
+// Patches are numbered spline by spline, within one first along u, then along v. Control points are kept in double; a
+// border that two patches of a spline share has the same bits in both. A border row whose control points coincide (the
+// pole of a sphere) is moved to one point that a float can hold, so that everyone who evaluates it gets that very
+// point.
+//
+// The outside is the side of P_v x P_u: Blender's own surfaces are wound that way.
+#pragma once
+
+#include "geometry/shape.h"
+#include "splines/nurbs.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+/// The patches of one spline.
+struct SplinePatches {
+    int degree_u = 0, degree_v = 0;
+    bool rational = false, smooth = true;
+    uint32_t material_slot = 0;
+    uint32_t first_patch = 0;
+    std::vector<SplineSpan> spans_u, spans_v;
+    size_t first_point = 0;  ///< into the surface's control points
+
+    uint32_t patch_count() const { return static_cast<uint32_t>(spans_u.size() * spans_v.size()); }
+    size_t points_per_patch() const { return (degree_u + size_t{1}) * (degree_v + size_t{1}); }
+    const SplineSpan& span_u(uint32_t patch) const { return spans_u[(patch - first_patch) % spans_u.size()]; }
+    const SplineSpan& span_v(uint32_t patch) const { return spans_v[(patch - first_patch) / spans_u.size()]; }
+};
+
+class PatchSurface final : public Shape {
+  public:
+    /// Splines that Blender draws nothing for are left out. Bad data throws InputError.
+    PatchSurface(std::string name, const std::vector<NurbsSpline>& splines);
+
+    uint32_t element_count() const override { return patch_count_; }
+    LocalSurface surface(const LocalHit& hit) const override;
+    std::optional<Vec4f> attribute(AttributeId, const LocalHit&) const override { return std::nullopt; }
+    uint32_t material_slot(const LocalHit& hit) const override { return spline_of(hit.primitive).material_slot; }
+    uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
+    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    size_t bytes() const override;
+
+    const std::vector<SplinePatches>& splines() const { return splines_; }
+    const SplinePatches& spline_of(uint32_t patch) const;
+    /// Local space.
+    PatchView patch(uint32_t patch) const;
+
+  private:
+    std::vector<SplinePatches> splines_;
+    std::vector<Vec4d> points_;
+    uint32_t patch_count_ = 0;
+
+    void add_spline(const NurbsSpline& spline);
+};
+
+/// The largest degree a surface may have in a direction.
+inline constexpr int kLargestSurfaceDegree = 15;
+
+}  // namespace rayleaf

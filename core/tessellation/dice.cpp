@@ -1,0 +1,235 @@
+#include "tessellation/dice.h"
+
+#include "tessellation/simd.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tessellation/dice.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef RAYLEAF_DICE_TYPES
+#define RAYLEAF_DICE_TYPES
+namespace rayleaf {
+
+/// A subpatch as the kernel reads it: control points in float, by component, u fastest.
+struct DiceTask {
+    int degree_u, degree_v;
+    int components;  ///< 3, or 4 for homogeneous points
+    float control[4][(kMostDicedDegree + 1) * (kMostDicedDegree + 1)];
+    const DyadicBasis *basis_u, *basis_v;
+    int first_u, first_v;
+};
+
+}  // namespace rayleaf
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace rayleaf {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<float, 16>;
+using Vector = hn::Vec<Lanes>;
+constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
+/// Where the vectors that cover 17 values start; the last one overlaps.
+constexpr int kChunks = kGridCells / kWidth + 1;
+constexpr int chunk_start(int chunk) {
+    return chunk + 1 < kChunks ? chunk * kWidth : kGridVertices - kWidth;
+}
+
+/// t0 + tn, + (t1 + tn-1), ..., + the middle one.
+template <typename Term>
+HWY_INLINE Vector symmetric_sum(int degree, const Term& term) {
+    Vector sum = hn::Add(term(0), term(degree));
+    for (int i = 1; i < degree - i; ++i) sum = hn::Add(sum, hn::Add(term(i), term(degree - i)));
+    return degree % 2 == 0 ? hn::Add(sum, term(degree / 2)) : sum;
+}
+
+/// Control points of the 17 iso-curves v = const: rows[component][i][row].
+struct CurvePoints {
+    float rows[4][kMostDicedDegree + 1][kGridVertices + 15];
+};
+
+HWY_INLINE void evaluate_along_v(const DiceTask& task, int degree_v, CurvePoints& curves) {
+    const Lanes lanes;
+    const int columns = task.degree_u + 1;
+    for (int chunk = 0; chunk < kChunks; ++chunk) {
+        const int start = chunk_start(chunk);
+        for (int c = 0; c < task.components; ++c) {
+            for (int i = 0; i < columns; ++i) {
+                const float* control = &task.control[c][i];
+                const Vector sum = symmetric_sum(degree_v, [&](int j) HWY_ATTR {
+                    return hn::Mul(hn::LoadU(lanes, task.basis_v->values(j, task.first_v + start)),
+                                   hn::Set(lanes, control[j * columns]));
+                });
+                hn::StoreU(sum, lanes, &curves.rows[c][i][start]);
+            }
+        }
+    }
+}
+
+HWY_INLINE void evaluate_along_u(const DiceTask& task, int degree_u, const CurvePoints& curves, Grid& grid) {
+    const Lanes lanes;
+    for (int row = 0; row < kGridVertices; ++row) {
+        for (int chunk = 0; chunk < kChunks; ++chunk) {
+            const int start = chunk_start(chunk), index = row * kGridVertices + start;
+            const auto component = [&](int c) HWY_ATTR {
+                return symmetric_sum(degree_u, [&](int i) HWY_ATTR {
+                    return hn::Mul(hn::LoadU(lanes, task.basis_u->values(i, task.first_u + start)),
+                                   hn::Set(lanes, curves.rows[c][i][row]));
+                });
+            };
+            Vector x = component(0), y = component(1), z = component(2);
+            if (task.components == 4) {
+                const Vector w = component(3);
+                x = hn::Div(x, w);
+                y = hn::Div(y, w);
+                z = hn::Div(z, w);
+            }
+            hn::StoreU(x, lanes, &grid.vertices[0][index]);
+            hn::StoreU(y, lanes, &grid.vertices[1][index]);
+            hn::StoreU(z, lanes, &grid.vertices[2][index]);
+        }
+    }
+}
+
+void evaluate(const DiceTask& task, Grid& grid) {
+    CurvePoints curves;
+    // The common degree as a constant lets the compiler unroll the sums.
+    if (task.degree_v == 3)
+        evaluate_along_v(task, 3, curves);
+    else
+        evaluate_along_v(task, task.degree_v, curves);
+    if (task.degree_u == 3)
+        evaluate_along_u(task, 3, curves, grid);
+    else
+        evaluate_along_u(task, task.degree_u, curves, grid);
+}
+
+/// Smallest or largest (by `pick`) of each group of four lanes, in all four of them; a single lane stays as it is.
+template <typename Pick>
+HWY_INLINE Vector reduce_groups(Vector v, [[maybe_unused]] const Pick& pick) {
+#if HWY_TARGET != HWY_SCALAR
+    v = pick(v, hn::Shuffle2301(v));
+    v = pick(v, hn::Shuffle1032(v));
+#endif
+    return v;
+}
+
+/// Smallest or largest (by `pick`) of each block's 25 vertices. Columns 0..15 and 1..16 together reach every vertex of
+/// a block; within a block, the four columns are one group of four lanes.
+template <typename Pick>
+HWY_INLINE void reduce_blocks(const float* vertices, const Pick& pick, float padding, float* out) {
+    const Lanes lanes;
+    for (int band = 0; band < kGridCells / kBlockCells; ++band) {
+        HWY_ALIGN float columns[kGridCells];
+        for (int start = 0; start < kGridCells; start += kWidth) {
+            const float* first = vertices + band * kBlockCells * kGridVertices + start;
+            Vector best = pick(hn::LoadU(lanes, first), hn::LoadU(lanes, first + 1));
+            for (int row = 1; row <= kBlockCells; ++row) {
+                const float* here = first + row * kGridVertices;
+                best = pick(best, pick(hn::LoadU(lanes, here), hn::LoadU(lanes, here + 1)));
+            }
+            hn::Store(reduce_groups(best, pick), lanes, columns + start);
+        }
+        for (int block = 0; block < kGridCells / kBlockCells; ++block) {
+            const float* group = columns + block * kBlockCells;
+            float best = group[0];
+            if constexpr (kWidth == 1) {
+                const hn::CappedTag<float, 1> one;
+                for (int i = 1; i < kBlockCells; ++i)
+                    best = hn::GetLane(pick(hn::Set(one, best), hn::Set(one, group[i])));
+            }
+            out[(kGridCells / kBlockCells) * band + block] = best + padding;
+        }
+    }
+}
+
+void bound_blocks(Grid& grid) {
+    for (int axis = 0; axis < 3; ++axis) {
+        reduce_blocks(
+            grid.vertices[axis], [](Vector a, Vector b) HWY_ATTR { return hn::Min(a, b); }, -kBlockPadding,
+            grid.boxes[axis][0]);
+        reduce_blocks(
+            grid.vertices[axis], [](Vector a, Vector b) HWY_ATTR { return hn::Max(a, b); }, kBlockPadding,
+            grid.boxes[axis][1]);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rayleaf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rayleaf {
+namespace {
+
+HWY_EXPORT(evaluate);
+HWY_EXPORT(bound_blocks);
+
+void prepare(const PatchView& patch, DiceTask& task) {
+    task.degree_u = patch.degree_u;
+    task.degree_v = patch.degree_v;
+    task.components = patch.rational ? 4 : 3;
+    for (int i = 0; i < patch.point_count(); ++i)
+        for (int c = 0; c < task.components; ++c) task.control[c][i] = static_cast<float>(patch.points[i][c]);
+}
+
+Vec3f float_position(const PatchView& patch, int i, int j) {
+    const Vec4d& p = patch.point(i, j);
+    return patch.rational ? Vec3f(Vec3d(p.x / p.w, p.y / p.w, p.z / p.w)) : Vec3f(Vec3d(p.x, p.y, p.z));
+}
+
+/// The point of a border whose control points are all one, from which evaluation would stray by rounding.
+struct Border {
+    int i, j;            ///< its first control point
+    int step_i, step_j;  ///< to the next
+    int count;
+};
+
+bool is_point(const PatchView& patch, const Border& border) {
+    const Vec3f first = float_position(patch, border.i, border.j);
+    for (int k = 1; k < border.count; ++k)
+        if (float_position(patch, border.i + k * border.step_i, border.j + k * border.step_j) != first) return false;
+    return true;
+}
+
+void set_line(Grid& grid, int first, int stride, const Vec3f& point) {
+    for (int k = 0; k < kGridVertices; ++k)
+        for (int axis = 0; axis < 3; ++axis) grid.vertices[axis][first + k * stride] = point[axis];
+}
+
+/// Sets the vertices of the borders that are points.
+void set_collapsed_borders(const PatchView& patch, const DiceTask& task, int cells_u, int cells_v, Grid& grid) {
+    constexpr int kLast = kGridCells * kGridVertices;
+    const auto fix = [&](const Border& border, int first, int stride) {
+        if (is_point(patch, border)) set_line(grid, first, stride, float_position(patch, border.i, border.j));
+    };
+    if (task.first_u == 0) fix({0, 0, 0, 1, patch.rows()}, 0, kGridVertices);
+    if (task.first_u + kGridCells == cells_u) fix({patch.degree_u, 0, 0, 1, patch.rows()}, kGridCells, kGridVertices);
+    if (task.first_v == 0) fix({0, 0, 1, 0, patch.columns()}, 0, 1);
+    if (task.first_v + kGridCells == cells_v) fix({0, patch.degree_v, 1, 0, patch.columns()}, kLast, 1);
+}
+
+}  // namespace
+
+void dice(const PatchView& patch, const DyadicBasis& basis_u, int first_u, const DyadicBasis& basis_v, int first_v,
+          Grid& grid) {
+    DiceTask task;
+    prepare(patch, task);
+    task.basis_u = &basis_u;
+    task.basis_v = &basis_v;
+    task.first_u = first_u;
+    task.first_v = first_v;
+    HWY_DYNAMIC_DISPATCH(evaluate)(task, grid);
+    set_collapsed_borders(patch, task, basis_u.intervals(), basis_v.intervals(), grid);
+    for (float(&axis)[kGridSize + 15] : grid.vertices) std::fill(axis + kGridSize, axis + kGridSize + 15, 0.0f);
+    HWY_DYNAMIC_DISPATCH(bound_blocks)(grid);
+}
+
+}  // namespace rayleaf
+#endif

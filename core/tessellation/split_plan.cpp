@@ -1,0 +1,129 @@
+#include "tessellation/split_plan.h"
+
+#include "splines/bounds.h"
+
+#include <algorithm>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// A patch is split into at most 64 x 64: beyond that single precision shows before facets do.
+constexpr int kMostLog2 = 6;
+
+/// Rational bounds are loose where weights vary, and tighten with the square of the patch's size: they are taken of so
+/// many parts along each direction.
+constexpr int kRationalParts = 4;
+
+CurvatureBounds tight_curvature_bounds(const PatchView& patch) {
+    if (!patch.rational) return curvature_bounds(patch);
+    const BezierPatch whole{patch.degree_u, patch.degree_v, true, {patch.points, patch.points + patch.point_count()}};
+    constexpr double kSize = 1.0 / kRationalParts;
+    CurvatureBounds bounds;
+    for (int j = 0; j < kRationalParts; ++j) {
+        for (int i = 0; i < kRationalParts; ++i) {
+            const BezierPatch part = whole.restricted(i * kSize, (i + 1) * kSize, j * kSize, (j + 1) * kSize);
+            const CurvatureBounds here = curvature_bounds(part.view());
+            bounds.duu = std::max(bounds.duu, here.duu / (kSize * kSize));
+            bounds.duv = std::max(bounds.duv, here.duv / (kSize * kSize));
+            bounds.dvv = std::max(bounds.dvv, here.dvv / (kSize * kSize));
+        }
+    }
+    bounds.extent = curvature_bounds(patch).extent;
+    return bounds;
+}
+
+/// Splits in the direction that bends more until the facets are near enough.
+SplineSplit split_for(const PatchView& patch, double tolerance) {
+    const CurvatureBounds bounds = tight_curvature_bounds(patch);
+    SplineSplit split;
+    while (facet_distance_bound(bounds, split.cells_u(), split.cells_v()) > tolerance) {
+        const double bend_u = bounds.duu / (double(split.cells_u()) * split.cells_u());
+        const double bend_v = bounds.dvv / (double(split.cells_v()) * split.cells_v());
+        const bool can_u = split.log2_u < kMostLog2, can_v = split.log2_v < kMostLog2;
+        if (!can_u && !can_v) break;
+        // Twist bends neither direction, so halving both in turn is what helps.
+        const bool prefer_u = bend_u != bend_v ? bend_u > bend_v : split.log2_u <= split.log2_v;
+        if (can_u && (prefer_u || !can_v))
+            ++split.log2_u;
+        else
+            ++split.log2_v;
+    }
+    return split;
+}
+
+}  // namespace
+
+SplitPlan::SplitPlan(const PatchSurface& surface, const FacetTolerance& tolerance) {
+    const size_t count = surface.element_count();
+    std::vector<SplineSplit> wanted(count);
+    tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+        const PatchView patch = surface.patch(static_cast<uint32_t>(i));
+        wanted[i] = split_for(patch, tolerance(hull_bounds(patch)));
+    });
+    for (const SplinePatches& spline : surface.splines()) {
+        SplineSplit split;
+        for (uint32_t i = 0; i < spline.patch_count(); ++i) {
+            split.log2_u = std::max(split.log2_u, wanted[spline.first_patch + i].log2_u);
+            split.log2_v = std::max(split.log2_v, wanted[spline.first_patch + i].log2_v);
+        }
+        splits_.push_back(split);
+    }
+    limit(surface);
+    number(surface);
+}
+
+/// Takes back the finest splits until there are no more subpatches than allowed.
+void SplitPlan::limit(const PatchSurface& surface) {
+    const auto total = [&] {
+        uint64_t sum = 0;
+        for (size_t i = 0; i < splits_.size(); ++i)
+            sum += uint64_t{surface.splines()[i].patch_count()} << (splits_[i].log2_u + splits_[i].log2_v);
+        return sum;
+    };
+    while (total() > kMostSubpatches) {
+        const auto finest = std::max_element(splits_.begin(), splits_.end(), [](const auto& a, const auto& b) {
+            return a.log2_u + a.log2_v < b.log2_u + b.log2_v;
+        });
+        int& larger = finest->log2_u >= finest->log2_v ? finest->log2_u : finest->log2_v;
+        if (larger == 0) return;
+        --larger;
+    }
+}
+
+void SplitPlan::number(const PatchSurface& surface) {
+    subpatch_count_ = 0;
+    for (size_t i = 0; i < splits_.size(); ++i) {
+        splits_[i].first_subpatch = subpatch_count_;
+        subpatch_count_ += surface.splines()[i].patch_count() << (splits_[i].log2_u + splits_[i].log2_v);
+    }
+}
+
+Subpatch SplitPlan::subpatch(const PatchSurface& surface, uint32_t index) const {
+    const auto after = std::upper_bound(splits_.begin(), splits_.end(), index,
+                                        [](uint32_t i, const SplineSplit& split) { return i < split.first_subpatch; });
+    const auto spline = static_cast<uint32_t>(after - splits_.begin() - 1);
+    const SplineSplit& split = splits_[spline];
+    const uint32_t number = index - split.first_subpatch;
+    const uint32_t cell = number & ((1u << (split.log2_u + split.log2_v)) - 1);
+    Subpatch result;
+    result.spline = spline;
+    result.patch = surface.splines()[spline].first_patch + (number >> (split.log2_u + split.log2_v));
+    result.u = static_cast<int>(cell & ((1u << split.log2_u) - 1));
+    result.v = static_cast<int>(cell >> split.log2_u);
+    return result;
+}
+
+uint32_t SplitPlan::index_at(const PatchSurface& surface, uint32_t patch, double u, double v) const {
+    const SplinePatches& spline = surface.spline_of(patch);
+    const SplineSplit& split = splits_[static_cast<size_t>(&spline - surface.splines().data())];
+    const auto cell = [](double parameter, int log2) {
+        const int count = 1 << log2;
+        return static_cast<uint32_t>(std::clamp(static_cast<int>(parameter * count), 0, count - 1));
+    };
+    const uint32_t number = (patch - spline.first_patch) << (split.log2_u + split.log2_v);
+    return split.first_subpatch + number + (cell(v, split.log2_v) << split.log2_u) + cell(u, split.log2_u);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,55 @@
+// How the patches of a surface are split into subpatches: all patches of a spline alike, 2^a x 2^b, so that neighbours
+// meet vertex to vertex.
+//
+// Subpatches are numbered patch by patch in the patches' order, within one first along u, then along v.
+#pragma once
+
+#include "geometry/patch_surface.h"
+#include "tessellation/grid.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace rayleaf {
+
+/// The most subpatches a shape is split into, unless it has more patches: their grids take 256 MB.
+inline constexpr uint32_t kMostSubpatches = 1u << 16;
+
+struct SplineSplit {
+    uint32_t first_subpatch = 0;
+    int log2_u = 0, log2_v = 0;
+
+    int cells_u() const { return kGridCells << log2_u; }
+    int cells_v() const { return kGridCells << log2_v; }
+};
+
+/// One cell of a split patch.
+struct Subpatch {
+    uint32_t patch = 0, spline = 0;
+    int u = 0, v = 0;  ///< which of the 2^a x 2^b
+};
+
+/// How far a patch's facets may lie from it, for a patch within the given box. Local units.
+using FacetTolerance = std::function<double(const Box3d& patch_box)>;
+
+class SplitPlan {
+  public:
+    SplitPlan() = default;
+    SplitPlan(const PatchSurface& surface, const FacetTolerance& tolerance);
+
+    uint32_t subpatch_count() const { return subpatch_count_; }
+    const SplineSplit& split(uint32_t spline) const { return splits_[spline]; }
+    Subpatch subpatch(const PatchSurface& surface, uint32_t index) const;
+    /// The subpatch that holds the parameters of a patch.
+    uint32_t index_at(const PatchSurface& surface, uint32_t patch, double u, double v) const;
+
+  private:
+    std::vector<SplineSplit> splits_;
+    uint32_t subpatch_count_ = 0;
+
+    void number(const PatchSurface& surface);
+    void limit(const PatchSurface& surface);
+};
+
+}  // namespace rayleaf

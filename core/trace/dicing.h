@@ -1,0 +1,22 @@
+// How fine a shape's facets must be: from its instances and the view.
+#pragma once
+
+#include "tessellation/split_plan.h"
+#include "trace/tracer.h"
+
+#include <vector>
+
+namespace rayleaf {
+
+/// The largest distance between facets and surface, whatever the view says: local units, where a shape's half extent is
+/// between 1/2 and 1. Reflections and shadows of what lies off the picture need some shape too.
+inline constexpr double kCoarsestTolerance = 1e-4;
+/// The smallest: single precision gives no more.
+inline constexpr double kFinestTolerance = 0x1p-22;
+
+/// The tolerance of each shape's patches: the wanted fraction of a pixel at the instance where that is smallest in
+/// local units, at the patch's point nearest to the eye.
+std::vector<FacetTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
+                                             const std::vector<size_t>& shape_of, const DicingView& view);
+
+}  // namespace rayleaf
