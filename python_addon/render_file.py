@@ -1,8 +1,8 @@
 """Renders the file that Blender has open; `rayleaf render` starts Blender with this script.
 
-Each frame becomes a PNG and a multilayer EXR, saved by Blender from its Render Result. The add-on writes its statistics
-to the file that RAYLEAF_STATS names; they are printed and, on demand, gathered in one JSON file:
-{"file": path, "frames": [{"frame": number, "seconds": s, "png": path, "exr": path, "statistics": {…}}]}.
+Each frame becomes a PNG and a multilayer EXR, saved by Blender from its Render Result. The add-on adds a line of
+statistics for each view layer to the file that RAYLEAF_STATS names; they are printed and, on demand, gathered:
+{"file": path, "frames": [{"frame": number, "seconds": s, "png": path, "exr": path, "view_layers": [{…}]}]}.
 """
 
 import argparse
@@ -59,17 +59,22 @@ def with_ending(output: Path, ending: str) -> Path:
 
 def render(frame: int, output: Path, statistics_path: Path) -> dict[str, Any]:
     """Render one frame, save it, and tell what happened."""
-    statistics_path.unlink(missing_ok=True)
+    statistics_path.write_text("")
     started = time.perf_counter()
     bpy.context.scene.frame_set(frame)
     bpy.ops.render.render()
+    layers = [json.loads(line) for line in statistics_path.read_text().splitlines()]
+    missing = {layer.name for layer in bpy.context.scene.view_layers if layer.use} - {
+        layer["view_layer"] for layer in layers if layer["completed"]
+    }
+    if missing:
+        raise RuntimeError(f"frame {frame}: not rendered: {', '.join(sorted(missing))}; the messages above say why")
     png, exr = with_ending(output, ".png"), with_ending(output, ".exr")
     output.parent.mkdir(parents=True, exist_ok=True)
     save(png, "PNG", "8")
     save(exr, "OPEN_EXR_MULTILAYER", "32")
     seconds = time.perf_counter() - started
-    statistics = json.loads(statistics_path.read_text()) if statistics_path.is_file() else {}
-    return {"frame": frame, "seconds": seconds, "png": str(png), "exr": str(exr), "statistics": statistics}
+    return {"frame": frame, "seconds": seconds, "png": str(png), "exr": str(exr), "view_layers": layers}
 
 
 def readable(value: Any) -> str:
@@ -110,7 +115,8 @@ def main() -> None:
         for frame, output in frames_and_outputs(options):
             done.append(render(frame, output, statistics_path))
             print(f"\nframe {frame}: {done[-1]['seconds']:.2f} s\n  {done[-1]['png']}\n  {done[-1]['exr']}")
-            print("\n".join(summary(done[-1]["statistics"])), flush=True)
+            for layer in done[-1]["view_layers"]:
+                print("\n".join(summary(layer)), flush=True)
     if options.stats:
         options.stats.parent.mkdir(parents=True, exist_ok=True)
         options.stats.write_text(json.dumps({"file": bpy.data.filepath, "frames": done}, indent=2) + "\n")

@@ -1,0 +1,87 @@
+"""The script `rayleaf`, as people call it."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+COMMANDS = ("render", "test", "bench", "lint", "blender", "package")
+
+MAKE_SCENE = """
+import sys
+import bpy
+scene = bpy.context.scene
+scene.render.engine = "RAYLEAF"
+scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 32, 24, 100
+scene.rayleaf.samples = 1
+if "no camera" in sys.argv:
+    bpy.data.objects.remove(scene.camera)
+bpy.ops.wm.save_as_mainfile(filepath=sys.argv[1])
+"""
+
+
+def call(root: Path, *arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
+    """`rayleaf` with arguments, as from a shell that has none of the test's settings."""
+    inherited = {key: value for key, value in os.environ.items() if not key.startswith(("RAYLEAF_", "PYTEST_"))}
+    command = [str(root / "rayleaf"), *map(str, arguments)]
+    return subprocess.run(
+        command, env={**inherited, **environment}, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600
+    )
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself(root, command):
+    done = call(root, command, "--help")
+    assert done.returncode == 0
+    assert f"rayleaf {command}" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("paint",), "there is no command paint"),
+        (("render",), "which file?"),
+        (("render", "nothing.blend"), "there is no file nothing.blend"),
+        (("render", "a.blend", "b.blend"), "one file at a time"),
+        (("render", "a.blend", "-s", "1"), "-s and -e go together"),
+        (("render", "--turbo"), "there is no option --turbo"),
+        (("render", "-o"), "-o wants a value"),
+    ],
+)
+def test_a_wrong_call_gets_one_clear_sentence(root, arguments, complaint):
+    done = call(root, *arguments)
+    assert done.returncode != 0
+    assert complaint in done.stderr
+
+
+def test_a_blender_that_is_not_there_is_named(root, tmp_path):
+    done = call(root, "render", root / "blend_scenes" / "studio.blend", BLENDER=str(tmp_path / "blender"))
+    assert done.returncode != 0
+    assert str(tmp_path / "blender") in done.stderr
+
+
+def test_render_writes_picture_layers_and_statistics_for_each_frame(root, run_blender, tmp_path):
+    run_blender(MAKE_SCENE, tmp_path / "scene.blend")
+    done = call(
+        *(root, "render", tmp_path / "scene.blend", "-s", 2, "-e", 3),
+        *("-o", tmp_path / "pictures" / "a", "--stats", tmp_path / "statistics.json"),
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    names = ["a_0002.exr", "a_0002.png", "a_0003.exr", "a_0003.png"]
+    assert sorted(path.name for path in (tmp_path / "pictures").iterdir()) == names
+    assert (tmp_path / "pictures" / "a_0002.png").read_bytes().startswith(b"\x89PNG")
+    assert b"ViewLayer.Combined.R" in (tmp_path / "pictures" / "a_0002.exr").read_bytes()
+    frames = json.loads((tmp_path / "statistics.json").read_text())["frames"]
+    assert [frame["frame"] for frame in frames] == [2, 3]
+    assert all(layer["completed"] for frame in frames for layer in frame["view_layers"])
+    assert "frame 3" in done.stdout
+
+
+def test_a_render_that_fails_says_why_and_has_an_exit_code(root, run_blender, tmp_path):
+    run_blender(MAKE_SCENE, tmp_path / "scene.blend", "no camera")
+    done = call(root, "render", tmp_path / "scene.blend", "-o", tmp_path / "picture")
+    assert done.returncode != 0
+    assert "camera" in done.stderr
+    assert not (tmp_path / "picture.png").exists()
