@@ -45,6 +45,50 @@ struct Vertex {
     Closures closures;
 };
 
+/// What the lobes make of light from one direction.
+struct LitLobes {
+    Color value{0, 0, 0};  ///< times the cosine
+    float density = 0;     ///< with which scattering chooses the direction
+    ByKind shares;         ///< filled where asked for
+};
+
+LitLobes lit_together(const Vertex& vertex, const LightSample& light) {
+    const auto both =
+        vertex.closures.evaluate_with_density(vertex.outgoing, light.direction, vertex.point.facet_normal);
+    return {both.value, both.density, {}};
+}
+
+/// Only kinds that see the light are lit by it.
+LitLobes lit_by_kind(const Vertex& vertex, const LightSample& light) {
+    constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
+    const Vec3f& facet = vertex.point.facet_normal;
+    LitLobes lit;
+    ByKind parts;
+    for (const LobeKind kind : kLobeKinds) {
+        if (!(light.visibility & kSeenBy[static_cast<size_t>(kind)])) continue;
+        parts[kind] = vertex.closures.evaluate(vertex.outgoing, light.direction, facet, kind);
+        lit.value += parts[kind];
+    }
+    lit.density = vertex.closures.density(vertex.outgoing, light.direction, facet);
+    lit.shares = shares_of(parts, lit.value);
+    return lit;
+}
+
+/// How much of each kind's light a scattered ray carries.
+ByKind shares_of_scattering(const Vertex& vertex, const LobeSample& sample) {
+    ByKind parts;
+    if (sample.singular) {
+        parts[sample.kind] = Color(1.0f);
+        return parts;
+    }
+    Color total(0.0f);
+    for (const LobeKind kind : kLobeKinds) {
+        parts[kind] = vertex.closures.evaluate(vertex.outgoing, sample.direction, vertex.point.facet_normal, kind);
+        total += parts[kind];
+    }
+    return shares_of(parts, total);
+}
+
 class PathTracer {
   public:
     PathTracer(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray, const Sampler& sampler)
@@ -160,32 +204,18 @@ void PathTracer::add_direct_light(const Vertex& vertex) {
     const std::optional<LightSample> light =
         scene_.lights().sample(vertex.point.position, sampler_.get3(dimension(vertex_, PathDimension::Light)));
     if (!light) return;
-    const Closures& closures = vertex.closures;
-    const Vec3f& facet = vertex.point.facet_normal;
     const bool first = bounces_.count() == 0;
-    const bool split = (first && settings_.light_passes) || light->visibility != kVisibleAll;
-    ByKind parts;
-    Color value(0.0f);
-    if (split) {
-        constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
-        for (const LobeKind kind : kLobeKinds) {
-            if (!(light->visibility & kSeenBy[static_cast<size_t>(kind)])) continue;
-            parts[kind] = closures.evaluate(vertex.outgoing, light->direction, facet, kind);
-            value += parts[kind];
-        }
-    } else {
-        value = closures.evaluate(vertex.outgoing, light->direction, facet);
-    }
-    if (is_black(value)) return;
-    const float weight =
-        light->delta ? 1.0f
-                     : power_heuristic(light->density, closures.density(vertex.outgoing, light->direction, facet));
-    const Color arriving = throughput_ * value * (light->radiance / light->density) * weight;
+    const LitLobes lit = (first && settings_.light_passes) || light->visibility != kVisibleAll
+                             ? lit_by_kind(vertex, *light)
+                             : lit_together(vertex, *light);
+    if (is_black(lit.value)) return;
+    const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
+    const Color arriving = throughput_ * lit.value * (light->radiance / light->density) * weight;
     if (is_black(arriving)) return;
     const Color free = shadow_transmittance(scene_, vertex.point, *light, vertex.differential, bounces_);
     if (is_black(free)) return;
     if (first)
-        light_.add_first(arriving * free, split ? shares_of(parts, value) : ByKind{});
+        light_.add_first(arriving * free, lit.shares);
     else
         light_.add_scattered(arriving * free, bounces_.count() + 1, first_shares_);
 }
@@ -251,20 +281,7 @@ bool PathTracer::scatter(const Vertex& vertex) {
     const std::optional<LobeSample> sample =
         vertex.closures.sample(vertex.outgoing, facet, sampler_.get3(dimension(vertex_, PathDimension::Scatter)));
     if (!sample) return false;
-    if (bounces_.count() == 0 && settings_.light_passes) {
-        ByKind parts;
-        if (sample->singular) {
-            first_shares_ = {};
-            first_shares_[sample->kind] = Color(1.0f);
-        } else {
-            Color total(0.0f);
-            for (const LobeKind kind : kLobeKinds) {
-                parts[kind] = vertex.closures.evaluate(vertex.outgoing, sample->direction, facet, kind);
-                total += parts[kind];
-            }
-            first_shares_ = shares_of(parts, total);
-        }
-    }
+    if (bounces_.count() == 0 && settings_.light_passes) first_shares_ = shares_of_scattering(vertex, *sample);
     throughput_ *= sample->weight;
     bounces_.scatter(*sample);
     if (!survives_roulette()) return false;

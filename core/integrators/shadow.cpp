@@ -3,15 +3,16 @@
 namespace rayleaf {
 namespace {
 
-/// Share of the way to a light that is left unchecked at its end, so that the light's own surface does not shade it:
-/// directions are floats, with some 1e-7 of relative error.
-constexpr double kUncheckedEnd = 1e-6;
-
 Ray shadow_ray(const SurfacePoint& point, const LightSample& light) {
     Ray ray;
     ray.origin = point.ray_origin(light.direction);
     ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
-    ray.t_max = (light.distance - (ray.origin - point.position).dot(ray.direction)) * (1.0 - kUncheckedEnd);
+    if (!std::isfinite(light.distance)) return ray;
+    // From the very start to the very end, both off their facets: a ray parallel to the sampled direction would miss
+    // the end by the start's offset.
+    const Vec3d way = light.target - ray.origin;
+    ray.direction = normalized_or(way, ray.direction);
+    ray.t_max = way.length();
     return ray;
 }
 

@@ -15,6 +15,7 @@ struct LampSample {
     Color radiance{0, 0, 0};   ///< delta: irradiance at normal incidence
     double density = 0;        ///< per solid angle, of this light alone; delta: 1
     bool delta = false;
+    std::optional<Vec3d> target = std::nullopt;  ///< where a shadow ray ends, if not `distance` away
 };
 
 /// What a ray meets of one lamp.

@@ -40,7 +40,8 @@ struct Lamp {
 /// Light that arrives at a point from a sampled direction.
 struct LightSample {
     Vec3f direction{0, 0, 1};  ///< unit, from the point to the light
-    double distance = 0;       ///< how far the way must be free, world units; infinity for suns and the world
+    double distance = 0;       ///< world units; infinity for suns and the world
+    Vec3d target{0, 0, 0};     ///< where the way must be free up to, if the distance is finite; world
     Color radiance{0, 0, 0};   ///< arriving if nothing is in the way; delta lights: irradiance at normal incidence
     float density = 0;         ///< per solid angle, choice of the light included; delta lights: the choice alone
     bool delta = false;        ///< cannot be hit by a scattered ray

@@ -121,10 +121,13 @@ bool LightSet::empty() const {
 namespace {
 
 /// The choice of this light taken into account; empty where nothing that floats can hold arrives.
-std::optional<LightSample> chosen(const LampSample& from, double probability, uint8_t visibility, bool casts_shadow) {
+std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position, double probability, uint8_t visibility,
+                                  bool casts_shadow) {
     LightSample sample;
     sample.direction = Vec3f(from.direction);
     sample.distance = from.distance;
+    if (std::isfinite(from.distance))
+        sample.target = from.target ? *from.target : position + from.direction * from.distance;
     sample.radiance = from.radiance;
     sample.density = static_cast<float>(std::min(from.density * probability, kLargestDensity));
     sample.delta = from.delta;
@@ -147,12 +150,12 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& po
         const PlacedLamp& lamp = lamps[item->item];
         const auto sample = std::visit([&](const auto& shape) { return shape.sample(position, random); }, lamp.shape);
         if (!sample) return std::nullopt;
-        return chosen(*sample, probability, lamp.visibility, lamp.casts_shadow);
+        return chosen(*sample, position, probability, lamp.visibility, lamp.casts_shadow);
     }
     const auto surface = static_cast<uint32_t>(item->item - lamps.size());
     const auto sample = surfaces.sample(surface, position, random);
     if (!sample) return std::nullopt;
-    return chosen(*sample, probability, surfaces.visibility(surface), true);
+    return chosen(*sample, position, probability, surfaces.visibility(surface), true);
 }
 
 std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& random) const {
@@ -164,7 +167,7 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
     for (const DistantLamp& lamp : set.suns) {
         const double probability = set.group_probability(lamp.sun.irradiance(), total);
         if (choice < probability)
-            return chosen(lamp.sun.sample(within), probability, lamp.visibility, lamp.casts_shadow);
+            return chosen(lamp.sun.sample(within), position, probability, lamp.visibility, lamp.casts_shadow);
         choice -= probability;
     }
     if (set.world) {
@@ -172,14 +175,14 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
         if (choice < probability || set.tree.empty()) {
             LampSample sample = set.world->sample(within);
             sample.radiance = set.world_emission(Vec3f(sample.direction));
-            return chosen(sample, probability, kVisibleAll, true);
+            return chosen(sample, position, probability, kVisibleAll, true);
         }
         choice -= probability;
     }
     if (set.tree.empty()) {  // rounding left a crumb beyond the last sun
         const DistantLamp& lamp = set.suns.back();
-        return chosen(lamp.sun.sample(within), set.group_probability(lamp.sun.irradiance(), total), lamp.visibility,
-                      lamp.casts_shadow);
+        return chosen(lamp.sun.sample(within), position, set.group_probability(lamp.sun.irradiance(), total),
+                      lamp.visibility, lamp.casts_shadow);
     }
     return set.sample_tree(position, within, std::clamp(choice / set.tree_probability(position), 0.0, 1.0 - 0x1p-53));
 }

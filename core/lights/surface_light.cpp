@@ -99,8 +99,8 @@ std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& posi
     const double density = distance * distance / (cosine * world.area_factor);
     if (!std::isfinite(density)) return std::nullopt;
     const Vec3f outgoing = -Vec3f(sample.direction);
-    // The way must be free up to the facet's own side that looks here.
-    sample.distance = (point.ray_origin(outgoing) - position).dot(sample.direction);
+    sample.distance = distance;
+    sample.target = point.ray_origin(outgoing);  // off the facet, on the side that looks here
     sample.density = std::min(density, kLargestDensity);
     sample.radiance = emission_(point, outgoing);
     return sample;

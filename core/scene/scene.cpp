@@ -89,12 +89,16 @@ void Scene::commit_lights(const SceneDescription& description) {
         std::vector<uint32_t> elements = emitting_elements(*tracer_->instance(i).shape, emits);
         if (!elements.empty()) emitters.push_back({i, std::move(elements)});
     }
-    const auto emission = [this](const SurfacePoint& point, const Vec3f& outgoing) {
+    PathState sampled_light;  // what lights show to those who sample them: not what they show to the camera
+    sampled_light.camera = false;
+    const auto emission = [this, sampled_light](const SurfacePoint& point, const Vec3f& outgoing) {
         Closures closures;
-        shade(point, outgoing, {}, {}, closures);
+        shade(point, outgoing, {}, sampled_light, closures);
         return closures.emission;
     };
-    const auto world_emission = [this](const Vec3f& direction) { return world(direction, {}, {}); };
+    const auto world_emission = [this, sampled_light](const Vec3f& direction) {
+        return world(direction, {}, sampled_light);
+    };
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
     lights_ = std::make_unique<LightSet>(description.lamps, std::move(emitters), *tracer_, emission, world_emission,
                                          sampled ? description.world_resolution : 0);

@@ -34,6 +34,7 @@ def cycles_scene():
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_adaptive_sampling, scene.cycles.use_denoising = SAMPLES, False, False
+    scene.cycles.pixel_filter_type = "BOX"  # one pixel wide
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
     scene.world = bpy.data.worlds.new("black")
@@ -102,7 +103,10 @@ def by_rayleaf(case, matrix):
     camera = np.eye(4)
     camera[2, 3] = 20
     scene.set_camera("ORTHOGRAPHIC", camera, (-VIEW / 2, -VIEW / 2), (VIEW / 2, VIEW / 2), 0.1, 100)
-    session = core.Session(scene, core.Settings(width=SIZE, height=SIZE, samples=SAMPLES, max_bounces=0))
+    settings = core.Settings(
+        width=SIZE, height=SIZE, samples=SAMPLES, max_bounces=0, filter="BOX", filter_width=1.0
+    )
+    session = core.Session(scene, settings)
     session.render()
     return session.pass_pixels("combined")[..., 0]
 
@@ -121,7 +125,7 @@ lamp.data.energy, lamp.data.size, lamp.location = 1000, 10, (0, 0, 30)
 scene.collection.objects.link(lamp)
 bpy.ops.render.render(write_still=True)
 image = bpy.data.images.load(path)
-report(pictures=pictures, seen_by_camera=max(image.pixels[0::4]))
+report(pictures=pictures, seen_by_camera=max(image.pixels[:][0::4]))
 """
 
 
@@ -134,8 +138,8 @@ def test_lamps_are_as_strong_as_in_cycles_and_unseen_by_the_camera(pictures):
     for name, (cycles, rayleaf) in pictures["pictures"].items():
         expected, got = np.array(cycles), np.array(rayleaf)
         brightest = expected.max()
-        # 256 samples of each: under 1 in 100 of noise in a pixel's value at the border of a cone, far less in the mean.
-        # A sphere of radius 0.1 differs from Cycles' disk by (0.1 / 2)^2 at most.
-        assert np.abs(got - expected).max() < 0.03 * brightest, f"{name}\n{expected}\n{got}"
-        assert got.mean() == pytest.approx(expected.mean(), rel=0.004), name
+        # Noise of 256 samples of each: below 1 % in a pixel, 3 % below the narrow spread, a tenth of that in the mean. The
+        # small sphere differs from Cycles' disk by (0.1 / 2)^2.
+        assert np.abs(got - expected).max() < 0.05 * brightest, f"{name}\n{expected}\n{got}"
+        assert got.mean() == pytest.approx(expected.mean(), rel=0.003), name
     assert pictures["seen_by_camera"] == 0.0

@@ -141,7 +141,7 @@ def light_alone_and_scattering_alone(core, scene, position):
 @pytest.mark.parametrize("lamp", BIG_LAMPS.values(), ids=BIG_LAMPS.keys())
 def test_both_samplings_together_give_what_each_gives_alone(core, lamp):
     scene = lit_plane(core)
-    scene.add_lamp("lamp", matrix=matrix((0.5, 0.3, 2)), strength=(50,) * 3, **lamp)
+    scene.add_lamp("lamp", matrix=matrix((0.5, 0.3, 2)), strength=(50,) * 3, visibility=30, **lamp)
     image = picture(core, scene, size=16)
     mean, error = image.mean() / 0.5 * np.pi, image.std() / 16 / 0.5 * np.pi
     for value, own_error in light_alone_and_scattering_alone(core, scene, np.array([0, 0, 1e-6])):
@@ -191,7 +191,7 @@ def test_light_on_plates_of_every_roughness_from_lamps_of_every_size_stays_calm(
             plate = material(core, scene, ("glossy", 1.0, 1.0, roughness, "GGX"))
             scene.add_instance("plate", quad(scene, "plate", 5), matrix(), plate)
             scene.add_lamp("lamp", "POINT", matrix((0, 0, 3)), (100,) * 3, radius=radius, visibility=30)
-            look_down(scene, half=0.02)
+            look_down(scene, half=0.0002)  # a spot much smaller than the sharpest highlight
             image = picture(core, scene, samples=64)
             relative = image.std() / image.mean()
             # 64 samples of a good estimator: below 15 % in every pixel; one-sided sampling gives 50 % and more.
@@ -251,8 +251,8 @@ def test_shadow_rays_take_the_colour_of_transparent_panes_up_to_the_limit(core, 
         scene = lit_plane(core)
         for i in range(count):
             pane = veil(core, scene, (0.9, 0.5, 0.2), name=f"pane {i}")
-            scene.add_instance(f"pane {i}", quad(scene, "pane", 2), matrix((0, 0, 0.5 + 0.1 * i)), pane, visibility=16)
-        scene.add_lamp("lamp", "POINT", matrix((0, 0, 2)), (100,) * 3, radius=0.1)
+            scene.add_instance(f"pane {i}", quad(scene, "pane", 2), matrix((0, 0, 0.5 + 0.1 * i)), pane, visibility=30)
+        scene.add_lamp("lamp", "POINT", matrix((0, 0, 2)), (100,) * 3, radius=0.1, visibility=30)
         return scene
 
     settings = dict(max_bounces=0, samples=16)

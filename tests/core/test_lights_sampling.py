@@ -90,7 +90,7 @@ def test_light_sampling_gives_the_irradiance_of_looking_everywhere(core, name):
     assert abs(sampled - values.mean()) < 5 * spread, f"{sampled} against {values.mean()} +- {spread}"
     # The density integrates to at most 1, less where samples may carry nothing.
     share = 4 * np.pi * density
-    assert share.mean() < 1 + 5 * share.std() / np.sqrt(len(share))
+    assert share.mean() <= 1.0001 + 5 * share.std() / np.sqrt(len(share))
 
 
 @pytest.mark.parametrize("name", [n for n in LAMPS if "sphere" in n or n == "point"][:2])

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..messages import Messages
+from .instances import VISIBLE_CAMERA
 from .nodes.constants import lamp_emission
 
 
@@ -21,7 +22,7 @@ def describe(lamp_object: Any, matrix: NDArray[np.float64], visibility: int, mes
         matrix=matrix,
         strength=[float(channel) for channel in np.array(lamp.color) * lamp.energy * factor],
         casts_shadow=bool(lamp.use_shadow),
-        visibility=visibility,
+        visibility=visibility & ~VISIBLE_CAMERA,  # Cycles never shows lamps to the camera
     )
     if lamp.type in ("POINT", "SPOT"):
         arguments["radius"] = lamp.shadow_soft_size
