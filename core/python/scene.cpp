@@ -1,7 +1,9 @@
+#include "geometry/patch_surface.h"
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "scene/description.h"
+#include "splines/nurbs.h"
 
 #include <array>
 #include <map>
@@ -62,6 +64,10 @@ int add_mesh(SceneDescription& scene, const std::string& name, const Array<float
     arrays.active_uv = uv;
     if (attributes) arrays.attributes = corner_attributes(name, *attributes, count);
     return scene.add_shape(std::make_shared<const TriangleMesh>(std::move(arrays)));
+}
+
+int add_surface(SceneDescription& scene, const std::string& name, const std::vector<NurbsSpline>& splines) {
+    return scene.add_shape(std::make_shared<const PatchSurface>(name, splines));
 }
 
 int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
@@ -164,6 +170,7 @@ void bind_scene(py::module_& module) {
         .def("attribute", &SceneDescription::attribute, "name"_a)
         .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a, "corner_normals"_a = py::none(),
              "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none())
+        .def("add_surface", &add_surface, "name"_a, "splines"_a)
         .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0)
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
         .def("add_instance", &add_instance, "name"_a, "shape"_a, "matrix"_a, "material_list"_a = -1,

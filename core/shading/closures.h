@@ -34,13 +34,13 @@ struct Lobe {
     LobeType type = LobeType::Diffuse;
     LobeKind kind = LobeKind::Diffuse;  ///< Glass: its reflection counts as Glossy, its refraction as Transmission
     MicrofacetDistribution distribution = MicrofacetDistribution::Ggx;
-    Color weight;                    ///< factor on the lobe's value
-    Vec3f normal;                    ///< unit; faces the viewer
-    Vec3f tangent;                   ///< for anisotropy, made orthogonal to `normal` by `add`; zero: any
+    Color weight{0, 0, 0};           ///< factor on the lobe's value
+    Vec3f normal{0, 0, 1};           ///< unit; faces the viewer
+    Vec3f tangent{0, 0, 0};          ///< for anisotropy, made orthogonal to `normal` by `add`; zero: any
     float alpha_x = 0, alpha_y = 0;  ///< microfacet roughness (already squared); both 0: singular
     float ior = 1.5f;                ///< index beyond the surface over that on the viewer's side
     float roughness = 0;             ///< Diffuse: Oren-Nayar's sigma, 0..1; PrincipledDiffuse: Disney's roughness
-    Color fresnel_0;                 ///< Schlick: reflectance at normal incidence
+    Color fresnel_0{0, 0, 0};        ///< Schlick: reflectance at normal incidence
     /// Dielectric: Reflection is weighted by the reflectance of `ior`, Refraction by the rest. Schlick: Reflection is
     /// coloured, from `fresnel_0` to white along the dielectric curve of `ior` (shading/fresnel.h).
     enum class Fresnel : uint8_t { None, Dielectric, Schlick } fresnel = Fresnel::None;
@@ -48,8 +48,9 @@ struct Lobe {
 
 /// A sampled direction.
 struct LobeSample {
-    Vec3f direction;    ///< unit
-    Color weight;       ///< all closures' value * |cosine| / density; singular: value * |cosine| / discrete probability
+    Vec3f direction{0, 0, 1};  ///< unit
+    Color weight{0, 0,
+                 0};    ///< all closures' value * |cosine| / density; singular: value * |cosine| / discrete probability
     float density = 0;  ///< of all non-singular lobes, per solid angle; 0 for singular samples
     LobeKind kind = LobeKind::Diffuse;  ///< of the lobe that was chosen
     bool singular = false;              ///< mirror or clear glass: no light sampling can find it

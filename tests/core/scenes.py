@@ -77,7 +77,7 @@ def sphere_spline(core, slot=0, smooth=True):
         3,
         cyclic_u=True,
         cyclic_v=False,
-        endpoint_u=False,
+        endpoint_u=True,
         endpoint_v=True,
         bezier_u=True,
         bezier_v=True,
