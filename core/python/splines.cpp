@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <tuple>
 
 namespace rayleaf {
@@ -46,7 +45,8 @@ bool make_homogeneous(std::vector<Vec4d>& points) {
 py::array_t<double> points_array(const std::vector<Vec4d>& points, std::vector<py::ssize_t> shape) {
     shape.push_back(4);
     py::array_t<double> out(std::move(shape));
-    std::memcpy(out.mutable_data(), points.data(), points.size() * sizeof(Vec4d));
+    double* to = out.mutable_data();
+    for (const Vec4d& point : points) to = std::copy_n(&point.x, 4, to);
     return out;
 }
 

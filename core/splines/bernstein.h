@@ -37,7 +37,7 @@ class BernsteinBasis {
 
   private:
     int degree_;
-    mutable StackBuffer<double, 3 * (kStackDegree + 1)> values_;
+    StackBuffer<double, 3 * (kStackDegree + 1)> values_;
 };
 
 /// Splits the curve of `points` (degree + 1 of them, `stride` apart) at t by de Casteljau's algorithm, in place:

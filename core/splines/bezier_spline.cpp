@@ -26,15 +26,16 @@ BezierChain to_bezier(const BezierSpline& spline) {
     chain.axis.degree = 3;
     chain.axis.closed = spline.cyclic;
     for (size_t i = 0; i < segments; ++i) {
-        const BezierKnot &from = spline.knots[i], &to = spline.knots[(i + 1) % count];
+        const BezierKnot &from = spline.knots[i], &to = i + 1 < count ? spline.knots[i + 1] : spline.knots.front();
         for (const Vec3d& p : {from.point, from.handle_right, to.handle_left})
             chain.points.push_back(homogeneous(p, 1.0));
-        const double share = 1.0 / static_cast<double>(segments);
         const bool joined = i + 1 < segments || spline.cyclic;
-        chain.axis.spans.push_back({static_cast<double>(i) * share, static_cast<double>(i + 1) * share,
+        const double total = static_cast<double>(segments);
+        chain.axis.spans.push_back({static_cast<double>(i) / total, static_cast<double>(i + 1) / total,
                                     static_cast<uint32_t>(3 * i), joined ? 0 : kDisjoint});
     }
-    chain.points.push_back(homogeneous(spline.knots[segments % count].point, 1.0));
+    const BezierKnot& last = spline.cyclic ? spline.knots.front() : spline.knots.back();
+    chain.points.push_back(homogeneous(last.point, 1.0));
     chain.axis.point_count = static_cast<uint32_t>(chain.points.size());
     return chain;
 }

@@ -14,6 +14,7 @@ class StackBuffer {
         if (size > Capacity) heap_.resize(size);
     }
     T* data() { return heap_.empty() ? stack_.data() : heap_.data(); }
+    const T* data() const { return heap_.empty() ? stack_.data() : heap_.data(); }
     T& operator[](size_t index) { return data()[index]; }
 
   private:

@@ -116,14 +116,14 @@ def test_the_bound_of_a_flat_parallelogram_is_nothing(core):
     assert core.BezierPatch(points).facet_distance_bound(1, 1) < 1e-14
 
 
-@pytest.mark.parametrize("weight_exponent, looseness", [(0.0, 3), (0.15, 10), (0.5, 10)])
+@pytest.mark.parametrize("weight_exponent, looseness", [(0.0, 3), (0.15, 6), (0.5, 6)])
 def test_the_bound_is_not_wasteful(core, weight_exponent, looseness):
-    """Median over random bicubic patches; a bound so much larger asks for sqrt(looseness) times finer grids."""
+    """Median over random bicubic patches: 1.8, 2.4 and 5.2 were measured. Its root is how much finer grids become."""
     ratios = []
     for seed in range(40):
         patch = random_patch(core, 3, 3, seed, weight_exponent)
         ratios.append(patch.facet_distance_bound(16, 16) / facet_distance(patch, 16, 16, "diagonal"))
-    assert np.median(ratios) < looseness, np.percentile(ratios, [10, 50, 90])
+    assert min(ratios) >= 1 and np.median(ratios) < looseness, np.percentile(ratios, [10, 50, 90])
 
 
 def test_the_bound_shrinks_with_the_square_of_the_cells(core):

@@ -222,6 +222,11 @@ def test_a_spline_carries_its_material_slot_and_smooth_flag(core):
     assert (spline.material_slot, spline.smooth) == (0, True)
 
 
+def test_the_segments_of_a_bezier_spline_cover_exactly_the_unit_range(core):
+    ranges = core.BezierSpline(np.random.default_rng(7).uniform(-1, 1, (50, 3, 3))).to_bezier().ranges
+    assert ranges[0, 0] == 0 and ranges[-1, 1] == 1 and np.array_equal(ranges[1:, 0], ranges[:-1, 1])
+
+
 @pytest.mark.parametrize("cyclic", [False, True])
 def test_bezier_splines_are_their_cubic_segments(core, cyclic):
     knots = np.random.default_rng(6).uniform(-1, 1, (4, 3, 3))
