@@ -251,7 +251,8 @@ def striped_world(core):
     direction = program.operation("generated")
     one = program.constant(1, 1, 1, 1)
     checker = program.operation(
-        "checker", [direction, program.constant(30, 25, 20, 1), program.constant(0.1, 0.2, 0.3, 1), program.constant(*[1.5] * 4)]
+        "checker",
+        [direction, program.constant(30, 25, 20, 1), program.constant(0.1, 0.2, 0.3, 1), program.constant(*[1.5] * 4)],
     )
     program.operation("background", [one, checker, one])
     return program
