@@ -38,6 +38,12 @@ void Contributions::add_scattered(const Color& light, int scatterings, const ByK
     add_split(clamped(light, direct ? settings_.clamp_direct : settings_.clamp_indirect), first_shares, direct);
 }
 
+void Contributions::add_albedo(const ByKind& albedo) {
+    constexpr std::array kColors = {Pass::diffuse_color, Pass::glossy_color, Pass::transmission_color};
+    for (const LobeKind kind : kLobeKinds)
+        if (is_finite(albedo[kind])) sample.add(kColors[static_cast<size_t>(kind)], albedo[kind]);
+}
+
 void Contributions::finish(float alpha) {
     if (settings_.exposure != 1.0f) {
         for (const PassInfo& entry : kPasses) {

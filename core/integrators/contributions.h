@@ -29,6 +29,8 @@ class Contributions {
     void add_first(const Color& light, const ByKind& shares);
     /// Light that came over `scatterings` (at least one) surfaces, the first of which passed it on in `first_shares`.
     void add_scattered(const Color& light, int scatterings, const ByKind& first_shares);
+    /// Colour of the lobes of each kind, of a surface the camera sees.
+    void add_albedo(const ByKind& albedo);
 
     PixelSample sample{};
 

@@ -224,9 +224,9 @@ void PathTracer::record_surface(const Vertex& vertex) {
     const Closures& closures = vertex.closures;
     if (settings_.film_transparent) alpha_ -= average(throughput_) * closures.holdout;
     if (settings_.color_passes) {
-        constexpr std::array kColors = {Pass::diffuse_color, Pass::glossy_color, Pass::transmission_color};
-        for (const LobeKind kind : kLobeKinds)
-            light_.sample.add(kColors[static_cast<size_t>(kind)], throughput_ * closures.albedo(vertex.outgoing, kind));
+        ByKind albedo;
+        for (const LobeKind kind : kLobeKinds) albedo[kind] = throughput_ * closures.albedo(vertex.outgoing, kind);
+        light_.add_albedo(albedo);
     }
     if (!settings_.surface_passes || surface_recorded_ || 1.0f - average(closures.transparency) < kPassOpacity) return;
     surface_recorded_ = true;
@@ -266,7 +266,7 @@ bool PathTracer::leave(const Vertex& vertex) {
 
 bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     throughput_ *= vertex.closures.transparency / probability;
-    if (!bounces_.pass_through(vertex.point.t)) return false;
+    if (!bounces_.pass_through(vertex.point.t) || !is_finite(throughput_)) return false;
     const Vec3f direction(ray_.direction);
     const Vec3d origin = vertex.point.ray_origin(direction);
     ray_.t_max -= (origin - ray_.origin).dot(ray_.direction);
