@@ -136,9 +136,18 @@ Vec3f rgb_to_hsv(const Vec3f& rgb) {
 }
 
 Vec3f hsv_to_rgb(const Vec3f& hsv) {
-    if (hsv.y == 0.0f) return Vec3f(hsv.z);
-    const float hue = hsv.x == 1.0f ? 0.0f : hsv.x;
-    return ((pure_hue(hue) - Vec3f(1.0f)) * hsv.y + Vec3f(1.0f)) * hsv.z;
+    const float value = hsv.z;
+    if (hsv.y == 0.0f) return Vec3f(value);
+    const float turn = hsv.x == 1.0f ? 0.0f : hsv.x * 6.0f;
+    const float sextant = std::floor(turn), rest = turn - sextant;
+    const float low = value * (1.0f - hsv.y), falling = value * (1.0f - hsv.y * rest),
+                rising = value * (1.0f - hsv.y * (1.0f - rest));
+    if (sextant == 0.0f) return {value, rising, low};
+    if (sextant == 1.0f) return {falling, value, low};
+    if (sextant == 2.0f) return {low, value, rising};
+    if (sextant == 3.0f) return {low, falling, value};
+    if (sextant == 4.0f) return {rising, low, value};
+    return {value, low, falling};  // hues outside 0..1 too, as in Cycles
 }
 
 Vec3f rgb_to_hsl(const Vec3f& rgb) {

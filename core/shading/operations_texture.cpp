@@ -11,7 +11,7 @@ float checker_value(const Vec3f& position) {
         const float cell = std::floor(x);
         return cell - 2.0f * std::floor(cell * 0.5f) != 0.0f;
     };
-    return (odd(p.x) == odd(p.y)) == odd(p.z) ? 0.0f : 1.0f;
+    return (odd(p.x) == odd(p.y)) == odd(p.z) ? 1.0f : 0.0f;
 }
 
 Vec2f equirectangular(const Vec3f& direction) {
@@ -44,7 +44,7 @@ Vec4f environment_value(const TextureStore& textures, std::span<const int32_t> i
         dx.x -= std::round(dx.x);
         dy.x -= std::round(dy.x);
     }
-    const TextureExtension extension = ball ? TextureExtension::Extend : TextureExtension::Panorama;
+    const TextureExtension extension = ball ? TextureExtension::Repeat : TextureExtension::Panorama;
     return textures.lookup(ints[0], uv, dx, dy, extension, interpolation);
 }
 

@@ -33,7 +33,7 @@ void add_diffuse(const Parameters& p, const Color& weight, Closures& closures) {
     diffuse.roughness = p.roughness;
     closures.add(diffuse);
     if (!(p.sheen > 0.0f)) return;
-    const Color color = mixed(Color(1.0f), tint(p.base_color, Color(0.2126f, 0.7152f, 0.0722f)), p.sheen_tint);
+    const Color color = mixed(Color(1.0f), tint(p.base_color, Color(0.2126729f, 0.7151522f, 0.0721750f)), p.sheen_tint);
     closures.add(lobe_of(LobeType::Sheen, LobeKind::Diffuse, p, weight * color * p.sheen));
 }
 

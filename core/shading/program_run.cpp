@@ -17,6 +17,8 @@ namespace {
 constexpr size_t kStackRegisters = 256;
 /// The hit and its two neighbours.
 constexpr size_t kPlaces = 3;
+/// Cycles' weights of linear Rec. 709: the second row of its matrix to XYZ.
+const Vec3f kLuminance(0.2126729f, 0.7151522f, 0.0721750f);
 
 Vec4f checker_operation(const Operands& operands) {
     const float factor = checker_value(operands.vector(0) * operands.scalar(3));
@@ -99,7 +101,7 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
         case Operation::combine:
             return Vec4f(operands.scalar(0), operands.scalar(1), operands.scalar(2), operands.scalar(3, 1.0f));
         case Operation::luminance:
-            return spread(luminance(operands.vector(0)));
+            return spread(operands.vector(0).dot(kLuminance));
         case Operation::average: {
             const Vec3f v = operands.vector(0);
             return spread((v.x + v.y + v.z) / 3.0f);

@@ -113,9 +113,13 @@ class TemporaryFolder {
     std::filesystem::path path_;
 };
 
-struct DestroyTextureSystem {
-    void operator()(oiio::TextureSystem* system) const { oiio::TextureSystem::destroy(system, true); }
-};
+/// The texture system of all stores, apart from any that the host program has. It is made by the first store and never
+/// destroyed: OpenImageIO 2.4 frees part of it with another alignment than it was allocated with, which corrupts the
+/// heap under jemalloc, the allocator that Blender runs with. Stores give their tiles back one by one instead.
+oiio::TextureSystem& texture_system() {
+    static oiio::TextureSystem* const system = oiio::TextureSystem::create(false);
+    return *system;
+}
 
 /// What a lookup needs to know of a texture.
 struct Texture {
@@ -171,16 +175,17 @@ Vec2f finite(const Vec2f& v) {
 
 struct TextureStore::Implementation {
     TemporaryFolder folder;
-    std::unique_ptr<oiio::TextureSystem, DestroyTextureSystem> system;
     std::vector<Texture> textures;
 
-    explicit Implementation(size_t memory_limit) : system(oiio::TextureSystem::create(false)) {
+    explicit Implementation(size_t memory_limit) {
         constexpr float kMegabyte = 1 << 20;
-        system->attribute("max_memory_MB", static_cast<float>(memory_limit) / kMegabyte);
-        system->attribute("forcefloat", 0);
-        system->attribute("gray_to_rgb", 0);
-        system->attribute("accept_untiled", 1);
+        texture_system().attribute("max_memory_MB", static_cast<float>(memory_limit) / kMegabyte);
     }
+    ~Implementation() {
+        for (size_t i = 0; i < textures.size(); ++i) texture_system().invalidate(oiio::ustring(folder.file(i)));
+    }
+    Implementation(const Implementation&) = delete;
+    Implementation& operator=(const Implementation&) = delete;
 
     TextureId add(const std::string& name, Picture picture, ColorSpace space) {
         normalize_channels(picture);
@@ -198,11 +203,12 @@ struct TextureStore::Implementation {
             throw InputError(name, "image", "not convertible (" + oiio::geterror() + ")",
                              "a texture in '" + file + "'");
         Texture texture;
-        texture.handle = system->get_texture_handle(oiio::ustring(file));
+        texture.handle = texture_system().get_texture_handle(oiio::ustring(file));
         texture.channels = picture.channels;
         texture.associated = picture.alpha_channel() >= 0 && space != ColorSpace::NonColor;
-        if (texture.handle == nullptr || !system->good(texture.handle))
-            throw InputError(name, "image", "not readable after conversion (" + system->geterror() + ")", "a texture");
+        if (texture.handle == nullptr || !texture_system().good(texture.handle))
+            throw InputError(name, "image", "not readable after conversion (" + texture_system().geterror() + ")",
+                             "a texture");
         textures.push_back(texture);
         return static_cast<TextureId>(textures.size()) - 1;
     }
@@ -260,8 +266,8 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
     oiio::TextureOpt lookup_options = options(extension, interpolation);
     float value[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     // OpenImageIO's t runs down the picture.
-    implementation_->system->texture(texture.handle, nullptr, lookup_options, p.x, 1.0f - p.y, dx.x, -dx.y, dy.x, -dy.y,
-                                     texture.channels, value);
+    texture_system().texture(texture.handle, nullptr, lookup_options, p.x, 1.0f - p.y, dx.x, -dx.y, dy.x, -dy.y,
+                             texture.channels, value);
     if (texture.channels < 4) {
         const bool inside = p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 1.0f;
         value[3] = extension != TextureExtension::Clip || inside ? 1.0f : 0.0f;
@@ -276,8 +282,8 @@ TextureStore::Statistics TextureStore::statistics() const {
     Statistics result;
     result.textures = implementation_->textures.size();
     long long bytes = 0, tiles = 0;
-    implementation_->system->getattribute("stat:cache_memory_used", oiio::TypeDesc::INT64, &bytes);
-    implementation_->system->getattribute("stat:tiles_created", oiio::TypeDesc::INT64, &tiles);
+    texture_system().getattribute("stat:cache_memory_used", oiio::TypeDesc::INT64, &bytes);
+    texture_system().getattribute("stat:tiles_created", oiio::TypeDesc::INT64, &tiles);
     result.bytes = static_cast<size_t>(std::max(bytes, 0LL));
     result.file_reads = static_cast<size_t>(std::max(tiles, 0LL));
     return result;

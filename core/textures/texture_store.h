@@ -25,7 +25,8 @@ enum class TextureInterpolation : uint8_t { Linear, Closest, Cubic };
 /// than the library does; a lookup never throws.
 class TextureStore {
   public:
-    /// `memory_limit` in bytes, for cached tiles.
+    /// `memory_limit` in bytes, for cached tiles, at least 10 MB. Stores that live at the same time share one cache;
+    /// the limit is that of the newest.
     explicit TextureStore(size_t memory_limit);
     ~TextureStore();
     TextureStore(const TextureStore&) = delete;

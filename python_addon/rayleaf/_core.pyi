@@ -15,6 +15,9 @@ Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
+# Programs, closures and textures on arrays, for tests alone: a submodule.
+shading: Any
+
 class InputError(ValueError):
     """Input that cannot be rendered; the message names the object, the argument, what came and what was wanted."""
 
@@ -22,7 +25,8 @@ class Program:
     """A flat shader program. The operations are those of core/shading/operations.def."""
 
     def __init__(self, name: str) -> None: ...
-    def constant(self, x: float, y: float, z: float, w: float) -> int: ...
+    def constant(self, x: float, y: float, z: float, w: float) -> int:
+        """A register that holds four finite numbers."""
     def operation(
         self,
         identifier: str,
@@ -30,7 +34,12 @@ class Program:
         ints: Sequence[int] = (),
         floats: Sequence[float] = (),
         text: str = "",
-    ) -> int: ...
+    ) -> int:
+        """Appends an operation; the register of its result, -1 for closures."""
+    name: str
+    emits: bool
+    may_be_transparent: bool
+    is_constant: bool
 
 class NurbsSpline:
     """One spline of a Blender SURFACE object. `points` is (count_v, count_u, 4): x, y, z, weight, object space."""

@@ -1,0 +1,98 @@
+"""The nodes that test_nodes_oracle.py compares with Cycles, each with settings that show its differences."""
+
+from typing import Any, Callable
+
+_MATH = {
+    1: "SQRT INVERSE_SQRT ABSOLUTE EXPONENT SIGN ROUND FLOOR CEIL TRUNC FRACT SINE COSINE TANGENT ARCSINE ARCCOSINE"
+    " ARCTANGENT SINH COSH TANH RADIANS DEGREES",
+    2: "ADD SUBTRACT MULTIPLY DIVIDE POWER LOGARITHM MINIMUM MAXIMUM LESS_THAN GREATER_THAN MODULO SNAP PINGPONG ARCTAN2",
+    3: "MULTIPLY_ADD COMPARE SMOOTH_MIN SMOOTH_MAX WRAP",
+}
+_VECTOR_MATH = (
+    "ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT PROJECT REFLECT REFRACT FACEFORWARD SCALE NORMALIZE ABSOLUTE"
+    " MINIMUM MAXIMUM FLOOR CEIL FRACTION MODULO WRAP SNAP SINE COSINE TANGENT"
+)
+_BLENDS = (
+    "MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT DIFFERENCE SUBTRACT DIVIDE HUE"
+    " SATURATION COLOR VALUE"
+)
+
+
+def _arithmetic(case: Callable[..., Any]) -> list[Any]:
+    found = []
+    for count, names in _MATH.items():
+        for name in names.split():
+            inputs = dict(zip(("Value", "Value_001", "Value_002"), ("x", "y", 0.7)[:count]))
+            found.append(case("ShaderNodeMath", {"operation": name}, inputs))
+    found.append(case("ShaderNodeMath", {"operation": "ADD", "use_clamp": True}, {"Value": "x", "Value_001": "y"}))
+    for name in _VECTOR_MATH.split():
+        inputs = {"Vector": "p", "Vector_001": (0.6, -0.7, 0.9), "Vector_002": (0.2, 0.4, -0.3), "Scale": 0.8}
+        found.append(case("ShaderNodeVectorMath", {"operation": name}, inputs, "Vector"))
+    for name in ("DOT_PRODUCT", "DISTANCE", "LENGTH"):
+        inputs = {"Vector": "p", "Vector_001": (0.6, -0.7, 0.9)}
+        found.append(case("ShaderNodeVectorMath", {"operation": name}, inputs, "Value"))
+    for name in ("MINMAX", "RANGE"):
+        found.append(case("ShaderNodeClamp", {"clamp_type": name}, {"Value": "x", "Min": 0.5, "Max": -0.5}))
+    for name in ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP"):
+        for clamp in (False, True):
+            inputs = {"Value": "x", "From Min": -1.0, "From Max": 1.2, "To Min": 0.8, "To Max": -0.4}
+            found.append(case("ShaderNodeMapRange", {"interpolation_type": name, "clamp": clamp}, inputs, "Result"))
+    for name in ("POINT", "TEXTURE", "VECTOR", "NORMAL"):
+        inputs = {"Vector": "p", "Rotation": (0.3, -0.8, 1.9), "Scale": (1.3, 0.7, -0.5)}
+        if name in ("POINT", "TEXTURE"):
+            inputs["Location"] = (0.1, 0.2, -0.4)
+        found.append(case("ShaderNodeMapping", {"vector_type": name}, inputs))
+    return found
+
+
+def _colors(case: Callable[..., Any]) -> list[Any]:
+    found = []
+    for name in _BLENDS.split():
+        for fixed in ({"Color2": (0.2, 0.7, 0.4, 1)}, {"Color1": (0.9, 0.3, 0.1, 1)}):
+            inputs = {"Fac": 0.6, "Color1": "p", "Color2": "p", **fixed}
+            found.append(case("ShaderNodeMixRGB", {"blend_type": name}, inputs))
+    found.append(case("ShaderNodeMixRGB", {"use_clamp": True}, {"Fac": "x", "Color1": "p"}))
+    for mode in ("HSV", "HSL"):
+        found += [case("ShaderNodeSeparateColor", {"mode": mode}, {"Color": "p"}, o) for o in ("Red", "Green", "Blue")]
+        inputs = {"Red": "x", "Green": "y", "Blue": 0.6}
+        found.append(case("ShaderNodeCombineColor", {"mode": mode}, inputs))
+    found.append(case("ShaderNodeGamma", {}, {"Color": "p", "Gamma": 1.7}))
+    found.append(case("ShaderNodeInvert", {}, {"Color": "p", "Fac": 0.8}))
+    found.append(case("ShaderNodeBrightContrast", {}, {"Color": "p", "Bright": 0.3, "Contrast": 0.4}))
+    inputs = {"Color": "p", "Hue": 0.3, "Saturation": 1.4, "Value": 0.8, "Fac": 0.9}
+    found.append(case("ShaderNodeHueSaturation", {}, inputs))
+    found.append(case("ShaderNodeRGBToBW", {}, {"Color": "p"}))
+    return found
+
+
+def _textures(case: Callable[..., Any], make_image: Callable[[str], Any]) -> list[Any]:
+    found = []
+    for dimensions in ("1D", "2D", "3D", "4D"):
+        for detail, roughness, distortion in ((0.0, 0.5, 0.0), (2.0, 0.5, 0.0), (3.6, 0.7, 0.0), (2.0, 0.5, 1.3)):
+            inputs: dict[str, Any] = {"Scale": 1.7, "Detail": detail, "Roughness": roughness, "Distortion": distortion}
+            if dimensions != "1D":
+                inputs["Vector"] = "p"
+            if dimensions in ("1D", "4D"):
+                inputs["W"] = "x"
+            found.append(case("ShaderNodeTexNoise", {"noise_dimensions": dimensions}, inputs, "Color"))
+    found.append(case("ShaderNodeTexNoise", {}, {"Vector": "p", "Scale": 3.0}, "Fac"))
+    inputs = {"Vector": "p", "Color1": (0.8, 0.1, 0.2, 1), "Color2": (0.1, 0.2, 0.9, 1), "Scale": 1.9}
+    found += [case("ShaderNodeTexChecker", {}, inputs, output) for output in ("Color", "Fac")]
+    # Cycles interpolates sRGB numbers and decodes the result; the core decodes first. So sRGB is compared at pixels only.
+    for space, interpolations in (("sRGB", ("Closest",)), ("Non-Color", ("Linear", "Closest", "Cubic"))):
+        image = make_image(space)
+        for interpolation in interpolations:
+            for extension in ("REPEAT", "EXTEND", "CLIP"):
+                settings = {"image": image, "interpolation": interpolation, "extension": extension}
+                found.append(case("ShaderNodeTexImage", settings, {"Vector": "p"}, "Color"))
+    for projection in ("EQUIRECTANGULAR", "MIRROR_BALL"):
+        settings = {"image": make_image("Non-Color"), "interpolation": "Linear", "projection": projection}
+        found.append(case("ShaderNodeTexEnvironment", settings, {"Vector": "p"}))
+    found.append(case("ShaderNodeFresnel", {}, {"IOR": "x"}))
+    found += [case("ShaderNodeLayerWeight", {}, {"Blend": "x"}, output) for output in ("Fresnel", "Facing")]
+    return found
+
+
+def all_cases(case: Callable[..., Any], make_image: Callable[[str], Any]) -> list[Any]:
+    """Every case; `case` makes one, `make_image` a small picture of a colour space."""
+    return _arithmetic(case) + _colors(case) + _textures(case, make_image)

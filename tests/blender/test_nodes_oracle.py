@@ -1,0 +1,25 @@
+"""Nodes compute what Cycles computes, point for point."""
+
+from pathlib import Path
+
+# Results are compared relative to their size where that exceeds 1. Single precision in another order of operations:
+EXACT = 2e-5
+# Images are kept as half floats, with 11 bits.
+HALF = 2.0**-11
+# Steps (floors, comparisons, borders of cells) fall differently where a coordinate rounds to the other side.
+SHARE_AT_STEPS = 0.03
+
+
+def test_nodes_give_what_cycles_gives_at_the_same_points(run_blender, tmp_path):
+    run = run_blender(Path(__file__).parent / "nodes_oracle.py", tmp_path)
+    differences, ranges = run.report["differences"], run.report["ranges"]
+    assert len(differences) > 150
+    wrong = {}
+    for name, sorted_differences in differences.items():
+        tolerance = HALF if "Image" in name or "Environment" in name else EXACT
+        allowed = sorted_differences[int(len(sorted_differences) * (1 - SHARE_AT_STEPS)) - 1]
+        if allowed > tolerance:
+            wrong[name] = {"median": sorted_differences[len(sorted_differences) // 2], "97 %": allowed}
+    assert wrong == {}
+    flat = [name for name, (least, most) in ranges.items() if least == most]
+    assert len(flat) < 5, f"cases that show one value everywhere compare nothing: {flat}"

@@ -1,0 +1,281 @@
+"""Closures conserve energy, and their samplers, densities and values agree."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from shading_support import (
+    UP,
+    albedo,
+    cell_of,
+    chi_square_p_value,
+    closures,
+    direction,
+    integrated,
+    principled,
+    program_with,
+    stratified,
+)
+
+MICROFACETS = ("GGX", "BECKMANN")
+COSINES = (1.0, 0.7, 0.3, 0.08)
+WHITE = (1.0, 1.0, 1.0)
+
+
+def rough_lobes():
+    """Named programs of one non-singular lobe each."""
+    lobes = {
+        "diffuse": program_with("diffuse", [1.0, WHITE]),
+        "oren_nayar": program_with("diffuse", [1.0, WHITE, 0.8]),
+        "translucent": program_with("translucent", [1.0, WHITE]),
+        "sheen": principled(base_color=(0.0, 0.0, 0.0), specular=0.0, sheen=1.0, sheen_tint=0.0),
+        "principled_diffuse": principled(base_color=WHITE, specular=0.0, roughness=0.7),
+        "clearcoat": principled(base_color=(0.0, 0.0, 0.0), specular=0.0, clearcoat=1.0, clearcoat_roughness=0.5),
+        "anisotropic": principled(base_color=WHITE, metallic=1.0, roughness=0.6, anisotropic=0.8),
+        "principled": principled(metallic=0.3, clearcoat=1.0, clearcoat_roughness=0.4, sheen=0.5, transmission=0.4),
+    }
+    for text in MICROFACETS:
+        for roughness in (0.25, 0.5, 1.0):
+            lobes[f"glossy_{text}_{roughness}"] = program_with("glossy", [1.0, WHITE, roughness], text)
+            for ior in (1.45, 1 / 1.45):
+                operands = [1.0, WHITE, roughness, ior]
+                lobes[f"refraction_{text}_{roughness}_{ior:.2f}"] = program_with("refraction", operands, text)
+                lobes[f"glass_{text}_{roughness}_{ior:.2f}"] = program_with("glass", operands, text)
+    return lobes
+
+
+ROUGH = rough_lobes()
+
+
+@pytest.mark.parametrize("cosine", COSINES)
+@pytest.mark.parametrize("name", ROUGH)
+def test_the_sampler_matches_its_density(name, cosine):
+    outgoing = direction(cosine)
+    lobes = closures(ROUGH[name], outgoing)
+    rows, columns, count = 24, 48, 160
+    sample = lobes.sample(outgoing, UP, np.random.default_rng(7).random((count**2, 3), np.float32))
+    observed = np.bincount(cell_of(sample["direction"][sample["valid"]], rows, columns), minlength=rows * columns)
+    expected = integrated(lambda points: lobes.density(outgoing, points, UP), rows, columns) * count**2
+    assert expected.sum() <= count**2 * 1.005, "a density integrates to at most 1"
+    assert observed.sum() == pytest.approx(expected.sum(), abs=5 * count), "samples fail as often as the density says"
+    p = chi_square_p_value(observed.astype(float), expected)
+    assert p > 1e-5, f"{name} at cosine {cosine}: p = {p}"
+
+
+@pytest.mark.parametrize("name", ROUGH)
+def test_a_samples_weight_is_value_over_density(name):
+    outgoing = direction(0.8)
+    lobes = closures(ROUGH[name], outgoing)
+    sample = lobes.sample(outgoing, UP, stratified(40))
+    valid = sample["valid"]
+    assert valid.sum() > 100
+    value = lobes.evaluate(outgoing, sample["direction"][valid], UP)
+    density = lobes.density(outgoing, sample["direction"][valid], UP)
+    np.testing.assert_allclose(sample["density"][valid], density, rtol=1e-6)
+    np.testing.assert_allclose(sample["weight"][valid] * density[:, None], value, rtol=1e-5, atol=1e-9)
+    below = sample["direction"][valid][:, 2] < 0
+    np.testing.assert_array_equal(sample["transmitted"][valid], below)
+
+
+@pytest.mark.parametrize("cosine", COSINES)
+@pytest.mark.parametrize("name", ROUGH)
+def test_no_lobe_makes_light(name, cosine):
+    outgoing = direction(cosine)
+    share = albedo(closures(ROUGH[name], outgoing), outgoing)
+    limit = 1.0
+    if name in ("principled", "principled_diffuse"):
+        limit = 1.35  # Disney's sum of diffuse, retro-reflection and coats is not bounded by 1 at grazing angles
+    assert (share <= limit + 0.01).all(), share
+
+
+@pytest.mark.parametrize("cosine", COSINES)
+@pytest.mark.parametrize("name", ["diffuse", "translucent"])
+def test_white_lambert_scatters_all_light(name, cosine):
+    outgoing = direction(cosine)
+    np.testing.assert_allclose(albedo(closures(ROUGH[name], outgoing), outgoing), 1.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("roughness", (0.2, 0.4, 0.6, 0.8, 1.0))
+@pytest.mark.parametrize("cosine", (1.0, 0.6, 0.3, 0.1))
+def test_compensated_reflection_gives_back_all_light(roughness, cosine):
+    outgoing = direction(cosine)
+    share = albedo(closures(program_with("glossy", [1.0, WHITE, roughness], "MULTI_GGX"), outgoing), outgoing)
+    np.testing.assert_allclose(share, 1.0, atol=0.01)
+
+
+@pytest.mark.parametrize("roughness", (0.3, 0.6, 1.0))
+@pytest.mark.parametrize("ior", (1.3, 1.5, 2.4, 1 / 1.5))
+@pytest.mark.parametrize("cosine", (1.0, 0.5, 0.15))
+def test_compensated_glass_loses_nothing(roughness, ior, cosine):
+    outgoing = direction(cosine)
+    program = program_with("glass", [1.0, WHITE, roughness, ior], "MULTI_GGX")
+    np.testing.assert_allclose(albedo(closures(program, outgoing), outgoing), 1.0, atol=0.015)
+
+
+@pytest.mark.parametrize("ior", (1.0, 1 + 1e-6, 1 - 1e-6, 0.7, 1.33, 10.0))
+@pytest.mark.parametrize("cosine", (1.0, 0.5, 0.05, 1e-3))
+def test_smooth_glass_loses_nothing(ior, cosine):
+    outgoing = direction(cosine)
+    lobes = closures(program_with("glass", [1.0, WHITE, 0.0, ior], "SHARP"), outgoing)
+    sample = lobes.sample(outgoing, UP, stratified(16))
+    assert sample["valid"].all() and sample["singular"].all()
+    np.testing.assert_allclose(sample["weight"], 1.0, atol=1e-5)
+    if abs(ior - 1) < 1e-5 and sample["transmitted"].any():
+        assert abs(sample["direction"][sample["transmitted"]] + outgoing).max() < 2e-3
+
+
+def test_a_clear_interface_passes_light_unbent():
+    outgoing = direction(0.4)
+    sample = closures(program_with("glass", [1.0, WHITE, 0.7, 1.0], "GGX"), outgoing).sample(
+        outgoing, UP, stratified(8)
+    )
+    assert sample["valid"].all() and sample["transmitted"].all()
+    np.testing.assert_allclose(sample["direction"], np.tile(-outgoing, (64, 1)), atol=1e-6)
+
+
+def test_a_mirror_reflects_everything_to_the_mirror_direction():
+    outgoing = direction(0.3, 0.0)
+    lobes = closures(program_with("glossy", [1.0, (0.9, 0.5, 0.1), 0.0], "GGX"), outgoing)
+    sample = lobes.sample(outgoing, UP, np.float32([[0.3, 0.4, 0.5]]))
+    np.testing.assert_allclose(sample["direction"][0], outgoing * (-1, -1, 1), atol=1e-6)
+    np.testing.assert_allclose(sample["weight"][0], (0.9, 0.5, 0.1), rtol=1e-6)
+    assert not lobes.has_smooth_lobes() and sample["density"][0] == 0
+    assert (lobes.evaluate(outgoing, sample["direction"], UP) == 0).all()
+
+
+@pytest.mark.parametrize("cosine", (0.9, 0.5, 0.2))
+def test_smooth_refraction_follows_snell_and_fresnel(cosine):
+    ior = 1.5
+    outgoing = direction(cosine, 0.0)
+    sample = closures(program_with("glass", [1.0, WHITE, 0.0, ior], "SHARP"), outgoing).sample(
+        outgoing, UP, stratified(64)
+    )
+    through = sample["transmitted"]
+    sine = np.sqrt(1 - cosine**2)
+    np.testing.assert_allclose(sample["direction"][through][:, 0], -sine / ior, atol=1e-6)
+    np.testing.assert_allclose(sample["eta"][through], 1 / ior, rtol=1e-6)
+    cos_t = np.sqrt(1 - (sine / ior) ** 2)
+    s, p = (cosine - ior * cos_t) / (cosine + ior * cos_t), (cos_t - ior * cosine) / (cos_t + ior * cosine)
+    assert abs((~through).mean() - (s * s + p * p) / 2) < 0.015  # 4096 draws
+    kinds = set(sample["kind"][through]), set(sample["kind"][~through])
+    assert kinds == ({2}, {1})
+
+
+def test_light_inside_glass_is_totally_reflected_beyond_the_critical_angle():
+    outgoing = -direction(0.3)  # the critical cosine of 1.5 is 0.745
+    sample = closures(program_with("glass", [1.0, WHITE, 0.0, 1.5], "SHARP"), outgoing).sample(
+        outgoing, UP, stratified(8)
+    )
+    assert sample["valid"].all() and not sample["transmitted"].any()
+    refraction = closures(program_with("refraction", [1.0, WHITE, 0.0, 1.5], "SHARP"), outgoing)
+    assert not refraction.sample(outgoing, UP, stratified(8))["valid"].any()
+
+
+def test_the_index_turns_over_for_a_viewer_inside():
+    inside, outside = -direction(0.9, 0.0), direction(0.9, 0.0)
+    program = program_with("refraction", [1.0, WHITE, 0.0, 1.5], "SHARP")
+    down = closures(program, outside).sample(outside, UP, stratified(1))
+    up = closures(program, inside).sample(inside, UP, stratified(1))
+    sine = np.sqrt(1 - 0.81)
+    np.testing.assert_allclose(abs(down["direction"][0, 0]), sine / 1.5, rtol=1e-5)
+    np.testing.assert_allclose(abs(up["direction"][0, 0]), sine * 1.5, rtol=1e-5)
+    assert up["direction"][0, 2] > 0 > down["direction"][0, 2]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["diffuse", "sheen", "principled_diffuse", "clearcoat", "anisotropic", "glossy_GGX_0.5", "glossy_BECKMANN_0.5"],
+)
+def test_reflection_is_reciprocal(name):
+    random = np.random.default_rng(3)
+    for _ in range(50):
+        a, b = (direction(float(random.uniform(0.05, 1)), float(random.uniform(0, 6.28))) for _ in range(2))
+        forward = closures(ROUGH[name], a).evaluate(a, b[None], UP)[0] / b[2]
+        back = closures(ROUGH[name], b).evaluate(b, a[None], UP)[0] / a[2]
+        np.testing.assert_allclose(forward, back, rtol=2e-3, atol=1e-7, err_msg=f"{a} {b}")
+
+
+def test_no_light_leaks_through_a_bent_normal():
+    outgoing, bent = direction(0.3, 0.0), direction(0.5, 1.0)
+    below = -direction(0.2, 1.0)
+    for name in ("diffuse", "glossy_GGX_0.5", "anisotropic"):
+        lobes = closures(ROUGH[name], outgoing, normal=bent)
+        assert (lobes.evaluate(outgoing, below[None], UP) == 0).all()
+        sample = lobes.sample(outgoing, UP, stratified(32))
+        assert (sample["direction"][sample["valid"]][:, 2] > 0).all()
+
+
+@pytest.mark.parametrize("tilt", (0.1, 0.5, 0.9, 1.3))
+def test_a_mirror_with_a_bent_normal_never_goes_black(tilt):
+    normal = np.float32((np.sin(tilt), 0, np.cos(tilt)))
+    for cosine in (0.9, 0.4, 0.05):
+        for azimuth in np.linspace(0, 2 * np.pi, 9):
+            outgoing = direction(cosine, float(azimuth))
+            sample = closures(program_with("glossy", [1.0, WHITE, 0.0], "SHARP"), outgoing, normal=normal).sample(
+                outgoing, UP, np.float32([[0.5, 0.5, 0.5]])
+            )
+            assert sample["valid"][0] and sample["direction"][0, 2] > 0, (tilt, cosine, azimuth)
+
+
+def test_evaluation_by_kind_adds_up():
+    outgoing = direction(0.6)
+    lobes = closures(ROUGH["principled"], outgoing)
+    incoming = np.random.default_rng(1).normal(size=(200, 3))
+    incoming = (incoming / np.linalg.norm(incoming, axis=1)[:, None]).astype(np.float32)
+    from rayleaf import _core
+
+    kinds = [_core.shading.LobeKind.DIFFUSE, _core.shading.LobeKind.GLOSSY, _core.shading.LobeKind.TRANSMISSION]
+    parts = sum(lobes.evaluate(outgoing, incoming, UP, kind) for kind in kinds)
+    np.testing.assert_allclose(parts, lobes.evaluate(outgoing, incoming, UP), rtol=1e-5, atol=1e-8)
+    assert all(max(lobes.albedo(outgoing, kind)) > 0 for kind in kinds)
+
+
+extreme = st.one_of(
+    st.sampled_from([0.0, 1.0, -1.0, 1e-30, 1e-8, 1 + 1e-6, 1 - 1e-6, 10.0, 1e6, 3e38]),
+    st.floats(-10, 10, width=32),
+)
+unit = st.tuples(st.floats(-1, 1, width=32), st.floats(0, 6.25, width=32))
+
+
+@given(
+    st.lists(extreme, min_size=21, max_size=21),
+    st.sampled_from(["", "MULTI_GGX"]),
+    unit,
+    unit,
+    st.floats(0, 6.25, width=32),
+)
+def test_principled_is_finite_for_any_numbers(numbers, text, view, light, tilt):
+    operands = list(numbers[:18]) + [None, None, None]
+    outgoing, incoming = direction(*view), direction(*light)
+    normal = np.float32((np.sin(tilt), 0, np.cos(tilt)))
+    lobes = closures(program_with("principled", operands, text), outgoing, normal=normal)
+    check_finite(lobes, outgoing, incoming)
+
+
+@given(
+    st.sampled_from(["glossy", "glass", "refraction"]),
+    st.sampled_from(["SHARP", "GGX", "MULTI_GGX", "BECKMANN", "ASHIKHMIN_SHIRLEY"]),
+    st.lists(extreme, min_size=4, max_size=4),
+    unit,
+    unit,
+)
+def test_microfacets_are_finite_for_any_numbers(identifier, text, numbers, view, light):
+    operands = numbers[:3] if identifier == "glossy" else numbers
+    outgoing, incoming = direction(*view), direction(*light)
+    lobes = closures(program_with(identifier, operands, text), outgoing)
+    check_finite(lobes, outgoing, incoming)
+
+
+def check_finite(lobes, outgoing, incoming):
+    """Nothing the closures say is NaN or infinite, nor negative."""
+    random = np.float32([[0, 0, 0], [0.999999, 0.999999, 0.999999], [0.3, 0.7, 0.5], [0.9, 0.1, 0.99]])
+    sample = lobes.sample(outgoing, UP, random)
+    for name in ("direction", "weight", "density", "eta"):
+        assert np.isfinite(sample[name]).all(), name
+    lengths = np.linalg.norm(sample["direction"][sample["valid"]], axis=1)
+    np.testing.assert_allclose(lengths, 1, atol=1e-4)
+    # Huge weights overflow in sums of values; the closures must still not say NaN.
+    value = lobes.evaluate(outgoing, incoming[None], UP)
+    assert not np.isnan(value).any() and (value >= 0).all()
+    density = lobes.density(outgoing, incoming[None], UP)
+    assert not np.isnan(density).any() and (density >= 0).all()
