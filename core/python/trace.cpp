@@ -2,6 +2,10 @@
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "tessellation/grid_intersection.h"
+#include "tessellation/simd_targets.h"
+#include "tessellation/tessellation_store.h"
+#include "trace/baselines.h"
 #include "trace/tracer.h"
 
 #include <oneapi/tbb/blocked_range.h>
@@ -59,17 +63,21 @@ std::shared_ptr<TriangleMesh> make_mesh(const std::string& name, const Array<flo
     return std::make_shared<TriangleMesh>(std::move(arrays));
 }
 
+DicingView view_from(double pixel_angle, const std::array<double, 3>& eye) {
+    DicingView view;
+    view.pixel_angle = pixel_angle;
+    view.eye = {eye[0], eye[1], eye[2]};
+    return view;
+}
+
 std::unique_ptr<Tracer> make_tracer(const std::vector<Placement>& placements, double pixel_angle,
                                     const std::array<double, 3>& eye) {
     std::vector<TracedInstance> instances;
     instances.reserve(placements.size());
     for (const auto& [shape, matrix, visibility] : placements)
         instances.push_back({shape, affine_of(shape->name(), matrix), static_cast<uint8_t>(visibility)});
-    DicingView view;
-    view.pixel_angle = pixel_angle;
-    view.eye = {eye[0], eye[1], eye[2]};
     const py::gil_scoped_release released;
-    return std::make_unique<Tracer>(std::move(instances), view);
+    return std::make_unique<Tracer>(std::move(instances), view_from(pixel_angle, eye));
 }
 
 /// Rays from arrays of three doubles each, with t_min and t_max per ray.
@@ -110,7 +118,7 @@ py::array_t<T> columns(size_t rows, size_t count) {
 }
 
 template <typename V, typename T>
-void store(const V& value, T* out) {
+void store_vector(const V& value, T* out) {
     for (int i = 0; i < 3; ++i) out[i] = value[i];
 }
 
@@ -140,16 +148,16 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
         u_out[i] = hit ? hit->local.u : 0.0f;
         v_out[i] = hit ? hit->local.v : 0.0f;
         offset_out[i] = point.start_offset;
-        store(point.position, position_out + 3 * i);
-        store(point.facet_position, facet_out + 3 * i);
-        store(point.normal, normal_out + 3 * i);
-        store(point.facet_normal, facet_normal_out + 3 * i);
+        store_vector(point.position, position_out + 3 * i);
+        store_vector(point.facet_position, facet_out + 3 * i);
+        store_vector(point.normal, normal_out + 3 * i);
+        store_vector(point.facet_normal, facet_normal_out + 3 * i);
         uv_out[2 * i] = point.uv.x;
         uv_out[2 * i + 1] = point.uv.y;
-        store(point.dp_du, derivatives_out + 12 * i);
-        store(point.dp_dv, derivatives_out + 12 * i + 3);
-        store(point.dn_du, derivatives_out + 12 * i + 6);
-        store(point.dn_dv, derivatives_out + 12 * i + 9);
+        store_vector(point.dp_du, derivatives_out + 12 * i);
+        store_vector(point.dp_dv, derivatives_out + 12 * i + 3);
+        store_vector(point.dn_du, derivatives_out + 12 * i + 6);
+        store_vector(point.dn_dv, derivatives_out + 12 * i + 9);
     };
     {
         const py::gil_scoped_release released;
@@ -180,6 +188,55 @@ py::array_t<bool> occluded(const Tracer& tracer, const Array<double>& origins, c
     tbb::parallel_for(size_t{0}, rays.size(),
                       [&](size_t i) { out[i] = tracer.occluded(rays[i], static_cast<Visibility>(kind)); });
     return result;
+}
+
+/// The grid of one patch that is not split, as (17, 17, 3): rows run along v.
+py::array_t<float> diced_patch(const PatchSurface& surface, uint32_t patch) {
+    const double no_limit = std::numeric_limits<double>::infinity();
+    const TessellationStore store(surface, SplitPlan(surface, [no_limit](const Box3d&) { return no_limit; }));
+    const Grid& grid = store.grid(patch);
+    py::array_t<float> result(std::vector<size_t>{kGridVertices, kGridVertices, 3});
+    for (int k = 0; k < kGridSize; ++k)
+        store_vector(grid.vertex(k % kGridVertices, k / kGridVertices), result.mutable_data() + 3 * k);
+    return result;
+}
+
+/// The first candidates of rays (n, 3) in the grid of one patch that is not split, in its local space: t and triangle,
+/// -1 where there is none.
+py::tuple grid_candidates(const PatchSurface& surface, uint32_t patch, const Array<float>& origins,
+                          const Array<float>& directions) {
+    const double no_limit = std::numeric_limits<double>::infinity();
+    const TessellationStore store(surface, SplitPlan(surface, [no_limit](const Box3d&) { return no_limit; }));
+    const Grid& grid = store.grid(patch);
+    const NextCandidate next_candidate = next_candidate_function();
+    const py::ssize_t count = origins.size() / 3;
+    py::array_t<float> t(count);
+    py::array_t<int32_t> triangle(count);
+    for (py::ssize_t i = 0; i < count; ++i) {
+        const float *o = origins.data() + 3 * i, *d = directions.data() + 3 * i;
+        GridCandidate next;
+        const bool found = next_candidate(grid, GridRay({o[0], o[1], o[2]}, {d[0], d[1], d[2]}),
+                                          std::numeric_limits<float>::infinity(), GridCandidate::none(), next);
+        t.mutable_data()[i] = found ? next.t : std::numeric_limits<float>::infinity();
+        triangle.mutable_data()[i] = found ? static_cast<int32_t>(next.triangle) : -1;
+    }
+    return py::make_tuple(t, triangle);
+}
+
+template <typename Target>
+py::tuple timed(const Target& target, const Array<double>& origins, const Array<double>& directions) {
+    const Rays rays = rays_from(origins, directions, number(0.0), number(std::numeric_limits<double>::infinity()));
+    std::vector<Ray> made;
+    made.reserve(rays.size());
+    for (size_t i = 0; i < rays.size(); ++i) made.push_back(rays[i]);
+    py::array_t<double> t(rays.size());
+    const std::span<double> out(t.mutable_data(), rays.size());
+    double seconds = 0;
+    {
+        const py::gil_scoped_release released;
+        seconds = time_closest(target, made, out);
+    }
+    return py::make_tuple(seconds, t);
 }
 
 py::dict statistics(const Tracer& tracer) {
@@ -228,8 +285,30 @@ void bind_trace(py::module_& parent) {
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
+        .def("timed_closest", &timed<Tracer>, py::arg("origins"), py::arg("directions"),
+             "(processor seconds on one thread, t)")
         .def("bounds", &bounds)
         .def("statistics", &statistics);
+
+    module.def("simd_targets", &simd_targets, "Instruction sets the kernels can use here, the best one first.");
+    module.def("use_simd_target", &use_simd_target, py::arg("name"), "For new tracers; empty: the best.");
+    module.def("diced_patch", &diced_patch, py::arg("surface"), py::arg("patch"));
+    module.def("grid_candidates", &grid_candidates, py::arg("surface"), py::arg("patch"), py::arg("origins"),
+               py::arg("directions"));
+    py::class_<EmbreeBaseline>(module, "EmbreeBaseline", "A surface's facets as Embree's own grids or triangles.")
+        .def(py::init([](const PatchSurface& surface, const std::string& primitive, double pixel_angle,
+                         const std::array<double, 3>& eye) {
+                 if (primitive != "GRID" && primitive != "TRIANGLE")
+                     throw py::value_error("primitive must be GRID or TRIANGLE");
+                 return std::make_unique<EmbreeBaseline>(
+                     surface, view_from(pixel_angle, eye),
+                     primitive == "GRID" ? EmbreePrimitive::Grid : EmbreePrimitive::Triangle);
+             }),
+             py::arg("surface"), py::arg("primitive"), py::arg("pixel_angle") = 1e-3,
+             py::arg("eye") = std::array<double, 3>{0, 0, 0})
+        .def_property_readonly("bytes", &EmbreeBaseline::bytes)
+        .def("timed_closest", &timed<EmbreeBaseline>, py::arg("origins"), py::arg("directions"),
+             "(processor seconds on one thread, t)");
 }
 
 }  // namespace rayleaf

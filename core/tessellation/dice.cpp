@@ -3,8 +3,7 @@
 #include "tessellation/simd.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <utility>
+#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tessellation/dice.cpp"
@@ -72,7 +71,7 @@ HWY_INLINE void evaluate_along_v(const DiceTask& task, int degree_v, CurvePoints
     }
 }
 
-HWY_INLINE void evaluate_along_u(const DiceTask& task, int degree_u, const CurvePoints& curves, Grid& grid) {
+HWY_INLINE void evaluate_along_u(const DiceTask& task, int degree_u, const CurvePoints& curves, GridRows& grid) {
     const Lanes lanes;
     for (int row = 0; row < kGridVertices; ++row) {
         for (int chunk = 0; chunk < kChunks; ++chunk) {
@@ -97,7 +96,7 @@ HWY_INLINE void evaluate_along_u(const DiceTask& task, int degree_u, const Curve
     }
 }
 
-void evaluate(const DiceTask& task, Grid& grid) {
+void evaluate(const DiceTask& task, GridRows& grid) {
     CurvePoints curves;
     // The common degree as a constant lets the compiler unroll the sums.
     if (task.degree_v == 3)
@@ -149,14 +148,19 @@ HWY_INLINE void reduce_blocks(const float* vertices, const Pick& pick, float pad
     }
 }
 
-void bound_blocks(Grid& grid) {
+void pack(const GridRows& rows, Grid& grid) {
     for (int axis = 0; axis < 3; ++axis) {
+        const float* vertices = rows.vertices[axis];
         reduce_blocks(
-            grid.vertices[axis], [](Vector a, Vector b) HWY_ATTR { return hn::Min(a, b); }, -kBlockPadding,
-            grid.boxes[axis][0]);
+            vertices, [](Vector a, Vector b) HWY_ATTR { return hn::Min(a, b); }, -kBlockPadding, grid.boxes[axis][0]);
         reduce_blocks(
-            grid.vertices[axis], [](Vector a, Vector b) HWY_ATTR { return hn::Max(a, b); }, kBlockPadding,
-            grid.boxes[axis][1]);
+            vertices, [](Vector a, Vector b) HWY_ATTR { return hn::Max(a, b); }, kBlockPadding, grid.boxes[axis][1]);
+        for (int block = 0; block < kBlocks; ++block) {
+            const int row = block / kBlockCells * kBlockCells, column = block % kBlockCells * kBlockCells;
+            for (int j = 0; j < kBlockVertices; ++j)
+                std::memcpy(&grid.vertices[block][axis][j * kBlockVertices],
+                            vertices + (row + j) * kGridVertices + column, kBlockVertices * sizeof(float));
+        }
     }
 }
 
@@ -169,7 +173,7 @@ namespace rayleaf {
 namespace {
 
 HWY_EXPORT(evaluate);
-HWY_EXPORT(bound_blocks);
+HWY_EXPORT(pack);
 
 void prepare(const PatchView& patch, DiceTask& task) {
     task.degree_u = patch.degree_u;
@@ -198,13 +202,13 @@ bool is_point(const PatchView& patch, const Border& border) {
     return true;
 }
 
-void set_line(Grid& grid, int first, int stride, const Vec3f& point) {
+void set_line(GridRows& grid, int first, int stride, const Vec3f& point) {
     for (int k = 0; k < kGridVertices; ++k)
         for (int axis = 0; axis < 3; ++axis) grid.vertices[axis][first + k * stride] = point[axis];
 }
 
 /// Sets the vertices of the borders that are points.
-void set_collapsed_borders(const PatchView& patch, const DiceTask& task, int cells_u, int cells_v, Grid& grid) {
+void set_collapsed_borders(const PatchView& patch, const DiceTask& task, int cells_u, int cells_v, GridRows& grid) {
     constexpr int kLast = kGridCells * kGridVertices;
     const auto fix = [&](const Border& border, int first, int stride) {
         if (is_point(patch, border)) set_line(grid, first, stride, float_position(patch, border.i, border.j));
@@ -225,10 +229,10 @@ void dice(const PatchView& patch, const DyadicBasis& basis_u, int first_u, const
     task.basis_v = &basis_v;
     task.first_u = first_u;
     task.first_v = first_v;
-    HWY_DYNAMIC_DISPATCH(evaluate)(task, grid);
-    set_collapsed_borders(patch, task, basis_u.intervals(), basis_v.intervals(), grid);
-    for (float(&axis)[kGridSize + 15] : grid.vertices) std::fill(axis + kGridSize, axis + kGridSize + 15, 0.0f);
-    HWY_DYNAMIC_DISPATCH(bound_blocks)(grid);
+    GridRows rows;
+    HWY_DYNAMIC_DISPATCH(evaluate)(task, rows);
+    set_collapsed_borders(patch, task, basis_u.intervals(), basis_v.intervals(), rows);
+    HWY_DYNAMIC_DISPATCH(pack)(rows, grid);
 }
 
 }  // namespace rayleaf

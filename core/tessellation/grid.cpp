@@ -4,11 +4,20 @@
 
 namespace rayleaf {
 
+Vec3f Grid::vertex(int i, int j) const {
+    const int block_i = std::min(i, kGridCells - 1) / kBlockCells, block_j = std::min(j, kGridCells - 1) / kBlockCells;
+    const float(&block)[3][kBlockSize] = vertices[block_j * (kGridCells / kBlockCells) + block_i];
+    const int index = (j - block_j * kBlockCells) * kBlockVertices + i - block_i * kBlockCells;
+    return {block[0][index], block[1][index], block[2][index]};
+}
+
 FacetCorners Grid::corners(uint32_t triangle) const {
-    const auto cell = static_cast<int>(triangle / 2);
-    const int low = cell / kGridCells * kGridVertices + cell % kGridCells, high = low + kGridVertices + 1;
-    const bool upper = triangle % 2 != 0;
-    return {Vec3d(vertex(low)), Vec3d(vertex(upper ? high - 1 : high)), Vec3d(vertex(upper ? high : low + 1))};
+    const int i = static_cast<int>(triangle / 2) % kGridCells, j = static_cast<int>(triangle / 2) / kGridCells;
+    const float(&block)[3][kBlockSize] = vertices[j / kBlockCells * (kGridCells / kBlockCells) + i / kBlockCells];
+    const int low = j % kBlockCells * kBlockVertices + i % kBlockCells, high = low + kBlockVertices + 1;
+    const auto at = [&](int index) { return Vec3d(block[0][index], block[1][index], block[2][index]); };
+    if (triangle % 2 == 0) return {at(low), at(high), at(low + 1)};
+    return {at(low), at(high - 1), at(high)};
 }
 
 Box3f Grid::box() const {

@@ -1,8 +1,11 @@
 // The facets of one subpatch: 17 x 17 vertices in local space, and the boxes of its 16 blocks of 4 x 4 cells.
 //
-// Vertex (i, j) is at index j * 17 + i; i runs along u. Cell (i, j) is cut by the diagonal from vertex (i, j) to
-// (i+1, j+1); its triangle 2 * (j * 16 + i) has the corners (i,j), (i+1,j+1), (i+1,j), the next one (i,j), (i,j+1),
-// (i+1,j+1): counter-clockwise seen from the outside, the side of P_v x P_u.
+// Cell (i, j) lies between the vertices (i, j) and (i+1, j+1), i along u, and is cut by the diagonal between them. Its
+// triangle 2 * (j * 16 + i) has the corners (i,j), (i+1,j+1), (i+1,j), the next one (i,j), (i,j+1), (i+1,j+1):
+// counter-clockwise seen from the outside, the side of P_v x P_u.
+//
+// Each block has a copy of its 5 x 5 vertices, so that a ray that tests it reads few cache lines and the kernels load
+// them in two pieces.
 #pragma once
 
 #include "base/vector.h"
@@ -23,13 +26,22 @@ inline constexpr uint32_t kGridTriangles = 2 * kGridCells * kGridCells;
 /// derivation is at kBoxPadding in trace/local_ray.h).
 inline constexpr float kBlockPadding = 0x1p-20f;
 
-struct alignas(64) Grid {
-    /// By axis. The kernels read up to a vector's width past the last vertex.
-    float vertices[3][kGridSize + 15];
-    /// Padded boxes of the blocks: by axis, low then high, block 4 * (j / 4) + i / 4.
-    float boxes[3][2][kBlocks];
+inline constexpr int kBlockVertices = kBlockCells + 1;  ///< along one side
+inline constexpr int kBlockSize = kBlockVertices * kBlockVertices;
 
-    Vec3f vertex(int index) const { return {vertices[0][index], vertices[1][index], vertices[2][index]}; }
+/// Vertices row by row, as they are diced: vertex (i, j) is at j * 17 + i.
+struct GridRows {
+    float vertices[3][kGridSize];  ///< by axis
+};
+
+struct alignas(64) Grid {
+    /// Padded boxes of the blocks: by axis, low then high. Block 4 * (j / 4) + i / 4 holds cell (i, j).
+    float boxes[3][2][kBlocks];
+    /// By block and axis: vertex (i, j) of the block is at j * 5 + i.
+    float vertices[kBlocks][3][kBlockSize];
+
+    /// Vertex of the grid, 0 <= i, j <= 16.
+    Vec3f vertex(int i, int j) const;
     FacetCorners corners(uint32_t triangle) const;
     /// Box of all vertices, padded as the blocks' are.
     Box3f box() const;

@@ -36,9 +36,11 @@ HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_
             const Vector origin = hn::Set(lanes, ray.origin[axis]), inverse = hn::Set(lanes, ray.inverse[axis]);
             const Vector low = hn::LoadU(lanes, grid.boxes[axis][entry] + start);
             const Vector high = hn::LoadU(lanes, grid.boxes[axis][1 - entry] + start);
-            near = hn::Max(near, hn::Mul(hn::Mul(hn::Sub(low, origin), inverse), hn::Set(lanes, kShrink)));
-            far = hn::Min(far, hn::Mul(hn::Mul(hn::Sub(high, origin), inverse), hn::Set(lanes, kGrow)));
+            near = hn::Max(near, hn::Mul(hn::Sub(low, origin), inverse));
+            far = hn::Min(far, hn::Mul(hn::Sub(high, origin), inverse));
         }
+        near = hn::Mul(near, hn::Set(lanes, kShrink));
+        far = hn::Mul(far, hn::Set(lanes, kGrow));
         uint8_t packed[8] = {};
         hn::StoreMaskBits(lanes, hn::Le(near, far), packed);
         bits |= (packed[0] | static_cast<uint32_t>(packed[1]) << 8) << start;
@@ -46,30 +48,20 @@ HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_
     return bits;
 }
 
-/// kRows rows of kColumns neighbouring values.
-template <class D>
-HWY_INLINE hn::Vec<D> load_cells(D lanes, const float* first) {
-#if HWY_TARGET != HWY_SCALAR
-    if constexpr (hn::MaxLanes(D()) > kBlockCells) {
-        const hn::Half<D> half;
-        const int rows = static_cast<int>(hn::MaxLanes(half)) / kBlockCells;
-        return hn::Combine(lanes, load_cells(half, first + rows * kGridVertices), load_cells(half, first));
-    }
-#endif
-    return hn::LoadU(lanes, first);
-}
-
 /// A corner of each cell in ray space; z is still to be scaled.
 struct Corner {
     Vector x, y, z;
 };
 
+struct Corners {
+    Corner a, b, c, d;  ///< of cell (i, j): (i, j), (i+1, j), (i+1, j+1), (i, j+1)
+};
+
 struct RayLanes {
-    const float *x, *y, *z;  ///< the grid's vertices by the ray's axes
+    int axis_x, axis_y, axis_z;
     Vector origin_x, origin_y, origin_z, shear_x, shear_y, scale_z;
 
-    HWY_INLINE RayLanes(const Grid& grid, const GridRay& ray)
-        : x(grid.vertices[ray.axis_x]), y(grid.vertices[ray.axis_y]), z(grid.vertices[ray.axis_z]) {
+    HWY_INLINE explicit RayLanes(const GridRay& ray) : axis_x(ray.axis_x), axis_y(ray.axis_y), axis_z(ray.axis_z) {
         const Lanes lanes;
         origin_x = hn::Set(lanes, ray.origin[ray.axis_x]);
         origin_y = hn::Set(lanes, ray.origin[ray.axis_y]);
@@ -78,14 +70,63 @@ struct RayLanes {
         shear_y = hn::Set(lanes, ray.shear_y);
         scale_z = hn::Set(lanes, ray.scale_z);
     }
-    HWY_INLINE Corner corner(int index) const {
-        const Lanes lanes;
-        const Vector dz = hn::Sub(load_cells(lanes, z + index), origin_z);
-        const Vector dx = hn::Sub(load_cells(lanes, x + index), origin_x);
-        const Vector dy = hn::Sub(load_cells(lanes, y + index), origin_y);
+    HWY_INLINE Corner project(Vector x, Vector y, Vector z) const {
+        const Vector dz = hn::Sub(z, origin_z), dx = hn::Sub(x, origin_x), dy = hn::Sub(y, origin_y);
         return {hn::Sub(dx, hn::Mul(shear_x, dz)), hn::Sub(dy, hn::Mul(shear_y, dz)), dz};
     }
 };
+
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+
+/// All 16 cells: the 25 vertices are projected once, in two vectors that overlap, and dealt out to the cells.
+HWY_INLINE Corners load_corners(const RayLanes& ray, const float (&block)[3][kBlockSize], int, int) {
+    const Lanes lanes;
+    constexpr int kSecond = kBlockSize - kWidth;
+    const auto load = [&](int offset) HWY_ATTR {
+        return ray.project(hn::LoadU(lanes, block[ray.axis_x] + offset), hn::LoadU(lanes, block[ray.axis_y] + offset),
+                           hn::LoadU(lanes, block[ray.axis_z] + offset));
+    };
+    const Corner low = load(0), high = load(kSecond);
+    const auto deal = [&](int vertex) HWY_ATTR {
+        // Vertex k is lane k of `low`, or from 16 on lane k - 9 of `high`, which the instruction numbers from 16.
+        alignas(64) static constexpr int kCells[16] = {0, 1, 2, 3, 5, 6, 7, 8, 10, 11, 12, 13, 15, 16, 17, 18};
+        const __m512i k = _mm512_add_epi32(_mm512_load_si512(kCells), _mm512_set1_epi32(vertex));
+        const __mmask16 in_high = _mm512_cmpge_epi32_mask(k, _mm512_set1_epi32(kWidth));
+        const __m512i from = _mm512_mask_add_epi32(k, in_high, k, _mm512_set1_epi32(kWidth - kSecond));
+        const auto pick = [&](Vector l, Vector h)
+                              HWY_ATTR { return Vector{_mm512_permutex2var_ps(l.raw, from, h.raw)}; };
+        return Corner{pick(low.x, high.x), pick(low.y, high.y), pick(low.z, high.z)};
+    };
+    return {deal(0), deal(1), deal(kBlockVertices + 1), deal(kBlockVertices)};
+}
+
+#else
+
+/// kRows rows of kColumns neighbouring values.
+template <class D>
+HWY_INLINE hn::Vec<D> load_cells(D lanes, const float* first) {
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (hn::MaxLanes(D()) > kBlockCells) {
+        const hn::Half<D> half;
+        const int rows = static_cast<int>(hn::MaxLanes(half)) / kBlockCells;
+        return hn::Combine(lanes, load_cells(half, first + rows * kBlockVertices), load_cells(half, first));
+    }
+#endif
+    return hn::LoadU(lanes, first);
+}
+
+/// The cells from (column, row) of the block on.
+HWY_INLINE Corners load_corners(const RayLanes& ray, const float (&block)[3][kBlockSize], int column, int row) {
+    const Lanes lanes;
+    const auto load = [&](int offset) HWY_ATTR {
+        const int index = row * kBlockVertices + column + offset;
+        return ray.project(load_cells(lanes, block[ray.axis_x] + index), load_cells(lanes, block[ray.axis_y] + index),
+                           load_cells(lanes, block[ray.axis_z] + index));
+    };
+    return {load(0), load(1), load(kBlockVertices + 1), load(kBlockVertices)};
+}
+
+#endif
 
 HWY_INLINE Vector edge(const Corner& p, const Corner& q) {
     return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
@@ -96,20 +137,26 @@ struct Nearest {
     Vector t, triangle;
 };
 
-/// Takes the lanes in which the ray passes the triangle (p, q, r). Its edge functions: pq, qr, rp.
-HWY_INLINE void take(const RayLanes& ray, Vector pq, Vector qr, Vector rp, Vector pz, Vector qz, Vector rz,
-                     Vector triangle, Vector last_t, Vector last_triangle, Nearest& nearest) {
-    const Lanes lanes;
-    const Vector zero = hn::Zero(lanes);
-    const Vector smallest = hn::Min(pq, hn::Min(qr, rp)), largest = hn::Max(pq, hn::Max(qr, rp));
-    const Mask inside = hn::Or(hn::Ge(smallest, zero), hn::Le(largest, zero));
-    if (hn::AllFalse(lanes, inside)) return;
-    const Vector area = hn::Add(hn::Add(qr, rp), pq);
-    const Vector sum = hn::Add(hn::Add(hn::Mul(qr, pz), hn::Mul(rp, qz)), hn::Mul(pq, rz));
+/// A triangle of each cell: its edge functions pq, qr, rp and its corners' depths.
+struct Triangles {
+    Vector pq, qr, rp, pz, qz, rz;
+
+    HWY_INLINE Mask inside() const {
+        const Vector zero = hn::Zero(Lanes());
+        const Vector smallest = hn::Min(pq, hn::Min(qr, rp)), largest = hn::Max(pq, hn::Max(qr, rp));
+        return hn::Or(hn::Ge(smallest, zero), hn::Le(largest, zero));
+    }
+};
+
+/// Takes the lanes that are hit after the last candidate and before the nearest so far.
+HWY_INLINE void take(const RayLanes& ray, const Triangles& hit, Mask inside, Vector triangle, Vector last_t,
+                     Vector last_triangle, Nearest& nearest) {
+    const Vector area = hn::Add(hn::Add(hit.qr, hit.rp), hit.pq);
+    const Vector sum = hn::Add(hn::Add(hn::Mul(hit.qr, hit.pz), hn::Mul(hit.rp, hit.qz)), hn::Mul(hit.pq, hit.rz));
     const Vector t = hn::Mul(hn::Div(sum, area), ray.scale_z);
     const Mask later = hn::Or(hn::Gt(t, last_t), hn::And(hn::Eq(t, last_t), hn::Gt(triangle, last_triangle)));
     const Mask nearer = hn::Or(hn::Lt(t, nearest.t), hn::And(hn::Eq(t, nearest.t), hn::Lt(triangle, nearest.triangle)));
-    const Mask taken = hn::And(hn::And(inside, hn::Ne(area, zero)), hn::And(later, nearer));
+    const Mask taken = hn::And(hn::And(inside, hn::Ne(area, hn::Zero(Lanes()))), hn::And(later, nearer));
     nearest.t = hn::IfThenElse(taken, t, nearest.t);
     nearest.triangle = hn::IfThenElse(taken, triangle, nearest.triangle);
 }
@@ -126,7 +173,7 @@ bool next_candidate(const Grid& grid, const GridRay& ray, float t_max, const Gri
     uint32_t blocks = blocks_on_way(grid, ray, t_max);
     if (blocks == 0) return false;
     const Lanes lanes;
-    const RayLanes ray_lanes(grid, ray);
+    const RayLanes ray_lanes(ray);
     const Vector offsets = lane_offsets(), one = hn::Set(lanes, 1.0f);
     // Before the first candidate, facets with t >= 0 count.
     const bool first = last.t < 0.0f;
@@ -137,18 +184,18 @@ bool next_candidate(const Grid& grid, const GridRay& ray, float t_max, const Gri
     for (; blocks != 0; blocks &= blocks - 1) {
         const int block = __builtin_ctz(blocks);
         const int first_row = block / kBlockCells * kBlockCells, first_column = block % kBlockCells * kBlockCells;
-        for (int row = first_row; row < first_row + kBlockCells; row += kRows) {
-            for (int column = first_column; column < first_column + kBlockCells; column += kColumns) {
-                const int index = row * kGridVertices + column;
-                const Corner a = ray_lanes.corner(index), b = ray_lanes.corner(index + 1);
-                const Corner c = ray_lanes.corner(index + kGridVertices + 1),
-                             d = ray_lanes.corner(index + kGridVertices);
-                const Vector ab = edge(a, b), bc = edge(b, c), ca = edge(c, a), ac = hn::Neg(ca);
-                const Vector cd = edge(c, d), da = edge(d, a);
-                const Vector lower =
-                    hn::Add(hn::Set(lanes, static_cast<float>(2 * (row * kGridCells + column))), offsets);
-                take(ray_lanes, ab, bc, ca, a.z, b.z, c.z, lower, last_t, last_triangle, nearest);
-                take(ray_lanes, ac, cd, da, a.z, c.z, d.z, hn::Add(lower, one), last_t, last_triangle, nearest);
+        for (int row = 0; row < kBlockCells; row += kRows) {
+            for (int column = 0; column < kBlockCells; column += kColumns) {
+                const auto [a, b, c, d] = load_corners(ray_lanes, grid.vertices[block], column, row);
+                const Vector ac = edge(a, c);
+                const Triangles lower{edge(a, b), edge(b, c), hn::Neg(ac), a.z, b.z, c.z};
+                const Triangles upper{ac, edge(c, d), edge(d, a), a.z, c.z, d.z};
+                const Mask in_lower = lower.inside(), in_upper = upper.inside();
+                if (hn::AllFalse(lanes, hn::Or(in_lower, in_upper))) continue;
+                const int cell = (first_row + row) * kGridCells + first_column + column;
+                const Vector number = hn::Add(hn::Set(lanes, static_cast<float>(2 * cell)), offsets);
+                take(ray_lanes, lower, in_lower, number, last_t, last_triangle, nearest);
+                take(ray_lanes, upper, in_upper, hn::Add(number, one), last_t, last_triangle, nearest);
             }
         }
     }

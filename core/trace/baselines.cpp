@@ -1,0 +1,107 @@
+#include "trace/baselines.h"
+
+#include "tessellation/tessellation_store.h"
+#include "trace/dicing.h"
+
+#include <ctime>
+#include <limits>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+Vec3f* new_vertices(RTCGeometry geometry, uint32_t grids) {
+    return static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                       sizeof(Vec3f), size_t{grids} * kGridSize));
+}
+
+void add_grids(RTCGeometry geometry, uint32_t count) {
+    auto* grids = static_cast<RTCGrid*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), count));
+    for (uint32_t i = 0; i < count; ++i) grids[i] = {i * kGridSize, kGridVertices, kGridVertices, kGridVertices};
+}
+
+void add_triangles(RTCGeometry geometry, uint32_t count) {
+    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), size_t{count} * kGridTriangles));
+    for (uint32_t grid = 0; grid < count; ++grid) {
+        for (int j = 0; j < kGridCells; ++j) {
+            for (int i = 0; i < kGridCells; ++i) {
+                const uint32_t a = grid * kGridSize + j * kGridVertices + i, c = a + kGridVertices + 1;
+                const uint32_t corners[6] = {a, c, a + 1, a, c - 1, c};
+                indices = std::copy_n(corners, 6, indices);
+            }
+        }
+    }
+}
+
+double thread_seconds() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+EmbreeBaseline::EmbreeBaseline(const PatchSurface& surface, const DicingView& view, EmbreePrimitive primitive)
+    : frame_(surface.frame()) {
+    const std::shared_ptr<const Shape> shape(std::shared_ptr<const Shape>(), &surface);
+    const std::vector<TracedInstance> instances = {{shape, {}, kVisibleAll}};
+    const TessellationStore store(surface, SplitPlan(surface, facet_tolerances(instances, 1, {0}, view).front()));
+    const uint64_t before = embree_bytes();
+    const RTCGeometryType type =
+        primitive == EmbreePrimitive::Grid ? RTC_GEOMETRY_TYPE_GRID : RTC_GEOMETRY_TYPE_TRIANGLE;
+    RTCGeometry geometry = rtcNewGeometry(embree_device(), type);
+    Vec3f* vertices = new_vertices(geometry, store.subpatch_count());
+    tbb::parallel_for(uint32_t{0}, store.subpatch_count(), [&](uint32_t i) {
+        Grid grid;
+        store.dice_into(i, grid);
+        for (int k = 0; k < kGridSize; ++k)
+            vertices[size_t{i} * kGridSize + k] = grid.vertex(k % kGridVertices, k / kGridVertices);
+    });
+    if (primitive == EmbreePrimitive::Grid)
+        add_grids(geometry, store.subpatch_count());
+    else
+        add_triangles(geometry, store.subpatch_count());
+    scene_ = new_embree_scene();
+    build_embree_scene(scene_, geometry);
+    bytes_ = embree_bytes() - before;
+}
+
+float EmbreeBaseline::closest_t(const Ray& ray) const {
+    const Vec3d origin = (ray.origin - frame_.center) / frame_.scale;
+    RTCRayHit hit{};
+    hit.ray.org_x = static_cast<float>(origin.x);
+    hit.ray.org_y = static_cast<float>(origin.y);
+    hit.ray.org_z = static_cast<float>(origin.z);
+    hit.ray.dir_x = static_cast<float>(ray.direction.x);
+    hit.ray.dir_y = static_cast<float>(ray.direction.y);
+    hit.ray.dir_z = static_cast<float>(ray.direction.z);
+    hit.ray.tnear = static_cast<float>(ray.t_min / frame_.scale);
+    hit.ray.tfar = static_cast<float>(ray.t_max / frame_.scale);
+    hit.ray.mask = ~0u;
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    EmbreeContext context;
+    initialize(context);
+    embree_closest(scene_.get(), context, hit);
+    if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::numeric_limits<float>::infinity();
+    return hit.ray.tfar * static_cast<float>(frame_.scale);
+}
+
+double time_closest(const Tracer& tracer, std::span<const Ray> rays, std::span<double> t) {
+    const double begin = thread_seconds();
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const std::optional<Hit> hit = tracer.closest_hit(rays[i], kVisibleAll);
+        t[i] = hit ? hit->t : std::numeric_limits<double>::infinity();
+    }
+    return thread_seconds() - begin;
+}
+
+double time_closest(const EmbreeBaseline& baseline, std::span<const Ray> rays, std::span<double> t) {
+    const double begin = thread_seconds();
+    for (size_t i = 0; i < rays.size(); ++i) t[i] = baseline.closest_t(rays[i]);
+    return thread_seconds() - begin;
+}
+
+}  // namespace rayleaf
