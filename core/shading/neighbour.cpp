@@ -6,28 +6,37 @@ namespace {
 /// A 2x2 system may have lost this share of its squared scale before it counts as singular.
 constexpr float kSingular = 1e-12f;
 
-/// Parameters of the hit one step away, from how the active texture coordinate changes with them.
-LocalHit stepped_hit(const SurfacePoint& point, const Vec2f& uv_change) {
-    constexpr float kStep = 1.0f / 256;  // in parameters of the primitive
-    const LocalHit& hit = point.local;
-    LocalHit along_u = hit, along_v = hit;
-    const float step_u = hit.u > 0.5f ? -kStep : kStep, step_v = hit.v > 0.5f ? -kStep : kStep;
-    along_u.u += step_u;
-    along_v.v += step_v;
-    const Vec2f here = point.shape->surface(hit).uv;
-    const Vec2f by_u = (point.shape->surface(along_u).uv - here) / step_u;
-    const Vec2f by_v = (point.shape->surface(along_v).uv - here) / step_v;
-    const float determinant = by_u.x * by_v.y - by_u.y * by_v.x;
-    if (!(std::abs(determinant) > kSingular * (by_u.length2() + by_v.length2()))) return hit;
-    LocalHit stepped = hit;
-    stepped.u += (uv_change.x * by_v.y - uv_change.y * by_v.x) / determinant;
-    stepped.v += (by_u.x * uv_change.y - by_u.y * uv_change.x) / determinant;
-    if (point.shape->kind() == ShapeKind::PatchSurface) {  // patches end; triangles extrapolate linearly
-        stepped.u = std::clamp(stepped.u, 0.0f, 1.0f);
-        stepped.v = std::clamp(stepped.v, 0.0f, 1.0f);
+/// How the active texture coordinate changes with the parameters of the primitive that was hit.
+struct ParameterJacobian {
+    Vec2f by_u{0, 0}, by_v{0, 0};
+    float determinant = 0;
+
+    ParameterJacobian() = default;  ///< not regular
+    explicit ParameterJacobian(const SurfacePoint& point) {
+        constexpr float kStep = 1.0f / 256;  // in parameters of the primitive
+        LocalHit along_u = point.local, along_v = point.local;
+        const float step_u = along_u.u > 0.5f ? -kStep : kStep, step_v = along_v.v > 0.5f ? -kStep : kStep;
+        along_u.u += step_u;
+        along_v.v += step_v;
+        const Vec2f here = point.shape->surface(point.local).uv;
+        by_u = (point.shape->surface(along_u).uv - here) / step_u;
+        by_v = (point.shape->surface(along_v).uv - here) / step_v;
+        determinant = by_u.x * by_v.y - by_u.y * by_v.x;
     }
-    return stepped;
-}
+    bool regular() const { return std::abs(determinant) > kSingular * (by_u.length2() + by_v.length2()); }
+
+    /// The hit whose texture coordinate is `change` further.
+    LocalHit stepped(const SurfacePoint& point, const Vec2f& change) const {
+        LocalHit hit = point.local;
+        hit.u += (change.x * by_v.y - change.y * by_v.x) / determinant;
+        hit.v += (by_u.x * change.y - by_u.y * change.x) / determinant;
+        if (point.shape->kind() == ShapeKind::PatchSurface) {  // patches end; triangles extrapolate linearly
+            hit.u = std::clamp(hit.u, 0.0f, 1.0f);
+            hit.v = std::clamp(hit.v, 0.0f, 1.0f);
+        }
+        return hit;
+    }
+};
 
 }  // namespace
 
@@ -39,20 +48,24 @@ Vec2f uv_step(const SurfacePoint& point, const Vec3f& dp) {
     return {(c * along_u - b * along_v) / determinant, (a * along_v - b * along_u) / determinant};
 }
 
-Neighbour::Neighbour(const ShadingInputs& inputs, PixelAxis axis, NeighbourAttributes attributes) : inputs_(inputs) {
+Neighbours::Neighbours(const ShadingInputs& inputs, NeighbourAttributes attributes) : inputs_{inputs, inputs} {
     const RayDifferential& d = inputs.differential;
-    const Vec3f dp = axis == PixelAxis::X ? d.dp_dx : d.dp_dy;
-    const Vec3f dd = axis == PixelAxis::X ? d.dd_dx : d.dd_dy;
-    inputs_.outgoing = normalized_or(inputs.outgoing - dd, inputs.outgoing);
+    const Vec3f dp[2] = {d.dp_dx, d.dp_dy}, dd[2] = {d.dd_dx, d.dd_dy};
+    for (int i = 0; i < 2; ++i) inputs_[i].outgoing = normalized_or(inputs.outgoing - dd[i], inputs.outgoing);
     if (inputs.point == nullptr) return;
-    point_ = *inputs.point;
-    const Vec2f step = uv_step(point_, dp);
-    point_.position += Vec3d(dp);
-    point_.uv += step;
-    point_.normal = normalized_or(point_.normal + point_.dn_du * step.x + point_.dn_dv * step.y, inputs.point->normal);
-    if (attributes == NeighbourAttributes::Exact && point_.shape != nullptr)
-        point_.local = stepped_hit(*inputs.point, step);
-    inputs_.point = &point_;
+    const SurfacePoint& here = *inputs.point;
+    const bool exact = attributes == NeighbourAttributes::Exact && here.shape != nullptr;
+    const ParameterJacobian jacobian = exact ? ParameterJacobian(here) : ParameterJacobian();
+    for (int i = 0; i < 2; ++i) {
+        SurfacePoint& point = points_[i];
+        point = here;
+        const Vec2f step = uv_step(here, dp[i]);
+        point.position += Vec3d(dp[i]);
+        point.uv += step;
+        point.normal = normalized_or(here.normal + here.dn_du * step.x + here.dn_dv * step.y, here.normal);
+        if (jacobian.regular()) point.local = jacobian.stepped(here, step);
+        inputs_[i].point = &point;
+    }
 }
 
 }  // namespace rayleaf

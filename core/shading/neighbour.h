@@ -5,22 +5,22 @@
 
 namespace rayleaf {
 
-enum class PixelAxis : uint8_t { X, Y };
-/// Named attributes at the neighbour cost several evaluations of the shape, so they are asked for.
+/// Named attributes at the neighbours cost several evaluations of the shape, so they are asked for.
 enum class NeighbourAttributes : uint8_t { None, Exact };
 
-/// Holds what its inputs point to, so it can neither be copied nor moved.
-class Neighbour {
+/// The inputs one step to the right and one step up. Holds what they point to, so it can neither be copied nor moved.
+class Neighbours {
   public:
-    Neighbour(const ShadingInputs& inputs, PixelAxis axis, NeighbourAttributes attributes);
-    Neighbour(const Neighbour&) = delete;
-    Neighbour& operator=(const Neighbour&) = delete;
+    Neighbours(const ShadingInputs& inputs, NeighbourAttributes attributes);
+    Neighbours(const Neighbours&) = delete;
+    Neighbours& operator=(const Neighbours&) = delete;
 
-    const ShadingInputs& inputs() const { return inputs_; }
+    const ShadingInputs& right() const { return inputs_[0]; }
+    const ShadingInputs& above() const { return inputs_[1]; }
 
   private:
-    SurfacePoint point_;
-    ShadingInputs inputs_;
+    SurfacePoint points_[2];
+    ShadingInputs inputs_[2];
 };
 
 /// Change of the texture coordinate for a step `dp` in space (least squares on the surface's two derivatives); zero

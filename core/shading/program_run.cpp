@@ -162,8 +162,8 @@ void Program::run_textured(const ShadingInputs& inputs, Vec4f* registers, Closur
     for (Vec4f* bank : banks) std::copy(registers_.begin(), registers_.end(), bank);
     const NeighbourAttributes attributes =
         differentiates_attributes_ ? NeighbourAttributes::Exact : NeighbourAttributes::None;
-    const Neighbour right(inputs, PixelAxis::X, attributes), above(inputs, PixelAxis::Y, attributes);
-    const ShadingInputs* const places[kPlaces] = {&inputs, &right.inputs(), &above.inputs()};
+    const Neighbours neighbours(inputs, attributes);
+    const ShadingInputs* const places[kPlaces] = {&inputs, &neighbours.right(), &neighbours.above()};
     for (const Instruction& instruction : instructions_) {
         if (instruction.result < 0) {
             add_closure(instruction.operation, instruction.variant, operands_of(instruction, registers), inputs,

@@ -121,6 +121,13 @@ oiio::TextureSystem& texture_system() {
     return *system;
 }
 
+/// Tiles read from files since the process began.
+size_t tiles_read() {
+    int tiles = 0;
+    texture_system().getattribute("stat:tiles_created", oiio::TypeDesc::INT, &tiles);
+    return static_cast<size_t>(std::max(tiles, 0));
+}
+
 /// What a lookup needs to know of a texture.
 struct Texture {
     oiio::TextureSystem::TextureHandle* handle = nullptr;
@@ -176,6 +183,7 @@ Vec2f finite(const Vec2f& v) {
 struct TextureStore::Implementation {
     TemporaryFolder folder;
     std::vector<Texture> textures;
+    size_t tiles_before = tiles_read();  ///< by stores before this one
 
     explicit Implementation(size_t memory_limit) {
         constexpr float kMegabyte = 1 << 20;
@@ -279,14 +287,10 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
 }
 
 TextureStore::Statistics TextureStore::statistics() const {
-    Statistics result;
-    result.textures = implementation_->textures.size();
-    long long bytes = 0, tiles = 0;
+    long long bytes = 0;
     texture_system().getattribute("stat:cache_memory_used", oiio::TypeDesc::INT64, &bytes);
-    texture_system().getattribute("stat:tiles_created", oiio::TypeDesc::INT64, &tiles);
-    result.bytes = static_cast<size_t>(std::max(bytes, 0LL));
-    result.file_reads = static_cast<size_t>(std::max(tiles, 0LL));
-    return result;
+    return {implementation_->textures.size(), static_cast<size_t>(std::max(bytes, 0LL)),
+            tiles_read() - implementation_->tiles_before};
 }
 
 }  // namespace rayleaf

@@ -43,7 +43,7 @@ class TextureStore {
     Vec4f lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, const Vec2f& duv_dy, TextureExtension extension,
                  TextureInterpolation interpolation) const;
 
-    /// Bytes of tiles cached now, and counts, for the statistics.
+    /// Bytes of tiles cached now, tiles read since this store was made; both of all stores together.
     struct Statistics {
         size_t textures = 0, bytes = 0, file_reads = 0;
     };

@@ -1,0 +1,205 @@
+"""Textures: decoding, filtering, borders, memory."""
+
+import numpy as np
+import pytest
+from rayleaf import _core
+
+tests = _core.shading
+LINEAR, CLOSEST, CUBIC = tests.Interpolation.LINEAR, tests.Interpolation.CLOSEST, tests.Interpolation.CUBIC
+REPEAT, EXTEND, CLIP = tests.Extension.REPEAT, tests.Extension.EXTEND, tests.Extension.CLIP
+HALF = 2.0**-11  # images of bytes are kept as half floats
+
+
+@pytest.fixture
+def store():
+    """An empty store."""
+    return tests.TextureStore(1 << 27)
+
+
+def picture(height, width, channels, seed=0):
+    """Numbers that half floats hold exactly."""
+    return (np.random.default_rng(seed).integers(0, 256, (height, width, channels)) / 256).astype(np.float32)
+
+
+def look(store, texture, uv, extension=REPEAT, interpolation=LINEAR, width=0.0):
+    """Look up with a square footprint of `width` in uv."""
+    uv = np.float32(uv).reshape(-1, 2)
+    dx, dy = np.tile(np.float32((width, 0)), (len(uv), 1)), np.tile(np.float32((0, width)), (len(uv), 1))
+    return store.lookup(texture, uv, dx, dy, extension, interpolation)
+
+
+def linear_from_srgb(x):
+    """IEC 61966-2-1."""
+    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+
+
+def bilinear(pixels, uv, repeat):
+    """Reference: pixel centres at half-integers, rows bottom to top."""
+    height, width = pixels.shape[:2]
+    x, y = uv[:, 0] * width - 0.5, uv[:, 1] * height - 0.5
+    x0, y0 = np.floor(x).astype(int), np.floor(y).astype(int)
+    result = 0
+    for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        weight = (1 - abs(x - x0 - i)) * (1 - abs(y - y0 - j))
+        column, row = x0 + i, y0 + j
+        column = column % width if repeat else column.clip(0, width - 1)
+        row = row % height if repeat else row.clip(0, height - 1)
+        result = result + weight[:, None] * pixels[row, column]
+    return result
+
+
+@pytest.mark.parametrize("channels", (1, 3, 4))
+@pytest.mark.parametrize("repeat", (True, False))
+def test_a_lookup_without_footprint_is_bilinear(store, channels, repeat):
+    pixels = picture(5, 7, channels)
+    texture = store.add_pixels("Image", pixels, tests.ColorSpace.NON_COLOR)
+    uv = np.random.default_rng(1).uniform(-1.5, 2.5, (400, 2)).astype(np.float32)
+    expected = bilinear(pixels, uv, repeat)
+    if channels == 1:
+        expected = np.repeat(expected, 3, axis=1)
+    if channels < 4:
+        expected = np.column_stack([expected, np.ones(len(uv))])
+    found = look(store, texture, uv, REPEAT if repeat else EXTEND)
+    np.testing.assert_allclose(found, expected, atol=2e-5)  # uv in single precision times 7 pixels
+
+
+def test_closest_takes_the_pixel_under_the_point(store):
+    pixels = picture(4, 8, 3)
+    texture = store.add_pixels("Image", pixels, tests.ColorSpace.LINEAR)
+    rows, columns = np.mgrid[0:4, 0:8]
+    uv = np.stack([(columns.ravel() + 0.3) / 8, (rows.ravel() + 0.8) / 4], axis=1)
+    np.testing.assert_array_equal(look(store, texture, uv, interpolation=CLOSEST)[:, :3], pixels.reshape(-1, 3))
+
+
+def test_cubic_keeps_constants_and_is_smoother_than_linear(store):
+    flat = store.add_pixels("Flat", np.full((8, 8, 3), 0.5, np.float32), tests.ColorSpace.LINEAR)
+    uv = np.random.default_rng(2).random((50, 2))
+    np.testing.assert_allclose(look(store, flat, uv, interpolation=CUBIC)[:, :3], 0.5, atol=1e-6)
+    spike = np.zeros((8, 8, 3), np.float32)
+    spike[4, 4] = 1
+    texture = store.add_pixels("Spike", spike, tests.ColorSpace.LINEAR)
+    at_spike = look(store, texture, [(4.5 / 8, 4.5 / 8)], interpolation=CUBIC)[0, 0]
+    assert at_spike == pytest.approx(4 / 9, abs=1e-4)  # (2/3)², the B-spline's peak
+
+
+@pytest.mark.parametrize("channels", (3, 4))
+def test_nothing_lies_outside_a_clipped_image(store, channels):
+    texture = store.add_pixels("Image", np.ones((4, 4, channels), np.float32), tests.ColorSpace.LINEAR)
+    np.testing.assert_array_equal(look(store, texture, [(1.6, 0.5), (0.5, -0.7)], CLIP)[:, 3], 0)
+    np.testing.assert_allclose(look(store, texture, [(0.5, 0.5)], CLIP), 1, atol=1e-6)
+
+
+def test_srgb_is_decoded_before_it_is_filtered(store):
+    codes = np.linspace(0, 1, 256, dtype=np.float32).reshape(1, 256, 1).repeat(3, axis=2)
+    texture = store.add_pixels("Ramp", codes, tests.ColorSpace.SRGB)
+    uv = np.stack([(np.arange(256) + 0.5) / 256, np.full(256, 0.5)], axis=1)
+    found = look(store, texture, uv, EXTEND, CLOSEST)[:, 0]
+    np.testing.assert_allclose(found, linear_from_srgb(codes[0, :, 0]), rtol=HALF, atol=1e-7)
+    between = look(store, texture, [(128 / 256, 0.5)], EXTEND)[0, 0]
+    expected = linear_from_srgb(codes[0, 127:129, 0]).mean()
+    assert between == pytest.approx(expected, rel=2 * HALF)
+
+
+def test_a_fine_checker_far_away_is_its_mean_in_linear_light(store):
+    rows, columns = np.mgrid[0:64, 0:64]
+    pixels = ((rows + columns) % 2).astype(np.float32)[..., None].repeat(3, axis=2)
+    texture = store.add_pixels("Checker", pixels, tests.ColorSpace.SRGB)
+    far = look(store, texture, np.random.default_rng(3).random((20, 2)), width=0.5)[:, :3]
+    np.testing.assert_allclose(far, 0.5, atol=2e-3)  # a mean of codes would give 0.21
+
+
+def test_a_long_footprint_blurs_along_itself_only(store):
+    pixels = np.zeros((64, 64, 1), np.float32)
+    pixels[::2] = 1  # stripes along u
+    texture = store.add_pixels("Stripes", pixels, tests.ColorSpace.NON_COLOR)
+    uv = np.float32([[0.37, 10.5 / 64]])
+    along = store.lookup(texture, uv, np.float32([[0.2, 0]]), np.float32([[0, 0.2 / 16]]), REPEAT, LINEAR)[0, 0]
+    across = store.lookup(texture, uv, np.float32([[0.2 / 16, 0]]), np.float32([[0, 0.2]]), REPEAT, LINEAR)[0, 0]
+    assert along > 0.6 and across == pytest.approx(0.5, abs=0.05)
+
+
+def test_colours_do_not_bleed_out_of_transparent_pixels(store):
+    pixels = np.zeros((8, 8, 4), np.float32)
+    pixels[..., 0] = 1  # red everywhere, but half of it transparent green
+    pixels[:, 4:] = (0, 1, 0, 0)
+    texture = store.add_pixels("Cutout", pixels, tests.ColorSpace.LINEAR)
+    pixels[:, :4, 3] = 1
+    texture = store.add_pixels("Cutout", pixels, tests.ColorSpace.LINEAR)
+    edge = look(store, texture, [(0.5, 0.5)], EXTEND)[0]
+    np.testing.assert_allclose(edge, (1, 0, 0, 0.5), atol=1e-5)
+
+
+def test_data_keeps_its_channels_where_alpha_is_zero(store):
+    pixels = np.full((4, 4, 4), (0.25, 0.5, 0.75, 0.0), np.float32)
+    texture = store.add_pixels("Packed", pixels, tests.ColorSpace.NON_COLOR)
+    np.testing.assert_allclose(look(store, texture, [(0.5, 0.5)])[0], pixels[0, 0], atol=1e-6)
+
+
+def test_bright_panoramas_keep_their_sun(store):
+    pixels = np.zeros((4, 4, 3), np.float32)
+    pixels[1, 2] = 250000.0
+    texture = store.add_pixels("Sky", pixels, tests.ColorSpace.LINEAR)
+    assert look(store, texture, [(2.5 / 4, 1.5 / 4)])[0, 0] == 250000.0
+
+
+def test_numbers_that_are_not_finite_come_out_finite(store):
+    pixels = np.full((4, 4, 3), np.nan, np.float32)
+    pixels[0, 0] = np.inf
+    texture = store.add_pixels("Broken", pixels, tests.ColorSpace.LINEAR)
+    uv = [(0.5, 0.5), (np.nan, 0.2), (np.inf, -np.inf), (1e30, 0.1)]
+    assert np.isfinite(look(store, texture, uv)).all()
+    assert np.isfinite(look(store, texture, uv, width=np.nan)).all()
+
+
+def test_a_missing_file_is_named(store):
+    with pytest.raises(_core.InputError, match="Bricks.*no/such/bricks.png"):
+        store.add_file("Bricks", "/no/such/bricks.png", tests.ColorSpace.SRGB)
+
+
+def test_a_file_that_is_no_image_is_named(store, tmp_path):
+    path = tmp_path / "words.png"
+    path.write_text("not a picture")
+    with pytest.raises(_core.InputError, match="Words.*words.png"):
+        store.add_file("Words", str(path), tests.ColorSpace.SRGB)
+
+
+@pytest.mark.parametrize("shape", [(0, 4, 3), (4, 4, 2), (4, 4)])
+def test_pixels_of_a_wrong_shape_are_rejected(store, shape):
+    with pytest.raises(_core.InputError, match="Odd"):
+        store.add_pixels("Odd", np.zeros(shape, np.float32), tests.ColorSpace.SRGB)
+
+
+def test_an_image_file_reads_as_its_pixels(store, tmp_path):
+    """A portable pixmap, the simplest there is: rows top to bottom."""
+    codes = np.random.default_rng(4).integers(0, 256, (3, 5, 3), dtype=np.uint8)
+    path = tmp_path / "small.ppm"
+    path.write_bytes(b"P6\n5 3\n255\n" + codes.tobytes())
+    texture = store.add_file("Small", str(path), tests.ColorSpace.SRGB)
+    rows, columns = np.mgrid[0:3, 0:5]
+    uv = np.stack([(columns.ravel() + 0.5) / 5, (rows.ravel() + 0.5) / 3], axis=1)
+    found = look(store, texture, uv, EXTEND, CLOSEST)[:, :3]
+    expected = linear_from_srgb(codes[::-1].reshape(-1, 3) / 255)
+    np.testing.assert_allclose(found, expected, rtol=HALF, atol=1e-7)
+
+
+def test_the_cache_keeps_to_its_limit():
+    limit = 12 << 20
+    store = tests.TextureStore(limit)
+    names = [store.add_pixels(str(i), picture(1024, 1024, 3, i), tests.ColorSpace.LINEAR) for i in range(3)]
+    everywhere = (np.stack(np.meshgrid(np.arange(32), np.arange(32)), -1).reshape(-1, 2) + 0.5) / 32
+    for texture in names:  # 3 textures of 6 MB at the finest level
+        look(store, texture, everywhere)
+    statistics = store.statistics()
+    assert statistics["textures"] == 3
+    assert statistics["file_reads"] > 3 * 200
+    assert statistics["bytes"] <= limit + (1 << 20)  # a tile may come in before another goes
+
+
+def test_a_store_takes_its_files_and_tiles_with_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    store = tests.TextureStore(1 << 27)
+    texture = store.add_pixels("Image", picture(256, 256, 3), tests.ColorSpace.LINEAR)
+    look(store, texture, [(0.5, 0.5)])
+    assert len(list(tmp_path.iterdir())) == 1
+    del store
+    assert list(tmp_path.iterdir()) == []
