@@ -120,6 +120,11 @@ class PathTracer {
 
     float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
 
+    /// Whether a surface that scatters no more can still matter.
+    bool may_shine_or_let_through(const Hit& hit) const {
+        const Program& program = *scene_.material(hit.instance, hit.local).surface;
+        return program.emits() || program.may_be_transparent();
+    }
     /// Records light that the ray under way met, before the path's throughput; `seen` is its pass where the camera sees
     /// it.
     void add(const Color& radiance, Pass seen);
@@ -146,6 +151,7 @@ PixelSample PathTracer::trace() {
             add_world();
             break;
         }
+        if (bounces_.is_last() && !may_shine_or_let_through(*hit)) break;
         Vertex vertex;
         vertex.point = scene_.tracer().surface_point(ray_, *hit);
         const Vec3f direction(ray_.direction);

@@ -45,7 +45,7 @@ float AreaLamp::attenuation(double cosine) const {
 }
 
 double AreaLamp::intensity() const {
-    return max_component(intensity_) * gain_;
+    return max_abs(intensity_) * gain_;
 }
 
 std::optional<AreaLamp::Window> AreaLamp::window(const Vec3d& position) const {

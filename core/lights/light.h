@@ -26,7 +26,7 @@ struct Lamp {
     std::string name;
     LampKind kind = LampKind::Point;
     Affine3d to_world;                 ///< scale counts for area lamps only
-    Color strength{0, 0, 0};           ///< colour times watts; the sun: colour times W/m²
+    Color strength{0, 0, 0};           ///< colour times watts; the sun: colour times W/m²; negative takes light away
     double radius = 0;                 ///< point and spot: of the shining sphere, world units; 0 is a point
     double angle = 0;                  ///< sun: angular diameter, radians
     double spot_size = 0;              ///< full cone angle, radians

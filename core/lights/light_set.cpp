@@ -17,7 +17,7 @@ namespace {
 constexpr double kEvenShare = 0.5;
 
 bool shines(const Lamp& lamp) {
-    return is_finite(lamp.strength) && max_component(lamp.strength) > 0;
+    return is_finite(lamp.strength) && !is_black(lamp.strength);
 }
 
 struct PlacedLamp {
@@ -38,6 +38,7 @@ struct LightSet::Implementation {
     std::vector<PlacedLamp> lamps;  ///< the tree's items start with these, then come the surfaces'
     std::vector<DistantLamp> suns;
     std::vector<uint32_t> lamps_with_size;  ///< those that rays can hit
+    LightTree hittable{{}};                 ///< over those
     SurfaceLights surfaces;
     WorldEmission world_emission;
     std::optional<WorldLight> world;
@@ -92,6 +93,9 @@ void LightSet::Implementation::build_tree() {
     std::vector<LightTreeItem> items;
     for (const PlacedLamp& lamp : lamps)
         std::visit([&](const auto& shape) { items.push_back({shape.bounds(), shape.intensity()}); }, lamp.shape);
+    std::vector<LightTreeItem> with_size;
+    for (const uint32_t index : lamps_with_size) with_size.push_back(items[index]);
+    hittable = LightTree(with_size);
     const std::vector<LightTreeItem> of_surfaces = surfaces.tree_items();
     items.insert(items.end(), of_surfaces.begin(), of_surfaces.end());
     tree = LightTree(items);
@@ -209,12 +213,13 @@ void LightSet::lamp_hits(const Ray& ray, const Vec3d& from, Visibility kind,
     const auto report = [&](const LampIntersection& hit, double choice) {
         add({hit.t, hit.radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity))});
     };
-    for (const uint32_t index : set.lamps_with_size) {
+    set.hittable.visit_crossed(ray, [&](uint32_t item) {
+        const uint32_t index = set.lamps_with_size[item];
         const PlacedLamp& lamp = set.lamps[index];
-        if (!(lamp.visibility & kind)) continue;
+        if (!(lamp.visibility & kind)) return;
         const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, from); }, lamp.shape);
         if (hit) report(*hit, set.tree_probability(from) * set.tree.probability(from, index, set.reaches(from)));
-    }
+    });
     if (std::isfinite(ray.t_max)) return;
     for (const DistantLamp& lamp : set.suns) {
         if (!(lamp.visibility & kind)) continue;
@@ -232,8 +237,8 @@ bool LightSet::has_hittable_lamps() const {
 size_t LightSet::bytes() const {
     const Implementation& set = *implementation_;
     return sizeof(Implementation) + set.lamps.capacity() * sizeof(PlacedLamp) +
-           set.suns.capacity() * sizeof(DistantLamp) + set.surfaces.bytes() + set.tree.bytes() +
-           (set.world ? set.world->bytes() : 0);
+           set.suns.capacity() * sizeof(DistantLamp) + set.surfaces.bytes() + set.tree.bytes() + set.hittable.bytes() +
+           set.lamps_with_size.capacity() * sizeof(uint32_t) + (set.world ? set.world->bytes() : 0);
 }
 
 size_t LightSet::count() const {

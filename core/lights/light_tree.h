@@ -7,6 +7,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "rays/ray.h"
 
 #include <cstdint>
 #include <functional>
@@ -39,6 +40,12 @@ class LightTree {
     /// The probability with which `choose` returns `item`.
     template <typename Reaches>
     double probability(const Vec3d& position, uint32_t item, const Reaches& reaches) const;
+
+    /// Calls `visit(item)` for every light whose bounds a ray may cross.
+    template <typename Visit>
+    void visit_crossed(const Ray& ray, const Visit& visit) const {
+        if (!nodes_.empty()) visit_crossed(nodes_.front(), ray, visit);
+    }
 
     size_t bytes() const;
 
@@ -73,7 +80,21 @@ class LightTree {
         return left / (left + right);
     }
 
-    static constexpr double kNearest = 1e-30;  ///< squared distance, world units²; keeps importances finite
+    template <typename Visit>
+    void visit_crossed(const Node& node, const Ray& ray, const Visit& visit) const {
+        const Vec3d offset = node.center - ray.origin;
+        const double along = offset.dot(ray.direction);
+        // Rounding of the offset counts where lights are far smaller than their distance.
+        const double slack = node.radius_squared * kRoundingShare + offset.length2() * kRounding;
+        if ((offset - ray.direction * along).length2() > node.radius_squared + slack) return;
+        if (node.left == 0) return visit(node.item);
+        visit_crossed(nodes_[node.left], ray, visit);
+        visit_crossed(nodes_[node.left + 1], ray, visit);
+    }
+
+    static constexpr double kRoundingShare = 1e-6;  ///< of a squared radius
+    static constexpr double kRounding = 1e-24;  ///< of a squared distance: some thousand times its rounding, squared
+    static constexpr double kNearest = 1e-30;   ///< squared distance, world units²; keeps importances finite
 };
 
 template <typename Reaches>

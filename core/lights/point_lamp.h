@@ -22,7 +22,7 @@ class PointLamp {
     bool has_size() const { return radius_ > 0; }
     Box3d bounds() const;
     /// Intensity, W/sr, as one number; for the choice of a light.
-    double intensity() const { return max_component(intensity_); }
+    double intensity() const { return max_abs(intensity_); }
     /// False where no light of the lamp arrives.
     bool reaches(const Vec3d& position) const;
 

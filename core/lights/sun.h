@@ -19,7 +19,7 @@ class Sun {
 
     bool has_size() const { return solid_angle_ > 0; }
     /// W/m² as one number; for the choice of a light.
-    double irradiance() const { return max_component(irradiance_); }
+    double irradiance() const { return max_abs(irradiance_); }
 
   private:
     Vec3d towards_;  ///< unit, from the scene to the sun

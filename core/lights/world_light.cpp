@@ -65,9 +65,10 @@ WorldLight::WorldLight(const WorldEmission& world, int width)
     : width_(std::max(width, 2)), height_(std::max(width / 2, 1)) {
     std::vector<double> weights(static_cast<size_t>(width_) * height_), row_weights(height_), lows(height_),
         highs(height_);
+    for (int y = 0; y <= height_; ++y) heights_.push_back(row_height(y, height_));
     tbb::parallel_for(0, height_, [&](int y) {
         lows[y] = std::numeric_limits<double>::infinity();
-        const double area = row_height(y, height_) - row_height(y + 1, height_);
+        const double area = heights_[y] - heights_[y + 1];
         for (int x = 0; x < width_; ++x) {
             const double weight = area * cell_radiance(world, x, y, width_, height_, lows[y], highs[y]);
             weights[static_cast<size_t>(y) * width_ + x] = weight;
@@ -85,7 +86,7 @@ WorldLight::WorldLight(const WorldEmission& world, int width)
     rows_.resize(static_cast<size_t>(height_) + 1);
     cells_.resize(static_cast<size_t>(height_) * (static_cast<size_t>(width_) + 1));
     for (int y = 0; y < height_; ++y) {
-        const double area = row_height(y, height_) - row_height(y + 1, height_);
+        const double area = heights_[y] - heights_[y + 1];
         double* of_row = weights.data() + static_cast<size_t>(y) * width_;
         row_weights[y] = 0;
         for (int x = 0; x < width_; ++x) {
@@ -100,7 +101,7 @@ WorldLight::WorldLight(const WorldEmission& world, int width)
 double WorldLight::cell_density(int x, int y) const {
     const double probability =
         (static_cast<double>(rows_[y + 1]) - rows_[y]) * (static_cast<double>(row(y)[x + 1]) - row(y)[x]);
-    const double solid_angle = kTwoPi / width_ * (row_height(y, height_) - row_height(y + 1, height_));
+    const double solid_angle = kTwoPi / width_ * (heights_[y] - heights_[y + 1]);
     return probability / solid_angle;
 }
 
@@ -108,7 +109,7 @@ LampSample WorldLight::sample(const Vec2f& random) const {
     double x_within = 0, y_within = 0;
     const int y = find_cell(rows_.data(), height_, random.y, y_within);
     const int x = find_cell(row(y), width_, random.x, x_within);
-    const double top = row_height(y, height_), bottom = row_height(y + 1, height_);
+    const double top = heights_[y], bottom = heights_[y + 1];
     LampSample sample;
     sample.direction = direction_of(kTwoPi * (x + x_within) / width_, top + (bottom - top) * y_within);
     sample.distance = std::numeric_limits<double>::infinity();
@@ -126,7 +127,7 @@ double WorldLight::density(const Vec3f& direction) const {
 }
 
 size_t WorldLight::bytes() const {
-    return (rows_.capacity() + cells_.capacity()) * sizeof(float);
+    return (rows_.capacity() + cells_.capacity()) * sizeof(float) + heights_.capacity() * sizeof(double);
 }
 
 }  // namespace rayleaf

@@ -25,8 +25,9 @@ class WorldLight {
 
   private:
     int width_, height_;
-    std::vector<float> rows_;   ///< cumulated, height + 1 of them
-    std::vector<float> cells_;  ///< per row, width + 1 of them
+    std::vector<double> heights_;  ///< z of the rows' borders, from 1 down to -1
+    std::vector<float> rows_;      ///< cumulated, height + 1 of them
+    std::vector<float> cells_;     ///< per row, width + 1 of them
     double mean_ = 0;
     bool is_uniform_ = true;
 

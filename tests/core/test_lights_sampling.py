@@ -304,3 +304,27 @@ def test_among_many_lights_the_choice_is_part_of_the_density(core):
     expected = sum(value for value, _ in parts)
     spread = np.sqrt(error**2 + sum(e**2 for _, e in parts))
     assert abs(together - expected) < 5 * spread
+
+
+def test_among_hundreds_of_lamps_a_ray_meets_exactly_those_in_its_way(core):
+    rng = np.random.default_rng(7)
+    centers, radii = rng.uniform(-5, 5, (300, 3)), rng.uniform(0.05, 0.4, 300)
+    lamps = [
+        dict(kind="POINT", matrix=matrix(c), radius=r, strength=(4 * np.pi**2 * r * r,) * 3)  # radiance 1
+        for c, r in zip(centers, radii, strict=True)
+    ]
+    probe = probe_of(core, *lamps)
+    position = np.array([8.0, 1, 2])
+    directions = sphere_directions(3000)
+    offset = centers - position
+    along = directions @ offset.T
+    miss = np.linalg.norm(offset[None] - along[..., None] * directions[:, None], axis=2)
+    expected = ((along > 0) & (miss < radii)).sum(1)
+    np.testing.assert_allclose(probe.look(position, directions)[0][:, 0], expected, rtol=1e-5)
+
+
+def test_a_lamp_of_negative_strength_takes_light_away(core):
+    both = probe_of(core, LAMPS["rectangle"], {**LAMPS["rectangle"], "strength": (-POWER / 2,) * 3})
+    value, error = irradiance(both.sample(POSITION, random_numbers(40000)))
+    alone, own_error = irradiance(probe_of(core, LAMPS["rectangle"]).sample(POSITION, random_numbers(40000)))
+    assert abs(value - alone / 2) < 5 * np.hypot(error, own_error)
