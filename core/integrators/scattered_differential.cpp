@@ -41,9 +41,8 @@ RayDifferential scattered_differential(const RayDifferential& differential, cons
     const float side = point.normal.dot(normal) < 0.0f ? -1.0f : 1.0f;
     const Vec3f dn_dx = normal_step(point, differential.dp_dx) * side;
     const Vec3f dn_dy = normal_step(point, differential.dp_dy) * side;
-    const RayDifferential mirrored = sample.transmitted
-                                         ? refracted(differential, direction, normal, dn_dx, dn_dy, sample.eta)
-                                         : reflected(differential, direction, normal, dn_dx, dn_dy);
+    RayDifferential mirrored = sample.transmitted ? refracted(differential, direction, normal, dn_dx, dn_dy, sample.eta)
+                                                  : reflected(differential, direction, normal, dn_dx, dn_dy);
     if (sample.roughness <= 0.0f) return mirrored;
     return widened(mirrored, sample.direction, kWidestLobe * sample.roughness);
 }

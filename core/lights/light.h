@@ -70,7 +70,7 @@ class LightSet {
   public:
     /// `world_resolution` is the width of the table by which the world is importance sampled; 0: not sampled. Black and
     /// constant worlds are sampled by scattering alone whatever it is.
-    LightSet(std::vector<Lamp> lamps, std::vector<EmittingInstance> emitters, const Tracer& tracer,
+    LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
              SurfaceEmission emission, WorldEmission world, int world_resolution);
     ~LightSet();
     LightSet(const LightSet&) = delete;

@@ -45,9 +45,9 @@ struct LightSet::Implementation {
     LightTree tree{{}};
     double suns_and_world = 0;  ///< sum of irradiances
 
-    Implementation(std::vector<EmittingInstance> emitters, const Tracer& tracer, SurfaceEmission emission,
+    Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, SurfaceEmission emission,
                    WorldEmission world_function)
-        : surfaces(std::move(emitters), tracer, std::move(emission)), world_emission(std::move(world_function)) {}
+        : surfaces(emitters, tracer, std::move(emission)), world_emission(std::move(world_function)) {}
 
     void add(const Lamp& lamp);
     void build_tree();
@@ -101,10 +101,9 @@ void LightSet::Implementation::build_tree() {
     tree = LightTree(items);
 }
 
-LightSet::LightSet(std::vector<Lamp> lamps, std::vector<EmittingInstance> emitters, const Tracer& tracer,
+LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
                    SurfaceEmission emission, WorldEmission world, int world_resolution)
-    : implementation_(
-          std::make_unique<Implementation>(std::move(emitters), tracer, std::move(emission), std::move(world))) {
+    : implementation_(std::make_unique<Implementation>(emitters, tracer, std::move(emission), std::move(world))) {
     Implementation& set = *implementation_;
     for (const Lamp& lamp : lamps)
         if (shines(lamp)) set.add(lamp);

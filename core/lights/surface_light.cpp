@@ -52,7 +52,8 @@ Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_
 
 }  // namespace
 
-SurfaceLights::SurfaceLights(std::vector<EmittingInstance> emitters, const Tracer& tracer, SurfaceEmission emission)
+SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
+                             SurfaceEmission emission)
     : tracer_(tracer), emission_(std::move(emission)) {
     for (const EmittingInstance& emitter : emitters) {
         if (emitter.elements.empty()) continue;

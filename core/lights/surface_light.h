@@ -12,7 +12,7 @@ namespace rayleaf {
 
 class SurfaceLights {
   public:
-    SurfaceLights(std::vector<EmittingInstance> emitters, const Tracer& tracer, SurfaceEmission emission);
+    SurfaceLights(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, SurfaceEmission emission);
 
     uint32_t count() const { return static_cast<uint32_t>(elements_.size()); }
     /// The elements as the tree sees them, in order.

@@ -100,7 +100,7 @@ void Scene::commit_lights(const SceneDescription& description) {
         return world(direction, {}, sampled_light);
     };
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
-    lights_ = std::make_unique<LightSet>(description.lamps, std::move(emitters), *tracer_, emission, world_emission,
+    lights_ = std::make_unique<LightSet>(description.lamps, emitters, *tracer_, emission, world_emission,
                                          sampled ? description.world_resolution : 0);
 }
 
