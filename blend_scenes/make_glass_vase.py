@@ -100,7 +100,7 @@ def add_marbles() -> None:
 
 
 def main() -> None:
-    start_empty(width=540, height=640, samples=96)
+    start_empty(width=540, height=640, samples=40)
     add_vase()
     add_marbles()
     mesh = bpy.data.meshes.new("table")

@@ -93,7 +93,7 @@ def add_exhibit(row: int, column: int, label_material: bpy.types.Material) -> No
 
 
 def main() -> None:
-    start_empty(width=720, height=800, samples=64)
+    start_empty(width=720, height=800, samples=24)
     label_material = material("label", (0.03, 0.03, 0.035), 0.6)
     for row in range(len(KINDS)):
         for column in range(len(ORDERS)):

@@ -210,7 +210,7 @@ def add_lamps() -> None:
 
 
 def main() -> None:
-    start_empty(width=800, height=500, samples=64)
+    start_empty(width=800, height=500, samples=32)
     studio_world()
     add_room()
     add_monkey()
