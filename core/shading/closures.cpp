@@ -60,7 +60,7 @@ Side side_of(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_no
 
 /// Probabilities with which `sample` chooses each lobe.
 struct Choice {
-    float probability[Closures::kMaxLobes];
+    float probability[Closures::kMaxLobes] = {};
     bool any = false;
 
     Choice(const Closures& closures, const Vec3f& outgoing) {

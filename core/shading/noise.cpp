@@ -158,26 +158,28 @@ Point<N> seed_offset(int seed) {
 }
 
 template <int N>
-Vec3f texture(const Point<N>& point, const NoiseParameters& parameters) {
+Vec3f texture(const Point<N>& point, const NoiseParameters& parameters, NoiseChannels channels) {
     Point<N> p = point;
     if (parameters.distortion != 0.0f)
         for (int i = 0; i < N; ++i) p[i] += signed_noise<N>(plus<N>(point, seed_offset<N>(i))) * parameters.distortion;
-    return {fractal_noise<N>(p, parameters), fractal_noise<N>(plus<N>(p, seed_offset<N>(N)), parameters),
+    const float factor = fractal_noise<N>(p, parameters);
+    if (channels == NoiseChannels::Factor) return Vec3f(factor);
+    return {factor, fractal_noise<N>(plus<N>(p, seed_offset<N>(N)), parameters),
             fractal_noise<N>(plus<N>(p, seed_offset<N>(N + 1)), parameters)};
 }
 
 }  // namespace
 
-Vec3f noise_texture(int dimensions, const Vec4f& point, const NoiseParameters& parameters) {
+Vec3f noise_texture(int dimensions, const Vec4f& point, const NoiseParameters& parameters, NoiseChannels channels) {
     switch (dimensions) {
         case 1:
-            return texture<1>({point.w}, parameters);
+            return texture<1>({point.w}, parameters, channels);
         case 2:
-            return texture<2>({point.x, point.y}, parameters);
+            return texture<2>({point.x, point.y}, parameters, channels);
         case 3:
-            return texture<3>({point.x, point.y, point.z}, parameters);
+            return texture<3>({point.x, point.y, point.z}, parameters, channels);
         default:
-            return texture<4>({point.x, point.y, point.z, point.w}, parameters);
+            return texture<4>({point.x, point.y, point.z, point.w}, parameters, channels);
     }
 }
 

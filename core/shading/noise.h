@@ -4,6 +4,8 @@
 
 #include "base/vector.h"
 
+#include <cstdint>
+
 namespace rayleaf {
 
 struct NoiseParameters {
@@ -12,8 +14,11 @@ struct NoiseParameters {
     float distortion = 0;   ///< how far noise displaces the coordinate before the sum
 };
 
+/// What is asked of a texture: one number, or three at thrice the cost.
+enum class NoiseChannels : uint8_t { Factor, All };
+
 /// The texture at `point`, of which the first `dimensions` (1..4) components count; 1: only w. The three channels are
-/// independent, the first is Blender's factor.
-Vec3f noise_texture(int dimensions, const Vec4f& point, const NoiseParameters& parameters);
+/// independent, the first is Blender's factor; if that is all that is asked for, it stands in all three.
+Vec3f noise_texture(int dimensions, const Vec4f& point, const NoiseParameters& parameters, NoiseChannels channels);
 
 }  // namespace rayleaf

@@ -133,6 +133,7 @@ Register Program::operation(const std::string& identifier, std::span<const Regis
         origins_.push_back(static_cast<int32_t>(instructions_.size()));
     }
     note_effects(instruction, operands);
+    note_noise_use(instruction, operands);
     instructions_.push_back(instruction);
     return instruction.result;
 }
@@ -168,6 +169,18 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
             break;
     }
     constant_ = false;
+}
+
+/// A noise of which only the factor, the fourth component, is read need not compute its colour.
+void Program::note_noise_use(const Instruction& reader, std::span<const Register> operands) {
+    const bool reads_factor = reader.operation == Operation::component && ints_[reader.first_int] == 3;
+    for (const Register r : operands) {
+        if (is_constant_register(r)) continue;
+        Instruction& source = instructions_[static_cast<size_t>(origins_[static_cast<size_t>(r)])];
+        if (source.operation != Operation::noise) continue;
+        const bool only_factor = reads_factor && source.variant != static_cast<uint8_t>(NoiseUse::All);
+        source.variant = static_cast<uint8_t>(only_factor ? NoiseUse::Factor : NoiseUse::All);
+    }
 }
 
 /// Marks what `target` depends on to be run at the neighbouring points too.

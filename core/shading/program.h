@@ -66,6 +66,7 @@ class Program {
     Instruction checked(const std::string& identifier, std::span<const Register> operands,
                         std::span<const int32_t> ints, std::span<const float> floats, const std::string& text) const;
     void note_effects(const Instruction& instruction, std::span<const Register> operands);
+    void note_noise_use(const Instruction& reader, std::span<const Register> operands);
     void differentiate(Register target);
     bool is_constant_register(Register r) const { return r < 0 || origins_[static_cast<size_t>(r)] == kConstant; }
     [[noreturn]] void reject(const std::string& argument, const std::string& got, const std::string& wanted) const;

@@ -25,11 +25,14 @@ Vec4f checker_operation(const Operands& operands) {
     return extended(factor == 1.0f ? operands.vector(1) : operands.vector(2), factor);
 }
 
-Vec4f noise_operation(const Operands& operands, int dimensions) {
+Vec4f noise_operation(uint8_t variant, const Operands& operands, int dimensions) {
     const float scale = operands.scalar(2);
     const Vec3f p = operands.vector(0) * scale;
     const NoiseParameters parameters{operands.scalar(3), operands.scalar(4), operands.scalar(5)};
-    const Vec3f color = noise_texture(dimensions, Vec4f(p.x, p.y, p.z, operands.scalar(1) * scale), parameters);
+    const auto use = static_cast<NoiseUse>(variant);
+    const NoiseChannels channels = use == NoiseUse::Factor ? NoiseChannels::Factor : NoiseChannels::All;
+    const Vec3f color =
+        noise_texture(dimensions, Vec4f(p.x, p.y, p.z, operands.scalar(1) * scale), parameters, channels);
     return extended(color, color.x);
 }
 
@@ -131,7 +134,7 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
         case Operation::checker:
             return checker_operation(operands);
         case Operation::noise:
-            return noise_operation(operands, ints[0]);
+            return noise_operation(variant, operands, ints[0]);
         default:
             return spread(0.0f);
     }

@@ -50,6 +50,9 @@ enum class PrincipledVariant : uint8_t { RAYLEAF_PRINCIPLED_VARIANTS(RAYLEAF_ENU
 enum class LightPathVariant : uint8_t { RAYLEAF_LIGHT_PATH_VARIANTS(RAYLEAF_ENUMERATOR) };
 #undef RAYLEAF_ENUMERATOR
 
+/// The variant of `noise`, which no text names: what the operations after it read. Unread counts as all.
+enum class NoiseUse : uint8_t { Unread, Factor, All };
+
 /// The texts an operation takes, in the order of its enumeration; empty if it takes none.
 std::span<const std::string_view> variants_of(Operation operation);
 

@@ -142,6 +142,19 @@ def test_noise_lies_in_the_unit_interval_and_is_smooth():
     np.testing.assert_array_equal(found[:, 0], found[:, 3])
 
 
+def test_a_noise_read_by_its_factor_alone_gives_the_same_factor():
+    found = []
+    for both in (False, True):
+        program = _core.Program("Noise")
+        numbers = [scalar(program, x) for x in (0.0, 4.0, 2.5, 0.5, 0.7)]
+        noise = program.operation("noise", [program.operation("position"), *numbers], [3])
+        factor = program.operation("component", [noise], [3])
+        if both:
+            program.operation("emission", [scalar(program, 1), noise, scalar(program, 1)])
+        found.append(points(position=[(0.3, 1.7, -2.2)]).values(program, factor)[0, 0])
+    assert found[0] == found[1] != 0
+
+
 def test_noise_at_absurd_coordinates_is_finite():
     for far in (1e20, -3e38):
         assert np.isfinite(value("noise", [(far, 0.0, far), far, 3.0, 15.0, 1.0, 3.0], ints=[4])).all()
