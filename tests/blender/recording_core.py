@@ -58,6 +58,9 @@ class NurbsSpline:
     def __init__(self, points, order_u, order_v, **flags):
         self.points, self.order_u, self.order_v, self.flags = points, order_u, order_v, flags
 
+    def problem(self):
+        return None
+
 
 class SceneDescription:
     """Keeps the arguments of every call by kind."""

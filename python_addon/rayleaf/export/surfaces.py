@@ -61,27 +61,25 @@ def splines_of(core: ModuleType, surface_object: Any, messages: Messages) -> lis
         if spline.hide:
             continue
         what = f"Object '{surface_object.name}', spline {number + 1}"
-        if spline.point_count_v < 2 or spline.point_count_u < 2:
-            messages.warn(f"{what}: {spline.point_count_u} x {spline.point_count_v} points make no surface; left out")
-            continue
-        try:
-            splines.append(
-                core.NurbsSpline(
-                    points,
-                    spline.order_u,
-                    spline.order_v,
-                    cyclic_u=spline.use_cyclic_u,
-                    cyclic_v=spline.use_cyclic_v,
-                    endpoint_u=spline.use_endpoint_u,
-                    endpoint_v=spline.use_endpoint_v,
-                    bezier_u=spline.use_bezier_u,
-                    bezier_v=spline.use_bezier_v,
-                    material_slot=spline.material_index,
-                    smooth=spline.use_smooth,
-                )
-            )
-        except core.InputError as error:
-            messages.warn(f"{what}: {error}; left out")
+        sent = core.NurbsSpline(
+            points,
+            spline.order_u,
+            spline.order_v,
+            cyclic_u=spline.use_cyclic_u,
+            cyclic_v=spline.use_cyclic_v,
+            endpoint_u=spline.use_endpoint_u,
+            endpoint_v=spline.use_endpoint_v,
+            bezier_u=spline.use_bezier_u,
+            bezier_v=spline.use_bezier_v,
+            material_slot=spline.material_index,
+            smooth=spline.use_smooth,
+        )
+        problem = sent.problem()
+        if problem is None:
+            splines.append(sent)
+        else:
+            _, argument, got, wanted = problem
+            messages.warn(f"{what}: {argument} is {got}, wanted {wanted}; left out")
     return splines
 
 

@@ -147,5 +147,5 @@ def principled(view: NodeView, weight: Register) -> None:
             view.linked(*PRINCIPLED_SOCKETS["clearcoat_normal"]),
             tangent,
         ],
-        text=view.node.distribution,
+        text=getattr(view.node, "distribution", ""),
     )

@@ -1,0 +1,352 @@
+"""Node trees as programs: what each node becomes, conversions, groups, loops, and what is not supported."""
+
+import pytest
+
+START = """
+import bpy, scenes, recording_core
+scene = scenes.empty_scene()
+item = scenes.quad()
+
+def emission(tree, output):
+    shader = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    return shader
+
+def compiled():
+    sent, _, texts = recording_core.export()
+    return sent.materials[0]["surface"], texts
+
+def told(value):
+    "A register in words: a constant's numbers, or the operation with its operands."
+    if not isinstance(value, dict):
+        return value if value is None else [round(x, 5) for x in value]
+    return [value["op"], value["text"], value["ints"]] + [told(each) for each in program.operands(value)]
+
+material, tree, output = scenes.material()
+item.data.materials.append(material)
+nodes, links = tree.nodes, tree.links
+"""
+
+
+def run_tree(run_blender, lines):
+    """The operands of the tree's only emission in words, and the messages."""
+    run = run_blender(
+        START
+        + "shader = emission(tree, output)\n"
+        + lines
+        + """
+program, texts = compiled()
+_, color, strength = program.operands(program.line("emission"))
+report(color=told(color), strength=told(strength), texts=texts)
+"""
+    )
+    return run.report
+
+
+def test_implicit_conversions_are_blenders(run_blender):
+    told = run_tree(
+        run_blender,
+        """
+rgb, normal = nodes.new("ShaderNodeRGB"), nodes.new("ShaderNodeNewGeometry")
+rgb.outputs[0].default_value = (0.25, 0.5, 0.75, 1)
+math = nodes.new("ShaderNodeMath")
+links.new(rgb.outputs[0], math.inputs[0])
+links.new(normal.outputs["Normal"], math.inputs[1])
+links.new(math.outputs[0], shader.inputs["Color"])
+""",
+    )
+    luminance, average = ["luminance", "", [], [0.25, 0.5, 0.75, 1]], ["average", "", [], ["normal", "", []]]
+    assert told["color"] == ["math", "ADD", [0], luminance, average]
+    assert told["strength"] == [1, 1, 1, 1]
+    assert told["texts"] == []
+
+
+def test_nested_groups_reroutes_and_muted_nodes_pass_values_on(run_blender):
+    told = run_tree(
+        run_blender,
+        """
+inner = bpy.data.node_groups.new("Inner", "ShaderNodeTree")
+inner.inputs.new("NodeSocketColor", "In")
+inner.outputs.new("NodeSocketFloat", "Out")
+a, b = inner.nodes.new("NodeGroupInput"), inner.nodes.new("NodeGroupOutput")
+inner.links.new(a.outputs[0], b.inputs[0])
+outer = bpy.data.node_groups.new("Outer", "ShaderNodeTree")
+outer.inputs.new("NodeSocketColor", "In")
+outer.outputs.new("NodeSocketColor", "Out")
+a, b, group = outer.nodes.new("NodeGroupInput"), outer.nodes.new("NodeGroupOutput"), outer.nodes.new("ShaderNodeGroup")
+group.node_tree = inner
+outer.links.new(a.outputs[0], group.inputs[0])
+outer.links.new(group.outputs[0], b.inputs[0])
+group, reroute, muted = nodes.new("ShaderNodeGroup"), nodes.new("NodeReroute"), nodes.new("ShaderNodeGamma")
+group.node_tree, muted.mute = outer, True
+rgb = nodes.new("ShaderNodeRGB")
+rgb.outputs[0].default_value = (1, 2, 3, 1)
+links.new(rgb.outputs[0], group.inputs[0])
+links.new(group.outputs[0], reroute.inputs[0])
+links.new(reroute.outputs[0], muted.inputs["Color"])
+links.new(muted.outputs[0], shader.inputs["Color"])
+second = nodes.new("ShaderNodeGroup")
+second.node_tree = outer
+second.inputs[0].default_value = (0.5, 0.5, 0.5, 1)
+links.new(second.outputs[0], shader.inputs["Strength"])
+""",
+    )
+    assert told["color"] == ["luminance", "", [], [1, 2, 3, 1]]
+    assert told["strength"][:3] == ["luminance", "", []]
+    assert told["texts"] == []
+
+
+def test_mix_and_add_shaders_multiply_into_the_weights(run_blender):
+    run = run_blender(
+        START
+        + """
+diffuse, glass, transparent = (nodes.new(f"ShaderNodeBsdf{kind}") for kind in ("Diffuse", "Glass", "Transparent"))
+mix, add, layer = nodes.new("ShaderNodeMixShader"), nodes.new("ShaderNodeAddShader"), nodes.new("ShaderNodeLayerWeight")
+mix.inputs[0].default_value = 0.25
+links.new(diffuse.outputs[0], mix.inputs[1])
+links.new(glass.outputs[0], mix.inputs[2])
+links.new(mix.outputs[0], add.inputs[0])
+links.new(mix.outputs[0], add.inputs[1])
+second = nodes.new("ShaderNodeMixShader")
+links.new(layer.outputs["Facing"], second.inputs[0])
+links.new(add.outputs[0], second.inputs[1])
+links.new(transparent.outputs[0], second.inputs[2])
+links.new(second.outputs[0], output.inputs["Surface"])
+program, texts = compiled()
+report(**{kind: told(program.operands(program.line(kind))[0]) for kind in ("diffuse", "glass", "transparent")}, texts=texts)
+"""
+    ).report
+    facing = ["clamp", "MINMAX", [], ["layer_weight", "FACING", [], [0.5] * 4, None], [0] * 4, [1] * 4]
+    rest = ["math", "SUBTRACT", [0], [1] * 4, facing]
+    twice = ["math", "ADD", [0], rest, rest]
+    assert run["transparent"] == facing
+    assert run["diffuse"] == ["math", "MULTIPLY", [0], twice, [0.75] * 4]
+    assert run["glass"] == ["math", "MULTIPLY", [0], twice, [0.25] * 4]
+    assert run["texts"] == []
+
+
+def test_a_shader_behind_a_factor_of_zero_is_not_compiled(run_blender):
+    run = run_blender(
+        START
+        + """
+diffuse, glass, mix = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeBsdfGlass"), nodes.new("ShaderNodeMixShader")
+mix.inputs[0].default_value = 0
+links.new(diffuse.outputs[0], mix.inputs[1])
+links.new(glass.outputs[0], mix.inputs[2])
+links.new(mix.outputs[0], output.inputs["Surface"])
+program, _ = compiled()
+report(operations=[line["op"] for line in program.lines])
+"""
+    ).report
+    assert run["operations"] == ["diffuse"]
+
+
+def test_a_value_in_a_shader_socket_shines(run_blender):
+    told = run_tree(
+        run_blender,
+        """
+nodes.remove(shader)
+rgb = nodes.new("ShaderNodeRGB")
+rgb.outputs[0].default_value = (1, 2, 3, 1)
+links.new(rgb.outputs[0], output.inputs["Surface"])
+""",
+    )
+    assert (told["color"], told["strength"]) == ([1, 2, 3, 1], [1, 1, 1, 1])
+
+
+def test_an_unsupported_node_gives_one_message_and_a_neutral_value(run_blender):
+    told = run_tree(
+        run_blender,
+        """
+wave = nodes.new("ShaderNodeTexWave")
+wave.name = "My Wave"
+links.new(wave.outputs["Color"], shader.inputs["Color"])
+links.new(wave.outputs["Fac"], shader.inputs["Strength"])
+""",
+    )
+    assert told["color"] == told["strength"] == [0.5] * 4
+    (text,) = told["texts"]
+    assert "'Material'" in text and "'My Wave'" in text and "not supported" in text
+
+
+def test_an_unsupported_shader_is_rendered_diffuse_in_its_colour(run_blender):
+    run = run_blender(
+        START
+        + """
+toon = nodes.new("ShaderNodeBsdfToon")
+toon.inputs["Color"].default_value = (1, 0.5, 0.25, 1)
+links.new(toon.outputs[0], output.inputs["Surface"])
+program, texts = compiled()
+report(color=told(program.operands(program.line("diffuse"))[1]), texts=texts)
+"""
+    ).report
+    assert run["color"] == [1, 0.5, 0.25, 1]
+    assert len(run["texts"]) == 1 and "'Toon BSDF'" in run["texts"][0]
+
+
+@pytest.mark.parametrize("kind", ["value", "shader"])
+def test_a_loop_of_nodes_is_named_and_the_rest_compiles(run_blender, kind):
+    lines = {
+        "value": """
+shader = emission(tree, output)
+a, b = nodes.new("ShaderNodeMath"), nodes.new("ShaderNodeMath")
+links.new(a.outputs[0], b.inputs[0])
+links.new(b.outputs[0], a.inputs[0])
+links.new(a.outputs[0], shader.inputs["Strength"])
+""",
+        "shader": """
+a, b, shader = nodes.new("ShaderNodeMixShader"), nodes.new("ShaderNodeMixShader"), nodes.new("ShaderNodeEmission")
+links.new(a.outputs[0], b.inputs[1])
+links.new(b.outputs[0], a.inputs[1])
+links.new(shader.outputs[0], a.inputs[2])
+links.new(a.outputs[0], output.inputs["Surface"])
+""",
+    }[kind]
+    run = run_blender(
+        START
+        + lines
+        + """
+program, texts = compiled()
+report(operations=[line["op"] for line in program.lines], texts=texts)
+"""
+    ).report
+    assert "emission" in run["operations"]
+    (text,) = run["texts"]
+    assert "'Material'" in text and "loop" in text
+
+
+def test_a_material_without_nodes_is_its_viewport_colour_and_an_empty_tree_is_black(run_blender):
+    run = run_blender(
+        START
+        + """
+plain = bpy.data.materials.new("Plain")
+plain.diffuse_color, plain.pass_index = (0.25, 0.5, 0.75, 1), 9
+item.data.materials.append(plain)
+item.data.materials.append(None)
+sent, _, texts = recording_core.export()
+program = sent.materials[1]["surface"]
+report(plain=told(program.operands(program.line("diffuse"))[1]), empty=sent.materials[0]["surface"].lines,
+       index=sent.materials[1]["pass_index"], slots=sent.material_lists, texts=texts)
+"""
+    ).report
+    assert run["plain"] == [0.25, 0.5, 0.75, 1]
+    assert run["empty"] == []
+    assert run["index"] == 9
+    assert run["slots"] == [[0, 1, -1]]
+    assert run["texts"] == []
+
+
+def test_principled_takes_its_sockets_by_name_and_mixes_in_the_subsurface_colour(run_blender):
+    run = run_blender(
+        START
+        + """
+node = nodes.new("ShaderNodeBsdfPrincipled")
+links.new(node.outputs[0], output.inputs["Surface"])
+numbers = [s for s in node.inputs if s.type == "VALUE" and not s.name.startswith("Subsurface") and s.name != "Weight"]
+for number, socket in enumerate(numbers):
+    socket.default_value = (number + 1) / 32
+names = ["weight", "Base Color", "Metallic", "Specular", "Specular Tint", "Roughness", "Anisotropic", "Anisotropic Rotation",
+         "Sheen", "Sheen Tint", "Clearcoat", "Clearcoat Roughness", "IOR", "Transmission", "Transmission Roughness",
+         "Emission", "Emission Strength", "Alpha", "Normal", "Clearcoat Normal", "Tangent"]
+program, texts = compiled()
+operands = program.operands(program.line("principled"))
+wrong = [name for name, value in zip(names, operands)
+         if name in {s.name for s in numbers} and abs(value[0] - node.inputs[name].default_value) > 1e-6]
+report(count=len(operands), wrong=wrong, unlinked=operands[18:], texts=texts)
+node.inputs["Subsurface"].default_value = 0.5
+program, texts = compiled()
+report(base=told(program.operands(program.line("principled"))[1])[:3], subsurface=texts)
+"""
+    ).report
+    assert run["count"] == 21
+    assert run["wrong"] == []
+    assert run["unlinked"] == [None, None, None]
+    assert run["texts"] == []
+    assert run["base"] == ["mix", "MIX", [1, 0]]
+    assert len(run["subsurface"]) == 1
+
+
+def test_ramps_and_curves_become_tables_of_blenders_own_values(run_blender):
+    run = run_blender(
+        START
+        + """
+shader = emission(tree, output)
+ramp, curves, value = nodes.new("ShaderNodeValToRGB"), nodes.new("ShaderNodeRGBCurve"), nodes.new("ShaderNodeFloatCurve")
+ramp.color_ramp.elements[0].color = (1, 0, 0, 0.5)
+point = curves.mapping.curves[1].points.new(0.5, 0.9)
+curves.mapping.update()
+links.new(ramp.outputs["Color"], curves.inputs["Color"])
+links.new(curves.outputs[0], shader.inputs["Color"])
+links.new(ramp.outputs["Alpha"], shader.inputs["Strength"])
+program, texts = compiled()
+tables = [line for line in program.lines if line["op"] == "table"]
+table_of_ramp, table_of_curves = tables[0], tables[1]
+report(sizes=[len(line["floats"]) for line in tables], ramp=table_of_ramp["floats"][:4], texts=texts,
+       middle=table_of_curves["floats"][4 * 128 : 4 * 128 + 3], interpolate=table_of_ramp["ints"],
+       expected=[curves.mapping.evaluate(c, curves.mapping.evaluate(curves.mapping.curves[3], 128 / 255))
+                 for c in list(curves.mapping.curves)[:3]])
+ramp.color_ramp.interpolation = "CONSTANT"
+program, _ = compiled()
+report(constant=next(line for line in program.lines if line["op"] == "table")["ints"])
+"""
+    ).report
+    assert set(run["sizes"]) == {1024}
+    assert run["ramp"] == [1, 0, 0, 0.5]
+    assert run["middle"] == pytest.approx(run["expected"], abs=1e-6)
+    assert (run["interpolate"], run["constant"]) == ([1], [0])
+
+
+EVERY_NODE = """
+import itertools
+from rayleaf import _core
+from rayleaf.export.nodes import compiler, load_nodes
+from rayleaf.export.nodes.emitter import Emitter
+from rayleaf.messages import Messages
+
+load_nodes()
+scene = scenes.empty_scene()
+image = bpy.data.images.new("Picture", 4, 4)
+
+class Images:
+    def texture(self, image, user, frame):
+        return 0
+
+def variants(node):
+    "The node with each value of each of its own enumerations in turn."
+    yield ""
+    base = {p.identifier for p in bpy.types.ShaderNode.bl_rna.properties}
+    for prop in node.bl_rna.properties:
+        if prop.identifier in base or prop.type != "ENUM" or prop.is_readonly:
+            continue
+        for choice in prop.enum_items:
+            setattr(node, prop.identifier, choice.identifier)
+            yield f"{prop.identifier}={choice.identifier}"
+        setattr(node, prop.identifier, prop.default)
+
+failures, count, texts = [], 0, []
+for kind in sorted(set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | {"ShaderNodeMixShader", "ShaderNodeAddShader"}):
+    material, tree, output = scenes.material()
+    node = tree.nodes.new(kind)
+    if hasattr(node, "image"):
+        node.image = image
+    for variant in variants(node):
+        for socket in [s for s in node.outputs if s.enabled]:
+            tree.links.new(socket, output.inputs["Surface"])
+            messages = Messages()
+            try:
+                emitter = Emitter(_core, "Material")
+                resources = compiler.Resources(lambda name: 3, Images(), 1)
+                compiler.Compiler(emitter, "Material", resources, messages).compile_tree(tree)
+            except Exception as error:
+                failures.append(f"{kind} {variant} {socket.identifier}: {type(error).__name__}: {error}")
+            count += 1
+            texts += messages.texts
+report(failures=failures, count=count, texts=sorted(set(texts)))
+"""
+
+
+def test_the_core_accepts_what_every_node_compiles_to_in_every_mode(run_blender):
+    run = run_blender("import bpy, scenes\n" + EVERY_NODE).report
+    assert run["failures"] == []
+    assert run["count"] > 250
+    print("\n".join(run["texts"]))

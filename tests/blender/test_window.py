@@ -1,0 +1,203 @@
+"""Blender's real window under a virtual display: keys are pressed, pictures looked at."""
+
+import os
+import shutil
+import subprocess
+import time
+
+import numpy as np
+import plain_exr
+import pytest
+
+TOOLS = [tool for tool in ("Xvfb", "xdotool") if shutil.which(tool) is None]
+pytestmark = pytest.mark.skipif(bool(TOOLS), reason=f"not installed: {', '.join(TOOLS)}")
+
+# A script is a generator: it yields the seconds to wait, or a function that tells when to go on.
+DRIVER = """
+import os, subprocess, sys, time, traceback
+import bpy
+
+scene = bpy.context.scene
+render = scene.render
+render.engine = "RAYLEAF"
+render.resolution_x, render.resolution_y, render.resolution_percentage = 64, 48, 100
+render.image_settings.file_format = "OPEN_EXR"
+render.image_settings.color_depth, render.image_settings.exr_codec = "32", "NONE"
+preferences = bpy.context.preferences
+preferences.view.render_display_type, preferences.view.show_splash = "SCREEN", False
+
+times = {}
+for event in ("init", "complete", "cancel"):
+    def note(*_, event=event):
+        times[event] = time.perf_counter()
+    getattr(bpy.app.handlers, f"render_{event}").append(note)
+
+def press(key):
+    "Press a key in the window, as a user would."
+    times[key] = time.perf_counter()
+    window = subprocess.check_output(["xdotool", "search", "--onlyvisible", "--name", "Blender"], text=True).split()[0]
+    subprocess.check_call(["xdotool", "windowfocus", window, "key", key])
+
+def pressed(key):
+    "The same without waiting for xdotool."
+    times[key] = time.perf_counter()
+    subprocess.Popen(["xdotool", "key", key])
+
+def drive(steps):
+    last = [time.perf_counter(), None]
+    def step():
+        try:
+            if last[1] is not None and not last[1]():
+                if time.perf_counter() - last[0] > 30:
+                    raise TimeoutError(f"still waiting; so far {times}")
+                return 0.02
+            waits = next(steps)
+            last[:] = time.perf_counter(), waits if callable(waits) else None
+            return 0.02 if callable(waits) else waits
+        except StopIteration:
+            os._exit(0)
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+    bpy.app.timers.register(step, first_interval=0.5)
+"""
+
+
+@pytest.fixture(scope="module")
+def display():
+    """A virtual display of its own; its name."""
+    read, write = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x1000x24", "-nolisten", "tcp"],
+        pass_fds=[write],
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(write)
+    with os.fdopen(read) as pipe:
+        number = pipe.readline().strip()
+    yield f":{number}"
+    server.terminate()
+    server.wait()
+
+
+@pytest.fixture
+def window(run_blender, display):
+    """`window(script, *args)`: run a driver script in Blender's window."""
+
+    def run(script, *args):
+        return run_blender(
+            DRIVER + script,
+            *args,
+            background=False,
+            timeout=90,
+            env={"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"},
+        )
+
+    return run
+
+
+def test_f12_renders_and_the_picture_is_in_the_render_result(window, tmp_path):
+    path = tmp_path / "picture.exr"
+    run = window(
+        """
+scene.rayleaf.samples = 4
+scene.render.film_transparent = True
+
+def steps():
+    yield 0.5
+    press("F12")
+    yield lambda: "complete" in times
+    yield 0.3
+    bpy.data.images["Render Result"].save_render(sys.argv[1])
+    bpy.ops.screen.screenshot(filepath=sys.argv[1] + ".png")
+    report(size=list(bpy.data.images["Render Result"].size))
+
+drive(steps())
+""",
+        path,
+    )
+    picture = plain_exr.read(path)
+    assert picture["R"].shape == (48, 64)
+    alpha = picture["A"]
+    assert alpha[24, 32] == 1 and alpha[0, 0] == 0  # Blender's first cube in the middle, nothing in the corner
+    assert picture["R"][24, 32] > 0.01
+    assert np.isfinite(picture["R"]).all()
+    assert "Traceback" not in run.log
+
+
+@pytest.mark.parametrize("stage", ["rendering", "exporting"])
+def test_escape_stops_within_a_third_of_a_second_and_keeps_what_there_is(window, stage):
+    run = window(
+        f"stage = {stage!r}"
+        + """
+if stage == "rendering":
+    scene.rayleaf.samples = 1 << 20
+else:
+    import recording_core
+    core = recording_core.install()
+    send = core.SceneDescription.add_mesh
+    def slowly(self, *arguments, **more):
+        time.sleep(0.02)
+        return send(self, *arguments, **more)
+    core.SceneDescription.add_mesh = slowly
+    cube = bpy.data.objects["Cube"]
+    for number in range(1000):
+        copy = cube.copy()
+        copy.data = cube.data.copy()
+        scene.collection.objects.link(copy)
+
+def steps():
+    yield 0.5
+    press("F12")
+    yield lambda: "init" in times
+    yield 2.5
+    pressed("Escape")
+    yield lambda: "cancel" in times
+    report(seconds=times["cancel"] - times["Escape"], early="complete" in times)
+    if stage == "rendering":
+        viewer = bpy.data.images["Render Result"]
+        viewer.save_render(sys.argv[0] + ".exr")
+
+drive(steps())
+""",
+    )
+    assert not run.report["early"]
+    # Pressing the key (starting xdotool) and Blender's own way to the handler are in it.
+    assert run.report["seconds"] < 0.3
+    if stage == "rendering":
+        picture = plain_exr.read(run.command[run.command.index("--python") + 1].replace("preamble.py", "script.py.exr"))
+        assert picture["R"].max() > 0.01
+
+
+def test_every_tab_of_the_properties_editor_draws_without_an_error(window, tmp_path):
+    run = window(
+        """
+bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+bpy.ops.object.light_add(type="SPOT")
+
+def editor():
+    return next(area for area in bpy.context.screen.areas if area.type == "PROPERTIES")
+
+def steps():
+    for name, tabs in (("Cube", ("RENDER", "OUTPUT", "VIEW_LAYER", "SCENE", "WORLD", "OBJECT", "DATA", "MATERIAL")),
+                       ("Camera", ("DATA",)), ("Spot", ("OBJECT", "DATA")), ("SurfSphere", ("DATA",))):
+        for item in scene.objects:
+            item.select_set(item.name == name)
+        bpy.context.view_layer.objects.active = scene.objects[name]
+        yield 0.2
+        for tab in tabs:
+            editor().spaces[0].context = tab
+            editor().tag_redraw()
+            yield 0.3
+            bpy.ops.screen.screenshot(filepath=f"{sys.argv[1]}/{name}_{tab}.png")
+    report(done=True)
+
+area = editor()
+area.type = "PROPERTIES"
+drive(steps())
+""",
+        tmp_path,
+    )
+    assert run.report["done"]
+    assert "Traceback" not in run.log and "rna_uiItem" not in run.log, run.log
+    assert len(list(tmp_path.glob("*_*.png"))) == 12
