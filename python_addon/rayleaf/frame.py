@@ -15,9 +15,10 @@ from .messages import Messages
 from .session import RenderThread
 from .settings import core_settings
 
-_POLL_SECONDS = 0.05  # how soon Esc is noticed
+_POLL_SECONDS = 0.03  # how soon Esc is noticed
 _FIRST_RESULT_SECONDS = 0.3  # until the first unfinished picture is shown
-_RESULT_SECONDS = 1.0  # between unfinished pictures
+_RESULT_SECONDS = 1.0  # between unfinished pictures, at least
+_RESULT_SHARE = 0.1  # of the time may go into showing them
 
 
 class FrameRender:
@@ -74,8 +75,10 @@ class FrameRender:
             stage, share = session.progress()
             self._status(stage, share)
             if not bpy.app.background and not cancelled and share > 0.0 and time.perf_counter() >= next_result:
+                began = time.perf_counter()
                 self._write_result(session)
-                next_result = time.perf_counter() + _RESULT_SECONDS
+                ended = time.perf_counter()
+                next_result = ended + max(_RESULT_SECONDS, (ended - began) / _RESULT_SHARE)
 
     def _status(self, stage: str, share: float) -> None:
         self._engine.update_progress(share)
