@@ -87,6 +87,8 @@ def add_surface(core: ModuleType, scene: Any, surface_object: Any, messages: Mes
     """Send a SURFACE object; the shape's index, or None if nothing of it can be rendered."""
     splines = splines_of(core, surface_object, messages)
     if not splines:
+        if not surface_object.data.splines:
+            messages.note(f"Object '{surface_object.name}' has no splines; left out")
         return None
     try:
         return int(scene.add_surface(surface_object.name, splines))
