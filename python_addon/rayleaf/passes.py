@@ -9,6 +9,11 @@ from typing import Any
 
 _LINE = re.compile(r'^PASS\((\w+), "(\w+)", "(\w+)", "(\w*)", "(.*)"\)$')
 
+# How the switches of Blender's light passes end; of each kind of light there are these three.
+_LIGHT_PARTS = ("_direct", "_indirect", "_color")
+_LIGHT = ("emit", "environment")
+_SPELLED = {"uv": "UV", "emit": "Emission"}
+
 
 @dataclass(frozen=True)
 class Pass:
@@ -28,10 +33,17 @@ class Pass:
         return "COLOR" if self.channels.startswith("RGB") else "VECTOR"
 
     @property
+    def group(self) -> str:
+        """The heading under which panels show it: the kind of light, or Data."""
+        kind = self.switch.removeprefix("use_pass_").split("_")[0]
+        return kind.title() if self.switch.endswith(_LIGHT_PARTS) else "Light" if kind in _LIGHT else "Data"
+
+    @property
     def label(self) -> str:
-        """For panels."""
+        """For panels, under its heading."""
         words = self.switch.removeprefix("use_pass_") if self.switch else self.name
-        return words.replace("_", " ").title()
+        words = words.split("_")[1] if self.switch.endswith(_LIGHT_PARTS) else words
+        return _SPELLED.get(words, words.replace("_", " ").title())
 
 
 def parse_table(text: str) -> tuple[Pass, ...]:

@@ -29,7 +29,7 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
     roulette_start: IntProperty(  # type: ignore
         name="Russian Roulette",
         description="Bounces after which dim paths may end by chance",
-        default=4,
+        default=3,
         min=0,
         max=1024,
     )

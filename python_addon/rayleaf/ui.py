@@ -143,9 +143,13 @@ class RAYLEAF_PT_passes(_Panel, bpy.types.Panel):
     bl_context = "view_layer"
 
     def draw(self, context: Any) -> None:
-        column = self._column()
+        groups: dict[str, list[passes.Pass]] = {}
         for entry in passes.table():
             if entry.switch:
+                groups.setdefault(entry.group, []).append(entry)
+        for heading, entries in groups.items():
+            column = self._column().column(heading=heading, align=True)
+            for entry in entries:
                 column.prop(context.view_layer, entry.switch, text=entry.label)
 
 
@@ -203,6 +207,25 @@ class RAYLEAF_PT_light_spot(_Panel, bpy.types.Panel):
         column.prop(context.light, "show_cone")
 
 
+class RAYLEAF_PT_light_nodes(_Panel, bpy.types.Panel):
+    """A lamp's nodes: an Emission node tints and scales its light."""
+
+    bl_label = "Nodes"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.light is not None and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        light = context.light
+        column = self._column()
+        column.prop(light, "use_nodes", icon="NODETREE")
+        output = light.node_tree.get_output_node("ALL") if light.use_nodes and light.node_tree else None
+        if output is not None:
+            column.template_node_view(light.node_tree, output, output.inputs["Surface"])
+
+
 class RAYLEAF_PT_ray_visibility(_Panel, bpy.types.Panel):
     """Which rays see an object."""
 
@@ -230,6 +253,7 @@ PANELS = (
     RAYLEAF_PT_passes,
     RAYLEAF_PT_light,
     RAYLEAF_PT_light_spot,
+    RAYLEAF_PT_light_nodes,
     RAYLEAF_PT_ray_visibility,
 )
 

@@ -1,0 +1,95 @@
+"""How the add-on comes into Blender and goes again."""
+
+import subprocess
+import sys
+
+import pytest
+
+
+def test_enabling_the_add_on_offers_the_engine_and_loads_no_core(run_blender):
+    run = run_blender(
+        """
+import sys, bpy
+scene = bpy.context.scene
+scene.render.engine = "RAYLEAF"
+report(engine=scene.render.engine, loaded="rayleaf._core" in sys.modules, samples=scene.rayleaf.samples)
+"""
+    ).report
+    assert run == {"engine": "RAYLEAF", "loaded": False, "samples": 64}
+
+
+def test_disabling_the_add_on_leaves_nothing_behind_and_enabling_again_works(run_blender):
+    run = run_blender(
+        """
+import addon_utils, bpy
+
+def shown():
+    def walk(base):
+        for each in base.__subclasses__():
+            yield each
+            yield from walk(each)
+    return sum("RAYLEAF" in getattr(panel, "COMPAT_ENGINES", ()) for panel in walk(bpy.types.Panel)
+               if panel.__module__.startswith("bl_ui"))
+
+counts = [shown()]
+addon_utils.disable("rayleaf")
+counts.append(shown())
+report(property=hasattr(bpy.types.Scene, "rayleaf"), panel=hasattr(bpy.types, "RAYLEAF_PT_sampling"))
+addon_utils.enable("rayleaf")
+counts.append(shown())
+bpy.context.scene.render.engine = "RAYLEAF"
+report(counts=counts)
+"""
+    ).report
+    assert (run["property"], run["panel"]) == (False, False)
+    enabled, disabled, again = run["counts"]
+    assert enabled == again > 100 and disabled == 0
+
+
+def test_the_package_and_its_core_are_usable_from_plain_python(addons):
+    code = "import sys, rayleaf, rayleaf._core; assert 'bpy' not in sys.modules; print(rayleaf._core.Program('a').name)"
+    done = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": str(addons)}, capture_output=True, text=True)
+    assert done.stdout == "a\n", done.stderr
+
+
+def test_the_settings_that_an_artist_sees_are_the_cores_with_the_same_defaults(run_blender):
+    run = run_blender(
+        """
+import bpy
+from rayleaf import _core
+from rayleaf.export.camera import crop_of, frame_of
+from rayleaf.passes import enabled
+from rayleaf.settings import core_settings
+
+scene = bpy.context.scene
+scene.render.threads_mode = "AUTO"
+sent = core_settings(scene, frame_of(scene), crop_of(scene, frame_of(scene)), enabled(bpy.context.view_layer))
+built, plain = _core.Settings(**sent), _core.Settings()
+names = [name for name in dir(plain) if not name.startswith("_")]
+report(unset=[name for name in names if name not in sent],
+       different=[name for name in names if getattr(built, name) != getattr(plain, name)])
+"""
+    ).report
+    assert run["unset"] == []
+    assert set(run["different"]) == {"width", "height", "crop_width", "crop_height"}
+
+
+@pytest.mark.parametrize("mode", ["FIXED", "AUTO"])
+def test_blenders_own_settings_for_threads_and_film_are_used(run_blender, mode):
+    run = run_blender(
+        f"""
+import bpy, scenes, recording_core
+core = recording_core.install()
+scene = bpy.context.scene
+render = scene.render
+render.engine, render.threads_mode = "RAYLEAF", {mode!r}
+if {mode!r} == "FIXED":
+    render.threads = 3
+render.film_transparent, scene.rayleaf.use_animated_seed, scene.rayleaf.seed = True, True, 100
+scene.frame_set(7)
+bpy.ops.render.render()
+sent = core.Session.last.settings
+report(threads=sent.threads, transparent=sent.film_transparent, seed=sent.seed)
+"""
+    ).report
+    assert run == {"threads": 3 if mode == "FIXED" else 0, "transparent": True, "seed": 107}
