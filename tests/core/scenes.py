@@ -64,7 +64,8 @@ def look_down(core_scene, height=5.0, half=1.0, **more):
 
 def sphere_spline(core, slot=0, smooth=True):
     """Blender's NURBS sphere: 8 x 5 points, order 3, Bezier knots, cyclic in u here. Unit radius."""
-    ring = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]
+    # Clockwise from above: the outside of a surface is the side of dP/dv x dP/du, as in Blender.
+    ring = [(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)]
     profile = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1)]
     points = np.zeros((5, 8, 4))
     for v, (radius, z) in enumerate(profile):
