@@ -72,7 +72,7 @@ LEFT_OUT = {
     "a spline of one point": "scenes.add(bpy.data.curves.new('Bad', 'SURFACE'), 'Bad').data.splines.new('NURBS')",
     "a scale of zero": "bad_mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)]).scale = (1, 0, 1)",
     "a place that is not a number": "bad_mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)]).location.x = nan",
-    "a lamp of infinite power": "bpy.ops.object.light_add(type='POINT'); bpy.context.object.name = 'Bad'; bpy.context.object.data.energy = inf",
+    "a lamp of infinite power": "scenes.add(bpy.data.lights.new('Bad', 'POINT'), 'Bad').data.energy = inf",
 }
 
 

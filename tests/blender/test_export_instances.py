@@ -104,7 +104,8 @@ report(hole=table["material_lists"][at("Hole")], kept=table["material_lists"][at
 bpy.context.view_layer.material_override = override
 bpy.context.view_layer.update()
 sent = recording_core.export()[0]
-report(override=[sent.materials[m]["name"] for m in sent.material_lists[sent.instances["material_lists"][sent.instances["names"].index("Kept")]]])
+kept = sent.instances["material_lists"][sent.instances["names"].index("Kept")]
+report(override=[sent.materials[m]["name"] for m in sent.material_lists[kept]])
 """
     ).report
     assert run["hole"] >= 0 and run["kept"] == -1
