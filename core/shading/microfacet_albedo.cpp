@@ -29,9 +29,10 @@ struct QuadraturePoint {
     Vec2f random;
     float weight;
 
-    explicit QuadraturePoint(int i)
-        : random((static_cast<float>(i % kQuadrature) + 0.5f) / kQuadrature,
-                 (static_cast<float>(i / kQuadrature) + 0.5f) / kQuadrature) {
+    explicit QuadraturePoint(int i) {
+        const int column = i % kQuadrature, row = i / kQuadrature;
+        random =
+            Vec2f((static_cast<float>(column) + 0.5f) / kQuadrature, (static_cast<float>(row) + 0.5f) / kQuadrature);
         const float t = random.x;
         random.x = t * t * (3.0f - 2.0f * t);
         weight = 6.0f * t * (1.0f - t) * kWeightScale / (kQuadrature * kQuadrature);

@@ -56,7 +56,9 @@ template <size_t N>
 uint32_t jenkins_hash(const std::array<uint32_t, N>& key) {
     const uint32_t start = 0xdeadbeefu + (static_cast<uint32_t>(N) << 2) + 13u;
     uint32_t words[3] = {start, start, start};
-    for (size_t i = 0; i < std::min<size_t>(N, 3); ++i) words[i] += key[i];
+    words[0] += key[0];
+    if constexpr (N > 1) words[1] += key[1];
+    if constexpr (N > 2) words[2] += key[2];
     if constexpr (N > 3) {
         inner_mix(words[0], words[1], words[2]);
         words[0] += key[3];
@@ -95,8 +97,8 @@ template <int N>
 float signed_noise(const Point<N>& p) {
     constexpr float kLatticeLimit = 2147483000.0f;                     // below 2^31
     constexpr float kScale[4] = {0.2500f, 0.6616f, 0.9820f, 0.8344f};  // Blender's, make each dimension fill [-1, 1]
-    Point<N> fraction, blend;
-    std::array<uint32_t, N> cell;
+    Point<N> fraction{}, blend{};
+    std::array<uint32_t, N> cell{};
     for (int i = 0; i < N; ++i) {
         const float x = std::abs(p[i]) < kLatticeLimit ? p[i] : 0.0f;
         const float base = std::floor(x);
@@ -147,7 +149,7 @@ float fractal_noise(const Point<N>& p, const NoiseParameters& parameters) {
 template <int N>
 Point<N> seed_offset(int seed) {
     const auto unit = [](uint32_t hash) { return static_cast<float>(hash) * (1.0f / 4294967295.0f); };
-    Point<N> offset;
+    Point<N> offset{};
     for (int i = 0; i < N; ++i) {
         const uint32_t first = std::bit_cast<uint32_t>(static_cast<float>(seed));
         const uint32_t second = std::bit_cast<uint32_t>(static_cast<float>(i));

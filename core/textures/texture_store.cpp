@@ -5,10 +5,7 @@
 
 #include "base/error.h"
 
-#include <atomic>
 #include <filesystem>
-#include <mutex>
-#include <optional>
 #include <vector>
 
 #include <OpenImageIO/imagebuf.h>
