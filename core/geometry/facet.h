@@ -3,6 +3,7 @@
 
 #include "base/vector.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -24,6 +25,26 @@ inline Vec3d area_vector(const FacetCorners& corners) {
 /// The hit of a ray that a test in single precision has found inside the facet. That test decides about inside, since
 /// it agrees with the neighbours' along shared edges; here the point is only made exact, so weights that leave the
 /// facet are drawn back to its border. Empty where the ray lies in the facet's plane.
-std::optional<FacetHit> exact_facet_hit(const FacetCorners& corners, const Vec3d& origin, const Vec3d& direction);
+inline std::optional<FacetHit> exact_facet_hit(const FacetCorners& corners, const Vec3d& origin,
+                                               const Vec3d& direction) {
+    // Cramer's rule on  origin + t direction = p0 + u edge1 + v edge2  (Moeller and Trumbore 1997).
+    const Vec3d edge1 = corners[1] - corners[0], edge2 = corners[2] - corners[0];
+    const Vec3d across = direction.cross(edge2);
+    const double determinant = edge1.dot(across);
+    if (determinant == 0.0) return std::nullopt;
+    const Vec3d from = origin - corners[0];
+    const Vec3d other = from.cross(edge1);
+    const double scale = 1.0 / determinant;
+    const double u_raw = from.dot(across) * scale, v_raw = direction.dot(other) * scale;
+    const double t_raw = edge2.dot(other) * scale;
+    if (!std::isfinite(u_raw + v_raw + t_raw)) return std::nullopt;
+    FacetHit hit;
+    hit.u = std::clamp(u_raw, 0.0, 1.0);
+    hit.v = std::clamp(v_raw, 0.0, 1.0 - hit.u);
+    hit.position = corners[0] + edge1 * hit.u + edge2 * hit.v;
+    const bool moved = hit.u != u_raw || hit.v != v_raw;
+    hit.t = moved ? (hit.position - origin).dot(direction) / direction.dot(direction) : t_raw;
+    return hit;
+}
 
 }  // namespace rayleaf

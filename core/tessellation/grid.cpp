@@ -30,8 +30,8 @@ Box3f Grid::box() const {
 }
 
 Vec2d grid_parameters(uint32_t triangle, double weight1, double weight2) {
-    const uint32_t cell = triangle / 2;
-    const double i = cell % kGridCells, j = cell / kGridCells;
+    const uint32_t cell = triangle / 2, column = cell % kGridCells, row = cell / kGridCells;
+    const double i = column, j = row;
     return triangle % 2 == 0 ? Vec2d(i + weight1 + weight2, j + weight1) : Vec2d(i + weight2, j + weight1 + weight2);
 }
 

@@ -78,6 +78,20 @@ struct RayLanes {
 
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
 
+/// Which lane a cell's corner comes from: vertex k of a block is lane k of the first vector, or from 16 on lane k - 9
+/// of the second, which the instruction numbers from 16.
+struct alignas(64) Deal {
+    int32_t lanes[kWidth];
+
+    constexpr explicit Deal(int first_vertex) : lanes() {
+        for (int cell = 0; cell < kWidth; ++cell) {
+            const int vertex = first_vertex + cell / kBlockCells * kBlockVertices + cell % kBlockCells;
+            lanes[cell] = vertex < kWidth ? vertex : vertex + 2 * kWidth - kBlockSize;
+        }
+    }
+};
+constexpr Deal kDealA(0), kDealB(1), kDealC(kBlockVertices + 1), kDealD(kBlockVertices);
+
 /// All 16 cells: the 25 vertices are projected once, in two vectors that overlap, and dealt out to the cells.
 HWY_INLINE Corners load_corners(const RayLanes& ray, const float (&block)[3][kBlockSize], int, int) {
     const Lanes lanes;
@@ -87,17 +101,13 @@ HWY_INLINE Corners load_corners(const RayLanes& ray, const float (&block)[3][kBl
                            hn::LoadU(lanes, block[ray.axis_z] + offset));
     };
     const Corner low = load(0), high = load(kSecond);
-    const auto deal = [&](int vertex) HWY_ATTR {
-        // Vertex k is lane k of `low`, or from 16 on lane k - 9 of `high`, which the instruction numbers from 16.
-        alignas(64) static constexpr int kCells[16] = {0, 1, 2, 3, 5, 6, 7, 8, 10, 11, 12, 13, 15, 16, 17, 18};
-        const __m512i k = _mm512_add_epi32(_mm512_load_si512(kCells), _mm512_set1_epi32(vertex));
-        const __mmask16 in_high = _mm512_cmpge_epi32_mask(k, _mm512_set1_epi32(kWidth));
-        const __m512i from = _mm512_mask_add_epi32(k, in_high, k, _mm512_set1_epi32(kWidth - kSecond));
+    const auto deal = [&](const Deal& from) HWY_ATTR {
+        const __m512i lane = _mm512_load_si512(from.lanes);
         const auto pick = [&](Vector l, Vector h)
-                              HWY_ATTR { return Vector{_mm512_permutex2var_ps(l.raw, from, h.raw)}; };
+                              HWY_ATTR { return Vector{_mm512_permutex2var_ps(l.raw, lane, h.raw)}; };
         return Corner{pick(low.x, high.x), pick(low.y, high.y), pick(low.z, high.z)};
     };
-    return {deal(0), deal(1), deal(kBlockVertices + 1), deal(kBlockVertices)};
+    return {deal(kDealA), deal(kDealB), deal(kDealC), deal(kDealD)};
 }
 
 #else
@@ -164,8 +174,10 @@ HWY_INLINE void take(const RayLanes& ray, const Triangles& hit, Mask inside, Vec
 /// Twice the number of each lane's cell, counted from the first.
 HWY_INLINE Vector lane_offsets() {
     HWY_ALIGN float offsets[kWidth];
-    for (int lane = 0; lane < kWidth; ++lane)
-        offsets[lane] = static_cast<float>(2 * (lane / kColumns * kGridCells + lane % kColumns));
+    for (int lane = 0; lane < kWidth; ++lane) {
+        const int row = lane / kColumns, column = lane % kColumns;
+        offsets[lane] = static_cast<float>(2 * (row * kGridCells + column));
+    }
     return hn::Load(Lanes(), offsets);
 }
 
@@ -194,18 +206,21 @@ bool next_candidate(const Grid& grid, const GridRay& ray, float t_max, const Gri
                 if (hn::AllFalse(lanes, hn::Or(in_lower, in_upper))) continue;
                 const int cell = (first_row + row) * kGridCells + first_column + column;
                 const Vector number = hn::Add(hn::Set(lanes, static_cast<float>(2 * cell)), offsets);
-                take(ray_lanes, lower, in_lower, number, last_t, last_triangle, nearest);
-                take(ray_lanes, upper, in_upper, hn::Add(number, one), last_t, last_triangle, nearest);
+                if (!hn::AllFalse(lanes, in_lower))
+                    take(ray_lanes, lower, in_lower, number, last_t, last_triangle, nearest);
+                if (!hn::AllFalse(lanes, in_upper))
+                    take(ray_lanes, upper, in_upper, hn::Add(number, one), last_t, last_triangle, nearest);
             }
         }
     }
-    const Vector t = hn::MinOfLanes(lanes, nearest.t);
-    const Vector triangle =
-        hn::MinOfLanes(lanes, hn::IfThenElse(hn::Eq(nearest.t, t), nearest.triangle, hn::Set(lanes, none)));
-    const float number = hn::GetLane(triangle);
-    if (number == none) return false;
+    const Vector unset = hn::Set(lanes, none);
+    const Mask found = hn::Ne(nearest.triangle, unset);
+    if (hn::AllFalse(lanes, found)) return false;
+    const Vector t = hn::MinOfLanes(lanes, hn::IfThenElse(found, nearest.t, unset));
+    const Mask first_found = hn::And(found, hn::Eq(nearest.t, t));
     next.t = hn::GetLane(t);
-    next.triangle = static_cast<uint32_t>(number);
+    next.triangle =
+        static_cast<uint32_t>(hn::GetLane(hn::MinOfLanes(lanes, hn::IfThenElse(first_found, nearest.triangle, unset))));
     return true;
 }
 

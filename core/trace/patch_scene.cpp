@@ -84,7 +84,8 @@ LocalHit PatchScene::local_hit(const ShapeHit& hit) const {
     local.u = static_cast<float>((subpatch.u * kGridCells + in_grid.x) / split.cells_u());
     local.v = static_cast<float>((subpatch.v * kGridCells + in_grid.y) / split.cells_v());
     local.position = hit.point.position;
-    local.normal = Vec3f(normalized_or(area_vector(hit.corners), Vec3d(0, 0, 1)));
+    const Vec3d area = area_vector(hit.corners);
+    local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
     return local;
 }
 

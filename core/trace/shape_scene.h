@@ -22,7 +22,9 @@ namespace rayleaf {
 /// A facet of a shape: a triangle of a mesh (`part` is 0), or triangle number `part` of a subpatch's grid.
 struct FacetId {
     uint32_t primitive = 0, part = 0;
-    auto operator<=>(const FacetId&) const = default;
+    bool operator<(const FacetId& other) const {
+        return primitive != other.primitive ? primitive < other.primitive : part < other.part;
+    }
 };
 
 struct ShapeHit {

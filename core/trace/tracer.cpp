@@ -91,6 +91,7 @@ struct Tracer::Implementation {
     Box3d bounds;
     LocalFrame frame;  ///< world -> the space of the scene above the instances
     EmbreeScene scene;
+    uint64_t bvh_bytes = 0;  ///< what Embree held more after the build; tracers built at the same time blur it
 
     struct Query {
         EmbreeContext context;
@@ -242,10 +243,12 @@ bool Tracer::Implementation::start(Query& query, const Ray& ray, Visibility kind
 
 Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view)
     : implementation_(std::make_unique<Implementation>()) {
+    const uint64_t before = embree_bytes();
     implementation_->instances = std::move(instances);
     implementation_->build_shapes(view);
     implementation_->build_records();
     implementation_->build_scene();
+    implementation_->bvh_bytes = embree_bytes() - std::min(before, embree_bytes());
 }
 
 Tracer::~Tracer() = default;
@@ -340,7 +343,7 @@ TraceStatistics Tracer::statistics() const {
     TraceStatistics result;
     result.instances = implementation_->instances.size();
     result.shapes = implementation_->shapes.size();
-    result.bvh_bytes = embree_bytes();
+    result.bvh_bytes = implementation_->bvh_bytes;
     for (const std::unique_ptr<ShapeScene>& shape : implementation_->shapes) {
         result.subpatches += shape->subpatch_count();
         result.grids_diced += shape->grids_diced();

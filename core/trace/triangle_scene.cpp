@@ -53,7 +53,8 @@ LocalHit TriangleScene::local_hit(const ShapeHit& hit) const {
     local.u = static_cast<float>(hit.point.u);
     local.v = static_cast<float>(hit.point.v);
     local.position = hit.point.position;
-    local.normal = Vec3f(normalized_or(area_vector(hit.corners), Vec3d(0, 0, 1)));
+    const Vec3d area = area_vector(hit.corners);
+    local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
     return local;
 }
 
