@@ -80,6 +80,17 @@ std::unique_ptr<Tracer> make_tracer(const std::vector<Placement>& placements, do
     return std::make_unique<Tracer>(std::move(instances), view_from(pixel_angle, eye));
 }
 
+/// Many instances of one shape: matrices (n, 4, 4).
+std::unique_ptr<Tracer> make_instanced(const std::shared_ptr<Shape>& shape, const Array<double>& matrices) {
+    check_shape(shape->name(), "matrices", matrices, {-1, 4, 4});
+    std::vector<TracedInstance> instances;
+    instances.reserve(static_cast<size_t>(matrices.shape(0)));
+    for (py::ssize_t i = 0; i < matrices.shape(0); ++i)
+        instances.push_back({shape, affine_of(matrices.data() + 16 * i), kVisibleAll});
+    const py::gil_scoped_release released;
+    return std::make_unique<Tracer>(std::move(instances), DicingView{});
+}
+
 /// Rays from arrays of three doubles each, with t_min and t_max per ray.
 struct Rays {
     Array<double> origins, directions, t_min, t_max;
@@ -281,6 +292,7 @@ void bind_trace(py::module_& parent) {
     py::class_<Tracer>(module, "Tracer", "Rays against instances: (shape, 4x4 matrix, visibility) each.")
         .def(py::init(&make_tracer), py::arg("instances"), py::arg("pixel_angle") = 1e-3,
              py::arg("eye") = std::array<double, 3>{0, 0, 0})
+        .def(py::init(&make_instanced), py::arg("shape"), py::arg("matrices"))
         .def("closest_hits", &closest_hits, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,

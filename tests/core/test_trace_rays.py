@@ -1,5 +1,8 @@
 """What the tracer answers: positions at any distance, ties, visibility, bad rays, empty and degenerate shapes."""
 
+import resource
+from pathlib import Path
+
 import numpy as np
 import pytest
 from core import shapes
@@ -157,6 +160,29 @@ def test_instances_far_apart_are_found_through_the_tree_above_them():
     assert (hits["instance"] >= 0).all()
     blocked = hits["instance"] != np.arange(3000)
     assert blocked.mean() < 0.01 and (hits["t"] < 50).all()
+
+
+def resident_bytes():
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize()
+
+
+def test_a_million_instances_share_one_shape():
+    count = 1_000_000
+    matrices = np.broadcast_to(np.eye(4), (count, 4, 4)).copy()
+    matrices[:, :3, 3] = np.random.default_rng(32).uniform(-1000, 1000, (count, 3))
+    before = resident_bytes()
+    tracer = trace.Tracer(shapes.cube(), matrices)
+    # 320 bytes an instance, and Embree's tree of about 100 bytes for each box, more while it is built.
+    assert resident_bytes() - before < 700 * count
+    statistics = tracer.statistics()
+    assert statistics["instances"] == count and statistics["shapes"] == 1 and statistics["triangles"] == 12
+    chosen = np.arange(0, count, 997)
+    centers = matrices[chosen, :3, 3]
+    hits = tracer.closest_hits(centers + [0.0, 0.0, 1.5], np.broadcast_to([0.0, 0.0, -1.0], centers.shape))
+    direct = hits["instance"] == chosen
+    assert direct.mean() > 0.95  # few cubes overlap
+    np.testing.assert_allclose(hits["t"][direct], 0.5, atol=1e-9)
 
 
 def test_answers_do_not_depend_on_how_rays_are_dealt_to_threads():
