@@ -26,9 +26,9 @@ void Bounces::scatter(const LobeSample& sample) {
     }
 }
 
-bool Bounces::pass_through(double length) {
+void Bounces::pass_through(double length) {
     passed_ += length;
-    return ++state_.transparent_depth <= settings_.transparent_bounces;
+    ++state_.transparent_depth;
 }
 
 PathState Bounces::at(double length) const {

@@ -14,8 +14,11 @@ class Bounces {
 
     /// After a scattering.
     void scatter(const LobeSample& sample);
-    /// After going straight on through a transparent surface `length` away. False: one more than allowed.
-    bool pass_through(double length);
+    /// After going straight on through a transparent surface `length` away.
+    void pass_through(double length);
+    /// One transparent surface more than allowed was passed: what the ray meets may emit, and that is all. (So a limit
+    /// of n lets the camera see the world behind n + 1 surfaces, as in Cycles.)
+    bool is_spent() const { return state_.transparent_depth > settings_.transparent_bounces; }
     /// No limit is left: what the ray meets may still emit or be transparent, but scatters no more.
     bool is_last() const { return is_last_; }
     int count() const { return state_.depth; }

@@ -22,6 +22,10 @@ void Contributions::add_seen(Pass pass, const Color& light) {
     sample.add(pass, c);
 }
 
+void Contributions::add_hidden_world(const Color& light) {
+    sample.add(Pass::environment, clamped(light, settings_.clamp_direct));
+}
+
 void Contributions::add_split(const Color& light, const ByKind& shares, bool direct) {
     sample.add(Pass::combined, light);
     if (!settings_.light_passes) return;

@@ -25,6 +25,8 @@ class Contributions {
 
     /// Light the camera sees without any scattering: emitted by a surface, or the world's.
     void add_seen(Pass pass, const Color& light);
+    /// The world behind a transparent film: in its pass, not in the picture.
+    void add_hidden_world(const Color& light);
     /// Light that the first surface scattered straight from a light, split by the kinds of its lobes.
     void add_first(const Color& light, const ByKind& shares);
     /// Light that came over `scatterings` (at least one) surfaces, the first of which passed it on in `first_shares`.

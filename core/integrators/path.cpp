@@ -160,6 +160,7 @@ PixelSample PathTracer::trace() {
         scene_.shade(vertex.point, vertex.outgoing, vertex.differential, bounces_.at(hit->t), vertex.closures);
         if (bounces_.count() == 0) record_surface(vertex);
         add_emission(vertex);
+        if (bounces_.is_spent()) break;
         if (!bounces_.is_last()) add_direct_light(vertex);
         if (!leave(vertex)) break;
     }
@@ -186,16 +187,17 @@ void PathTracer::add_lamps(double t_max) {
 }
 
 void PathTracer::add_world() {
-    if (bounces_.count() == 0 && settings_.film_transparent) {
-        alpha_ -= average(throughput_);
-        return;
-    }
-    if (!scene_.has_world()) return;
+    const bool hidden = bounces_.count() == 0 && settings_.film_transparent;
+    if (hidden) alpha_ -= average(throughput_);
+    if (!scene_.has_world() || (hidden && !settings_.wants(Pass::environment))) return;
     const Vec3f direction(ray_.direction);
     const float density =
         departure_.density > 0.0f ? scene_.lights().world_density(direction, departure_.position) : 0.0f;
     const Color radiance = scene_.world(direction, differential_, bounces_.at(0));
-    add(radiance * departure_.weight(density), Pass::environment);
+    if (hidden)
+        light_.add_hidden_world(throughput_ * radiance);
+    else
+        add(radiance * departure_.weight(density), Pass::environment);
 }
 
 void PathTracer::add_emission(const Vertex& vertex) {
@@ -272,7 +274,8 @@ bool PathTracer::leave(const Vertex& vertex) {
 
 bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     throughput_ *= vertex.closures.transparency / probability;
-    if (!bounces_.pass_through(vertex.point.t) || !is_finite(throughput_)) return false;
+    if (!is_finite(throughput_)) return false;
+    bounces_.pass_through(vertex.point.t);
     const Vec3f direction(ray_.direction);
     const Vec3d origin = vertex.point.ray_origin(direction);
     ray_.t_max -= (origin - ray_.origin).dot(ray_.direction);

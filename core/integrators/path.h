@@ -7,7 +7,8 @@
 // bounces leave direct light.
 //
 // The light passes hold radiance with the lobes' colour in it; the film divides the mean of a pixel by the mean of the
-// colour pass, as Cycles does. So Combined is, per sample, the sum of all light passes, Emit and Env.
+// colour pass, as Cycles does. So Combined is, per sample, the sum of all light passes, Emit and Env (without Env where
+// the film is transparent).
 #pragma once
 
 #include "base/random.h"

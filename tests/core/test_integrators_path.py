@@ -207,19 +207,20 @@ def test_clamping_limits_each_contribution_of_its_kind(core):
 
 @pytest.mark.parametrize("panes", [1, 3])
 def test_shadow_rays_take_the_colour_of_transparent_panes_up_to_the_limit(core, panes):
-    def scene_with(count):
+    def scene_with(count, radius=0.1):
         scene = lit_plane(core)
         for i in range(count):
             pane = veil(core, scene, (0.9, 0.5, 0.2), name=f"pane {i}")
             scene.add_instance(f"pane {i}", quad(scene, "pane", 2), matrix((0, 0, 0.5 + 0.1 * i)), pane, visibility=30)
-        scene.add_lamp("lamp", "POINT", matrix((0, 0, 2)), (100,) * 3, radius=0.1, visibility=30)
+        scene.add_lamp("lamp", "POINT", matrix((0, 0, 2)), (100,) * 3, radius=radius, visibility=30)
         return scene
 
     settings = dict(max_bounces=0, samples=16)
     bare = picture(core, scene_with(0), **settings).mean((0, 1))
     covered = picture(core, scene_with(panes), transparent_bounces=panes, **settings).mean((0, 1))
     assert covered == pytest.approx(bare * np.array([0.9, 0.5, 0.2]) ** panes, rel=0.02)
-    assert np.all(picture(core, scene_with(panes), transparent_bounces=panes - 1, **settings) == 0.0)
+    # Scattered rays see a light behind one surface more, as in Cycles; they cannot find a lamp without size.
+    assert np.all(picture(core, scene_with(panes, 0.0), transparent_bounces=panes - 1, **settings) == 0.0)
 
 
 def test_a_lamp_that_casts_no_shadow_shines_through_walls(core):
