@@ -125,6 +125,12 @@ class PathTracer {
         const Program& program = *scene_.material(hit.instance, hit.local).surface;
         return program.emits() || program.may_be_transparent();
     }
+    /// With which footprint to look up textures. Light sampling looks at points: where it might have found the same
+    /// emission, both must see it alike, or their weights would not add up to one.
+    RayDifferential footprint_on(const Hit& hit, const RayDifferential& differential) const {
+        const bool sampled = departure_.density > 0.0f && scene_.material(hit.instance, hit.local).surface->emits();
+        return sampled ? RayDifferential{} : differential;
+    }
     /// Records light that the ray under way met, before the path's throughput; `seen` is its pass where the camera sees
     /// it.
     void add(const Color& radiance, Pass seen);
@@ -157,7 +163,8 @@ PixelSample PathTracer::trace() {
         const Vec3f direction(ray_.direction);
         vertex.outgoing = -direction;
         vertex.differential = differential_.transferred(direction, hit->t, vertex.point.facet_normal);
-        scene_.shade(vertex.point, vertex.outgoing, vertex.differential, bounces_.at(hit->t), vertex.closures);
+        scene_.shade(vertex.point, vertex.outgoing, footprint_on(*hit, vertex.differential), bounces_.at(hit->t),
+                     vertex.closures);
         if (bounces_.count() == 0) record_surface(vertex);
         add_emission(vertex);
         if (bounces_.is_spent()) break;
@@ -193,7 +200,9 @@ void PathTracer::add_world() {
     const Vec3f direction(ray_.direction);
     const float density =
         departure_.density > 0.0f ? scene_.lights().world_density(direction, departure_.position) : 0.0f;
-    const Color radiance = scene_.world(direction, differential_, bounces_.at(0));
+    // As in footprint_on.
+    const RayDifferential footprint = density > 0.0f ? RayDifferential{} : differential_;
+    const Color radiance = scene_.world(direction, footprint, bounces_.at(0));
     if (hidden)
         light_.add_hidden_world(throughput_ * radiance);
     else
