@@ -62,6 +62,25 @@ def test_a_blender_that_is_not_there_is_named(root, tmp_path):
     assert str(tmp_path / "blender") in done.stderr
 
 
+def test_a_blender_whose_python_is_not_here_is_refused_with_the_version_it_wants(root, tmp_path):
+    other = tmp_path / "blender"
+    other.write_text("#!/bin/sh\necho PYTHON 9.99\n")
+    other.chmod(0o755)
+    done = call(root, "render", root / "blend_scenes" / "studio.blend", BLENDER=str(other))
+    assert done.returncode != 0
+    assert "runs Python 9.99" in done.stderr
+
+
+def test_another_blender_with_the_same_python_renders(root, run_blender, tmp_path):
+    run_blender(MAKE_SCENE, tmp_path / "scene.blend")
+    other = tmp_path / "another blender"
+    other.write_text('#!/bin/sh\nexec /usr/bin/blender "$@"\n')
+    other.chmod(0o755)
+    done = call(root, "render", tmp_path / "scene.blend", "-o", tmp_path / "a", BLENDER=str(other))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "a.png").exists()
+
+
 def test_render_writes_picture_layers_and_statistics_for_each_frame(root, run_blender, tmp_path):
     run_blender(MAKE_SCENE, tmp_path / "scene.blend")
     done = call(
