@@ -85,16 +85,30 @@ def check_good_half(path):
     return picture
 
 
-@pytest.mark.parametrize("line", LEFT_OUT.values(), ids=LEFT_OUT.keys())
-def test_what_cannot_be_rendered_is_left_out_by_name(run_blender, tmp_path, line):
-    path = tmp_path / "picture.exr"
-    run = run_blender(SCENE + line + RENDER, path)
-    picture = check_good_half(path)
-    assert not picture["A"][9:].any()
-    assert run.report["completed"]
-    (text,) = run.report["messages"]
-    assert "'Bad'" in text and "left out" in text
-    assert text in run.log
+EVERY_CASE = """
+import json, sys
+import bpy, rayleaf
+scene_text, cases, folder = open(sys.argv[1]).read(), json.load(open(sys.argv[2])), sys.argv[3]
+for number, line in enumerate(cases.values()):
+    sys.argv[1] = f"{folder}/{number}.exr"
+    exec(scene_text + line)
+    bpy.ops.render.render(write_still=True)
+    report(**{str(number): [rayleaf.last_statistics["messages"], rayleaf.last_statistics["completed"]]})
+"""
+
+
+def test_what_cannot_be_rendered_is_left_out_by_name(run_blender, tmp_path):
+    scene, cases = tmp_path / "scene.txt", tmp_path / "cases.json"
+    scene.write_text(SCENE)
+    cases.write_text(json.dumps(LEFT_OUT))
+    run = run_blender(EVERY_CASE, scene, cases, tmp_path)
+    for number, name in enumerate(LEFT_OUT):
+        picture = check_good_half(tmp_path / f"{number}.exr")
+        assert not picture["A"][9:].any(), name
+        texts, completed = run.report[str(number)]
+        assert completed, name
+        assert len(texts) == 1 and "'Bad'" in texts[0] and "left out" in texts[0], (name, texts)
+        assert texts[0] in run.log
 
 
 def test_one_bad_spline_does_not_take_the_others_with_it(run_blender, tmp_path):

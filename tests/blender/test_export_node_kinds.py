@@ -1,0 +1,130 @@
+"""Every kind of node in every mode, against the core's own table of operations; the nodes of later versions of Blender."""
+
+import pytest
+
+EVERY_NODE = """
+import itertools
+from rayleaf import _core
+from rayleaf.export.nodes import compiler, load_nodes
+from rayleaf.export.nodes.emitter import Emitter
+from rayleaf.messages import Messages
+
+load_nodes()
+scene = scenes.empty_scene()
+image = bpy.data.images.new("Picture", 4, 4)
+
+class Images:
+    def texture(self, image, user, frame):
+        return 0
+
+def variants(node):
+    "The node with each value of each of its own enumerations in turn."
+    yield ""
+    base = {p.identifier for p in bpy.types.ShaderNode.bl_rna.properties}
+    for prop in node.bl_rna.properties:
+        if prop.identifier in base or prop.type != "ENUM" or prop.is_readonly:
+            continue
+        for choice in prop.enum_items:
+            setattr(node, prop.identifier, choice.identifier)
+            yield f"{prop.identifier}={choice.identifier}"
+        setattr(node, prop.identifier, prop.default)
+
+failures, count = [], 0
+for kind in sorted(set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | {"ShaderNodeMixShader", "ShaderNodeAddShader"}):
+    material, tree, output = scenes.material()
+    node = tree.nodes.new(kind)
+    if hasattr(node, "image"):
+        node.image = image
+    for variant in variants(node):
+        for socket in [s for s in node.outputs if s.enabled]:
+            tree.links.new(socket, output.inputs["Surface"])
+            messages = Messages()
+            try:
+                emitter = Emitter(_core, "Material")
+                resources = compiler.Resources(lambda name: 3, Images(), 1)
+                compiler.Compiler(emitter, "Material", resources, messages).compile_tree(tree)
+            except Exception as error:
+                failures.append(f"{kind} {variant} {socket.identifier}: {type(error).__name__}: {error}")
+            count += 1
+report(failures=failures, count=count)
+"""
+
+
+def test_the_core_accepts_what_every_node_compiles_to_in_every_mode(run_blender):
+    run = run_blender("import bpy, scenes\n" + EVERY_NODE).report
+    assert run["failures"] == []
+    assert run["count"] > 250
+
+
+PRINCIPLED_OF_4 = """
+from types import SimpleNamespace
+from rayleaf.export.nodes import compiler, load_nodes
+from rayleaf.export.nodes.emitter import UNCONNECTED, Emitter
+
+load_nodes()
+
+class View:
+    "A Principled node with the sockets of Blender 4, none linked."
+    sockets = {
+        "Base Color": (0.8, 0.8, 0.8, 1), "Metallic": 0, "Roughness": 0.5, "IOR": 2, "Alpha": 1, "Subsurface Weight": 0,
+        "Specular IOR Level": 0.5, "Specular Tint": (1, 1, 1, 1), "Anisotropic": 0, "Anisotropic Rotation": 0,
+        "Transmission Weight": 0.125, "Coat Weight": 0.25, "Coat Roughness": 0.375, "Sheen Weight": 0.625,
+        "Sheen Tint": (1, 1, 1, 1), "Emission Color": (1, 0.5, 0.25, 1), "Emission Strength": 3,
+    }
+    node = SimpleNamespace(distribution="GGX")
+
+    def __init__(self, core):
+        self.emitter, self.texts = Emitter(core, "Material"), []
+        self.resources = SimpleNamespace(active_uv=lambda: -1)
+
+    def socket(self, *names):
+        found = next((self.sockets[name] for name in names if name in self.sockets), None)
+        return None if found is None else SimpleNamespace(type="RGBA" if isinstance(found, tuple) else "VALUE", value=found)
+
+    def input(self, *names, default=0.0):
+        socket = self.socket(*names)
+        value = default if socket is None else socket.value
+        return self.emitter.constant(*value) if isinstance(value, tuple) else self.emitter.scalar(value)
+
+    def linked(self, *names):
+        return UNCONNECTED
+
+    def warn(self, text):
+        self.texts.append(text)
+
+view = View(recording_core.install())
+compiler.CLOSURE_NODES["ShaderNodeBsdfPrincipled"](view, view.emitter.scalar(1))
+program = view.emitter.program
+report(operands=program.operands(program.line("principled")), texts=view.texts)
+"""
+
+
+def test_principled_of_blender_4_becomes_the_same_operation(run_blender):
+    run = run_blender("import recording_core\n" + PRINCIPLED_OF_4).report
+    operands = [None if value is None else value[0] for value in run["operands"]]
+    reflectance = ((2 - 1) / (2 + 1)) ** 2  # of the index of refraction; the level of 0.5 leaves it as it is
+    expected = [
+        1,
+        0.8,
+        0,
+        reflectance / 0.08,
+        0,
+        0.5,
+        0,
+        0,
+        0.625,
+        0,
+        0.25,
+        0.375,
+        2,
+        0.125,
+        0,
+        1,
+        3,
+        1,
+        None,
+        None,
+        None,
+    ]
+    assert operands == pytest.approx(expected)
+    assert run["texts"] == []
