@@ -9,9 +9,9 @@ namespace {
 double filter_value(PixelFilterKind kind, double x) {
     switch (kind) {
         case PixelFilterKind::Gaussian: {
-            // Three standard deviations in the half width, cut to reach 0 there.
-            constexpr double kSharpness = 4.5;
-            return std::exp(-kSharpness * x * x) - std::exp(-kSharpness);
+            // Six standard deviations in the half width.
+            constexpr double kSharpness = 18.0;
+            return std::exp(-kSharpness * x * x);
         }
         case PixelFilterKind::BlackmanHarris: {
             // Four-term Blackman-Harris window (Harris 1978, table I, -92 dB).
@@ -26,6 +26,18 @@ double filter_value(PixelFilterKind kind, double x) {
 
 }  // namespace
 
+float PixelFilter::support(PixelFilterKind kind) {
+    switch (kind) {
+        case PixelFilterKind::Gaussian:
+            return 3.0f;
+        case PixelFilterKind::BlackmanHarris:
+            return 2.0f;
+        case PixelFilterKind::Box:
+            break;
+    }
+    return 1.0f;
+}
+
 PixelFilter::PixelFilter(PixelFilterKind kind, float width) {
     constexpr int kSteps = 4096;
     std::vector<double> cumulative(kSteps + 1, 0.0);
@@ -38,7 +50,7 @@ PixelFilter::PixelFilter(PixelFilterKind kind, float width) {
         while (cell + 1 < kSteps && cumulative[cell + 1] < target) ++cell;
         const double inside = (target - cumulative[cell]) / (cumulative[cell + 1] - cumulative[cell]);
         const double x = 2.0 * (static_cast<double>(cell) + inside) / kSteps - 1.0;
-        inverse_[static_cast<size_t>(i)] = static_cast<float>(x * 0.5 * width);
+        inverse_[static_cast<size_t>(i)] = static_cast<float>(x * 0.5 * support(kind) * width);
     }
 }
 

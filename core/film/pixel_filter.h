@@ -13,8 +13,12 @@ enum class PixelFilterKind : uint8_t { Box, Gaussian, BlackmanHarris };
 
 class PixelFilter {
   public:
-    /// `width`: full width in pixels; 0 puts every sample at the pixel's centre.
+    /// `width`: as Blender's panel counts it, pixels; the filter reaches over `support(kind)` times as many in all.
+    /// 0 puts every sample at the pixel's centre.
     PixelFilter(PixelFilterKind kind, float width);
+
+    /// Full width over the number on the panel: a window that falls to 0 looks narrower than it is (as Cycles counts).
+    static float support(PixelFilterKind kind);
 
     /// Offset from the pixel's centre, pixels, for `random` in [0,1)².
     Vec2d offset(const Vec2f& random) const { return {offset(random.x), offset(random.y)}; }

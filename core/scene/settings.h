@@ -23,7 +23,7 @@ struct Settings {
     float clamp_direct = 0, clamp_indirect = 10;  ///< largest component of one contribution; 0: no limit
     bool film_transparent = false;
     PixelFilterKind filter = PixelFilterKind::BlackmanHarris;
-    float filter_width = 1.5f;  ///< pixels, full width
+    float filter_width = 1.5f;  ///< pixels, as Blender's panel counts it (film/pixel_filter.h)
     float exposure = 1;         ///< factor on radiance, as Blender's Film exposure
 
     std::vector<Pass> passes = {Pass::combined};

@@ -36,12 +36,18 @@ def blackman_harris(x):
     return 0.35875 - 0.48829 * np.cos(phase) + 0.14128 * np.cos(2 * phase) - 0.01168 * np.cos(3 * phase)
 
 
-@pytest.mark.parametrize("name,shape", [("BOX", np.ones_like), ("BLACKMAN_HARRIS", blackman_harris)])
-def test_offsets_follow_the_filter(core, name, shape):
+def gaussian(x):
+    return np.exp(-18 * x * x)
+
+
+@pytest.mark.parametrize(
+    "name,shape,support", [("BOX", np.ones_like, 1), ("BLACKMAN_HARRIS", blackman_harris, 2), ("GAUSSIAN", gaussian, 3)]
+)
+def test_offsets_follow_the_filter(core, name, shape, support):
     width, bins = 3.0, 20
     random = (np.arange(20000) + 0.5)[:, None] / 20000 * np.ones(2)
     offsets = core.filter_offsets(getattr(core.PixelFilterKind, name), width, random.astype(np.float32))[:, 0]
-    counts = np.histogram(offsets, bins, (-width / 2, width / 2))[0] / 20000
+    counts = np.histogram(offsets, bins, (-support * width / 2, support * width / 2))[0] / 20000
     fine = shape(np.linspace(-1, 1, bins * 100 + 1)[:-1] + 1 / (bins * 100)).reshape(bins, 100).mean(1)
     # The table has 256 entries, so a bin's share is right to about a table step.
     assert np.abs(counts - fine / fine.sum()).max() < 1.5 / 256
