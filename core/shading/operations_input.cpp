@@ -32,6 +32,15 @@ Vec3d object_position(const ShadingInputs& inputs) {
     return has_object ? inputs.instance->world_to_object.point(position) : position;
 }
 
+/// A normal is a covector: it goes to object space by the transpose of the map that takes points out of it.
+Vec3f object_normal(const ShadingInputs& inputs) {
+    const Vec3f normal = facing_normal(inputs);
+    if (inputs.point == nullptr || inputs.instance == nullptr) return normal;
+    const Affine3d& map = inputs.instance->object_to_world;
+    const Vec3d world(normal);
+    return Vec3f(normalized_or(Vec3d(map.x.dot(world), map.y.dot(world), map.z.dot(world)), world));
+}
+
 Vec3f generated(const ShadingInputs& inputs) {
     const Vec3d position = object_position(inputs);
     if (inputs.point == nullptr || inputs.point->shape == nullptr) return Vec3f(position);
@@ -186,6 +195,8 @@ Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands
             return extended(Vec3f(world_position(inputs)));
         case Operation::normal:
             return extended(facing_normal(inputs));
+        case Operation::object_normal:
+            return extended(object_normal(inputs));
         case Operation::true_normal:
             return extended(facing_facet_normal(inputs));
         case Operation::tangent:

@@ -32,6 +32,7 @@ class FrameRender:
         self._frame: Frame = frame_of(self._scene)
         self._crop: CropRectangle = crop_of(self._scene, self._frame)
         self._passes = passes.enabled(depsgraph.view_layer)
+        self._status_text = ""
 
     def run(self) -> None:
         """Render to the end or until cancelled. What goes wrong is reported and ends this render alone."""
@@ -81,8 +82,12 @@ class FrameRender:
                 next_result = ended + max(_RESULT_SECONDS, (ended - began) / _RESULT_SHARE)
 
     def _status(self, stage: str, share: float) -> None:
+        text = f"Rayleaf | {self._layer_name} | {stage.capitalize()} {share:.0%}"
+        if text == self._status_text:  # without a window every call prints a line
+            return
+        self._status_text = text
         self._engine.update_progress(share)
-        self._engine.update_stats("", f"Rayleaf | {self._layer_name} | {stage.capitalize()} {share:.0%}")
+        self._engine.update_stats("", text)
         memory = statistics.process_memory()
         if memory is not None:
             self._engine.update_memory_stats(memory_used=memory[0], memory_peak=memory[1])

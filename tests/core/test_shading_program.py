@@ -182,6 +182,19 @@ def test_object_coordinates_undo_the_objects_matrix():
     np.testing.assert_allclose(place.values(program, location)[0, :3], (5, 6, 7))
 
 
+def test_the_objects_normal_undoes_a_stretched_and_turned_matrix():
+    matrix = np.eye(4)
+    matrix[:3, :3] = [[0, -2, 0], [2, 0, 0], [0, 0, 3]]
+    in_object = np.array([0.6, 0.0, 0.8])
+    in_world = np.linalg.inv(matrix[:3, :3]).T @ in_object
+    in_world /= np.linalg.norm(in_world)
+    program = _core.Program("Normal")
+    local = program.operation("object_normal")
+    at = np.float32(in_world)[None]
+    place = points(normal=at, outgoing=at, object_to_world=matrix)
+    np.testing.assert_allclose(place.values(program, local)[0, :3], in_object, atol=1e-6)
+
+
 def test_a_program_says_what_it_may_do():
     plain = program_with("diffuse", [1.0, 1.0])
     assert not plain.emits and not plain.may_be_transparent and not plain.is_constant

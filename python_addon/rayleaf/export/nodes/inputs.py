@@ -24,11 +24,9 @@ def texture_coordinate(view: NodeView, output: str) -> Register:
         return emitter.operation("uv", ints=[view.resources.active_uv()])
     if output == "Object" and view.node.object is not None:
         return _in_space_of(view, np.array(view.node.object.matrix_world.inverted_safe(), np.float64))
-    if output == "Normal":
-        view.warn("its output Normal is given in world space")
     operations = {
         "Generated": "generated",
-        "Normal": "normal",
+        "Normal": "object_normal",
         "Object": "object_coordinates",
         "Camera": "camera_coordinates",
         "Window": "window",
