@@ -29,7 +29,12 @@ def scene_at(core, offset, size=1.0):
 
 def render(core, offset, size=1.0):
     return scenes.render(
-        core, scene_at(core, offset, size), width=48, height=48, samples=4, passes=["combined", "normal", "object_index"]
+        core,
+        scene_at(core, offset, size),
+        width=48,
+        height=48,
+        samples=4,
+        passes=["combined", "normal", "object_index"],
     )
 
 
