@@ -2,16 +2,30 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 
 namespace rayleaf {
+
+/// Thrown by work that cannot give a partial result when it finds itself cancelled.
+class Cancelled : public std::exception {
+  public:
+    const char* what() const noexcept override { return "cancelled"; }
+};
 
 class CancelToken {
   public:
     void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
     bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
+    void throw_if_cancelled() const {
+        if (cancelled()) throw Cancelled();
+    }
+
   private:
     std::atomic<bool> cancelled_{false};
 };
+
+/// For work that nobody cancels.
+inline const CancelToken kNeverCancelled;
 
 }  // namespace rayleaf

@@ -58,18 +58,23 @@ bool Session::render() {
     const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
                                             static_cast<size_t>(threads));
     oneapi::tbb::task_arena arena(threads);
-    arena.execute([&] {
-        const auto start = std::chrono::steady_clock::now();
-        state_ = RenderState::Building;
-        scene_ = std::make_unique<Scene>(*description_, settings_);
-        const double build = seconds_since(start);
-        state_ = RenderState::Rendering;
-        render_tiles();
-        gather_statistics(build, seconds_since(start) - build);
-    });
+    try {
+        arena.execute([this] { render_building_first(); });
+    } catch (const Cancelled&) {  // the token says it too
+    }
     const bool finished = !cancel_.cancelled();
     state_ = finished ? RenderState::Done : RenderState::Cancelled;
     return finished;
+}
+
+void Session::render_building_first() {
+    const auto start = std::chrono::steady_clock::now();
+    state_ = RenderState::Building;
+    scene_ = std::make_unique<Scene>(*description_, settings_, cancel_);
+    const double build = seconds_since(start);
+    state_ = RenderState::Rendering;
+    render_tiles();
+    gather_statistics(build, seconds_since(start) - build);
 }
 
 void Session::render_tiles() {

@@ -56,6 +56,7 @@ class Session {
     mutable std::mutex mutex_;  ///< guards statistics_
     RenderStatistics statistics_;
 
+    void render_building_first();
     void render_tiles();
     struct Frame;  ///< what all tiles share
     void render_tile(const Window& tile, const Frame& frame);

@@ -41,7 +41,7 @@ std::vector<TracedInstance> traced_instances(const SceneDescription& description
 
 }  // namespace
 
-Scene::Scene(const SceneDescription& description, const Settings& settings)
+Scene::Scene(const SceneDescription& description, const Settings& settings, const CancelToken& cancel)
     : materials_(description.materials),
       lists_(description.material_lists),
       world_(description.world),
@@ -49,7 +49,8 @@ Scene::Scene(const SceneDescription& description, const Settings& settings)
     validate(settings);
     camera_ = std::make_unique<Camera>(required_camera(description), settings.width, settings.height);
     commit_materials(description);
-    tracer_ = std::make_unique<Tracer>(traced_instances(description), camera_->dicing_view());
+    tracer_ = std::make_unique<Tracer>(traced_instances(description), camera_->dicing_view(), cancel);
+    cancel.throw_if_cancelled();
     commit_lights(description);
 }
 

@@ -18,7 +18,8 @@ namespace rayleaf {
 class Scene {
   public:
     /// Validates, splits, builds. Throws InputError where nothing can be rendered (no camera, zero resolution).
-    Scene(const SceneDescription& description, const Settings& settings);
+    /// Throws Cancelled soon after `cancel` says so.
+    Scene(const SceneDescription& description, const Settings& settings, const CancelToken& cancel = kNeverCancelled);
     ~Scene();
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;

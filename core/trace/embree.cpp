@@ -21,6 +21,11 @@ RTCDevice make_device() {
     return device;
 }
 
+/// Embree's question during a build whether to go on.
+bool goes_on(void* token, double /*share*/) {
+    return !static_cast<const CancelToken*>(token)->cancelled();
+}
+
 const char* error_text(RTCError error) {
     switch (error) {
         case RTC_ERROR_OUT_OF_MEMORY:
@@ -44,10 +49,12 @@ RTCDevice embree_device() {
     return device;
 }
 
-EmbreeScene new_embree_scene() {
+EmbreeScene new_embree_scene(const CancelToken& cancel) {
     EmbreeScene scene(rtcNewScene(embree_device()));
     rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    if (&cancel != &kNeverCancelled)
+        rtcSetSceneProgressMonitorFunction(scene.get(), goes_on, const_cast<CancelToken*>(&cancel));
     return scene;
 }
 
@@ -57,6 +64,7 @@ void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry) {
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene.get());
     const RTCError error = rtcGetDeviceError(embree_device());
+    if (error == RTC_ERROR_CANCELLED) throw Cancelled();
     if (error != RTC_ERROR_NONE) throw std::runtime_error(std::string("Embree: ") + error_text(error));
 }
 

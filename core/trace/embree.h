@@ -1,6 +1,8 @@
 // The only header that includes Embree, and the one place that knows how Embree 3.13 and 4 differ.
 #pragma once
 
+#include "base/cancel.h"
+
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -68,10 +70,10 @@ class EmbreeScene {
 
 /// The device all tracers of the process share; it lives as long as the process.
 RTCDevice embree_device();
-/// A new scene of best quality with the robust flag.
-EmbreeScene new_embree_scene();
-/// Adds a geometry, which it takes over, to a scene as number 0 and builds it. Throws std::runtime_error with Embree's
-/// word if that fails.
+/// A new scene of best quality with the robust flag. Its build looks at the token, which must live until then.
+EmbreeScene new_embree_scene(const CancelToken& cancel = kNeverCancelled);
+/// Adds a geometry, which it takes over, to a scene as number 0 and builds it. Throws Cancelled if the scene's token
+/// says so, std::runtime_error with Embree's word if the build fails.
 void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry);
 /// What Embree holds now for all scenes of the process.
 uint64_t embree_bytes();

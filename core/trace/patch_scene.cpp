@@ -10,7 +10,7 @@ constexpr uint64_t kKeptAtBuild = uint64_t{16} << 20;
 
 }  // namespace
 
-PatchScene::PatchScene(const PatchSurface& surface, const FacetTolerance& tolerance)
+PatchScene::PatchScene(const PatchSurface& surface, const FacetTolerance& tolerance, const CancelToken& cancel)
     : ShapeScene(surface, FacetKind::Grids),
       surface_(&surface),
       store_(surface, SplitPlan(surface, tolerance)),
@@ -20,6 +20,7 @@ PatchScene::PatchScene(const PatchSurface& surface, const FacetTolerance& tolera
     const bool keep = count * sizeof(Grid) <= kKeptAtBuild;
     boxes_.resize(count);
     tbb::parallel_for(uint32_t{0}, count, [&](uint32_t i) {
+        cancel.throw_if_cancelled();
         if (keep) {
             boxes_[i] = store_.grid(i).box();
         } else {
@@ -34,7 +35,7 @@ PatchScene::PatchScene(const PatchSurface& surface, const FacetTolerance& tolera
     rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
     rtcSetGeometryIntersectFunction(geometry, closest_callback);
     rtcSetGeometryOccludedFunction(geometry, any_callback);
-    EmbreeScene scene = new_embree_scene();
+    EmbreeScene scene = new_embree_scene(cancel);
     build_embree_scene(scene, geometry);
     Box3f box;
     for (const Box3f& each : boxes_) box.extendBy(each);

@@ -12,7 +12,7 @@ namespace rayleaf {
 
 class PatchScene final : public ShapeScene {
   public:
-    PatchScene(const PatchSurface& surface, const FacetTolerance& tolerance);
+    PatchScene(const PatchSurface& surface, const FacetTolerance& tolerance, const CancelToken& cancel);
 
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override;

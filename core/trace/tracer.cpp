@@ -72,10 +72,11 @@ double start_offset(const InstanceRecord& record, const Vec3d& position, const V
     return float_error + kUnit * (shear * world + lengths[0] + lengths[1] + lengths[2]);
 }
 
-std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance& tolerance) {
+std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {
+    cancel.throw_if_cancelled();
     if (shape.kind() == ShapeKind::TriangleMesh)
-        return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape));
-    return std::make_unique<PatchScene>(static_cast<const PatchSurface&>(shape), tolerance);
+        return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape), cancel);
+    return std::make_unique<PatchScene>(static_cast<const PatchSurface&>(shape), tolerance, cancel);
 }
 
 bool is_traceable(const Ray& ray) {
@@ -107,9 +108,9 @@ struct Tracer::Implementation {
         static Query& of(EmbreeContext* embree_context) { return *reinterpret_cast<Query*>(embree_context); }
     };
 
-    void build_shapes(const DicingView& view);
+    void build_shapes(const DicingView& view, const CancelToken& cancel);
     void build_records();
-    void build_scene();
+    void build_scene(const CancelToken& cancel);
     Box3d world_box(uint32_t index) const {
         return image_of(records[index].scene->box(), records[index].local_to_world);
     }
@@ -125,7 +126,7 @@ struct Tracer::Implementation {
     static void any_callback(const RTCOccludedFunctionNArguments* arguments);
 };
 
-void Tracer::Implementation::build_shapes(const DicingView& view) {
+void Tracer::Implementation::build_shapes(const DicingView& view, const CancelToken& cancel) {
     std::unordered_map<const Shape*, size_t> numbers;
     std::vector<const Shape*> unique;
     std::vector<size_t> shape_of;
@@ -137,7 +138,8 @@ void Tracer::Implementation::build_shapes(const DicingView& view) {
     }
     const std::vector<FacetTolerance> tolerances = facet_tolerances(instances, unique.size(), shape_of, view);
     shapes.resize(unique.size());
-    tbb::parallel_for(size_t{0}, unique.size(), [&](size_t i) { shapes[i] = make_scene(*unique[i], tolerances[i]); });
+    tbb::parallel_for(size_t{0}, unique.size(),
+                      [&](size_t i) { shapes[i] = make_scene(*unique[i], tolerances[i], cancel); });
     records.resize(instances.size());
     for (size_t i = 0; i < instances.size(); ++i) records[i].scene = shapes[shape_of[i]].get();
 }
@@ -159,7 +161,7 @@ void Tracer::Implementation::build_records() {
     frame = LocalFrame::fitting(bounds);
 }
 
-void Tracer::Implementation::build_scene() {
+void Tracer::Implementation::build_scene(const CancelToken& cancel) {
     if (instances.size() <= kDirectInstances || bounds.isEmpty()) return;
     RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(instances.size()));
@@ -167,7 +169,7 @@ void Tracer::Implementation::build_scene() {
     rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
     rtcSetGeometryIntersectFunction(geometry, closest_callback);
     rtcSetGeometryOccludedFunction(geometry, any_callback);
-    scene = new_embree_scene();
+    scene = new_embree_scene(cancel);
     build_embree_scene(scene, geometry);
 }
 
@@ -241,13 +243,13 @@ bool Tracer::Implementation::start(Query& query, const Ray& ray, Visibility kind
     return true;
 }
 
-Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view)
+Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel)
     : implementation_(std::make_unique<Implementation>()) {
     const uint64_t before = embree_bytes();
     implementation_->instances = std::move(instances);
-    implementation_->build_shapes(view);
+    implementation_->build_shapes(view, cancel);
     implementation_->build_records();
-    implementation_->build_scene();
+    implementation_->build_scene(cancel);
     implementation_->bvh_bytes = embree_bytes() - std::min(before, embree_bytes());
 }
 

@@ -5,6 +5,7 @@
 // renders as it does at 0, and an object with a ray cache can be asked before it is traced.
 #pragma once
 
+#include "base/cancel.h"
 #include "base/vector.h"
 #include "geometry/shape.h"
 #include "geometry/surface_point.h"
@@ -49,7 +50,8 @@ struct TraceStatistics {
 
 class Tracer {
   public:
-    Tracer(std::vector<TracedInstance> instances, const DicingView& view);
+    /// Throws Cancelled soon after `cancel` says so.
+    Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel = kNeverCancelled);
     ~Tracer();
     Tracer(const Tracer&) = delete;
     Tracer& operator=(const Tracer&) = delete;

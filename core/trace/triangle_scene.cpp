@@ -29,7 +29,8 @@ void filter_any(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-TriangleScene::TriangleScene(const TriangleMesh& mesh) : ShapeScene(mesh, FacetKind::Triangles), mesh_(&mesh) {
+TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel)
+    : ShapeScene(mesh, FacetKind::Triangles), mesh_(&mesh) {
     if (mesh.triangles().empty()) return;
     RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     // Embree reads 16 bytes at the last vertex, so it gets a copy of its own with room behind.
@@ -42,7 +43,7 @@ TriangleScene::TriangleScene(const TriangleMesh& mesh) : ShapeScene(mesh, FacetK
     rtcSetGeometryUserData(geometry, const_cast<TriangleMesh*>(&mesh));
     rtcSetGeometryIntersectFilterFunction(geometry, filter_closest);
     rtcSetGeometryOccludedFilterFunction(geometry, filter_any);
-    EmbreeScene scene = new_embree_scene();
+    EmbreeScene scene = new_embree_scene(cancel);
     build_embree_scene(scene, geometry);
     set_scene(std::move(scene), mesh.bounds());
 }

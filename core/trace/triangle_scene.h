@@ -8,7 +8,7 @@ namespace rayleaf {
 
 class TriangleScene final : public ShapeScene {
   public:
-    explicit TriangleScene(const TriangleMesh& mesh);
+    TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel);
 
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override { return hit; }
