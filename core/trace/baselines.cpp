@@ -36,13 +36,13 @@ void add_triangles(RTCGeometry geometry, uint32_t count) {
     }
 }
 
+}  // namespace
+
 double thread_seconds() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
-
-}  // namespace
 
 EmbreeBaseline::EmbreeBaseline(const PatchSurface& surface, const DicingView& view, EmbreePrimitive primitive)
     : frame_(surface.frame()) {

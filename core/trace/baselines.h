@@ -29,6 +29,8 @@ class EmbreeBaseline {
     uint64_t bytes_ = 0;
 };
 
+/// Processor time of this thread, seconds.
+double thread_seconds();
 /// Traces the rays one after the other; `t` receives the distances. Returns this thread's processor time, seconds.
 double time_closest(const Tracer& tracer, std::span<const Ray> rays, std::span<double> t);
 double time_closest(const EmbreeBaseline& baseline, std::span<const Ray> rays, std::span<double> t);

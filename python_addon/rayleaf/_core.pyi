@@ -345,6 +345,8 @@ def refracted_differential(
 
 trace: Any
 """Shapes and rays against them without a scene, for tests and benchmarks (core/python/trace.cpp)."""
+ri_tree: Any
+"""Ray caches over one shape, for tests and benchmarks (core/python/ri_tree.cpp)."""
 
 class LightProbe:
     """The lights of a scene, asked from a position."""

@@ -1,0 +1,51 @@
+// One output ray by tracing: what fills a tree, and what answers where a tree does not.
+//
+// The tracer's world is the shape's local space, so samples depend on the shape and its material alone: not on camera,
+// instance or frame. Facets are as fine as `facet_tolerance` everywhere. Thread-safe; an answer is a pure function of
+// the ray.
+#pragma once
+
+#include "ri_tree/output_ray.h"
+#include "ri_tree/patch_classes.h"
+#include "trace/tracer.h"
+
+#include <memory>
+
+namespace rayleaf {
+
+/// Distance between facets and surface, local units, unless told otherwise.
+inline constexpr double kDefaultFacetTolerance = 0x1p-16;
+
+struct SampleSettings {
+    OutputKind kind = OutputKind::Mirror;
+    double ior = 1.45;  ///< Glass: index of refraction inside over that outside; above 0
+    double facet_tolerance = kDefaultFacetTolerance;
+};
+
+class SampleTracer {
+  public:
+    /// Throws InputError for settings without meaning.
+    SampleTracer(std::shared_ptr<const Shape> shape, const SampleSettings& settings);
+
+    const Shape& shape() const { return *shape_; }
+    const SampleSettings& settings() const { return settings_; }
+    const PatchClasses& classes() const { return classes_; }
+
+    /// The output ray of a ray in local space, from its origin on; its direction is unit. Glass: a ray must start
+    /// outside. Volume: one that starts inside counts from there. A miss has the class of a miss.
+    OutputRay trace(const Ray& ray) const;
+    /// Class of the patch hit first, without following the path.
+    uint32_t first_hit_class(const Ray& ray) const;
+
+  private:
+    std::shared_ptr<const Shape> shape_;
+    SampleSettings settings_;
+    PatchClasses classes_;
+    Tracer tracer_;
+
+    uint32_t class_at(const SurfacePoint& point) const { return classes_.of(*shape_, point.local); }
+    void follow_glass(const Ray& ray, const SurfacePoint& first, OutputRay& out) const;
+    void measure_length(const Ray& ray, const Hit& first, OutputRay& out) const;
+};
+
+}  // namespace rayleaf
