@@ -8,13 +8,13 @@ import bpy
 import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent))
-from scene_tools import NodeTree, add_camera, add_lamp, link, material, save, start_empty  # noqa: E402
+from scene_tools import LINEAR, NodeTree, add_camera, add_lamp, link, material, save, start_empty  # noqa: E402
 
 
 def pack_image(name: str, pixels: np.ndarray, color_space: str) -> bpy.types.Image:
     """An image data-block with these pixels, rows bottom to top, packed into the file."""
     height, width = pixels.shape[:2]
-    image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=color_space == "Linear")
+    image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=color_space == LINEAR)
     image.colorspace_settings.name = color_space
     rgba = np.concatenate([pixels, np.ones((height, width, 1))], axis=2)
     image.pixels.foreach_set(rgba.astype(np.float32).ravel())
@@ -62,7 +62,7 @@ def studio_world() -> None:
     tree = NodeTree(world)
     direction = tree.add("ShaderNodeTexCoord").outputs["Generated"]
     turned = tree.add("ShaderNodeMapping", {"Vector": direction, "Rotation": (0, 0, 0.35)}).outputs[0]
-    image = pack_image("sky", sky_pixels(), "Linear")
+    image = pack_image("sky", sky_pixels(), LINEAR)
     sky = tree.add("ShaderNodeTexEnvironment", {"Vector": turned}, image=image).outputs["Color"]
     background = tree.add("ShaderNodeBackground", {"Color": sky, "Strength": 0.42})
     tree.add("ShaderNodeOutputWorld", {"Surface": background.outputs[0]})

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 HERE = Path(__file__).resolve().parent
 Triple = Sequence[float]
+# Blender's name of scene-linear colours.
+LINEAR = "Linear" if bpy.app.version < (4, 0, 0) else "Linear Rec.709"
 
 
 def start_empty(width: int, height: int, samples: int) -> None:

@@ -12,7 +12,8 @@ PointLamp::PointLamp(const Lamp& lamp)
       radius_(std::max(0.0, lamp.radius)),
       intensity_(lamp.strength * static_cast<float>(1.0 / kSphere)),
       axis_(normalized_or(-lamp.to_world.z, Vec3d(0, 0, -1))),
-      spot_(lamp.kind == LampKind::Spot) {
+      spot_(lamp.kind == LampKind::Spot),
+      profile_(lamp.spot_profile) {
     radiance_ = Color(Vec3d(intensity_) / (std::numbers::pi * radius_ * radius_));
     if (!(radius_ > 0) || !is_usable(radiance_)) radius_ = 0;
     if (!spot_) return;
@@ -20,15 +21,16 @@ PointLamp::PointLamp(const Lamp& lamp)
     fade_width_ = (1.0 - cos_half_) * std::clamp(lamp.spot_blend, 0.0, 1.0);
 }
 
-/// Cycles 3.4: the cosine to the axis, faded by a smooth step towards the cone's border.
+/// As in Cycles: the profile, faded by a smooth step towards the cone's border.
 float PointLamp::attenuation(const Vec3d& towards_lamp) const {
     if (!spot_) return 1.0f;
     const double cosine = -towards_lamp.dot(axis_);
     const double inside = cosine - cos_half_;
     if (!(inside > 0)) return 0.0f;
-    if (!(inside < fade_width_)) return static_cast<float>(cosine);
+    const double profile = profile_ == SpotProfile::Cosine ? cosine : 1.0;
+    if (!(inside < fade_width_)) return static_cast<float>(profile);
     const double x = inside / fade_width_;
-    return static_cast<float>(cosine * x * x * (3.0 - 2.0 * x));
+    return static_cast<float>(profile * x * x * (3.0 - 2.0 * x));
 }
 
 double PointLamp::density(const Vec3d& position) const {

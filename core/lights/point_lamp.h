@@ -33,6 +33,7 @@ class PointLamp {
     Color radiance_;   ///< of the sphere
     Vec3d axis_;       ///< unit, the way a spot shines
     bool spot_;
+    SpotProfile profile_;
     double cos_half_ = 0;    ///< of the cone
     double fade_width_ = 0;  ///< in cosines; 0: a sharp border
 

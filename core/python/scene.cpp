@@ -23,6 +23,12 @@ LampKind lamp_kind(const std::string& object, const std::string& name) {
     throw InputError(object, "kind", "'" + name + "'", "POINT, SUN, SPOT, RECTANGLE or DISK");
 }
 
+SpotProfile spot_profile_of(const std::string& object, const std::string& name) {
+    if (name == "COSINE") return SpotProfile::Cosine;
+    if (name == "EVEN") return SpotProfile::Even;
+    throw InputError(object, "spot profile", "'" + name + "'", "COSINE or EVEN");
+}
+
 ColorSpace color_space(const std::string& object, const std::string& name) {
     if (name == "SRGB") return ColorSpace::Srgb;
     if (name == "LINEAR") return ColorSpace::Linear;
@@ -108,7 +114,8 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
 
 int add_lamp(SceneDescription& scene, const std::string& name, const std::string& kind, const Array<double>& matrix,
              const std::array<float, 3>& strength, double radius, double angle, double spot_size, double spot_blend,
-             double size_x, double size_y, double spread, bool casts_shadow, int visibility) {
+             const std::string& spot_profile, double size_x, double size_y, double spread, bool casts_shadow,
+             int visibility) {
     Lamp lamp;
     lamp.name = name;
     lamp.kind = lamp_kind(name, kind);
@@ -118,6 +125,7 @@ int add_lamp(SceneDescription& scene, const std::string& name, const std::string
     lamp.angle = angle;
     lamp.spot_size = spot_size;
     lamp.spot_blend = spot_blend;
+    lamp.spot_profile = spot_profile_of(name, spot_profile);
     lamp.size_x = size_x;
     lamp.size_y = size_y;
     lamp.spread = spread;
@@ -178,7 +186,7 @@ void bind_scene(py::module_& module) {
         .def("add_instances", &add_instances, "names"_a, "shapes"_a, "matrices"_a, "material_lists"_a,
              "object_indices"_a, "randoms"_a, "visibilities"_a)
         .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
-             "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "size_x"_a = 1.0, "size_y"_a = 1.0,
+             "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
              "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = static_cast<int>(kVisibleAll))
         .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024)
         .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,

@@ -246,13 +246,14 @@ class SceneDescription:
         angle: float = 0.0,
         spot_size: float = 0.0,
         spot_blend: float = 0.0,
+        spot_profile: str = "COSINE",
         size_x: float = 1.0,
         size_y: float = 1.0,
         spread: float = 3.141592653589793,
         casts_shadow: bool = True,
         visibility: int = 31,
     ) -> int:
-        """kind: POINT, SUN, SPOT, RECTANGLE, DISK. strength: colour times watts (SUN: W/m²)."""
+        """kind: POINT, SUN, SPOT, RECTANGLE, DISK. strength: colour times watts (SUN: W/m²). spot_profile: COSINE, EVEN."""
     def set_world(self, world: Program | None, sampling_resolution: int = 1024) -> None: ...
     def set_camera(
         self,

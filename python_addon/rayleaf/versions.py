@@ -1,5 +1,6 @@
 """The one place where Blender's versions differ (3.4 to 5.x)."""
 
+import math
 from typing import Any
 
 import bpy
@@ -57,6 +58,26 @@ def write_passes(layer: Any, pixels: dict[str, Floats]) -> None:
         values = pixels.get(entry.name)
         parts.append(np.zeros(height * width * entry.channels, np.float32) if values is None else values.ravel())
     layer.passes.foreach_set("rect", np.concatenate(parts))
+
+
+def lamp_factor(lamp: Any) -> float:
+    """What a lamp's power is multiplied by to give what it meant in Blender 3.
+
+    Since 4.0 an area lamp of P watts sends out 4 / pi of what it did; Blender divides the powers in older files. A sun
+    gives its strength to a surface that faces it; before, to one that faces each part of its disk.
+    """
+    if bpy.app.version < (4, 0, 0):
+        return 1.0
+    if lamp.type == "AREA":
+        return 4.0 / math.pi
+    if lamp.type == "SUN":
+        return 2.0 / (1.0 + math.cos(0.5 * lamp.angle))
+    return 1.0
+
+
+def spot_profile() -> str:
+    """How a spot shines within its cone before it fades; until 4.0 by the cosine to its axis."""
+    return "COSINE" if bpy.app.version < (4, 0, 0) else "EVEN"
 
 
 def reads_geometry(node: Any) -> bool:

@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import plain_exr
+import scenes
 
 SIZE, SAMPLES = 24, 1024
 # Direct; one bounce; unlimited; each kind of bounce alone cut off.
@@ -48,7 +49,7 @@ def quad(name, corners, surface):
 
 def build():
     """A corner of diffuse walls with a glossy plate, a glass block, two tinted panes, a glowing strip and a lamp."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scenes.empty_file()
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new("grey")
     scene.world.use_nodes = True

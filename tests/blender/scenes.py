@@ -1,14 +1,43 @@
 """Small parts of scenes for scripts inside Blender."""
 
+import addon_utils
 import bpy
+
+
+# Where Blender's versions differ for the tests.
+LINEAR, XYZ = ("Linear", "XYZ") if bpy.app.version < (4, 0, 0) else ("Linear Rec.709", "Linear CIE-XYZ D65")
+SUBSURFACE = "Subsurface" if bpy.app.version < (4, 0, 0) else "Subsurface Weight"
+
+
+def group(name, input_type, output_type):
+    """A node group of shaders with one input and one output."""
+    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    if bpy.app.version < (4, 0, 0):
+        tree.inputs.new(input_type, "In")
+        tree.outputs.new(output_type, "Out")
+    else:
+        tree.interface.new_socket("In", in_out="INPUT", socket_type=input_type)
+        tree.interface.new_socket("Out", in_out="OUTPUT", socket_type=output_type)
+    return tree
+
+
+def sharpen_edges_above(item, angle):
+    """Shades edges sharp where faces meet at more than the angle."""
+    if bpy.app.version < (4, 1, 0):
+        item.data.use_auto_smooth, item.data.auto_smooth_angle = True, angle
+    else:
+        item.data.set_sharp_from_angle(angle=angle)
+
+
+def empty_file():
+    """Removes everything. Blender 4 disables add-ons at that."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    addon_utils.enable("rayleaf")
 
 
 def empty_scene():
     """A scene with a camera at the origin and nothing else."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    import addon_utils
-
-    addon_utils.enable("rayleaf")
+    empty_file()
     scene = bpy.context.scene
     scene.render.engine = "RAYLEAF"
     scene.camera = add(bpy.data.cameras.new("Camera"))

@@ -157,7 +157,7 @@ report(smooth=normals(item))
 item.data.polygons[1].use_smooth = False
 report(mixed=normals(item))
 item.data.polygons[1].use_smooth = True
-item.data.use_auto_smooth, item.data.auto_smooth_angle = True, 0.5
+scenes.sharpen_edges_above(item, 0.5)
 report(sharp=normals(item))
 item.data.normals_split_custom_set([(0.6, 0, 0.8)] * 6)
 report(custom=normals(item))

@@ -84,13 +84,13 @@ shot(edited, "edited")
 
 def test_colour_spaces_and_float_images_mean_what_blender_means(run_blender, tmp_path):
     lines = """
-for space, name in (("Non-Color", "data"), ("Linear", "linear")):
+for space, name in (("Non-Color", "data"), (scenes.LINEAR, "linear")):
     image = saved(name)
     image.colorspace_settings.name = space
     shot(image, name)
 shot(picture("float", float_buffer=True), "float")
 image = saved("strange")
-image.colorspace_settings.name = "XYZ"
+image.colorspace_settings.name = scenes.XYZ
 shot(image, "strange")
 """
     run = run_blender(SCENE + lines, tmp_path)

@@ -65,14 +65,10 @@ def test_nested_groups_reroutes_and_muted_nodes_pass_values_on(run_blender):
     told = run_tree(
         run_blender,
         """
-inner = bpy.data.node_groups.new("Inner", "ShaderNodeTree")
-inner.inputs.new("NodeSocketColor", "In")
-inner.outputs.new("NodeSocketFloat", "Out")
+inner = scenes.group("Inner", "NodeSocketColor", "NodeSocketFloat")
 a, b = inner.nodes.new("NodeGroupInput"), inner.nodes.new("NodeGroupOutput")
 inner.links.new(a.outputs[0], b.inputs[0])
-outer = bpy.data.node_groups.new("Outer", "ShaderNodeTree")
-outer.inputs.new("NodeSocketColor", "In")
-outer.outputs.new("NodeSocketColor", "Out")
+outer = scenes.group("Outer", "NodeSocketColor", "NodeSocketColor")
 a, b, group = outer.nodes.new("NodeGroupInput"), outer.nodes.new("NodeGroupOutput"), outer.nodes.new("ShaderNodeGroup")
 group.node_tree = inner
 outer.links.new(a.outputs[0], group.inputs[0])
@@ -242,7 +238,12 @@ def test_principled_takes_its_sockets_by_name_and_mixes_in_the_subsurface_colour
         + """
 node = nodes.new("ShaderNodeBsdfPrincipled")
 links.new(node.outputs[0], output.inputs["Surface"])
-numbers = [s for s in node.inputs if s.type == "VALUE" and not s.name.startswith("Subsurface") and s.name != "Weight"]
+from rayleaf.versions import PRINCIPLED_SOCKETS
+from rayleaf.export.nodes.closures import PRINCIPLED_NEUTRAL
+newest = {names[-1]: names[0] for names in PRINCIPLED_SOCKETS.values()}
+# What is left out, or means something else in Blender 4: the test of its Principled has that.
+other = {"Weight", "Specular IOR Level", "Coat Weight", *PRINCIPLED_NEUTRAL}
+numbers = [s for s in node.inputs if s.type == "VALUE" and not s.name.startswith("Subsurface") and s.name not in other]
 for number, socket in enumerate(numbers):
     socket.default_value = (number + 1) / 32
 names = ["weight", "Base Color", "Metallic", "Specular", "Specular Tint", "Roughness", "Anisotropic", "Anisotropic Rotation",
@@ -250,19 +251,21 @@ names = ["weight", "Base Color", "Metallic", "Specular", "Specular Tint", "Rough
          "Emission", "Emission Strength", "Alpha", "Normal", "Clearcoat Normal", "Tangent"]
 program, texts = compiled()
 operands = program.operands(program.line("principled"))
-wrong = [name for name, value in zip(names, operands)
-         if name in {s.name for s in numbers} and abs(value[0] - node.inputs[name].default_value) > 1e-6]
-report(count=len(operands), wrong=wrong, unlinked=operands[18:], texts=texts)
-node.inputs["Subsurface"].default_value = 0.5
+compared = [(value, socket) for name, value in zip(names, operands)
+            for socket in numbers if socket.name in (name, newest.get(name))]
+wrong = [socket.name for value, socket in compared if abs(value[0] - socket.default_value) > 1e-6]
+report(count=len(operands), compared=len(compared), wrong=wrong, unlinked=operands[18:], texts=texts)
+node.inputs[scenes.SUBSURFACE].default_value = 0.5
 program, texts = compiled()
-report(base=told(program.operands(program.line("principled"))[1])[:3], subsurface=texts)
+report(base=told(program.operands(program.line("principled"))[1])[:3], subsurface=texts, version=bpy.app.version[0])
 """
     ).report
     assert run["count"] == 21
+    assert run["compared"] == (15 if run["version"] < 4 else 10)
     assert run["wrong"] == []
     assert run["unlinked"] == [None, None, None]
     assert run["texts"] == []
-    assert run["base"] == ["mix", "MIX", [1, 0]]
+    assert run["base"] == (["mix", "MIX", [1, 0]] if run["version"] < 4 else pytest.approx([0.8] * 3))
     assert len(run["subsurface"]) == 1
 
 

@@ -120,14 +120,16 @@ def test_a_sun_gives_its_strength_to_a_surface_that_faces_it(core):
     assert abs(value - POWER * (1 + np.cos(0.25)) / 2) < 5 * error
 
 
-def test_a_spot_fades_from_its_axis_to_the_border_of_its_cone(core):
+@pytest.mark.parametrize("profile", ["COSINE", "EVEN"])
+def test_a_spot_fades_from_its_axis_to_the_border_of_its_cone(core, profile):
     size, blend = 1.2, 0.5
-    probe = probe_of(core, dict(kind="SPOT", spot_size=size, spot_blend=blend), frame=matrix((0, 0, 2)))
+    lamp = dict(kind="SPOT", spot_size=size, spot_blend=blend, spot_profile=profile)
+    probe = probe_of(core, lamp, frame=matrix((0, 0, 2)))
     for x in (0.0, 0.4, 0.9, 1.2, 1.35, 1.4):
         cosine = 2 / np.hypot(2, x)
         border = np.cos(size / 2)
         t = np.clip((cosine - border) / ((1 - border) * blend), 0, 1)
-        intensity = POWER / (4 * np.pi) * cosine * t * t * (3 - 2 * t)
+        intensity = POWER / (4 * np.pi) * (cosine if profile == "COSINE" else 1) * t * t * (3 - 2 * t)
         samples = probe.sample(np.array([x, 0, 0.0]), random_numbers(1))
         assert samples["radiance"][0, 0] == pytest.approx(intensity / (4 + x * x), rel=1e-5, abs=1e-7), f"x = {x}"
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import versions
 from ..messages import Messages
 from .instances import VISIBLE_CAMERA
 from .nodes.constants import lamp_emission
@@ -13,9 +14,9 @@ from .nodes.constants import lamp_emission
 def describe(lamp_object: Any, matrix: NDArray[np.float64], visibility: int, messages: Messages) -> dict[str, Any]:
     """The arguments of the core's `add_lamp`."""
     lamp = lamp_object.data
-    factor = np.array([1.0, 1.0, 1.0])
+    factor = np.full(3, versions.lamp_factor(lamp))
     if lamp.use_nodes and lamp.node_tree is not None:
-        factor = lamp_emission(lamp, lamp_object.name, messages)
+        factor *= lamp_emission(lamp, lamp_object.name, messages)
     arguments: dict[str, Any] = dict(
         name=lamp_object.name,
         kind=lamp.type,
@@ -27,7 +28,7 @@ def describe(lamp_object: Any, matrix: NDArray[np.float64], visibility: int, mes
     if lamp.type in ("POINT", "SPOT"):
         arguments["radius"] = lamp.shadow_soft_size
     if lamp.type == "SPOT":
-        arguments.update(spot_size=lamp.spot_size, spot_blend=lamp.spot_blend)
+        arguments.update(spot_size=lamp.spot_size, spot_blend=lamp.spot_blend, spot_profile=versions.spot_profile())
     if lamp.type == "SUN":
         arguments["angle"] = lamp.angle
     if lamp.type == "AREA":

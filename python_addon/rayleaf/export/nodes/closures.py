@@ -4,6 +4,11 @@ from ...versions import PRINCIPLED_SOCKETS
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
 
+# Inputs of Blender 4 that are not supported, by the value that changes nothing.
+PRINCIPLED_NEUTRAL = {"Diffuse Roughness": 0.0, "Thin Film Thickness": 0.0, "Coat IOR": 1.5, "Coat Tint": 1.0}
+# Blender 4's coat of 1 is a whole lacquer, a clearcoat of 1 a quarter of it.
+_COAT_SCALE = 4.0
+_NEAR = 1e-5  # single precision's share in a value that a person typed
 # Blender 4 sets the reflectance by the index of refraction; before, "Specular" of 1 meant this reflectance.
 _SPECULAR_SCALE = 0.08
 
@@ -101,6 +106,23 @@ def _tint(view: NodeView, name: str) -> Register:
     return view.emitter.scalar(1.0)
 
 
+def _coat(view: NodeView) -> Register:
+    """The clearcoat; Blender 4's coat as one."""
+    emitter, weight = view.emitter, _named(view, "clearcoat")
+    if view.socket("Coat Weight") is None:
+        return weight
+    return emitter.multiply(weight, emitter.scalar(_COAT_SCALE))
+
+
+def _warn_of_unsupported(view: NodeView) -> None:
+    for name, neutral in PRINCIPLED_NEUTRAL.items():
+        if view.socket(name) is None:
+            continue
+        known = view.emitter.value_of(view.input(name))
+        if known is None or any(abs(channel - neutral) > _NEAR for channel in known[:3]):
+            view.warn(f"{name} is not supported; rendered without")
+
+
 def _base_color(view: NodeView) -> Register:
     """The base colour; subsurface scattering is rendered as a diffuse share of its colour."""
     emitter, base = view.emitter, view.input("Base Color")
@@ -117,6 +139,7 @@ def _base_color(view: NodeView) -> Register:
 @closure_node("ShaderNodeBsdfPrincipled")
 def principled(view: NodeView, weight: Register) -> None:
     """Principled BSDF, with the sockets of 3.4 and of 4.x."""
+    _warn_of_unsupported(view)
     tangent = view.linked("Tangent")
     anisotropic = view.input("Anisotropic")
     known = view.emitter.value_of(anisotropic)
@@ -135,7 +158,7 @@ def principled(view: NodeView, weight: Register) -> None:
             view.input("Anisotropic Rotation"),
             _named(view, "sheen"),
             _tint(view, "Sheen Tint"),
-            _named(view, "clearcoat"),
+            _coat(view),
             _named(view, "clearcoat_roughness"),
             view.input("IOR", default=1.45),
             _named(view, "transmission"),

@@ -69,6 +69,11 @@ def noise(view: NodeView, output: str) -> Register:
     node = view.node
     if getattr(node, "noise_type", "FBM") not in ("FBM", ""):
         view.warn(f"noise of type {node.noise_type.title()} is not supported; taken as fBM")
+    if not getattr(node, "normalize", True):
+        view.warn("noise that is not normalized is not supported; taken as normalized")
+    lacunarity = view.emitter.value_of(view.input("Lacunarity", default=2.0))
+    if lacunarity is None or lacunarity[0] != 2.0:
+        view.warn("a lacunarity other than 2 is not supported; taken as 2")
     operands = [view.vector("Vector"), view.input("W")]
     operands += [view.input(name) for name in ("Scale", "Detail", "Roughness", "Distortion")]
     result = view.emitter.operation("noise", operands, [int(node.noise_dimensions[0])])
