@@ -21,6 +21,12 @@ HERE = Path(__file__).resolve().parent
 Triple = Sequence[float]
 # Blender's name of scene-linear colours.
 LINEAR = "Linear" if bpy.app.version < (4, 0, 0) else "Linear Rec.709"
+# The Principled shader's inputs that Blender 4 names otherwise.
+_LATER_NAMES = {
+    "Clearcoat": "Coat Weight",
+    "Clearcoat Roughness": "Coat Roughness",
+    "Transmission": "Transmission Weight",
+}
 
 
 def start_empty(width: int, height: int, samples: int) -> None:
@@ -184,11 +190,13 @@ class NodeTree:
 
 
 def material(name: str, color: Triple = (0.8, 0.8, 0.8), roughness: float = 0.5, **inputs: Any) -> Any:
-    """A material with the Principled shader; further inputs by their names, `_` for a space."""
+    """A material with the Principled shader; further inputs by their names in Blender 3, `_` for a space."""
     made = bpy.data.materials.new(name)
     tree = NodeTree(made)
     values: dict[str | int, Any] = {"Base Color": (*color, 1), "Roughness": roughness}
-    values.update({key.replace("_", " "): value for key, value in inputs.items()})
+    for key, value in inputs.items():
+        socket = key.replace("_", " ")
+        values[socket if bpy.app.version < (4, 0, 0) else _LATER_NAMES.get(socket, socket)] = value
     shader = tree.add("ShaderNodeBsdfPrincipled", values)
     tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
     made.diffuse_color = (*color, 1)

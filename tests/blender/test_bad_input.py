@@ -122,7 +122,7 @@ bpy.ops.object.mode_set(mode="OBJECT")
 item.data.splines[1].points[0].co.w = -1
 """
     run = run_blender(SCENE + lines + RENDER, path)
-    assert check_good_half(path)["A"][12, 8] == 1
+    assert check_good_half(path)["A"][11:13, 7:9].any()  # one sample a pixel may fall beside it
     (text,) = run.report["messages"]
     assert "'Bad', spline 2" in text and "left out" in text
     assert run.report["left_out"] == {}

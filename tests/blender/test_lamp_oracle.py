@@ -12,7 +12,7 @@ from rayleaf import _core as core
 from rayleaf.export import lights
 from rayleaf.messages import Messages
 
-SIZE, VIEW, SAMPLES = 9, 4.0, 256
+SIZE, VIEW, SAMPLES = 9, 4.0, 1024
 CASES = {
     "point": dict(type="POINT", energy=100, shadow_soft_size=0.0),
     "small sphere": dict(type="POINT", energy=100, shadow_soft_size=0.1),
@@ -126,7 +126,7 @@ def test_lamps_are_as_strong_as_in_cycles_and_unseen_by_the_camera(pictures):
     for name, (cycles, rayleaf) in pictures["pictures"].items():
         expected, got = np.array(cycles), np.array(rayleaf)
         brightest = expected.max()
-        # Noise of 256 samples of each: below 1 % in a pixel, 3 % below the narrow spread, a tenth of that in the mean. The
+        # Noise of 1024 samples of each: below 1 % in a pixel, 2 % below the narrow spread, a tenth of that in the mean. The
         # small sphere differs from Cycles' disk by (0.1 / 2)^2.
         assert np.abs(got - expected).max() < 0.05 * brightest, f"{name}\n{expected}\n{got}"
         assert got.mean() == pytest.approx(expected.mean(), rel=0.003), name
