@@ -149,7 +149,7 @@ CachedAnswer ReferenceTree::answer_in(const Found& found, const Line& line, cons
     const Leaf& leaf = *found.node->leaf;
     const Leaf::Side& side = leaf.sides[0];
     if (side.sample_class.is_miss()) {
-        if (!space_.is_narrow(found.key)) return traced(local, AnsweredBy::TracedShallowCell);
+        if (!space_.is_narrow(found.key)) return traced(local, AnsweredBy::TracedLargeCell);
         return {{}, AnsweredBy::CellMissed, 0.0};
     }
     if (side.least_cosine < std::cos(std::min<double>(settings_.angle_threshold, kPi)))

@@ -118,6 +118,8 @@ def run() -> list[dict[str, Any]]:
         facts["error of interpolated directions"] = ("degrees", degrees)
         for name, share in shares(empty, filled).items():
             facts[f"first frame: {name}"] = ("% of rays", share)
+        traced = sum(share for name, share in shares(empty, filled).items() if name.startswith("traced"))
+        facts["first frame: traced in all"] = ("% of rays", traced)
         facts["samples of the first frame"] = ("a ray", filled["samples_taken"] / len(origins))
         facts["samples of the orbit frames"] = (
             "a ray",

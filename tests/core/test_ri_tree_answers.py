@@ -10,7 +10,6 @@ IOR = 1.5
 
 
 def test_tracing_a_mirror_plane_agrees_with_the_closed_form():
-    tree = support.tree_of(support.square(), "MIRROR")
     origins, directions = support.rays_towards(np.zeros(3), 0.5, 2000, eye=(0.2, -1.0, 2.0))
     # Interpolated are rays whose cells span less than the angle; any angle: nearly all.
     for angle in (np.radians(30), support.ANY_ANGLE):
@@ -22,8 +21,26 @@ def test_tracing_a_mirror_plane_agrees_with_the_closed_form():
         expected = directions * [1, 1, -1]
         # Normals of all corners are equal and stored exactly, so the direction is exact however large the cell is.
         np.testing.assert_allclose(got["exit_direction"][inside], expected[inside], atol=1e-7)
-        np.testing.assert_allclose(got["position"][inside], (origins + t[:, None] * directions)[inside], atol=0.02)
+        # The square lies in the middle plane: the hit is the line's intercepts, which interpolation reproduces.
+        np.testing.assert_allclose(got["position"][inside], (origins + t[:, None] * directions)[inside], atol=1e-6)
     assert (got["answered_by"] == INTERPOLATED).mean() > 0.5, support.counts(got)
+
+
+def test_some_corners_of_a_cell_reproduce_affine_functions():
+    """At a border some corners hit and some miss; hits in the middle plane are affine in the line."""
+    origins, directions = support.rays_towards(np.zeros(3), 0.3, 3000, eye=(0.2, -1.0, 2.0))
+    settings = {"depth_limit": 22, "angle_threshold": support.ANY_ANGLE}
+    # A slanted border: along an axis, the corners that hit would all lie in one side of the cell, which does not do.
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [-0.5, 1, 0]], np.float32)
+    triangle = shapes.trace.TriangleMesh("triangle", corners, np.array([[0, 1, 2]], np.int32))
+    tree = support.tree_of(triangle, "MIRROR", **settings)
+    got = tree.ask(origins, directions)
+    two_classes = got["answered_by"] == TWO_CLASSES
+    assert two_classes.sum() > 20, support.counts(got)
+    t = -origins[:, 2] / directions[:, 2]
+    expected = origins + t[:, None] * directions
+    np.testing.assert_allclose(got["position"][two_classes], expected[two_classes], atol=2e-6)
+    np.testing.assert_array_equal(got["hit"], tree.trace(origins, directions)["hit"])
 
 
 def test_a_mirror_sphere_agrees_with_the_closed_form():
