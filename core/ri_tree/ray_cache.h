@@ -32,7 +32,7 @@ enum class AnsweredBy : uint8_t {
     TracedFewCorners,      ///< too few corners of the class
     TracedAngle,           ///< directions at the corners differ by more than the angular threshold
     TracedOrigin,          ///< starts inside the box, and the interpolated hit is not surely beyond
-    TracedLargeCell      ///< no corner hits, but the cell is too large to trust that
+    TracedLargeCell        ///< no corner hits, but the cell is too large to trust that
 };
 inline constexpr size_t kAnswerKinds = 11;
 /// "interpolated", ... in the order of the enum, for statistics.
