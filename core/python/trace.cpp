@@ -219,17 +219,20 @@ py::tuple grid_candidates(const PatchSurface& surface, uint32_t patch, const Arr
     const double no_limit = std::numeric_limits<double>::infinity();
     const TessellationStore store(surface, SplitPlan(surface, [no_limit](const Box3d&) { return no_limit; }));
     const Grid& grid = store.grid(patch);
-    const NextCandidate next_candidate = next_candidate_function();
+    const AddCandidates add_candidates = add_candidates_function();
     const py::ssize_t count = origins.size() / 3;
     py::array_t<float> t(count);
     py::array_t<int32_t> triangle(count);
     for (py::ssize_t i = 0; i < count; ++i) {
         const float *o = origins.data() + 3 * i, *d = directions.data() + 3 * i;
-        GridCandidate next;
-        const bool found = next_candidate(grid, GridRay({o[0], o[1], o[2]}, {d[0], d[1], d[2]}),
-                                          std::numeric_limits<float>::infinity(), GridCandidate::none(), next);
-        t.mutable_data()[i] = found ? next.t : std::numeric_limits<float>::infinity();
-        triangle.mutable_data()[i] = found ? static_cast<int32_t>(next.triangle) : -1;
+        GridCandidates candidates;
+        add_candidates(grid, GridRay({o[0], o[1], o[2]}, {d[0], d[1], d[2]}), std::numeric_limits<float>::infinity(),
+                       candidates);
+        GridCandidate nearest{std::numeric_limits<float>::infinity(), 0};
+        const bool found = !candidates.empty();
+        if (found) nearest = candidates.take_nearest();
+        t.mutable_data()[i] = nearest.t;
+        triangle.mutable_data()[i] = found ? static_cast<int32_t>(nearest.triangle) : -1;
     }
     return py::make_tuple(t, triangle);
 }

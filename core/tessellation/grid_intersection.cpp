@@ -2,7 +2,7 @@
 
 #include "tessellation/simd.h"
 
-#include <limits>
+#include <bit>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tessellation/grid_intersection.cpp"
@@ -25,6 +25,14 @@ constexpr int kRows = kWidth / kColumns;
 /// A box test's rounding: (bound - origin) * inverse has three roundings of 2^-24.
 constexpr float kShrink = 1.0f - 0x1p-21f, kGrow = 1.0f + 0x1p-21f;
 
+/// One bit for each lane.
+HWY_INLINE uint32_t mask_bits(Mask mask) {
+    static_assert(std::endian::native == std::endian::little);
+    uint64_t bits = 0;  // Highway wants room for 8 bytes.
+    hn::StoreMaskBits(Lanes(), mask, reinterpret_cast<uint8_t*>(&bits));
+    return static_cast<uint32_t>(bits);
+}
+
 /// The blocks that the ray may hit up to t_max, one bit each.
 HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_max) {
     const Lanes lanes;
@@ -41,9 +49,7 @@ HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_
         }
         near = hn::Mul(near, hn::Set(lanes, kShrink));
         far = hn::Mul(far, hn::Set(lanes, kGrow));
-        uint8_t packed[8] = {};
-        hn::StoreMaskBits(lanes, hn::Le(near, far), packed);
-        bits |= (packed[0] | static_cast<uint32_t>(packed[1]) << 8) << start;
+        bits |= mask_bits(hn::Le(near, far)) << start;
     }
     return bits;
 }
@@ -142,11 +148,6 @@ HWY_INLINE Vector edge(const Corner& p, const Corner& q) {
     return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
 }
 
-/// The lanes' nearest candidates; the triangle's number is exact as a float.
-struct Nearest {
-    Vector t, triangle;
-};
-
 /// A triangle of each cell: its edge functions pq, qr, rp and its corners' depths.
 struct Triangles {
     Vector pq, qr, rp, pz, qz, rz;
@@ -158,42 +159,28 @@ struct Triangles {
     }
 };
 
-/// Takes the lanes that are hit after the last candidate and before the nearest so far.
-HWY_INLINE void take(const RayLanes& ray, const Triangles& hit, Mask inside, Vector triangle, Vector last_t,
-                     Vector last_triangle, Nearest& nearest) {
-    const Vector area = hn::Add(hn::Add(hit.qr, hit.rp), hit.pq);
+/// Adds the lanes that are hit within the ray's stretch. `first` is the triangle of the first lane.
+HWY_INLINE void add_hits(const RayLanes& ray, const Triangles& hit, Mask inside, uint32_t first, Vector t_max,
+                         GridCandidates& candidates) {
+    const Lanes lanes;
+    const Vector area = hn::Add(hn::Add(hit.qr, hit.rp), hit.pq), zero = hn::Zero(lanes);
     const Vector sum = hn::Add(hn::Add(hn::Mul(hit.qr, hit.pz), hn::Mul(hit.rp, hit.qz)), hn::Mul(hit.pq, hit.rz));
     const Vector t = hn::Mul(hn::Div(sum, area), ray.scale_z);
-    const Mask later = hn::Or(hn::Gt(t, last_t), hn::And(hn::Eq(t, last_t), hn::Gt(triangle, last_triangle)));
-    const Mask nearer = hn::Or(hn::Lt(t, nearest.t), hn::And(hn::Eq(t, nearest.t), hn::Lt(triangle, nearest.triangle)));
-    const Mask taken = hn::And(hn::And(inside, hn::Ne(area, hn::Zero(Lanes()))), hn::And(later, nearer));
-    nearest.t = hn::IfThenElse(taken, t, nearest.t);
-    nearest.triangle = hn::IfThenElse(taken, triangle, nearest.triangle);
-}
-
-/// Twice the number of each lane's cell, counted from the first.
-HWY_INLINE Vector lane_offsets() {
-    HWY_ALIGN float offsets[kWidth];
-    for (int lane = 0; lane < kWidth; ++lane) {
-        const int row = lane / kColumns, column = lane % kColumns;
-        offsets[lane] = static_cast<float>(2 * (row * kGridCells + column));
+    const Mask within = hn::And(hn::Ge(t, zero), hn::Le(t, t_max));
+    uint32_t bits = mask_bits(hn::And(hn::And(inside, hn::Ne(area, zero)), within));
+    HWY_ALIGN float distances[kWidth];
+    hn::Store(t, lanes, distances);
+    for (; bits != 0; bits &= bits - 1) {
+        const int lane = __builtin_ctz(bits), row = lane / kColumns, column = lane % kColumns;
+        candidates.add({distances[lane], first + static_cast<uint32_t>(2 * (row * kGridCells + column))});
     }
-    return hn::Load(Lanes(), offsets);
 }
 
-bool next_candidate(const Grid& grid, const GridRay& ray, float t_max, const GridCandidate& last, GridCandidate& next) {
-    uint32_t blocks = blocks_on_way(grid, ray, t_max);
-    if (blocks == 0) return false;
+void add_candidates(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
     const Lanes lanes;
     const RayLanes ray_lanes(ray);
-    const Vector offsets = lane_offsets(), one = hn::Set(lanes, 1.0f);
-    // Before the first candidate, facets with t >= 0 count.
-    const bool first = last.t < 0.0f;
-    const Vector last_t = hn::Set(lanes, first ? 0.0f : last.t);
-    const Vector last_triangle = hn::Set(lanes, first ? -1.0f : static_cast<float>(last.triangle));
-    const float none = std::numeric_limits<float>::infinity();
-    Nearest nearest{hn::Set(lanes, t_max), hn::Set(lanes, none)};
-    for (; blocks != 0; blocks &= blocks - 1) {
+    const Vector farthest = hn::Set(lanes, t_max);
+    for (uint32_t blocks = blocks_on_way(grid, ray, t_max); blocks != 0; blocks &= blocks - 1) {
         const int block = __builtin_ctz(blocks);
         const int first_row = block / kBlockCells * kBlockCells, first_column = block % kBlockCells * kBlockCells;
         for (int row = 0; row < kBlockCells; row += kRows) {
@@ -204,24 +191,13 @@ bool next_candidate(const Grid& grid, const GridRay& ray, float t_max, const Gri
                 const Triangles upper{ac, edge(c, d), edge(d, a), a.z, c.z, d.z};
                 const Mask in_lower = lower.inside(), in_upper = upper.inside();
                 if (hn::AllFalse(lanes, hn::Or(in_lower, in_upper))) continue;
-                const int cell = (first_row + row) * kGridCells + first_column + column;
-                const Vector number = hn::Add(hn::Set(lanes, static_cast<float>(2 * cell)), offsets);
-                if (!hn::AllFalse(lanes, in_lower))
-                    take(ray_lanes, lower, in_lower, number, last_t, last_triangle, nearest);
+                const auto first = static_cast<uint32_t>(2 * ((first_row + row) * kGridCells + first_column + column));
+                if (!hn::AllFalse(lanes, in_lower)) add_hits(ray_lanes, lower, in_lower, first, farthest, candidates);
                 if (!hn::AllFalse(lanes, in_upper))
-                    take(ray_lanes, upper, in_upper, hn::Add(number, one), last_t, last_triangle, nearest);
+                    add_hits(ray_lanes, upper, in_upper, first + 1, farthest, candidates);
             }
         }
     }
-    const Vector unset = hn::Set(lanes, none);
-    const Mask found = hn::Ne(nearest.triangle, unset);
-    if (hn::AllFalse(lanes, found)) return false;
-    const Vector t = hn::MinOfLanes(lanes, hn::IfThenElse(found, nearest.t, unset));
-    const Mask first_found = hn::And(found, hn::Eq(nearest.t, t));
-    next.t = hn::GetLane(t);
-    next.triangle =
-        static_cast<uint32_t>(hn::GetLane(hn::MinOfLanes(lanes, hn::IfThenElse(first_found, nearest.triangle, unset))));
-    return true;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -231,12 +207,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace rayleaf {
 
-HWY_EXPORT(next_candidate);
+HWY_EXPORT(add_candidates);
 
-NextCandidate next_candidate_function() {
+AddCandidates add_candidates_function() {
     // The first call through the table chooses; the pointer must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return &HWY_DYNAMIC_DISPATCH(next_candidate);
+    return &HWY_DYNAMIC_DISPATCH(add_candidates);
 }
 
 GridRay::GridRay(const Vec3f& ray_origin, const Vec3f& direction) {

@@ -12,7 +12,6 @@
 #include "tessellation/grid.h"
 
 #include <cstdint>
-#include <optional>
 
 namespace rayleaf {
 
@@ -29,18 +28,36 @@ struct GridRay {
 
 /// A facet that the ray hits, as far as single precision can tell.
 struct GridCandidate {
-    float t = 0;  ///< along the unit direction
-    uint32_t triangle = 0;
-
-    /// Before all candidates.
-    static GridCandidate none() { return {-1.0f, 0}; }
+    float t;  ///< along the unit direction
+    uint32_t triangle;
 };
 
-/// Of the facets the ray hits after `last`, in the order of t and then of the triangle's number, the first; empty if
-/// there is none up to t_max. Facets before the origin do not count.
-using NextCandidate = bool (*)(const Grid& grid, const GridRay& ray, float t_max, const GridCandidate& last,
-                               GridCandidate& next);
+/// All facets of a grid that a ray hits, in no order; nearly always none, one, or the two at an edge. All at once, for
+/// a ray that leaves a surface finds the facet that it leaves first, and would else test the grid again for the next.
+class GridCandidates {
+  public:
+    void add(const GridCandidate& candidate) { found_[count_++] = candidate; }
+    bool empty() const { return count_ == 0; }
+    /// Takes out the nearest; of several the one with the lowest triangle.
+    GridCandidate take_nearest() {
+        uint32_t nearest = 0;
+        for (uint32_t i = 1; i < count_; ++i) {
+            const GridCandidate &one = found_[i], &other = found_[nearest];
+            if (one.t != other.t ? one.t < other.t : one.triangle < other.triangle) nearest = i;
+        }
+        const GridCandidate result = found_[nearest];
+        found_[nearest] = found_[--count_];
+        return result;
+    }
+
+  private:
+    uint32_t count_ = 0;
+    GridCandidate found_[kGridTriangles];  ///< not initialized: a ray would pay for 4 KB in each grid
+};
+
+/// Adds the facets that the ray hits from its origin up to t_max.
+using AddCandidates = void (*)(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates);
 /// The version for this machine's processor.
-NextCandidate next_candidate_function();
+AddCandidates add_candidates_function();
 
 }  // namespace rayleaf

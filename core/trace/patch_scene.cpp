@@ -14,7 +14,7 @@ PatchScene::PatchScene(const PatchSurface& surface, const FacetTolerance& tolera
     : ShapeScene(surface, FacetKind::Grids),
       surface_(&surface),
       store_(surface, SplitPlan(surface, tolerance)),
-      next_candidate_(next_candidate_function()) {
+      add_candidates_(add_candidates_function()) {
     const uint32_t count = store_.subpatch_count();
     if (count == 0) return;
     const bool keep = count * sizeof(Grid) <= kKeptAtBuild;
@@ -52,10 +52,11 @@ void PatchScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
 /// Offers the facets of a grid, nearest first, until one counts.
 bool PatchScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
     const Grid& grid = store_.grid(subpatch);
-    GridCandidate last = GridCandidate::none(), next;
-    while (next_candidate_(grid, query.grid_ray, t_max, last, next)) {
-        if (query.offer({subpatch, next.triangle}, grid.corners(next.triangle))) return true;
-        last = next;
+    GridCandidates candidates;
+    add_candidates_(grid, query.grid_ray, t_max, candidates);
+    while (!candidates.empty()) {
+        const uint32_t triangle = candidates.take_nearest().triangle;
+        if (query.offer({subpatch, triangle}, grid.corners(triangle))) return true;
     }
     return false;
 }

@@ -25,7 +25,7 @@ class PatchScene final : public ShapeScene {
   private:
     const PatchSurface* surface_;
     TessellationStore store_;
-    NextCandidate next_candidate_;
+    AddCandidates add_candidates_;
     std::vector<Box3f> boxes_;  ///< while the scene is built
 
     bool visit(ShapeQuery& query, uint32_t subpatch, float t_max) const;
