@@ -11,15 +11,6 @@ Vec3f Grid::vertex(int i, int j) const {
     return {block[0][index], block[1][index], block[2][index]};
 }
 
-FacetCorners Grid::corners(uint32_t triangle) const {
-    const int i = static_cast<int>(triangle / 2) % kGridCells, j = static_cast<int>(triangle / 2) / kGridCells;
-    const float(&block)[3][kBlockSize] = vertices[j / kBlockCells * (kGridCells / kBlockCells) + i / kBlockCells];
-    const int low = j % kBlockCells * kBlockVertices + i % kBlockCells, high = low + kBlockVertices + 1;
-    const auto at = [&](int index) { return Vec3d(block[0][index], block[1][index], block[2][index]); };
-    if (triangle % 2 == 0) return {at(low), at(high), at(low + 1)};
-    return {at(low), at(high - 1), at(high)};
-}
-
 Box3f Grid::box() const {
     Box3f result;
     for (int axis = 0; axis < 3; ++axis) {

@@ -47,6 +47,15 @@ struct alignas(64) Grid {
     Box3f box() const;
 };
 
+inline FacetCorners Grid::corners(uint32_t triangle) const {
+    const int i = static_cast<int>(triangle / 2) % kGridCells, j = static_cast<int>(triangle / 2) / kGridCells;
+    const float(&block)[3][kBlockSize] = vertices[j / kBlockCells * (kGridCells / kBlockCells) + i / kBlockCells];
+    const int low = j % kBlockCells * kBlockVertices + i % kBlockCells, high = low + kBlockVertices + 1;
+    const int second = triangle % 2 == 0 ? high : high - 1, third = triangle % 2 == 0 ? low + 1 : high;
+    const auto at = [&](int index) { return Vec3d(block[0][index], block[1][index], block[2][index]); };
+    return {at(low), at(second), at(third)};
+}
+
 /// Where in a grid a point of a triangle lies: i + fraction, j + fraction.
 Vec2d grid_parameters(uint32_t triangle, double weight1, double weight2);
 

@@ -93,26 +93,17 @@ void SplitPlan::limit(const PatchSurface& surface) {
 }
 
 void SplitPlan::number(const PatchSurface& surface) {
-    subpatch_count_ = 0;
-    for (size_t i = 0; i < splits_.size(); ++i) {
-        splits_[i].first_subpatch = subpatch_count_;
-        subpatch_count_ += surface.splines()[i].patch_count() << (splits_[i].log2_u + splits_[i].log2_v);
+    for (uint32_t spline = 0; spline < splits_.size(); ++spline) {
+        SplineSplit& split = splits_[spline];
+        split.first_subpatch = subpatch_count();
+        const SplinePatches& patches = surface.splines()[spline];
+        for (uint32_t patch = 0; patch < patches.patch_count(); ++patch) {
+            for (int v = 0; v < 1 << split.log2_v; ++v) {
+                for (int u = 0; u < 1 << split.log2_u; ++u)
+                    subpatches_.push_back({patches.first_patch + patch, spline, u, v});
+            }
+        }
     }
-}
-
-Subpatch SplitPlan::subpatch(const PatchSurface& surface, uint32_t index) const {
-    const auto after = std::upper_bound(splits_.begin(), splits_.end(), index,
-                                        [](uint32_t i, const SplineSplit& split) { return i < split.first_subpatch; });
-    const auto spline = static_cast<uint32_t>(after - splits_.begin() - 1);
-    const SplineSplit& split = splits_[spline];
-    const uint32_t number = index - split.first_subpatch;
-    const uint32_t cell = number & ((1u << (split.log2_u + split.log2_v)) - 1);
-    Subpatch result;
-    result.spline = spline;
-    result.patch = surface.splines()[spline].first_patch + (number >> (split.log2_u + split.log2_v));
-    result.u = static_cast<int>(cell & ((1u << split.log2_u) - 1));
-    result.v = static_cast<int>(cell >> split.log2_u);
-    return result;
 }
 
 uint32_t SplitPlan::index_at(const PatchSurface& surface, uint32_t patch, double u, double v) const {

@@ -38,15 +38,15 @@ class SplitPlan {
     SplitPlan() = default;
     SplitPlan(const PatchSurface& surface, const FacetTolerance& tolerance);
 
-    uint32_t subpatch_count() const { return subpatch_count_; }
+    uint32_t subpatch_count() const { return static_cast<uint32_t>(subpatches_.size()); }
     const SplineSplit& split(uint32_t spline) const { return splits_[spline]; }
-    Subpatch subpatch(const PatchSurface& surface, uint32_t index) const;
+    const Subpatch& subpatch(uint32_t index) const { return subpatches_[index]; }
     /// The subpatch that holds the parameters of a patch.
     uint32_t index_at(const PatchSurface& surface, uint32_t patch, double u, double v) const;
 
   private:
     std::vector<SplineSplit> splits_;
-    uint32_t subpatch_count_ = 0;
+    std::vector<Subpatch> subpatches_;  ///< a table, for each ray's hit asks
 
     void number(const PatchSurface& surface);
     void limit(const PatchSurface& surface);

@@ -22,7 +22,7 @@ TessellationStore::~TessellationStore() {
 }
 
 void TessellationStore::dice_into(uint32_t index, Grid& grid) const {
-    const Subpatch subpatch = plan_.subpatch(*surface_, index);
+    const Subpatch& subpatch = plan_.subpatch(index);
     const SplineSplit& split = plan_.split(subpatch.spline);
     const SplinePatches& spline = surface_->splines()[subpatch.spline];
     dice(surface_->patch(subpatch.patch), bases_.at({spline.degree_u, split.cells_u()}), subpatch.u * kGridCells,

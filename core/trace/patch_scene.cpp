@@ -78,7 +78,7 @@ void PatchScene::any_callback(const RTCOccludedFunctionNArguments* arguments) {
 }
 
 LocalHit PatchScene::local_hit(const ShapeHit& hit) const {
-    const Subpatch subpatch = store_.plan().subpatch(*surface_, hit.facet.primitive);
+    const Subpatch& subpatch = store_.plan().subpatch(hit.facet.primitive);
     const SplineSplit& split = store_.plan().split(subpatch.spline);
     const Vec2d in_grid = grid_parameters(hit.facet.part, hit.point.u, hit.point.v);
     LocalHit local;
@@ -86,14 +86,14 @@ LocalHit PatchScene::local_hit(const ShapeHit& hit) const {
     local.u = static_cast<float>((subpatch.u * kGridCells + in_grid.x) / split.cells_u());
     local.v = static_cast<float>((subpatch.v * kGridCells + in_grid.y) / split.cells_v());
     local.position = hit.point.position;
-    const Vec3d area = area_vector(hit.corners);
+    const Vec3d area = area_vector(store_.grid(hit.facet.primitive).corners(hit.facet.part));
     local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
     return local;
 }
 
 LocalHit PatchScene::on_facet(const LocalHit& hit) const {
     const uint32_t index = store_.plan().index_at(*surface_, hit.primitive, hit.u, hit.v);
-    const Subpatch subpatch = store_.plan().subpatch(*surface_, index);
+    const Subpatch& subpatch = store_.plan().subpatch(index);
     const SplineSplit& split = store_.plan().split(subpatch.spline);
     const GridPlace place = grid_place(Vec2d(double{hit.u} * split.cells_u() - subpatch.u * kGridCells,
                                              double{hit.v} * split.cells_v() - subpatch.v * kGridCells));

@@ -30,7 +30,6 @@ struct FacetId {
 struct ShapeHit {
     FacetId facet;
     FacetHit point;
-    FacetCorners corners;
 };
 
 /// What a shape's facets are held in.
@@ -56,7 +55,7 @@ struct ShapeQuery {
         const std::optional<FacetHit> hit = exact_facet_hit(corners, ray->origin, ray->direction);
         if (!hit || !(hit->t >= ray->t_min && hit->t <= farthest)) return false;
         if (found && hit->t == best.point.t && best.facet < facet) return false;
-        best = {facet, *hit, corners};
+        best = {facet, *hit};
         farthest = hit->t;
         found = true;
         return true;

@@ -54,7 +54,7 @@ LocalHit TriangleScene::local_hit(const ShapeHit& hit) const {
     local.u = static_cast<float>(hit.point.u);
     local.v = static_cast<float>(hit.point.v);
     local.position = hit.point.position;
-    const Vec3d area = area_vector(hit.corners);
+    const Vec3d area = area_vector(mesh_->corners(hit.facet.primitive));
     local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
     return local;
 }
