@@ -74,7 +74,9 @@ void Film::put(int x, int y, int width, int height, std::span<const PixelSums> s
             float* out =
                 &data[(static_cast<size_t>(y + row) * static_cast<size_t>(width_) + static_cast<size_t>(x)) * channels];
             for (int column = 0; column < width; ++column) {
-                const Vec4f value = sums[static_cast<size_t>(row * width + column)].value(pass);
+                const Vec4f value =
+                    sums[static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(column)].value(
+                        pass);
                 for (size_t c = 0; c < channels; ++c) *out++ = value[static_cast<int>(c)];
             }
         }

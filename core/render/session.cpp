@@ -86,9 +86,10 @@ void Session::render_tiles() {
 
 void Session::render_tile(const Window& tile, const Frame& frame) {
     std::vector<PixelSums> sums(static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height));
+    size_t pixel = 0;
     for (int y = 0; y < tile.height; ++y)
         for (int x = 0; x < tile.width; ++x)
-            if (!render_pixel(tile.x + x, tile.y + y, frame, sums[static_cast<size_t>(y * tile.width + x)])) return;
+            if (!render_pixel(tile.x + x, tile.y + y, frame, sums[pixel++])) return;
     const Window part = window(settings_);
     film_.put(tile.x - part.x, tile.y - part.y, tile.width, tile.height, sums);
     finished_pixels_ += sums.size();
