@@ -31,10 +31,11 @@ def test_a_scene_looks_as_it_did(run_blender, root, comparisons, name):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     reference = REFERENCES / f"{name}.exr"
-    run_blender(RENDER, root / "blend_scenes" / f"{name}.blend", reference, folder, SIZE, SAMPLES)
+    run = run_blender(RENDER, root / "blend_scenes" / f"{name}.blend", reference, folder, SIZE, SAMPLES)
     new = np.load(folder / "new.npy")
     has_reference = (folder / "reference.npy").exists()
-    comparison = Comparison(name, new, np.load(folder / "reference.npy") if has_reference else np.zeros_like(new))
+    old = np.load(folder / "reference.npy") if has_reference else np.zeros_like(new)
+    comparison = Comparison(name, new, old, run.report["later"])
     comparisons.append(comparison)
     write_pictures(comparison, folder)
     if os.environ.get("RAYLEAF_UPDATE_GOLDEN"):
