@@ -14,7 +14,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::CappedTag<float, 16>;
+using Lanes = hn::CappedTag<float, 8>;
 using Vector = hn::Vec<Lanes>;
 using Mask = hn::Mask<Lanes>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
@@ -82,42 +82,6 @@ struct RayLanes {
     }
 };
 
-#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
-
-/// Which lane a cell's corner comes from: vertex k of a block is lane k of the first vector, or from 16 on lane k - 9
-/// of the second, which the instruction numbers from 16.
-struct alignas(64) Deal {
-    int32_t lanes[kWidth];
-
-    constexpr explicit Deal(int first_vertex) : lanes() {
-        for (int cell = 0; cell < kWidth; ++cell) {
-            const int vertex = first_vertex + cell / kBlockCells * kBlockVertices + cell % kBlockCells;
-            lanes[cell] = vertex < kWidth ? vertex : vertex + 2 * kWidth - kBlockSize;
-        }
-    }
-};
-constexpr Deal kDealA(0), kDealB(1), kDealC(kBlockVertices + 1), kDealD(kBlockVertices);
-
-/// All 16 cells: the 25 vertices are projected once, in two vectors that overlap, and dealt out to the cells.
-HWY_INLINE Corners load_corners(const RayLanes& ray, const float (&block)[3][kBlockSize], int, int) {
-    const Lanes lanes;
-    constexpr int kSecond = kBlockSize - kWidth;
-    const auto load = [&](int offset) HWY_ATTR {
-        return ray.project(hn::LoadU(lanes, block[ray.axis_x] + offset), hn::LoadU(lanes, block[ray.axis_y] + offset),
-                           hn::LoadU(lanes, block[ray.axis_z] + offset));
-    };
-    const Corner low = load(0), high = load(kSecond);
-    const auto deal = [&](const Deal& from) HWY_ATTR {
-        const __m512i lane = _mm512_load_si512(from.lanes);
-        const auto pick = [&](Vector l, Vector h)
-                              HWY_ATTR { return Vector{_mm512_permutex2var_ps(l.raw, lane, h.raw)}; };
-        return Corner{pick(low.x, high.x), pick(low.y, high.y), pick(low.z, high.z)};
-    };
-    return {deal(kDealA), deal(kDealB), deal(kDealC), deal(kDealD)};
-}
-
-#else
-
 /// kRows rows of kColumns neighbouring values.
 template <class D>
 HWY_INLINE hn::Vec<D> load_cells(D lanes, const float* first) {
@@ -141,8 +105,6 @@ HWY_INLINE Corners load_corners(const RayLanes& ray, const float (&block)[3][kBl
     };
     return {load(0), load(1), load(kBlockVertices + 1), load(kBlockVertices)};
 }
-
-#endif
 
 HWY_INLINE Vector edge(const Corner& p, const Corner& q) {
     return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
