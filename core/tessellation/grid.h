@@ -4,8 +4,7 @@
 // triangle 2 * (j * 16 + i) has the corners (i,j), (i+1,j+1), (i+1,j), the next one (i,j), (i,j+1), (i+1,j+1):
 // counter-clockwise seen from the outside, the side of P_v x P_u.
 //
-// Each block has a copy of its 5 x 5 vertices, so that a ray that tests it reads few cache lines and the kernels load
-// them in two pieces.
+// Each block has a copy of its 5 x 5 vertices, so that a ray that tests it reads few cache lines.
 #pragma once
 
 #include "base/vector.h"

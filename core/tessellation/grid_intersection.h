@@ -15,13 +15,19 @@
 
 namespace rayleaf {
 
+/// What distances to a box's near and far side are multiplied by: (bound - origin) * inverse has four roundings of
+/// 2^-24.
+inline constexpr float kNearFactor = 1.0f - 0x1p-21f, kFarFactor = 1.0f + 0x1p-21f;
+
 /// A float ray as the kernel wants it. `direction` is unit length; the origin has coordinates of the order of 1.
 struct GridRay {
     GridRay() = default;
     GridRay(const Vec3f& ray_origin, const Vec3f& direction);
 
     float origin[3];                  ///< by axis
-    float inverse[3];                 ///< 1 / direction; huge where that is zero
+    int near_side[3];                 ///< of a box, by axis: 0 where the ray runs towards higher coordinates, else 1
+    float inverse_near[3];            ///< kNearFactor / direction; huge where that is zero
+    float inverse_far[3];             ///< kFarFactor / direction
     int axis_x, axis_y, axis_z;       ///< axis_z is the direction's largest component
     float shear_x, shear_y, scale_z;  ///< dx/dz, dy/dz, 1/dz
 };
