@@ -141,13 +141,15 @@ def bezier_from_cubic_b_spline(points: NDArray[np.float64], axis: int) -> NDArra
     return np.moveaxis(result, 0, axis)
 
 
-CIRCLE = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
+# Clockwise seen from above: with v upwards, Blender's outside is then away from the axis.
+CIRCLE = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
 
 
 def lathe(profile: NDArray[np.float64]) -> NDArray[np.float64]:
     """Control points of a profile (n, 2: radius, height) turned about z; v runs along the profile, u around.
 
-    Around, it is Blender's exact circle: eight points, order 3, cyclic, with the bezier flag; corners weigh 1/√2.
+    Around, it is Blender's exact circle: eight points, order 3, cyclic, with the bezier and endpoint flags (without the
+    latter the arcs would begin at the corners, and the circle be a rounded square); corners weigh 1/√2.
     """
     grid = np.empty((len(profile), 8, 4))
     for index, (x, y) in enumerate(CIRCLE):
@@ -160,7 +162,7 @@ def lathe(profile: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def make_circle_of_u(spline: Any) -> None:
     """The flags that `lathe` counts on."""
-    spline.use_cyclic_u = spline.use_bezier_u = True
+    spline.use_cyclic_u = spline.use_bezier_u = spline.use_endpoint_u = True
     spline.order_u = 3
 
 

@@ -23,7 +23,7 @@ inline constexpr uint32_t kGridTriangles = 2 * kGridCells * kGridCells;
 
 /// What a block's box is enlarged by beyond its vertices, local units: what a float ray's points may be off (the
 /// derivation is at kBoxPadding in trace/local_ray.h).
-inline constexpr float kBlockPadding = 0x1p-20f;
+inline constexpr float kBlockPadding = 0x1p-19f;
 
 inline constexpr int kBlockVertices = kBlockCells + 1;  ///< along one side
 inline constexpr int kBlockSize = kBlockVertices * kBlockVertices;

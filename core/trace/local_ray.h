@@ -19,8 +19,9 @@ inline constexpr double kBackstep = 0x1p-12;
 
 /// What boxes are enlarged by for a float ray, local units. Coordinates are at most 1 and a ray runs at most 2 sqrt(3)
 /// inside the box: its points are off by the rounding of the origin, the direction times the distance, the product and
-/// the sum, each at most 2^-24 * 3.5, together 8.4e-7.
-inline constexpr double kBoxPadding = 0x1p-20;
+/// the sum, each at most 2^-24 * 3.5, together 8.4e-7. As much again is for the rounding of the box test itself, which
+/// Embree does not state for user geometry.
+inline constexpr double kBoxPadding = 0x1p-19;
 
 struct LocalRay {
     Vec3d origin{0, 0, 0};
