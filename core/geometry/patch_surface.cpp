@@ -145,12 +145,21 @@ LocalSurface PatchSurface::surface(const LocalHit& hit) const {
         return result;
     }
     const LimitNormal limit = limit_normal(view, hit.u, hit.v, point, {{}, -Vec3d(facet_normal)});
+    if (limit.stage != NormalStage::Regular)
+        limit_normals_[static_cast<size_t>(limit.stage)].fetch_add(1, std::memory_order_relaxed);
     // Where a coarse facet and the exact surface face opposite sides (next to a pole), the facet that was hit decides.
     const double side = Vec3f(limit.normal).dot(facet_normal) > 0.0f ? 1.0 : -1.0;
     result.normal = Vec3f(limit.normal * side);
     result.dn_du = Vec3f(limit.dn_du * (side / length_u));
     result.dn_dv = Vec3f(limit.dn_dv * (side / length_v));
     return result;
+}
+
+NormalCounters PatchSurface::limit_normals() const {
+    NormalCounters counters;
+    for (size_t i = 0; i < kNormalStageCount; ++i)
+        counters.counts[i] = limit_normals_[i].load(std::memory_order_relaxed);
+    return counters;
 }
 
 ElementPoint PatchSurface::element_point(uint32_t element, const Vec2f& parameters) const {

@@ -9,8 +9,11 @@
 #pragma once
 
 #include "geometry/shape.h"
+#include "splines/limit_normal.h"
 #include "splines/nurbs.h"
 
+#include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -50,11 +53,14 @@ class PatchSurface final : public Shape {
     const SplinePatches& spline_of(uint32_t patch) const;
     /// Local space.
     PatchView patch(uint32_t patch) const;
+    /// How often hits so far needed a limit normal, by the stage that gave it; Regular is not counted.
+    NormalCounters limit_normals() const;
 
   private:
     std::vector<SplinePatches> splines_;
     std::vector<Vec4d> points_;
     uint32_t patch_count_ = 0;
+    mutable std::array<std::atomic<uint64_t>, kNormalStageCount> limit_normals_{};
 
     void add_spline(const NurbsSpline& spline);
 };

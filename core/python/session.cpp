@@ -48,6 +48,17 @@ py::list left_out(const RenderStatistics& s, const Session& session) {
     return names;
 }
 
+/// Hits where a patch has no normal of its own, by what answered instead.
+py::dict limit_normals(const NormalCounters& counters) {
+    constexpr std::pair<NormalStage, const char*> kStages[] = {{NormalStage::SecondOrder, "second_order"},
+                                                               {NormalStage::Inset, "inset"},
+                                                               {NormalStage::Neighbour, "neighbour"},
+                                                               {NormalStage::Geometric, "geometric"}};
+    py::dict result;
+    for (const auto& [stage, name] : kStages) result[name] = counters.counts[static_cast<size_t>(stage)];
+    return result;
+}
+
 py::dict statistics(const Session& session) {
     using namespace py::literals;
     const RenderStatistics s = session.statistics();
@@ -56,7 +67,8 @@ py::dict statistics(const Session& session) {
         "time"_a = py::dict("build_seconds"_a = s.build_seconds, "render_seconds"_a = s.render_seconds),
         "rays"_a = py::dict("pixels"_a = s.pixels, "paths"_a = s.paths),
         "geometry"_a = py::dict("shapes"_a = t.shapes, "instances"_a = t.instances, "triangles"_a = t.triangles,
-                                "subpatches"_a = t.subpatches, "grids_diced"_a = t.grids_diced),
+                                "subpatches"_a = t.subpatches, "grids_diced"_a = t.grids_diced,
+                                "limit_normals"_a = limit_normals(t.limit_normals)),
         "lights"_a = s.lights,
         "memory"_a = py::dict("shapes"_a = s.shape_bytes, "grids"_a = t.grid_bytes, "acceleration"_a = t.bvh_bytes,
                               "lights"_a = s.light_bytes, "film"_a = s.film_bytes, "textures"_a = s.textures.bytes),

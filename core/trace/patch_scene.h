@@ -18,6 +18,7 @@ class PatchScene final : public ShapeScene {
     LocalHit on_facet(const LocalHit& hit) const override;
     uint64_t subpatch_count() const override { return store_.subpatch_count(); }
     uint64_t grids_diced() const override { return store_.diced(); }
+    NormalCounters limit_normals() const override { return surface_->limit_normals(); }
     uint64_t grid_bytes() const override { return store_.bytes(); }
 
     const TessellationStore& store() const { return store_; }

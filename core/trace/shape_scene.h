@@ -9,6 +9,7 @@
 #include "geometry/facet.h"
 #include "geometry/shape.h"
 #include "rays/hit.h"
+#include "splines/limit_normal.h"
 #include "tessellation/grid_intersection.h"
 #include "trace/embree.h"
 #include "trace/local_ray.h"
@@ -82,6 +83,7 @@ class ShapeScene {
     virtual uint64_t subpatch_count() const { return 0; }
     virtual uint64_t grids_diced() const { return 0; }
     virtual uint64_t grid_bytes() const { return 0; }
+    virtual NormalCounters limit_normals() const { return {}; }
 
   protected:
     ShapeScene(const Shape& shape, FacetKind kind) : shape_(&shape), kind_(kind) {}

@@ -351,6 +351,7 @@ TraceStatistics Tracer::statistics() const {
         result.grids_diced += shape->grids_diced();
         result.grid_bytes += shape->grid_bytes();
         result.triangles += shape->triangle_count();
+        result.limit_normals += shape->limit_normals();
     }
     return result;
 }

@@ -11,6 +11,7 @@
 #include "geometry/surface_point.h"
 #include "rays/hit.h"
 #include "rays/ray.h"
+#include "splines/limit_normal.h"
 
 #include <cstdint>
 #include <memory>
@@ -46,6 +47,7 @@ struct DicingView {
 
 struct TraceStatistics {
     uint64_t subpatches = 0, grids_diced = 0, grid_bytes = 0, bvh_bytes = 0, triangles = 0, instances = 0, shapes = 0;
+    NormalCounters limit_normals;  ///< of hits on patches where the surface has no normal of its own, by stage
 };
 
 class Tracer {

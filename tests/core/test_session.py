@@ -126,6 +126,18 @@ def test_statistics_name_what_was_left_out(core):
     assert statistics["memory"]["grids"] == 0 and statistics["lights"] == 0
 
 
+def test_statistics_count_the_normals_at_a_pole(core):
+    """A camera that looks straight at the pole of a spline sphere meets the collapsed edge in its middle pixel."""
+    scene = core.SceneDescription()
+    scene.add_instance("ball", scene.add_surface("ball", [scenes.sphere_spline(core)]), scenes.matrix())
+    scenes.look_down(scene, 5.0, 0.1)
+    session = core.Session(scene, core.Settings(width=3, height=3, samples=1, filter_width=0.0, passes=["normal"]))
+    session.render()
+    counts = session.statistics()["geometry"]["limit_normals"]
+    assert counts["second_order"] >= 1 and counts["geometric"] == 0, counts
+    np.testing.assert_allclose(session.pass_pixels("normal")[1, 1], [0, 0, 1], atol=1e-4)
+
+
 def test_an_exr_holds_every_pass(core, tmp_path):
     session = core.Session(
         scenes.small_scene(core), core.Settings(width=16, height=12, samples=1, passes=["combined", "depth"])
