@@ -65,6 +65,14 @@ void require_sound(const std::string& name, size_t index, const NurbsSpline& spl
         throw InputError(name, prefix + "material_slot", std::to_string(spline.material_slot), "0 or more");
 }
 
+/// The span across the border nearest to `parameter`; empty where the spline ends there or has an edge.
+std::optional<size_t> span_beside(const std::vector<SplineSpan>& spans, size_t span, float parameter) {
+    const size_t before = (span + spans.size() - 1) % spans.size(), after = (span + 1) % spans.size();
+    const bool towards_begin = parameter < 0.5f;
+    if (spans[towards_begin ? before : span].continuity_after < 1) return std::nullopt;
+    return towards_begin ? before : after;
+}
+
 }  // namespace
 
 PatchSurface::PatchSurface(std::string name, const std::vector<NurbsSpline>& splines)
@@ -144,7 +152,8 @@ LocalSurface PatchSurface::surface(const LocalHit& hit) const {
         result.normal = facet_normal;
         return result;
     }
-    const LimitNormal limit = limit_normal(view, hit.u, hit.v, point, {{}, -Vec3d(facet_normal)});
+    const LimitNormal limit =
+        limit_normal(view, hit.u, hit.v, point, {[this, &hit] { return neighbour_normal(hit); }, -Vec3d(facet_normal)});
     if (limit.stage != NormalStage::Regular)
         limit_normals_[static_cast<size_t>(limit.stage)].fetch_add(1, std::memory_order_relaxed);
     // Where a coarse facet and the exact surface face opposite sides (next to a pole), the facet that was hit decides.
@@ -153,6 +162,28 @@ LocalSurface PatchSurface::surface(const LocalHit& hit) const {
     result.dn_du = Vec3f(limit.dn_du * (side / length_u));
     result.dn_dv = Vec3f(limit.dn_dv * (side / length_v));
     return result;
+}
+
+std::optional<Vec3d> PatchSurface::neighbour_normal(const LocalHit& hit) const {
+    const SplinePatches& spline = spline_of(hit.primitive);
+    const size_t index = hit.primitive - spline.first_patch, row = spline.spans_u.size();
+    const std::optional<size_t> beside_u = span_beside(spline.spans_u, index % row, hit.u);
+    const std::optional<size_t> beside_v = span_beside(spline.spans_v, index / row, hit.v);
+    const auto normal_of = [&](size_t span_u, size_t span_v, double u, double v) -> std::optional<Vec3d> {
+        const LimitNormal limit =
+            limit_normal(patch(static_cast<uint32_t>(spline.first_patch + span_v * row + span_u)), u, v);
+        if (limit.stage >= NormalStage::Neighbour) return std::nullopt;
+        return limit.normal;
+    };
+    const double border_u = hit.u < 0.5f ? 1.0 : 0.0, border_v = hit.v < 0.5f ? 1.0 : 0.0;
+    const bool u_first = std::abs(hit.u - 0.5f) >= std::abs(hit.v - 0.5f);
+    for (const bool along_u : {u_first, !u_first}) {
+        std::optional<Vec3d> normal;
+        if (along_u && beside_u) normal = normal_of(*beside_u, index / row, border_u, hit.v);
+        if (!along_u && beside_v) normal = normal_of(index % row, *beside_v, hit.u, border_v);
+        if (normal) return normal;
+    }
+    return std::nullopt;
 }
 
 NormalCounters PatchSurface::limit_normals() const {

@@ -63,6 +63,8 @@ class PatchSurface final : public Shape {
     mutable std::array<std::atomic<uint64_t>, kNormalStageCount> limit_normals_{};
 
     void add_spline(const NurbsSpline& spline);
+    /// The normal at the nearest border of a patch, as the patch beyond has it if the spline runs on smoothly there.
+    std::optional<Vec3d> neighbour_normal(const LocalHit& hit) const;
 };
 
 /// The largest degree a surface may have in a direction.

@@ -202,6 +202,15 @@ py::array_t<bool> occluded(const Tracer& tracer, const Array<double>& origins, c
 }
 
 /// The grid of one patch that is not split, as (17, 17, 3): rows run along v.
+py::tuple normal_at(const PatchSurface& surface, uint32_t patch, float u, float v) {
+    LocalHit hit;
+    hit.primitive = patch;
+    hit.u = u;
+    hit.v = v;
+    const Vec3f normal = surface.surface(hit).normal;
+    return py::make_tuple(std::array<float, 3>{normal.x, normal.y, normal.z}, surface.limit_normals().counts);
+}
+
 py::array_t<float> diced_patch(const PatchSurface& surface, uint32_t patch) {
     const double no_limit = std::numeric_limits<double>::infinity();
     const TessellationStore store(surface, SplitPlan(surface, [no_limit](const Box3d&) { return no_limit; }));
@@ -289,7 +298,9 @@ void bind_trace(py::module_& parent) {
         .def(py::init(&make_surface), py::arg("name"), py::arg("splines"),
              "splines: (points (count_v, count_u, 4), direction u, direction v, smooth, material slot) each; a "
              "direction "
-             "is (order, cyclic, endpoint, bezier)");
+             "is (order, cyclic, endpoint, bezier)")
+        .def("normal_at", &normal_at, py::arg("patch"), py::arg("u"), py::arg("v"),
+             "Shading normal and the number of limit normals by stage so far, for a hit on a facet that faces +z.");
 
     const Array<double> zero = number(0.0), infinity = number(std::numeric_limits<double>::infinity());
     py::class_<Tracer>(module, "Tracer", "Rays against instances: (shape, 4x4 matrix, visibility) each.")
