@@ -81,7 +81,7 @@ py::dict ask(ReferenceTree& tree, const Array<double>& origins, const Array<doub
     const std::vector<Ray> rays = rays_from(origins, directions);
     std::vector<CachedAnswer> answers(rays.size());
     const double begin = thread_seconds();
-    tree.ask(rays, answers);
+    tree.ask(rays, {}, answers);
     const double seconds = thread_seconds() - begin;
     py::dict result = arrays_of(answers.size(), [&](size_t i) -> const OutputRay& { return answers[i].output; });
     result["answered_by"] =

@@ -75,14 +75,22 @@ struct RayCacheSettings {
     double pruned_share = 0.7;
 };
 
+/// How far the rays of one frame that are neighbours of a ray lie from it at the object, object space: what tells how
+/// many of them will cross a cell. Zeros: as close as can be, so that every cell is worth its samples.
+struct RaySpacing {
+    float distance = 0;  ///< object units
+    float angle = 0;     ///< radians
+};
+
 class RayCache {
   public:
     virtual ~RayCache() = default;
 
     /// Answers rays in object space; `t_min` and `t_max` are not looked at: answers are for everything beyond the
-    /// origin. What is answered depends on shape, material and settings alone: not on rays asked before, nor on the
-    /// cache size.
-    virtual void ask(std::span<const Ray> rays, std::span<CachedAnswer> answers) = 0;
+    /// origin. What is answered depends on ray, spacing, shape, material and settings alone: not on rays asked before,
+    /// nor on the cache size. `spacings` has one entry a ray, or none: zeros.
+    virtual void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings,
+                     std::span<CachedAnswer> answers) = 0;
     virtual RayCacheStatistics statistics() const = 0;
 };
 

@@ -75,7 +75,7 @@ ReferenceTree::ReferenceTree(std::shared_ptr<const Shape> shape, const SampleSet
 
 ReferenceTree::~ReferenceTree() = default;
 
-void ReferenceTree::ask(std::span<const Ray> rays, std::span<CachedAnswer> answers) {
+void ReferenceTree::ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers) {
     const FloatEnvironment environment;
     for (size_t i = 0; i < rays.size(); ++i) {
         answers[i] = is_ray(rays[i]) ? answer(to_local(rays[i])) : CachedAnswer{};

@@ -38,7 +38,8 @@ class ReferenceTree final : public RayCache {
     ReferenceTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples, const RayCacheSettings& settings);
     ~ReferenceTree() override;
 
-    void ask(std::span<const Ray> rays, std::span<CachedAnswer> answers) override;
+    /// Spacings are not looked at: the paper buys every cell.
+    void ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers) override;
     RayCacheStatistics statistics() const override;
 
     /// The same question answered by tracing alone; `by` is not set.
