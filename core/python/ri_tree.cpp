@@ -1,5 +1,6 @@
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "ri_tree/fast_tree.h"
 #include "ri_tree/reference_tree.h"
 #include "trace/baselines.h"
 
@@ -56,33 +57,69 @@ py::dict arrays_of(size_t count, const Output& output) {
     return result;
 }
 
-std::unique_ptr<ReferenceTree> make_tree(std::shared_ptr<Shape> shape, const std::string& kind, double ior,
-                                         double distance_threshold, double angle_threshold, int depth_limit,
-                                         uint64_t cache_bytes, double pruned_share, double facet_tolerance) {
-    SampleSettings samples;
-    if (kind == "SIMPLE")
-        samples.kind = OutputKind::Simple;
-    else if (kind == "MIRROR")
-        samples.kind = OutputKind::Mirror;
-    else if (kind == "GLASS")
-        samples.kind = OutputKind::Glass;
-    else if (kind == "VOLUME")
-        samples.kind = OutputKind::Volume;
-    else
-        throw InputError(shape->name(), "kind", kind, "SIMPLE, MIRROR, GLASS or VOLUME");
-    samples.ior = ior;
-    samples.facet_tolerance = facet_tolerance;
-    return std::make_unique<ReferenceTree>(
-        std::move(shape), samples,
-        RayCacheSettings{distance_threshold, angle_threshold, depth_limit, cache_bytes, pruned_share});
+OutputKind kind_named(const std::string& object, const std::string& kind) {
+    if (kind == "SIMPLE") return OutputKind::Simple;
+    if (kind == "MIRROR") return OutputKind::Mirror;
+    if (kind == "GLASS") return OutputKind::Glass;
+    if (kind == "VOLUME") return OutputKind::Volume;
+    throw InputError(object, "kind", kind, "SIMPLE, MIRROR, GLASS or VOLUME");
 }
 
-py::dict ask(ReferenceTree& tree, const Array<double>& origins, const Array<double>& directions) {
+template <typename Tree>
+std::unique_ptr<Tree> make_tree(std::shared_ptr<Shape> shape, const std::string& kind, double ior,
+                                double distance_threshold, double angle_threshold, int depth_limit,
+                                uint64_t cache_bytes, double pruned_share, double facet_tolerance,
+                                double direction_threshold) {
+    const SampleSettings samples{kind_named(shape->name(), kind), ior, facet_tolerance};
+    return std::make_unique<Tree>(std::move(shape), samples,
+                                  RayCacheSettings{distance_threshold, angle_threshold, depth_limit, cache_bytes,
+                                                   pruned_share, direction_threshold});
+}
+
+/// Rays are asked in blocks of so many, as a renderer asks tiles: what comes and goes stays in the processor's cache.
+constexpr size_t kBlockRays = 1024;
+
+/// Rays in object space and what they are answered, in blocks; the processor seconds of `answer(rays, first, out)`.
+template <typename Out, typename Answer>
+double timed_blocks(const std::vector<Ray>& rays, std::vector<Out>& all, const Answer& answer) {
+    const py::gil_scoped_release released;
+    std::vector<Out> block(kBlockRays);
+    std::vector<Ray> block_rays(kBlockRays);
+    double seconds = 0.0;
+    for (size_t first = 0; first < rays.size(); first += kBlockRays) {
+        const size_t count = std::min(kBlockRays, rays.size() - first);
+        std::copy_n(rays.begin() + static_cast<std::ptrdiff_t>(first), count, block_rays.begin());
+        const double begin = thread_seconds();
+        answer(std::span<const Ray>(block_rays.data(), count), first, std::span<Out>(block.data(), count));
+        seconds += thread_seconds() - begin;
+        std::copy_n(block.begin(), count, all.begin() + static_cast<std::ptrdiff_t>(first));
+    }
+    return seconds;
+}
+
+std::vector<RaySpacing> spacings_from(size_t count, const std::optional<Array<float>>& distances,
+                                      const std::optional<Array<float>>& angles) {
+    if (!distances && !angles) return {};
+    std::vector<RaySpacing> spacings(count);
+    const auto length = static_cast<py::ssize_t>(count);
+    if (distances) check_shape("rays", "distances", *distances, {length});
+    if (angles) check_shape("rays", "angles", *angles, {length});
+    for (size_t i = 0; i < count; ++i) {
+        if (distances) spacings[i].distance = distances->data()[i];
+        if (angles) spacings[i].angle = angles->data()[i];
+    }
+    return spacings;
+}
+
+py::dict ask(RayCache& cache, const Array<double>& origins, const Array<double>& directions,
+             const std::optional<Array<float>>& distances, const std::optional<Array<float>>& angles) {
     const std::vector<Ray> rays = rays_from(origins, directions);
+    const std::vector<RaySpacing> spacings = spacings_from(rays.size(), distances, angles);
     std::vector<CachedAnswer> answers(rays.size());
-    const double begin = thread_seconds();
-    tree.ask(rays, {}, answers);
-    const double seconds = thread_seconds() - begin;
+    const double seconds = timed_blocks(rays, answers, [&](std::span<const Ray> block, size_t first, auto out) {
+        const std::span<const RaySpacing> all(spacings);
+        cache.ask(block, all.empty() ? all : all.subspan(first, block.size()), out);
+    });
     py::dict result = arrays_of(answers.size(), [&](size_t i) -> const OutputRay& { return answers[i].output; });
     result["answered_by"] =
         column<uint8_t>(answers.size(), 0, [&](size_t i) { return static_cast<uint8_t>(answers[i].by); });
@@ -91,12 +128,12 @@ py::dict ask(ReferenceTree& tree, const Array<double>& origins, const Array<doub
     return result;
 }
 
-py::dict trace_alone(const ReferenceTree& tree, const Array<double>& origins, const Array<double>& directions) {
+py::dict trace_alone(const RayCache& cache, const Array<double>& origins, const Array<double>& directions) {
     const std::vector<Ray> rays = rays_from(origins, directions);
     std::vector<OutputRay> outputs(rays.size());
-    const double begin = thread_seconds();
-    for (size_t i = 0; i < rays.size(); ++i) outputs[i] = tree.trace(rays[i]);
-    const double seconds = thread_seconds() - begin;
+    const double seconds = timed_blocks(rays, outputs, [&](std::span<const Ray> block, size_t, auto out) {
+        for (size_t i = 0; i < block.size(); ++i) out[i] = cache.trace(block[i]);
+    });
     py::dict result = arrays_of(outputs.size(), [&](size_t i) -> const OutputRay& { return outputs[i]; });
     result["seconds"] = seconds;
     return result;
@@ -116,30 +153,35 @@ py::tuple pair_of(const std::vector<Ray>& rays) {
                           column<double>(rays.size(), 3, [&](size_t i) { return rays[i].direction; }));
 }
 
-py::tuple corner_rays(const ReferenceTree& tree, const KeyTuple& cell) {
+template <typename Tree>
+py::tuple corner_rays(const Tree& tree, const KeyTuple& cell) {
     const CellKey key = key_from(cell);
     std::vector<Ray> rays(kCellCorners);
     for (int corner = 0; corner < kCellCorners; ++corner) rays[corner] = tree.space().corner_ray(key, corner);
     return pair_of(rays);
 }
 
-py::tuple center_ray(const ReferenceTree& tree, const KeyTuple& cell) {
+template <typename Tree>
+py::tuple center_ray(const Tree& tree, const KeyTuple& cell) {
     return pair_of({tree.space().center_ray(key_from(cell))});
 }
 
-std::array<int, kLineAxes> levels(const ReferenceTree& tree, int direction, int depth) {
+template <typename Tree>
+std::array<int, kLineAxes> levels(const Tree& tree, int direction, int depth) {
     const CellKey key = key_from({direction, depth, {}});
     std::array<int, kLineAxes> result{};
     for (int i = 0; i < kLineAxes; ++i) result[i] = tree.space().levels(key.direction, key.depth)[i];
     return result;
 }
 
-py::tuple box(const ReferenceTree& tree) {
+template <typename Tree>
+py::tuple box(const Tree& tree) {
     const Box3d& b = tree.space().box();
     return py::make_tuple(std::array{b.min.x, b.min.y, b.min.z}, std::array{b.max.x, b.max.y, b.max.z});
 }
 
-py::list final_cells(ReferenceTree& tree, const Array<double>& origins, const Array<double>& directions) {
+template <typename Tree>
+py::list final_cells(Tree& tree, const Array<double>& origins, const Array<double>& directions) {
     py::list result;
     for (const Ray& ray : rays_from(origins, directions)) {
         const std::optional<CellKey> key = tree.final_cell(ray);
@@ -151,7 +193,8 @@ py::list final_cells(ReferenceTree& tree, const Array<double>& origins, const Ar
     return result;
 }
 
-py::tuple lines(const ReferenceTree& tree, const Array<double>& origins, const Array<double>& directions) {
+template <typename Tree>
+py::tuple lines(const Tree& tree, const Array<double>& origins, const Array<double>& directions) {
     const std::vector<Ray> rays = rays_from(origins, directions);
     std::vector<Line> made;
     made.reserve(rays.size());
@@ -163,7 +206,7 @@ py::tuple lines(const ReferenceTree& tree, const Array<double>& origins, const A
                           }));
 }
 
-py::dict statistics(const ReferenceTree& tree) {
+py::dict statistics(const RayCache& tree) {
     const RayCacheStatistics s = tree.statistics();
     py::dict answers;
     for (size_t i = 0; i < kAnswerKinds; ++i) answers[answer_names()[i]] = s.answers[i];
@@ -179,33 +222,44 @@ py::dict statistics(const ReferenceTree& tree) {
     return result;
 }
 
+template <typename Tree>
+void bind_tree(py::module_& module, const char* name, const char* description) {
+    const SampleSettings samples;
+    const RayCacheSettings settings;
+    py::class_<Tree, RayCache>(module, name, description)
+        .def(py::init(&make_tree<Tree>), py::arg("shape"), py::arg("kind"), py::arg("ior") = samples.ior,
+             py::arg("distance_threshold") = settings.distance_threshold,
+             py::arg("angle_threshold") = settings.angle_threshold, py::arg("depth_limit") = settings.depth_limit,
+             py::arg("cache_bytes") = settings.cache_bytes, py::arg("pruned_share") = settings.pruned_share,
+             py::arg("facet_tolerance") = samples.facet_tolerance,
+             py::arg("direction_threshold") = settings.direction_threshold,
+             "kind: SIMPLE, MIRROR, GLASS or VOLUME. Thresholds: a share of the box's half extent, and radians.")
+        .def("final_cells", &final_cells<Tree>, py::arg("origins"), py::arg("directions"),
+             "(direction, depth, indices) of the cells that answer, None for rays that miss the box.")
+        .def("corner_rays", &corner_rays<Tree>, py::arg("cell"), "Origins and directions (16, 3), local space.")
+        .def("center_ray", &center_ray<Tree>, py::arg("cell"), "Origin and direction (1, 3), local space.")
+        .def("levels", &levels<Tree>, py::arg("direction"), py::arg("depth"),
+             "How often each axis of a cell was halved.")
+        .def("box", &box<Tree>, "Lowest and highest corner of the widened box, local space.")
+        .def("lines", &lines<Tree>, py::arg("origins"), py::arg("directions"),
+             "Direction and shares (n, 4) of the lines of rays in local space.")
+        .def_property_readonly("class_count", [](const Tree& tree) { return tree.tracer().classes().count(); });
+}
+
 }  // namespace
 
 void bind_ri_tree(py::module_& parent) {
     py::module_ module = parent.def_submodule("ri_tree", "Ray caches over one shape, for tests and benchmarks.");
     module.attr("ANSWERS") = py::cast(std::vector<std::string>(answer_names().begin(), answer_names().end()));
-    const SampleSettings samples;
-    const RayCacheSettings settings;
-    py::class_<ReferenceTree>(module, "ReferenceTree", "The ray interpolant tree as published. One thread at a time.")
-        .def(py::init(&make_tree), py::arg("shape"), py::arg("kind"), py::arg("ior") = samples.ior,
-             py::arg("distance_threshold") = settings.distance_threshold,
-             py::arg("angle_threshold") = settings.angle_threshold, py::arg("depth_limit") = settings.depth_limit,
-             py::arg("cache_bytes") = settings.cache_bytes, py::arg("pruned_share") = settings.pruned_share,
-             py::arg("facet_tolerance") = samples.facet_tolerance,
-             "kind: SIMPLE, MIRROR, GLASS or VOLUME. Thresholds: a share of the box's half extent, and radians.")
-        .def("ask", &ask, py::arg("origins"), py::arg("directions"),
-             "Outputs of rays (n, 3) in object space as arrays; answered_by indexes ANSWERS; processor seconds.")
+    py::class_<RayCache>(module, "RayCache", "What is asked with rays against one shape.")
+        .def("ask", &ask, py::arg("origins"), py::arg("directions"), py::arg("distances") = py::none(),
+             py::arg("angles") = py::none(),
+             "Outputs of rays (n, 3) in object space as arrays; answered_by indexes ANSWERS; processor seconds. "
+             "distances and angles (n,): the rays' spacing. Other threads may run meanwhile.")
         .def("trace", &trace_alone, py::arg("origins"), py::arg("directions"), "The same by tracing alone.")
-        .def("final_cells", &final_cells, py::arg("origins"), py::arg("directions"),
-             "(direction, depth, indices) of the cells that answer, None for rays that miss the box.")
-        .def("corner_rays", &corner_rays, py::arg("cell"), "Origins and directions (16, 3), local space.")
-        .def("center_ray", &center_ray, py::arg("cell"), "Origin and direction (1, 3), local space.")
-        .def("levels", &levels, py::arg("direction"), py::arg("depth"), "How often each axis of a cell was halved.")
-        .def("box", &box, "Lowest and highest corner of the widened box, local space.")
-        .def("lines", &lines, py::arg("origins"), py::arg("directions"),
-             "Direction and shares (n, 4) of the lines of rays in local space.")
-        .def_property_readonly("class_count", [](const ReferenceTree& tree) { return tree.tracer().classes().count(); })
         .def("statistics", &statistics);
+    bind_tree<ReferenceTree>(module, "ReferenceTree", "The ray interpolant tree as published. One thread at a time.");
+    bind_tree<FastTree>(module, "FastTree", "The ray cache that renders. Any number of threads.");
 }
 
 }  // namespace rayleaf

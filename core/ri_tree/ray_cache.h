@@ -13,10 +13,13 @@
 
 #include "rays/ray.h"
 #include "ri_tree/output_ray.h"
+#include "ri_tree/sample_tracer.h"
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <string>
 
 namespace rayleaf {
 
@@ -32,9 +35,10 @@ enum class AnsweredBy : uint8_t {
     TracedFewCorners,      ///< too few corners of the class
     TracedAngle,           ///< directions at the corners differ by more than the angular threshold
     TracedOrigin,          ///< starts inside the box, and the interpolated hit is not surely beyond
-    TracedLargeCell        ///< no corner hits, but the cell is too large to trust that
+    TracedLargeCell,       ///< no corner hits, but the cell is too large to trust that
+    TracedNotWorthIt       ///< too few of the frame's rays cross the cell to pay for its samples
 };
-inline constexpr size_t kAnswerKinds = 11;
+inline constexpr size_t kAnswerKinds = 12;
 /// "interpolated", ... in the order of the enum, for statistics.
 std::span<const char* const> answer_names();
 inline bool is_traced(AnsweredBy by) {
@@ -73,7 +77,13 @@ struct RayCacheSettings {
     uint64_t cache_bytes = 100'000'000;
     /// The share of the cache size that a pruning frees.
     double pruned_share = 0.7;
+    /// Largest angle between the true and the interpolated output direction where a cell is tested, radians. The fast
+    /// tree's alone; the paper has no such threshold.
+    double direction_threshold = kPi / 180.0;
 };
+
+/// The settings themselves; throws InputError, in the name of the shape, for those without meaning.
+const RayCacheSettings& checked(const std::string& name, const RayCacheSettings& settings);
 
 /// How far the rays of one frame that are neighbours of a ray lie from it at the object, object space: what tells how
 /// many of them will cross a cell. Zeros: as close as can be, so that every cell is worth its samples.
@@ -91,7 +101,18 @@ class RayCache {
     /// nor on the cache size. `spacings` has one entry a ray, or none: zeros.
     virtual void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings,
                      std::span<CachedAnswer> answers) = 0;
+    /// The same question answered by tracing alone. Thread-safe.
+    virtual OutputRay trace(const Ray& object_ray) const = 0;
     virtual RayCacheStatistics statistics() const = 0;
 };
+
+enum class RayCacheKind : uint8_t {
+    Reference,  ///< the tree as published (reference_tree.h); one thread at a time
+    Fast        ///< what renders (fast_tree.h); any number of threads
+};
+
+/// Throws InputError for settings without meaning.
+std::unique_ptr<RayCache> make_ray_cache(RayCacheKind kind, std::shared_ptr<const Shape> shape,
+                                         const SampleSettings& samples, const RayCacheSettings& settings);
 
 }  // namespace rayleaf

@@ -1,6 +1,5 @@
 #include "ri_tree/reference_tree.h"
 
-#include "base/error.h"
 #include "trace/float_environment.h"
 #include "trace/local_ray.h"
 
@@ -14,25 +13,6 @@ namespace {
 /// centre, and by this share of the half extent at least.
 constexpr double kBeyondErrors = 2.0;
 constexpr double kLeastBeyond = 0x1p-10;
-
-void require(bool holds, const std::string& name, const char* argument, double got, const char* wanted) {
-    if (!holds) throw InputError(name, argument, std::to_string(got), wanted);
-}
-
-RayCacheSettings checked(const std::string& name, const RayCacheSettings& settings) {
-    require(settings.distance_threshold >= 0.0, name, "distance_threshold", settings.distance_threshold, "0 or more");
-    require(settings.angle_threshold >= 0.0, name, "angle_threshold", settings.angle_threshold, "0 or more");
-    require(settings.depth_limit >= 0 && settings.depth_limit <= kGreatestCellDepth, name, "depth_limit",
-            settings.depth_limit, "0 to 60");
-    require(settings.pruned_share > 0.0 && settings.pruned_share <= 1.0, name, "pruned_share", settings.pruned_share,
-            "above 0, at most 1");
-    return settings;
-}
-
-const char* const kAnswerNames[kAnswerKinds] = {
-    "not a ray",           "box missed",      "cell missed",         "interpolated",  "two classes, interpolated",
-    "two classes, missed", "traced: classes", "traced: few corners", "traced: angle", "traced: origin in the box",
-    "traced: large cell"};
 
 bool is_ray(const Ray& ray) {
     return is_finite(ray.origin) && is_finite(ray.direction) && max_abs(ray.direction) > 0.0;
@@ -61,10 +41,6 @@ struct ReferenceTree::Node {
     bool halved = false;               ///< known to be not final; its children may have been pruned
     uint64_t stamp = 0;                ///< when it was last used; never older than its children
 };
-
-std::span<const char* const> answer_names() {
-    return kAnswerNames;
-}
 
 ReferenceTree::ReferenceTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples,
                              const RayCacheSettings& settings)

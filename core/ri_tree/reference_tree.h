@@ -40,10 +40,9 @@ class ReferenceTree final : public RayCache {
 
     /// Spacings are not looked at: the paper buys every cell.
     void ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers) override;
+    OutputRay trace(const Ray& object_ray) const override;
     RayCacheStatistics statistics() const override;
 
-    /// The same question answered by tracing alone; `by` is not set.
-    OutputRay trace(const Ray& object_ray) const;
     /// The final cell that answers a ray, whether or not it is held; empty for a ray that is none or misses the box.
     std::optional<CellKey> final_cell(const Ray& object_ray);
     const LineSpace& space() const { return space_; }
