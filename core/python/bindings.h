@@ -9,6 +9,7 @@ namespace rayleaf {
 
 namespace py = pybind11;
 
+void bind_curves(py::module_& module);
 void bind_errors(py::module_& module);
 void bind_lights(py::module_& module);
 void bind_rays(py::module_& module);

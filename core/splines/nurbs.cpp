@@ -45,7 +45,8 @@ RefinedPoint blossom(const std::vector<double>& knots, int degree, int span, int
 }
 
 int knot_multiplicity(const std::vector<double>& knots, double knot) {
-    return static_cast<int>(std::count(knots.begin(), knots.end(), knot));
+    const auto [first, last] = std::equal_range(knots.begin(), knots.end(), knot);
+    return static_cast<int>(last - first);
 }
 
 Refinement refine(int count, const NurbsDirection& direction) {

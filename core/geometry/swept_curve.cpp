@@ -1,0 +1,44 @@
+#include "geometry/swept_curve.h"
+
+namespace rayleaf {
+namespace {
+
+std::optional<SplineProblem> number_problem(const char* argument, double value, double least, double most) {
+    if (value >= least && value <= most) return std::nullopt;
+    return SplineProblem{SplineProblemKind::BadData, argument, std::to_string(value),
+                         "a number from " + std::to_string(least) + " to " + std::to_string(most)};
+}
+
+std::optional<SplineProblem> splines_problem(const std::string& argument, const std::vector<CurveSplines>& splines) {
+    for (size_t i = 0; i < splines.size(); ++i) {
+        std::optional<SplineProblem> problem = find_problem(splines[i]);
+        if (!problem) continue;
+        problem->argument = argument + '[' + std::to_string(i) + "]." + problem->argument;
+        return problem;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<SplineProblem> find_problem(const SweptCurveDescription& curve) {
+    /// Object units: beyond this squares of lengths are no doubles any more.
+    constexpr double kLargest = 1e100;
+    /// Blender's panel ends at 32.
+    constexpr double kMostPieces = 1 << 16;
+    if (auto problem = number_problem("bevel_depth", curve.bevel_depth, -kLargest, kLargest)) return problem;
+    if (auto problem = number_problem("extrude", curve.extrude, -kLargest, kLargest)) return problem;
+    if (auto problem = number_problem("offset", curve.offset, -kLargest, kLargest)) return problem;
+    if (auto problem = number_problem("twist_smoothing", curve.twist_smoothing, 0, kLargest)) return problem;
+    if (auto problem = number_problem("bevel_resolution", curve.bevel_resolution, 0, kMostPieces)) return problem;
+    if (auto problem = number_problem("bevel_start", curve.bevel_start, 0, 1)) return problem;
+    if (auto problem = number_problem("bevel_end", curve.bevel_end, 0, 1)) return problem;
+    if (auto problem = splines_problem("splines", curve.splines)) return problem;
+    if (curve.profile)
+        if (auto problem = splines_problem("profile", *curve.profile)) return problem;
+    if (curve.taper)
+        if (auto problem = splines_problem("taper", {*curve.taper})) return problem;
+    return std::nullopt;
+}
+
+}  // namespace rayleaf
