@@ -46,6 +46,15 @@ class Sampler {
         return {a.x, a.y, get2(dimension ^ 0x40000000u).x};
     }
 
+    /// The numbers of sub-ray `index` of `count` that this sample sends for the purpose `tag`: stratified over the
+    /// sub-rays of all samples of the pixel, and best so where `count` is a power of two.
+    Sampler branch(uint32_t index, uint32_t count, uint32_t tag) const {
+        Sampler branch = *this;
+        branch.pixel_hash_ = hash_combine(pixel_hash_, hash32(tag));
+        branch.sample_ = sample_ * count + index;
+        return branch;
+    }
+
   private:
     uint32_t pixel_hash_;
     uint32_t sample_;

@@ -17,7 +17,7 @@ struct ByKind {
     const Color& operator[](LobeKind kind) const { return of[static_cast<size_t>(kind)]; }
 };
 
-constexpr std::array kLobeKinds = {LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission};
+inline constexpr std::array kLobeKinds = {LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission};
 
 class Contributions {
   public:

@@ -14,7 +14,10 @@ enum class PathDimension : uint32_t {
     Light = 0,         ///< which light, and where on it: three numbers
     Scatter = 1,       ///< which lobe, and the direction: three numbers
     Transparency = 2,  ///< straight on or scattered
-    Roulette = 3
+    Roulette = 3,
+    Occlusion = 4,   ///< the pass
+    Hemisphere = 5,  ///< distribution ray tracing: rays from diffuse lobes
+    Child = 6        ///< the same: the first of the tags of mirrors and refractions; 6 to 15
 };
 
 constexpr uint32_t kFirstPathDimension = 16;

@@ -1,31 +1,19 @@
 #include "integrators/path.h"
 
+#include "integrators/ambient_occlusion.h"
 #include "integrators/bounces.h"
 #include "integrators/contributions.h"
 #include "integrators/dimensions.h"
+#include "integrators/first_surface.h"
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
+#include "integrators/vertex.h"
 
 namespace rayleaf {
 namespace {
 
-/// A surface at least this opaque is the one that Depth, Normal and the like describe (Blender's default threshold).
-constexpr float kPassOpacity = 0.5f;
-/// Depth where nothing is hit, as Blender's.
-constexpr float kNoDepth = 1e10f;
 /// The least probability of going on: bounds what a surviving path is multiplied by.
 constexpr float kLeastSurvival = 0.05f;
-
-float average(const Color& c) {
-    return (c.x + c.y + c.z) * (1.0f / 3.0f);
-}
-
-/// Weight of the technique with density `a` beside one with density `b` (Veach 1997, equation 9.15, beta 2). Of the
-/// ratio, so that no square leaves the range of floats.
-float power_heuristic(float a, float b) {
-    const float ratio = b / a;
-    return 1.0f / (1.0f + ratio * ratio);
-}
 
 /// How the ray under way came about: what light sampling would have done instead.
 struct Departure {
@@ -36,58 +24,6 @@ struct Departure {
         return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_density) : 1.0f;
     }
 };
-
-/// A hit and all that is known there.
-struct Vertex {
-    SurfacePoint point;
-    Vec3f outgoing;
-    RayDifferential differential;
-    Closures closures;
-};
-
-/// What the lobes make of light from one direction.
-struct LitLobes {
-    Color value{0, 0, 0};  ///< times the cosine
-    float density = 0;     ///< with which scattering chooses the direction
-    ByKind shares;         ///< filled where asked for
-};
-
-LitLobes lit_together(const Vertex& vertex, const LightSample& light) {
-    const auto both =
-        vertex.closures.evaluate_with_density(vertex.outgoing, light.direction, vertex.point.facet_normal);
-    return {both.value, both.density, {}};
-}
-
-/// Only kinds that see the light are lit by it.
-LitLobes lit_by_kind(const Vertex& vertex, const LightSample& light) {
-    constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
-    const Vec3f& facet = vertex.point.facet_normal;
-    LitLobes lit;
-    ByKind parts;
-    for (const LobeKind kind : kLobeKinds) {
-        if (!(light.visibility & kSeenBy[static_cast<size_t>(kind)])) continue;
-        parts[kind] = vertex.closures.evaluate(vertex.outgoing, light.direction, facet, kind);
-        lit.value += parts[kind];
-    }
-    lit.density = vertex.closures.density(vertex.outgoing, light.direction, facet);
-    lit.shares = shares_of(parts, lit.value);
-    return lit;
-}
-
-/// How much of each kind's light a scattered ray carries.
-ByKind shares_of_scattering(const Vertex& vertex, const LobeSample& sample) {
-    ByKind parts;
-    if (sample.singular) {
-        parts[sample.kind] = Color(1.0f);
-        return parts;
-    }
-    Color total(0.0f);
-    for (const LobeKind kind : kLobeKinds) {
-        parts[kind] = vertex.closures.evaluate(vertex.outgoing, sample.direction, vertex.point.facet_normal, kind);
-        total += parts[kind];
-    }
-    return shares_of(parts, total);
-}
 
 class PathTracer {
   public:
@@ -139,7 +75,6 @@ class PathTracer {
     void add_emission(const Vertex& vertex);
     void add_direct_light(const Vertex& vertex);
     void record_surface(const Vertex& vertex);
-    void write_surface(const Vertex& vertex);
 
     /// True if the path goes on past the surface.
     bool leave(const Vertex& vertex);
@@ -223,8 +158,8 @@ void PathTracer::add_direct_light(const Vertex& vertex) {
     if (!light) return;
     const bool first = bounces_.count() == 0;
     const LitLobes lit = (first && settings_.light_passes) || light->visibility != kVisibleAll
-                             ? lit_by_kind(vertex, *light)
-                             : lit_together(vertex, *light);
+                             ? lit_by_kind(vertex, vertex.closures, *light)
+                             : lit_together(vertex, vertex.closures, *light);
     if (is_black(lit.value)) return;
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
     const Color arriving = throughput_ * lit.value * (light->radiance / light->density) * weight;
@@ -240,27 +175,13 @@ void PathTracer::add_direct_light(const Vertex& vertex) {
 void PathTracer::record_surface(const Vertex& vertex) {
     const Closures& closures = vertex.closures;
     if (settings_.film_transparent) alpha_ -= average(throughput_) * closures.holdout;
-    if (settings_.color_passes) {
-        ByKind albedo;
-        for (const LobeKind kind : kLobeKinds) albedo[kind] = throughput_ * closures.albedo(vertex.outgoing, kind);
-        light_.add_albedo(albedo);
-    }
-    if (!settings_.surface_passes || surface_recorded_ || 1.0f - average(closures.transparency) < kPassOpacity) return;
+    if (settings_.color_passes) light_.add_albedo(albedo_by_kind(vertex, throughput_));
+    if (!settings_.surface_passes || surface_recorded_ || !is_opaque_enough(closures)) return;
     surface_recorded_ = true;
-    write_surface(vertex);
-}
-
-void PathTracer::write_surface(const Vertex& vertex) {
-    const SurfacePoint& point = vertex.point;
-    PixelSample& sample = light_.sample;
-    const Vec3f position(point.position);
-    const Vec3f normal = point.normal.dot(vertex.outgoing) < 0.0f ? -point.normal : point.normal;
-    sample[Pass::depth].x = static_cast<float>(scene_.camera().depth(point.position));
-    sample[Pass::position] = Vec4f(position.x, position.y, position.z, 0.0f);
-    sample[Pass::normal] = Vec4f(normal.x, normal.y, normal.z, 0.0f);
-    sample[Pass::uv] = Vec4f(point.uv.x, point.uv.y, 1.0f, 0.0f);
-    sample[Pass::object_index].x = scene_.object_index(point.instance);
-    sample[Pass::material_index].x = scene_.material(point.instance, point.local).pass_index;
+    write_surface(scene_, vertex, light_.sample);
+    if (settings_.wants(Pass::ambient_occlusion))
+        light_.sample.add(Pass::ambient_occlusion, ambient_occlusion(scene_, settings_, vertex, sampler_,
+                                                                     dimension(vertex_, PathDimension::Occlusion), 1));
 }
 
 float PathTracer::straight_probability(const Closures& closures) const {
@@ -299,7 +220,8 @@ bool PathTracer::scatter(const Vertex& vertex) {
     const std::optional<LobeSample> sample =
         vertex.closures.sample(vertex.outgoing, facet, sampler_.get3(dimension(vertex_, PathDimension::Scatter)));
     if (!sample) return false;
-    if (bounces_.count() == 0 && settings_.light_passes) first_shares_ = shares_of_scattering(vertex, *sample);
+    if (bounces_.count() == 0 && settings_.light_passes)
+        first_shares_ = shares_of_scattering(vertex, vertex.closures, *sample);
     throughput_ *= sample->weight;
     bounces_.scatter(*sample);
     if (!survives_roulette()) return false;

@@ -24,6 +24,7 @@ struct PathSettings {
 
     int max_bounces, diffuse_bounces, glossy_bounces, transmission_bounces, transparent_bounces, roulette_start;
     float clamp_direct, clamp_indirect;  ///< infinity: no limit
+    double occlusion_distance;           ///< infinity: no limit
     float exposure;
     bool film_transparent;
     uint32_t passes;    ///< a bit per pass that is on

@@ -19,7 +19,7 @@ constexpr uint32_t kLightPasses = bit(Pass::diffuse_direct) | bit(Pass::diffuse_
                                   bit(Pass::transmission_indirect);
 constexpr uint32_t kColorPasses = bit(Pass::diffuse_color) | bit(Pass::glossy_color) | bit(Pass::transmission_color);
 constexpr uint32_t kSurfacePasses = bit(Pass::depth) | bit(Pass::position) | bit(Pass::normal) | bit(Pass::uv) |
-                                    bit(Pass::object_index) | bit(Pass::material_index);
+                                    bit(Pass::object_index) | bit(Pass::material_index) | bit(Pass::ambient_occlusion);
 
 }  // namespace
 
@@ -32,6 +32,7 @@ PathSettings::PathSettings(const Settings& s)
       roulette_start(s.roulette_start),
       clamp_direct(limit_or_infinity(s.clamp_direct)),
       clamp_indirect(limit_or_infinity(s.clamp_indirect)),
+      occlusion_distance(s.occlusion_distance > 0 ? s.occlusion_distance : std::numeric_limits<double>::infinity()),
       exposure(s.exposure),
       film_transparent(s.film_transparent),
       passes(0) {

@@ -31,20 +31,57 @@ Vec3f microfacet_normal(const Vec3f& direction, const SurfacePoint& point, const
     return normal.dot(direction) < 0.0f ? normal : -normal;
 }
 
-}  // namespace
-
-RayDifferential scattered_differential(const RayDifferential& differential, const Vec3f& direction,
-                                       const SurfacePoint& point, const LobeSample& sample) {
-    const bool diffuse = sample.kind == LobeKind::Diffuse;
-    if (diffuse) return widened(differential, sample.direction, kWidestLobe);
+/// By the curvature of the surface alone.
+RayDifferential curved(const RayDifferential& differential, const Vec3f& direction, const SurfacePoint& point,
+                       const LobeSample& sample) {
     const Vec3f normal = microfacet_normal(direction, point, sample);
     const float side = point.normal.dot(normal) < 0.0f ? -1.0f : 1.0f;
     const Vec3f dn_dx = normal_step(point, differential.dp_dx) * side;
     const Vec3f dn_dy = normal_step(point, differential.dp_dy) * side;
-    RayDifferential mirrored = sample.transmitted ? refracted(differential, direction, normal, dn_dx, dn_dy, sample.eta)
-                                                  : reflected(differential, direction, normal, dn_dx, dn_dy);
+    return sample.transmitted ? refracted(differential, direction, normal, dn_dx, dn_dy, sample.eta)
+                              : reflected(differential, direction, normal, dn_dx, dn_dy);
+}
+
+/// Change of a unit direction towards a point `distance` away when its start moves by `dp`.
+Vec3f aim_change(const Vec3f& direction, double distance, const Vec3f& dp) {
+    return (direction * direction.dot(dp) - dp) / static_cast<float>(distance);
+}
+
+}  // namespace
+
+RayDifferential scattered_differential(const RayDifferential& differential, const Vec3f& direction,
+                                       const SurfacePoint& point, const LobeSample& sample) {
+    if (sample.kind == LobeKind::Diffuse) return widened(differential, sample.direction, kWidestLobe);
+    const RayDifferential mirrored = curved(differential, direction, point, sample);
     if (sample.roughness <= 0.0f) return mirrored;
     return widened(mirrored, sample.direction, kWidestLobe * sample.roughness);
+}
+
+RayDifferential glossy_differential(const RayDifferential& differential, const Vec3f& direction,
+                                    const SurfacePoint& point, const LobeSample& sample, int rays) {
+    const RayDifferential mirrored = curved(differential, direction, point, sample);
+    if (sample.singular) return mirrored;
+    const float width = share_width(sample.density, rays);
+    return width > mirrored.angle() ? widened(mirrored, sample.direction, width) : mirrored;
+}
+
+RayDifferential hemisphere_differential(const RayDifferential& differential, const Vec3f& direction, float cosine,
+                                        int rays) {
+    RayDifferential shared = differential;
+    shared.dd_dx = shared.dd_dy = Vec3f(0.0f);
+    return widened(shared, direction, share_width(cosine / kPi, rays));
+}
+
+RayDifferential shadow_differential(const RayDifferential& differential, const LightSample& light, int rays) {
+    RayDifferential towards = differential;
+    towards.dd_dx = towards.dd_dy = Vec3f(0.0f);
+    if (std::isfinite(light.distance)) {
+        towards.dd_dx = aim_change(light.direction, light.distance, differential.dp_dx);
+        towards.dd_dy = aim_change(light.direction, light.distance, differential.dp_dy);
+    }
+    if (light.delta) return towards;
+    const float width = share_width(light.density, rays);
+    return width > towards.angle() ? widened(towards, light.direction, width) : towards;
 }
 
 }  // namespace rayleaf

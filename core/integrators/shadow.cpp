@@ -16,12 +16,15 @@ Ray shadow_ray(const SurfacePoint& point, const LightSample& light) {
     return ray;
 }
 
-Color transmittance_through(const Scene& scene, Ray ray, RayDifferential differential, const Bounces& bounces) {
-    PathState state = bounces.of_shadow_ray();
+}  // namespace
+
+Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
+                 int transparent_left) {
+    if (!scene.has_transparency()) return scene.tracer().occluded(ray, kind) ? Color(0.0f) : Color(1.0f);
     Color transmittance(1.0f);
     const Vec3f outgoing = -Vec3f(ray.direction);
-    for (int left = bounces.transparent_left();; --left) {
-        const std::optional<Hit> hit = scene.tracer().closest_hit(ray, kVisibleShadow);
+    for (int left = transparent_left;; --left) {
+        const std::optional<Hit> hit = scene.tracer().closest_hit(ray, kind);
         if (!hit) return transmittance;
         if (left <= 0 || !scene.material(hit->instance, hit->local).surface->may_be_transparent()) return Color(0.0f);
         const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
@@ -38,15 +41,12 @@ Color transmittance_through(const Scene& scene, Ray ray, RayDifferential differe
     }
 }
 
-}  // namespace
-
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
                            const RayDifferential& differential, const Bounces& bounces) {
     if (!light.casts_shadow) return Color(1.0f);
     const Ray ray = shadow_ray(point, light);
     if (!(ray.t_max > 0)) return Color(1.0f);
-    if (scene.has_transparency()) return transmittance_through(scene, ray, differential, bounces);
-    return scene.tracer().occluded(ray, kVisibleShadow) ? Color(0.0f) : Color(1.0f);
+    return free_share(scene, ray, differential, kVisibleShadow, bounces.of_shadow_ray(), bounces.transparent_left());
 }
 
 }  // namespace rayleaf

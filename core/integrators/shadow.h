@@ -10,4 +10,9 @@ namespace rayleaf {
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
                            const RayDifferential& differential, const Bounces& bounces);
 
+/// Share of light that surfaces let straight through along `ray`, which is of the given kind and in the given state;
+/// more than `transparent_left` transparent surfaces let nothing through.
+Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
+                 int transparent_left);
+
 }  // namespace rayleaf

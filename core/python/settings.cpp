@@ -10,19 +10,34 @@ constexpr std::pair<const char*, PixelFilterKind> kFilters[] = {{"BOX", PixelFil
                                                                 {"GAUSSIAN", PixelFilterKind::Gaussian},
                                                                 {"BLACKMAN_HARRIS", PixelFilterKind::BlackmanHarris}};
 
-std::string filter_name(const Settings& settings) {
-    for (const auto& [name, kind] : kFilters)
-        if (kind == settings.filter) return name;
-    return {};
-}
+constexpr std::pair<const char*, IntegratorKind> kIntegrators[] = {{"PATH", IntegratorKind::Path},
+                                                                   {"DISTRIBUTION", IntegratorKind::Distribution}};
+constexpr std::pair<const char*, IndirectLight> kIndirect[] = {{"NONE", IndirectLight::None},
+                                                               {"AMBIENT_OCCLUSION", IndirectLight::AmbientOcclusion},
+                                                               {"COLOR_BLEEDING", IndirectLight::ColorBleeding}};
 
-void set_filter(Settings& settings, const std::string& wanted) {
-    for (const auto& [name, kind] : kFilters)
-        if (wanted == name) {
-            settings.filter = kind;
-            return;
-        }
-    throw InputError("settings", "filter", "'" + wanted + "'", "BOX, GAUSSIAN or BLACKMAN_HARRIS");
+/// Binds an enum setting by its name in `table`.
+template <typename Enum, size_t count>
+void bind_choice(py::class_<Settings>& settings, const char* name, Enum Settings::*member,
+                 const std::pair<const char*, Enum> (&table)[count]) {
+    settings.def_property(
+        name,
+        [member, &table](const Settings& s) {
+            for (const auto& [text, value] : table)
+                if (value == s.*member) return std::string(text);
+            return std::string();
+        },
+        [name, member, &table](Settings& s, const std::string& wanted) {
+            std::string known;
+            for (const auto& [text, value] : table) {
+                if (wanted == text) {
+                    s.*member = value;
+                    return;
+                }
+                known += (known.empty() ? "" : ", ") + std::string(text);
+            }
+            throw InputError("settings", name, "'" + wanted + "'", "one of " + known);
+        });
 }
 
 std::vector<std::string> pass_names(const Settings& settings) {
@@ -44,7 +59,9 @@ void set_passes(Settings& settings, const std::vector<std::string>& names) {
 }  // namespace
 
 void bind_settings(py::module_& module) {
-    py::class_<Settings>(module, "Settings", "What an artist sets; see core/scene/settings.h for meaning and units.")
+    py::class_<Settings> settings_class(module, "Settings",
+                                        "What an artist sets; see core/scene/settings.h for meaning and units.");
+    settings_class
         .def(py::init([](const py::kwargs& values) {
             auto settings = py::cast(Settings{});
             for (const auto& [name, value] : values) {
@@ -74,10 +91,18 @@ void bind_settings(py::module_& module) {
         .def_readwrite("clamp_direct", &Settings::clamp_direct)
         .def_readwrite("clamp_indirect", &Settings::clamp_indirect)
         .def_readwrite("film_transparent", &Settings::film_transparent)
-        .def_property("filter", &filter_name, &set_filter)
+        .def_readwrite("occlusion_distance", &Settings::occlusion_distance)
+        .def_readwrite("glossy_rays", &Settings::glossy_rays)
+        .def_readwrite("light_rays", &Settings::light_rays)
+        .def_readwrite("hemisphere_rays", &Settings::hemisphere_rays)
+        .def_readwrite("irradiance_cache", &Settings::irradiance_cache)
+        .def_readwrite("irradiance_error", &Settings::irradiance_error)
         .def_readwrite("filter_width", &Settings::filter_width)
         .def_readwrite("exposure", &Settings::exposure)
         .def_property("passes", &pass_names, &set_passes);
+    bind_choice(settings_class, "filter", &Settings::filter, kFilters);
+    bind_choice(settings_class, "integrator", &Settings::integrator, kIntegrators);
+    bind_choice(settings_class, "indirect", &Settings::indirect, kIndirect);
 }
 
 }  // namespace rayleaf

@@ -43,6 +43,12 @@ RayDifferential refracted(const RayDifferential& in, const Vec3f& d, const Vec3f
     return {in.dp_dx, in.dp_dy, change(in.dd_dx, dn_dx), change(in.dd_dy, dn_dy)};
 }
 
+float share_width(float density, int rays) {
+    constexpr float kWidest = 1.0f;
+    const float shares = density * static_cast<float>(rays);
+    return shares > 1.0f / (kWidest * kWidest) ? 1.0f / std::sqrt(shares) : kWidest;
+}
+
 RayDifferential widened(const RayDifferential& in, const Vec3f& new_direction, float angle) {
     Vec3f tangent, bitangent;
     orthonormal_basis(new_direction, tangent, bitangent);

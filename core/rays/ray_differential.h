@@ -14,6 +14,8 @@ struct RayDifferential {
     RayDifferential transferred(const Vec3f& direction, double t, const Vec3f& normal) const;
     /// Length of the larger of the two position vectors: the ray's width, world units.
     float width() const { return std::sqrt(std::max(dp_dx.length2(), dp_dy.length2())); }
+    /// Length of the larger of the two direction vectors: how fast the ray widens, radians.
+    float angle() const { return std::sqrt(std::max(dd_dx.length2(), dd_dy.length2())); }
 };
 
 /// Differential of the mirrored ray at a surface whose unit normal changes by `dn_dx`, `dn_dy` over the footprint
@@ -25,6 +27,11 @@ RayDifferential reflected(const RayDifferential& incoming, const Vec3f& directio
 /// incoming side over that of the other. The caller has excluded total internal reflection.
 RayDifferential refracted(const RayDifferential& incoming, const Vec3f& direction, const Vec3f& normal,
                           const Vec3f& dn_dx, const Vec3f& dn_dy, float eta);
+
+/// Width of the share of the sphere of directions that one of `rays` rays stands for, radians, where they are sampled
+/// with `density` per solid angle: the root of its solid angle 1 / (rays density), at most a radian, beyond which a
+/// linear change of direction means nothing (Christensen et al. 2003, sections 4.4 to 4.6).
+float share_width(float density, int rays);
 
 /// Differential after a scatter over a wide lobe: directions open up to at least `angle` radians. Distribution ray
 /// tracing's rule for a fraction of the hemisphere (Christensen et al. 2003, section 4.2).

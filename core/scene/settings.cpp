@@ -17,7 +17,7 @@ void check(const char* argument, double value, double least, double most) {
 }  // namespace
 
 void validate(const Settings& s) {
-    constexpr double kLargestSide = 65536, kMany = 1 << 24;
+    constexpr double kLargestSide = 65536, kMany = 1 << 24, kManyRays = 4096;
     check("width", s.width, 1, kLargestSide);
     check("height", s.height, 1, kLargestSide);
     check("crop x", s.crop_x, 0, s.width);
@@ -35,6 +35,11 @@ void validate(const Settings& s) {
     check("roulette start", s.roulette_start, 0, 1024);
     check("clamp direct", s.clamp_direct, 0, 1e30);
     check("clamp indirect", s.clamp_indirect, 0, 1e30);
+    check("occlusion distance", s.occlusion_distance, 0, 1e30);
+    check("glossy rays", s.glossy_rays, 1, kManyRays);
+    check("light rays", s.light_rays, 1, kManyRays);
+    check("hemisphere rays", s.hemisphere_rays, 1, kManyRays);
+    check("irradiance error", s.irradiance_error, 0.01, 1);
     check("filter width", s.filter_width, 0, 10);
     check("exposure", s.exposure, 0, 1e10);
 }

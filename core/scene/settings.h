@@ -9,6 +9,18 @@
 
 namespace rayleaf {
 
+enum class IntegratorKind : uint8_t {
+    Path,         ///< one ray on from each surface (integrators/path.h)
+    Distribution  ///< many rays from each surface seen, few beyond (integrators/distribution.h)
+};
+
+/// What distribution ray tracing's hemisphere rays look for.
+enum class IndirectLight : uint8_t {
+    None,              ///< light that reaches a surface straight
+    AmbientOcclusion,  ///< the world, where nothing nearer than the occlusion distance hides it
+    ColorBleeding      ///< light over one more diffuse surface as well
+};
+
 struct Settings {
     int width = 0, height = 0;            ///< of the whole picture, pixels
     int crop_x = 0, crop_y = 0;           ///< lower left corner of the rendered part
@@ -25,6 +37,14 @@ struct Settings {
     PixelFilterKind filter = PixelFilterKind::BlackmanHarris;
     float filter_width = 1.5f;  ///< pixels, as Blender's panel counts it (film/pixel_filter.h)
     float exposure = 1;         ///< factor on radiance, as Blender's Film exposure
+
+    IntegratorKind integrator = IntegratorKind::Path;
+    double occlusion_distance = 0;  ///< world units beyond which nothing occludes; 0: no limit
+    // Of distribution ray tracing: rays from one surface point of a sample, and what for.
+    int glossy_rays = 4, light_rays = 4, hemisphere_rays = 16;
+    IndirectLight indirect = IndirectLight::ColorBleeding;
+    bool irradiance_cache = false;  ///< sample hemispheres at few points and interpolate
+    float irradiance_error = 0.2f;  ///< that interpolation may make, relative (Ward and Heckbert 1992's a)
 
     std::vector<Pass> passes = {Pass::combined};
 };

@@ -362,6 +362,14 @@ class Settings:
     filter: str
     filter_width: float
     exposure: float
+    integrator: str
+    occlusion_distance: float
+    glossy_rays: int
+    light_rays: int
+    hemisphere_rays: int
+    indirect: str
+    irradiance_cache: bool
+    irradiance_error: float
     passes: list[str]
 
 class Session:

@@ -1,0 +1,36 @@
+#include "integrators/ambient_occlusion.h"
+
+#include "integrators/scattered_differential.h"
+#include "integrators/shadow.h"
+#include "shading/lobe_frame.h"
+
+namespace rayleaf {
+
+Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const Vertex& vertex, const Sampler& sampler,
+                        uint32_t dimension, int rays) {
+    const Vec3f normal = facing_normal(vertex);
+    Vec3f tangent, bitangent;
+    orthonormal_basis(normal, tangent, bitangent);
+    PathState state;
+    state.camera = false;
+    state.diffuse = state.reflection = true;
+    state.depth = state.diffuse_depth = 1;
+    Color sum(0.0f);
+    for (int i = 0; i < rays; ++i) {
+        const Vec2f random =
+            sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(rays), dimension).get2(dimension);
+        const Vec3f local = cosine_hemisphere(random.x, random.y);
+        const Vec3f direction = tangent * local.x + bitangent * local.y + normal * local.z;
+        // A shading normal bent from the facet has part of its hemisphere inside the surface.
+        if (direction.dot(vertex.point.facet_normal) * vertex.outgoing.dot(vertex.point.facet_normal) <= 0.0f) continue;
+        Ray ray;
+        ray.origin = vertex.point.ray_origin(direction);
+        ray.direction = normalized_or(Vec3d(direction), Vec3d(0, 0, 1));
+        ray.t_max = settings.occlusion_distance;
+        sum += free_share(scene, ray, hemisphere_differential(vertex.differential, direction, local.z, rays),
+                          kVisibleDiffuse, state, settings.transparent_bounces);
+    }
+    return sum / static_cast<float>(rays);
+}
+
+}  // namespace rayleaf

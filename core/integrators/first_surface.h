@@ -1,0 +1,25 @@
+// The passes that describe the first surface a camera ray meets.
+#pragma once
+
+#include "film/pixel.h"
+#include "integrators/vertex.h"
+#include "scene/scene.h"
+
+namespace rayleaf {
+
+/// A surface at least this opaque is the one that Depth, Normal and the like describe (Blender's default threshold).
+constexpr float kPassOpacity = 0.5f;
+/// Depth where nothing is hit, as Blender's.
+constexpr float kNoDepth = 1e10f;
+
+inline bool is_opaque_enough(const Closures& closures) {
+    return 1.0f - average(closures.transparency) >= kPassOpacity;
+}
+
+/// Writes Depth, Position, Normal, UV and the indices.
+void write_surface(const Scene& scene, const Vertex& vertex, PixelSample& sample);
+
+/// Colour of the lobes of each kind, as the camera sees them.
+ByKind albedo_by_kind(const Vertex& vertex, const Color& throughput);
+
+}  // namespace rayleaf

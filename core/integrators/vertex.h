@@ -1,0 +1,44 @@
+// A vertex of a path, and what its lobes make of light: shared by the integrators.
+#pragma once
+
+#include "integrators/contributions.h"
+#include "lights/light.h"
+#include "rays/ray_differential.h"
+
+namespace rayleaf {
+
+inline float average(const Color& c) {
+    return (c.x + c.y + c.z) * (1.0f / 3.0f);
+}
+
+/// Weight of the technique with density `a` beside one with density `b` (Veach 1997, equation 9.15, beta 2). Of the
+/// ratio, so that no square leaves the range of floats. With n samples of a technique its density counts n times
+/// (equation 9.13).
+inline float power_heuristic(float a, float b) {
+    const float ratio = b / a;
+    return 1.0f / (1.0f + ratio * ratio);
+}
+
+/// A hit and all that is known there.
+struct Vertex {
+    SurfacePoint point;
+    Vec3f outgoing{0, 0, 1};
+    RayDifferential differential;
+    Closures closures;
+};
+
+/// What the lobes make of light from one direction.
+struct LitLobes {
+    Color value{0, 0, 0};  ///< times the cosine
+    float density = 0;     ///< with which scattering chooses the direction
+    ByKind shares;         ///< filled where asked for
+};
+
+/// By the lobes of `closures`, which are all or some of those of the vertex.
+LitLobes lit_together(const Vertex& vertex, const Closures& closures, const LightSample& light);
+/// The same with shares. Only kinds that see the light are lit by it.
+LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const LightSample& light);
+/// How much of each kind's light a ray carries that the lobes of `closures` scattered.
+ByKind shares_of_scattering(const Vertex& vertex, const Closures& closures, const LobeSample& sample);
+
+}  // namespace rayleaf
