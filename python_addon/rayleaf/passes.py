@@ -11,7 +11,7 @@ _LINE = re.compile(r'^PASS\((\w+), "(\w+)", "(\w+)", "(\w*)", "(.*)"\)$')
 
 # How the switches of Blender's light passes end; of each kind of light there are these three.
 _LIGHT_PARTS = ("_direct", "_indirect", "_color")
-_LIGHT = ("emit", "environment")
+_LIGHT = ("emit", "environment", "ambient")
 _SPELLED = {"uv": "UV", "emit": "Emission"}
 
 
