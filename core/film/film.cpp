@@ -10,6 +10,7 @@ PassRuleInfo rule(Pass pass) {
         case Pass::position:
         case Pass::object_index:
         case Pass::material_index:
+        case Pass::mask:
             return {PassRule::FirstSample, pass};
         case Pass::diffuse_direct:
         case Pass::diffuse_indirect:

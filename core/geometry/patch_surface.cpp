@@ -207,6 +207,28 @@ ElementPoint PatchSurface::element_point(uint32_t element, const Vec2f& paramete
     return result;
 }
 
+std::optional<ContentHash> PatchSurface::content_hash() const {
+    ContentHasher hasher;
+    add_to(hasher);
+    for (const SplinePatches& spline : splines_) {
+        hasher.add(spline.degree_u);
+        hasher.add(spline.degree_v);
+        hasher.add((spline.rational ? 1 : 0) + (spline.smooth ? 2 : 0));
+        hasher.add(spline.material_slot);
+        for (const auto* spans : {&spline.spans_u, &spline.spans_v}) {
+            hasher.add(static_cast<uint64_t>(spans->size()));
+            for (const SplineSpan& span : *spans) {
+                hasher.add(span.begin);
+                hasher.add(span.end);
+                hasher.add(span.first_point);
+                hasher.add(span.continuity_after);
+            }
+        }
+    }
+    hasher.add(points_);
+    return hasher.value();
+}
+
 size_t PatchSurface::bytes() const {
     size_t total = sizeof(*this) + points_.capacity() * sizeof(Vec4d) + splines_.capacity() * sizeof(SplinePatches);
     for (const SplinePatches& spline : splines_)

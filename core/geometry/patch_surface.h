@@ -47,6 +47,7 @@ class PatchSurface final : public Shape {
     uint32_t material_slot(const LocalHit& hit) const override { return spline_of(hit.primitive).material_slot; }
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
     ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    std::optional<ContentHash> content_hash() const override;
     size_t bytes() const override;
 
     const std::vector<SplinePatches>& splines() const { return splines_; }

@@ -1,6 +1,7 @@
 // What a scene can hold: shapes in their own local space, and what a hit on one becomes.
 #pragma once
 
+#include "base/content_hash.h"
 #include "base/vector.h"
 #include "rays/hit.h"
 
@@ -74,10 +75,19 @@ class Shape {
     /// (a triangle is covered once: parameters with u + v > 1 are mirrored into it). For light from emitting surfaces.
     virtual uint32_t element_of(const LocalHit& hit) const = 0;
     virtual ElementPoint element_point(uint32_t element, const Vec2f& parameters) const = 0;
+    /// Equal for shapes that rays cannot tell apart, names aside; empty where that is not known.
+    virtual std::optional<ContentHash> content_hash() const { return std::nullopt; }
     /// Bytes held, itself included.
     virtual size_t bytes() const = 0;
 
   protected:
+    /// Starts a content hash with what every shape has.
+    void add_to(ContentHasher& hasher) const {
+        hasher.add(static_cast<int>(kind_));
+        for (int axis = 0; axis < 3; ++axis) hasher.add(frame_.center[axis]);
+        hasher.add(frame_.scale);
+    }
+
     LocalFrame frame_;
     Box3f bounds_;
     Box3d object_bounds_;

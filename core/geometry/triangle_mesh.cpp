@@ -201,6 +201,22 @@ ElementPoint TriangleMesh::element_point(uint32_t element, const Vec2f& paramete
     return result;
 }
 
+std::optional<ContentHash> TriangleMesh::content_hash() const {
+    ContentHasher hasher;
+    add_to(hasher);
+    hasher.add(vertices_);
+    hasher.add(triangles_);
+    hasher.add(corner_normals_);
+    hasher.add(material_slots_);
+    hasher.add(active_uv_);
+    for (const CornerAttribute& attribute : attributes_) {
+        hasher.add(attribute.id);
+        hasher.add(attribute.channels);
+        hasher.add(attribute.values);
+    }
+    return hasher.value();
+}
+
 size_t TriangleMesh::bytes() const {
     size_t total = sizeof(*this) + vertices_.capacity() * sizeof(Vec3f) +
                    triangles_.capacity() * sizeof(triangles_[0]) + corner_normals_.capacity() * sizeof(Vec3f) +

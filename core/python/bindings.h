@@ -12,6 +12,7 @@ namespace py = pybind11;
 void bind_curves(py::module_& module);
 void bind_errors(py::module_& module);
 void bind_lights(py::module_& module);
+void bind_ray_interpolation(py::module_& module);
 void bind_rays(py::module_& module);
 void bind_ri_tree(py::module_& module);
 void bind_sampling(py::module_& module);

@@ -12,6 +12,7 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::bind_ri_tree(module);
     rayleaf::bind_splines(module);
     rayleaf::bind_curves(module);
+    rayleaf::bind_ray_interpolation(module);
     rayleaf::bind_scene(module);
     rayleaf::bind_settings(module);
     rayleaf::bind_session(module);

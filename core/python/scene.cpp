@@ -77,20 +77,22 @@ int add_surface(SceneDescription& scene, const std::string& name, const std::vec
 }
 
 int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
-                 int pass_index) {
-    return scene.add_material({name, surface, static_cast<float>(pass_index)});
+                 int pass_index, const std::optional<VolumeVisualisation>& volume) {
+    return scene.add_material({name, surface, static_cast<float>(pass_index), volume});
 }
 
 int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
-                 int material_list, int object_index, float random, int visibility) {
+                 int material_list, int object_index, float random, int visibility,
+                 int ray_interpolation) {
     return scene.add_instance({name, shape, affine_of(name, matrix), material_list, static_cast<float>(object_index),
-                               random, static_cast<uint8_t>(visibility)});
+                               random, static_cast<uint8_t>(visibility), ray_interpolation});
 }
 
 std::vector<std::string> add_instances(SceneDescription& scene, const std::vector<std::string>& names,
                                        const Array<int32_t>& shapes, const Array<double>& matrices,
                                        const Array<int32_t>& material_lists, const Array<int32_t>& object_indices,
-                                       const Array<float>& randoms, const Array<int32_t>& visibilities) {
+                                       const Array<float>& randoms, const Array<int32_t>& visibilities,
+                                       const std::optional<Array<int32_t>>& ray_interpolations) {
     const auto count = static_cast<py::ssize_t>(names.size());
     constexpr const char* kObject = "instances";
     check_shape(kObject, "shapes", shapes, {count});
@@ -99,12 +101,14 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
     check_shape(kObject, "object_indices", object_indices, {count});
     check_shape(kObject, "randoms", randoms, {count});
     check_shape(kObject, "visibilities", visibilities, {count});
+    if (ray_interpolations) check_shape(kObject, "ray_interpolations", *ray_interpolations, {count});
     std::vector<std::string> messages;
     for (py::ssize_t i = 0; i < count; ++i) {
         try {
             scene.add_instance({names[static_cast<size_t>(i)], shapes.data()[i], affine_of(matrices.data() + 16 * i),
                                 material_lists.data()[i], static_cast<float>(object_indices.data()[i]),
-                                randoms.data()[i], static_cast<uint8_t>(visibilities.data()[i])});
+                                randoms.data()[i], static_cast<uint8_t>(visibilities.data()[i]),
+                                ray_interpolations ? ray_interpolations->data()[i] : -1});
         } catch (const InputError& error) {
             messages.emplace_back(error.what());
         }
@@ -179,12 +183,15 @@ void bind_scene(py::module_& module) {
         .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a, "corner_normals"_a = py::none(),
              "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none())
         .def("add_surface", &add_surface, "name"_a, "splines"_a)
-        .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0)
+        .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
+             "volume"_a = py::none())
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
         .def("add_instance", &add_instance, "name"_a, "shape"_a, "matrix"_a, "material_list"_a = -1,
-             "object_index"_a = 0, "random"_a = 0.0f, "visibility"_a = static_cast<int>(kVisibleAll))
+             "object_index"_a = 0, "random"_a = 0.0f, "visibility"_a = static_cast<int>(kVisibleAll),
+             "ray_interpolation"_a = -1)
+        .def("add_ray_interpolation", &SceneDescription::add_ray_interpolation, "object"_a, "interpolation"_a)
         .def("add_instances", &add_instances, "names"_a, "shapes"_a, "matrices"_a, "material_lists"_a,
-             "object_indices"_a, "randoms"_a, "visibilities"_a)
+             "object_indices"_a, "randoms"_a, "visibilities"_a, "ray_interpolations"_a = py::none())
         .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
              "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
              "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = static_cast<int>(kVisibleAll))

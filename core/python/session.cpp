@@ -81,10 +81,11 @@ void bind_session(py::module_& module) {
     using namespace py::literals;
     py::class_<Session, std::shared_ptr<Session>>(module, "Session",
                                                   "One render of one scene. Commits the scene in `render`, not before.")
-        .def(py::init([](const std::shared_ptr<SceneDescription>& scene, const Settings& settings) {
-                 return std::make_shared<Session>(scene, settings);
+        .def(py::init([](const std::shared_ptr<SceneDescription>& scene, const Settings& settings,
+                         const std::shared_ptr<RayCacheStore>& ray_caches) {
+                 return std::make_shared<Session>(scene, settings, ray_caches);
              }),
-             "scene"_a, "settings"_a)
+             "scene"_a, "settings"_a, "ray_caches"_a = py::none())
         .def("render", &Session::render, py::call_guard<py::gil_scoped_release>())
         .def("cancel", &Session::cancel)
         .def("progress",

@@ -99,6 +99,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("irradiance_error", &Settings::irradiance_error)
         .def_readwrite("filter_width", &Settings::filter_width)
         .def_readwrite("exposure", &Settings::exposure)
+        .def_readwrite("ray_interpolation", &Settings::ray_interpolation)
         .def_property("passes", &pass_names, &set_passes);
     bind_choice(settings_class, "filter", &Settings::filter, kFilters);
     bind_choice(settings_class, "integrator", &Settings::integrator, kIntegrators);

@@ -45,9 +45,11 @@ struct Session::Frame {
     PathSettings path;
 };
 
-Session::Session(std::shared_ptr<const SceneDescription> description, Settings settings)
+Session::Session(std::shared_ptr<const SceneDescription> description, Settings settings,
+                 std::shared_ptr<RayCacheStore> ray_caches)
     : description_(std::move(description)),
       settings_(validated(std::move(settings))),
+      ray_caches_(std::move(ray_caches)),
       film_(window(settings_).width, window(settings_).height, computed_passes(settings_.passes)) {
     settings_.passes = film_.passes();
 }

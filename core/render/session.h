@@ -3,6 +3,7 @@
 
 #include "base/cancel.h"
 #include "film/film.h"
+#include "ri_tree/ray_cache_store.h"
 #include "scene/description.h"
 #include "scene/scene.h"
 #include "scene/settings.h"
@@ -33,7 +34,9 @@ struct RenderStatistics {
 class Session {
   public:
     /// Throws InputError for settings out of range. The description is read when `render` runs.
-    Session(std::shared_ptr<const SceneDescription> description, Settings settings);
+    /// `ray_caches` keeps ray caches for later renders; null: they end with this one.
+    Session(std::shared_ptr<const SceneDescription> description, Settings settings,
+            std::shared_ptr<RayCacheStore> ray_caches = nullptr);
 
     /// Commits the scene and renders it; blocks. False if it was cancelled. Called once.
     bool render();
@@ -48,6 +51,7 @@ class Session {
   private:
     std::shared_ptr<const SceneDescription> description_;
     Settings settings_;
+    std::shared_ptr<RayCacheStore> ray_caches_;
     Film film_;
     CancelToken cancel_;
     std::unique_ptr<Scene> scene_;

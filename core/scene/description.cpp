@@ -26,6 +26,14 @@ void check_matrix(const std::string& object, const Affine3d& m) {
                          "a matrix that can be inverted");
 }
 
+void check_volume(const std::string& material, const VolumeVisualisation& volume) {
+    if (!(volume.density >= 0.0f && std::isfinite(volume.density)))
+        throw InputError(material, "volume density", std::to_string(volume.density), "0 or a positive finite number");
+    const Color& c = volume.color;
+    if (!is_finite(c) || c.x < 0.0f || c.y < 0.0f || c.z < 0.0f)
+        throw InputError(material, "volume colour", "negative or not finite", "finite numbers of at least 0");
+}
+
 void check_strength(const Lamp& lamp) {
     if (!is_finite(lamp.strength)) throw InputError(lamp.name, "strength", "not finite", "finite numbers");
     const double sizes[] = {lamp.radius,    lamp.angle,      lamp.size_x, lamp.size_y,
@@ -43,6 +51,7 @@ int SceneDescription::add_shape(std::shared_ptr<const Shape> shape) {
 }
 
 int SceneDescription::add_material(Material material) {
+    if (material.volume) check_volume(material.name, *material.volume);
     materials.push_back(std::move(material));
     return static_cast<int>(materials.size()) - 1;
 }
@@ -53,9 +62,16 @@ int SceneDescription::add_material_list(std::vector<int> list) {
     return static_cast<int>(material_lists.size()) - 1;
 }
 
+int SceneDescription::add_ray_interpolation(const std::string& object, const RayInterpolation& interpolation) {
+    validate(object, interpolation);
+    ray_interpolations.push_back(interpolation);
+    return static_cast<int>(ray_interpolations.size()) - 1;
+}
+
 int SceneDescription::add_instance(InstanceDescription instance) {
     check_index(instance.name, "shape", instance.shape, shapes.size(), 0);
     check_index(instance.name, "material list", instance.material_list, material_lists.size(), -1);
+    check_index(instance.name, "ray interpolation", instance.ray_interpolation, ray_interpolations.size(), -1);
     check_matrix(instance.name, instance.object_to_world);
     instances.push_back(std::move(instance));
     return static_cast<int>(instances.size()) - 1;

@@ -5,6 +5,7 @@
 #include "geometry/shape.h"
 #include "lights/light.h"
 #include "scene/camera.h"
+#include "scene/ray_interpolation.h"
 #include "shading/program.h"
 #include "textures/texture_store.h"
 
@@ -16,10 +17,21 @@
 
 namespace rayleaf {
 
+/// An object shown as an x-ray does: by the length of a line inside it. Such objects should not intersect others.
+struct VolumeVisualisation {
+    enum class Kind : uint8_t {
+        Emission,   ///< adds colour * density * length to the radiance
+        Absorption  ///< what lies behind is multiplied by colour^(density * length)
+    } kind = Kind::Emission;
+    float density = 1;  ///< per world unit, not negative
+    Color color{1, 1, 1};
+};
+
 struct Material {
     std::string name;
     std::shared_ptr<const Program> surface;  ///< null: a neutral grey diffuse
     float pass_index = 0;
+    std::optional<VolumeVisualisation> volume;  ///< in place of the surface
 };
 
 struct InstanceDescription {
@@ -29,6 +41,7 @@ struct InstanceDescription {
     int material_list = -1;  ///< index of a list of materials, one per slot; -1: neutral material everywhere
     float object_index = 0, random = 0;
     uint8_t visibility = kVisibleAll;
+    int ray_interpolation = -1;  ///< index of the object's own; -1: the scene's
 };
 
 class SceneDescription {
@@ -36,6 +49,7 @@ class SceneDescription {
     int add_shape(std::shared_ptr<const Shape> shape);
     int add_material(Material material);
     int add_material_list(std::vector<int> materials);
+    int add_ray_interpolation(const std::string& object, const RayInterpolation& interpolation);
     int add_instance(InstanceDescription instance);
     int add_lamp(const Lamp& lamp);
     void set_world(std::shared_ptr<const Program> world, int sampling_resolution);
@@ -48,6 +62,7 @@ class SceneDescription {
     std::vector<std::shared_ptr<const Shape>> shapes;
     std::vector<Material> materials;
     std::vector<std::vector<int>> material_lists;
+    std::vector<RayInterpolation> ray_interpolations;
     std::vector<InstanceDescription> instances;
     std::vector<Lamp> lamps;
     std::shared_ptr<const Program> world;

@@ -42,6 +42,7 @@ void validate(const Settings& s) {
     check("irradiance error", s.irradiance_error, 0.01, 1);
     check("filter width", s.filter_width, 0, 10);
     check("exposure", s.exposure, 0, 1e10);
+    validate("settings", s.ray_interpolation);
 }
 
 }  // namespace rayleaf

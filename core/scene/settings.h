@@ -3,6 +3,7 @@
 
 #include "film/pass.h"
 #include "film/pixel_filter.h"
+#include "scene/ray_interpolation.h"
 
 #include <cstdint>
 #include <vector>
@@ -45,6 +46,7 @@ struct Settings {
     IndirectLight indirect = IndirectLight::ColorBleeding;
     bool irradiance_cache = false;  ///< sample hemispheres at few points and interpolate
     float irradiance_error = 0.2f;  ///< that interpolation may make, relative (Ward and Heckbert 1992's a)
+    RayInterpolation ray_interpolation;  ///< of objects without one of their own
 
     std::vector<Pass> passes = {Pass::combined};
 };

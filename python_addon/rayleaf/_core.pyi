@@ -249,6 +249,44 @@ class SweptCurve:
         end_mapping: str = "RESOLUTION",
         fill_caps: bool = False,
     ) -> None: ...
+class RayInterpolation:
+    """How rays against an object are interpolated. `error` sets the thresholds together; those given replace them."""
+
+    def __init__(
+        self,
+        mode: str = "OFF",
+        error: float = 0.005,
+        distance_threshold: float | None = None,
+        angle_threshold: float | None = None,
+        depth_limit: int | None = None,
+        cache_bytes: int | None = None,
+    ) -> None:
+        """mode: OFF, AUTO, ON. error: a share of the object's half extent. Angles in radians, bytes an object."""
+    @property
+    def mode(self) -> str: ...
+    @property
+    def distance_threshold(self) -> float: ...
+    @property
+    def angle_threshold(self) -> float: ...
+    @property
+    def depth_limit(self) -> int: ...
+    @property
+    def cache_bytes(self) -> int: ...
+
+class VolumeVisualisation:
+    """A material that shows the length of rays inside an object; such objects should not intersect others."""
+
+    def __init__(self, kind: str = "EMISSION", density: float = 1.0, color: Sequence[float] = (1, 1, 1)) -> None:
+        """kind: EMISSION adds color * density * length, ABSORPTION multiplies by color ** (density * length)."""
+
+class RayCacheStore:
+    """Ray caches that the caller keeps between renders. Pictures do not depend on what it holds."""
+
+    def __init__(self) -> None: ...
+    def next_frame(self) -> None:
+        """Drops what no render asked for since the last call."""
+    def count(self) -> int: ...
+    def bytes(self) -> int: ...
 
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
@@ -271,7 +309,10 @@ class SceneDescription:
         attributes: id -> (m, 3, channels), channels 1..4; `uv` is the id of the active UV map, -1 if there is none.
         """
     def add_surface(self, name: str, splines: Sequence[NurbsSpline]) -> int: ...
-    def add_material(self, name: str, surface: Program | None, pass_index: int = 0) -> int: ...
+    def add_material(
+        self, name: str, surface: Program | None, pass_index: int = 0, volume: VolumeVisualisation | None = None
+    ) -> int:
+        """`volume` replaces the surface: the object shows the length of rays inside it."""
     def add_material_list(self, materials: Sequence[int]) -> int:
         """Materials by slot; -1 in a slot is the neutral material."""
     def add_instance(
@@ -283,8 +324,11 @@ class SceneDescription:
         object_index: int = 0,
         random: float = 0.0,
         visibility: int = 31,
+        ray_interpolation: int = -1,
     ) -> int:
         """visibility: sum of 1 camera, 2 diffuse, 4 glossy, 8 transmission, 16 shadow."""
+    def add_ray_interpolation(self, object: str, interpolation: RayInterpolation) -> int:
+        """An index for add_instance, for objects that have settings of their own."""
     def add_instances(
         self,
         names: Sequence[str],
@@ -294,6 +338,7 @@ class SceneDescription:
         object_indices: Ints,
         randoms: Floats,
         visibilities: Ints,
+        ray_interpolations: Ints | None = None,
     ) -> list[str]:
         """Many at once; matrices (n, 4, 4). Instances that cannot be rendered are left out, one message for each."""
     def add_lamp(
@@ -370,12 +415,15 @@ class Settings:
     indirect: str
     irradiance_cache: bool
     irradiance_error: float
+    ray_interpolation: RayInterpolation
     passes: list[str]
 
 class Session:
     """One render of one scene. Commits the scene in `render`, not before."""
 
-    def __init__(self, scene: SceneDescription, settings: Settings) -> None: ...
+    def __init__(
+        self, scene: SceneDescription, settings: Settings, ray_caches: RayCacheStore | None = None
+    ) -> None: ...
     def render(self) -> bool:
         """Blocks, without the GIL, until done (True) or cancelled (False)."""
     def cancel(self) -> None:

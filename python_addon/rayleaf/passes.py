@@ -7,12 +7,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-_LINE = re.compile(r'^PASS\((\w+), "(\w+)", "(\w+)", "(\w*)", "(.*)"\)$')
+_LINE = re.compile(r'^PASS\((\w+), "([\w ]+)", "(\w+)", "([\w.]*)", "(.*)"\)$')
 
 # How the switches of Blender's light passes end; of each kind of light there are these three.
 _LIGHT_PARTS = ("_direct", "_indirect", "_color")
 _LIGHT = ("emit", "environment", "ambient")
 _SPELLED = {"uv": "UV", "emit": "Emission"}
+# How switches begin that are the add-on's own: properties of `ViewLayer.rayleaf`.
+_OWN = "rayleaf."
 
 
 @dataclass(frozen=True)
@@ -33,15 +35,33 @@ class Pass:
         return "COLOR" if self.channels.startswith("RGB") else "VECTOR"
 
     @property
+    def is_own(self) -> bool:
+        """True if the switch is the add-on's, not Blender's."""
+        return self.switch.startswith(_OWN)
+
+    def place(self, view_layer: Any) -> tuple[Any, str]:
+        """What has the switch, of a view layer, and the property's name."""
+        return (view_layer.rayleaf if self.is_own else view_layer), self.switch.removeprefix(_OWN)
+
+    def is_wanted(self, view_layer: Any) -> bool:
+        """True if a view layer asks for the pass."""
+        if not self.switch:
+            return True
+        owner, name = self.place(view_layer)
+        return bool(getattr(owner, name, False))
+
+    @property
     def group(self) -> str:
-        """The heading under which panels show it: the kind of light, or Data."""
+        """The heading under which panels show it: the kind of light, or Data, or Rays for the add-on's own."""
+        if self.is_own:
+            return "Rays"
         kind = self.switch.removeprefix("use_pass_").split("_")[0]
         return kind.title() if self.switch.endswith(_LIGHT_PARTS) else "Light" if kind in _LIGHT else "Data"
 
     @property
     def label(self) -> str:
         """For panels, under its heading."""
-        words = self.switch.removeprefix("use_pass_") if self.switch else self.name
+        words = self.switch.removeprefix(_OWN).removeprefix("use_pass_") if self.switch else self.name
         words = words.split("_")[1] if self.switch.endswith(_LIGHT_PARTS) else words
         return _SPELLED.get(words, words.replace("_", " ").title())
 
@@ -65,7 +85,7 @@ def table() -> tuple[Pass, ...]:
 
 def enabled(view_layer: Any) -> list[Pass]:
     """The passes a view layer asks for."""
-    return [entry for entry in table() if not entry.switch or getattr(view_layer, entry.switch, False)]
+    return [entry for entry in table() if entry.is_wanted(view_layer)]
 
 
 def by_name(names: Iterable[str]) -> dict[str, Pass]:

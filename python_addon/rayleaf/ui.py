@@ -150,7 +150,7 @@ class RAYLEAF_PT_passes(_Panel, bpy.types.Panel):
         for heading, entries in groups.items():
             column = self._column().column(heading=heading, align=True)
             for entry in entries:
-                column.prop(context.view_layer, entry.switch, text=entry.label)
+                column.prop(*entry.place(context.view_layer), text=entry.label)
 
 
 class RAYLEAF_PT_light(_Panel, bpy.types.Panel):

@@ -1,0 +1,55 @@
+// A 128-bit hash of content, by which equal data is known again. Not for secrets: nobody is assumed to look for
+// collisions.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace rayleaf {
+
+using ContentHash = std::array<uint64_t, 2>;
+
+class ContentHasher {
+  public:
+    void add(uint64_t word) {
+        // The mixer of SplitMix64 (Steele, Lea, Flood 2014), in two lanes that start apart and see different words.
+        lanes_[0] = mixed(lanes_[0] + kGolden + word);
+        lanes_[1] = mixed((lanes_[1] ^ std::rotl(word, 32)) + kOther);
+    }
+    void add(double number) { add(std::bit_cast<uint64_t>(number)); }
+    void add(int number) { add(static_cast<uint64_t>(static_cast<uint32_t>(number))); }
+    void add(uint32_t number) { add(uint64_t{number}); }
+    /// Numbers without padding between them: their bytes.
+    template <typename T>
+    void add(const std::vector<T>& values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        add(static_cast<uint64_t>(values.size()));
+        add_bytes({reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(T)});
+    }
+    ContentHash value() const { return lanes_; }
+
+  private:
+    static constexpr uint64_t kGolden = 0x9e3779b97f4a7c15, kOther = 0xd1b54a32d192ed03;
+    ContentHash lanes_{0x243f6a8885a308d3, 0x13198a2e03707344};  // digits of pi
+
+    static uint64_t mixed(uint64_t x) {
+        x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+        x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+        return x ^ (x >> 31);
+    }
+    void add_bytes(std::span<const unsigned char> bytes) {
+        for (size_t i = 0; i < bytes.size(); i += sizeof(uint64_t)) {
+            uint64_t word = 0;
+            std::memcpy(&word, bytes.data() + i, std::min(sizeof word, bytes.size() - i));
+            add(word);
+        }
+    }
+};
+
+}  // namespace rayleaf

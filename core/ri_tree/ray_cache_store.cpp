@@ -1,0 +1,56 @@
+#include "ri_tree/ray_cache_store.h"
+
+namespace rayleaf {
+
+std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samples, const RayCacheSettings& settings) {
+    const std::optional<ContentHash> content = shape.content_hash();
+    if (!content) return std::nullopt;
+    RayCacheKey key;
+    key.shape = *content;
+    key.kind = samples.kind;
+    key.ior = samples.kind == OutputKind::Glass ? samples.ior : 0.0;
+    key.facet_tolerance = samples.facet_tolerance;
+    key.distance_threshold = settings.distance_threshold;
+    key.angle_threshold = settings.angle_threshold;
+    key.pruned_share = settings.pruned_share;
+    key.depth_limit = settings.depth_limit;
+    key.cache_bytes = settings.cache_bytes;
+    return key;
+}
+
+std::shared_ptr<RayCache> RayCacheStore::find_or_make(const RayCacheKey& key,
+                                                      const std::function<std::shared_ptr<RayCache>()>& make) {
+    const std::scoped_lock lock(mutex_);
+    const auto [place, is_new] = entries_.try_emplace(key);
+    Entry& entry = place->second;
+    if (is_new) {
+        try {
+            entry.cache = make();
+        } catch (...) {
+            entries_.erase(place);
+            throw;
+        }
+    }
+    entry.used = true;
+    return entry.cache;
+}
+
+void RayCacheStore::next_frame() {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(entries_, [](const auto& item) { return !item.second.used; });
+    for (auto& [key, entry] : entries_) entry.used = false;
+}
+
+size_t RayCacheStore::count() const {
+    const std::scoped_lock lock(mutex_);
+    return entries_.size();
+}
+
+uint64_t RayCacheStore::bytes() const {
+    const std::scoped_lock lock(mutex_);
+    uint64_t sum = 0;
+    for (const auto& [key, entry] : entries_) sum += entry.cache->statistics().bytes;
+    return sum;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,56 @@
+// Ray caches that live longer than a frame. The caller owns the store and hands it to each render; without one, every
+// render starts with empty caches.
+//
+// Idea: a cache depends on the content of its shape, on what a sample is, and on its thresholds, so these are its key.
+// An object that moves keeps its cache; one that changes shape gets a new one, and the old one goes at the next frame.
+// Answers are pure functions of the key, so a picture does not depend on what a store holds.
+#pragma once
+
+#include "base/content_hash.h"
+#include "ri_tree/ray_cache.h"
+#include "ri_tree/sample_tracer.h"
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+namespace rayleaf {
+
+/// All that a cache's answers depend on. A content hash of 128 bits stands for the shape.
+struct RayCacheKey {
+    ContentHash shape{};
+    OutputKind kind = OutputKind::Mirror;
+    double ior = 0, facet_tolerance = 0;
+    double distance_threshold = 0, angle_threshold = 0, pruned_share = 0;
+    int depth_limit = 0;
+    uint64_t cache_bytes = 0;  ///< changes no answer, but what a cache may hold
+
+    auto operator<=>(const RayCacheKey&) const = default;
+};
+/// Empty for a shape without a content hash.
+std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samples, const RayCacheSettings& settings);
+
+/// Thread-safe.
+class RayCacheStore {
+  public:
+    /// The cache of that key, made where there is none.
+    std::shared_ptr<RayCache> find_or_make(const RayCacheKey& key,
+                                           const std::function<std::shared_ptr<RayCache>()>& make);
+    /// Drops the caches that were not asked for since the last call. Call it between frames.
+    void next_frame();
+    size_t count() const;
+    uint64_t bytes() const;
+
+  private:
+    struct Entry {
+        std::shared_ptr<RayCache> cache;
+        bool used = true;
+    };
+    mutable std::mutex mutex_;
+    std::map<RayCacheKey, Entry> entries_;
+};
+
+}  // namespace rayleaf

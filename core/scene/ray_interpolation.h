@@ -1,0 +1,33 @@
+// What an artist sets for ray interpolation: of the scene, or of one object in its place.
+#pragma once
+
+#include "ri_tree/ray_cache.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace rayleaf {
+
+enum class RayInterpolationMode : uint8_t {
+    Off,
+    Auto,  ///< where a probe of the frame tells that it pays (render/ray_cache_probe.h)
+    On
+};
+
+struct RayInterpolation {
+    RayInterpolationMode mode = RayInterpolationMode::Off;
+    RayCacheSettings thresholds;
+};
+
+/// Error that interpolation may have unless told otherwise: a share of an object's half extent for points, and about
+/// twice as many radians for directions.
+inline constexpr double kDefaultRayError = 0.005;
+
+/// The thresholds that together keep the error near `error` (above 0).
+RayCacheSettings thresholds_for(double error);
+
+/// Throws InputError that names `object` and the first number without meaning.
+void validate(const std::string& object, const RayInterpolation& interpolation);
+
+}  // namespace rayleaf
