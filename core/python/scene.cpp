@@ -82,8 +82,7 @@ int add_material(SceneDescription& scene, const std::string& name, const std::sh
 }
 
 int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
-                 int material_list, int object_index, float random, int visibility,
-                 int ray_interpolation) {
+                 int material_list, int object_index, float random, int visibility, int ray_interpolation) {
     return scene.add_instance({name, shape, affine_of(name, matrix), material_list, static_cast<float>(object_index),
                                random, static_cast<uint8_t>(visibility), ray_interpolation});
 }

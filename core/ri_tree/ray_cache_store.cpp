@@ -12,6 +12,7 @@ std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samp
     key.facet_tolerance = samples.facet_tolerance;
     key.distance_threshold = settings.distance_threshold;
     key.angle_threshold = settings.angle_threshold;
+    key.direction_threshold = settings.direction_threshold;
     key.pruned_share = settings.pruned_share;
     key.depth_limit = settings.depth_limit;
     key.cache_bytes = settings.cache_bytes;

@@ -20,8 +20,8 @@ struct RayInterpolation {
     RayCacheSettings thresholds;
 };
 
-/// Error that interpolation may have unless told otherwise: a share of an object's half extent for points, and about
-/// twice as many radians for directions.
+/// Error that interpolation may have unless told otherwise: a share of an object's half extent for points; directions
+/// may then be off by one degree.
 inline constexpr double kDefaultRayError = 0.005;
 
 /// The thresholds that together keep the error near `error` (above 0).

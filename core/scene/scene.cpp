@@ -58,7 +58,7 @@ Scene::~Scene() = default;
 
 void Scene::commit_materials(const SceneDescription& description) {
     const std::shared_ptr<const Program> neutral = neutral_program();
-    materials_.push_back({"neutral material", neutral, 0});
+    materials_.push_back({"neutral material", neutral, 0, std::nullopt});
     const int neutral_index = static_cast<int>(materials_.size()) - 1;
     for (Material& material : materials_) {
         if (!material.surface) material.surface = neutral;

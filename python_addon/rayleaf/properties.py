@@ -3,6 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
+from . import ray_interpolation
+
 FILTERS = (
     ("BOX", "Box", "Every sample of a pixel counts alike"),
     ("GAUSSIAN", "Gaussian", "Bell-shaped"),
@@ -61,10 +63,12 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
     texture_memory: IntProperty(  # type: ignore
         name="Texture Memory", description="Megabytes of image textures kept at once", default=1024, min=16, max=1 << 20
     )
+    ray_interpolation: PointerProperty(type=ray_interpolation.RayleafRayInterpolation)  # type: ignore
 
 
 def register() -> None:
-    """Make the settings part of every scene."""
+    """Make the settings part of every scene, object, material and view layer."""
+    ray_interpolation.register()
     bpy.utils.register_class(RayleafSceneSettings)
     bpy.types.Scene.rayleaf = PointerProperty(type=RayleafSceneSettings)
 
@@ -73,3 +77,4 @@ def unregister() -> None:
     """Take them away again."""
     del bpy.types.Scene.rayleaf
     bpy.utils.unregister_class(RayleafSceneSettings)
+    ray_interpolation.unregister()

@@ -1,0 +1,163 @@
+"""Ray interpolation as an artist sets it: of a scene, of an object, of a material, and its passes of a view layer."""
+
+import math
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty
+
+MODES = (
+    ("OFF", "Off", "Trace every ray"),
+    ("AUTO", "Auto", "Interpolate rays against those objects where a probe of the frame shows that it is faster"),
+    ("ON", "On", "Interpolate rays against every object that can have it"),
+)
+OBJECT_MODES = (("SCENE", "As Scene", "What the scene says"), *MODES)
+VOLUME_KINDS = (
+    ("EMISSION", "Emission", "The object glows by density times length"),
+    ("ABSORPTION", "Absorption", "The object darkens what lies behind by density times length"),
+)
+
+
+def _update_passes(_settings: Any, context: Any) -> None:
+    context.view_layer.update_render_passes()
+
+
+class _Thresholds:
+    """What scene and object both have."""
+
+    error: FloatProperty(  # type: ignore
+        name="Error",
+        description="Largest error of an interpolated ray: a share of half the object's size. "
+        "Sets distance, angle and depth together; smaller is finer and slower",
+        default=0.005,
+        min=0.00001,
+        max=1.0,
+        soft_min=0.0005,
+        soft_max=0.05,
+        precision=4,
+        step=0.1,
+    )
+    use_advanced: BoolProperty(  # type: ignore
+        name="Advanced", description="Set distance, angle, depth and cache size one by one", default=False
+    )
+    distance: FloatProperty(  # type: ignore
+        name="Distance",
+        description="Largest distance between true and interpolated ray, as a share of half the object's size",
+        default=0.005,
+        min=0.0,
+        max=100.0,
+        precision=4,
+        step=0.1,
+    )
+    angle: FloatProperty(  # type: ignore
+        name="Angle",
+        description="Largest angle between rays that are blended",
+        default=math.radians(20.0),
+        min=0.0,
+        max=math.pi,
+        subtype="ANGLE",
+    )
+    depth: IntProperty(  # type: ignore
+        name="Depth", description="How often a cell of rays may be halved", default=28, min=0, max=60
+    )
+    cache_size: FloatProperty(  # type: ignore
+        name="Cache Size",
+        description="Megabytes that the rays of one object may take; less is slower, not different",
+        default=100.0,
+        min=0.0,
+        max=1e6,
+    )
+
+
+class RayleafRayInterpolation(_Thresholds, bpy.types.PropertyGroup):
+    """Of a scene."""
+
+    mode: EnumProperty(name="Ray Interpolation", items=MODES, default="OFF")  # type: ignore
+
+
+class RayleafObjectRayInterpolation(_Thresholds, bpy.types.PropertyGroup):
+    """Of an object, in place of the scene's."""
+
+    mode: EnumProperty(name="Ray Interpolation", items=OBJECT_MODES, default="SCENE")  # type: ignore
+    use_own_error: BoolProperty(  # type: ignore
+        name="Own Thresholds", description="Use other thresholds than the scene", default=False
+    )
+
+
+class RayleafObjectSettings(bpy.types.PropertyGroup):
+    """What is set per object."""
+
+    ray_interpolation: PointerProperty(type=RayleafObjectRayInterpolation)  # type: ignore
+
+
+class RayleafMaterialSettings(bpy.types.PropertyGroup):
+    """What is set per material, beside its nodes."""
+
+    use_volume: BoolProperty(  # type: ignore
+        name="Volume Visualisation",
+        description="Show how long rays are inside the object, as an x-ray does, in place of its surface",
+        default=False,
+    )
+    volume_kind: EnumProperty(name="Kind", items=VOLUME_KINDS, default="EMISSION")  # type: ignore
+    volume_density: FloatProperty(  # type: ignore
+        name="Density", description="Per unit of length", default=1.0, min=0.0, soft_max=10.0
+    )
+    volume_color: FloatVectorProperty(  # type: ignore
+        name="Color", subtype="COLOR", size=3, default=(1.0, 1.0, 1.0), min=0.0, soft_max=1.0
+    )
+
+
+class RayleafViewLayerSettings(bpy.types.PropertyGroup):
+    """The passes that Blender has no switch for."""
+
+    use_pass_mask: BoolProperty(  # type: ignore
+        name="Mask",
+        description="How each pixel's ray was answered: 0 no interpolation, 1 traced, 2 interpolated, "
+        "3 interpolated at an edge, 4 missed without tracing",
+        default=False,
+        update=_update_passes,
+    )
+    use_pass_mask_colors: BoolProperty(  # type: ignore
+        name="Mask Colors",
+        description="The mask as a picture: white traced, blue interpolated, orange interpolated at an edge, "
+        "dark grey missed without tracing",
+        default=False,
+        update=_update_passes,
+    )
+    use_pass_error: BoolProperty(  # type: ignore
+        name="Error",
+        description="The estimated error of interpolated rays, as a share of half the object's size",
+        default=False,
+        update=_update_passes,
+    )
+    use_pass_path_length: BoolProperty(  # type: ignore
+        name="Path Length",
+        description="The length of rays inside objects with Volume Visualisation",
+        default=False,
+        update=_update_passes,
+    )
+
+
+CLASSES = (
+    RayleafRayInterpolation,
+    RayleafObjectRayInterpolation,
+    RayleafObjectSettings,
+    RayleafMaterialSettings,
+    RayleafViewLayerSettings,
+)
+
+
+def register() -> None:
+    """Make the settings part of every object, material and view layer. The scene's are in properties.py."""
+    for each in CLASSES:
+        bpy.utils.register_class(each)
+    bpy.types.Object.rayleaf = PointerProperty(type=RayleafObjectSettings)
+    bpy.types.Material.rayleaf = PointerProperty(type=RayleafMaterialSettings)
+    bpy.types.ViewLayer.rayleaf = PointerProperty(type=RayleafViewLayerSettings)
+
+
+def unregister() -> None:
+    """Take them away again."""
+    del bpy.types.ViewLayer.rayleaf, bpy.types.Material.rayleaf, bpy.types.Object.rayleaf
+    for each in reversed(CLASSES):
+        bpy.utils.unregister_class(each)
