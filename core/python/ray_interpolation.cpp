@@ -58,6 +58,7 @@ void bind_ray_interpolation(py::module_& module) {
                                  "How rays against an object are interpolated; see core/scene/ray_interpolation.h.")
         .def(py::init(&make), "mode"_a = "OFF", "error"_a = kDefaultRayError, "distance_threshold"_a = py::none(),
              "angle_threshold"_a = py::none(), "depth_limit"_a = py::none(), "cache_bytes"_a = py::none())
+        .def("__eq__", [](const RayInterpolation& a, const RayInterpolation& b) { return a == b; })
         .def_property_readonly("mode", [](const RayInterpolation& each) { return name_of(each.mode); })
         .def_property_readonly("distance_threshold", threshold<&RayCacheSettings::distance_threshold>())
         .def_property_readonly("angle_threshold", threshold<&RayCacheSettings::angle_threshold>())

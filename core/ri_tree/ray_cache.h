@@ -80,6 +80,8 @@ struct RayCacheSettings {
     /// Largest angle between the true and the interpolated output direction where a cell is tested, radians. The fast
     /// tree's alone; the paper has no such threshold.
     double direction_threshold = kPi / 180.0;
+
+    bool operator==(const RayCacheSettings&) const = default;
 };
 
 /// The settings themselves; throws InputError, in the name of the shape, for those without meaning.

@@ -15,17 +15,19 @@ enum class RayInterpolationMode : uint8_t {
     On
 };
 
-struct RayInterpolation {
-    RayInterpolationMode mode = RayInterpolationMode::Off;
-    RayCacheSettings thresholds;
-};
-
 /// Error that interpolation may have unless told otherwise: a share of an object's half extent for points; directions
 /// may then be off by one degree.
 inline constexpr double kDefaultRayError = 0.005;
 
-/// The thresholds that together keep the error near `error` (above 0).
+/// The thresholds that together keep the error near `error`. Throws InputError unless it is above 0 and finite.
 RayCacheSettings thresholds_for(double error);
+
+struct RayInterpolation {
+    RayInterpolationMode mode = RayInterpolationMode::Off;
+    RayCacheSettings thresholds = thresholds_for(kDefaultRayError);
+
+    bool operator==(const RayInterpolation&) const = default;
+};
 
 /// Throws InputError that names `object` and the first number without meaning.
 void validate(const std::string& object, const RayInterpolation& interpolation);

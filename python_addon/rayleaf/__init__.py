@@ -22,17 +22,19 @@ last_statistics: dict[str, Any] = {}
 
 def register() -> None:
     """Called by Blender when the add-on is enabled."""
-    from . import engine, properties, ui
+    from . import animation, engine, properties, ui
 
     properties.register()
     engine.register()
+    animation.register()
     ui.register()
 
 
 def unregister() -> None:
     """Called by Blender when the add-on is disabled."""
-    from . import engine, properties, ui
+    from . import animation, engine, properties, ui
 
     ui.unregister()
+    animation.unregister()
     engine.unregister()
     properties.unregister()

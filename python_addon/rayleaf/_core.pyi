@@ -249,6 +249,7 @@ class SweptCurve:
         end_mapping: str = "RESOLUTION",
         fill_caps: bool = False,
     ) -> None: ...
+
 class RayInterpolation:
     """How rays against an object are interpolated. `error` sets the thresholds together; those given replace them."""
 

@@ -21,9 +21,11 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
     def render(self, depsgraph: Any) -> None:
         """Render one view layer of one frame. The core is loaded here first."""
         from . import _core
+        from .animation import KEPT
         from .frame import FrameRender
 
-        FrameRender(self, depsgraph, _core).run()
+        ray_caches = KEPT.for_frame(_core, depsgraph.scene_eval, self.is_animation)
+        FrameRender(self, depsgraph, _core, ray_caches).run()
 
     def update_render_passes(self, scene: Any, renderlayer: Any) -> None:
         """Tell Blender which passes come, for the compositor's sockets."""

@@ -24,8 +24,10 @@ _RESULT_SHARE = 0.1  # of the time may go into showing them
 class FrameRender:
     """Renders one view layer through Blender's engine object."""
 
-    def __init__(self, engine: Any, depsgraph: Any, core: ModuleType) -> None:
+    def __init__(self, engine: Any, depsgraph: Any, core: ModuleType, ray_caches: Any = None) -> None:
+        """`ray_caches`: a RayCacheStore that outlives the frame, or None."""
         self._engine, self._depsgraph, self._core = engine, depsgraph, core
+        self._ray_caches = ray_caches
         self._messages = Messages(lambda kind, text: engine.report({kind}, text))
         self._scene = depsgraph.scene_eval
         self._layer_name = depsgraph.view_layer.name
@@ -33,6 +35,9 @@ class FrameRender:
         self._crop: CropRectangle = crop_of(self._scene, self._frame)
         self._passes = passes.enabled(depsgraph.view_layer)
         self._status_text = ""
+        for entry in self._passes:
+            if entry.is_own:  # Blender makes room for its own passes only
+                engine.add_pass(entry.name, len(entry.channels), entry.channels, layer=self._layer_name)
 
     def run(self) -> None:
         """Render to the end or until cancelled. What goes wrong is reported and ends this render alone."""
@@ -52,8 +57,8 @@ class FrameRender:
         exporter = SceneExporter(self._core, self._depsgraph, self._messages, self._engine.test_break)
         description = exporter.export(self._frame, needs_uv=any(entry.identifier == "uv" for entry in self._passes))
         exported = time.perf_counter()
-        settings = self._core.Settings(**core_settings(self._scene, self._frame, self._crop, self._passes))
-        session = RenderThread(self._core, description, settings)
+        settings = self._core.Settings(**core_settings(self._core, self._scene, self._frame, self._crop, self._passes))
+        session = RenderThread(self._core, description, settings, self._ray_caches)
         try:
             session.start()
             self._follow(session)

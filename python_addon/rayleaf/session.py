@@ -11,8 +11,9 @@ class RenderThread:
     The core gives up Python's lock while it renders, so the thread that polls is never held up.
     """
 
-    def __init__(self, core: ModuleType, scene: Any, settings: Any) -> None:
-        self._session = core.Session(scene, settings)
+    def __init__(self, core: ModuleType, scene: Any, settings: Any, ray_caches: Any = None) -> None:
+        """`ray_caches`: a RayCacheStore that outlives the render, or None."""
+        self._session = core.Session(scene, settings, ray_caches)
         self._error: BaseException | None = None
         self._completed = False
         self._thread = threading.Thread(target=self._run, name="rayleaf", daemon=True)

@@ -1,12 +1,16 @@
 """A scene's settings as the core's."""
 
+from types import ModuleType
 from typing import Any
 
+from .export import ray_interpolation
 from .export.camera import CropRectangle, Frame
 from .passes import Pass
 
 
-def core_settings(scene: Any, frame: Frame, crop: CropRectangle, passes: list[Pass]) -> dict[str, Any]:
+def core_settings(
+    core: ModuleType, scene: Any, frame: Frame, crop: CropRectangle, passes: list[Pass]
+) -> dict[str, Any]:
     """The keyword arguments of the core's Settings."""
     own, render = scene.rayleaf, scene.render
     return dict(
@@ -32,5 +36,6 @@ def core_settings(scene: Any, frame: Frame, crop: CropRectangle, passes: list[Pa
         filter=own.filter_type,
         filter_width=own.filter_width,
         exposure=own.film_exposure,
+        ray_interpolation=ray_interpolation.of_scene(core, own.ray_interpolation),
         passes=[entry.identifier for entry in passes],
     )

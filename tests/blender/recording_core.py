@@ -68,6 +68,7 @@ class SceneDescription:
     def __init__(self):
         self.meshes, self.surfaces, self.materials, self.material_lists = [], [], [], []
         self.instances, self.lamps, self.images = None, [], []
+        self.ray_interpolations = []
         self.world = self.camera = None
         self.attributes, self.texture_memory, self.shapes = {}, 0, []
         RECORDED.append(self)
@@ -87,15 +88,21 @@ class SceneDescription:
         self.surfaces.append(dict(name=name, splines=splines))
         return self._shape("surface", self.surfaces[-1])
 
-    def add_material(self, name, surface, pass_index=0):
-        self.materials.append(dict(name=name, surface=surface, pass_index=pass_index))
+    def add_material(self, name, surface, pass_index=0, volume=None):
+        self.materials.append(dict(name=name, surface=surface, pass_index=pass_index, volume=volume))
         return len(self.materials) - 1
 
     def add_material_list(self, materials):
         self.material_lists.append(list(materials))
         return len(self.material_lists) - 1
 
-    def add_instances(self, names, shapes, matrices, material_lists, object_indices, randoms, visibilities):
+    def add_ray_interpolation(self, object, interpolation):
+        self.ray_interpolations.append((object, interpolation))
+        return len(self.ray_interpolations) - 1
+
+    def add_instances(
+        self, names, shapes, matrices, material_lists, object_indices, randoms, visibilities, ray_interpolations
+    ):
         part = dict(
             names=list(names),
             shapes=shapes.tolist(),
@@ -104,6 +111,7 @@ class SceneDescription:
             object_indices=object_indices.tolist(),
             randoms=randoms.tolist(),
             visibilities=visibilities.tolist(),
+            ray_interpolations=ray_interpolations.tolist(),
         )
         self.instances = {key: self.instances[key] + part[key] for key in part} if self.instances else part
         return []
@@ -127,6 +135,23 @@ class SceneDescription:
         return len(self.images) - 1
 
 
+class RayInterpolation:
+    def __init__(self, **values):
+        self.values = values
+
+
+class VolumeVisualisation(RayInterpolation):
+    pass
+
+
+class RayCacheStore:
+    def __init__(self):
+        self.frames = 0
+
+    def next_frame(self):
+        self.frames += 1
+
+
 class Settings:
     def __init__(self, **values):
         self.__dict__.update(values)
@@ -138,7 +163,8 @@ class Session:
     seconds = 0.0
     last = None
 
-    def __init__(self, scene, settings):
+    def __init__(self, scene, settings, ray_caches=None):
+        self.ray_caches = ray_caches
         self.scene, self.settings, self.cancelled, self.began = scene, settings, False, None
         Session.last = self
 
@@ -173,7 +199,8 @@ RECORDED = []
 def install():
     """Make the stand-in the core that the add-on loads."""
     module = types.ModuleType("rayleaf._core")
-    for item in (InputError, Program, NurbsSpline, SceneDescription, Settings, Session):
+    items = (InputError, Program, NurbsSpline, SceneDescription, Settings, Session)
+    for item in (*items, RayInterpolation, VolumeVisualisation, RayCacheStore):
         setattr(module, item.__name__, item)
     sys.modules["rayleaf._core"] = module
     import rayleaf

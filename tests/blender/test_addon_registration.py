@@ -63,7 +63,7 @@ from rayleaf.settings import core_settings
 
 scene = bpy.context.scene
 scene.render.threads_mode = "AUTO"
-sent = core_settings(scene, frame_of(scene), crop_of(scene, frame_of(scene)), enabled(bpy.context.view_layer))
+sent = core_settings(_core, scene, frame_of(scene), crop_of(scene, frame_of(scene)), enabled(bpy.context.view_layer))
 built, plain = _core.Settings(**sent), _core.Settings()
 names = [name for name in dir(plain) if not name.startswith("_")]
 report(unset=[name for name in names if name not in sent],

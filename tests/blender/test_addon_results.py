@@ -33,7 +33,7 @@ def test_every_pass_arrives_with_all_its_channels_upright(run_blender, tmp_path)
 from rayleaf import passes
 for entry in passes.table():
     if entry.switch:
-        setattr(bpy.context.view_layer, entry.switch, True)
+        setattr(*entry.place(bpy.context.view_layer), True)
 report(passes=[[entry.name, entry.channels] for entry in passes.table()])
 """
     run = run_blender(SETUP + script + RENDER, path)
@@ -153,7 +153,7 @@ scene = bpy.context.scene
 scene.render.engine = "RAYLEAF"
 for entry in passes.table():
     if entry.switch:
-        setattr(bpy.context.view_layer, entry.switch, True)
+        setattr(*entry.place(bpy.context.view_layer), True)
 scene.use_nodes = True
 bpy.context.view_layer.update()
 node = next(node for node in scene.node_tree.nodes if node.bl_idname == "CompositorNodeRLayers")

@@ -30,7 +30,10 @@ WITHIN_A_FLOOR = {("lights", "trace"): "emitting surfaces are found and sampled 
 
 # The files of the add-on that import Blender's modules. The others get what they need handed over, and work (and are
 # tested) in plain Python.
-MEET_BLENDER = {"engine.py", "frame.py", "properties.py", "ray_interpolation.py", "ui.py", "versions.py", "export/images.py"}
+MEET_BLENDER = {
+    *("animation.py", "engine.py", "frame.py", "properties.py", "ray_interpolation.py", "ui.py", "versions.py"),
+    "export/images.py",
+}
 # The files that import the core; the others get it, or what it made, handed over.
 MEET_CORE = {"engine.py"}
 

@@ -6,6 +6,7 @@ from typing import Any
 from ..messages import Messages
 from .nodes.compiler import Compiler, Resources
 from .nodes.emitter import Emitter
+from .ray_interpolation import volume_of
 
 _NEUTRAL = -1  # the core's grey, for slots without a material
 
@@ -38,7 +39,8 @@ class MaterialLibrary:
                 Compiler(emitter, subject, self._resources, self._messages).compile_tree(material.node_tree)
             else:
                 emitter.operation("diffuse", [emitter.scalar(1.0), emitter.constant(*material.diffuse_color[:3])])
-            return int(self._scene.add_material(material.name, emitter.program, material.pass_index))
+            volume = volume_of(self._core, material.rayleaf)
+            return int(self._scene.add_material(material.name, emitter.program, material.pass_index, volume))
         except self._core.InputError as error:
             self._messages.warn(f"{subject}: {error}; rendered grey")
         except RecursionError:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..messages import Messages
-from . import ExportCancelled, camera, instances, lights, meshes, surfaces, world
+from . import ExportCancelled, camera, instances, lights, meshes, ray_interpolation, surfaces, world
 from .images import ImageLibrary
 from .instances import Group, Instances
 from .materials import MaterialLibrary, slots_of
@@ -174,16 +174,26 @@ class SceneExporter:
             spread([materials for _, _, materials in chosen]),
             spread([group.owner.pass_index for group, _, _ in chosen]),
             spread([instances.visibility(group.owner, self._view_layer) for group, _, _ in chosen]),
+            spread([self._ray_interpolation(group.owner) for group, _, _ in chosen]),
         )
         for first in range(0, len(places), _INSTANCE_CHUNK):
             self._check_cancel()
             part = slice(first, first + _INSTANCE_CHUNK)
-            shape, materials, index, visibility = (column[part] for column in columns)
+            shape, materials, index, visibility, interpolation = (column[part] for column in columns)
             matrices, randoms = listed.matrices[places[part]], listed.randoms[places[part]]
-            problems = self.scene.add_instances(names[part], shape, matrices, materials, index, randoms, visibility)
+            problems = self.scene.add_instances(
+                names[part], shape, matrices, materials, index, randoms, visibility, interpolation
+            )
             self.report.instances += len(shape) - len(problems)
             for problem in problems:
                 self._messages.warn(f"{problem}; left out")
+
+    def _ray_interpolation(self, owner: Any) -> int:
+        """The index of an object's own settings for ray interpolation, -1 for the scene's."""
+        own = ray_interpolation.of_object(
+            self._core, owner.rayleaf.ray_interpolation, self._blender_scene.rayleaf.ray_interpolation
+        )
+        return -1 if own is None else int(self.scene.add_ray_interpolation(owner.name, own))
 
     def _leave_out(self, name: str, reason: str) -> None:
         self.report.left_out[name] = reason

@@ -1,0 +1,56 @@
+"""What is kept from one frame of an animation to the next: ray caches. Nothing is kept after an animation, nor of single
+pictures."""
+
+from types import ModuleType
+from typing import Any
+
+import bpy
+from bpy.app.handlers import persistent
+
+
+class KeptRayCaches:
+    """The ray caches of the animation under way."""
+
+    def __init__(self) -> None:
+        self._store: Any | None = None
+        self._frame: tuple[str, int, float] | None = None
+
+    def for_frame(self, core: ModuleType, scene: Any, is_animation: bool) -> Any:
+        """The store to render a frame with. What the frame before did not use is dropped from it."""
+        if not is_animation:
+            return core.RayCacheStore()
+        frame = (scene.name, scene.frame_current, scene.frame_subframe)
+        if self._store is None:
+            self._store = core.RayCacheStore()
+        elif frame != self._frame:  # the view layers of one frame share theirs
+            self._store.next_frame()
+        self._frame = frame
+        return self._store
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._store = self._frame = None
+
+
+KEPT = KeptRayCaches()
+
+
+@persistent
+def _end(_scene: Any, _depsgraph: Any = None) -> None:
+    KEPT.clear()
+
+
+_HANDLERS = (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel, bpy.app.handlers.load_pre)
+
+
+def register() -> None:
+    """Learn from Blender when an animation ends."""
+    for handlers in _HANDLERS:
+        handlers.append(_end)
+
+
+def unregister() -> None:
+    """Stop that, and forget everything."""
+    for handlers in _HANDLERS:
+        handlers.remove(_end)
+    KEPT.clear()
