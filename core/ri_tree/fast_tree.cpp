@@ -5,9 +5,10 @@ namespace rayleaf {
 FastTree::FastTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples, const RayCacheSettings& settings)
     : tree_(std::move(shape), samples, settings) {}
 
-void FastTree::ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers) {
+void FastTree::ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers,
+                   Uninterpolated others) {
     const std::lock_guard lock(mutex_);
-    tree_.ask(rays, spacings, answers);
+    tree_.ask(rays, spacings, answers, others);
 }
 
 OutputRay FastTree::trace(const Ray& object_ray) const {

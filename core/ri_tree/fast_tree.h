@@ -12,7 +12,9 @@ class FastTree final : public RayCache {
     /// Throws InputError for settings without meaning. Nothing is sampled yet.
     FastTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples, const RayCacheSettings& settings);
 
-    void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers) override;
+    void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers,
+             Uninterpolated others) override;
+    using RayCache::ask;
     OutputRay trace(const Ray& object_ray) const override;
     RayCacheStatistics statistics() const override;
 

@@ -94,6 +94,12 @@ struct RaySpacing {
     float angle = 0;     ///< radians
 };
 
+/// What becomes of rays that cannot be interpolated.
+enum class Uninterpolated : uint8_t {
+    Trace,  ///< traced by the cache
+    Leave   ///< said to be traced, and left to the caller: the output is that of a miss
+};
+
 class RayCache {
   public:
     virtual ~RayCache() = default;
@@ -101,8 +107,11 @@ class RayCache {
     /// Answers rays in object space; `t_min` and `t_max` are not looked at: answers are for everything beyond the
     /// origin. What is answered depends on ray, spacing, shape, material and settings alone: not on rays asked before,
     /// nor on the cache size. `spacings` has one entry a ray, or none: zeros.
-    virtual void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings,
-                     std::span<CachedAnswer> answers) = 0;
+    virtual void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers,
+                     Uninterpolated others) = 0;
+    void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers) {
+        ask(rays, spacings, answers, Uninterpolated::Trace);
+    }
     /// The same question answered by tracing alone. Thread-safe.
     virtual OutputRay trace(const Ray& object_ray) const = 0;
     virtual RayCacheStatistics statistics() const = 0;

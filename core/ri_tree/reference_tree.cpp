@@ -14,6 +14,10 @@ namespace {
 constexpr double kBeyondErrors = 2.0;
 constexpr double kLeastBeyond = 0x1p-10;
 
+CachedAnswer to_trace(AnsweredBy reason) {
+    return {{}, reason, 0.0};
+}
+
 bool is_ray(const Ray& ray) {
     return is_finite(ray.origin) && is_finite(ray.direction) && max_abs(ray.direction) > 0.0;
 }
@@ -51,10 +55,11 @@ ReferenceTree::ReferenceTree(std::shared_ptr<const Shape> shape, const SampleSet
 
 ReferenceTree::~ReferenceTree() = default;
 
-void ReferenceTree::ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers) {
+void ReferenceTree::ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers,
+                        Uninterpolated others) {
     const FloatEnvironment environment;
     for (size_t i = 0; i < rays.size(); ++i) {
-        answers[i] = is_ray(rays[i]) ? answer(to_local(rays[i])) : CachedAnswer{};
+        answers[i] = is_ray(rays[i]) ? answer(to_local(rays[i]), others) : CachedAnswer{};
         ++statistics_.answers[static_cast<size_t>(answers[i].by)];
         answers[i].output = to_object(answers[i].output);
         prune();
@@ -99,11 +104,14 @@ OutputRay ReferenceTree::to_object(OutputRay local) const {
     return local;
 }
 
-CachedAnswer ReferenceTree::traced(const Ray& local, AnsweredBy reason) const {
-    return {tracer_.trace(local), reason, 0.0};
+CachedAnswer ReferenceTree::answer(const Ray& local, Uninterpolated others) {
+    CachedAnswer result = interpolated(local);
+    if (is_traced(result.by) && others == Uninterpolated::Trace) result.output = tracer_.trace(local);
+    return result;
 }
 
-CachedAnswer ReferenceTree::answer(const Ray& local) {
+/// Nothing yet in the output where the answer is to trace.
+CachedAnswer ReferenceTree::interpolated(const Ray& local) {
     if (space_.box().isEmpty()) return {{}, AnsweredBy::BoxMissed, 0.0};
     const std::optional<Stretch> stretch = inside_box(space_.box(), local.origin, local.direction);
     if (!stretch || stretch->end < 0.0) return {{}, AnsweredBy::BoxMissed, 0.0};
@@ -114,49 +122,50 @@ CachedAnswer ReferenceTree::answer(const Ray& local) {
         case 1:
             return answer_in(found, line, local, starts_inside);
         case 2:
-            return starts_inside ? traced(local, AnsweredBy::TracedOrigin) : answer_on_side(found, line, local);
+            return starts_inside ? to_trace(AnsweredBy::TracedOrigin) : answer_on_side(found, line, local);
         default:
-            return traced(local, AnsweredBy::TracedManyClasses);
+            return to_trace(AnsweredBy::TracedManyClasses);
     }
 }
 
 /// A cell of one class.
-CachedAnswer ReferenceTree::answer_in(const Found& found, const Line& line, const Ray& local, bool starts_inside) {
+CachedAnswer ReferenceTree::answer_in(const Found& found, const Line& line, const Ray& local,
+                                      bool starts_inside) const {
     const Leaf& leaf = *found.node->leaf;
     const Leaf::Side& side = leaf.sides[0];
     if (side.sample_class.is_miss()) {
-        if (!space_.is_narrow(found.key)) return traced(local, AnsweredBy::TracedLargeCell);
+        if (!space_.is_narrow(found.key)) return to_trace(AnsweredBy::TracedLargeCell);
         return {{}, AnsweredBy::CellMissed, 0.0};
     }
     if (side.least_cosine < std::cos(std::min<double>(settings_.angle_threshold, kPi)))
-        return traced(local, AnsweredBy::TracedAngle);
+        return to_trace(AnsweredBy::TracedAngle);
     // The length of a line says nothing about where on it the object lies.
-    if (starts_inside && tracer_.settings().kind == OutputKind::Volume) return traced(local, AnsweredBy::TracedOrigin);
+    if (starts_inside && tracer_.settings().kind == OutputKind::Volume) return to_trace(AnsweredBy::TracedOrigin);
     const CornerWeights weights = quadrilinear_weights(space_.position_in(found.key, line));
     CachedAnswer result{interpolate(*found.node, side.sample_class, weights, local.direction), AnsweredBy::Interpolated,
                         leaf.error / space_.half_extent()};
     if (starts_inside) {
         const double beyond = (result.output.position - local.origin).dot(local.direction);
         const double margin = kBeyondErrors * leaf.position_error + kLeastBeyond * space_.half_extent();
-        if (!(beyond > margin)) return traced(local, AnsweredBy::TracedOrigin);
+        if (!(beyond > margin)) return to_trace(AnsweredBy::TracedOrigin);
     }
     return result;
 }
 
 /// A cell of two classes, asked by a ray from outside the box.
-CachedAnswer ReferenceTree::answer_on_side(const Found& found, const Line& line, const Ray& local) {
+CachedAnswer ReferenceTree::answer_on_side(const Found& found, const Line& line, const Ray& local) const {
     const Leaf& leaf = *found.node->leaf;
     if (leaf.sides[0].sample_class.first_hit == leaf.sides[1].sample_class.first_hit)
-        return traced(local, AnsweredBy::TracedManyClasses);
+        return to_trace(AnsweredBy::TracedManyClasses);
     const uint32_t first_hit = tracer_.first_hit_class(local);
     if (first_hit == kMissedClass) return {{}, AnsweredBy::TwoClassMissed, 0.0};
     const auto is_hit = [&](const Leaf::Side& side) { return side.sample_class.first_hit == first_hit; };
     const auto side = std::find_if(leaf.sides.begin(), leaf.sides.end(), is_hit);
-    if (side == leaf.sides.end()) return traced(local, AnsweredBy::TracedManyClasses);
+    if (side == leaf.sides.end()) return to_trace(AnsweredBy::TracedManyClasses);
     const auto weights = affine_weights(side->corners, space_.position_in(found.key, line));
-    if (!weights) return traced(local, AnsweredBy::TracedFewCorners);
+    if (!weights) return to_trace(AnsweredBy::TracedFewCorners);
     if (side->least_cosine < std::cos(std::min<double>(settings_.angle_threshold, kPi)))
-        return traced(local, AnsweredBy::TracedAngle);
+        return to_trace(AnsweredBy::TracedAngle);
     return {interpolate(*found.node, side->sample_class, *weights, local.direction), AnsweredBy::TwoClassInterpolated,
             0.0};
 }

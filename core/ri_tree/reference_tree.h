@@ -39,7 +39,9 @@ class ReferenceTree final : public RayCache {
     ~ReferenceTree() override;
 
     /// Spacings are not looked at: the paper buys every cell.
-    void ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers) override;
+    void ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers,
+             Uninterpolated others) override;
+    using RayCache::ask;
     OutputRay trace(const Ray& object_ray) const override;
     RayCacheStatistics statistics() const override;
 
@@ -66,10 +68,10 @@ class ReferenceTree final : public RayCache {
 
     Ray to_local(const Ray& object_ray) const;
     OutputRay to_object(OutputRay local) const;
-    CachedAnswer answer(const Ray& local);
-    CachedAnswer answer_in(const Found& found, const Line& line, const Ray& local, bool starts_inside);
-    CachedAnswer answer_on_side(const Found& found, const Line& line, const Ray& local);
-    CachedAnswer traced(const Ray& local, AnsweredBy reason) const;
+    CachedAnswer answer(const Ray& local, Uninterpolated others);
+    CachedAnswer answer_in(const Found& found, const Line& line, const Ray& local, bool starts_inside) const;
+    CachedAnswer answer_on_side(const Found& found, const Line& line, const Ray& local) const;
+    CachedAnswer interpolated(const Ray& local);
 
     Found descend(const Line& line);
     std::unique_ptr<Node> make_root(uint8_t direction);
