@@ -137,7 +137,91 @@ def profile_cases(rng):
             yield _case(f"profile {name}, {kind}", {**settings, "twist_mode": "MINIMUM"}, spline)
 
 
+def helper_cases(rng):
+    """Bevel and taper objects."""
+    square = {
+        **points_spline(rng, "POLY", 4, True),
+        "co": [(0.2, 0.1, 0, 1), (-0.2, 0.1, 0, 1), (-0.2, -0.1, 0, 1), (0.15, -0.1, 0, 1)],
+    }
+    star = {**points_spline(rng, "POLY", 6, True)}
+    star["co"] = [
+        (0.25 * r * np.cos(a), 0.25 * r * np.sin(a), 0, 1) for r, a in zip((1, 0.4) * 3, np.arange(6) * np.pi / 3)
+    ]
+    arc = bezier(rng, 3, "AUTO", False, "2D", resolution_u=12)
+    loop = bezier(rng, 4, "AUTO", True, "2D", resolution_u=12)
+    nurbs = points_spline(rng, "NURBS", 5, True, "2D", order_u=4, resolution_u=12)
+    for name, splines, scale in (
+        ("square", [square], (1, 1, 1)),
+        ("star", [star], (1, 1, 1)),
+        ("arc", [arc], (0.2, 0.3, 1)),
+        ("loop", [loop], (0.15, -0.1, 2)),
+        ("nurbs loop", [nurbs], (0.1, 0.1, 1)),
+        ("several", [square, arc], (0.5, 0.5, 1)),
+    ):
+        yield _case(name, {}, *splines, helper=True, scale=scale)
+    yield _case("taper bezier", {}, bezier(rng, 3, "AUTO", resolution_u=192), helper=True)
+    yield _case(
+        "taper poly",
+        {},
+        {**points_spline(rng, "POLY", 4), "co": [(2, 1, 0, 1), (2.5, 0.2, 0, 1), (4, -0.5, 0, 1), (5, 1.5, 0, 1)]},
+        helper=True,
+    )
+    yield _case(
+        "taper backwards", {}, {**points_spline(rng, "POLY", 2), "co": [(2, 1, 0, 1), (1, 0.2, 0, 1)]}, helper=True
+    )
+
+
+def bevel_object_cases(rng):
+    for name in ("square", "star", "arc", "loop", "nurbs loop", "several"):
+        for twist, cyclic in itertools.product(("Z_UP", "MINIMUM"), (False, True)):
+            settings = {"bevel_mode": "OBJECT", "bevel_object": name, "twist_mode": twist, "offset": 0.1}
+            yield _case(f"bevel object {name}, {twist}, cyclic {cyclic}", settings, bezier(rng, 4, "AUTO", cyclic))
+        settings = {"bevel_mode": "OBJECT", "bevel_object": name, "dimensions": "2D", "fill_mode": "NONE"}
+        yield _case(f"2D bevel object {name}", settings, points_spline(rng, "POLY", 5, True, "2D"))
+
+
+RANGES = ((0.2, 0.7), (0.85, 0.15), (0.0, 0.33), (0.5, 1.0))
+MAPPINGS = ("RESOLUTION", "SEGMENTS", "SPLINE")
+
+
+def range_cases(rng):
+    mixed = [("AUTO", "AUTO"), ("AUTO", "VECTOR"), ("VECTOR", "VECTOR"), ("VECTOR", "AUTO")]
+    for (start, end), first, last in itertools.product(RANGES, MAPPINGS, MAPPINGS):
+        kind = ("auto", "mixed", "poly", "nurbs")[(len(first) + len(last) + int(100 * start)) % 4]
+        spline = {
+            "auto": lambda: bezier(rng, 5),
+            "mixed": lambda: bezier(rng, 6, mixed),
+            "poly": lambda: points_spline(rng, "POLY", 6),
+            "nurbs": lambda: points_spline(rng, "NURBS", 6, order_u=4, use_endpoint_u=True),
+        }[kind]()
+        settings = {"bevel_factor_start": start, "bevel_factor_end": end}
+        settings |= {"bevel_factor_mapping_start": first, "bevel_factor_mapping_end": last}
+        yield _case(
+            f"range {start} {first} to {end} {last}, {kind}", {**ROUND, "twist_mode": "Z_UP", **settings}, spline
+        )
+
+
+def taper_cases(rng):
+    for taper, mode, fitted in itertools.product(
+        ("taper bezier", "taper poly", "taper backwards"), ("OVERRIDE", "MULTIPLY", "ADD"), (False, True)
+    ):
+        settings = {"taper_object": taper, "taper_radius_mode": mode, "use_map_taper": fitted}
+        settings |= {"bevel_factor_start": 0.1, "bevel_factor_end": 0.8}
+        yield _case(f"{taper}, {mode}, fitted {fitted}", {**ROUND, "twist_mode": "MINIMUM", **settings}, bezier(rng, 4))
+        closed = bezier(rng, 4, "AUTO", True)
+        yield _case(f"{taper}, {mode}, fitted {fitted}, closed", {**ROUND, "twist_mode": "Z_UP", **settings}, closed)
+
+
 def all_cases():
     """Every case, helpers first."""
     rng = np.random.default_rng(11)
-    return [*frame_cases(rng), *interpolation_cases(rng), *profile_cases(rng)]
+    parts = (
+        helper_cases,
+        frame_cases,
+        interpolation_cases,
+        profile_cases,
+        bevel_object_cases,
+        range_cases,
+        taper_cases,
+    )
+    return [case for part in parts for case in part(rng)]

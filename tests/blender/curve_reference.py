@@ -19,7 +19,7 @@ that straight segments keep their width. Tilt and twist do not count. Closed 2D 
 """
 
 import numpy as np
-from curve_spine import unit
+from curve_spine import spine_of, unit
 
 
 def z_up_frames(direction):
@@ -174,3 +174,15 @@ def reversed_spine(spine):
         segment=spine.segment[back],
         cyclic=spine.cyclic,
     )
+
+
+def bevel_object_profile(core, spline, scale):
+    """(m, 2): a spline of a bevel object as a profile: x towards the right of the curve, y along the frame's Y, scaled by the object.
+
+    A closed Bezier spline begins at its first point here, not at its last.
+    """
+    spine = spine_of(core, spline)
+    points = spine.position[:, :2] * (-scale[0], scale[1])
+    if spline["type"] == "BEZIER" and spline["cyclic"]:
+        points = np.roll(points, -int((spine.segment == 0).sum()), axis=0)
+    return points

@@ -194,7 +194,7 @@ def nurbs_spine(core, spline):
         values[:, 0],
         values[:, 1],
         np.zeros(total, bool),
-        np.zeros(total, int),
+        np.arange(total) // spline["resolution"],
         cyclic,
     )
 
