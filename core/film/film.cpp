@@ -1,6 +1,7 @@
 #include "film/film.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace rayleaf {
 
@@ -53,9 +54,10 @@ Vec4f PixelSums::value(Pass pass) const {
     if (info.rule == PassRule::FirstSample) return Vec4f(sum);
     if (info.rule == PassRule::Mean) return Vec4f(sum / std::max(count_, 1));
     const Vec4d& color = sums_[static_cast<size_t>(info.color)];
+    constexpr double kLargest = std::numeric_limits<float>::max();
     Vec4f value(0.0f);
     for (int i = 0; i < 3; ++i)
-        if (color[i] > 0.0) value[i] = static_cast<float>(sum[i] / color[i]);
+        if (color[i] > 0.0) value[i] = static_cast<float>(std::clamp(sum[i] / color[i], -kLargest, kLargest));
     return value;
 }
 

@@ -33,13 +33,14 @@ void Contributions::add_split(const Color& light, const ByKind& shares, bool dir
     for (const LobeKind kind : kLobeKinds) sample.add(passes[static_cast<size_t>(kind)], light * shares[kind]);
 }
 
-void Contributions::add_first(const Color& light, const ByKind& shares) {
-    add_split(clamped(light, settings_.clamp_direct), shares, true);
+void Contributions::add_first(const Color& light, const ByKind& shares, float share) {
+    add_split(clamped(light, settings_.clamp_direct * share), shares, true);
 }
 
-void Contributions::add_scattered(const Color& light, int scatterings, const ByKind& first_shares) {
+void Contributions::add_scattered(const Color& light, int scatterings, const ByKind& first_shares, float share) {
     const bool direct = scatterings == 1;
-    add_split(clamped(light, direct ? settings_.clamp_direct : settings_.clamp_indirect), first_shares, direct);
+    add_split(clamped(light, (direct ? settings_.clamp_direct : settings_.clamp_indirect) * share), first_shares,
+              direct);
 }
 
 void Contributions::add_albedo(const ByKind& albedo) {

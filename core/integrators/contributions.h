@@ -28,9 +28,10 @@ class Contributions {
     /// The world behind a transparent film: in its pass, not in the picture.
     void add_hidden_world(const Color& light);
     /// Light that the first surface scattered straight from a light, split by the kinds of its lobes.
-    void add_first(const Color& light, const ByKind& shares);
+    /// `share` is the part of a camera sample that the light stands for; limits are for whole ones.
+    void add_first(const Color& light, const ByKind& shares, float share = 1.0f);
     /// Light that came over `scatterings` (at least one) surfaces, the first of which passed it on in `first_shares`.
-    void add_scattered(const Color& light, int scatterings, const ByKind& first_shares);
+    void add_scattered(const Color& light, int scatterings, const ByKind& first_shares, float share = 1.0f);
     /// Colour of the lobes of each kind, of a surface the camera sees.
     void add_albedo(const ByKind& albedo);
 

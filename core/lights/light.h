@@ -50,6 +50,7 @@ struct LightSample {
     float density = 0;         ///< per solid angle, choice of the light included; delta lights: the choice alone
     bool delta = false;        ///< cannot be hit by a scattered ray
     bool casts_shadow = true;
+    bool world = false;                ///< light of the world, not of a lamp or surface
     uint8_t visibility = kVisibleAll;  ///< which kinds of rays see the light: other lobes are not lit by it
 };
 

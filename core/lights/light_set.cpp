@@ -178,7 +178,9 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
         if (choice < probability || set.tree.empty()) {
             LampSample sample = set.world->sample(within);
             sample.radiance = set.world_emission(Vec3f(sample.direction));
-            return chosen(sample, position, probability, kVisibleAll, true);
+            std::optional<LightSample> light = chosen(sample, position, probability, kVisibleAll, true);
+            if (light) light->world = true;
+            return light;
         }
         choice -= probability;
     }

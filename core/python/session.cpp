@@ -59,13 +59,21 @@ py::dict limit_normals(const NormalCounters& counters) {
     return result;
 }
 
+py::dict rays(const RenderStatistics& s) {
+    using namespace py::literals;
+    py::dict result("pixels"_a = s.pixels, "paths"_a = s.paths);
+    for (size_t use = 0; use < kRayUseNames.size(); ++use)
+        if (s.rays.of[use] > 0) result[kRayUseNames[use]] = s.rays.of[use];
+    return result;
+}
+
 py::dict statistics(const Session& session) {
     using namespace py::literals;
     const RenderStatistics s = session.statistics();
     const TraceStatistics& t = s.trace;
     return py::dict(
         "time"_a = py::dict("build_seconds"_a = s.build_seconds, "render_seconds"_a = s.render_seconds),
-        "rays"_a = py::dict("pixels"_a = s.pixels, "paths"_a = s.paths),
+        "rays"_a = rays(s),
         "geometry"_a = py::dict("shapes"_a = t.shapes, "instances"_a = t.instances, "triangles"_a = t.triangles,
                                 "subpatches"_a = t.subpatches, "grids_diced"_a = t.grids_diced,
                                 "limit_normals"_a = limit_normals(t.limit_normals)),

@@ -1,6 +1,7 @@
 #include "render/session.h"
 
 #include "base/random.h"
+#include "integrators/distribution.h"
 #include "integrators/path.h"
 
 #include <chrono>
@@ -43,6 +44,8 @@ Settings validated(Settings settings) {
 struct Session::Frame {
     PixelFilter filter;
     PathSettings path;
+    DistributionSettings distribution;
+    IntegratorKind integrator;
 };
 
 Session::Session(std::shared_ptr<const SceneDescription> description, Settings settings,
@@ -81,30 +84,41 @@ void Session::render_building_first() {
 
 void Session::render_tiles() {
     const std::vector<Window> tiles = tiles_of(window(settings_), settings_.tile_size);
-    const Frame frame{PixelFilter(settings_.filter, settings_.filter_width), PathSettings(settings_)};
+    const Frame frame{PixelFilter(settings_.filter, settings_.filter_width), PathSettings(settings_), settings_,
+                      settings_.integrator};
     oneapi::tbb::parallel_for(
         size_t{0}, tiles.size(), [&](size_t i) { render_tile(tiles[i], frame); }, oneapi::tbb::simple_partitioner());
 }
 
 void Session::render_tile(const Window& tile, const Frame& frame) {
     std::vector<PixelSums> sums(static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height));
+    RayCounts counts;
     size_t pixel = 0;
     for (int y = 0; y < tile.height; ++y)
         for (int x = 0; x < tile.width; ++x)
-            if (!render_pixel(tile.x + x, tile.y + y, frame, sums[pixel++])) return;
+            if (!render_pixel(tile.x + x, tile.y + y, frame, sums[pixel++], counts)) return;
     const Window part = window(settings_);
     film_.put(tile.x - part.x, tile.y - part.y, tile.width, tile.height, sums);
     finished_pixels_ += sums.size();
+    add_counts(counts);
 }
 
-bool Session::render_pixel(int x, int y, const Frame& frame, PixelSums& sums) const {
+void Session::add_counts(const RayCounts& counts) {
+    const std::scoped_lock lock(mutex_);
+    statistics_.rays += counts;
+}
+
+bool Session::render_pixel(int x, int y, const Frame& frame, PixelSums& sums, RayCounts& counts) const {
     const auto pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(x);
     for (int s = 0; s < settings_.samples; ++s) {
         if (s % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
         const Sampler sampler(pixel, static_cast<uint32_t>(s), settings_.seed);
         const Vec2d place = Vec2d(x + 0.5, y + 0.5) + frame.filter.offset(sampler.get2(kFilterDimension));
         const CameraRay ray = scene_->camera().ray(place, sampler.get2(kLensDimension));
-        sums.add(trace_path(*scene_, frame.path, ray, sampler), settings_.passes);
+        const PixelSample value = frame.integrator == IntegratorKind::Distribution
+                                      ? trace_distributed(*scene_, frame.distribution, ray, sampler, counts)
+                                      : trace_path(*scene_, frame.path, ray, sampler);
+        sums.add(value, settings_.passes);
     }
     return true;
 }

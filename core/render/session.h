@@ -3,6 +3,7 @@
 
 #include "base/cancel.h"
 #include "film/film.h"
+#include "integrators/ray_counts.h"
 #include "ri_tree/ray_cache_store.h"
 #include "scene/description.h"
 #include "scene/scene.h"
@@ -25,6 +26,7 @@ struct Progress {
 struct RenderStatistics {
     double build_seconds = 0, render_seconds = 0;
     uint64_t pixels = 0, paths = 0;
+    RayCounts rays;  ///< of distribution ray tracing
     TraceStatistics trace;
     TextureStore::Statistics textures;
     bool has_textures = false;
@@ -64,7 +66,8 @@ class Session {
     void render_tiles();
     struct Frame;  ///< what all tiles share
     void render_tile(const Window& tile, const Frame& frame);
-    bool render_pixel(int x, int y, const Frame& frame, PixelSums& sums) const;
+    bool render_pixel(int x, int y, const Frame& frame, PixelSums& sums, RayCounts& counts) const;
+    void add_counts(const RayCounts& counts);
     void gather_statistics(double build_seconds, double render_seconds);
 };
 

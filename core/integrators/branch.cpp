@@ -1,0 +1,55 @@
+#include "integrators/branch.h"
+
+namespace rayleaf {
+namespace {
+
+/// Rays dimmer than this end by chance: bounds the number of rays that mirrors and glass make of one. A surface sends
+/// on at most what it gets, so at most the inverse of it are followed at a time.
+constexpr float kLeastImportance = 0.01f;
+/// The least probability of going on beyond hemisphere rays, as in path tracing.
+constexpr float kLeastSurvival = 0.05f;
+
+}  // namespace
+
+Branch Branch::scattered(const Vertex& from, const Closures& closures, const LobeSample& sample, int count) const {
+    Branch child = *this;
+    child.ray = Ray{};
+    child.ray.origin = from.point.ray_origin(sample.direction);
+    child.ray.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
+    child.departure = {};
+    child.departure.position = from.point.position;
+    child.bounces.scatter(sample);
+    child.throughput *= sample.weight / static_cast<float>(count);
+    child.share /= static_cast<float>(count);
+    if (splits_light && bounces.count() == 0) child.first_shares = shares_of_scattering(from, closures, sample);
+    ++child.vertex;
+    return child;
+}
+
+Branch Branch::straight_on(const Vertex& from) const {
+    Branch child = *this;
+    const Vec3d origin = from.point.ray_origin(Vec3f(ray.direction));
+    child.ray.t_max -= (origin - ray.origin).dot(ray.direction);
+    child.ray.t_min = 0;
+    child.ray.origin = origin;
+    child.differential = from.differential;
+    child.throughput *= from.closures.transparency;
+    child.bounces.pass_through(from.point.t);
+    ++child.vertex;
+    return child;
+}
+
+bool survives(Branch& branch, const PathSettings& settings) {
+    const float importance = branch.importance();
+    if (!(importance > 0.0f) || !is_finite(branch.throughput)) return false;
+    float survival = 1.0f;
+    if (branch.spread == Spread::Many)
+        survival = std::min(importance / kLeastImportance, 1.0f);
+    else if (branch.bounces.count() > settings.roulette_start)
+        survival = std::clamp(importance, kLeastSurvival, 1.0f);
+    if (survival < 1.0f && branch.random(PathDimension::Roulette) >= survival) return false;
+    branch.throughput /= survival;
+    return true;
+}
+
+}  // namespace rayleaf

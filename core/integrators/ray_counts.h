@@ -1,0 +1,33 @@
+// How many rays of each kind an integrator sent.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace rayleaf {
+
+enum class RayUse : uint8_t {
+    Camera,
+    Specular,    ///< mirrors and clear refractions
+    Glossy,      ///< rough microfacets
+    Hemisphere,  ///< from diffuse lobes
+    Indirect,    ///< any beyond a hemisphere ray
+    Shadow,      ///< to sampled lights
+    Occlusion    ///< of the pass
+};
+inline constexpr std::array kRayUseNames = {"camera",   "specular", "glossy",   "hemisphere",
+                                            "indirect", "shadow",   "occlusion"};
+
+struct RayCounts {
+    std::array<uint64_t, kRayUseNames.size()> of{};
+
+    uint64_t& operator[](RayUse use) { return of[static_cast<size_t>(use)]; }
+    uint64_t operator[](RayUse use) const { return of[static_cast<size_t>(use)]; }
+    RayCounts& operator+=(const RayCounts& other) {
+        for (size_t i = 0; i < of.size(); ++i) of[i] += other.of[i];
+        return *this;
+    }
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,71 @@
+#include "shading/split_closures.h"
+
+#include "shading/fresnel.h"
+#include "shading/lobes.h"
+
+namespace rayleaf {
+namespace {
+
+/// Random numbers that make glass reflect wherever it can, and refract wherever it can.
+constexpr float kReflect = 0.0f, kRefract = 1.0f - 0x1p-24f;
+
+}  // namespace
+
+bool is_hemispherical(const Lobe& lobe) {
+    switch (lobe.type) {
+        case LobeType::Reflection:
+        case LobeType::Refraction:
+        case LobeType::Glass:
+        case LobeType::Clearcoat:
+            return false;
+        default:
+            return true;
+    }
+}
+
+SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, const Vec3f& facet_normal) {
+    for (int i = 0; i < closures.size(); ++i) {
+        const Lobe& lobe = closures[i];
+        if (is_singular(lobe))
+            add_singular(lobe, outgoing, facet_normal);
+        else
+            (is_hemispherical(lobe) ? diffuse_ : glossy_).add(lobe);
+    }
+}
+
+void SplitClosures::add_singular(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& facet_normal) {
+    const bool glass = lobe.type == LobeType::Glass;
+    const float reflected = glass ? dielectric_fresnel(lobe.normal.dot(outgoing), lobe.ior) : 1.0f;
+    for (const float random : {kReflect, kRefract}) {
+        const bool second = random == kRefract;
+        const float share = second ? 1.0f - reflected : reflected;
+        if (!(share > 0.0f)) continue;
+        const std::optional<LobeDirection> direction = sample_lobe(lobe, outgoing, Vec3f(0.0f, 0.0f, random));
+        if (!direction) continue;
+        LobeSample sample;
+        sample.direction = direction->direction;
+        sample.transmitted = (facet_normal.dot(outgoing) > 0.0f) != (facet_normal.dot(sample.direction) > 0.0f);
+        // A shading normal bent far from the facet may send the ray to the wrong side.
+        if (sample.transmitted != (lobe.normal.dot(sample.direction) < 0.0f)) continue;
+        if (glass && sample.transmitted != second) continue;
+        sample.weight = direction->weight * share;
+        sample.kind = kind_of(lobe, sample.transmitted ? Side::Transmitted : Side::Reflected);
+        sample.singular = true;
+        sample.eta = direction->eta;
+        add_singular(sample);
+    }
+}
+
+void SplitClosures::add_singular(const LobeSample& sample) {
+    if (is_black(sample.weight) || !is_finite(sample.weight)) return;
+    for (int i = 0; i < singular_count_; ++i) {
+        LobeSample& other = singular_[i];
+        if (other.direction == sample.direction && other.kind == sample.kind) {
+            other.weight += sample.weight;
+            return;
+        }
+    }
+    singular_[singular_count_++] = sample;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,34 @@
+// The closures of a point taken apart, for integrators that follow every mirror and every refraction and send many rays
+// from rough lobes.
+#pragma once
+
+#include "shading/closures.h"
+
+#include <span>
+
+namespace rayleaf {
+
+class SplitClosures {
+  public:
+    SplitClosures(const Closures& closures, const Vec3f& outgoing, const Vec3f& facet_normal);
+
+    /// One sample for each mirror and each refraction, that of glass weighted by Fresnel; equal directions are joined.
+    std::span<const LobeSample> singular() const { return {singular_, static_cast<size_t>(singular_count_)}; }
+    /// The rough microfacet lobes.
+    const Closures& glossy() const { return glossy_; }
+    /// The lobes that scatter over the hemisphere, sampled by the cosine.
+    const Closures& diffuse() const { return diffuse_; }
+
+  private:
+    LobeSample singular_[2 * Closures::kMaxLobes];  ///< glass has two
+    int singular_count_ = 0;
+    Closures glossy_, diffuse_;
+
+    void add_singular(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& facet_normal);
+    void add_singular(const LobeSample& sample);
+};
+
+/// True for lobes that `SplitClosures::diffuse` takes.
+bool is_hemispherical(const Lobe& lobe);
+
+}  // namespace rayleaf
