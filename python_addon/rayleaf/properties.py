@@ -10,6 +10,19 @@ FILTERS = (
     ("GAUSSIAN", "Gaussian", "Bell-shaped"),
     ("BLACKMAN_HARRIS", "Blackman-Harris", "Smooth and compact; the default"),
 )
+INTEGRATORS = (
+    ("PATH", "Path Tracing", "One ray goes on from each surface; all light, with noise that more samples remove"),
+    (
+        "DISTRIBUTION",
+        "Distribution Ray Tracing",
+        "Many rays go on from each surface the camera sees, few beyond; at most one diffuse bounce",
+    ),
+)
+INDIRECT = (
+    ("NONE", "None", "Surfaces are lit straight from lights and the world"),
+    ("AMBIENT_OCCLUSION", "Ambient Occlusion", "The world lights what nothing nearby hides from it"),
+    ("COLOR_BLEEDING", "Color Bleeding", "Light by way of one more diffuse surface as well"),
+)
 
 
 class RayleafSceneSettings(bpy.types.PropertyGroup):
@@ -19,6 +32,29 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
     seed: IntProperty(name="Seed", description="Another number gives other noise", default=0, min=0)  # type: ignore
     use_animated_seed: BoolProperty(  # type: ignore
         name="Animate Seed", description="Other noise in every frame", default=False
+    )
+
+    integrator: EnumProperty(name="Integrator", items=INTEGRATORS, default="PATH")  # type: ignore
+    glossy_rays: IntProperty(  # type: ignore
+        name="Glossy Rays",
+        description="Rays from a rough mirror or rough glass, per sample",
+        default=4,
+        min=1,
+        max=4096,
+    )
+    light_rays: IntProperty(  # type: ignore
+        name="Light Rays", description="Shadow rays from a surface, per sample", default=4, min=1, max=4096
+    )
+    hemisphere_rays: IntProperty(  # type: ignore
+        name="Hemisphere Rays", description="Rays from a diffuse surface, per sample", default=16, min=1, max=4096
+    )
+    indirect: EnumProperty(name="Indirect Light", items=INDIRECT, default="COLOR_BLEEDING")  # type: ignore
+    occlusion_distance: FloatProperty(  # type: ignore
+        name="Occlusion Distance",
+        description="Farther things hide nothing in ambient occlusion, as light and as a pass; 0 for no limit",
+        default=0.0,
+        min=0.0,
+        subtype="DISTANCE",
     )
 
     max_bounces: IntProperty(name="Total", description="Bounces of any kind", default=12, min=0, max=1024)  # type: ignore

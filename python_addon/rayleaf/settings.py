@@ -37,5 +37,11 @@ def core_settings(
         filter_width=own.filter_width,
         exposure=own.film_exposure,
         ray_interpolation=ray_interpolation.of_scene(core, own.ray_interpolation),
+        integrator=own.integrator,
+        glossy_rays=own.glossy_rays,
+        light_rays=own.light_rays,
+        hemisphere_rays=own.hemisphere_rays,
+        indirect=own.indirect,
+        occlusion_distance=own.occlusion_distance,
         passes=[entry.identifier for entry in passes],
     )

@@ -86,6 +86,23 @@ class RAYLEAF_PT_sampling(_Panel, bpy.types.Panel):
         row.prop(settings, "use_animated_seed", text="", icon="TIME")
 
 
+class RAYLEAF_PT_integrator(_Panel, bpy.types.Panel):
+    """How light is gathered."""
+
+    bl_label = "Integrator"
+
+    def draw(self, context: Any) -> None:
+        column, settings = self._column(), context.scene.rayleaf
+        column.prop(settings, "integrator", text="Integrator")
+        if settings.integrator == "DISTRIBUTION":
+            rays = column.column(align=True, heading="Rays")
+            rays.prop(settings, "glossy_rays", text="Glossy")
+            rays.prop(settings, "light_rays", text="Light")
+            rays.prop(settings, "hemisphere_rays", text="Hemisphere")
+            column.prop(settings, "indirect")
+        column.prop(settings, "occlusion_distance")
+
+
 class RAYLEAF_PT_light_paths(_Panel, bpy.types.Panel):
     """How far light is followed."""
 
@@ -247,6 +264,7 @@ class RAYLEAF_PT_ray_visibility(_Panel, bpy.types.Panel):
 
 PANELS = (
     RAYLEAF_PT_sampling,
+    RAYLEAF_PT_integrator,
     RAYLEAF_PT_light_paths,
     RAYLEAF_PT_film,
     RAYLEAF_PT_performance,
