@@ -10,6 +10,7 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::bind_shading(module);
     rayleaf::bind_trace(module);
     rayleaf::bind_ri_tree(module);
+    rayleaf::bind_rivals(module);
     rayleaf::bind_splines(module);
     rayleaf::bind_curves(module);
     rayleaf::bind_ray_interpolation(module);

@@ -26,6 +26,13 @@ inline void embree_closest(RTCScene scene, EmbreeContext& context, RTCRayHit& ra
     arguments.context = &context;
     rtcIntersect1(scene, &ray, &arguments);
 }
+inline void embree_closest16(const int* valid, RTCScene scene, EmbreeContext& context, RTCRayHit16& rays) {
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    arguments.context = &context;
+    rtcIntersect16(valid, scene, &rays, &arguments);
+}
 inline void embree_any(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
@@ -40,6 +47,11 @@ inline void initialize(EmbreeContext& context) {
 }
 inline void embree_closest(RTCScene scene, EmbreeContext& context, RTCRayHit& ray) {
     rtcIntersect1(scene, &context, &ray);
+}
+/// `valid`: -1 for rays that are asked, 0 for others. Neighbouring rays.
+inline void embree_closest16(const int* valid, RTCScene scene, EmbreeContext& context, RTCRayHit16& rays) {
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect16(valid, scene, &context, &rays);
 }
 inline void embree_any(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
     rtcOccluded1(scene, &context, &ray);

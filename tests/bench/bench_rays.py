@@ -1,135 +1,152 @@
-"""The ray cache as published against tracing, on a mirror sheet: speed, share traced, samples, error.
+"""Ray caches against tracing: speed-up of first, repeated and orbit frames, error, share interpolated, memory.
 
-One thread, its processor time, geometry alone: both return the reflected ray. The sheet is 10 x 10 units of 100 bicubic
-patches, C2 at their borders, seen by 600 x 600 camera rays, row by row. First frame: an empty tree. Repeated: the same
-rays again. Orbit: frames 2 to 10 while the camera moves by one degree each. The error is that of the answers against the
-tracer that filled the tree, as the mean distance of RGB values in [0, 1] that a smooth surrounding of several frequencies
-gives to both (0 for rays that miss), and as the angle of the interpolated directions.
+One thread, its processor time, answering rays alone (ray_frames.py). The scenes are in ray_scenes.py. First frame: an
+empty cache. Repeated: the same rays again. Orbit: the mean of ten frames while the camera moves by one degree each.
+Errors are against the tracer that filled the cache: the mean distance of RGB values in [0, 1] that rays see in the end.
+
+What is compared: `tracing`, Rayleaf's own, the one that fills the caches; `triangles`, the same surfaces as Embree's
+triangles, 16 x 16 a patch, with exact normals, one ray at a time; `packets`, the same in packets of 16; `Newton` on exact
+patches; `image plane`, camera rays interpolated in the picture, rebuilt each frame; and the caches.
 """
 
+import statistics
+from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from ray_frames import Frame, ImagePlane, Method, Picture, Rival, Trees, error, render
+from ray_scenes import Scene, chaotic_glass, gentle_glass, mirror_sheet, random_volumes, tomatoes
 from rayleaf import _core
 
-Doubles = NDArray[np.float64]
-
+PRINTS_ITSELF = True
+ORBIT_FRAMES = 10
 REPEATS = 3
-PIXELS = 600
-ORBIT_FRAMES = 9
-PATCHES = 10
-CUBIC_OPEN = (4, False, False, False)
+TREES = {"reference": _core.ri_tree.ReferenceTree, "fast": _core.ri_tree.FastTree}
 # The paper's 0.05 on a sheet of 10 units, as a share of half its side; its angle and depth.
-SETTINGS = {"distance_threshold": 0.01, "angle_threshold": np.radians(30), "depth_limit": 28}
+PAPER = {"distance_threshold": 0.01, "angle_threshold": 0.5235987755982988, "depth_limit": 28}
 
 
-def unit(vectors: Doubles) -> Doubles:
-    """Vectors of length 1."""
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+@dataclass
+class Figures:
+    """Of one method on one scene; times in seconds, every single measurement."""
+
+    first: list[float] = field(default_factory=list)
+    repeated: list[float] = field(default_factory=list)
+    orbit: float = 0.0
+    error: float = 0.0
+    frame: Frame = field(default_factory=Frame)
+    samples: int = 0
+    orbit_samples: float = 0.0
+    megabytes: float = 0.0
+
+    @property
+    def times(self) -> tuple[float, float, float]:
+        """Medians: first, repeated, orbit."""
+        return statistics.median(self.first), statistics.median(self.repeated), self.orbit
+
+    def share(self, *kinds: str) -> float:
+        """Per cent of the first frame's rays whose answer's name begins so."""
+        count = sum(n for name, n in self.frame.answers.items() if name.startswith(kinds))
+        return 100 * count / max(self.frame.rays, 1)
 
 
-def sheet() -> Any:
-    """Waves of about a third of a unit."""
-    step = 10 / PATCHES
-    place = (np.arange(PATCHES + 3) - 1) * step - 5
-    x, y = np.meshgrid(place, place)
-    z = 0.35 * np.sin(0.9 * x + 0.4) * np.cos(0.8 * y) + 0.1 * np.sin(1.7 * y - 0.6 * x)
-    points = np.stack([x, y, z, np.ones_like(x)], axis=2)
-    return _core.trace.PatchSurface("sheet", [(points, CUBIC_OPEN, CUBIC_OPEN, True, 0)])
+def rivals(scene: Scene) -> dict[str, Method]:
+    """What holds nothing from frame to frame."""
+    own = Trees(scene, _core.ri_tree.ReferenceTree, {}, traced=True)
+    return {
+        "tracing": own,
+        "triangles": Rival(scene, "TRIANGLES"),
+        "packets": Rival(scene, "TRIANGLES", packets=True),
+        "Newton": Rival(scene, "NEWTON"),
+        "image plane": ImagePlane(scene, own),
+    }
 
 
-def camera_rays(degrees: float) -> tuple[Doubles, Doubles]:
-    """From 12 units away, 35 degrees above the sheet, turned around the vertical."""
-    turn, rise = np.radians(degrees + 20), np.radians(35)
-    eye = 12 * np.array([np.cos(turn) * np.cos(rise), np.sin(turn) * np.cos(rise), np.sin(rise)])
-    forward = unit(-eye)
-    right = unit(np.cross(forward, [0, 0, 1]))
-    up = np.cross(right, forward)
-    place = (np.arange(PIXELS) + 0.5) / PIXELS - 0.5
-    x, y = np.meshgrid(place, place)
-    directions = unit(forward + 0.85 * (x.reshape(-1, 1) * right + y.reshape(-1, 1) * up))
-    return np.broadcast_to(eye, directions.shape).copy(), directions
+def measure(
+    scene: Scene, picture: Picture, settings: dict[str, dict[str, Any]], repeats: int, orbit_frames: int
+) -> dict[str, Figures]:
+    """Every method on a scene; `settings` of the trees by name. Interleaved, so that a busy machine slows all."""
+    others = rivals(scene)
+    figures = {name: Figures() for name in (*others, *settings)}
+    render(scene, others["image plane"], picture)  # makes the facets that its rays meet
+    truth = render(scene, others["tracing"], picture, wants_image=True)
+    trees: dict[str, Trees] = {}
+    for repeat in range(repeats):
+        for name, method in others.items():
+            frame = render(scene, method, picture, wants_image=repeat == 0)
+            figures[name].first.append(frame.seconds)
+            figures[name].repeated.append(frame.seconds)
+            if repeat == 0:
+                figures[name].frame, figures[name].error = frame, error(frame.image, truth.image)
+        for name in settings:
+            trees[name] = Trees(scene, TREES[name.split(":")[0]], settings[name])
+            note_first_frames(scene, picture, trees[name], figures[name], truth if repeat == 0 else None)
+    for name, tracer in {**others, **trees}.items():
+        before = tracer.total("samples_taken") if isinstance(tracer, Trees) else 0
+        frames = [render(scene, tracer, picture, degrees) for degrees in range(1, orbit_frames + 1)]
+        figures[name].orbit = sum(frame.seconds for frame in frames) / orbit_frames
+        if isinstance(tracer, Trees) and name in trees:
+            figures[name].orbit_samples = (tracer.total("samples_taken") - before) / orbit_frames
+    return figures
 
 
-def surrounding(answers: dict[str, Any]) -> Doubles:
-    """RGB that the reflected rays see, far away; black where nothing reflects."""
-    d = answers["exit_direction"]
-    colors = np.empty((len(d), 3))
-    for channel, (a, b, c) in enumerate(((7, 3, 2), (2, 9, 4), (5, 2, 8))):
-        waves = np.sin(a * d[:, 0] + channel) + np.sin(b * d[:, 1] + c * d[:, 2]) + np.sin(19 * d[:, channel])
-        colors[:, channel] = 0.5 + waves / 6
-    return np.where(answers["hit"][:, None], colors, 0.0)
+def note_first_frames(scene: Scene, picture: Picture, tree: Trees, figures: Figures, truth: Frame | None) -> None:
+    """An empty tree's first frame and the same again."""
+    frame = render(scene, tree, picture, wants_image=truth is not None)
+    figures.first.append(frame.seconds)
+    if truth is not None:
+        figures.frame, figures.error = frame, error(frame.image, truth.image)
+        figures.samples, figures.megabytes = tree.total("samples_taken"), tree.total("bytes") / 1e6
+    figures.repeated.append(render(scene, tree, picture).seconds)
 
 
-def errors(got: dict[str, Any], truth: dict[str, Any]) -> tuple[float, float]:
-    """Mean RGB distance over all rays, and mean angle in degrees over interpolated ones."""
-    rgb = np.linalg.norm(surrounding(got) - surrounding(truth), axis=1).mean()
-    interpolated = (got["answered_by"] == _core.ri_tree.ANSWERS.index("interpolated")) & truth["hit"]
-    chord = np.linalg.norm(got["exit_direction"] - truth["exit_direction"], axis=1)[interpolated]
-    return float(rgb), float(np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1))).mean())
+def print_scene(scene: Scene, picture: Picture, figures: dict[str, Figures]) -> None:
+    """A table of all methods on one scene."""
+    print(f"\n  {scene.name}, {picture.text}")
+    print(
+        f"  {'':<12}{'ms: first':>10}{'again':>8}{'orbit':>8}   {'faster than triangles':<23}{'than tracing':<21}"
+        f"{'error':>8}{'interp.':>8}{'traced':>8}{'samples':>9}{'orbit':>8}{'MB':>7}"
+    )
+    for name, own in figures.items():
+        times = "".join(f"{1e3 * seconds:>{width}.1f}" for seconds, width in zip(own.times, (10, 8, 8)))
+        ratios = [
+            " ".join(f"{base / seconds:>6.2f}" for base, seconds in zip(figures[other].times, own.times))
+            for other in ("triangles", "tracing")
+        ]
+        line = f"  {name:<12}{times}   {ratios[0]}   {ratios[1]}{own.error:>10.5f}"
+        if own.frame.answers and name not in ("tracing", "triangles", "packets", "Newton"):
+            line += f"{own.share('interp', 'two classes, interp'):>7.1f}%{own.share('traced'):>7.1f}%"
+        if own.samples:
+            line += f"{own.samples:>9}{own.orbit_samples:>8.0f}{own.megabytes:>7.1f}"
+        print(line, flush=True)
 
 
-def shares(before: dict[str, Any], after: dict[str, Any]) -> dict[str, float]:
-    """Which share of the rays in between was answered how, per cent."""
-    counts = {name: after["answers"][name] - before["answers"][name] for name in after["answers"]}
-    total = sum(counts.values())
-    return {name: 100 * count / total for name, count in counts.items() if count}
+def rows_of(scene: Scene, picture: Picture, figures: dict[str, Figures]) -> list[dict[str, Any]]:
+    """Every measurement, for --json."""
+    rows = []
+    for name, own in figures.items():
+        start = f"{scene.name}, {picture.text}: {name}"
+        rows.append({"name": f"{start}, first frame", "unit": "s", "values": own.first})
+        rows.append({"name": f"{start}, repeated frame", "unit": "s", "values": own.repeated})
+        rows.append({"name": f"{start}, orbit frame", "unit": "s", "values": [own.orbit]})
+        rows.append({"name": f"{start}, error", "unit": "mean RGB distance", "values": [own.error]})
+    return rows
 
 
-def check(truth: dict[str, Any], got: dict[str, Any]) -> None:
-    """Hits agree but for silhouettes, traced answers are the tracer's own, bit by bit."""
-    assert (truth["hit"] != got["hit"]).mean() < 0.01
-    names = _core.ri_tree.ANSWERS
-    traced = np.isin(got["answered_by"], [i for i, name in enumerate(names) if name.startswith("traced")])
-    np.testing.assert_array_equal(truth["exit_direction"][traced], got["exit_direction"][traced])
-    rgb, _ = errors(got, truth)
-    assert rgb < 0.05, rgb
-
-
-def run() -> list[dict[str, Any]]:
-    """Rows of times, speed-ups, shares, samples, errors."""
-    shape = sheet()
-    origins, directions = camera_rays(0)
-    speed: dict[str, list[float]] = {"tracing": [], "first frame": [], "repeated frame": [], "orbit frame": []}
-    facts: dict[str, tuple[str, float]] = {}
-    for repeat in range(REPEATS):
-        tree = _core.ri_tree.ReferenceTree(shape, "MIRROR", **SETTINGS)
-        tree.trace(origins, directions)  # dices what the rays meet
-        truth = tree.trace(origins, directions)
-        empty = tree.statistics()
-        first = tree.ask(origins, directions)
-        filled = tree.statistics()
-        again = tree.ask(origins, directions)
-        speed["tracing"].append(truth["seconds"] / len(origins) * 1e9)
-        speed["first frame"].append(truth["seconds"] / first["seconds"])
-        speed["repeated frame"].append(truth["seconds"] / again["seconds"])
-        orbit = traced_orbit = 0.0
-        for frame in range(1, ORBIT_FRAMES + 1):
-            rays = camera_rays(frame)
-            traced_orbit += tree.trace(*rays)["seconds"]
-            orbit += tree.ask(*rays)["seconds"]
-        speed["orbit frame"].append(traced_orbit / orbit)
-        if repeat > 0:
-            continue
-        check(truth, first)
-        rgb, degrees = errors(first, truth)
-        facts["error of the first frame"] = ("mean RGB distance", rgb)
-        facts["error of interpolated directions"] = ("degrees", degrees)
-        for name, share in shares(empty, filled).items():
-            facts[f"first frame: {name}"] = ("% of rays", share)
-        traced = sum(share for name, share in shares(empty, filled).items() if name.startswith("traced"))
-        facts["first frame: traced in all"] = ("% of rays", traced)
-        facts["samples of the first frame"] = ("a ray", filled["samples_taken"] / len(origins))
-        facts["samples of the orbit frames"] = (
-            "a ray",
-            (tree.statistics()["samples_taken"] - filled["samples_taken"]) / len(origins) / ORBIT_FRAMES,
-        )
-        facts["held after the first frame"] = ("MB", filled["bytes"] / 1e6)
-        facts["held after the orbit"] = ("MB", tree.statistics()["bytes"] / 1e6)
-    rows = [{"name": "tracing", "unit": "ns a ray", "values": speed.pop("tracing")}]
-    rows += [
-        {"name": f"reference, {name}", "unit": "times as fast as tracing", "values": v} for name, v in speed.items()
+def run(quick: bool = False) -> list[dict[str, Any]]:
+    """Prints the tables; returns every measurement."""
+    side, repeats, orbit_frames = (48, 1, 1) if quick else (600, REPEATS, ORBIT_FRAMES)
+    rows = []
+    cases = [
+        (mirror_sheet(), Picture(side, side)),
+        (mirror_sheet(), Picture(side // 2, side // 2, 3)),
+        (random_volumes(), Picture(side, side)),
+        (gentle_glass(), Picture(side // 2, side // 2, 3)),
+        (chaotic_glass(), Picture(side, side)),
+        (random_volumes("VOLUME"), Picture(side, side)),
+        (tomatoes(), Picture(2 * side, 3 * side // 2)),
     ]
-    rows += [{"name": name, "unit": unit_name, "values": [value]} for name, (unit_name, value) in facts.items()]
+    for scene, picture in cases:
+        figures = measure(scene, picture, {name: PAPER for name in TREES}, repeats, orbit_frames)
+        print_scene(scene, picture, figures)
+        rows += rows_of(scene, picture, figures)
     return rows

@@ -2,11 +2,13 @@
 
 Each benchmark is a module with `run() -> list[dict]`: it checks its answers first (an assertion that fails ends that
 benchmark), then measures, and returns rows {"name": what, "unit": of the values, "values": every single measurement}.
-The first line of its docstring says what it measures.
+The first line of its docstring says what it measures. One with PRINTS_ITSELF prints its own tables. `run` may take
+`quick`: small and once, to see that it works.
 """
 
 import argparse
 import importlib.util
+import inspect
 import json
 import os
 import platform
@@ -64,6 +66,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="rayleaf bench")
     parser.add_argument("case", nargs="*", help="default: all")
     parser.add_argument("--json", type=Path, help="writes every single measurement")
+    parser.add_argument("--quick", action="store_true", help="small and once, where a case knows how: no measurement")
     parser.add_argument("--list", action="store_true", help="names the cases")
     options = parser.parse_args()
     known = cases()
@@ -83,13 +86,15 @@ def main() -> int:
         module = load(known[name])
         print(f"\n{name}: {(module.__doc__ or '').strip().splitlines()[0]}", flush=True)
         try:
-            rows = module.run()
+            quick = {"quick": True} if options.quick and "quick" in inspect.signature(module.run).parameters else {}
+            rows = module.run(**quick)
         except AssertionError:
             traceback.print_exc()
             failed.append(name)
             continue
         results["cases"][name] = rows
-        print("\n".join(table(rows)), flush=True)
+        if not getattr(module, "PRINTS_ITSELF", False):
+            print("\n".join(table(rows)), flush=True)
     if options.json:
         options.json.write_text(json.dumps(results, indent=2) + "\n")
     if failed:

@@ -1,0 +1,122 @@
+#include "ri_tree/object_set.h"
+
+#include <limits>
+
+namespace rayleaf {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Where a ray enters a box, or 0 inside it; infinity beside it.
+double entry(const Box3d& box, const Ray& ray) {
+    double begin = 0.0, end = kInfinity;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double inverse = 1.0 / ray.direction[axis];
+        const double a = (box.min[axis] - ray.origin[axis]) * inverse, b = (box.max[axis] - ray.origin[axis]) * inverse;
+        begin = std::max(begin, std::min(a, b));
+        end = std::min(end, std::max(a, b));
+    }
+    return begin <= end ? begin : kInfinity;
+}
+
+}  // namespace
+
+void TracedObject::ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers,
+                       Uninterpolated others) {
+    for (size_t i = 0; i < rays.size(); ++i) {
+        answers[i].output = others == Uninterpolated::Trace ? cache_->trace(rays[i]) : OutputRay{};
+        answers[i].by = AnsweredBy::TracedManyClasses;
+    }
+}
+
+void ObjectSet::find_entries(const Ray& ray, int32_t left, std::vector<Entry>& entries) const {
+    entries.clear();
+    for (size_t i = 0; i < members_.size(); ++i) {
+        if (static_cast<int32_t>(i) == left) continue;
+        const double begin = entry(members_[i].shape->object_bounds(), ray);
+        if (begin < kInfinity) entries.push_back({static_cast<float>(begin), static_cast<int32_t>(i)});
+    }
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.begin < b.begin; });
+}
+
+void ObjectSet::ask_member(int32_t member, const SetQuery& query) {
+    const SetMember& asked = members_[member];
+    answers_.resize(std::max(answers_.size(), query.rays.size()));
+    const std::span<CachedAnswer> answers(answers_.data(), query.rays.size());
+    if (asked.cache)
+        asked.cache->ask(query.rays, query.spacings, answers);
+    else
+        asked.plane->ask(query.rays, query.points, answers);
+}
+
+void ObjectSet::take(int32_t member, const Ray& ray, const CachedAnswer& got, double& nearest,
+                     PathAnswer& answer) const {
+    const OutputRay& output = got.output;
+    if (wanted_ == SetAnswer::SumOfLengths) {
+        answer.length += static_cast<float>(output.length);
+        if (answer.object != kNoObject) return;
+        answer.by = got.by;
+        if (!output.sample_class.is_miss()) answer.object = member;
+        return;
+    }
+    if (answer.object == kNoObject) answer.by = got.by;
+    if (output.sample_class.is_miss()) return;
+    if (members_.size() > 1) {
+        const double t = (output.position - ray.origin).dot(ray.direction);
+        if (t >= nearest) return;
+        nearest = t;
+    }
+    answer = {member,
+              got.by,
+              Vec3f(output.position),
+              Vec3f(output.normal),
+              Vec3f(output.exit_position),
+              Vec3f(output.exit_direction),
+              static_cast<float>(output.length)};
+}
+
+/// The rays that ask a member next; false if there are none.
+bool ObjectSet::gather(int32_t member, const SetQuery& query) {
+    asking_.clear();
+    rays_.clear();
+    spacings_.clear();
+    points_.clear();
+    for (uint32_t i = 0; i < query.rays.size(); ++i) {
+        const std::vector<Entry>& entries = entries_[i];
+        if (next_[i] == entries.size() || entries[next_[i]].member != member) continue;
+        if (wanted_ == SetAnswer::Nearest && entries[next_[i]].begin > nearest_[i]) continue;
+        ++next_[i];
+        asking_.push_back(i);
+        rays_.push_back(query.rays[i]);
+        if (!query.spacings.empty()) spacings_.push_back(query.spacings[i]);
+        if (!query.points.empty()) points_.push_back(query.points[i]);
+    }
+    return !asking_.empty();
+}
+
+void ObjectSet::ask(const SetQuery& query, std::span<PathAnswer> answers) {
+    const std::span<const Ray> rays = query.rays;
+    std::fill(answers.begin(), answers.end(), PathAnswer{});
+    nearest_.assign(rays.size(), kInfinity);
+    if (members_.size() == 1 && query.left.empty()) {
+        ask_member(0, query);
+        for (size_t i = 0; i < rays.size(); ++i) take(0, rays[i], answers_[i], nearest_[i], answers[i]);
+        return;
+    }
+    entries_.resize(std::max(entries_.size(), rays.size()));
+    next_.assign(rays.size(), 0);
+    for (size_t i = 0; i < rays.size(); ++i)
+        find_entries(rays[i], query.left.empty() ? kNoObject : query.left[i], entries_[i]);
+    for (bool any = true; any;) {
+        any = false;
+        for (int32_t member = 0; member < static_cast<int32_t>(members_.size()); ++member) {
+            if (!gather(member, query)) continue;
+            any = true;
+            ask_member(member, {rays_, spacings_, points_, {}});
+            for (size_t k = 0; k < asking_.size(); ++k)
+                take(member, rays_[k], answers_[k], nearest_[asking_[k]], answers[asking_[k]]);
+        }
+    }
+}
+
+}  // namespace rayleaf

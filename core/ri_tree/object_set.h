@@ -1,0 +1,77 @@
+// Several objects in one space, each answered by a ray cache, by tracing, or in the image plane, asked as one: for
+// benchmarks and tests.
+#pragma once
+
+#include "ri_tree/image_plane.h"
+#include "ri_tree/path_answer.h"
+#include "ri_tree/ray_cache.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace rayleaf {
+
+/// Every ray traced, by a cache's own tracer; the cache is never asked.
+class TracedObject final : public RayCache {
+  public:
+    explicit TracedObject(const RayCache& cache) : cache_(&cache) {}
+    using RayCache::ask;
+    void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers,
+             Uninterpolated others) override;
+    OutputRay trace(const Ray& object_ray) const override { return cache_->trace(object_ray); }
+    RayCacheStatistics statistics() const override { return {}; }
+
+  private:
+    const RayCache* cache_;
+};
+
+struct SetMember {
+    std::shared_ptr<const Shape> shape;
+    RayCache* cache = nullptr;    ///< or null,
+    ImagePlane* plane = nullptr;  ///< then this one answers
+};
+
+/// Rays of one batch, neighbours if possible. All but the rays may be empty.
+struct SetQuery {
+    std::span<const Ray> rays;  ///< object space
+    std::span<const RaySpacing> spacings;
+    std::span<const Vec2d> points;  ///< in the picture, for image planes
+    std::span<const int32_t> left;  ///< the object that a ray has just left and that is not asked again, or kNoObject
+};
+
+/// What of several objects along a ray is wanted.
+enum class SetAnswer : uint8_t { Nearest, SumOfLengths };
+
+class ObjectSet {
+  public:
+    ObjectSet(std::vector<SetMember> members, SetAnswer wanted) : members_(std::move(members)), wanted_(wanted) {}
+
+    void ask(const SetQuery& query, std::span<PathAnswer> answers);
+
+  private:
+    /// A box that a ray enters.
+    struct Entry {
+        float begin;
+        int32_t member;
+    };
+
+    std::vector<SetMember> members_;
+    SetAnswer wanted_;
+    // Kept from batch to batch.
+    std::vector<std::vector<Entry>> entries_;
+    std::vector<size_t> next_;
+    std::vector<double> nearest_;
+    std::vector<uint32_t> asking_;
+    std::vector<Ray> rays_;
+    std::vector<RaySpacing> spacings_;
+    std::vector<Vec2d> points_;
+    std::vector<CachedAnswer> answers_;
+
+    void find_entries(const Ray& ray, int32_t left, std::vector<Entry>& entries) const;
+    void ask_member(int32_t member, const SetQuery& query);
+    bool gather(int32_t member, const SetQuery& query);
+    void take(int32_t member, const Ray& ray, const CachedAnswer& got, double& nearest, PathAnswer& answer) const;
+};
+
+}  // namespace rayleaf

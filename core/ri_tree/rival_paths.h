@@ -1,0 +1,59 @@
+// Output rays by the rival tracers (trace/rival_scene.h): the same paths as SampleTracer's, in single precision.
+#pragma once
+
+#include "ri_tree/path_answer.h"
+#include "trace/rival_scene.h"
+
+#include <span>
+#include <vector>
+
+namespace rayleaf {
+
+struct RivalMaterial {
+    OutputKind kind = OutputKind::Mirror;
+    float ior = 1.45f;
+};
+
+/// A path under way, scene space.
+struct RivalPath {
+    RivalRay ray;
+    PathAnswer answer;
+    int hits = 0;
+    int inside = 0;     ///< volumes: bodies around the ray
+    float entered = 0;  ///< volumes: where
+};
+
+/// How far beside a surface rays go on, scene units.
+inline constexpr float kRivalStartOffset = 0x1p-15f;
+/// How far behind a crossing a line goes on, scene units: where it grazes the surface, its distance is known to this.
+inline constexpr float kRivalCrossingStep = 0x1p-11f;
+/// Operations of one reflection or refraction with what goes with it.
+inline constexpr int kBounceFlops = 45;
+
+/// Takes a hit, or none, into account; whether the path goes on with `path.ray`.
+bool advance(RivalPath& path, const RivalHit* hit, std::span<const RivalMaterial> materials);
+
+enum class PacketUse : uint8_t { SingleRays, Packets };
+
+class RivalTracer {
+  public:
+    /// A material for each surface.
+    RivalTracer(std::span<const std::shared_ptr<const PatchSurface>> surfaces, std::vector<RivalMaterial> materials,
+                RivalMethod method);
+
+    /// Rays in object space, finite, of unit length. Packets are made of rays that follow one another.
+    void trace(std::span<const Ray> rays, std::span<PathAnswer> answers, PacketUse packets) const;
+    const RivalScene& scene() const { return scene_; }
+    std::span<const RivalMaterial> materials() const { return materials_; }
+
+    RivalPath path_of(const Ray& ray) const;
+    PathAnswer in_object_space(const PathAnswer& answer) const;
+
+  private:
+    RivalScene scene_;
+    std::vector<RivalMaterial> materials_;
+
+    void trace_packet(std::span<const Ray> rays, std::span<PathAnswer> answers) const;
+};
+
+}  // namespace rayleaf
