@@ -22,6 +22,7 @@ struct SurfacePoint {
     const Shape* shape = nullptr;
     LocalHit local;
     uint32_t instance = 0;
+    bool interpolated = false;  ///< not on a facet: no derivatives by `uv`, and only an approximate point
 
     /// Where a ray that leaves towards `direction` (unit) starts: the facet point moved to the side the ray goes.
     Vec3d ray_origin(const Vec3f& direction) const {

@@ -15,11 +15,31 @@ struct LocalHit {
     Vec3f normal{0, 0, 1};    ///< of that facet by its winding; not unit, never zero
 };
 
+/// How an object with a ray cache answered a ray. The numbers are the codes of the mask pass (film/passes.def).
+enum class RayAnswer : uint8_t { NotAsked, Traced, Interpolated, TwoClass, Missed };
+
+/// What an interpolated first hit knows, beside the point: local space of the shape.
+struct InterpolatedHit {
+    Vec2f uv{0, 0};
+    double position_error = 0;  ///< how far the point may lie beside the surface
+    float error = 0;            ///< the cache's own estimate, a share of the object's half extent
+    /// Glass: where and how the ray leaves, after `interior_hits` hits from inside of which `total_reflections` let
+    /// nothing through.
+    bool has_exit = false;
+    Vec3d exit_position{0, 0, 0};
+    Vec3d exit_direction{0, 0, 1};  ///< unit
+    int interior_hits = 0, total_reflections = 0;
+};
+
 /// A hit in the scene.
 struct Hit {
     double t = 0;           ///< along the world ray, world units
     uint32_t instance = 0;  ///< index of the instance
     LocalHit local;
+    RayAnswer answer = RayAnswer::NotAsked;
+    InterpolatedHit interpolated;  ///< where `is_interpolated`; the facet's normal is the surface's then
+
+    bool is_interpolated() const { return answer == RayAnswer::Interpolated || answer == RayAnswer::TwoClass; }
 };
 
 }  // namespace rayleaf

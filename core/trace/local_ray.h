@@ -6,6 +6,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "rays/ray.h"
 #include "trace/embree.h"
 
 #include <optional>
@@ -50,5 +51,10 @@ std::optional<Stretch> inside_box(const Box3d& box, const Vec3d& origin, const V
 /// The ray clipped to a shape's box and ready for Embree; empty where it misses the box within [t_min, t_max].
 std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const Vec3d& direction, double t_min,
                                     double t_max);
+
+/// Whether tracing may be given a ray: finite, with a direction.
+inline bool is_traceable(const Ray& ray) {
+    return is_finite(ray.origin) && is_finite(ray.direction) && max_abs(ray.direction) > 0.0 && ray.t_min <= ray.t_max;
+}
 
 }  // namespace rayleaf

@@ -4,6 +4,7 @@
 #include "trace/dicing.h"
 #include "trace/embree.h"
 #include "trace/float_environment.h"
+#include "trace/instance_record.h"
 #include "trace/local_ray.h"
 #include "trace/patch_scene.h"
 #include "trace/shape_scene.h"
@@ -24,63 +25,11 @@ constexpr size_t kDirectInstances = 3;
 /// The longest edge a world box may have: products of such lengths still fit a double.
 constexpr double kLargestExtent = 1e100;
 
-/// What a query needs of an instance, beside what the caller gave.
-struct InstanceRecord {
-    const ShapeScene* scene = nullptr;
-    Affine3d local_to_world;
-    Vec3d to_local_x{1, 0, 0}, to_local_y{0, 1, 0}, to_local_z{0, 0, 1};  ///< linear part world -> local, columns
-
-    Vec3d vector_to_local(const Vec3d& v) const { return to_local_x * v.x + to_local_y * v.y + to_local_z * v.z; }
-    /// The translation is subtracted first: that rounds nothing where it matters, close to a far object.
-    Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }
-    /// +1, or -1 where the map mirrors and so turns the winding.
-    double side() const { return local_to_world.determinant() < 0.0 ? -1.0 : 1.0; }
-};
-
-Box3d image_of(const Box3d& box, const Affine3d& map) {
-    if (box.isEmpty()) return {};
-    const Vec3d center = map.point((box.min + box.max) * 0.5), half = (box.max - box.min) * 0.5;
-    Vec3d reach(0.0);
-    for (int axis = 0; axis < 3; ++axis)
-        reach[axis] = std::abs(map.x[axis]) * half.x + std::abs(map.y[axis]) * half.y + std::abs(map.z[axis]) * half.z;
-    return {center - reach, center + reach};
-}
-
-/// How far a float ray may lie beside the true one where it starts, local units: coordinates up to 1 are rounded once
-/// in the origin and once against each vertex, on three axes.
-constexpr double kFloatRayError = 0x1p-21;
-
-/// How far from a facet a ray must start so that rounding cannot put it on the other side, world units.
-///
-/// First, the float ray must lie on the true ray's side of the facet: a ray that leaves at a grazing angle and runs
-/// outside a closed surface for that error would never find the neighbouring facet that it should hit. A local error
-/// moves the point along the facet's normal by at most the length of the normal's image under the transposed map.
-/// Second, what was computed in double is rounded by 2^-53 of the numbers involved: the world coordinates of the point
-/// and of the ray that found it (`size`), the translation, and local ones of the order of 1, which the map enlarges by
-/// the sum of its axes. Each local axis takes part with the length of its row in the inverse times its column, 3 in all
-/// unless the map shears. The factor 64 covers the number of operations.
-double start_offset(const InstanceRecord& record, const Vec3d& position, const Vec3d& normal, double size) {
-    constexpr double kUnit = 64 * 0x1p-53;
-    const Affine3d& map = record.local_to_world;
-    const double float_error = kFloatRayError * Vec3d(map.x.dot(normal), map.y.dot(normal), map.z.dot(normal)).length();
-    const double lengths[3] = {map.x.length(), map.y.length(), map.z.length()};
-    double shear = 0.0;
-    for (int axis = 0; axis < 3; ++axis)
-        shear +=
-            lengths[axis] * Vec3d(record.to_local_x[axis], record.to_local_y[axis], record.to_local_z[axis]).length();
-    const double world = size + max_abs(position) + max_abs(map.translation);
-    return float_error + kUnit * (shear * world + lengths[0] + lengths[1] + lengths[2]);
-}
-
 std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {
     cancel.throw_if_cancelled();
     if (shape.kind() == ShapeKind::TriangleMesh)
         return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape), cancel);
     return std::make_unique<PatchScene>(static_cast<const PatchSurface&>(shape), tolerance, cancel);
-}
-
-bool is_traceable(const Ray& ray) {
-    return is_finite(ray.origin) && is_finite(ray.direction) && max_abs(ray.direction) > 0.0 && ray.t_min <= ray.t_max;
 }
 
 }  // namespace
@@ -104,6 +53,9 @@ struct Tracer::Implementation {
         uint32_t instance = 0;
         double farthest = 0;  ///< world t of the best hit, or the ray's t_max
         bool found = false;
+        ObjectAnswer interpolated;  ///< the best hit, where it is no facet's
+        /// How the objects that were asked answered: that of the best hit, and of those that were missed.
+        RayAnswer answer = RayAnswer::NotAsked, missed = RayAnswer::NotAsked;
 
         static Query& of(EmbreeContext* embree_context) { return *reinterpret_cast<Query*>(embree_context); }
     };
@@ -111,15 +63,16 @@ struct Tracer::Implementation {
     void build_shapes(const DicingView& view, const CancelToken& cancel);
     void build_records();
     void build_scene(const CancelToken& cancel);
-    Box3d world_box(uint32_t index) const {
-        return image_of(records[index].scene->box(), records[index].local_to_world);
-    }
+    Box3d world_box(uint32_t index) const { return records[index].world_box(); }
 
     std::optional<LocalRay> local_ray(const Query& query, uint32_t index) const;
     void visit_closest(Query& query, uint32_t index) const;
+    bool take_interpolated(Query& query, uint32_t index, const LocalRay& ray, const ObjectAnswer& answer) const;
     void visit_any(Query& query, uint32_t index) const;
     bool start(Query& query, const Ray& ray, Visibility kind) const;
-    SurfacePoint surface_point(uint32_t index, const LocalHit& hit, double size) const;
+    Hit hit_of(const Query& query) const;
+    SurfacePoint surface_point(uint32_t index, const LocalHit& hit, double size,
+                               const InterpolatedHit* interpolated) const;
 
     static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
     static void closest_callback(const RTCIntersectFunctionNArguments* arguments);
@@ -194,21 +147,54 @@ std::optional<LocalRay> Tracer::Implementation::local_ray(const Query& query, ui
                        record.vector_to_local(query.ray->direction), query.ray->t_min, query.farthest);
 }
 
+bool Tracer::Implementation::take_interpolated(Query& query, uint32_t index, const LocalRay& ray,
+                                               const ObjectAnswer& answer) const {
+    // Within the box, whatever the error: then it cannot matter which objects were visited before.
+    const double t = std::max(query.ray->t_min + answer.distance / ray.speed, ray.start);
+    if (!(t >= query.ray->t_min && t <= query.farthest)) return false;
+    if (query.found && t == query.farthest && query.instance < index) return false;
+    query.interpolated = answer;
+    query.farthest = t;
+    return true;
+}
+
 void Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
     const std::optional<LocalRay> ray = local_ray(query, index);
     if (!ray) return;
-    const std::optional<ShapeHit> hit = records[index].scene->closest(*ray);
-    if (!hit) return;
-    if (query.found && hit->point.t == query.farthest && query.instance < index) return;
-    query.best = *hit;
+    RayAnswer by = RayAnswer::NotAsked;
+    if (records[index].cache && query.ray->start.instance != index) {
+        const ObjectAnswer answer = records[index].ask(*query.ray, *ray);
+        by = answer.answer;
+        if (by != RayAnswer::Traced && (by == RayAnswer::Missed || !take_interpolated(query, index, *ray, answer))) {
+            query.missed = query.missed == RayAnswer::Traced ? query.missed : RayAnswer::Missed;
+            return;
+        }
+    }
+    if (by == RayAnswer::NotAsked || by == RayAnswer::Traced) {
+        const std::optional<ShapeHit> hit = records[index].scene->closest(*ray);
+        if (!hit || (query.found && hit->point.t == query.farthest && query.instance < index)) {
+            if (by == RayAnswer::Traced) query.missed = by;
+            return;
+        }
+        query.best = *hit;
+        query.farthest = hit->point.t;
+    }
+    query.answer = by;
     query.instance = index;
-    query.farthest = hit->point.t;
     query.found = true;
 }
 
 void Tracer::Implementation::visit_any(Query& query, uint32_t index) const {
     const std::optional<LocalRay> ray = local_ray(query, index);
-    if (ray && records[index].scene->occluded(*ray)) query.found = true;
+    if (!ray) return;
+    if (records[index].cache && query.ray->start.instance != index) {
+        const ObjectAnswer answer = records[index].ask(*query.ray, *ray);
+        if (answer.answer != RayAnswer::Traced) {
+            query.found |= answer.answer != RayAnswer::Missed && take_interpolated(query, index, *ray, answer);
+            return;
+        }
+    }
+    if (records[index].scene->occluded(*ray)) query.found = true;
 }
 
 void Tracer::Implementation::closest_callback(const RTCIntersectFunctionNArguments* arguments) {
@@ -255,19 +241,46 @@ Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view, co
 
 Tracer::~Tracer() = default;
 
+Hit Tracer::Implementation::hit_of(const Query& query) const {
+    const ShapeScene& shape = *records[query.instance].scene;
+    Hit hit{query.farthest, query.instance, {}, query.answer, {}};
+    if (!hit.is_interpolated()) {
+        hit.local = shape.local_hit(query.best);
+        return hit;
+    }
+    hit.interpolated = query.interpolated.hit;
+    hit.local = records[query.instance].interpolated_local(*query.ray, hit.t, query.interpolated);
+    return hit;
+}
+
 std::optional<Hit> Tracer::closest_hit(const Ray& ray, Visibility kind) const {
+    return closest(ray, kind).hit;
+}
+
+ClosestHit Tracer::closest(const Ray& ray, Visibility kind) const {
     const FloatEnvironment environment;
     const Implementation& self = *implementation_;
     Implementation::Query query;
-    if (!self.start(query, ray, kind)) return std::nullopt;
+    if (!self.start(query, ray, kind)) return {};
     if (self.scene) {
         RTCRayHit embree_ray = query.scene_ray.embree_ray_hit();
         embree_closest(self.scene.get(), query.context, embree_ray);
     } else {
         for (uint32_t i = 0; i < self.instances.size(); ++i) self.visit_closest(query, i);
     }
-    if (!query.found) return std::nullopt;
-    return Hit{query.farthest, query.instance, self.records[query.instance].scene->local_hit(query.best)};
+    if (!query.found) return {std::nullopt, query.missed};
+    return {self.hit_of(query), query.answer == RayAnswer::NotAsked ? query.missed : query.answer};
+}
+
+std::optional<Hit> Tracer::closest_on(uint32_t instance, const Ray& ray) const {
+    const FloatEnvironment environment;
+    return is_traceable(ray) ? implementation_->records[instance].closest(instance, ray) : std::nullopt;
+}
+
+LengthAnswer Tracer::length_inside(uint32_t instance, const Ray& ray) const {
+    const FloatEnvironment environment;
+    return is_traceable(ray) ? implementation_->records[instance].length_inside(ray)
+                             : LengthAnswer{RayAnswer::NotAsked};
 }
 
 bool Tracer::occluded(const Ray& ray, Visibility kind) const {
@@ -285,14 +298,19 @@ bool Tracer::occluded(const Ray& ray, Visibility kind) const {
 }
 
 /// `size` is the largest number that went into the computation of the hit: coordinates of the ray, world units.
-SurfacePoint Tracer::Implementation::surface_point(uint32_t index, const LocalHit& hit, double size) const {
+SurfacePoint Tracer::Implementation::surface_point(uint32_t index, const LocalHit& hit, double size,
+                                                   const InterpolatedHit* interpolated) const {
     const InstanceRecord& record = records[index];
     const Affine3d& map = record.local_to_world;
     const double side = record.side();
     const auto world_normal = [&](const Vec3f& n) {
         return Vec3f(normalized_or(map.normal(Vec3d(n)) * side, Vec3d(n)));
     };
-    const LocalSurface local = instances[index].shape->surface(hit);
+    LocalSurface local{hit.position, hit.normal};
+    if (interpolated)
+        local.uv = interpolated->uv;
+    else
+        local = instances[index].shape->surface(hit);
 
     SurfacePoint point;
     point.shape = instances[index].shape.get();
@@ -313,20 +331,34 @@ SurfacePoint Tracer::Implementation::surface_point(uint32_t index, const LocalHi
     point.dn_du = normal_derivative(local.dn_du);
     point.dn_dv = normal_derivative(local.dn_dv);
     point.uv = local.uv;
-    point.start_offset = start_offset(record, point.facet_position, Vec3d(point.facet_normal), size);
+    point.start_offset = record.start_offset(point.facet_position, Vec3d(point.facet_normal), size);
+    // A ray that leaves must not meet the surface beside which the point may lie.
+    if (interpolated) {
+        point.interpolated = true;
+        point.start_offset += interpolated->position_error * std::max({map.x.length(), map.y.length(), map.z.length()});
+    }
     return point;
 }
 
 SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit) const {
     const double size = max_abs(ray.origin) + hit.t * max_abs(ray.direction);
-    SurfacePoint point = implementation_->surface_point(hit.instance, hit.local, size);
+    SurfacePoint point = implementation_->surface_point(hit.instance, hit.local, size,
+                                                        hit.is_interpolated() ? &hit.interpolated : nullptr);
     point.t = hit.t;
     return point;
 }
 
 SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit) const {
     const LocalHit on_facet = implementation_->records[instance].scene->on_facet(hit);
-    return implementation_->surface_point(instance, on_facet, 0.0);
+    return implementation_->surface_point(instance, on_facet, 0.0, nullptr);
+}
+
+void Tracer::set_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache) {
+    implementation_->records[instance].cache = std::move(cache);
+}
+
+const ObjectCache* Tracer::cache(uint32_t instance) const {
+    return implementation_->records[instance].cache.get();
 }
 
 const TracedInstance& Tracer::instance(uint32_t index) const {
@@ -339,6 +371,10 @@ const Affine3d& Tracer::local_to_world(uint32_t index) const {
 
 Box3d Tracer::bounds() const {
     return implementation_->bounds;
+}
+
+Box3d Tracer::bounds(uint32_t instance) const {
+    return implementation_->world_box(instance);
 }
 
 TraceStatistics Tracer::statistics() const {

@@ -12,6 +12,7 @@
 #include "rays/hit.h"
 #include "rays/ray.h"
 #include "splines/limit_normal.h"
+#include "trace/object_cache.h"
 
 #include <cstdint>
 #include <memory>
@@ -50,6 +51,12 @@ struct TraceStatistics {
     NormalCounters limit_normals;  ///< of hits on patches where the surface has no normal of its own, by stage
 };
 
+/// A closest hit, and how the objects with ray caches on the way answered.
+struct ClosestHit {
+    std::optional<Hit> hit;
+    RayAnswer answer = RayAnswer::NotAsked;  ///< the hit's; without one, of the objects that were asked
+};
+
 class Tracer {
   public:
     /// Throws Cancelled soon after `cancel` says so.
@@ -58,9 +65,19 @@ class Tracer {
     Tracer(const Tracer&) = delete;
     Tracer& operator=(const Tracer&) = delete;
 
+    /// From now on, rays ask this cache before the instance is traced; null: they do not. Not while rays are under way.
+    /// A ray that starts on the instance is traced there: a line says nothing about what lies beyond its first hit.
+    void set_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache);
+    const ObjectCache* cache(uint32_t instance) const;
+
     /// The nearest hit in [t_min, t_max]; ties go to the lower instance, then primitive. Thread-safe; a ray that is not
     /// finite or has a zero direction hits nothing.
     std::optional<Hit> closest_hit(const Ray& ray, Visibility kind) const;
+    ClosestHit closest(const Ray& ray, Visibility kind) const;
+    /// The nearest hit on one instance, by tracing alone.
+    std::optional<Hit> closest_on(uint32_t instance, const Ray& ray) const;
+    /// How much of [t_min, t_max] lies inside an instance, world units, whoever sees it.
+    LengthAnswer length_inside(uint32_t instance, const Ray& ray) const;
     /// Whether anything lies in [t_min, t_max].
     bool occluded(const Ray& ray, Visibility kind) const;
     /// Everything about a hit that shading needs, in world space.
@@ -73,6 +90,7 @@ class Tracer {
     const Affine3d& local_to_world(uint32_t index) const;
     /// Bounds of everything, world space; empty for an empty scene.
     Box3d bounds() const;
+    Box3d bounds(uint32_t instance) const;
     TraceStatistics statistics() const;
 
   private:

@@ -1,0 +1,104 @@
+#include "ri_tree/cached_object.h"
+
+#include "ri_tree/patch_classes.h"
+
+namespace rayleaf {
+namespace {
+
+/// The error is known at a cell's centre; elsewhere in the cell it may be larger. Points count as this many times as
+/// far off.
+constexpr double kErrorsBeside = 2.0;
+/// And as this share of the half extent at least: what single precision makes of samples.
+constexpr double kLeastError = 0x1p-20;
+/// Rays that meet an interpolated surface at less than this cosine are traced: which side they meet would be uncertain.
+constexpr double kLeastCosine = 0.02;
+
+RayAnswer kind_of(AnsweredBy by) {
+    switch (by) {
+        case AnsweredBy::NotARay:
+        case AnsweredBy::BoxMissed:
+        case AnsweredBy::CellMissed:
+        case AnsweredBy::TwoClassMissed:
+            return RayAnswer::Missed;
+        case AnsweredBy::Interpolated:
+            return RayAnswer::Interpolated;
+        case AnsweredBy::TwoClassInterpolated:
+            return RayAnswer::TwoClass;
+        default:
+            return RayAnswer::Traced;
+    }
+}
+
+}  // namespace
+
+CachedObject::CachedObject(std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape, OutputKind kind,
+                           double distance_threshold)
+    : cache_(std::move(cache)), shape_(std::move(shape)), kind_(kind), assumed_error_(distance_threshold) {
+    const Box3d box(Vec3d(shape_->bounds().min), Vec3d(shape_->bounds().max));
+    half_extent_ = box.isEmpty() ? 0.0 : 0.5 * max_component(box.size());
+    list_elements();
+}
+
+void CachedObject::list_elements() {
+    const uint32_t count = shape_->element_count();
+    const auto slot_of = [&](uint32_t element) {
+        return shape_->material_slot(shape_->element_point(element, Vec2f(0.25f, 0.25f)).hit);
+    };
+    bool one_slot = true;
+    for (uint32_t element = 1; element < count && one_slot; ++element) one_slot = slot_of(element) == slot_of(0);
+    if (one_slot) return;
+    const PatchClasses classes(*shape_, kind_ == OutputKind::Simple ? TextureSeams::Parted : TextureSeams::Joined);
+    element_of_class_.assign(classes.count() + 1, 0);
+    for (uint32_t element = count; element-- > 0;)
+        if (classes.of_element(element) != kFacetedClass) element_of_class_[classes.of_element(element)] = element;
+}
+
+CachedAnswer CachedObject::answer(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const {
+    const LocalFrame& frame = shape_->frame();
+    Ray ray;
+    ray.origin = origin * frame.scale + frame.center;
+    ray.direction = direction;
+    const RaySpacing spacing{static_cast<float>(neighbours.distance * frame.scale), neighbours.angle};
+    CachedAnswer result;
+    cache_->ask({&ray, 1}, {&spacing, 1}, {&result, 1}, Uninterpolated::Leave);
+    return result;
+}
+
+ObjectAnswer CachedObject::ask(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const {
+    const CachedAnswer found = answer(origin, direction, neighbours);
+    ObjectAnswer result;
+    result.answer = kind_of(found.by);
+    if (result.answer == RayAnswer::Traced || result.answer == RayAnswer::Missed) return result;
+    const OutputRay& output = found.output;
+    if (!(std::abs(output.normal.dot(direction)) > kLeastCosine)) {
+        result.answer = RayAnswer::Traced;
+        return result;
+    }
+    const LocalFrame& frame = shape_->frame();
+    const auto to_local = [&](const Vec3d& object) { return (object - frame.center) / frame.scale; };
+    const uint32_t first_class = output.sample_class.first_hit;
+    if (first_class < element_of_class_.size()) result.primitive = element_of_class_[first_class];
+    result.distance = (to_local(output.position) - origin).dot(direction);
+    result.normal = output.normal;
+    InterpolatedHit& hit = result.hit;
+    hit.uv = Vec2f(output.uv);
+    const double error = result.answer == RayAnswer::Interpolated ? found.error : assumed_error_;
+    hit.error = static_cast<float>(error);
+    hit.position_error = std::max(kErrorsBeside * error, kLeastError) * half_extent_;
+    hit.has_exit = kind_ == OutputKind::Glass && output.sample_class.ending == PathEnding::Left;
+    hit.exit_position = to_local(output.exit_position);
+    hit.exit_direction = output.exit_direction;
+    hit.interior_hits = output.sample_class.interior_hits;
+    hit.total_reflections = output.sample_class.total_reflections;
+    return result;
+}
+
+LengthAnswer CachedObject::ask_length(const Vec3d& origin, const Vec3d& direction,
+                                      const RayNeighbours& neighbours) const {
+    const CachedAnswer found = answer(origin, direction, neighbours);
+    const RayAnswer kind = kind_of(found.by);
+    return {kind, kind == RayAnswer::Missed ? 0.0 : found.output.length / shape_->frame().scale,
+            static_cast<float>(found.error)};
+}
+
+}  // namespace rayleaf

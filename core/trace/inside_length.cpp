@@ -1,0 +1,49 @@
+#include "trace/inside_length.h"
+
+namespace rayleaf {
+namespace {
+
+/// How far behind a crossing a line goes on, local units: above the rounding of two facets that share an edge, below
+/// any thickness that counts.
+constexpr double kCrossingStep = 0x1p-20;
+/// A ray through more surfaces than this has met facets that cannot be told apart.
+constexpr int kMostCrossings = 1 << 12;
+
+/// What lies between crossings: how many bodies the ray is in, and since when.
+struct Passage {
+    int inside = 0;
+    double entered = 0, length = 0;
+
+    void cross(bool leaves, double t, double start) {
+        if (!leaves) {
+            if (inside++ == 0) entered = t;
+        } else if (inside > 0) {
+            if (--inside == 0) length += t - entered;
+        } else {
+            length = t - start;  // started inside: whatever was counted lies within
+        }
+    }
+};
+
+}  // namespace
+
+double traced_length(const ShapeScene& scene, const Vec3d& origin, const Vec3d& direction, double t_min, double t_max) {
+    const double step = kCrossingStep / direction.length();
+    Passage passage;
+    double from = t_min;
+    for (int crossings = 0; crossings < kMostCrossings; ++crossings) {
+        // Past t_max too: only the next crossing tells whether the ray is inside where it ends.
+        const std::optional<LocalRay> ray =
+            clipped_ray(scene.box(), origin, direction, from, std::numeric_limits<double>::infinity());
+        const std::optional<ShapeHit> hit = ray ? scene.closest(*ray) : std::nullopt;
+        if (!hit) break;
+        const double t = hit->point.t;
+        const bool leaves = Vec3d(scene.local_hit(*hit).normal).dot(direction) > 0.0;
+        passage.cross(leaves, std::min(t, t_max), t_min);
+        if (t >= t_max) return passage.length;
+        from = t + step;
+    }
+    return passage.length;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,90 @@
+#include "trace/instance_record.h"
+
+#include "trace/inside_length.h"
+
+namespace rayleaf {
+namespace {
+
+/// How far a float ray may lie beside the true one where it starts, local units: coordinates up to 1 are rounded once
+/// in the origin and once against each vertex, on three axes.
+constexpr double kFloatRayError = 0x1p-21;
+
+Box3d image_of(const Box3d& box, const Affine3d& map) {
+    if (box.isEmpty()) return {};
+    const Vec3d center = map.point((box.min + box.max) * 0.5), half = (box.max - box.min) * 0.5;
+    Vec3d reach(0.0);
+    for (int axis = 0; axis < 3; ++axis)
+        reach[axis] = std::abs(map.x[axis]) * half.x + std::abs(map.y[axis]) * half.y + std::abs(map.z[axis]) * half.z;
+    return {center - reach, center + reach};
+}
+
+/// Where rays of the picture that neighbour `ray` pass its object: as wide as the ray is there.
+RayNeighbours neighbours_of(const Ray& ray, double t, double local_per_world) {
+    return {static_cast<float>((ray.width + ray.spread * std::max(t, 0.0)) * local_per_world), ray.spread};
+}
+
+}  // namespace
+
+Box3d InstanceRecord::world_box() const {
+    return image_of(scene->box(), local_to_world);
+}
+
+/// First, the float ray must lie on the true ray's side of the facet: a ray that leaves at a grazing angle and runs
+/// outside a closed surface for that error would never find the neighbouring facet that it should hit. A local error
+/// moves the point along the facet's normal by at most the length of the normal's image under the transposed map.
+/// Second, what was computed in double is rounded by 2^-53 of the numbers involved: the world coordinates of the point
+/// and of the ray that found it (`size`), the translation, and local ones of the order of 1, which the map enlarges by
+/// the sum of its axes. Each local axis takes part with the length of its row in the inverse times its column, 3 in all
+/// unless the map shears. The factor 64 covers the number of operations.
+double InstanceRecord::start_offset(const Vec3d& position, const Vec3d& normal, double size) const {
+    constexpr double kUnit = 64 * 0x1p-53;
+    const Affine3d& map = local_to_world;
+    const double float_error = kFloatRayError * Vec3d(map.x.dot(normal), map.y.dot(normal), map.z.dot(normal)).length();
+    const double lengths[3] = {map.x.length(), map.y.length(), map.z.length()};
+    double shear = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+        shear += lengths[axis] * Vec3d(to_local_x[axis], to_local_y[axis], to_local_z[axis]).length();
+    const double world = size + max_abs(position) + max_abs(map.translation);
+    return float_error + kUnit * (shear * world + lengths[0] + lengths[1] + lengths[2]);
+}
+
+ObjectAnswer InstanceRecord::ask(const Ray& world_ray, const LocalRay& ray) const {
+    return cache->ask(ray.origin + ray.direction * world_ray.t_min, ray.direction / ray.speed,
+                      neighbours_of(world_ray, ray.start, ray.speed));
+}
+
+LocalHit InstanceRecord::interpolated_local(const Ray& world_ray, double t, const ObjectAnswer& answer) const {
+    LocalHit hit;
+    hit.primitive = answer.primitive;
+    hit.u = hit.v = 0.25f;  // anywhere on the element: it stands for its material
+    hit.position = point_to_local(world_ray.origin) + vector_to_local(world_ray.direction) * t;
+    hit.normal = Vec3f(answer.normal);
+    return hit;
+}
+
+std::optional<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray) const {
+    if (scene->box().isEmpty()) return std::nullopt;
+    const auto local = clipped_ray(scene->box(), point_to_local(world_ray.origin), vector_to_local(world_ray.direction),
+                                   world_ray.t_min, world_ray.t_max);
+    const std::optional<ShapeHit> hit = local ? scene->closest(*local) : std::nullopt;
+    if (!hit) return std::nullopt;
+    return Hit{hit->point.t, index, scene->local_hit(*hit), RayAnswer::NotAsked, {}};
+}
+
+LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
+    if (scene->box().isEmpty()) return {RayAnswer::NotAsked};
+    const Vec3d origin = point_to_local(world_ray.origin), direction = vector_to_local(world_ray.direction);
+    const std::optional<Stretch> stretch = inside_box(scene->box(), origin, direction);
+    if (!stretch || stretch->end < world_ray.t_min || stretch->begin > world_ray.t_max) return {RayAnswer::NotAsked};
+    if (cache && stretch->end <= world_ray.t_max) {
+        const double speed = direction.length();
+        LengthAnswer answer = cache->ask_length(origin + direction * world_ray.t_min, direction / speed,
+                                                neighbours_of(world_ray, stretch->begin, speed));
+        answer.length /= speed;
+        if (answer.answer != RayAnswer::Traced) return answer;
+    }
+    return {cache ? RayAnswer::Traced : RayAnswer::NotAsked,
+            traced_length(*scene, origin, direction, world_ray.t_min, world_ray.t_max), 0.0f};
+}
+
+}  // namespace rayleaf

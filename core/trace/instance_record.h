@@ -1,0 +1,42 @@
+// One instance as queries need it: from world to the shape's local space and back, its ray cache, its traced shape.
+#pragma once
+
+#include "rays/hit.h"
+#include "rays/ray.h"
+#include "trace/local_ray.h"
+#include "trace/object_cache.h"
+#include "trace/shape_scene.h"
+
+#include <memory>
+#include <optional>
+
+namespace rayleaf {
+
+struct InstanceRecord {
+    const ShapeScene* scene = nullptr;
+    std::shared_ptr<const ObjectCache> cache;  ///< null: rays are traced
+    Affine3d local_to_world;
+    Vec3d to_local_x{1, 0, 0}, to_local_y{0, 1, 0}, to_local_z{0, 0, 1};  ///< linear part world -> local, columns
+
+    Vec3d vector_to_local(const Vec3d& v) const { return to_local_x * v.x + to_local_y * v.y + to_local_z * v.z; }
+    /// The translation is subtracted first: that rounds nothing where it matters, close to a far object.
+    Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }
+    /// +1, or -1 where the map mirrors and so turns the winding.
+    double side() const { return local_to_world.determinant() < 0.0 ? -1.0 : 1.0; }
+    Box3d world_box() const;
+
+    /// How far from a facet a ray must start so that rounding cannot put it on the other side, world units. `size` is
+    /// the largest number that went into the computation of the hit: coordinates of the ray, world units.
+    double start_offset(const Vec3d& position, const Vec3d& normal, double size) const;
+
+    /// The cache's answer to a world ray from its t_min on; `ray` is the same, clipped.
+    ObjectAnswer ask(const Ray& world_ray, const LocalRay& ray) const;
+    /// An interpolated answer as a hit at `t` of a world ray.
+    LocalHit interpolated_local(const Ray& world_ray, double t, const ObjectAnswer& answer) const;
+
+    /// By tracing alone; `index` is the instance's.
+    std::optional<Hit> closest(uint32_t index, const Ray& world_ray) const;
+    LengthAnswer length_inside(const Ray& world_ray) const;
+};
+
+}  // namespace rayleaf
