@@ -23,17 +23,21 @@ last_statistics: dict[str, Any] = {}
 def register() -> None:
     """Called by Blender when the add-on is enabled."""
     from . import animation, engine, properties, ui
+    from .report import panel
 
     properties.register()
     engine.register()
     animation.register()
     ui.register()
+    panel.register()
 
 
 def unregister() -> None:
     """Called by Blender when the add-on is disabled."""
     from . import animation, engine, properties, ui
+    from .report import panel
 
+    panel.unregister()
     ui.unregister()
     animation.unregister()
     engine.unregister()

@@ -32,7 +32,7 @@ WITHIN_A_FLOOR = {("lights", "trace"): "emitting surfaces are found and sampled 
 # tested) in plain Python.
 MEET_BLENDER = {
     *("animation.py", "engine.py", "frame.py", "properties.py", "ray_interpolation.py", "ui.py", "versions.py"),
-    "export/images.py",
+    *("export/images.py", "report/panel.py", "report/render_points.py", "report/render_silhouettes.py"),
 }
 # The files that import the core; the others get it, or what it made, handed over.
 MEET_CORE = {"engine.py"}

@@ -1,0 +1,68 @@
+"""Every pass of a scene as a picture. The render is one of `render_points` with a multilayer EXR beside the pixels."""
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import page
+from .measure import render
+from .points import Point
+
+# Passes whose numbers are not colours: how each becomes one.
+_INTERESTING = "a pass that is black everywhere is left out"
+
+
+def read_layers(path: Path) -> dict[str, Any]:
+    """Pass name -> (height, width, channels), rows bottom to top; of the first view layer of Blender's file."""
+    import OpenImageIO as oiio
+
+    source = oiio.ImageInput.open(str(path))
+    if source is None:
+        raise RuntimeError(f"{path}: {oiio.geterror()}")
+    try:
+        names = list(source.spec().channelnames)
+        pixels = source.read_image(oiio.FLOAT)[::-1]
+    finally:
+        source.close()
+    found: dict[str, list[int]] = {}
+    for index, name in enumerate(names):  # "View Layer.Pass.Channel"
+        parts = name.split(".")
+        if len(parts) >= 3:
+            found.setdefault(".".join(parts[1:-1]), []).append(index)
+    return {name: pixels[..., indices] for name, indices in found.items()}
+
+
+def _ordered(name: str, values: Any) -> Any:
+    """Colour channels in the order R, G, B: an EXR holds them by name."""
+    return values[..., [3, 2, 1]] if name == "Combined" else values[..., ::-1][..., :3]
+
+
+def visible(name: str, values: Any) -> Any | None:
+    """What to show of a pass: colours as they are, numbers stretched over what they hold; None if there is nothing."""
+    finite = np.where(np.abs(values) < 1e9, np.nan_to_num(values), 0.0)
+    if not np.any(finite[..., :3]):
+        return None
+    if name in ("Combined", "Rayleaf Mask Colors", "AO", "Env", "Emit") or name.endswith(("Dir", "Ind", "Col")):
+        return _ordered(name, finite) if finite.shape[-1] >= 3 else finite
+    if name in ("Normal", "Position", "UV"):
+        low, high = finite.min(), finite.max()
+        return (_ordered(name, finite) - low) / (high - low)
+    largest = float(np.abs(finite).max())
+    return np.abs(finite[..., :1]) / largest
+
+
+def scene_pictures(blender: str, file: Path, width: int, samples: int) -> str:
+    """The figures of one scene, as HTML."""
+    everything = Point(
+        "Gallery", file.stem, assign={"rayleaf.samples": samples, "rayleaf.ray_interpolation.mode": "AUTO"}
+    )
+    with tempfile.TemporaryDirectory(prefix="rayleaf_report_") as name:
+        folder = Path(name)
+        raw = render(blender, file, [everything], width, 1, folder, all_passes=True)[0]
+        if "problem" in raw:
+            return page.paragraph(f"{file.name}: {raw['problem']}", "note")
+        layers = read_layers(Path(raw["layers"]))
+    shown = {each: visible(each, values) for each, values in layers.items()}
+    return page.pictures(*(page.picture(values, each) for each, values in shown.items() if values is not None))

@@ -1,0 +1,104 @@
+"""One HTML page that needs nothing else: text, tables, SVG plots and pictures inside it. Readable on a phone, printable."""
+
+import base64
+import html
+import struct
+import zlib
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from .errors import displayed, to_srgb
+
+_STYLE = """
+:root { color-scheme: light dark; }
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: auto; padding: 0 1rem 4rem; }
+h1, h2, h3 { line-height: 1.2; } h2 { margin-top: 3rem; border-bottom: 1px solid #8888; }
+table { border-collapse: collapse; font-size: 13px; } th, td { padding: .15rem .6rem; text-align: right; }
+th { border-bottom: 1px solid #888; vertical-align: bottom; } td:first-child, th:first-child { text-align: left; }
+tr:nth-child(even) td { background: #8881; } tr.dominated td { opacity: .55; }
+.wide { overflow-x: auto; } figure { margin: 1rem 0; } figcaption, .note { font-size: 13px; opacity: .8; }
+svg, img { max-width: 100%; height: auto; } svg { background: #fff; }
+.pictures { display: flex; flex-wrap: wrap; gap: .8rem; } .pictures figure { flex: 1 1 15rem; max-width: 26rem; margin: 0; }
+@media print { body { max-width: none; font-size: 11px; } h2 { break-before: page; } figure, table { break-inside: avoid; } }
+"""
+
+
+def text(value: Any) -> str:
+    """A cell as people read it: four digits of a number."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}"
+    if isinstance(value, float):
+        return f"{value:.4g}" if abs(value) < 1e5 else f"{value:,.0f}"
+    return html.escape(str(value))
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[Any]], dim: Iterable[bool] = ()) -> str:
+    """`dim` marks rows to be shown weaker."""
+    weak = list(dim)
+    parts = ["<div class=wide><table><tr>", *(f"<th>{html.escape(name)}</th>" for name in head), "</tr>"]
+    for number, row in enumerate(rows):
+        kind = " class=dominated" if number < len(weak) and weak[number] else ""
+        parts += [f"<tr{kind}>", *(f"<td>{text(cell)}</td>" for cell in row), "</tr>"]
+    return "".join([*parts, "</table></div>"])
+
+
+def paragraph(words: str, kind: str = "") -> str:
+    """Plain text."""
+    return f"<p{f' class={kind}' if kind else ''}>{html.escape(words)}</p>"
+
+
+def section(title: str, *parts: str, level: int = 2) -> str:
+    """A heading and what belongs to it."""
+    return f"<h{level}>{html.escape(title)}</h{level}>" + "".join(parts)
+
+
+def png(pixels: Any) -> bytes:
+    """(height, width, 3) bytes, rows top to bottom, as a PNG file."""
+    height, width, _ = pixels.shape
+    rows = np.concatenate([np.zeros((height, 1), np.uint8), pixels.reshape(height, width * 3)], axis=1)
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", zlib.compress(rows.tobytes(), 9))
+        + chunk(b"IEND", b"")
+    )
+
+
+def picture(linear: Any, caption: str) -> str:
+    """A scene-linear picture, rows bottom to top, as the report shows it: sRGB, clipped."""
+    rgb = np.asarray(linear)[::-1]
+    if rgb.shape[-1] == 1:
+        rgb = np.repeat(rgb, 3, axis=-1)
+    data = png(np.round(to_srgb(displayed(rgb)) * 255).astype(np.uint8))
+    source = base64.b64encode(data).decode()
+    words = html.escape(caption)
+    return f"<figure><img alt='{words}' src='data:image/png;base64,{source}'><figcaption>{words}</figcaption></figure>"
+
+
+def pictures(*figures: str) -> str:
+    """Figures side by side."""
+    return f"<div class=pictures>{''.join(figures)}</div>"
+
+
+def plot(svg: str, caption: str) -> str:
+    """A plot with a line of text."""
+    return f"<figure>{svg}<figcaption>{html.escape(caption)}</figcaption></figure>"
+
+
+def page(title: str, *parts: str) -> str:
+    """The whole document."""
+    return (
+        f"<!DOCTYPE html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
+        f"<title>{html.escape(title)}</title><style>{_STYLE}</style><h1>{html.escape(title)}</h1>{''.join(parts)}</html>\n"
+    )

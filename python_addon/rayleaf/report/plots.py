@@ -1,0 +1,67 @@
+"""Plots as SVG text, drawn by matplotlib without a display."""
+
+import io
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("svg")
+matplotlib.rcParams["svg.fonttype"] = "none"  # text stays text: small, and readable by all
+matplotlib.rcParams["svg.hashsalt"] = "rayleaf"  # the same plot is the same file
+
+from matplotlib import pyplot  # noqa: E402  (after the choice of the backend)
+
+from .measure import Measured  # noqa: E402
+
+_MARKERS = "osD^vPX*"
+
+
+def _as_svg(figure: Any) -> str:
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches="tight")
+    pyplot.close(figure)
+    svg = text.getvalue()
+    return svg[svg.index("<svg") :]
+
+
+def frontier(measured: list[Measured]) -> str:
+    """Error against seconds, both logarithmic; what is dominated is hollow."""
+    figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
+    for number, series in enumerate(dict.fromkeys(each.point.series for each in measured)):
+        own = [each for each in measured if each.point.series == series]
+        line = axes.plot(
+            [each.time for each in own], [each.error.rmse for each in own], "-", linewidth=0.8, label=series
+        )[0]
+        for each in own:
+            face = "none" if each.beaten_by else line.get_color()
+            marker = _MARKERS[number % len(_MARKERS)]
+            axes.plot(each.time, each.error.rmse, marker, color=line.get_color(), markerfacecolor=face)
+            axes.annotate(each.point.label, (each.time, each.error.rmse), fontsize=6, xytext=(4, 3),
+                          textcoords="offset points")  # fmt: skip
+    if all(each.time > 0 for each in measured):
+        axes.set_xscale("log")
+    if all(each.error.rmse > 0 for each in measured):
+        axes.set_yscale("log")
+    axes.set_xlabel("seconds (median)")
+    axes.set_ylabel("root mean square error, display RGB")
+    axes.grid(True, which="both", linewidth=0.3)
+    axes.legend(fontsize=7)
+    return _as_svg(figure)
+
+
+def lines(title: str, x_label: str, y_label: str, series: dict[str, list[tuple[float, float]]]) -> str:
+    """Curves over a logarithmic x where all x are positive; used for tables of one parameter."""
+    figure, axes = pyplot.subplots(figsize=(5.2, 3.4))
+    for number, (name, points) in enumerate(series.items()):
+        ordered = sorted(points)
+        axes.plot(*zip(*ordered, strict=True), _MARKERS[number % len(_MARKERS)] + "-", linewidth=0.9, label=name)
+    if all(x > 0 for points in series.values() for x, _ in points):
+        axes.set_xscale("log")
+    if all(y > 0 for points in series.values() for _, y in points):
+        axes.set_yscale("log")
+    axes.set_title(title, fontsize=9)
+    axes.set_xlabel(x_label)
+    axes.set_ylabel(y_label)
+    axes.grid(True, which="both", linewidth=0.3)
+    axes.legend(fontsize=7)
+    return _as_svg(figure)

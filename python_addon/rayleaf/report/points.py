@@ -1,0 +1,90 @@
+"""The settings that a report tries on a scene: one `Point` is one picture to render and judge."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+# How Cycles is told to do just what was asked: so many samples in every pixel, nothing smoothed afterwards.
+CYCLES_PLAIN = {
+    "cycles.use_adaptive_sampling": False,
+    "cycles.use_denoising": False,
+    "cycles.device": "CPU",
+    "render.use_persistent_data": False,
+}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One setting of one sweep."""
+
+    series: str  # what is swept
+    label: str  # the value, as the report shows it
+    engine: str = "RAYLEAF"
+    assign: dict[str, Any] = field(default_factory=dict)  # property path from the scene -> value
+    same_noise_as: str | None = None  # label of the point of the series with equal random numbers and no shortcut
+
+    @property
+    def name(self) -> str:
+        return f"{self.series}: {self.label}"
+
+    def as_job(self) -> dict[str, Any]:
+        """What `render_points` reads."""
+        return {"name": self.name, "engine": self.engine, "assign": self.assign}
+
+
+def samples(counts: list[int]) -> list[Point]:
+    """Paths per pixel, everything traced."""
+    return [
+        Point(
+            "Samples",
+            f"{count} samples",
+            assign={"rayleaf.samples": count, "rayleaf.ray_interpolation.mode": "OFF"},
+        )
+        for count in counts
+    ]
+
+
+def interpolation(errors: list[float], count: int) -> list[Point]:
+    """Ray interpolation off, auto and on at several errors, with `count` samples and the same random numbers."""
+    path = "rayleaf.ray_interpolation"
+    common = {"rayleaf.samples": count, f"{path}.use_advanced": False}
+    series = "Ray interpolation"
+    points = [
+        Point(series, "off", assign={**common, f"{path}.mode": "OFF"}),
+        Point(series, "auto", assign={**common, f"{path}.mode": "AUTO"}, same_noise_as="off"),
+    ]
+    for error in errors:
+        assign = {**common, f"{path}.mode": "ON", f"{path}.error": error}
+        points.append(Point(series, f"on, error {error:g}", assign=assign, same_noise_as="off"))
+    return points
+
+
+def _label(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value).replace("_", " ").lower()
+
+
+def values(series: str, path: str, tried: list[Any], count: int, exact: Any = None) -> list[Point]:
+    """One property at several values, with `count` samples; compared with `exact` at equal random numbers if given."""
+    return [
+        Point(
+            series,
+            _label(value),
+            assign={"rayleaf.samples": count, path: value},
+            same_noise_as=None if exact is None or value == exact else _label(exact),
+        )
+        for value in tried
+    ]
+
+
+def cycles(counts: list[int]) -> list[Point]:
+    """The same file in Cycles."""
+    return [
+        Point("Cycles", f"{count} samples", "CYCLES", {**CYCLES_PLAIN, "cycles.samples": count}) for count in counts
+    ]
+
+
+def reference(engine: str, count: int) -> Point:
+    """What an engine converges to: many samples with other random numbers, no shortcut."""
+    if engine == "CYCLES":
+        return Point("Reference", "Cycles", engine, {**CYCLES_PLAIN, "cycles.samples": count, "cycles.seed": 7919})
+    assign = {"rayleaf.samples": count, "rayleaf.seed": 7919, "rayleaf.ray_interpolation.mode": "OFF"}
+    return Point("Reference", "Rayleaf", engine, assign)

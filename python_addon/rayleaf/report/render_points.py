@@ -1,0 +1,162 @@
+"""Renders one file with many settings; started inside a background Blender by `measure`.
+
+    blender -b FILE --addons rayleaf --python render_points.py -- JOB.json RESULT.json
+
+The job: {"width": pixels, "repeats": n, "folder": path, "addon": its module, "all_passes": bool, "points":
+[{"name", "engine", "assign": {path: value}}]}. The
+result, a list in the same order: {"name", "seconds": [each repeat], "memory_mb": peak above what was there before,
+"picture": NPY file of (height, width, 4), scene-linear, rows bottom to top, "statistics": the add-on's, or {},
+"layers": with all passes, a multilayer EXR}.
+A point whose property this version does not have is left out of the pictures and says so: {"name", "problem"}.
+"""
+
+import gc
+import importlib
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+
+def assign(scene: Any, path: str, value: Any) -> None:
+    """Set the property that a dotted path names. Raises AttributeError where there is none."""
+    owner = scene
+    *owners, name = path.split(".")
+    for each in owners:
+        owner = getattr(owner, each)
+    if not hasattr(owner, name):
+        raise AttributeError(f"{path} is no setting of this version")
+    setattr(owner, name, value)
+
+
+def remembered(scene: Any, paths: list[str]) -> dict[str, Any]:
+    """The values of properties that exist, to be put back."""
+    found: dict[str, Any] = {}
+    for path in paths:
+        owner = scene
+        for each in path.split("."):
+            owner = getattr(owner, each, None)
+        if owner is not None:
+            found[path] = owner
+    return found
+
+
+def process_megabytes(field: str) -> float:
+    """VmRSS or VmHWM of this process."""
+    for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
+        if line.startswith(field):
+            return int(line.split()[1]) / 1024
+    return 0.0
+
+
+def forget_peak() -> None:
+    """Make VmHWM start again from what is used now."""
+    gc.collect()
+    Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
+
+
+def rendered_pixels(folder: Path, scene: Any) -> Any:
+    """Combined of the Render Result, by way of a 32-bit EXR: the one way that works without a window."""
+    path = folder / "pixels.exr"
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGBA", "32"
+    bpy.data.images["Render Result"].save_render(str(path), scene=scene)
+    image = bpy.data.images.load(str(path))
+    try:
+        image.colorspace_settings.is_data = True
+        image.alpha_mode = "CHANNEL_PACKED"
+        pixels = np.empty(image.size[0] * image.size[1] * 4, dtype=np.float32)
+        image.pixels.foreach_get(pixels)
+        return pixels.reshape(image.size[1], image.size[0], 4)
+    finally:
+        bpy.data.images.remove(image)
+
+
+def switch_on_all_passes(addon: str) -> None:
+    """Every pass that the add-on has, in the view layer that is rendered."""
+    passes = importlib.import_module(f"{addon}.passes")
+    layer = bpy.context.view_layer
+    for entry in passes.table():
+        if entry.switch:
+            owner, name = entry.place(layer)
+            if hasattr(owner, name):
+                setattr(owner, name, True)
+
+
+def saved_layers(path: Path, scene: Any) -> str:
+    """The Render Result as a multilayer EXR."""
+    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    bpy.data.images["Render Result"].save_render(str(path), scene=scene)
+    return str(path)
+
+
+def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dict[str, Any]:
+    """One point, rendered as often as the job says."""
+    scene, folder = bpy.context.scene, Path(job["folder"])
+    before = remembered(scene, list(point["assign"]))
+    try:
+        scene.render.engine = point["engine"]
+        for path, value in point["assign"].items():
+            assign(scene, path, value)
+        forget_peak()
+        at_start, seconds = process_megabytes("VmRSS"), []
+        for _ in range(job["repeats"]):
+            began = time.perf_counter()
+            bpy.ops.render.render()
+            seconds.append(time.perf_counter() - began)
+        memory = process_megabytes("VmHWM") - at_start
+        picture = folder / f"{number:03d}.npy"
+        np.save(picture, rendered_pixels(folder, scene))
+        layers = saved_layers(folder / f"{number:03d}.exr", scene) if job.get("all_passes") else ""
+        addon = sys.modules.get(job["addon"])
+        statistics = dict(getattr(addon, "last_statistics", {})) if point["engine"] == "RAYLEAF" else {}
+        return {
+            "name": point["name"],
+            "seconds": seconds,
+            "memory_mb": memory,
+            "picture": str(picture),
+            "layers": layers,
+            "statistics": json.loads(json.dumps(statistics, default=str)),
+        }
+    except (AttributeError, TypeError) as error:  # a setting that this version lacks, or a value that it does not take
+        return {"name": point["name"], "problem": str(error)}
+    finally:
+        for path, value in before.items():
+            assign(scene, path, value)
+
+
+def warm_up(point: dict[str, Any], job: dict[str, Any]) -> None:
+    """Load what an engine loads once, with one tiny picture, so that no point pays for it."""
+    render = bpy.context.scene.render
+    size = render.resolution_x, render.resolution_y
+    render.resolution_x, render.resolution_y = 8, 8
+    render_point(point, {**job, "repeats": 1, "all_passes": False}, 0)
+    render.resolution_x, render.resolution_y = size
+
+
+def main() -> None:
+    job_path, result_path = (Path(argument) for argument in sys.argv[sys.argv.index("--") + 1 :][:2])
+    job = json.loads(job_path.read_text(encoding="utf-8"))
+    render = bpy.context.scene.render
+    render.resolution_percentage = 100
+    height = max(1, round(job["width"] * render.resolution_y / render.resolution_x))
+    render.resolution_x, render.resolution_y = job["width"], height
+    render.use_file_extension, render.use_compositing, render.use_sequencer = True, False, False
+    if "threads" in job:
+        render.threads_mode, render.threads = "FIXED", job["threads"]
+    if job.get("all_passes"):
+        switch_on_all_passes(job["addon"])
+    for engine in sorted({point["engine"] for point in job["points"]}):
+        warm_up(next(point for point in job["points"] if point["engine"] == engine), job)
+    results: list[dict[str, Any]] = []
+    for number, point in enumerate(job["points"]):
+        results.append(render_point(point, job, number))
+        result_path.write_text(json.dumps(results), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,62 @@
+"""The button that sweeps settings over the open scene, and the page of `rayleaf report`."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+MEASURE = """
+import bpy
+
+scene = bpy.context.scene
+scene.render.engine = "RAYLEAF"
+scene.render.resolution_x, scene.render.resolution_y = 32, 24
+bpy.ops.rayleaf.measure_settings(width=16)
+measurement = bpy.context.window_manager.rayleaf_measurement
+found = [(each.name, each.seconds, each.error) for each in measurement.settings]
+measurement.wanted_error = 1.0
+bpy.ops.rayleaf.apply_measured()
+fastest = (found[0][0], scene.rayleaf.samples, scene.rayleaf.ray_interpolation.mode)
+measurement.wanted_error = 0.0001
+report(found=found, fastest=fastest, none=bpy.ops.rayleaf.apply_measured.poll(), state=measurement.state)
+"""
+
+
+def test_the_button_lists_error_and_time_and_apply_sets_the_fastest_within_the_wish(run_blender):
+    run = run_blender(MEASURE)
+    found = run.report["found"]
+    by_name = {name: error for name, _, error in found}
+    assert [seconds for _, seconds, _ in found] == sorted(seconds for _, seconds, _ in found)
+    assert by_name["Samples: 64 samples"] < by_name["Samples: 1 samples"]
+    assert any("interpolation" in name for name in by_name)
+    name, samples, mode = run.report["fastest"]
+    assert f"{samples} samples" in name and (mode == "OFF" or "interpolation" in name)
+    assert not run.report["none"], "nothing is closer than the noise of the reference, so nothing can be applied"
+    assert run.report["state"] == f"{len(found)} settings measured"
+
+
+MAKE = """
+import bpy, sys
+bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = 32, 24
+bpy.ops.wm.save_as_mainfile(filepath=sys.argv[1])
+"""
+
+
+def test_the_report_of_a_file_holds_its_tables_plots_and_pictures(run_blender, addons, tmp_path):
+    file, folder = tmp_path / "cube.blend", tmp_path / "report"
+    run_blender(MAKE, file)
+    root = Path(__file__).resolve().parents[2]
+    environment = os.environ | {"PYTHONPATH": str(addons), "BLENDER_USER_SCRIPTS": str(addons.parent)}
+    blender = os.environ.get("BLENDER") or "/usr/bin/blender"
+    command = [sys.executable, "-m", "rayleaf.report.run_report", str(file), "--quick", "-o", str(folder)]
+    command += ["--root", str(root), "--blender", blender]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    figures = json.loads((folder / "report.json").read_text())
+    rows = figures["scenes"]["cube"]
+    assert {row["engine"] for row in rows} == {"RAYLEAF", "CYCLES"}
+    assert all(row["seconds"] > 0 and 0 <= row["rmse"] <= 1 for row in rows)
+    text = (folder / "report.html").read_text()
+    assert text.count("<svg") >= 2 and text.count("data:image/png") >= 6
+    assert (folder / "frontier.csv").read_text().count("\n") == len(rows) + 1
