@@ -31,11 +31,11 @@ template <typename Tree>
 std::unique_ptr<Tree> make_tree(std::shared_ptr<Shape> shape, const std::string& kind, double ior,
                                 double distance_threshold, double angle_threshold, int depth_limit,
                                 uint64_t cache_bytes, double pruned_share, double facet_tolerance,
-                                double direction_threshold) {
+                                double direction_threshold, int mixed_depth_limit) {
     const SampleSettings samples{kind_named(shape->name(), kind), ior, facet_tolerance};
     return std::make_unique<Tree>(std::move(shape), samples,
                                   RayCacheSettings{distance_threshold, angle_threshold, depth_limit, cache_bytes,
-                                                   pruned_share, direction_threshold});
+                                                   pruned_share, direction_threshold, mixed_depth_limit});
 }
 
 py::dict ask(RayCache& cache, const Array<double>& origins, const Array<double>& directions,
@@ -160,6 +160,7 @@ void bind_tree(py::module_& module, const char* name, const char* description) {
              py::arg("cache_bytes") = settings.cache_bytes, py::arg("pruned_share") = settings.pruned_share,
              py::arg("facet_tolerance") = samples.facet_tolerance,
              py::arg("direction_threshold") = settings.direction_threshold,
+             py::arg("mixed_depth_limit") = settings.mixed_depth_limit,
              "kind: SIMPLE, MIRROR, GLASS or VOLUME. Thresholds: a share of the box's half extent, and radians.")
         .def("final_cells", &final_cells<Tree>, py::arg("origins"), py::arg("directions"),
              "(direction, depth, indices) of the cells that answer, None for rays that miss the box.")

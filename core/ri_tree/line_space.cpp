@@ -129,6 +129,12 @@ Ray LineSpace::center_ray(const CellKey& cell) const {
     return ray_at(cell.direction, shares);
 }
 
+Ray LineSpace::lattice_ray(uint8_t direction, const std::array<uint32_t, kLineAxes>& place) const {
+    std::array<double, kLineAxes> shares{};
+    for (int i = 0; i < kLineAxes; ++i) shares[i] = lattice_share(place[i], kGreatestAxisLevel);
+    return ray_at(direction, shares);
+}
+
 Ray LineSpace::ray_at(uint8_t direction, const std::array<double, kLineAxes>& shares) const {
     const int axis = direction / 2, b = second_axis(axis), c = third_axis(axis);
     const double sense = direction % 2 == 0 ? 1.0 : -1.0;

@@ -79,6 +79,12 @@ class LineSpace {
     /// a corner share its ray bit by bit.
     Ray corner_ray(const CellKey& cell, int corner) const;
     Ray center_ray(const CellKey& cell) const;
+    /// The same by the lattice point alone: `place[k] / 2^31` is the share along axis k.
+    Ray lattice_ray(uint8_t direction, const std::array<uint32_t, kLineAxes>& place) const;
+
+    Vec3d center() const { return center_; }
+    /// The root cell's half sides; it is centred on 0 in every axis. Intercepts are relative to the box's middle.
+    std::array<double, kLineAxes> root_half_sides(int axis) const;
 
   private:
     /// How cells of one dominant axis are halved, by depth.
@@ -93,8 +99,6 @@ class LineSpace {
     double half_extent_ = 0;
     std::array<Halvings, 3> halvings_;
 
-    /// The root cell's half sides; it is centred on 0 in every axis. Intercepts are relative to the box's middle.
-    std::array<double, kLineAxes> root_half_sides(int axis) const;
     Halvings halvings(int axis) const;
     Ray ray_at(uint8_t direction, const std::array<double, kLineAxes>& shares) const;
 };

@@ -12,9 +12,9 @@ void require(bool holds, const std::string& name, const char* argument, double g
 }
 
 const char* const kAnswerNames[kAnswerKinds] = {
-    "not a ray",           "box missed",      "cell missed",         "interpolated",  "two classes, interpolated",
-    "two classes, missed", "traced: classes", "traced: few corners", "traced: angle", "traced: origin in the box",
-    "traced: large cell",  "traced: few rays"};
+    "not a ray",           "box missed",       "cell missed",         "interpolated",  "two classes, interpolated",
+    "two classes, missed", "traced: classes",  "traced: few corners", "traced: angle", "traced: origin in the box",
+    "traced: large cell",  "traced: few rays", "traced: error"};
 
 }  // namespace
 
@@ -29,6 +29,8 @@ const RayCacheSettings& checked(const std::string& name, const RayCacheSettings&
             "0 or more");
     require(settings.depth_limit >= 0 && settings.depth_limit <= kGreatestCellDepth, name, "depth_limit",
             settings.depth_limit, "0 to 60");
+    require(settings.mixed_depth_limit >= 0 && settings.mixed_depth_limit <= kGreatestCellDepth, name,
+            "mixed_depth_limit", settings.mixed_depth_limit, "0 to 60");
     require(settings.pruned_share > 0.0 && settings.pruned_share <= 1.0, name, "pruned_share", settings.pruned_share,
             "above 0, at most 1");
     return settings;

@@ -36,9 +36,10 @@ enum class AnsweredBy : uint8_t {
     TracedAngle,           ///< directions at the corners differ by more than the angular threshold
     TracedOrigin,          ///< starts inside the box, and the interpolated hit is not surely beyond
     TracedLargeCell,       ///< no corner hits, but the cell is too large to trust that
-    TracedNotWorthIt       ///< too few of the frame's rays cross the cell to pay for its samples
+    TracedNotWorthIt,      ///< too few of the frame's rays cross the cell to pay for its samples
+    TracedError            ///< a cell of the depth limit is not close enough
 };
-inline constexpr size_t kAnswerKinds = 12;
+inline constexpr size_t kAnswerKinds = 13;
 /// "interpolated", ... in the order of the enum, for statistics.
 std::span<const char* const> answer_names();
 inline bool is_traced(AnsweredBy by) {
@@ -80,9 +81,16 @@ struct RayCacheSettings {
     /// Largest angle between the true and the interpolated output direction where a cell is tested, radians. The fast
     /// tree's alone; the paper has no such threshold.
     double direction_threshold = kPi / 180.0;
+    /// A cell of several classes of this depth is final: its lines are traced. The fast tree's alone.
+    int mixed_depth_limit = 24;
 
     bool operator==(const RayCacheSettings&) const = default;
 };
+
+/// Whether a ray is finite and has a direction.
+inline bool is_ray(const Ray& ray) {
+    return is_finite(ray.origin) && is_finite(ray.direction) && max_abs(ray.direction) > 0.0;
+}
 
 /// The settings themselves; throws InputError, in the name of the shape, for those without meaning.
 const RayCacheSettings& checked(const std::string& name, const RayCacheSettings& settings);

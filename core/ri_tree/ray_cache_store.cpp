@@ -15,6 +15,7 @@ std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samp
     key.direction_threshold = settings.direction_threshold;
     key.pruned_share = settings.pruned_share;
     key.depth_limit = settings.depth_limit;
+    key.mixed_depth_limit = settings.mixed_depth_limit;
     key.cache_bytes = settings.cache_bytes;
     return key;
 }

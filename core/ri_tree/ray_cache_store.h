@@ -25,7 +25,7 @@ struct RayCacheKey {
     OutputKind kind = OutputKind::Mirror;
     double ior = 0, facet_tolerance = 0;
     double distance_threshold = 0, angle_threshold = 0, direction_threshold = 0, pruned_share = 0;
-    int depth_limit = 0;
+    int depth_limit = 0, mixed_depth_limit = 0;
     uint64_t cache_bytes = 0;  ///< changes no answer, but what a cache may hold
 
     auto operator<=>(const RayCacheKey&) const = default;

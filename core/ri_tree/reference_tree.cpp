@@ -18,10 +18,6 @@ CachedAnswer to_trace(AnsweredBy reason) {
     return {{}, reason, 0.0};
 }
 
-bool is_ray(const Ray& ray) {
-    return is_finite(ray.origin) && is_finite(ray.direction) && max_abs(ray.direction) > 0.0;
-}
-
 }  // namespace
 
 /// What the corners of a final cell have in common.

@@ -11,6 +11,11 @@ namespace {
 /// any thickness that counts.
 constexpr double kCrossingStep = 0x1p-20;
 
+/// How far beside its facet a ray inside glass starts, local units: what a float ray may lie off (trace/tracer.cpp),
+/// and the rounding of the hit, 2^-53 of the coordinates that it was computed from, 64 operations of them.
+constexpr double kFloatRayError = 0x1p-21;
+constexpr double kRounding = 64 * 0x1p-53;
+
 SampleSettings checked(const std::string& name, const SampleSettings& settings) {
     const auto require_positive = [&](const char* argument, double value) {
         if (!(value > 0.0 && std::isfinite(value)))
@@ -62,28 +67,70 @@ uint32_t SampleTracer::first_hit_class(const Ray& ray) const {
     return hit ? classes_.of(*shape_, hit->local) : kMissedClass;
 }
 
+/// A point hit: all that a path needs of it. World space is local space, so nothing has to be mapped.
+struct SampleTracer::Point {
+    LocalSurface surface;
+    uint32_t surface_class = kMissedClass;
+    Vec3d facet_position{0, 0, 0}, facet_normal{0, 0, 1};  ///< unit, on the side of the winding
+    Vec3d normal{0, 0, 1};                                 ///< unit, for shading
+    Vec3d tangent_normal{0, 0, 1};                         ///< of the surface that `surface.position` moves on
+    double start_offset = 0;
+
+    Vec3d ray_origin(const Vec3d& direction) const {
+        return facet_position + facet_normal * (direction.dot(facet_normal) < 0.0 ? -start_offset : start_offset);
+    }
+};
+
+SampleTracer::Point SampleTracer::point_at(const Ray& ray, const Hit& hit) const {
+    Point point;
+    point.surface = shape_->surface(hit.local);
+    point.surface_class = classes_.of(*shape_, hit.local);
+    point.facet_position = hit.local.position;
+    point.facet_normal = normalized_or(Vec3d(hit.local.normal), Vec3d(0, 0, 1));
+    point.normal = normalized_or(Vec3d(point.surface.normal), point.facet_normal);
+    point.tangent_normal = shape_->kind() == ShapeKind::TriangleMesh ? point.facet_normal : point.normal;
+    const double size = max_abs(ray.origin) + hit.t + max_abs(point.facet_position) + 1.0;
+    point.start_offset = kFloatRayError + kRounding * 3.0 * size;
+    return point;
+}
+
 OutputRay SampleTracer::trace(const Ray& ray) const {
+    UnknownChanges changes;
+    return trace_path(ray, changes);
+}
+
+OutputRay SampleTracer::trace(const Ray& ray, const RayChanges& ray_changes, OutputChanges& changes) const {
+    changes = {};
+    PathChanges path(ray.origin, ray_changes, changes);
+    return trace_path(ray, path);
+}
+
+template <typename Changes>
+OutputRay SampleTracer::trace_path(const Ray& ray, Changes& changes) const {
     OutputRay out;
     const std::optional<Hit> hit = tracer_.closest_hit(ray, kVisibleAll);
     if (!hit) return out;
-    out.sample_class.first_hit = classes_.of(*shape_, hit->local);
     if (settings_.kind == OutputKind::Volume) {
-        measure_length(ray, *hit, out);
+        out.sample_class.first_hit = classes_.of(*shape_, hit->local);
+        measure_length(ray, *hit, out, changes);
         return out;
     }
-    const SurfacePoint point = tracer_.surface_point(ray, *hit);
-    out.position = out.exit_position = point.position;
-    out.normal = normalized_or(Vec3d(point.normal), Vec3d(0, 0, 1));
+    const Point point = point_at(ray, *hit);
+    changes.arrive(point.surface.position, ray.direction, point.surface, point.tangent_normal);
+    changes.first_hit();
+    out.sample_class.first_hit = point.surface_class;
+    out.position = out.exit_position = point.surface.position;
+    out.normal = point.normal;
     switch (settings_.kind) {
         case OutputKind::Simple:
-            out.uv = Vec2d(point.uv);
+            out.uv = Vec2d(point.surface.uv);
             out.exit_direction = out.normal;
             break;
         case OutputKind::Mirror:
             out.exit_direction = mirrored(ray.direction, out.normal);
             break;
         case OutputKind::Glass:
-            follow_glass(ray, point, out);
+            follow_glass(ray, point, out, changes);
             break;
         case OutputKind::Volume:
             break;
@@ -91,45 +138,54 @@ OutputRay SampleTracer::trace(const Ray& ray) const {
     return out;
 }
 
-void SampleTracer::follow_glass(const Ray& ray, const SurfacePoint& first, OutputRay& out) const {
+template <typename Changes>
+void SampleTracer::follow_glass(const Ray& ray, const Point& first, OutputRay& out, Changes& changes) const {
     SampleClass& path = out.sample_class;
-    SurfacePoint point = first;
+    Point point = first;
     Vec3d direction = ray.direction;
     for (;;) {
-        const Vec3d facet_normal(point.facet_normal);
-        const bool from_inside = direction.dot(facet_normal) > 0.0;
-        Vec3d normal = normalized_or(Vec3d(point.normal), facet_normal);
-        if (normal.dot(direction) > 0.0) normal = -normal;
+        const bool from_inside = direction.dot(point.facet_normal) > 0.0;
+        const bool turned = point.normal.dot(direction) > 0.0;
+        const Vec3d facing = turned ? -point.normal : point.normal;
         const double eta = from_inside ? settings_.ior : 1.0 / settings_.ior;
-        const std::optional<Vec3d> through = refracted_direction(direction, normal, eta);
-        direction = through ? *through : mirrored(direction, normal);
-        if (!through) ++path.total_reflections;
-        out.exit_position = point.position;
+        const std::optional<Vec3d> through = refracted_direction(direction, facing, eta);
+        if (through) {
+            changes.refract(direction, facing, eta, turned);
+            direction = *through;
+        } else {
+            changes.reflect(direction, facing, turned);
+            direction = mirrored(direction, facing);
+            ++path.total_reflections;
+        }
+        out.exit_position = point.surface.position;
         out.exit_direction = direction;
-        path.exit = class_at(point);
+        path.exit = point.surface_class;
         // Where the ray goes by the facet is where it is: a shading normal may differ from it.
-        if (direction.dot(facet_normal) >= 0.0) {
+        if (direction.dot(point.facet_normal) >= 0.0) {
             path.ending = PathEnding::Left;
-            return;
+            break;
         }
         if (path.interior_hits == kMostInteriorHits) {
             path.ending = PathEnding::CutOff;
-            return;
+            break;
         }
         Ray inner;
-        inner.origin = point.ray_origin(Vec3f(direction));
+        inner.origin = point.ray_origin(direction);
         inner.direction = direction;
         const std::optional<Hit> hit = tracer_.closest_hit(inner, kVisibleAll);
         if (!hit) {
             path.ending = PathEnding::Escaped;
-            return;
+            break;
         }
-        point = tracer_.surface_point(inner, *hit);
+        point = point_at(inner, *hit);
+        changes.arrive(point.surface.position, direction, point.surface, point.tangent_normal);
         ++path.interior_hits;
     }
+    changes.leave();
 }
 
-void SampleTracer::measure_length(const Ray& ray, const Hit& first, OutputRay& out) const {
+template <typename Changes>
+void SampleTracer::measure_length(const Ray& ray, const Hit& first, OutputRay& out, Changes& changes) const {
     SampleClass& path = out.sample_class;
     path.ending = PathEnding::Left;
     double entered = 0.0;
@@ -137,14 +193,21 @@ void SampleTracer::measure_length(const Ray& ray, const Hit& first, OutputRay& o
     Ray rest = ray;
     std::optional<Hit> hit = first;
     for (;;) {
+        const Vec3d facet_normal(hit->local.normal);
         path.exit = classes_.of(*shape_, hit->local);
-        const bool leaves = Vec3d(hit->local.normal).dot(ray.direction) > 0.0;
-        if (!leaves) {
-            if (inside++ == 0) entered = hit->t;
+        if (facet_normal.dot(ray.direction) <= 0.0) {
+            if (inside++ == 0) {
+                entered = hit->t;
+                changes.add_crossing(ray.direction, hit->t, facet_normal, -1.0);
+            }
         } else if (inside > 0) {
-            if (--inside == 0) out.length += hit->t - entered;
+            if (--inside == 0) {
+                out.length += hit->t - entered;
+                changes.add_crossing(ray.direction, hit->t, facet_normal, 1.0);
+            }
         } else if (path.interior_hits == 0) {
             out.length += hit->t - ray.t_min;  // started inside
+            changes.add_crossing(ray.direction, hit->t, facet_normal, 1.0);
         }
         rest.t_min = hit->t + kCrossingStep;
         hit = tracer_.closest_hit(rest, kVisibleAll);

@@ -7,6 +7,7 @@
 
 #include "ri_tree/output_ray.h"
 #include "ri_tree/patch_classes.h"
+#include "ri_tree/path_changes.h"
 #include "trace/tracer.h"
 
 #include <memory>
@@ -34,6 +35,9 @@ class SampleTracer {
     /// The output ray of a ray in local space, from its origin on; its direction is unit. Glass: a ray must start
     /// outside. Volume: one that starts inside counts from there. A miss has the class of a miss.
     OutputRay trace(const Ray& ray) const;
+    /// The same, and how it changes if the ray changes so at its origin. Of triangles the normal's change is known only
+    /// where they have texture coordinates.
+    OutputRay trace(const Ray& ray, const RayChanges& ray_changes, OutputChanges& changes) const;
     /// Class of the patch hit first, without following the path.
     uint32_t first_hit_class(const Ray& ray) const;
 
@@ -43,9 +47,15 @@ class SampleTracer {
     PatchClasses classes_;
     Tracer tracer_;
 
-    uint32_t class_at(const SurfacePoint& point) const { return classes_.of(*shape_, point.local); }
-    void follow_glass(const Ray& ray, const SurfacePoint& first, OutputRay& out) const;
-    void measure_length(const Ray& ray, const Hit& first, OutputRay& out) const;
+    struct Point;
+
+    Point point_at(const Ray& ray, const Hit& hit) const;
+    template <typename Changes>
+    OutputRay trace_path(const Ray& ray, Changes& changes) const;
+    template <typename Changes>
+    void follow_glass(const Ray& ray, const Point& first, OutputRay& out, Changes& changes) const;
+    template <typename Changes>
+    void measure_length(const Ray& ray, const Hit& first, OutputRay& out, Changes& changes) const;
 };
 
 }  // namespace rayleaf

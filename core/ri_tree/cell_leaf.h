@@ -1,0 +1,71 @@
+// An interpolating cell: a polynomial of four variables for each number of an output ray.
+//
+// Departure from the paper, which interpolates the corners quadrilinearly. With the samples' changes known (ray
+// differentials), sixteen corners determine every polynomial of total degree 3: the error falls with the fourth power
+// of the cell's sides instead of the second. Written by the Hermite data at the corners, on [-1, 1]^4:
+//   sum over S of a_S prod(u_k, k in S)  +  sum over k of (u_k^2 - 1) (b_k + d_k u_k + sum over l of c_kl u_l)
+// with at most three factors in S. The second sum vanishes at the corners and carries their derivatives. Without
+// changes the first sum alone is kept, quadrilinear but for the product of all four.
+//
+// Of unit vectors two components are kept; the third, the largest at the cell's centre, follows from them.
+#pragma once
+
+#include "ri_tree/line_space.h"
+#include "ri_tree/output_ray.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace rayleaf {
+
+inline constexpr int kLinearTerms = 15;
+inline constexpr int kCubicTerms = 35;
+inline constexpr int kMostLeafValues = 8;
+/// Terms are read eight values at a time; the last may reach beyond.
+inline constexpr int kLeafPadding = 8;
+
+/// Numbers of the terms. One to three factors: by the axes, in lexicographic order.
+inline constexpr int kConstantTerm = 0;
+inline constexpr int kAxisTerms = 1;     ///< u_k
+inline constexpr int kSquareTerms = 15;  ///< u_k^2 - 1
+inline constexpr int kCubeTerms = 19;    ///< (u_k^2 - 1) u_k
+inline constexpr int kMixedTerms = 23;   ///< (u_k^2 - 1) u_l, l among the other three in order
+
+/// A unit vector by two of its components.
+struct FoldedVector {
+    uint8_t third = 0;  ///< component that is left out; the two others follow in cyclic order
+    int8_t sign = 1;    ///< of it
+};
+
+/// Numbers of a leaf: Volume: the length. Others: depth of the first hit (fast_sample.h), two of its normal; then
+/// Simple: two texture coordinates; Glass: exit position, two of the exit direction.
+int leaf_value_count(OutputKind kind);
+
+struct CellLeaf {
+    SampleClass sample_class;
+    float error = 0;           ///< estimated at the centre: distance (output_ray.h), share of the half extent
+    float position_error = 0;  ///< of the first hit, local units
+    FoldedVector normal, exit_direction;
+    uint8_t terms = 0;   ///< kLinearTerms or kCubicTerms
+    uint8_t values = 0;  ///< leaf_value_count
+    /// Of value i in term t: [t * values + i]. Only as many as there are, and the padding, are stored.
+    std::array<float, size_t{kCubicTerms} * kMostLeafValues + kLeafPadding> coefficients;
+
+    size_t stored_bytes() const {
+        return offsetof(CellLeaf, coefficients) + (size_t{terms} * values + kLeafPadding) * sizeof(float);
+    }
+};
+
+/// A line as answers need it, local space.
+struct LineGeometry {
+    int axis = 0;
+    std::array<double, 2> intercept{}, slope{};  ///< with the middle plane, relative to the box's middle; d_b / d_a
+    Vec3d direction{0, 0, 1};                    ///< unit
+};
+
+/// The output ray that a leaf's values, `stride` apart, stand for.
+OutputRay output_of(OutputKind kind, const CellLeaf& leaf, const float* values, size_t stride, const LineGeometry& line,
+                    const Vec3d& box_center);
+
+}  // namespace rayleaf

@@ -1,0 +1,141 @@
+#include "ri_tree/cell_store.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <thread>
+
+namespace rayleaf {
+namespace {
+
+/// What the bits of a CellRef can address.
+constexpr uint64_t kMostUnits = uint64_t{1} << (32 - kVerdictBits);
+
+/// Where a thread begins to look for a place: spread, and the same each time.
+size_t first_place(size_t count) {
+    thread_local const size_t hash = std::hash<std::thread::id>()(std::this_thread::get_id());
+    return (hash ^ (hash >> 12)) % count;
+}
+
+CellRef ref_of(CellVerdict verdict, uint64_t unit) {
+    return static_cast<CellRef>(unit << kVerdictBits) | static_cast<CellRef>(verdict);
+}
+
+}  // namespace
+
+CellBlock::CellBlock(uint64_t bytes) : capacity_(std::min(bytes / sizeof(CellNode), kMostUnits)) {
+    if (capacity_ < 2) {
+        capacity_ = 0;
+        return;
+    }
+    owned_.reset(new (std::nothrow) std::byte[capacity_ * sizeof(CellNode)]);
+    void* memory = owned_.get();
+    size_t space = capacity_ * sizeof(CellNode);
+    if (!memory || !std::align(sizeof(CellNode), sizeof(CellNode), memory, space)) {
+        capacity_ = 0;
+        return;
+    }
+    memory_ = static_cast<std::byte*>(memory);
+    capacity_ = space / sizeof(CellNode);
+}
+
+std::optional<uint64_t> CellBlock::take(uint64_t units) {
+    uint64_t unit = used_.load(std::memory_order_relaxed);
+    do {
+        if (unit + units > capacity_) return std::nullopt;
+    } while (!used_.compare_exchange_weak(unit, unit + units, std::memory_order_relaxed));
+    return unit;
+}
+
+std::optional<CellRef> CellBlock::add_node() {
+    const std::optional<uint64_t> unit = take(1);
+    if (!unit) return std::nullopt;
+    const CellRef ref = ref_of(CellVerdict::Halved, *unit);
+    auto* node = new (memory_ + *unit * sizeof(CellNode)) CellNode;
+    for (std::atomic<CellRef>& child : node->children) child.store(0, std::memory_order_relaxed);
+    nodes_.fetch_add(1, std::memory_order_relaxed);
+    return ref;
+}
+
+std::optional<CellRef> CellBlock::add_leaf(const CellLeaf& leaf) {
+    const size_t bytes = leaf.stored_bytes();
+    const std::optional<uint64_t> unit = take((bytes + sizeof(CellNode) - 1) / sizeof(CellNode));
+    if (!unit) return std::nullopt;
+    std::memcpy(memory_ + *unit * sizeof(CellNode), &leaf, bytes);
+    leaves_.fetch_add(1, std::memory_order_relaxed);
+    return ref_of(CellVerdict::Interpolated, *unit);
+}
+
+void CellBlock::clear() {
+    for (std::atomic<CellRef>& root : roots_) root.store(0, std::memory_order_relaxed);
+    used_.store(0, std::memory_order_relaxed);
+    nodes_.store(0, std::memory_order_relaxed);
+    leaves_.store(0, std::memory_order_relaxed);
+}
+
+CellStore::CellStore(uint64_t bytes)
+    : blocks_{CellBlock(bytes / 2), CellBlock(bytes / 2)}, places_(new Place[kMostReaders + 1]) {}
+
+CellStore::Reader::Reader(CellStore& store) : store_(store), counts_(&store.places_[kMostReaders].counts) {
+    const size_t first = first_place(kMostReaders);
+    for (size_t i = 0; i < kMostReaders && place_ < 0; ++i) {
+        const size_t place = (first + i) % kMostReaders;
+        uint64_t free = kNotReading;
+        // The epoch announced may be older than the one that the state below belongs to: that only keeps more.
+        if (store.places_[place].epoch.compare_exchange_strong(free, store.epoch_.load()))
+            place_ = static_cast<int>(place);
+    }
+    if (place_ < 0) return;
+    counts_ = &store.places_[place_].counts;
+    const uint32_t state = store.state_.load();
+    current_ = &store.blocks_[state & kCurrentBit];
+    if ((state & kHasOlder) != 0) older_ = &store.blocks_[1 - (state & kCurrentBit)];
+}
+
+CellStore::Reader::~Reader() {
+    if (place_ < 0) return;
+    store_.places_[place_].epoch.store(kNotReading, std::memory_order_release);
+    if (full_) store_.exchange();
+}
+
+/// Forgets the older block, and when nobody can have it any more, makes it the current one.
+void CellStore::exchange() {
+    if (exchanging_.exchange(true, std::memory_order_acquire)) return;
+    uint32_t state = state_.load();
+    if ((state & kHasOlder) != 0) {
+        state &= ~kHasOlder;
+        state_.store(state);
+        forgotten_since_ = epoch_.fetch_add(1) + 1;
+    }
+    bool unknown = true;
+    for (int i = 0; i < kMostReaders && unknown; ++i) unknown = places_[i].epoch.load() >= forgotten_since_;
+    if (unknown) {
+        const uint32_t other = 1 - (state & kCurrentBit);
+        uint64_t most = most_bytes_.load(std::memory_order_relaxed);
+        most = std::max(most, bytes());
+        most_bytes_.store(most, std::memory_order_relaxed);
+        blocks_[other].clear();
+        state_.store(other | kHasOlder);
+        epoch_.fetch_add(1);
+        exchanges_.fetch_add(1, std::memory_order_relaxed);
+    }
+    exchanging_.store(false, std::memory_order_release);
+}
+
+uint64_t CellStore::bytes() const {
+    return blocks_[0].bytes() + blocks_[1].bytes();
+}
+
+uint64_t CellStore::answers(size_t kind) const {
+    uint64_t sum = 0;
+    for (int i = 0; i <= kMostReaders; ++i) sum += places_[i].counts.answers[kind].load(std::memory_order_relaxed);
+    return sum;
+}
+
+uint64_t CellStore::samples_taken() const {
+    uint64_t sum = 0;
+    for (int i = 0; i <= kMostReaders; ++i) sum += places_[i].counts.samples_taken.load(std::memory_order_relaxed);
+    return sum;
+}
+
+}  // namespace rayleaf

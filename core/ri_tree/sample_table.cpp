@@ -1,0 +1,154 @@
+#include "ri_tree/sample_table.h"
+
+#include <cstring>
+#include <new>
+
+namespace rayleaf {
+namespace {
+
+constexpr uint64_t kFirstSlots = 256;
+/// A sample is in one of so many neighbouring slots.
+constexpr uint64_t kProbes = 4;
+/// The table grows when it is filled by more than 5/8.
+constexpr uint64_t kFullNumerator = 5, kFullDenominator = 8;
+
+uint64_t mixed(uint64_t h) {  // Stafford's variant 13 of MurmurHash3's finalizer
+    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
+    h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
+    return h ^ (h >> 31);
+}
+
+uint64_t hash_of(const LatticePoint& point) {
+    const uint64_t low = point.place[0] | uint64_t{point.place[1]} << 32;
+    const uint64_t high = point.place[2] | uint64_t{point.place[3]} << 32;
+    return mixed(mixed(low + point.direction) ^ high);
+}
+
+}  // namespace
+
+/// Followed by the values, then their changes.
+struct SampleTable::Slot {
+    enum State : uint8_t { Empty, Taken, Busy };
+    std::atomic<uint8_t> state{Empty};
+    LatticePoint point;
+    SampleClass sample_class;
+
+    float* numbers() { return reinterpret_cast<float*>(this + 1); }
+    const float* numbers() const { return reinterpret_cast<const float*>(this + 1); }
+};
+
+struct SampleTable::Table {
+    uint64_t slots = 0;
+    std::atomic<uint64_t> filled{0};
+    std::unique_ptr<std::byte[]> memory;
+};
+
+SampleTable::SampleTable(OutputKind kind, SampleContents contents, uint64_t most_bytes)
+    : values_(static_cast<size_t>(sample_value_count(kind))),
+      changes_(contents == SampleContents::Values ? 0 : values_ * kLineAxes),
+      slot_bytes_(sizeof(Slot) + (values_ + changes_) * sizeof(float)),
+      most_bytes_(most_bytes) {}
+
+SampleTable::~SampleTable() = default;
+
+SampleTable::Slot* SampleTable::slot_at(const Table& table, uint64_t number) const {
+    return std::launder(reinterpret_cast<Slot*>(table.memory.get() + (number & (table.slots - 1)) * slot_bytes_));
+}
+
+void SampleTable::read(const Slot& slot, FastSample& sample) const {
+    sample.sample_class = slot.sample_class;
+    if (slot.sample_class.is_miss()) return;
+    std::memcpy(sample.values.data(), slot.numbers(), values_ * sizeof(float));
+    std::memcpy(sample.changes.data(), slot.numbers() + values_, changes_ * sizeof(float));
+}
+
+void SampleTable::write(Slot& slot, const FastSample& sample) const {
+    slot.sample_class = sample.sample_class;
+    if (sample.sample_class.is_miss()) return;
+    std::memcpy(slot.numbers(), sample.values.data(), values_ * sizeof(float));
+    std::memcpy(slot.numbers() + values_, sample.changes.data(), changes_ * sizeof(float));
+}
+
+bool SampleTable::find(const LatticePoint& point, FastSample& sample) const {
+    const int current = current_.load(std::memory_order_acquire);
+    if (current < 0) return false;
+    const Table& table = *tables_[current];
+    const uint64_t first = hash_of(point);
+    for (uint64_t i = 0; i < kProbes; ++i) {
+        Slot& slot = *slot_at(table, first + i);
+        uint8_t state = Slot::Taken;
+        if (!slot.state.compare_exchange_strong(state, Slot::Busy, std::memory_order_acquire)) {
+            if (state == Slot::Empty) return false;
+            continue;
+        }
+        const bool found = slot.point == point;
+        if (found) read(slot, sample);
+        slot.state.store(Slot::Taken, std::memory_order_release);
+        if (found) return true;
+    }
+    return false;
+}
+
+/// False if the sample was not there before and went into an empty slot.
+bool SampleTable::put_in(Table& table, const LatticePoint& point, const FastSample& sample) {
+    const uint64_t first = hash_of(point);
+    for (uint64_t i = 0; i <= kProbes; ++i) {
+        const bool last = i == kProbes;  // all are taken: one of them, told by the hash, is forgotten
+        Slot& slot = *slot_at(table, last ? first + (first >> 32) % kProbes : first + i);
+        uint8_t state = last ? Slot::Taken : Slot::Empty;
+        if (!slot.state.compare_exchange_strong(state, Slot::Busy, std::memory_order_acquire)) continue;
+        slot.point = point;
+        write(slot, sample);
+        slot.state.store(Slot::Taken, std::memory_order_release);
+        return !last;
+    }
+    return false;
+}
+
+void SampleTable::put(const LatticePoint& point, const FastSample& sample) {
+    int current = current_.load(std::memory_order_acquire);
+    if (current < 0 || tables_[current]->filled.load(std::memory_order_relaxed) * kFullDenominator >
+                           tables_[current]->slots * kFullNumerator) {
+        grow();
+        current = current_.load(std::memory_order_acquire);
+        if (current < 0) return;
+    }
+    Table& table = *tables_[current];
+    if (!put_in(table, point, sample)) return;
+    table.filled.fetch_add(1, std::memory_order_relaxed);
+    count_.fetch_add(1, std::memory_order_relaxed);
+}
+
+/// A table of twice the size, with what the last one holds; unless another thread is at it, or memory is at its limit.
+void SampleTable::grow() {
+    if (growing_.exchange(true, std::memory_order_acquire)) return;
+    const int current = current_.load(std::memory_order_relaxed);
+    const uint64_t slots = current < 0 ? kFirstSlots : 2 * tables_[current]->slots;
+    const uint64_t more = slots * slot_bytes_;
+    if (current + 1 < kMostTables && bytes() + more <= most_bytes_) {
+        auto table = std::make_unique<Table>();
+        table->slots = slots;
+        table->memory.reset(new (std::nothrow) std::byte[more]);
+        if (table->memory) {
+            for (uint64_t i = 0; i < slots; ++i) new (table->memory.get() + i * slot_bytes_) Slot;
+            uint64_t filled = 0;
+            for (uint64_t i = 0; current >= 0 && i < tables_[current]->slots; ++i) {
+                Slot& slot = *slot_at(*tables_[current], i);
+                uint8_t state = Slot::Taken;
+                if (!slot.state.compare_exchange_strong(state, Slot::Busy, std::memory_order_acquire)) continue;
+                FastSample sample;
+                read(slot, sample);
+                filled += put_in(*table, slot.point, sample) ? 1 : 0;
+                slot.state.store(Slot::Taken, std::memory_order_release);
+            }
+            table->filled.store(filled, std::memory_order_relaxed);
+            count_.store(filled, std::memory_order_relaxed);
+            bytes_.fetch_add(more, std::memory_order_relaxed);
+            tables_[current + 1] = std::move(table);
+            current_.store(current + 1, std::memory_order_release);
+        }
+    }
+    growing_.store(false, std::memory_order_release);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,119 @@
+"""The fast tree: answers close to tracing, the same for any number of threads, any cache size and any company of rays."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from core import ri_tree_support as support
+from core import shapes
+from core.ri_tree_support import BOX_MISSED, CELL_MISSED, INTERPOLATED, NOT_A_RAY, ORIGIN
+
+KINDS = ("SIMPLE", "MIRROR", "GLASS", "VOLUME")
+
+
+def fast_tree(shape, kind, **settings):
+    """A fast tree whose facets are too fine to matter."""
+    return support.ri_tree.FastTree(shape, kind, **{"facet_tolerance": 2.0**-20, **settings})
+
+
+def in_parts(tree, rays, order, size, threads=1, **spacing):
+    """Asks rays in another order, a few at a time, by several threads; answers in the given order."""
+    parts = [order[i : i + size] for i in range(0, len(order), size)]
+
+    def ask(part):
+        return tree.ask(rays[0][part], rays[1][part], **{name: value[part] for name, value in spacing.items()})
+
+    with ThreadPoolExecutor(threads) as pool:
+        answers = list(pool.map(ask, parts))
+    back = np.argsort(order)
+    names = (*support.OUTPUTS, "answered_by", "error")
+    return {name: np.concatenate([answer[name] for answer in answers])[back] for name in names}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_neither_threads_nor_company_nor_order_nor_cache_size_change_an_answer(kind):
+    rays = support.scattered_rays(700, spread=0.6)
+    shape, settings = shapes.nurbs_torus(), {"depth_limit": 20, "ior": 1.2, "angle_threshold": 1.5}
+    plenty = fast_tree(shape, kind, **settings)
+    expected = plenty.ask(*rays)
+    assert plenty.statistics()["prunes"] == 0
+    assert (expected["answered_by"] == INTERPOLATED).mean() > 0.1, support.counts(expected)
+    random = np.random.default_rng(3)
+    for cache_bytes, size, threads in ((10**8, 1, 1), (10**8, 7, 4), (300_000, 33, 4), (60_000, 50, 3)):
+        tree = fast_tree(shape, kind, cache_bytes=cache_bytes, **settings)
+        got = in_parts(tree, rays, random.permutation(len(rays[0])), size, threads)
+        support.check_same_answers(expected, got)
+        assert tree.statistics()["most_bytes"] <= cache_bytes
+    few = slice(0, 40)
+    tree = fast_tree(shape, kind, cache_bytes=0, **settings)
+    got = tree.ask(rays[0][few], rays[1][few])
+    support.check_same_answers({name: value[few] for name, value in expected.items() if name != "seconds"}, got)
+    assert tree.statistics()["most_bytes"] == 0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_answers_are_tracings_own_or_close_to_it(kind):
+    rays = support.rays_towards(np.zeros(3), 1.3, 4000)
+    tree = fast_tree(shapes.nurbs_sphere(), kind, distance_threshold=0.01, direction_threshold=0.01)
+    got, truth = tree.ask(*rays), tree.trace(*rays)
+    by = got["answered_by"]
+    assert (by == INTERPOLATED).mean() > 0.3, support.counts(got)
+    traced = by >= support.MANY_CLASSES
+    assert (got["error"][by == INTERPOLATED] <= 0.01 + 1e-6).all()
+    for name in support.OUTPUTS:
+        np.testing.assert_array_equal(got[name][traced], truth[name][traced], err_msg=name)
+    used = (by == INTERPOLATED) & truth["hit"]
+    # Misses inside cells whose samples all hit, and the other way round, are silhouettes that no sample met.
+    assert (got["hit"] != truth["hit"]).mean() < 0.002
+    for name in ("normal", "exit_direction") if kind != "VOLUME" else ():
+        error = support.angles(got[name], truth[name])[used]
+        # The thresholds bound the error at centres, where it is largest for an even function.
+        assert error.mean() < 0.004 and np.quantile(error, 0.99) < 0.02, (name, error.mean(), error.max())
+    difference = np.abs(got["length"] - truth["length"])[used]
+    assert difference.mean() < 0.004, difference.mean()
+
+
+def test_rays_with_wide_spacing_are_traced_and_with_none_interpolated():
+    rays = support.rays_towards(np.zeros(3), 0.6, 600)
+    count = len(rays[0])
+    tree = fast_tree(shapes.nurbs_sphere(), "MIRROR")
+    wide = np.full(count, 5.0, np.float32)
+    got = tree.ask(*rays, distances=wide, angles=wide)
+    assert (got["answered_by"] == support.NOT_WORTH_IT).all(), support.counts(got)
+    assert tree.statistics()["samples_taken"] == 0
+    zero = np.zeros(count, np.float32)
+    close = tree.ask(*rays, distances=zero, angles=zero)
+    support.check_same_answers(close, tree.ask(*rays))
+    # The cells are there now, but a ray is answered by its own spacing.
+    support.check_same_answers(got, tree.ask(*rays, distances=wide, angles=wide))
+    mixed = np.where(np.arange(count) % 2 == 0, wide, zero)
+    half = tree.ask(*rays, distances=mixed, angles=mixed)
+    for first, expected in ((0, got), (1, close)):
+        np.testing.assert_array_equal(half["exit_direction"][first::2], expected["exit_direction"][first::2])
+
+
+def test_rays_from_inside_the_box_are_not_told_what_lies_behind_them():
+    random = np.random.default_rng(9)
+    origins = random.uniform([-1, -1, -0.25], [1, 1, 0.25], (3000, 3))
+    ring = np.hypot(origins[:, 0], origins[:, 1]) - 0.75
+    origins = origins[np.hypot(ring, origins[:, 2]) > 0.3]
+    directions = shapes.random_directions(random, len(origins))
+    for kind in ("SIMPLE", "VOLUME"):
+        tree = fast_tree(shapes.nurbs_torus(), kind, depth_limit=20)
+        got, truth = tree.ask(origins, directions), tree.trace(origins, directions)
+        by = got["answered_by"]
+        assert (by == ORIGIN).any() and (by == CELL_MISSED).any(), support.counts(got)
+        assert (got["hit"] != truth["hit"]).mean() < 0.005, support.counts(got)
+
+
+def test_rays_that_are_none_and_rays_that_miss_the_box():
+    nan, inf = np.nan, np.inf
+    bad = [((0, 0, 3), (0, 0, 0)), ((nan, 0, 0), (0, 0, 1)), ((0, 0, 3), (0, nan, -1)), ((inf, 0, 0), (-1, 0, 0))]
+    bad.append(((0, 0, 3), (0, 0, -inf)))
+    origins, directions = (np.array(part, float) for part in zip(*bad))
+    tree = fast_tree(shapes.nurbs_sphere(), "MIRROR")
+    got = tree.ask(origins, directions)
+    assert (got["answered_by"] == NOT_A_RAY).all() and not got["hit"].any()
+    got = tree.ask(np.array([[0.0, 0, 5], [5.0, 5, 5]]), np.array([[0.0, 0, 1], [0.0, 0, -1]]))
+    assert (got["answered_by"] == BOX_MISSED).all()
+    assert tree.statistics()["nodes"] == 0
