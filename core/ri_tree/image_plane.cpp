@@ -20,10 +20,6 @@ struct LatticeSample {
     Attributes attributes{};
 };
 
-bool is_ray(const Ray& ray) {
-    return is_finite(ray.origin) && is_finite(ray.direction) && max_abs(ray.direction) > 0.0;
-}
-
 }  // namespace
 
 /// A block whose four corners are blended: c0 + x c1 + y (c2 + x c3), with x and y in [0, 1] over the block.
