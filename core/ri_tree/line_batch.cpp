@@ -114,12 +114,20 @@ HWY_INLINE void store_places(const BatchFrame& frame, const Turned& turned, Doub
     }
 }
 
+/// From one ray to the next, in doubles.
+constexpr std::array<int64_t, 8> ray_offsets() {
+    static_assert(sizeof(Ray) % sizeof(double) == 0);
+    std::array<int64_t, 8> offsets{};
+    for (size_t i = 0; i < offsets.size(); ++i) offsets[i] = static_cast<int64_t>(i * sizeof(Ray) / sizeof(double));
+    return offsets;
+}
+
 /// Rays `first` and on.
 HWY_INLINE void prepare_some(const Ray* rays, int first, uint32_t wanted, const BatchFrame& frame, LineBatch& batch) {
     const Doubles lanes;
     const hn::RebindToSigned<Doubles> indices;
-    static_assert(sizeof(Ray) == 8 * sizeof(double));
-    const auto index = hn::ShiftLeft<3>(hn::Iota(indices, 0));
+    alignas(64) static constexpr std::array<int64_t, 8> kRayOffsets = ray_offsets();
+    const auto index = hn::Load(indices, kRayOffsets.data());
     const auto load = [&](const double& member) HWY_ATTR { return hn::GatherIndex(lanes, &member, index); };
     const Ray& ray = rays[first];
     const DoubleVector shrink = hn::Set(lanes, frame.shrink);
