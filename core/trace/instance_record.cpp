@@ -5,10 +5,6 @@
 namespace rayleaf {
 namespace {
 
-/// How far a float ray may lie beside the true one where it starts, local units: coordinates up to 1 are rounded once
-/// in the origin and once against each vertex, on three axes.
-constexpr double kFloatRayError = 0x1p-21;
-
 Box3d image_of(const Box3d& box, const Affine3d& map) {
     if (box.isEmpty()) return {};
     const Vec3d center = map.point((box.min + box.max) * 0.5), half = (box.max - box.min) * 0.5;
@@ -39,7 +35,8 @@ Box3d InstanceRecord::world_box() const {
 double InstanceRecord::start_offset(const Vec3d& position, const Vec3d& normal, double size) const {
     constexpr double kUnit = 64 * 0x1p-53;
     const Affine3d& map = local_to_world;
-    const double float_error = kFloatRayError * Vec3d(map.x.dot(normal), map.y.dot(normal), map.z.dot(normal)).length();
+    const double float_error =
+        scene->float_error() * Vec3d(map.x.dot(normal), map.y.dot(normal), map.z.dot(normal)).length();
     const double lengths[3] = {map.x.length(), map.y.length(), map.z.length()};
     double shear = 0.0;
     for (int axis = 0; axis < 3; ++axis)

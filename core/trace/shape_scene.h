@@ -31,10 +31,11 @@ struct FacetId {
 struct ShapeHit {
     FacetId facet;
     FacetHit point;
+    Vec3d normal{0, 0, 0};  ///< of shapes whose facets have no corners
 };
 
 /// What a shape's facets are held in.
-enum class FacetKind : uint8_t { Triangles, Grids };
+enum class FacetKind : uint8_t { Triangles, Grids, Strands };
 
 /// A query in one shape, as Embree's callbacks find it: the context is the first member.
 struct ShapeQuery {
@@ -73,13 +74,17 @@ class ShapeScene {
     /// Bounds of everything a ray can hit, local space, padded for float rays; empty for an empty shape.
     const Box3d& box() const { return box_; }
 
-    std::optional<ShapeHit> closest(const LocalRay& ray) const;
-    bool occluded(const LocalRay& ray) const;
+    virtual std::optional<ShapeHit> closest(const LocalRay& ray) const;
+    virtual bool occluded(const LocalRay& ray) const;
 
     virtual LocalHit local_hit(const ShapeHit& hit) const = 0;
     /// A point of an element as if a ray had hit its facet there.
     virtual LocalHit on_facet(const LocalHit& hit) const = 0;
+    /// How far a float ray may lie beside the true one, local units: coordinates up to 1 are rounded once in its origin
+    /// and once against each vertex, on three axes. Less for facets that single precision only finds.
+    virtual double float_error() const { return 0x1p-21; }
     virtual uint64_t triangle_count() const { return 0; }
+    virtual uint64_t strand_pieces() const { return 0; }
     virtual uint64_t subpatch_count() const { return 0; }
     virtual uint64_t grids_diced() const { return 0; }
     virtual uint64_t grid_bytes() const { return 0; }
@@ -89,6 +94,7 @@ class ShapeScene {
     ShapeScene(const Shape& shape, FacetKind kind) : shape_(&shape), kind_(kind) {}
     /// Embree's scene of the facets; the box is that of the facets, not yet padded.
     void set_scene(EmbreeScene scene, const Box3f& box);
+    RTCScene embree_scene() const { return scene_.get(); }
 
   private:
     const Shape* shape_;

@@ -8,6 +8,7 @@
 #include "trace/local_ray.h"
 #include "trace/patch_scene.h"
 #include "trace/shape_scene.h"
+#include "trace/strand_scene.h"
 #include "trace/triangle_scene.h"
 
 #include <array>
@@ -29,6 +30,8 @@ std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance&
     cancel.throw_if_cancelled();
     if (shape.kind() == ShapeKind::TriangleMesh)
         return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape), cancel);
+    if (shape.kind() == ShapeKind::Strands)
+        return std::make_unique<StrandScene>(static_cast<const Strands&>(shape), cancel);
     return std::make_unique<PatchScene>(static_cast<const PatchSurface&>(shape), tolerance, cancel);
 }
 

@@ -1,0 +1,112 @@
+// Hair, fur and other thin curves: many strands in one shape.
+//
+// A round strand is the union of the balls around the points of its axis: closed, with round ends, without a gap at a
+// corner, well defined where it bends more tightly than its radius. Its boundary is what a ray meets, so every ray enters
+// as often as it leaves. A ribbon is the band of the strand's width that faces the ray.
+//
+// Elements are segments, numbered strand by strand. A hit's u is the parameter along the segment. v of a round strand
+// is the angle around the axis, of a ribbon the place across it, both from 0 to 1.
+#pragma once
+
+#include "geometry/shape.h"
+#include "geometry/strand_curve.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+/// What is traced for a strand. Round and Ribbon are for pictures; the other two are there to compare with: a chain of
+/// balls, and Embree's own round curve as it is.
+enum class StrandForm : uint8_t { Round, Ribbon, Spheres, EmbreeRound };
+
+/// v of a hit on a ball at an end of a segment, which is no wall: lights are not sampled there.
+inline constexpr float kStrandEnd = 1.0f;
+/// v of a direction around the axis, in [0, 1), and the unit direction of a v; `tangent` is unit.
+float wall_angle(const Vec3d& tangent, const Vec3d& around);
+Vec3d wall_direction(const Vec3d& tangent, double v);
+
+enum class StrandDomain : uint8_t { Strand, Point };
+
+/// Values of an attribute, one per strand or per point; `channels` (1..4) floats each.
+struct StrandAttribute {
+    AttributeId id = -1;
+    int channels = 0;
+    StrandDomain domain = StrandDomain::Strand;
+    std::vector<float> values;
+};
+
+/// What a strand tells of itself, as attributes: ids, -1 where nobody asks. All of one channel but the last.
+struct StrandInfoIds {
+    AttributeId is_strand = -1;       ///< 1
+    AttributeId intercept = -1;       ///< share of the strand's length from its root to here
+    AttributeId length = -1;          ///< of the whole strand, object units
+    AttributeId thickness = -1;       ///< diameter here, object units
+    AttributeId tangent_normal = -1;  ///< along the strand, unit, object space
+};
+
+/// What strands are made of; the spans are read during construction only.
+struct StrandArrays {
+    std::string name;                         ///< for messages
+    std::span<const double> points;           ///< x,y,z each, object space
+    std::span<const float> radii;             ///< one a point, object units, not negative
+    std::span<const int32_t> offsets;         ///< of each strand's first point, and at the end the number of points
+    std::span<const uint8_t> cyclic;          ///< one a strand; empty: none is closed
+    std::span<const int32_t> material_slots;  ///< one a strand; empty: slot 0 everywhere
+    StrandBasis basis = StrandBasis::CatmullRom;
+    StrandForm form = StrandForm::Round;
+    int spheres_per_segment = 16;  ///< of the form Spheres
+    AttributeId active_uv = -1;    ///< the attribute that is the surface's `uv`; the first two channels count
+    std::vector<StrandAttribute> attributes;
+    StrandInfoIds info;
+};
+
+class Strands final : public Shape {
+  public:
+    explicit Strands(StrandArrays arrays);
+
+    uint32_t element_count() const override { return static_cast<uint32_t>(strand_of_segment_.size()); }
+    LocalSurface surface(const LocalHit& hit) const override;
+    std::optional<Vec4f> attribute(AttributeId id, const LocalHit& hit) const override;
+    uint32_t material_slot(const LocalHit& hit) const override;
+    uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
+    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    size_t bytes() const override;
+
+    StrandForm form() const { return form_; }
+    StrandBasis basis() const { return basis_; }
+    int spheres_per_segment() const { return spheres_per_segment_; }
+    uint32_t strand_count() const { return static_cast<uint32_t>(first_segment_.size()) - 1; }
+    uint32_t strand_of(uint32_t segment) const { return strand_of_segment_[segment]; }
+    bool is_cyclic(uint32_t strand) const { return !cyclic_.empty() && cyclic_[strand] != 0; }
+    /// Local space.
+    StrandSegment segment(uint32_t segment) const;
+    /// The segment before (step -1) or after (+1) one of the same strand, round the end of a closed one; empty at an end.
+    std::optional<uint32_t> neighbour(uint32_t segment, int step) const;
+
+  private:
+    std::vector<StrandPoint> points_;  ///< local space
+    std::vector<uint32_t> first_point_, first_segment_, strand_of_segment_;
+    std::vector<uint8_t> cyclic_;
+    std::vector<uint16_t> material_slots_;
+    std::vector<StrandAttribute> attributes_;
+    std::vector<float> lengths_;  ///< of segments up to their end from their strand's root; only if someone asks
+    StrandInfoIds info_;
+    StrandBasis basis_;
+    StrandForm form_;
+    int spheres_per_segment_ = 0;
+    int active_uv_ = -1;  ///< index into attributes_
+
+    void set_strands(const StrandArrays& arrays);
+    void set_points(const StrandArrays& arrays);
+    void set_attributes(std::vector<StrandAttribute> attributes, AttributeId active_uv);
+    void measure();
+    Vec4f attribute_value(const StrandAttribute& attribute, const LocalHit& hit) const;
+    std::optional<Vec4f> info_value(AttributeId id, const LocalHit& hit) const;
+    uint32_t point_index(uint32_t strand, int64_t point) const;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,283 @@
+#include "trace/strand_intersection.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace rayleaf {
+namespace {
+
+/// How often a piece is halved at most; a part of that size is taken as if it had one extremum.
+constexpr int kDeepest = 8;
+/// Steps of the bracketed Newton iteration; bisection alone would need 53.
+constexpr int kMostSteps = 60;
+/// Rounding of products of coordinates, relative to the largest.
+constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+/// The parameter is exact when a step moves the axis by less than this share of the radius: a distance along the ray
+/// is an extremum, so its error is the square of that.
+constexpr double kStepShare = 1e-7;
+
+using Coefficients = std::array<double, 7>;
+
+/// Values of the piece's functions at a parameter. phi is half of the one in the header.
+struct At {
+    double x, y, z, r, dx, dy, dz, dr, ddx, ddy, ddz, ddr;
+
+    At(const StrandSegment& piece, double s) {
+        const std::array<StrandPoint, 4>& p = piece.points;
+        const double t = 1.0 - s;
+        const StrandPoint a = p[0] * t + p[1] * s, b = p[1] * t + p[2] * s, c = p[2] * t + p[3] * s;
+        const StrandPoint d = a * t + b * s, e = b * t + c * s;
+        const StrandPoint value = d * t + e * s, first = (e - d) * 3.0, second = ((c - b) - (b - a)) * 6.0;
+        x = value.x, y = value.y, z = value.z, r = value.w;
+        dx = first.x, dy = first.y, dz = first.z, dr = first.w;
+        ddx = second.x, ddy = second.y, ddz = second.z, ddr = second.w;
+    }
+    double inside() const { return r * r - (x * x + y * y); }  ///< -2 phi
+    double phi_first() const { return x * dx + y * dy - r * dr; }
+    double phi_second() const { return dx * dx + dy * dy - dr * dr + x * ddx + y * ddy - r * ddr; }
+    double across_first() const { return x * dx + y * dy; }
+    double across_second() const { return dx * dx + dy * dy + x * ddx + y * ddy; }
+    double speed() const { return std::sqrt(dx * dx + dy * dy); }
+};
+
+/// x² + y² - r² in Bernstein form of degree 6; without r where `radius` is 0.
+Coefficients squared_distance(const StrandSegment& piece, double radius) {
+    const std::array<StrandPoint, 4>& p = piece.points;
+    const auto product = [&](int i, int j) { return p[i].x * p[j].x + p[i].y * p[j].y - radius * p[i].w * p[j].w; };
+    return {product(0, 0),
+            product(0, 1),
+            (2.0 * product(0, 2) + 3.0 * product(1, 1)) / 5.0,
+            (product(0, 3) + 9.0 * product(1, 2)) / 10.0,
+            (2.0 * product(1, 3) + 3.0 * product(2, 2)) / 5.0,
+            product(2, 3),
+            product(3, 3)};
+}
+
+double largest_radius(const StrandSegment& piece) {
+    return std::max(std::max(piece.points[0].w, piece.points[1].w), std::max(piece.points[2].w, piece.points[3].w));
+}
+
+/// Whether the ray surely passes the piece: the axis is nowhere further from its chord than the bound of its second
+/// differences.
+bool surely_missed(const StrandSegment& piece, double radius) {
+    const std::array<StrandPoint, 4>& p = piece.points;
+    const double bend_x = std::max(std::abs(p[0].x - 2.0 * p[1].x + p[2].x), std::abs(p[1].x - 2.0 * p[2].x + p[3].x));
+    const double bend_y = std::max(std::abs(p[0].y - 2.0 * p[1].y + p[2].y), std::abs(p[1].y - 2.0 * p[2].y + p[3].y));
+    // |C - chord| <= max|C''| / 8, and |C''| <= 6 max|second difference|.
+    const double reach = radius + 0.75 * (bend_x + bend_y);
+    const double dx = p[3].x - p[0].x, dy = p[3].y - p[0].y, length2 = dx * dx + dy * dy;
+    const double along = -(p[0].x * dx + p[0].y * dy);
+    const double s = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
+    const double x = p[0].x + dx * s, y = p[0].y + dy * s;
+    const double size = std::abs(p[0].x) + std::abs(p[0].y) + std::abs(dx) + std::abs(dy);
+    return x * x + y * y > reach * reach * (1.0 + 1e-6) + kRounding * size * size;
+}
+
+double least_second_difference(const Coefficients& c) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 5; ++i) least = std::min(least, c[i] - 2.0 * c[i + 1] + c[i + 2]);
+    return least;
+}
+
+/// The zero of a function that rises from below zero at `low` to above it at `high`: Newton's steps, halving where one
+/// would leave the bracket. `evaluate(s)` gives value, slope and the length of the smallest step that matters.
+struct Slope {
+    double value, slope, step;
+};
+template <typename Evaluate>
+double rising_zero(const Evaluate& evaluate, double low, double high, double start) {
+    double s = std::clamp(start, low, high);
+    for (int i = 0; i < kMostSteps; ++i) {
+        const Slope at = evaluate(s);
+        if (at.value == 0.0) return s;
+        (at.value < 0.0 ? low : high) = s;
+        const double newton = s - at.value / at.slope;
+        const bool usable = at.slope > 0.0 && newton > low && newton < high;
+        const double next = usable ? newton : 0.5 * (low + high);
+        if (next == s || std::abs(next - s) <= at.step || next <= low || next >= high) return next;
+        s = next;
+    }
+    return s;
+}
+
+double step_of(const At& at, double radius) {
+    const double speed = at.speed() + std::abs(at.dz);
+    return speed > 0.0 ? kStepShare * radius / speed : 1.0;
+}
+
+/// Where the axis comes nearest to the ray, radius counted (`Kind` of phi).
+double nearest_parameter(const StrandSegment& piece, double radius) {
+    const auto evaluate = [&](double s) {
+        const At at(piece, s);
+        return Slope{at.phi_first(), at.phi_second(), step_of(at, radius)};
+    };
+    const At first(piece, 0.0), last(piece, 1.0);
+    if (first.phi_first() >= 0.0) return 0.0;
+    if (last.phi_first() <= 0.0) return 1.0;
+    const double dx = last.x - first.x, dy = last.y - first.y, length2 = dx * dx + dy * dy;
+    const double start = length2 > 0.0 ? -(first.x * dx + first.y * dy) / length2 : 0.5;
+    return rising_zero(evaluate, 0.0, 1.0, start);
+}
+
+/// The least of  side z - sqrt(inside)  over [0,1]: where its derivative times the root changes sign. Outside the balls
+/// the root counts as zero, and the sign is that of the way back to them.
+double extreme_parameter(const StrandSegment& piece, double side, double nearest, double radius) {
+    const auto evaluate = [&](double s) {
+        const At at(piece, s);
+        const double inside = at.inside(), root = inside > 0.0 ? std::sqrt(inside) : 0.0;
+        const double value = side * at.dz * root + at.phi_first();
+        const double bend = root > 0.0 ? side * (at.ddz * root - at.dz * at.phi_first() / root) : 0.0;
+        return Slope{value, at.phi_second() + bend, step_of(at, radius)};
+    };
+    if (evaluate(0.0).value >= 0.0) return 0.0;
+    if (evaluate(1.0).value <= 0.0) return 1.0;
+    // As if straight and of one radius: phi = A x² - W, so the extremum lies at -k sqrt(W / (A² + k² A)).
+    const At at(piece, nearest);
+    const double a = at.phi_second(), k = side * at.dz, w = std::max(at.inside(), 0.0);
+    const double offset = a > 0.0 ? -k * std::sqrt(w / (a * (a + k * k))) : 0.0;
+    return rising_zero(evaluate, 0.0, 1.0, nearest + offset);
+}
+
+/// The span of a piece that has one nearest place at most.
+std::optional<StrandSpan> simple_span(const StrandSegment& piece, double radius) {
+    const double nearest = nearest_parameter(piece, radius);
+    if (!(At(piece, nearest).inside() > 0.0)) return std::nullopt;
+    const auto end_of = [&](double side, double& s) {
+        s = extreme_parameter(piece, side, nearest, radius);
+        const At at(piece, s);
+        return at.z - side * std::sqrt(std::max(at.inside(), 0.0));
+    };
+    StrandSpan span;
+    span.enter = end_of(1.0, span.s_enter);
+    span.leave = end_of(-1.0, span.s_leave);
+    return span;
+}
+
+/// Whether the ray enters the balls at one place of the piece at most, and leaves them at one, as far as can be told from
+/// control points.
+bool has_one_extremum(const StrandSegment& piece, double radius) {
+    const std::array<StrandPoint, 4>& p = piece.points;
+    const Coefficients c = squared_distance(piece, 1.0);
+    // phi'' >= 30 least and z'' <= 6 bend: -sqrt(-phi) bends up by 15 least / r, which must outweigh z.
+    const double least = least_second_difference(c);
+    const double bend = std::max(std::abs(p[0].z - 2.0 * p[1].z + p[2].z), std::abs(p[1].z - 2.0 * p[2].z + p[3].z));
+    if (least > 0.0 && 5.0 * least >= 2.0 * radius * bend) return true;
+    // Along the axis, inside it: z' >= 3 rise outweighs the root's slope, at most 3 change / sqrt(-phi).
+    const double nearest = *std::max_element(c.begin(), c.end());
+    if (!(nearest < 0.0)) return false;
+    double change = 0.0;
+    for (int i = 0; i < 6; ++i) change = std::max(change, std::abs(c[i + 1] - c[i]));
+    const double steps[3] = {p[1].z - p[0].z, p[2].z - p[1].z, p[3].z - p[2].z};
+    const double rise = std::max(std::min(steps[0], std::min(steps[1], steps[2])),
+                                 std::min(-steps[0], std::min(-steps[1], -steps[2])));
+    return rise * std::sqrt(-nearest) > change;
+}
+
+void add_round(const StrandSegment& piece, double begin, double size, int depth, StrandSpans& result) {
+    const double radius = largest_radius(piece);
+    if (!(radius > 0.0) || surely_missed(piece, radius)) return;
+    if (depth == kDeepest || has_one_extremum(piece, radius)) {
+        std::optional<StrandSpan> span = simple_span(piece, radius);
+        if (!span) return;
+        span->s_enter = begin + span->s_enter * size;
+        span->s_leave = begin + span->s_leave * size;
+        result.add(*span);
+        return;
+    }
+    StrandSegment left, right;
+    piece.halve(left, right);
+    add_round(left, begin, 0.5 * size, depth + 1, result);
+    add_round(right, begin + 0.5 * size, 0.5 * size, depth + 1, result);
+}
+
+void add_ribbon(const StrandSegment& piece, double begin, double size, int depth, RibbonHits& result) {
+    const double radius = largest_radius(piece);
+    if (!(radius > 0.0) || surely_missed(piece, radius)) return;
+    if (depth < kDeepest && !(least_second_difference(squared_distance(piece, 0.0)) > 0.0)) {
+        StrandSegment left, right;
+        piece.halve(left, right);
+        add_ribbon(left, begin, 0.5 * size, depth + 1, result);
+        add_ribbon(right, begin + 0.5 * size, 0.5 * size, depth + 1, result);
+        return;
+    }
+    const auto evaluate = [&](double s) {
+        const At at(piece, s);
+        return Slope{at.across_first(), at.across_second(), step_of(at, radius)};
+    };
+    const std::array<StrandPoint, 4>& p = piece.points;
+    double s = 0.0;
+    if (evaluate(0.0).value < 0.0) {
+        const StrandPoint d = p[3] - p[0];
+        const double length2 = d.x * d.x + d.y * d.y;
+        const double start = length2 > 0.0 ? -(p[0].x * d.x + p[0].y * d.y) / length2 : 0.5;
+        s = evaluate(1.0).value <= 0.0 ? 1.0 : rising_zero(evaluate, 0.0, 1.0, start);
+    }
+    const At at(piece, s);
+    if (!(at.inside() > 0.0) || result.count == kMostSpans) return;
+    const double place = begin + s * size;
+    const bool halved_here = (s == 0.0 && place > 0.0) || (s == 1.0 && place < 1.0);
+    const int end = s == 0.0 ? -1 : s == 1.0 ? 1 : 0;
+    if (halved_here && !recedes(p[end < 0 ? 0 : 3], p[end < 0 ? 1 : 3] - p[end < 0 ? 0 : 2], end)) return;
+    result.hits[result.count++] = {at.z, place, halved_here ? 0 : end};
+}
+
+}  // namespace
+
+StrandRay::StrandRay(const Vec3d& near_origin, const Vec3d& unit_direction)
+    : origin(near_origin), along(unit_direction) {
+    // Duff et al. 2017, as base/vector.h has it for floats.
+    const double sign = std::copysign(1.0, along.z), a = -1.0 / (sign + along.z), b = along.x * along.y * a;
+    across_x = Vec3d(1.0 + sign * along.x * along.x * a, sign * b, -sign * along.x);
+    across_y = Vec3d(b, sign + along.y * along.y * a, -along.y);
+}
+
+StrandSegment StrandRay::to_frame(const StrandSegment& local) const {
+    StrandSegment result;
+    for (int i = 0; i < 4; ++i) {
+        const Vec3d p = axis_point(local.points[i]) - origin;
+        result.points[i] = StrandPoint(p.dot(across_x), p.dot(across_y), p.dot(along), local.points[i].w);
+    }
+    return result;
+}
+
+void StrandSpans::add(StrandSpan span) {
+    for (int i = 0; i < count;) {
+        const StrandSpan& other = spans[i];
+        if (other.enter > span.leave || span.enter > other.leave) {
+            ++i;
+            continue;
+        }
+        if (other.enter < span.enter) span.enter = other.enter, span.s_enter = other.s_enter;
+        if (other.leave > span.leave) span.leave = other.leave, span.s_leave = other.s_leave;
+        spans[i] = spans[--count];
+    }
+    if (count < kMostSpans) spans[count++] = span;
+}
+
+StrandSpans round_spans(const StrandSegment& piece) {
+    StrandSpans result;
+    add_round(piece, 0.0, 1.0, 0, result);
+    return result;
+}
+
+RibbonHits ribbon_hits(const StrandSegment& piece) {
+    RibbonHits result;
+    add_ribbon(piece, 0.0, 1.0, 0, result);
+    return result;
+}
+
+bool recedes(const StrandPoint& point, const StrandPoint& direction, int end) {
+    const double x = point.x * direction.x, y = point.y * direction.y;
+    // A smooth join may seem to come nearer on either side by rounding: better found twice than never.
+    constexpr double kTie = 1e-9;
+    return end * (x + y) >= -kTie * (std::abs(x) + std::abs(y));
+}
+
+std::optional<StrandSpan> ball_span(const StrandPoint& ball) {
+    const double inside = ball.w * ball.w - (ball.x * ball.x + ball.y * ball.y);
+    if (!(inside > 0.0)) return std::nullopt;
+    const double root = std::sqrt(inside);
+    return StrandSpan{ball.z - root, ball.z + root, 0.0, 0.0};
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,69 @@
+// A ray against one piece of a strand, in double precision.
+//
+// All is done in the ray's own frame: z along the ray, x and y across, the origin where the ray is near the shape. The
+// ball around C(s) is met where phi(s) = x² + y² - r² <= 0, from z - sqrt(-phi) to z + sqrt(-phi). Over a stretch of s
+// where phi <= 0 these intervals overlap, so the ray is inside the swept balls from the least of the one to the largest
+// of the other: both are found by Newton's method between brackets on a part of the curve where each has one extremum.
+// That holds where phi is convex enough against z (a condition on Bernstein coefficients); elsewhere the piece is halved.
+#pragma once
+
+#include "geometry/strand_curve.h"
+
+#include <array>
+#include <optional>
+
+namespace rayleaf {
+
+/// The ray's frame in local space.
+struct StrandRay {
+    Vec3d origin{0, 0, 0};                                      ///< near the shape
+    Vec3d along{0, 0, 1}, across_x{1, 0, 0}, across_y{0, 1, 0};  ///< unit, orthogonal
+
+    StrandRay() = default;
+    StrandRay(const Vec3d& near_origin, const Vec3d& unit_direction);
+    /// A segment in the ray's frame; radii stay.
+    StrandSegment to_frame(const StrandSegment& local) const;
+};
+
+/// Where the ray is inside a piece: distances along it from the frame's origin, and the parameters of the piece whose
+/// balls it touches there.
+struct StrandSpan {
+    double enter = 0, leave = 0;
+    double s_enter = 0, s_leave = 0;
+};
+
+/// A cubic can come near a ray so often.
+inline constexpr int kMostSpans = 4;
+
+struct StrandSpans {
+    std::array<StrandSpan, kMostSpans> spans;
+    int count = 0;
+
+    /// Takes a span, joined with those it overlaps.
+    void add(StrandSpan span);
+};
+
+/// The spans of a piece in the ray's frame.
+StrandSpans round_spans(const StrandSegment& piece);
+
+/// Where the axis of a piece comes nearest to the ray, within its radius.
+struct RibbonHit {
+    double distance = 0, s = 0;
+    int end = 0;  ///< -1 or 1: at the start or the end of the piece, and nearer still beyond unless the strand turns there
+};
+
+struct RibbonHits {
+    std::array<RibbonHit, kMostSpans> hits;
+    int count = 0;
+};
+
+RibbonHits ribbon_hits(const StrandSegment& piece);
+
+/// Whether the axis, past the end of a piece at `point`, runs away from the ray or along it; `direction` is that of the
+/// strand, not of the way out. `end` as above.
+bool recedes(const StrandPoint& point, const StrandPoint& direction, int end);
+
+/// The span of a ball of the given centre and radius (frame), if the ray meets it.
+std::optional<StrandSpan> ball_span(const StrandPoint& ball);
+
+}  // namespace rayleaf
