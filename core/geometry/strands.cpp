@@ -15,7 +15,7 @@ constexpr int32_t kLargestMaterialSlot = 65535;
 constexpr int kMostSpheres = 4096;
 
 std::string at(const char* array, size_t index) {
-    return array + ("[" + std::to_string(index) + "]");
+    return std::string(array).append("[").append(std::to_string(index)).append("]");
 }
 
 template <typename T>
@@ -125,8 +125,7 @@ void Strands::set_points(const StrandArrays& arrays) {
     for (size_t i = 0; i < count; ++i) {
         const StrandPoint point(arrays.points[3 * i], arrays.points[3 * i + 1], arrays.points[3 * i + 2],
                                 arrays.radii[i]);
-        if (!is_finite(axis_point(point)))
-            throw InputError(name(), at("points", i), "not finite", "finite numbers");
+        if (!is_finite(axis_point(point))) throw InputError(name(), at("points", i), "not finite", "finite numbers");
         if (!(point.w >= 0.0 && std::isfinite(point.w)))
             throw InputError(name(), at("radii", i), std::to_string(arrays.radii[i]), "0 or a positive finite number");
         points_.push_back(point);
@@ -166,7 +165,7 @@ void Strands::measure() {
         double length = first ? 0.0 : lengths_[i - 1];
         const StrandSegment curve = segment(i);
         for (int k = 0; k < kChords; ++k)
-            length += (axis_point(curve.at((k + 1.0) / kChords)) - axis_point(curve.at(double{k} / kChords))).length();
+            length += (axis_point(curve.at((k + 1.0) / kChords)) - axis_point(curve.at(static_cast<double>(k) / kChords))).length();
         lengths_[i] = static_cast<float>(length);
     }
 }

@@ -1,8 +1,8 @@
 // Hair, fur and other thin curves: many strands in one shape.
 //
 // A round strand is the union of the balls around the points of its axis: closed, with round ends, without a gap at a
-// corner, well defined where it bends more tightly than its radius. Its boundary is what a ray meets, so every ray enters
-// as often as it leaves. A ribbon is the band of the strand's width that faces the ray.
+// corner, well defined where it bends more tightly than its radius. Its boundary is what a ray meets, so every ray
+// enters as often as it leaves. A ribbon is the band of the strand's width that faces the ray.
 //
 // Elements are segments, numbered strand by strand. A hit's u is the parameter along the segment. v of a round strand
 // is the angle around the axis, of a ribbon the place across it, both from 0 to 1.
@@ -84,7 +84,8 @@ class Strands final : public Shape {
     bool is_cyclic(uint32_t strand) const { return !cyclic_.empty() && cyclic_[strand] != 0; }
     /// Local space.
     StrandSegment segment(uint32_t segment) const;
-    /// The segment before (step -1) or after (+1) one of the same strand, round the end of a closed one; empty at an end.
+    /// The segment before (step -1) or after (+1) one of the same strand, round the end of a closed one; empty at an
+    /// end.
     std::optional<uint32_t> neighbour(uint32_t segment, int step) const;
 
   private:

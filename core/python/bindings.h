@@ -21,6 +21,7 @@ void bind_scene(py::module_& module);
 void bind_session(py::module_& module);
 void bind_settings(py::module_& module);
 void bind_shading(py::module_& module);
+void bind_strands(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_splines(py::module_& module);
 

@@ -182,6 +182,10 @@ void bind_scene(py::module_& module) {
         .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a, "corner_normals"_a = py::none(),
              "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none())
         .def("add_surface", &add_surface, "name"_a, "splines"_a)
+        .def(
+            "add_shape",
+            [](SceneDescription& scene, const std::shared_ptr<Shape>& shape) { return scene.add_shape(shape); },
+            "shape"_a)
         .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
              "volume"_a = py::none())
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)

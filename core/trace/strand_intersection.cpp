@@ -6,8 +6,10 @@
 namespace rayleaf {
 namespace {
 
-/// How often a piece is halved at most; a part of that size is taken as if it had one extremum.
-constexpr int kDeepest = 8;
+/// How often a piece is halved at most where it has more than one extremum, as far as can be told; then it is taken as
+/// if it had one. Doubt beyond the first depth is mostly about one place, so that only few parts go on: those are
+/// counted, for a ray that runs along a straight wall leaves all in doubt.
+constexpr int kDeep = 8, kDeepest = 30, kMostDeepHalvings = 200;
 /// Steps of the bracketed Newton iteration; bisection alone would need 53.
 constexpr int kMostSteps = 60;
 /// Rounding of products of coordinates, relative to the largest.
@@ -79,22 +81,39 @@ double least_second_difference(const Coefficients& c) {
     return least;
 }
 
-/// The zero of a function that rises from below zero at `low` to above it at `high`: Newton's steps, halving where one
-/// would leave the bracket. `evaluate(s)` gives value, slope and the length of the smallest step that matters.
+/// A rising function at a place: value, slope, the length of the smallest step that matters, and whether the slope
+/// holds for the neighbourhood (beside a root's zero it does not, and a short step tells nothing).
 struct Slope {
     double value, slope, step;
+    bool trusted;
 };
+
+/// The zero of a function that rises from below zero at `low` to above it at `high`: Newton's steps, halving where one
+/// would leave the bracket or is not half as long as the one before the last, or where a short step turns out not to
+/// have crossed the zero.
 template <typename Evaluate>
 double rising_zero(const Evaluate& evaluate, double low, double high, double start) {
     double s = std::clamp(start, low, high);
+    bool probing = false;
+    double step_before = high - low, last_step = high - low;
     for (int i = 0; i < kMostSteps; ++i) {
         const Slope at = evaluate(s);
         if (at.value == 0.0) return s;
         (at.value < 0.0 ? low : high) = s;
+        if (high - low <= 2.0 * at.step) return 0.5 * (low + high);
         const double newton = s - at.value / at.slope;
-        const bool usable = at.slope > 0.0 && newton > low && newton < high;
-        const double next = usable ? newton : 0.5 * (low + high);
-        if (next == s || std::abs(next - s) <= at.step || next <= low || next >= high) return next;
+        const bool shrinks = std::abs(newton - s) <= 0.5 * step_before;
+        const bool usable = !probing && shrinks && at.slope > 0.0 && newton > low && newton < high;
+        double next = usable ? newton : 0.5 * (low + high);
+        probing = false;
+        if (next <= low || next >= high) return next;
+        if (usable && std::abs(next - s) <= at.step) {
+            if (at.trusted) return next;
+            next = std::clamp(s + std::copysign(2.0 * at.step, next - s), low, high);
+            probing = true;
+        }
+        step_before = last_step;
+        last_step = std::abs(next - s);
         s = next;
     }
     return s;
@@ -109,7 +128,7 @@ double step_of(const At& at, double radius) {
 double nearest_parameter(const StrandSegment& piece, double radius) {
     const auto evaluate = [&](double s) {
         const At at(piece, s);
-        return Slope{at.phi_first(), at.phi_second(), step_of(at, radius)};
+        return Slope{at.phi_first(), at.phi_second(), step_of(at, radius), true};
     };
     const At first(piece, 0.0), last(piece, 1.0);
     if (first.phi_first() >= 0.0) return 0.0;
@@ -127,7 +146,8 @@ double extreme_parameter(const StrandSegment& piece, double side, double nearest
         const double inside = at.inside(), root = inside > 0.0 ? std::sqrt(inside) : 0.0;
         const double value = side * at.dz * root + at.phi_first();
         const double bend = root > 0.0 ? side * (at.ddz * root - at.dz * at.phi_first() / root) : 0.0;
-        return Slope{value, at.phi_second() + bend, step_of(at, radius)};
+        const double own = at.phi_second();
+        return Slope{value, own + bend, step_of(at, radius), std::abs(bend) <= own};
     };
     if (evaluate(0.0).value >= 0.0) return 0.0;
     if (evaluate(1.0).value <= 0.0) return 1.0;
@@ -153,8 +173,8 @@ std::optional<StrandSpan> simple_span(const StrandSegment& piece, double radius)
     return span;
 }
 
-/// Whether the ray enters the balls at one place of the piece at most, and leaves them at one, as far as can be told from
-/// control points.
+/// Whether the ray enters the balls at one place of the piece at most, and leaves them at one, as far as can be told
+/// from control points.
 bool has_one_extremum(const StrandSegment& piece, double radius) {
     const std::array<StrandPoint, 4>& p = piece.points;
     const Coefficients c = squared_distance(piece, 1.0);
@@ -168,15 +188,17 @@ bool has_one_extremum(const StrandSegment& piece, double radius) {
     double change = 0.0;
     for (int i = 0; i < 6; ++i) change = std::max(change, std::abs(c[i + 1] - c[i]));
     const double steps[3] = {p[1].z - p[0].z, p[2].z - p[1].z, p[3].z - p[2].z};
-    const double rise = std::max(std::min(steps[0], std::min(steps[1], steps[2])),
-                                 std::min(-steps[0], std::min(-steps[1], -steps[2])));
+    const double rise =
+        std::max(std::min(steps[0], std::min(steps[1], steps[2])), std::min(-steps[0], std::min(-steps[1], -steps[2])));
     return rise * std::sqrt(-nearest) > change;
 }
 
-void add_round(const StrandSegment& piece, double begin, double size, int depth, StrandSpans& result) {
+void add_round(const StrandSegment& piece, double begin, double size, int depth, int& deep_halvings,
+               StrandSpans& result) {
     const double radius = largest_radius(piece);
     if (!(radius > 0.0) || surely_missed(piece, radius)) return;
-    if (depth == kDeepest || has_one_extremum(piece, radius)) {
+    const bool is_last = depth == kDeepest || (depth >= kDeep && deep_halvings >= kMostDeepHalvings);
+    if (is_last || has_one_extremum(piece, radius)) {
         std::optional<StrandSpan> span = simple_span(piece, radius);
         if (!span) return;
         span->s_enter = begin + span->s_enter * size;
@@ -186,14 +208,15 @@ void add_round(const StrandSegment& piece, double begin, double size, int depth,
     }
     StrandSegment left, right;
     piece.halve(left, right);
-    add_round(left, begin, 0.5 * size, depth + 1, result);
-    add_round(right, begin + 0.5 * size, 0.5 * size, depth + 1, result);
+    if (depth >= kDeep) ++deep_halvings;
+    add_round(left, begin, 0.5 * size, depth + 1, deep_halvings, result);
+    add_round(right, begin + 0.5 * size, 0.5 * size, depth + 1, deep_halvings, result);
 }
 
 void add_ribbon(const StrandSegment& piece, double begin, double size, int depth, RibbonHits& result) {
     const double radius = largest_radius(piece);
     if (!(radius > 0.0) || surely_missed(piece, radius)) return;
-    if (depth < kDeepest && !(least_second_difference(squared_distance(piece, 0.0)) > 0.0)) {
+    if (depth < kDeep && !(least_second_difference(squared_distance(piece, 0.0)) > 0.0)) {
         StrandSegment left, right;
         piece.halve(left, right);
         add_ribbon(left, begin, 0.5 * size, depth + 1, result);
@@ -202,7 +225,7 @@ void add_ribbon(const StrandSegment& piece, double begin, double size, int depth
     }
     const auto evaluate = [&](double s) {
         const At at(piece, s);
-        return Slope{at.across_first(), at.across_second(), step_of(at, radius)};
+        return Slope{at.across_first(), at.across_second(), step_of(at, radius), true};
     };
     const std::array<StrandPoint, 4>& p = piece.points;
     double s = 0.0;
@@ -256,7 +279,8 @@ void StrandSpans::add(StrandSpan span) {
 
 StrandSpans round_spans(const StrandSegment& piece) {
     StrandSpans result;
-    add_round(piece, 0.0, 1.0, 0, result);
+    int deep_halvings = 0;
+    add_round(piece, 0.0, 1.0, 0, deep_halvings, result);
     return result;
 }
 

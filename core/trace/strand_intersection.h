@@ -4,7 +4,8 @@
 // ball around C(s) is met where phi(s) = x² + y² - r² <= 0, from z - sqrt(-phi) to z + sqrt(-phi). Over a stretch of s
 // where phi <= 0 these intervals overlap, so the ray is inside the swept balls from the least of the one to the largest
 // of the other: both are found by Newton's method between brackets on a part of the curve where each has one extremum.
-// That holds where phi is convex enough against z (a condition on Bernstein coefficients); elsewhere the piece is halved.
+// That holds where phi is convex enough against z (a condition on Bernstein coefficients); elsewhere the piece is
+// halved.
 #pragma once
 
 #include "geometry/strand_curve.h"
@@ -16,7 +17,7 @@ namespace rayleaf {
 
 /// The ray's frame in local space.
 struct StrandRay {
-    Vec3d origin{0, 0, 0};                                      ///< near the shape
+    Vec3d origin{0, 0, 0};                                       ///< near the shape
     Vec3d along{0, 0, 1}, across_x{1, 0, 0}, across_y{0, 1, 0};  ///< unit, orthogonal
 
     StrandRay() = default;
@@ -49,7 +50,8 @@ StrandSpans round_spans(const StrandSegment& piece);
 /// Where the axis of a piece comes nearest to the ray, within its radius.
 struct RibbonHit {
     double distance = 0, s = 0;
-    int end = 0;  ///< -1 or 1: at the start or the end of the piece, and nearer still beyond unless the strand turns there
+    int end =
+        0;  ///< -1 or 1: at the start or the end of the piece, and nearer still beyond unless the strand turns there
 };
 
 struct RibbonHits {

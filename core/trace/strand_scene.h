@@ -1,8 +1,8 @@
 // Strands as Embree's user geometry: its boxes find the pieces of segments a ray may meet, double precision decides.
 //
 // Several pieces of a strand may hold the place where a ray enters or leaves another: inside the strand there is no
-// surface. So an entry counts only if the ray does not start inside the strand, and a leave is followed through all pieces
-// that hold it (`inside`).
+// surface. So an entry counts only if the ray does not start inside the strand, and a leave is followed through all
+// pieces that hold it (`inside`).
 #pragma once
 
 #include "geometry/strands.h"

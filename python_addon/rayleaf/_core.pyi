@@ -289,6 +289,32 @@ class RayCacheStore:
     def count(self) -> int: ...
     def bytes(self) -> int: ...
 
+class Strands:
+    """Hair and other thin curves. Strand i has the points offsets[i] to offsets[i + 1]; see core/geometry/strands.h.
+
+    points (n, 3), radii (n,), offsets (strands + 1,), cyclic and material_slots (strands,). basis: LINEAR, CATMULL_ROM,
+    BSPLINE, BEZIER (3 points a segment and 1 more). form: ROUND, RIBBON, SPHERES, EMBREE_ROUND. attributes: id ->
+    (strands, channels); point_attributes: id -> (n, channels); `uv` is the id of the active UV map. info: IS_STRAND,
+    INTERCEPT, LENGTH, THICKNESS, TANGENT_NORMAL -> id of the attribute by which shading reads it.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        points: Doubles,
+        radii: Floats,
+        offsets: Ints,
+        basis: str = "CATMULL_ROM",
+        form: str = "ROUND",
+        cyclic: Any = None,
+        material_slots: Ints | None = None,
+        spheres_per_segment: int = 16,
+        uv: int = -1,
+        attributes: dict[int, Floats] = {},
+        point_attributes: dict[int, Floats] = {},
+        info: dict[str, int] = {},
+    ) -> None: ...
+
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
 
@@ -309,6 +335,7 @@ class SceneDescription:
 
         attributes: id -> (m, 3, channels), channels 1..4; `uv` is the id of the active UV map, -1 if there is none.
         """
+    def add_shape(self, shape: Any) -> int: ...
     def add_surface(self, name: str, splines: Sequence[NurbsSpline]) -> int: ...
     def add_material(
         self, name: str, surface: Program | None, pass_index: int = 0, volume: VolumeVisualisation | None = None

@@ -1,0 +1,84 @@
+#include "geometry/strands.h"
+
+#include "python/arrays.h"
+#include "python/bindings.h"
+
+#include <map>
+
+namespace rayleaf {
+namespace {
+
+constexpr std::pair<const char*, StrandBasis> kBases[] = {{"LINEAR", StrandBasis::Linear},
+                                                          {"CATMULL_ROM", StrandBasis::CatmullRom},
+                                                          {"BSPLINE", StrandBasis::BSpline},
+                                                          {"BEZIER", StrandBasis::Bezier}};
+constexpr std::pair<const char*, StrandForm> kForms[] = {{"ROUND", StrandForm::Round},
+                                                         {"RIBBON", StrandForm::Ribbon},
+                                                         {"SPHERES", StrandForm::Spheres},
+                                                         {"EMBREE_ROUND", StrandForm::EmbreeRound}};
+constexpr std::pair<const char*, AttributeId StrandInfoIds::*> kInfos[] = {
+    {"IS_STRAND", &StrandInfoIds::is_strand},
+    {"INTERCEPT", &StrandInfoIds::intercept},
+    {"LENGTH", &StrandInfoIds::length},
+    {"THICKNESS", &StrandInfoIds::thickness},
+    {"TANGENT_NORMAL", &StrandInfoIds::tangent_normal}};
+
+template <typename Value, size_t N>
+Value named(const std::string& object, const char* argument, const std::string& name,
+            const std::pair<const char*, Value> (&values)[N]) {
+    std::string wanted;
+    for (const auto& [text, value] : values) {
+        if (name == text) return value;
+        wanted += (wanted.empty() ? "" : ", ") + std::string(text);
+    }
+    throw InputError(object, argument, "'" + name + "'", wanted);
+}
+
+using Attributes = std::map<int, Array<float>>;
+
+void add_attributes(StrandArrays& arrays, const Attributes& given, StrandDomain domain) {
+    for (const auto& [id, array] : given) {
+        check_shape(arrays.name, "attributes", array, {-1, -1});
+        const std::span<const float> values = span_of(array);
+        arrays.attributes.push_back({id, static_cast<int>(array.shape(1)), domain, {values.begin(), values.end()}});
+    }
+}
+
+std::shared_ptr<Strands> make_strands(const std::string& name, const Array<double>& points, const Array<float>& radii,
+                                      const Array<int32_t>& offsets, const std::string& basis, const std::string& form,
+                                      const std::optional<Array<uint8_t>>& cyclic,
+                                      const std::optional<Array<int32_t>>& material_slots, int spheres_per_segment,
+                                      int uv, const Attributes& attributes, const Attributes& point_attributes,
+                                      const std::map<std::string, int>& info) {
+    check_shape(name, "points", points, {-1, 3});
+    check_shape(name, "radii", radii, {-1});
+    check_shape(name, "offsets", offsets, {-1});
+    StrandArrays arrays;
+    arrays.name = name;
+    arrays.points = span_of(points);
+    arrays.radii = span_of(radii);
+    arrays.offsets = span_of(offsets);
+    arrays.basis = named(name, "basis", basis, kBases);
+    arrays.form = named(name, "form", form, kForms);
+    if (cyclic) arrays.cyclic = span_of(*cyclic);
+    if (material_slots) arrays.material_slots = span_of(*material_slots);
+    arrays.spheres_per_segment = spheres_per_segment;
+    arrays.active_uv = uv;
+    add_attributes(arrays, attributes, StrandDomain::Strand);
+    add_attributes(arrays, point_attributes, StrandDomain::Point);
+    for (const auto& [text, id] : info) arrays.info.*named(name, "info", text, kInfos) = id;
+    return std::make_shared<Strands>(std::move(arrays));
+}
+
+}  // namespace
+
+void bind_strands(py::module_& module) {
+    using namespace py::literals;
+    py::class_<Strands, Shape, std::shared_ptr<Strands>>(module, "Strands", "Many thin curves.")
+        .def(py::init(&make_strands), "name"_a, "points"_a, "radii"_a, "offsets"_a, "basis"_a = "CATMULL_ROM",
+             "form"_a = "ROUND", "cyclic"_a = py::none(), "material_slots"_a = py::none(), "spheres_per_segment"_a = 16,
+             "uv"_a = -1, "attributes"_a = Attributes(), "point_attributes"_a = Attributes(),
+             "info"_a = std::map<std::string, int>());
+}
+
+}  // namespace rayleaf

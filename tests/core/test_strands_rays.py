@@ -1,0 +1,117 @@
+"""Rays against strands: none aimed at the axis is lost, and every one leaves as often as it enters."""
+
+import numpy as np
+import pytest
+from rayleaf import _core
+
+from core.strand_shapes import S_CURVE, bezier_points, crossings, strand, torus_knot, tracer
+
+RANDOM_POINTS = np.random.default_rng(5).random((12, 3))
+
+
+def rays_at_the_axis(count, seed, offset):
+    """Origins and directions of rays that meet the axis of S_CURVE, moved; not at its very ends."""
+    random = np.random.default_rng(seed)
+    direction = random.normal(size=(count, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    target = bezier_points(S_CURVE, random.uniform(0.001, 0.999, count)) + offset
+    return target, target - direction * 3.0, direction
+
+
+@pytest.mark.parametrize("form", ["ROUND", "RIBBON"])
+@pytest.mark.parametrize("offset", [0.0, 1e2, 1e4, 1e6])
+@pytest.mark.parametrize("radius", [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
+def test_no_ray_aimed_at_the_axis_is_lost(form, offset, radius):
+    _, origins, directions = rays_at_the_axis(10_000, 7, np.array([offset, -offset, offset]))
+    scene = tracer(strand(S_CURVE, radius, basis="BEZIER", form=form), (offset, -offset, offset))
+    hits = scene.closest_hits(origins, directions)
+    assert np.count_nonzero(~np.isfinite(hits["t"])) == 0
+    assert scene.occluded(origins, directions).all()
+
+
+def distance_to_axis(position):
+    """From a point to S_CURVE: the best of many places of the axis, then of many around it, and again."""
+    middle, reach = 0.5, 0.5
+    for _ in range(4):
+        places = np.clip(np.linspace(middle - reach, middle + reach, 2001), 0.0, 1.0)
+        distances = np.linalg.norm(bezier_points(S_CURVE, places) - position, axis=1)
+        middle, reach = places[np.argmin(distances)], reach / 500
+    return distances.min()
+
+
+@pytest.mark.parametrize("radius", [1e-1, 1e-3, 1e-5])
+def test_a_hit_lies_on_the_balls_around_the_axis(radius):
+    _, origins, directions = rays_at_the_axis(300, 8, 0.0)
+    hits = tracer(strand(S_CURVE, radius, basis="BEZIER")).closest_hits(origins, directions)
+    distances = np.array([distance_to_axis(position) for position in hits["position"]])
+    assert np.abs(distances - np.float32(radius)).max() < 1e-13 + 1e-9 * radius
+
+
+RODS = {
+    "straight": lambda: strand([[0, 0, 0], [1, 0.2, 0.1]], 0.05, basis="LINEAR"),
+    "bent at corners": lambda: strand([[0, 0, 0], [1, 0, 0], [0.3, 0.4, 0.1], [0, 0.1, 0]], 0.1, basis="LINEAR"),
+    "bent": lambda: strand(RANDOM_POINTS, 0.05),
+    "tapered to nothing": lambda: strand(RANDOM_POINTS, np.linspace(0.1, 0.0, 12)),
+    "knotted": lambda: strand(torus_knot(), 0.3, cyclic=np.array([1], np.uint8)),
+    "touching itself": lambda: strand(torus_knot(), 0.9, cyclic=np.array([1], np.uint8)),
+    "a hairpin tighter than its radius": lambda: strand(
+        [[0, 0, 0], [1, 0, 0], [1, 0.01, 0], [0, 0.01, 0]], 0.1, basis="BEZIER"
+    ),
+    "a B-spline": lambda: strand(RANDOM_POINTS, 0.05, basis="BSPLINE"),
+    "a ball": lambda: strand([[0, 0, 0], [0, 0, 0]], 0.2),
+    "a chain of balls": lambda: strand(RANDOM_POINTS, 0.08, form="SPHERES"),
+}
+
+
+@pytest.mark.parametrize("name", RODS)
+def test_a_ray_leaves_a_glass_rod_as_often_as_it_enters(name):
+    counts = crossings(RODS[name](), 4000, seed=3)
+    assert counts["hits"] > 200
+    assert (counts["unbalanced"], counts["misplaced"], counts["endless"]) == (0, 0, 0)
+
+
+def test_a_ray_along_a_straight_strand_meets_its_round_ends():
+    scene = tracer(strand([[0, 0, 0], [1, 0, 0]], 0.1, basis="LINEAR"))
+    hits = scene.closest_hits([[-2, 0.03, 0], [0.5, 0.03, 0]], [[1, 0, 0], [1, 0, 0]])
+    reach = np.sqrt(np.float32(0.1) ** 2 - 0.03**2)
+    assert np.allclose(hits["t"], [2 - reach, 0.5 + reach], atol=1e-9)
+
+
+def test_a_ribbon_is_cut_straight_at_its_ends_and_faces_the_ray():
+    scene = tracer(strand([[0, 0, 0], [1, 0, 0]], 0.1, basis="LINEAR", form="RIBBON"))
+    origins = [[-0.05, 0, 2], [0.05, 0.09, 2], [0.05, 0.11, 2], [0.95, -0.09, 2], [1.05, 0, 2]]
+    hits = scene.closest_hits(origins, [[0, 0, -1]] * 5)
+    assert np.isfinite(hits["t"]).tolist() == [False, True, False, True, False]
+    assert np.allclose(hits["facet_normal"][1], [0, 0, 1]) and np.allclose(hits["t"][1], 2.0)
+    # Shaded as if round: the normal turns to the side on which the ray passes the axis.
+    assert np.allclose(hits["normal"][1], [0, 0.9, np.sqrt(1 - 0.81)], atol=1e-5)
+
+
+def test_the_same_hits_come_whichever_way_the_bases_describe_a_curve():
+    points = RANDOM_POINTS
+    before, after = np.vstack([points[:1], points[:-2]]), np.vstack([points[2:], points[-1:]])
+    handles_out, handles_in = points[:-1] + (points[1:] - before) / 6, points[1:] - (after - points[:-1]) / 6
+    bezier = np.vstack([np.stack([points[:-1], handles_out, handles_in], 1).reshape(-1, 3), points[-1:]])
+    random = np.random.default_rng(2)
+    directions = random.normal(size=(2000, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    origins = random.random((2000, 3)) - 5 * directions
+    hits = [
+        tracer(strand(given, 0.1, basis=basis)).closest_hits(origins, directions)["t"]
+        for given, basis in ((points, "CATMULL_ROM"), (bezier, "BEZIER"))
+    ]
+    found = np.isfinite(hits[0])
+    assert np.array_equal(found, np.isfinite(hits[1])) and found.sum() > 200
+    assert np.allclose(hits[0][found], hits[1][found], rtol=0, atol=1e-6)
+
+
+def test_of_many_strands_the_nearest_is_hit():
+    height = np.arange(50) * 0.1
+    points = np.zeros((100, 3))
+    points[:, 2] = np.repeat(height, 2)
+    points[0::2, 0], points[1::2, 0] = -1, 1
+    offsets = np.arange(0, 101, 2, dtype=np.int32)
+    many = _core.Strands("many", points, np.full(100, 0.01, np.float32), offsets, basis="LINEAR")
+    hits = tracer(many).closest_hits([[0.3, 0, 10], [0.3, 0, -10]], [[0, 0, -1], [0, 0, 1]])
+    assert hits["primitive"].tolist() == [49, 0]
+    assert np.allclose(hits["t"], [10 - 4.9 - 0.01, 10 - 0.01])
