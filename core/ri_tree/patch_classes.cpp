@@ -130,6 +130,7 @@ void join_triangles(const TriangleMesh& mesh, TextureSeams seams, JoinedElements
 }  // namespace
 
 PatchClasses::PatchClasses(const Shape& shape, TextureSeams seams) : class_of_(shape.element_count(), kFacetedClass) {
+    if (shape.kind() == ShapeKind::Strands) return;  // too thin for rays to be interpolated between
     JoinedElements joined(shape.element_count());
     const bool is_mesh = shape.kind() == ShapeKind::TriangleMesh;
     if (is_mesh)
