@@ -13,7 +13,7 @@ from scene_tools import (  # noqa: E402
     add_grid,
     add_surface,
     bezier_from_cubic_b_spline,
-    color_ramp,
+    painted_sky,
     save,
     start_empty,
 )
@@ -40,29 +40,6 @@ def mirror() -> bpy.types.Material:
     made = bpy.data.materials.new("mirror")
     tree = NodeTree(made)
     shader = tree.add("ShaderNodeBsdfGlossy", {"Color": (0.95, 0.93, 0.88, 1), "Roughness": 0.0})
-    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
-    return made
-
-
-def painted_sky() -> bpy.types.Material:
-    """Light by itself: warped bands of colour from noise, with a checkerboard in them."""
-    made = bpy.data.materials.new("painted sky")
-    tree = NodeTree(made)
-    position = tree.add("ShaderNodeTexCoord").outputs["Object"]
-    placed = tree.add("ShaderNodeMapping", {"Vector": position, "Scale": (0.05, 0.05, 0.09)}).outputs[0]
-    noise = tree.add("ShaderNodeTexNoise", {"Vector": placed, "Scale": 1.3, "Detail": 3.0, "Distortion": 0.6})
-    stops = (
-        (0.28, (0.01, 0.03, 0.12)),
-        (0.42, (0.02, 0.22, 0.38)),
-        (0.5, (0.75, 0.82, 0.7)),
-        (0.58, (0.95, 0.42, 0.08)),
-        (0.74, (0.3, 0.02, 0.04)),
-    )
-    bands = color_ramp(tree, noise.outputs["Fac"], stops).outputs["Color"]
-    checker_inputs = {"Vector": position, "Color1": (1, 1, 1, 1), "Color2": (0.35, 0.35, 0.35, 1), "Scale": 0.16}
-    checker = tree.add("ShaderNodeTexChecker", checker_inputs).outputs["Color"]
-    paint = tree.add("ShaderNodeMixRGB", {"Fac": 1.0, "Color1": bands, "Color2": checker}, blend_type="MULTIPLY")
-    shader = tree.add("ShaderNodeEmission", {"Color": paint.outputs[0], "Strength": 1.1})
     tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
     return made
 

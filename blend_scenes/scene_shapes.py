@@ -108,8 +108,8 @@ def convex_body(random: np.random.Generator) -> Part:
     gaps = random.uniform(0.5, 1.5, curves)
     angles = np.concatenate([[0], np.cumsum(gaps)]) / gaps.sum() * np.pi - np.pi / 2
     # Points of a superellipse make a convex polygon, and a B-spline lies on the inner side of a convex one.
-    power = 2 / random.uniform(1.7, 3.2)
-    radius, height = random.uniform(0.6, 1.0), random.uniform(0.6, 1.0)
+    power = 2 / random.uniform(1.5, 4.0)
+    radius, height = random.uniform(0.45, 1.0), random.uniform(0.45, 1.0)
     control = np.stack(
         [
             radius * np.abs(np.cos(angles)) ** power,
@@ -202,13 +202,14 @@ def tomato(radius: float = 0.8, lobes: int = 5) -> Part:
     return Part(with_weights(points), CLOSED_SPLINE, BEZIER)
 
 
-def plastic_wrap(side: float = 5.6, sag: float = 0.32, patches: int = 10) -> Part:
-    """A sheet that sags over a bowl and is crumpled a little; its middle is at z = 0."""
+def plastic_wrap(rim: float = 2.5, side: float = 6.2, patches: int = 10) -> Part:
+    """A sheet that lies on a bowl's rim at z = 0: it sags inside, falls outside, and is crumpled a little."""
     place = (np.arange(patches + 3) - 1) / patches * side - side / 2
     x, y = np.meshgrid(place, place)
-    far = np.hypot(x, y) / (side / 2)
-    crumple = 0.05 * np.sin(2.4 * x + 1.3 * y) + 0.04 * np.sin(3.1 * y - 1.7 * x + 1) + 0.03 * np.cos(4.0 * x + 2)
-    z = sag * (np.cos(np.pi * np.minimum(far, 1.3)) - 1) * -0.4 + crumple * (0.5 + 0.5 * far)
+    far = np.hypot(x, y)
+    crumple = 0.035 * np.sin(2.4 * x + 1.3 * y) + 0.03 * np.sin(3.1 * y - 1.7 * x + 1) + 0.02 * np.cos(4.0 * x + 2)
+    fall = 0.35 * np.logaddexp(0, (far - rim) / 0.35)
+    z = crumple - 0.08 * np.exp(-((far / 1.5) ** 2)) - 0.55 * fall
     return Part(with_weights(np.stack([x, y, z], axis=2)), OPEN_SPLINE, OPEN_SPLINE)
 
 
@@ -225,7 +226,7 @@ class TomatoScene:
 
     bowl: Part = field(default_factory=bowl)
     table: Part = field(default_factory=table)
-    wrap: Part = field(default_factory=lambda: plastic_wrap().moved(np.eye(3), np.array([0, 0, 1.95])))
+    wrap: Part = field(default_factory=lambda: plastic_wrap().moved(np.eye(3), np.array([0, 0, 1.86])))
     beside: Part = field(default_factory=lambda: tomato().moved(np.eye(3), np.array([3.3, -1.5, 0.0])))
     in_bowl: list[Part] = field(default_factory=lambda: [ball(radius, center) for radius, center in BALLS])
 

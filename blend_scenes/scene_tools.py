@@ -2,7 +2,7 @@
 
 blender -b --factory-startup --addons rayleaf --python blend_scenes/make_NAME.py [-- FOLDER]
 
-and writes NAME.blend to FOLDER, by default to the folder of the script.
+and writes NAME.blend to FOLDER, by default to the folder of the script. Scenes made by chance take a seed after FOLDER.
 """
 
 import shutil
@@ -18,6 +18,9 @@ from mathutils import Vector
 from numpy.typing import NDArray
 
 HERE = Path(__file__).resolve().parent
+sys.path.append(str(HERE))
+from scene_shapes import Part, bezier_from_cubic_b_spline  # noqa: E402, F401
+
 Triple = Sequence[float]
 # Blender's name of scene-linear colours.
 LINEAR = "Linear" if bpy.app.version < (4, 0, 0) else "Linear Rec.709"
@@ -45,9 +48,19 @@ def start_empty(width: int, height: int, samples: int) -> None:
     layer.use_pass_z = layer.use_pass_normal = True
 
 
+def arguments() -> list[str]:
+    """What follows `--`: FOLDER SEED."""
+    return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+
+
+def seed_argument(default: int) -> int:
+    """The seed of a scene made by chance."""
+    return int(arguments()[1]) if len(arguments()) > 1 else default
+
+
 def save(name: str) -> None:
     """Write NAME.blend, compressed. By way of a temporary folder: a .blend remembers the path it was saved to."""
-    folder = Path(sys.argv[sys.argv.index("--") + 1]) if "--" in sys.argv else HERE
+    folder = Path(arguments()[0]) if arguments() else HERE
     with tempfile.TemporaryDirectory() as temporary:
         path = Path(temporary) / f"{name}.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True, relative_remap=False)
@@ -127,18 +140,14 @@ def add_grid(surface: Any, points: NDArray[np.float64], resolution: int = 4) -> 
     return spline
 
 
-def bezier_from_cubic_b_spline(points: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-    """Bezier points of a uniform cubic B-spline along an axis: n + 3 points become 3 n + 1, the curve stays.
-
-    The Bezier points of a span are thirds and the mean of thirds of its neighbours (Böhm's knot insertion).
-    """
-    p = np.moveaxis(points, axis, 0)
-    spans = len(p) - 3
-    result = np.empty((3 * spans + 1, *p.shape[1:]))
-    result[0::3] = (p[:-2] + 4 * p[1:-1] + p[2:]) / 6
-    result[1::3] = (2 * p[1:-2] + p[2:-1]) / 3
-    result[2::3] = (p[1:-2] + 2 * p[2:-1]) / 3
-    return np.moveaxis(result, 0, axis)
+def add_parts(name: str, parts: Sequence[Part], location: Triple = (0, 0, 0), resolution: int = 4) -> Any:
+    """A SURFACE object of parts (scene_shapes.py)."""
+    surface = add_surface(name, location)
+    for part in parts:
+        spline = add_grid(surface, part.points, resolution)
+        spline.order_u, spline.use_cyclic_u, spline.use_endpoint_u, spline.use_bezier_u = part.u
+        spline.order_v, spline.use_cyclic_v, spline.use_endpoint_v, spline.use_bezier_v = part.v
+    return surface
 
 
 # Clockwise seen from above: with v upwards, Blender's outside is then away from the axis.
@@ -224,3 +233,26 @@ def plain_world(color: Triple, strength: float = 1.0) -> None:
     tree = NodeTree(world)
     background = tree.add("ShaderNodeBackground", {"Color": (*color, 1), "Strength": strength})
     tree.add("ShaderNodeOutputWorld", {"Surface": background.outputs[0]})
+
+
+def painted_sky() -> bpy.types.Material:
+    """Light by itself: warped bands of colour from noise, with a checkerboard in them."""
+    made = bpy.data.materials.new("painted sky")
+    tree = NodeTree(made)
+    position = tree.add("ShaderNodeTexCoord").outputs["Object"]
+    placed = tree.add("ShaderNodeMapping", {"Vector": position, "Scale": (0.05, 0.05, 0.09)}).outputs[0]
+    noise = tree.add("ShaderNodeTexNoise", {"Vector": placed, "Scale": 1.3, "Detail": 3.0, "Distortion": 0.6})
+    stops = (
+        (0.28, (0.01, 0.03, 0.12)),
+        (0.42, (0.02, 0.22, 0.38)),
+        (0.5, (0.75, 0.82, 0.7)),
+        (0.58, (0.95, 0.42, 0.08)),
+        (0.74, (0.3, 0.02, 0.04)),
+    )
+    bands = color_ramp(tree, noise.outputs["Fac"], stops).outputs["Color"]
+    checker_inputs = {"Vector": position, "Color1": (1, 1, 1, 1), "Color2": (0.35, 0.35, 0.35, 1), "Scale": 0.16}
+    checker = tree.add("ShaderNodeTexChecker", checker_inputs).outputs["Color"]
+    paint = tree.add("ShaderNodeMixRGB", {"Fac": 1.0, "Color1": bands, "Color2": checker}, blend_type="MULTIPLY")
+    shader = tree.add("ShaderNodeEmission", {"Color": paint.outputs[0], "Strength": 1.1})
+    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
+    return made

@@ -48,6 +48,21 @@ py::dict trace(const RivalTracer& tracer, const Array<double>& origins, const Ar
     return arrays_of(answers, seconds);
 }
 
+/// A tracer and its scene's counting twin.
+struct BoundCounter {
+    const RivalTracer* tracer;
+    CountingScene twin;
+    explicit BoundCounter(const RivalTracer& counted) : tracer(&counted), twin(counted.scene()) {}
+};
+
+py::array_t<uint64_t> count(const BoundCounter& counter, const Array<double>& origins,
+                            const Array<double>& directions) {
+    const std::vector<Ray> rays = rays_from(origins, directions);
+    py::array_t<uint64_t> flops(static_cast<py::ssize_t>(rays.size()));
+    counter.tracer->count(counter.twin, rays, {flops.mutable_data(), rays.size()});
+    return flops;
+}
+
 /// An object whose camera rays are answered in the image plane, frame by frame.
 struct BoundPlane {
     std::shared_ptr<const SampleTracer> tracer;
@@ -171,6 +186,9 @@ void bind_rivals(py::module_& parent) {
         .def("trace", &trace, py::arg("origins"), py::arg("directions"), py::arg("packets") = false,
              "Output rays of rays (n, 3) as arrays; processor seconds. Packets: 16 rays at once, through all bounces.")
         .def_property_readonly("bytes", [](const RivalTracer& tracer) { return tracer.scene().bytes(); });
+    py::class_<BoundCounter>(module, "FlopCounter", "What a rival's rays take, by a plain tree over the same boxes.")
+        .def(py::init<const RivalTracer&>(), py::arg("tracer"), py::keep_alive<1, 2>())
+        .def("count", &count, py::arg("origins"), py::arg("directions"), "Floating-point operations of each ray.");
     const ImagePlaneSettings settings;
     py::class_<BoundPlane>(module, "ImagePlane", "One object's camera rays, interpolated between those of the picture.")
         .def(py::init(&make_plane), py::arg("shape"), py::arg("kind"), py::arg("ior") = SampleSettings{}.ior,

@@ -287,6 +287,13 @@ void bind_trace(py::module_& parent) {
     py::class_<Shape, std::shared_ptr<Shape>>(module, "Shape", "A renderable shape in its own space.")
         .def_property_readonly("name", &Shape::name)
         .def_property_readonly("element_count", &Shape::element_count)
+        .def_property_readonly(
+            "frame",
+            [](const Shape& shape) {
+                const LocalFrame& frame = shape.frame();
+                return py::make_tuple(std::array{frame.center.x, frame.center.y, frame.center.z}, frame.scale);
+            },
+            "(center, scale): object space is local space times scale plus center.")
         .def_property_readonly("bytes", &Shape::bytes);
     py::class_<TriangleMesh, Shape, std::shared_ptr<TriangleMesh>>(module, "TriangleMesh", "A triangle mesh.")
         .def(py::init(&make_mesh), py::arg("name"), py::arg("vertices"), py::arg("triangles"),

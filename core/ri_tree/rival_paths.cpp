@@ -113,6 +113,17 @@ void RivalTracer::trace(std::span<const Ray> rays, std::span<PathAnswer> answers
     }
 }
 
+void RivalTracer::count(const CountingScene& twin, std::span<const Ray> rays, std::span<uint64_t> flops) const {
+    for (size_t i = 0; i < rays.size(); ++i) {
+        RivalPath path = path_of(rays[i]);
+        RivalHit hit;
+        flops[i] = 0;
+        while (advance(path, twin.closest(path.ray, hit, flops[i]) ? &hit : nullptr, materials_))
+            flops[i] += kBounceFlops;
+        flops[i] += kBounceFlops;
+    }
+}
+
 void RivalTracer::trace_packet(std::span<const Ray> rays, std::span<PathAnswer> answers) const {
     std::array<RivalPath, kPacketSize> paths;
     std::array<RivalRay, kPacketSize> asked;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "ri_tree/path_answer.h"
+#include "trace/counting_scene.h"
 #include "trace/rival_scene.h"
 
 #include <span>
@@ -44,15 +45,15 @@ class RivalTracer {
     /// Rays in object space, finite, of unit length. Packets are made of rays that follow one another.
     void trace(std::span<const Ray> rays, std::span<PathAnswer> answers, PacketUse packets) const;
     const RivalScene& scene() const { return scene_; }
-    std::span<const RivalMaterial> materials() const { return materials_; }
-
-    RivalPath path_of(const Ray& ray) const;
-    PathAnswer in_object_space(const PathAnswer& answer) const;
+    /// The floating-point operations that each ray takes (trace/counting_scene.h), asked of the scene's twin.
+    void count(const CountingScene& twin, std::span<const Ray> rays, std::span<uint64_t> flops) const;
 
   private:
     RivalScene scene_;
     std::vector<RivalMaterial> materials_;
 
+    RivalPath path_of(const Ray& ray) const;
+    PathAnswer in_object_space(const PathAnswer& answer) const;
     void trace_packet(std::span<const Ray> rays, std::span<PathAnswer> answers) const;
 };
 

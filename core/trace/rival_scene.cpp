@@ -62,7 +62,7 @@ Vec3f grid_vertex(const BicubicPatch& patch, int i, int j) {
 }
 
 RivalScene::RivalScene(std::span<const std::shared_ptr<const PatchSurface>> surfaces, RivalMethod method)
-    : method_(method), surface_count_(surfaces.size()) {
+    : method_(method) {
     Box3d box;
     for (const auto& surface : surfaces) box.extendBy(surface->object_bounds());
     frame_ = LocalFrame::fitting(box);

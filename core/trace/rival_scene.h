@@ -59,7 +59,8 @@ class RivalScene {
     const LocalFrame& frame() const { return frame_; }
     RivalMethod method() const { return method_; }
     const std::vector<BicubicPatch>& patches() const { return patches_; }
-    size_t surface_count() const { return surface_count_; }
+    /// Newton: 16 boxes a patch.
+    const std::vector<Box3f>& part_boxes() const { return boxes_; }
 
     /// The nearest hit beyond t_min; false without one. The ray must be finite.
     bool closest(const RivalRay& ray, RivalHit& hit) const;
@@ -78,7 +79,6 @@ class RivalScene {
     std::vector<uint32_t> surface_of_;  ///< by patch
     std::vector<Box3f> boxes_;          ///< Newton: of the parts, by patch
     EmbreeScene scene_;
-    size_t surface_count_ = 0;
     uint64_t bytes_ = 0;
 
     void add_patches(const PatchSurface& surface, uint32_t index);

@@ -5,7 +5,7 @@ Rays run in tiles of 16 x 16, within them in blocks of 4 x 4.
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -16,7 +16,7 @@ from rayleaf import _core
 
 BLOCK, TILE = 4, 16
 BAND_RAYS = 400_000  # asked at once, so that large pictures do not fill the memory
-WARMING_PIXELS = 128  # of views from eight sides, for which facets are made before anything is timed
+WARMING_PIXELS = 48  # of views from eight sides, for which facets are made before anything is timed
 START_OFFSET = 1e-4  # of the scene's size: how far from a surface the next ray starts
 LIGHT = np.array([0.4, -0.5, 0.77])
 AMBIENT = 0.25
@@ -205,8 +205,11 @@ def spacing_of(origins: Doubles, directions: Doubles) -> tuple[NDArray[np.float3
 class Follower:
     """Follows the rays of a frame from object to object and adds up what they see."""
 
-    def __init__(self, scene: Scene, method: Method, frame: Frame, wants_image: bool) -> None:
+    def __init__(
+        self, scene: Scene, method: Method, frame: Frame, wants_image: bool, account: Callable[[Rays, Answers], None]
+    ) -> None:
         self.scene, self.method, self.frame, self.wants_image = scene, method, frame, wants_image
+        self.account = account
         self.offset = START_OFFSET * scene.distance
 
     def ask(self, rays: Rays) -> Answers:
@@ -216,6 +219,7 @@ class Follower:
         self.frame.rays += len(rays.origins)
         kinds = np.bincount(answers["answered_by"], minlength=len(_core.ri_tree.ANSWERS))
         self.frame.answers.update(dict(zip(_core.ri_tree.ANSWERS, kinds.tolist())))
+        self.account(rays, answers)
         return answers
 
     def follow(self, rays: Rays) -> Doubles:
@@ -293,12 +297,23 @@ class Follower:
         return Rays(origins, directions, *spacing_of(origins, directions))
 
 
-def render(scene: Scene, method: Method, picture: Picture, degrees: float = 0.0, wants_image: bool = False) -> Frame:
-    """One frame."""
+def no_account(rays: Rays, answers: Answers) -> None:
+    """Nothing is counted."""
+
+
+def render(
+    scene: Scene,
+    method: Method,
+    picture: Picture,
+    degrees: float = 0.0,
+    wants_image: bool = False,
+    account: Callable[[Rays, Answers], None] = no_account,
+) -> Frame:
+    """One frame; `account` is told all rays and their answers."""
     camera, frame = Camera(scene, picture, degrees), Frame()
     image = np.zeros((picture.width * picture.height, 3)) if wants_image else None
     method.begin(camera)
-    follower = Follower(scene, method, frame, wants_image)
+    follower = Follower(scene, method, frame, wants_image, account)
     for band in camera.bands():
         colors = follower.follow(band)
         if image is not None and band.points is not None:

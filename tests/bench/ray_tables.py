@@ -1,0 +1,117 @@
+"""The tables of the source (tables 1 and 2 of Atalay and Mount), and rays without a camera's order."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from ray_frames import Picture, Rays, Rival, Trees, unit
+from ray_measure import RIVALS, Bench, Effort, Figures, numbers, paper_settings
+from ray_scenes import Scene, mirror_sheet, random_volumes, tomatoes
+from rayleaf import _core
+
+DISTANCES = (0.01, 0.025, 0.05, 0.075, 0.1, 0.125, 0.15, 0.175, 0.2, 0.225, 0.25)
+ANGLES = (5, 10, 15, 20, 25, 30)
+DEPTHS = (22, 23, 24, 25, 26, 27, 28, 29, 30)
+CACHES = (0.128, 0.256, 0.512, 1.024, 2.048)  # MB
+SCATTERED_RAYS = 200_000
+Sweep = tuple[str, list[tuple[str, dict[str, Any]]]]
+
+
+def sweeps(volumes: bool) -> list[Sweep]:
+    """The paper's: distance 0.05 and 0.25, 30 degrees and depth 28 where they do not vary."""
+    distance = 0.25 if volumes else 0.05
+    return [
+        ("distance", [(f"{d}", paper_settings(distance=d)) for d in DISTANCES]),
+        ("depth", [(f"{d}", paper_settings(distance=distance, depth=d)) for d in DEPTHS]),
+        ("angle", [(f"{a}", paper_settings(distance=distance, degrees=a)) for a in ANGLES]),
+    ]
+
+
+def print_head(first: str) -> None:
+    """Above a sweep."""
+    print(
+        f"  {first:<10}{'tree':<11}{'FLOP: triangles':<15}{'Newton':<13}   {'CPU: triangles':<20}   {'Newton':<20}   "
+        f"{'tracing':<20}{'error':>8}{'interp.':>9}{'traced':>8}{'MB':>8}{'prunes':>7}"
+    )
+
+
+def print_line(value: str, tree: str, own: Figures, bench: Bench) -> None:
+    """One setting; each speed-up: first, repeated, orbit frame."""
+    ratios = [numbers(own.faster_than(bench.figures[name])) for name in ("triangles", "Newton", "tracing")]
+    print(
+        f"  {value:<10}{tree:<11}{numbers(list(own.flops['triangles'])):<15}{numbers(list(own.flops['Newton'])):<13}   "
+        f"{ratios[0]}   {ratios[1]}   {ratios[2]}{own.error:>8.5f}"
+        f"{own.share('interp', 'two classes, interp'):>8.1f}%{own.share('traced'):>7.1f}%{own.megabytes:>8.3f}",
+        flush=True,
+    )
+
+
+def table_1(side: int, effort: Effort, trees: tuple[str, ...], depth: int = 28) -> None:
+    """The paper's table 1: the tomatoes, 1200 x 900."""
+    print("\nTable 1: tomatoes, rays followed through wrap and bowl, with shadows")
+    bench = Bench(tomatoes(), Picture(side, 3 * side // 4), effort)
+    print_head("")
+    for distance, degrees in ((0.25, 30), (0.05, 10)):
+        for tree in trees:
+            figures = bench.measure(tree, paper_settings(distance, degrees, depth), 1)
+            print_line(f"{distance} {degrees}", tree, figures, bench)
+
+
+def table_2(side: int, effort: Effort, trees: tuple[str, ...], every: int = 1) -> None:
+    """The paper's table 2 and its figure 8: sweeps over one parameter each; `every`: of the values, that many apart."""
+    scenes = (mirror_sheet(), random_volumes(), random_volumes("VOLUME"))
+    for scene in scenes:
+        bench = Bench(scene, Picture(side, side), effort, RIVALS)
+        print(f"\nTable 2: {scene.name}, {bench.picture.text}")
+        volumes = scene is not scenes[0]
+        for name, settings in sweeps(volumes):
+            print_head(name)
+            for value, each in settings[::every]:
+                for tree in trees:
+                    print_line(value, tree, bench.measure(tree, each, 1), bench)
+        if scene is scenes[0]:
+            print_head("cache, MB")
+            for megabytes in CACHES[::every]:
+                for tree in trees:
+                    print_line(f"{megabytes}", tree, bench.measure(tree, paper_settings(megabytes=megabytes), 1), bench)
+
+
+def scattered(scene: Scene, count: int) -> Rays:
+    """Rays from everywhere outside towards everywhere inside, as secondary and shadow rays come, in no order."""
+    random = np.random.default_rng(11)
+    radius = 0.55 * scene.distance
+    origins = scene.target + radius * unit(random.normal(size=(count, 3)))
+    origins[:, 2] = np.abs(origins[:, 2] - scene.target[2]) + scene.target[2]
+    inside = scene.target + 0.35 * radius * unit(random.normal(size=(count, 3))) * random.uniform(size=(count, 1))
+    directions = unit(inside - origins)
+    zeros = np.zeros(count, np.float32)
+    return Rays(origins, directions, zeros, zeros)
+
+
+def scattered_speed_up(scene: Scene, tree: str, settings: dict[str, Any], count: int) -> dict[str, float]:
+    """Of rays that a filled tree interpolates, in no order: over triangles and over tracing, and their error."""
+    trees = Trees(scene, TREE_OF[tree], settings)
+    rays = scattered(scene, count)
+    first = trees.ask(rays)
+    used = np.isin(first["answered_by"], [_core.ri_tree.ANSWERS.index("interpolated")])
+    chosen = replace(
+        rays,
+        origins=rays.origins[used],
+        directions=rays.directions[used],
+        distances=rays.distances[used],
+        angles=rays.angles[used],
+    )
+    own = Trees(scene, TREE_OF["reference"], {}, traced=True)
+    seconds = {}
+    for name, method in {"tree": trees, "triangles": Rival(scene, "TRIANGLES"), "tracing": own}.items():
+        method.ask(chosen)
+        seconds[name] = float(np.median([method.ask(chosen)["seconds"] for _ in range(3)]))
+    return {
+        "interpolated": 100 * float(used.mean()),
+        "ns": 1e9 * seconds["tree"] / max(int(used.sum()), 1),
+        "triangles": seconds["triangles"] / seconds["tree"],
+        "tracing": seconds["tracing"] / seconds["tree"],
+    }
+
+
+TREE_OF = {"reference": _core.ri_tree.ReferenceTree, "fast": _core.ri_tree.FastTree}
