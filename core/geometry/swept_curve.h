@@ -11,6 +11,7 @@
 #pragma once
 
 #include "splines/curve_splines.h"
+#include "splines/sweep_builder.h"
 
 #include <optional>
 #include <string>
@@ -19,12 +20,8 @@
 namespace rayleaf {
 
 enum class CurveDimensions : uint8_t { Two, Three };
-enum class TwistMethod : uint8_t { ZUp, Minimum, Tangent };
 /// Which part of the round bevel there is: the side of y < 0 is the back.
 enum class BevelFill : uint8_t { Full, Back, Front, Half };
-/// What bevel start and end are shares of: pieces (Blender's resolution), segments by length and within them by
-/// pieces, or the length of the spline.
-enum class BevelMapping : uint8_t { Resolution, Segments, Spline };
 /// What the taper does to the points' radius.
 enum class TaperRadius : uint8_t { Override, Multiply, Add };
 
@@ -34,6 +31,7 @@ struct SweptCurveDescription {
 
     CurveDimensions dimensions = CurveDimensions::Three;  ///< two: tilt and twist do not count
     TwistMethod twist = TwistMethod::Minimum;
+    ClosedTwist closed_twist = ClosedTwist::Spread;
     /// Standard deviation of a Gaussian that smooths the twist along a spline, in segments; 0: none. Blender's own
     /// smoothing, repeated averaging of neighbouring pieces, is that of sqrt(smooth / (2 resolution)).
     double twist_smoothing = 0;

@@ -1,4 +1,5 @@
 #include "geometry/patch_surface.h"
+#include "geometry/swept_surface.h"
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
@@ -74,6 +75,10 @@ int add_mesh(SceneDescription& scene, const std::string& name, const Array<float
 
 int add_surface(SceneDescription& scene, const std::string& name, const std::vector<NurbsSpline>& splines) {
     return scene.add_shape(std::make_shared<const PatchSurface>(name, splines));
+}
+
+int add_curve(SceneDescription& scene, const SweptCurveDescription& curve) {
+    return scene.add_shape(std::make_shared<const SweptSurface>(curve));
 }
 
 int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
@@ -186,6 +191,7 @@ void bind_scene(py::module_& module) {
             "add_shape",
             [](SceneDescription& scene, const std::shared_ptr<Shape>& shape) { return scene.add_shape(shape); },
             "shape"_a)
+        .def("add_curve", &add_curve, "curve"_a)
         .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
              "volume"_a = py::none())
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)

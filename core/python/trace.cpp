@@ -1,8 +1,10 @@
 #include "geometry/patch_surface.h"
+#include "geometry/swept_surface.h"
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "tessellation/grid_intersection.h"
+#include "tessellation/patch_dicer.h"
 #include "tessellation/simd_targets.h"
 #include "tessellation/tessellation_store.h"
 #include "trace/baselines.h"
@@ -213,7 +215,7 @@ py::tuple normal_at(const PatchSurface& surface, uint32_t patch, float u, float 
 
 py::array_t<float> diced_patch(const PatchSurface& surface, uint32_t patch) {
     const double no_limit = std::numeric_limits<double>::infinity();
-    const TessellationStore store(surface, SplitPlan(surface, [no_limit](const Box3d&) { return no_limit; }));
+    const TessellationStore store(std::make_unique<PatchDicer>(surface, [no_limit](const Box3d&) { return no_limit; }));
     const Grid& grid = store.grid(patch);
     py::array_t<float> result(std::vector<size_t>{kGridVertices, kGridVertices, 3});
     for (int k = 0; k < kGridSize; ++k)
@@ -226,9 +228,9 @@ py::array_t<float> diced_patch(const PatchSurface& surface, uint32_t patch) {
 py::tuple grid_candidates(const PatchSurface& surface, uint32_t patch, const Array<float>& origins,
                           const Array<float>& directions) {
     const double no_limit = std::numeric_limits<double>::infinity();
-    const TessellationStore store(surface, SplitPlan(surface, [no_limit](const Box3d&) { return no_limit; }));
+    const TessellationStore store(std::make_unique<PatchDicer>(surface, [no_limit](const Box3d&) { return no_limit; }));
     const Grid& grid = store.grid(patch);
-    const AddCandidates add_candidates = add_candidates_function();
+    const AddCandidates add_candidates = add_candidates_function(VertexFormat::Float);
     const py::ssize_t count = origins.size() / 3;
     py::array_t<float> t(count);
     py::array_t<int32_t> triangle(count);
@@ -244,6 +246,21 @@ py::tuple grid_candidates(const PatchSurface& surface, uint32_t patch, const Arr
         triangle.mutable_data()[i] = found ? static_cast<int32_t>(nearest.triangle) : -1;
     }
     return py::make_tuple(t, triangle);
+}
+
+py::array_t<double> rings(const SweptSurface& surface, const Array<double>& places) {
+    py::array_t<double> result(std::vector<size_t>{static_cast<size_t>(places.size()), 6, 3});
+    const std::vector<SweepPiece>& pieces = surface.path().pieces;
+    for (py::ssize_t i = 0; i < places.size(); ++i) {
+        const auto piece =
+            std::clamp(static_cast<int64_t>(places.data()[i]), int64_t{0}, static_cast<int64_t>(pieces.size()) - 1);
+        const SweepRingPoint point =
+            surface.path().evaluate(pieces[static_cast<size_t>(piece)], places.data()[i] - static_cast<double>(piece));
+        const Vec3d vectors[6] = {point.ring.center,   point.ring.across,   point.ring.up,
+                                  point.change.center, point.change.across, point.change.up};
+        for (int k = 0; k < 6; ++k) store_vector(vectors[k], result.mutable_data() + 18 * i + 3 * k);
+    }
+    return result;
 }
 
 template <typename Target>
@@ -308,6 +325,11 @@ void bind_trace(py::module_& parent) {
              "is (order, cyclic, endpoint, bezier)")
         .def("normal_at", &normal_at, py::arg("patch"), py::arg("u"), py::arg("v"),
              "Shading normal and the number of limit normals by stage so far, for a hit on a facet that faces +z.");
+
+    py::class_<SweptSurface, Shape, std::shared_ptr<SweptSurface>>(module, "SweptSurface", "A bevelled curve.")
+        .def(py::init<const SweptCurveDescription&>(), py::arg("curve"))
+        .def("rings", &rings, py::arg("places"),
+             "Centre, x and y direction, and their derivatives, (n, 6, 3) in local space, at (n) places: piece + u.");
 
     const Array<double> zero = number(0.0), infinity = number(std::numeric_limits<double>::infinity());
     py::class_<Tracer>(module, "Tracer", "Rays against instances: (shape, 4x4 matrix, visibility) each.")

@@ -130,7 +130,8 @@ void join_triangles(const TriangleMesh& mesh, TextureSeams seams, JoinedElements
 }  // namespace
 
 PatchClasses::PatchClasses(const Shape& shape, TextureSeams seams) : class_of_(shape.element_count(), kFacetedClass) {
-    if (shape.kind() == ShapeKind::Strands) return;  // too thin for rays to be interpolated between
+    // Strands are too thin for rays to be interpolated between; rays against swept surfaces are traced too.
+    if (shape.kind() == ShapeKind::Strands || shape.kind() == ShapeKind::SweptSurface) return;
     JoinedElements joined(shape.element_count());
     const bool is_mesh = shape.kind() == ShapeKind::TriangleMesh;
     if (is_mesh)

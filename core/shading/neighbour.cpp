@@ -30,7 +30,7 @@ struct ParameterJacobian {
         LocalHit hit = point.local;
         hit.u += (change.x * by_v.y - change.y * by_v.x) / determinant;
         hit.v += (by_u.x * change.y - by_u.y * change.x) / determinant;
-        if (point.shape->kind() == ShapeKind::PatchSurface) {  // patches end; triangles extrapolate linearly
+        if (point.shape->kind() != ShapeKind::TriangleMesh) {  // patches end; triangles extrapolate linearly
             hit.u = std::clamp(hit.u, 0.0f, 1.0f);
             hit.v = std::clamp(hit.v, 0.0f, 1.0f);
         }

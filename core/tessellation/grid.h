@@ -28,6 +28,11 @@ inline constexpr float kBlockPadding = 0x1p-19f;
 inline constexpr int kBlockVertices = kBlockCells + 1;  ///< along one side
 inline constexpr int kBlockSize = kBlockVertices * kBlockVertices;
 
+/// How a grid's vertices are held. Float suits surfaces as wide as they are long. Fixed is for thin ones: numbers of
+/// steps of 2^-30, exact in double, so that a strand of a millionth of its length is still round.
+enum class VertexFormat : uint8_t { Float, Fixed };
+inline constexpr double kFixedStep = 0x1p-30;
+
 /// Vertices row by row, as they are diced: vertex (i, j) is at j * 17 + i.
 struct GridRows {
     float vertices[3][kGridSize];  ///< by axis
@@ -36,22 +41,31 @@ struct GridRows {
 struct alignas(64) Grid {
     /// Padded boxes of the blocks: by axis, low then high. Block 4 * (j / 4) + i / 4 holds cell (i, j).
     float boxes[3][2][kBlocks];
-    /// By block and axis: vertex (i, j) of the block is at j * 5 + i.
-    float vertices[kBlocks][3][kBlockSize];
+    /// By block and axis: vertex (i, j) of the block is at j * 5 + i. Which of the two, the dicer tells.
+    union {
+        float vertices[kBlocks][3][kBlockSize];
+        int32_t fixed[kBlocks][3][kBlockSize];
+    };
 
-    /// Vertex of the grid, 0 <= i, j <= 16.
+    /// Vertex of a grid of floats, 0 <= i, j <= 16.
     Vec3f vertex(int i, int j) const;
-    FacetCorners corners(uint32_t triangle) const;
+    FacetCorners corners(uint32_t triangle, VertexFormat format) const;
     /// Box of all vertices, padded as the blocks' are.
     Box3f box() const;
 };
 
-inline FacetCorners Grid::corners(uint32_t triangle) const {
+inline FacetCorners Grid::corners(uint32_t triangle, VertexFormat format) const {
     const int i = static_cast<int>(triangle / 2) % kGridCells, j = static_cast<int>(triangle / 2) / kGridCells;
-    const float(&block)[3][kBlockSize] = vertices[j / kBlockCells * (kGridCells / kBlockCells) + i / kBlockCells];
+    const int block = j / kBlockCells * (kGridCells / kBlockCells) + i / kBlockCells;
     const int low = j % kBlockCells * kBlockVertices + i % kBlockCells, high = low + kBlockVertices + 1;
     const int second = triangle % 2 == 0 ? high : high - 1, third = triangle % 2 == 0 ? low + 1 : high;
-    const auto at = [&](int index) { return Vec3d(block[0][index], block[1][index], block[2][index]); };
+    if (format == VertexFormat::Fixed) {
+        const int32_t(&f)[3][kBlockSize] = fixed[block];
+        const auto at = [&](int k) { return Vec3d(f[0][k], f[1][k], f[2][k]) * kFixedStep; };
+        return {at(low), at(second), at(third)};
+    }
+    const float(&f)[3][kBlockSize] = vertices[block];
+    const auto at = [&](int k) { return Vec3d(f[0][k], f[1][k], f[2][k]); };
     return {at(low), at(second), at(third)};
 }
 

@@ -17,17 +17,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// Half a block: 16 lanes are slower where there are so many, by 7 % for camera rays.
 using Lanes = hn::CappedTag<float, 8>;
 using Vector = hn::Vec<Lanes>;
-using Mask = hn::Mask<Lanes>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
-/// Cells that one vector holds: kRows rows of kColumns cells of a block.
-constexpr int kColumns = kWidth < kBlockCells ? kWidth : kBlockCells;
-constexpr int kRows = kWidth / kColumns;
 
 /// One bit for each lane.
-HWY_INLINE uint32_t mask_bits(Mask mask) {
+template <class D>
+HWY_INLINE uint32_t mask_bits(D lanes, hn::Mask<D> mask) {
     static_assert(std::endian::native == std::endian::little);
     uint64_t bits = 0;  // Highway wants room for 8 bytes.
-    hn::StoreMaskBits(Lanes(), mask, reinterpret_cast<uint8_t*>(&bits));
+    hn::StoreMaskBits(lanes, mask, reinterpret_cast<uint8_t*>(&bits));
     return static_cast<uint32_t>(bits);
 }
 
@@ -44,42 +41,14 @@ HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_
             near = hn::Max(near, hn::Mul(hn::Sub(entry, origin), hn::Set(lanes, ray.inverse_near[axis])));
             far = hn::Min(far, hn::Mul(hn::Sub(exit, origin), hn::Set(lanes, ray.inverse_far[axis])));
         }
-        bits |= mask_bits(hn::Le(near, far)) << start;
+        bits |= mask_bits(lanes, hn::Le(near, far)) << start;
     }
     return bits;
 }
 
-/// A corner of each cell in ray space; z is still to be scaled.
-struct Corner {
-    Vector x, y, z;
-};
-
-struct Corners {
-    Corner a, b, c, d;  ///< of cell (i, j): (i, j), (i+1, j), (i+1, j+1), (i, j+1)
-};
-
-struct RayLanes {
-    int axis_x, axis_y, axis_z;
-    Vector origin_x, origin_y, origin_z, shear_x, shear_y, scale_z;
-
-    HWY_INLINE explicit RayLanes(const GridRay& ray) : axis_x(ray.axis_x), axis_y(ray.axis_y), axis_z(ray.axis_z) {
-        const Lanes lanes;
-        origin_x = hn::Set(lanes, ray.origin[ray.axis_x]);
-        origin_y = hn::Set(lanes, ray.origin[ray.axis_y]);
-        origin_z = hn::Set(lanes, ray.origin[ray.axis_z]);
-        shear_x = hn::Set(lanes, ray.shear_x);
-        shear_y = hn::Set(lanes, ray.shear_y);
-        scale_z = hn::Set(lanes, ray.scale_z);
-    }
-    HWY_INLINE Corner project(Vector x, Vector y, Vector z) const {
-        const Vector dz = hn::Sub(z, origin_z), dx = hn::Sub(x, origin_x), dy = hn::Sub(y, origin_y);
-        return {hn::Sub(dx, hn::Mul(shear_x, dz)), hn::Sub(dy, hn::Mul(shear_y, dz)), dz};
-    }
-};
-
 /// kRows rows of kColumns neighbouring values.
-template <class D>
-HWY_INLINE hn::Vec<D> load_cells(D lanes, const float* first) {
+template <class D, typename T>
+HWY_INLINE hn::Vec<D> load_cells(D lanes, const T* first) {
 #if HWY_TARGET != HWY_SCALAR
     if constexpr (hn::MaxLanes(D()) > kBlockCells) {
         const hn::Half<D> half;
@@ -90,71 +59,136 @@ HWY_INLINE hn::Vec<D> load_cells(D lanes, const float* first) {
     return hn::LoadU(lanes, first);
 }
 
-/// The cells from (column, row) of the block on.
-HWY_INLINE Corners load_corners(const RayLanes& ray, const float (&block)[3][kBlockSize], int column, int row) {
-    const Lanes lanes;
-    const auto load = [&](int offset) HWY_ATTR {
-        const int index = row * kBlockVertices + column + offset;
-        return ray.project(load_cells(lanes, block[ray.axis_x] + index), load_cells(lanes, block[ray.axis_y] + index),
-                           load_cells(lanes, block[ray.axis_z] + index));
+/// Vertices in single precision.
+struct FloatCells {
+    using Lanes = hn::CappedTag<float, 8>;
+    using Number = float;
+
+    static HWY_INLINE hn::Vec<Lanes> load(const Grid& grid, int block, int axis, int index) {
+        return load_cells(Lanes(), grid.vertices[block][axis] + index);
+    }
+    static HWY_INLINE float origin(const GridRay& ray, int axis) { return ray.origin[axis]; }
+    static HWY_INLINE float shear_x(const GridRay& ray) { return ray.shear_x; }
+    static HWY_INLINE float shear_y(const GridRay& ray) { return ray.shear_y; }
+    static HWY_INLINE float scale_z(const GridRay& ray) { return ray.scale_z; }
+};
+
+/// Fixed numbers, in double precision.
+struct FixedCells {
+    using Lanes = hn::CappedTag<double, 8>;
+    using Number = double;
+
+    static HWY_INLINE hn::Vec<Lanes> load(const Grid& grid, int block, int axis, int index) {
+        const hn::Rebind<int32_t, Lanes> integers;
+        return hn::PromoteTo(Lanes(), load_cells(integers, grid.fixed[block][axis] + index));
+    }
+    static HWY_INLINE double origin(const GridRay& ray, int axis) { return ray.fixed_origin[axis]; }
+    static HWY_INLINE double shear_x(const GridRay& ray) { return ray.fixed_shear_x; }
+    static HWY_INLINE double shear_y(const GridRay& ray) { return ray.fixed_shear_y; }
+    static HWY_INLINE double scale_z(const GridRay& ray) { return ray.fixed_scale_z; }
+};
+
+/// The test of a block's cells, as many at once as a vector holds.
+template <class Cells>
+struct CellTest {
+    using D = typename Cells::Lanes;
+    using V = hn::Vec<D>;
+    using M = hn::Mask<D>;
+    static constexpr int kLaneCount = static_cast<int>(hn::MaxLanes(D()));
+    /// Cells that one vector holds: kRows rows of kColumns cells of a block.
+    static constexpr int kColumns = kLaneCount < kBlockCells ? kLaneCount : kBlockCells;
+    static constexpr int kRows = kLaneCount / kColumns;
+
+    /// A corner of each cell in ray space; z is still to be scaled.
+    struct Corner {
+        V x, y, z;
     };
-    return {load(0), load(1), load(kBlockVertices + 1), load(kBlockVertices)};
-}
+    /// A triangle of each cell: its edge functions pq, qr, rp and its corners' depths.
+    struct Triangles {
+        V pq, qr, rp, pz, qz, rz;
 
-HWY_INLINE Vector edge(const Corner& p, const Corner& q) {
-    return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
-}
+        HWY_INLINE M inside() const {
+            const V zero = hn::Zero(D());
+            const V smallest = hn::Min(pq, hn::Min(qr, rp)), largest = hn::Max(pq, hn::Max(qr, rp));
+            return hn::Or(hn::Ge(smallest, zero), hn::Le(largest, zero));
+        }
+    };
 
-/// A triangle of each cell: its edge functions pq, qr, rp and its corners' depths.
-struct Triangles {
-    Vector pq, qr, rp, pz, qz, rz;
+    int axis_x, axis_y, axis_z;
+    V origin_x, origin_y, origin_z, shear_x, shear_y, scale_z, farthest;
 
-    HWY_INLINE Mask inside() const {
-        const Vector zero = hn::Zero(Lanes());
-        const Vector smallest = hn::Min(pq, hn::Min(qr, rp)), largest = hn::Max(pq, hn::Max(qr, rp));
-        return hn::Or(hn::Ge(smallest, zero), hn::Le(largest, zero));
+    HWY_INLINE CellTest(const GridRay& ray, float t_max) : axis_x(ray.axis_x), axis_y(ray.axis_y), axis_z(ray.axis_z) {
+        const D lanes;
+        origin_x = hn::Set(lanes, Cells::origin(ray, ray.axis_x));
+        origin_y = hn::Set(lanes, Cells::origin(ray, ray.axis_y));
+        origin_z = hn::Set(lanes, Cells::origin(ray, ray.axis_z));
+        shear_x = hn::Set(lanes, Cells::shear_x(ray));
+        shear_y = hn::Set(lanes, Cells::shear_y(ray));
+        scale_z = hn::Set(lanes, Cells::scale_z(ray));
+        farthest = hn::Set(lanes, t_max);
+    }
+    /// A corner of the cells from `index` of the block on.
+    HWY_INLINE Corner corner(const Grid& grid, int block, int index) const {
+        const V dz = hn::Sub(Cells::load(grid, block, axis_z, index), origin_z);
+        const V dx = hn::Sub(Cells::load(grid, block, axis_x, index), origin_x);
+        const V dy = hn::Sub(Cells::load(grid, block, axis_y, index), origin_y);
+        return {hn::Sub(dx, hn::Mul(shear_x, dz)), hn::Sub(dy, hn::Mul(shear_y, dz)), dz};
+    }
+    static HWY_INLINE V edge(const Corner& p, const Corner& q) { return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x)); }
+    /// Adds the lanes that are hit within the ray's stretch. `first` is the triangle of the first lane.
+    HWY_INLINE void add_hits(const Triangles& hit, M inside, uint32_t first, GridCandidates& candidates) const {
+        const D lanes;
+        const V area = hn::Add(hn::Add(hit.qr, hit.rp), hit.pq), zero = hn::Zero(lanes);
+        const V sum = hn::Add(hn::Add(hn::Mul(hit.qr, hit.pz), hn::Mul(hit.rp, hit.qz)), hn::Mul(hit.pq, hit.rz));
+        const V t = hn::Mul(hn::Div(sum, area), scale_z);
+        const M within = hn::And(hn::Ge(t, zero), hn::Le(t, farthest));
+        uint32_t bits = mask_bits(lanes, hn::And(hn::And(inside, hn::Ne(area, zero)), within));
+        HWY_ALIGN typename Cells::Number distances[kLaneCount];
+        hn::Store(t, lanes, distances);
+        for (; bits != 0; bits &= bits - 1) {
+            const int lane = __builtin_ctz(bits), row = lane / kColumns, column = lane % kColumns;
+            candidates.add(
+                {static_cast<float>(distances[lane]), first + static_cast<uint32_t>(2 * (row * kGridCells + column))});
+        }
+    }
+    /// The cells from (column, row) of a block on.
+    HWY_INLINE void add(const Grid& grid, int block, int column, int row, GridCandidates& candidates) const {
+        const D lanes;
+        const int index = row * kBlockVertices + column;
+        // Of cell (i, j): (i, j), (i+1, j), (i+1, j+1), (i, j+1).
+        const Corner a = corner(grid, block, index), b = corner(grid, block, index + 1);
+        const Corner c = corner(grid, block, index + kBlockVertices + 1);
+        const Corner d = corner(grid, block, index + kBlockVertices);
+        const V ac = edge(a, c);
+        const Triangles lower{edge(a, b), edge(b, c), hn::Neg(ac), a.z, b.z, c.z};
+        const Triangles upper{ac, edge(c, d), edge(d, a), a.z, c.z, d.z};
+        const M in_lower = lower.inside(), in_upper = upper.inside();
+        if (hn::AllFalse(lanes, hn::Or(in_lower, in_upper))) return;
+        const int first_row = block / kBlockCells * kBlockCells, first_column = block % kBlockCells * kBlockCells;
+        const auto first = static_cast<uint32_t>(2 * ((first_row + row) * kGridCells + first_column + column));
+        if (!hn::AllFalse(lanes, in_lower)) add_hits(lower, in_lower, first, candidates);
+        if (!hn::AllFalse(lanes, in_upper)) add_hits(upper, in_upper, first + 1, candidates);
     }
 };
 
-/// Adds the lanes that are hit within the ray's stretch. `first` is the triangle of the first lane.
-HWY_INLINE void add_hits(const RayLanes& ray, const Triangles& hit, Mask inside, uint32_t first, Vector t_max,
-                         GridCandidates& candidates) {
-    const Lanes lanes;
-    const Vector area = hn::Add(hn::Add(hit.qr, hit.rp), hit.pq), zero = hn::Zero(lanes);
-    const Vector sum = hn::Add(hn::Add(hn::Mul(hit.qr, hit.pz), hn::Mul(hit.rp, hit.qz)), hn::Mul(hit.pq, hit.rz));
-    const Vector t = hn::Mul(hn::Div(sum, area), ray.scale_z);
-    const Mask within = hn::And(hn::Ge(t, zero), hn::Le(t, t_max));
-    uint32_t bits = mask_bits(hn::And(hn::And(inside, hn::Ne(area, zero)), within));
-    HWY_ALIGN float distances[kWidth];
-    hn::Store(t, lanes, distances);
-    for (; bits != 0; bits &= bits - 1) {
-        const int lane = __builtin_ctz(bits), row = lane / kColumns, column = lane % kColumns;
-        candidates.add({distances[lane], first + static_cast<uint32_t>(2 * (row * kGridCells + column))});
+template <class Cells>
+HWY_INLINE void add_all(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
+    using Test = CellTest<Cells>;
+    const Test test(ray, t_max);
+    for (uint32_t blocks = blocks_on_way(grid, ray, t_max); blocks != 0; blocks &= blocks - 1) {
+        const int block = __builtin_ctz(blocks);
+        for (int row = 0; row < kBlockCells; row += Test::kRows)
+            for (int column = 0; column < kBlockCells; column += Test::kColumns)
+                test.add(grid, block, column, row, candidates);
     }
 }
 
 void add_candidates(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
-    const Lanes lanes;
-    const RayLanes ray_lanes(ray);
-    const Vector farthest = hn::Set(lanes, t_max);
-    for (uint32_t blocks = blocks_on_way(grid, ray, t_max); blocks != 0; blocks &= blocks - 1) {
-        const int block = __builtin_ctz(blocks);
-        const int first_row = block / kBlockCells * kBlockCells, first_column = block % kBlockCells * kBlockCells;
-        for (int row = 0; row < kBlockCells; row += kRows) {
-            for (int column = 0; column < kBlockCells; column += kColumns) {
-                const auto [a, b, c, d] = load_corners(ray_lanes, grid.vertices[block], column, row);
-                const Vector ac = edge(a, c);
-                const Triangles lower{edge(a, b), edge(b, c), hn::Neg(ac), a.z, b.z, c.z};
-                const Triangles upper{ac, edge(c, d), edge(d, a), a.z, c.z, d.z};
-                const Mask in_lower = lower.inside(), in_upper = upper.inside();
-                if (hn::AllFalse(lanes, hn::Or(in_lower, in_upper))) continue;
-                const auto first = static_cast<uint32_t>(2 * ((first_row + row) * kGridCells + first_column + column));
-                if (!hn::AllFalse(lanes, in_lower)) add_hits(ray_lanes, lower, in_lower, first, farthest, candidates);
-                if (!hn::AllFalse(lanes, in_upper))
-                    add_hits(ray_lanes, upper, in_upper, first + 1, farthest, candidates);
-            }
-        }
-    }
+    add_all<FloatCells>(grid, ray, t_max, candidates);
+}
+
+void add_fixed_candidates(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
+    add_all<FixedCells>(grid, ray, t_max, candidates);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -165,11 +199,20 @@ HWY_AFTER_NAMESPACE();
 namespace rayleaf {
 
 HWY_EXPORT(add_candidates);
+HWY_EXPORT(add_fixed_candidates);
 
-AddCandidates add_candidates_function() {
+AddCandidates add_candidates_function(VertexFormat format) {
     // The first call through the table chooses; the pointer must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return &HWY_DYNAMIC_DISPATCH(add_candidates);
+    return format == VertexFormat::Fixed ? &HWY_DYNAMIC_DISPATCH(add_fixed_candidates)
+                                         : &HWY_DYNAMIC_DISPATCH(add_candidates);
+}
+
+void GridRay::set_fixed(const Vec3d& ray_origin, const Vec3d& direction) {
+    for (int axis = 0; axis < 3; ++axis) fixed_origin[axis] = ray_origin[axis] / kFixedStep;
+    fixed_shear_x = direction[axis_x] / direction[axis_z];
+    fixed_shear_y = direction[axis_y] / direction[axis_z];
+    fixed_scale_z = kFixedStep / direction[axis_z];
 }
 
 GridRay::GridRay(const Vec3f& ray_origin, const Vec3f& direction) {

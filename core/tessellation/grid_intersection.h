@@ -23,6 +23,8 @@ inline constexpr float kNearFactor = 1.0f - 0x1p-21f, kFarFactor = 1.0f + 0x1p-2
 struct GridRay {
     GridRay() = default;
     GridRay(const Vec3f& ray_origin, const Vec3f& direction);
+    /// For grids of fixed numbers: the same ray in double.
+    void set_fixed(const Vec3d& ray_origin, const Vec3d& direction);
 
     float origin[3];                  ///< by axis
     int near_side[3];                 ///< of a box, by axis: 0 where the ray runs towards higher coordinates, else 1
@@ -30,6 +32,8 @@ struct GridRay {
     float inverse_far[3];             ///< kFarFactor / direction
     int axis_x, axis_y, axis_z;       ///< axis_z is the direction's largest component
     float shear_x, shear_y, scale_z;  ///< dx/dz, dy/dz, 1/dz
+    /// The same for fixed numbers, set_fixed() only: the origin in their steps, dx/dz, dy/dz, step/dz.
+    double fixed_origin[3], fixed_shear_x, fixed_shear_y, fixed_scale_z;
 };
 
 /// A facet that the ray hits, as far as single precision can tell.
@@ -63,7 +67,8 @@ class GridCandidates {
 
 /// Adds the facets that the ray hits from its origin up to t_max.
 using AddCandidates = void (*)(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates);
-/// The version for this machine's processor.
-AddCandidates add_candidates_function();
+/// The version for this machine's processor. Fixed numbers are tested in double precision, by the same steps, so that
+/// what is found is exact to 2^-50 or so of the shape's size.
+AddCandidates add_candidates_function(VertexFormat format);
 
 }  // namespace rayleaf

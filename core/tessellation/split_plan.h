@@ -5,10 +5,10 @@
 #pragma once
 
 #include "geometry/patch_surface.h"
+#include "tessellation/dicer.h"
 #include "tessellation/grid.h"
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace rayleaf {
@@ -29,9 +29,6 @@ struct Subpatch {
     uint32_t patch = 0, spline = 0;
     int u = 0, v = 0;  ///< which of the 2^a x 2^b
 };
-
-/// How far a patch's facets may lie from it, for a patch within the given box. Local units.
-using FacetTolerance = std::function<double(const Box3d& patch_box)>;
 
 class SplitPlan {
   public:

@@ -1,31 +1,32 @@
 // The grids of one surface, diced when they are first asked for and kept.
 //
-// A grid is a pure function of (surface, split, subpatch), so it does not matter who dices it, or how often: a thread
-// that misses one dices it and offers it; if another was faster, its own copy is dropped. No one waits.
+// A grid is a pure function of (dicer, subpatch), so it does not matter who dices it, or how often: a thread that
+// misses one dices it and offers it; if another was faster, its own copy is dropped. No one waits. Beyond
+// kMostKeptGrids a grid is diced for the moment into the thread's own.
 #pragma once
 
-#include "geometry/patch_surface.h"
-#include "tessellation/dyadic_basis.h"
+#include "tessellation/dicer.h"
 #include "tessellation/grid.h"
-#include "tessellation/split_plan.h"
 
 #include <atomic>
 #include <cstdint>
-#include <map>
 #include <memory>
-#include <vector>
 
 namespace rayleaf {
 
+/// The most grids of one surface that are kept: 700 MB.
+inline constexpr uint64_t kMostKeptGrids = 1u << 17;
+
 class TessellationStore {
   public:
-    TessellationStore(const PatchSurface& surface, SplitPlan plan);
+    explicit TessellationStore(std::unique_ptr<const Dicer> dicer);
     ~TessellationStore();
     TessellationStore(const TessellationStore&) = delete;
     TessellationStore& operator=(const TessellationStore&) = delete;
 
-    const SplitPlan& plan() const { return plan_; }
-    uint32_t subpatch_count() const { return plan_.subpatch_count(); }
+    const Dicer& dicer() const { return *dicer_; }
+    uint32_t subpatch_count() const { return count_; }
+    /// Valid until this thread asks for another one.
     const Grid& grid(uint32_t subpatch) const {
         const Grid* found = grids_[subpatch].load(std::memory_order_acquire);
         return found ? *found : missing(subpatch);
@@ -39,9 +40,8 @@ class TessellationStore {
     uint64_t bytes() const;
 
   private:
-    const PatchSurface* surface_;
-    SplitPlan plan_;
-    std::map<std::pair<int, int>, DyadicBasis> bases_;  ///< by degree and cells
+    std::unique_ptr<const Dicer> dicer_;
+    uint32_t count_;
     std::unique_ptr<std::atomic<const Grid*>[]> grids_;
     mutable std::atomic<uint64_t> diced_{0}, kept_{0};
 

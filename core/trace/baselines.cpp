@@ -1,5 +1,6 @@
 #include "trace/baselines.h"
 
+#include "tessellation/patch_dicer.h"
 #include "tessellation/tessellation_store.h"
 #include "trace/dicing.h"
 
@@ -48,7 +49,8 @@ EmbreeBaseline::EmbreeBaseline(const PatchSurface& surface, const DicingView& vi
     : frame_(surface.frame()) {
     const std::shared_ptr<const Shape> shape(std::shared_ptr<const Shape>(), &surface);
     const std::vector<TracedInstance> instances = {{shape, {}, kVisibleAll}};
-    const TessellationStore store(surface, SplitPlan(surface, facet_tolerances(instances, 1, {0}, view).front()));
+    const TessellationStore store(
+        std::make_unique<PatchDicer>(surface, facet_tolerances(instances, 1, {0}, view).front()));
     const uint64_t before = embree_bytes();
     const RTCGeometryType type =
         primitive == EmbreePrimitive::Grid ? RTC_GEOMETRY_TYPE_GRID : RTC_GEOMETRY_TYPE_TRIANGLE;

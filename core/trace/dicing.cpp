@@ -52,7 +52,7 @@ std::vector<FacetTolerance> facet_tolerances(const std::vector<TracedInstance>& 
     std::vector<std::vector<LocalView>> views(shape_count);
     const auto nearer = [](const LocalView& a, const LocalView& b) { return a.eye.length() < b.eye.length(); };
     for (size_t i = 0; i < instances.size(); ++i) {
-        if (instances[i].shape->kind() != ShapeKind::PatchSurface) continue;
+        if (instances[i].shape->kind() == ShapeKind::TriangleMesh) continue;
         std::vector<LocalView>& of_shape = views[shape_of[i]];
         of_shape.push_back(view_from(instances[i], view));
         std::push_heap(of_shape.begin(), of_shape.end(), nearer);

@@ -1,7 +1,7 @@
 // How fine a shape's facets must be: from its instances and the view.
 #pragma once
 
-#include "tessellation/split_plan.h"
+#include "tessellation/dicer.h"
 #include "trace/tracer.h"
 
 #include <vector>
@@ -14,8 +14,8 @@ inline constexpr double kCoarsestTolerance = 1e-4;
 /// The smallest: single precision gives no more.
 inline constexpr double kFinestTolerance = 0x1p-22;
 
-/// The tolerance of each shape's patches: the wanted fraction of a pixel at the instance where that is smallest in
-/// local units, at the patch's point nearest to the eye.
+/// The tolerance of each shape that is diced: the wanted fraction of a pixel at the instance where that is smallest in
+/// local units, at the point of the part's box nearest to the eye.
 std::vector<FacetTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
                                              const std::vector<size_t>& shape_of, const DicingView& view);
 

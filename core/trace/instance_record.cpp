@@ -25,9 +25,9 @@ Box3d InstanceRecord::world_box() const {
     return image_of(scene->box(), local_to_world);
 }
 
-/// First, the float ray must lie on the true ray's side of the facet: a ray that leaves at a grazing angle and runs
-/// outside a closed surface for that error would never find the neighbouring facet that it should hit. A local error
-/// moves the point along the facet's normal by at most the length of the normal's image under the transposed map.
+/// First, the ray that is tested must lie on the true ray's side of the facet: a ray that leaves at a grazing angle and
+/// runs outside a closed surface for that error would never find the neighbouring facet that it should hit. A local
+/// error moves the point along the facet's normal by at most the length of the normal's image under the transposed map.
 /// Second, what was computed in double is rounded by 2^-53 of the numbers involved: the world coordinates of the point
 /// and of the ray that found it (`size`), the translation, and local ones of the order of 1, which the map enlarges by
 /// the sum of its axes. Each local axis takes part with the length of its row in the inverse times its column, 3 in all

@@ -35,7 +35,7 @@ struct ShapeHit {
 };
 
 /// What a shape's facets are held in.
-enum class FacetKind : uint8_t { Triangles, Grids, Strands };
+enum class FacetKind : uint8_t { Triangles, Grids, FixedGrids, Strands };
 
 /// A query in one shape, as Embree's callbacks find it: the context is the first member.
 struct ShapeQuery {
@@ -48,7 +48,10 @@ struct ShapeQuery {
 
     ShapeQuery(const LocalRay& local, FacetKind kind) : ray(&local), farthest(local.t_max) {
         initialize(context);
-        if (kind == FacetKind::Grids) grid_ray = GridRay(local.float_origin, local.float_direction);
+        if (kind != FacetKind::Grids && kind != FacetKind::FixedGrids) return;
+        grid_ray = GridRay(local.float_origin, local.float_direction);
+        if (kind == FacetKind::FixedGrids)
+            grid_ray.set_fixed(local.origin + local.direction * local.start, local.direction / local.speed);
     }
     static ShapeQuery& of(EmbreeContext* context) { return *reinterpret_cast<ShapeQuery*>(context); }
 

@@ -156,7 +156,8 @@ StrandSpans StrandScene::spans(const Query& query, const Piece& piece) const {
     if (strands_->form() == StrandForm::Spheres) {
         const StrandSegment in_frame = query.frame.to_frame(strands_->segment(piece.segment));
         StrandSpans result;
-        if (const auto span = ball_span(in_frame.at(static_cast<double>(piece.index) / strands_->spheres_per_segment())))
+        if (const auto span =
+                ball_span(in_frame.at(static_cast<double>(piece.index) / strands_->spheres_per_segment())))
             result.add(*span);
         return result;
     }
@@ -182,7 +183,8 @@ void StrandScene::visit(Query& query, uint32_t index) const {
 
 /// The parameter along the segment of one along a piece.
 double StrandScene::place_of(const Piece& piece, double s) const {
-    if (strands_->form() == StrandForm::Spheres) return static_cast<double>(piece.index) / strands_->spheres_per_segment();
+    if (strands_->form() == StrandForm::Spheres)
+        return static_cast<double>(piece.index) / strands_->spheres_per_segment();
     return (piece.index + s) / static_cast<double>(1u << piece.level);
 }
 

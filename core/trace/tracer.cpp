@@ -1,12 +1,14 @@
 #include "trace/tracer.h"
 
 #include "base/error.h"
+#include "tessellation/patch_dicer.h"
+#include "tessellation/swept_dicer.h"
 #include "trace/dicing.h"
 #include "trace/embree.h"
 #include "trace/float_environment.h"
+#include "trace/grid_scene.h"
 #include "trace/instance_record.h"
 #include "trace/local_ray.h"
-#include "trace/patch_scene.h"
 #include "trace/shape_scene.h"
 #include "trace/strand_scene.h"
 #include "trace/triangle_scene.h"
@@ -32,7 +34,12 @@ std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance&
         return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape), cancel);
     if (shape.kind() == ShapeKind::Strands)
         return std::make_unique<StrandScene>(static_cast<const Strands&>(shape), cancel);
-    return std::make_unique<PatchScene>(static_cast<const PatchSurface&>(shape), tolerance, cancel);
+    std::unique_ptr<const Dicer> dicer;
+    if (shape.kind() == ShapeKind::SweptSurface)
+        dicer = std::make_unique<SweptDicer>(static_cast<const SweptSurface&>(shape), tolerance);
+    else
+        dicer = std::make_unique<PatchDicer>(static_cast<const PatchSurface&>(shape), tolerance);
+    return std::make_unique<GridScene>(shape, std::move(dicer), cancel);
 }
 
 }  // namespace

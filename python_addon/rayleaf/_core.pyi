@@ -221,7 +221,7 @@ class CurveSplines:
 class SweptCurve:
     """A bevelled curve; what each value means, and its names, stand in core/geometry/swept_curve.h.
 
-    dimensions: 2D or 3D; twist: Z_UP, MINIMUM or TANGENT; fill: FULL, BACK, FRONT or HALF; taper_radius: OVERRIDE,
+    dimensions: 2D or 3D; twist: Z_UP, MINIMUM or TANGENT; closed_twist: SPREAD or JUMP; fill: FULL, BACK, FRONT or HALF; taper_radius: OVERRIDE,
     MULTIPLY or ADD; the mappings: RESOLUTION, SEGMENTS or SPLINE.
     """
 
@@ -233,6 +233,7 @@ class SweptCurve:
         *,
         dimensions: str = "3D",
         twist: str = "MINIMUM",
+        closed_twist: str = "SPREAD",
         twist_smoothing: float = 0.0,
         bevel_depth: float = 0.0,
         extrude: float = 0.0,
@@ -337,6 +338,7 @@ class SceneDescription:
         """
     def add_shape(self, shape: Any) -> int: ...
     def add_surface(self, name: str, splines: Sequence[NurbsSpline]) -> int: ...
+    def add_curve(self, curve: SweptCurve) -> int: ...
     def add_material(
         self, name: str, surface: Program | None, pass_index: int = 0, volume: VolumeVisualisation | None = None
     ) -> int:

@@ -1,0 +1,290 @@
+#include "geometry/swept_surface.h"
+
+#include "base/error.h"
+#include "splines/bernstein.h"
+#include "splines/bounds.h"
+
+#include <algorithm>
+
+namespace rayleaf {
+namespace {
+
+/// Where a surface has no normal of its own (a ring of radius 0, a standstill), it is looked at so far inside the
+/// piece.
+constexpr double kInset = 1e-3;
+/// |P_u x P_v|² of less than this share of |P_u|² |P_v|² counts as degenerate, as on patches.
+constexpr double kDegenerate = 1e-20;
+/// Step of the difference that gives the change of a ring's derivative.
+constexpr double kStep = 1e-4;
+/// Corners of the outline that tells which points of a cap's square lie on it, by profile part.
+constexpr int kOutlineCorners = 32;
+
+Vec3d crossing(const SweepRingPoint& ring, const ProfilePoint& profile) {
+    const Vec3d along = ring.change.at(profile.position), around = ring.ring.vector(profile.first);
+    const Vec3d normal = around.cross(along);
+    if (normal.dot(normal) > kDegenerate * along.dot(along) * around.dot(around)) return normal;
+    return Vec3d(0.0);
+}
+
+bool inside(const std::vector<Vec2d>& outline, const Vec2d& point) {
+    bool result = false;
+    for (size_t i = 0, before = outline.size() - 1; i < outline.size(); before = i++) {
+        const Vec2d &a = outline[i], &b = outline[before];
+        if ((a.y > point.y) != (b.y > point.y) && point.x < (b.x - a.x) * (point.y - a.y) / (b.y - a.y) + a.x)
+            result = !result;
+    }
+    return result;
+}
+
+SweepPath::TaperUse taper_use(const SweptCurveDescription& curve) {
+    if (!curve.taper) return SweepPath::TaperUse::None;
+    switch (curve.taper_radius) {
+        case TaperRadius::Multiply:
+            return SweepPath::TaperUse::Multiply;
+        case TaperRadius::Add:
+            return SweepPath::TaperUse::Add;
+        default:
+            return SweepPath::TaperUse::Override;
+    }
+}
+
+Vec3f float_or_zero(const Vec3d& v) {
+    const Vec3f result(v);
+    return is_finite(result) ? result : Vec3f(0.0f);
+}
+
+}  // namespace
+
+SweptSurface::SweptSurface(const SweptCurveDescription& curve) : Shape(ShapeKind::SweptSurface, curve.name) {
+    if (const auto problem = find_problem(curve))
+        throw InputError(curve.name, problem->argument, problem->got, problem->wanted);
+    profiles_ = sweep_profiles(curve);
+    for (const SweepProfile& profile : profiles_) {
+        extents_.push_back(profile.extent());
+        std::vector<Vec2d>& outline = cap_outlines_.emplace_back();
+        for (size_t part = 0; part < profile.parts.size(); ++part)
+            for (int k = 0; k < kOutlineCorners; ++k)
+                outline.push_back(profile.evaluate(part, static_cast<double>(k) / kOutlineCorners).position);
+        if (!profile.closed) outline.push_back(profile.evaluate(profile.parts.size() - 1, 1.0).position);
+    }
+    caps_ = curve.fill_caps;
+    for (const CurveSplines& splines : curve.splines)
+        groups_.push_back({static_cast<uint32_t>(splines.material_slot), splines.smooth});
+    if (!profiles_.empty()) build_path(curve);
+}
+
+void SweptSurface::build_path(const SweptCurveDescription& curve) {
+    Box3d box;
+    for (const CurveSplines& splines : curve.splines)
+        for (const Vec4d& point : splines.points) box.extendBy(spatial_part(point));
+    const Vec3d center = box.isEmpty() ? Vec3d(0.0) : (box.min + box.max) * 0.5;
+    path_.space = curve.dimensions == CurveDimensions::Two ? SweepSpace::Planar : SweepSpace::Spatial;
+    path_.taper_use = taper_use(curve);
+    SweepOptions options;
+    options.twist = curve.twist;
+    options.closed_twist = curve.closed_twist;
+    options.bevel_start = curve.bevel_start;
+    options.bevel_end = curve.bevel_end;
+    options.start_mapping = curve.start_mapping;
+    options.end_mapping = curve.end_mapping;
+    options.taper_fits_bevel = curve.taper_fits_bevel;
+    if (curve.taper) {
+        taper_ = std::make_unique<CurveTaper>(*curve.taper);
+        path_.taper = taper_.get();
+        options.taper_knots = taper_->knots();
+    }
+    for (size_t i = 0; i < curve.splines.size(); ++i)
+        add_splines(path_, curve.splines[i], static_cast<uint32_t>(i), center, options);
+    constexpr size_t kMostElements = 1u << 30;
+    if ((path_.pieces.size() + 2 * path_.splines.size()) * profiles_.size() > kMostElements)
+        throw InputError(name(), "splines", std::to_string(path_.pieces.size()) + " pieces",
+                         "fewer than " + std::to_string(kMostElements / profiles_.size()));
+    path_.controls.shrink_to_fit();
+    path_.pieces.shrink_to_fit();
+    path_.rings.shrink_to_fit();
+    path_.segments.shrink_to_fit();
+    fit_frame(center);
+}
+
+/// Local space fits the rings at the places where facets may be, a little more for what lies between.
+void SweptSurface::fit_frame(const Vec3d& center) {
+    constexpr int kLooks = 4;
+    const double extent = *std::max_element(extents_.begin(), extents_.end());
+    Box3d box;
+    for (const SweepPiece& piece : path_.pieces) {
+        for (int k = 0; k <= kLooks; ++k) {
+            const SweepRing ring = path_.ring(piece, static_cast<double>(k) / kLooks);
+            Vec3d reach;
+            for (int axis = 0; axis < 3; ++axis) reach[axis] = extent * std::hypot(ring.across[axis], ring.up[axis]);
+            box.extendBy(ring.center - reach);
+            box.extendBy(ring.center + reach);
+        }
+    }
+    if (box.isEmpty()) return;
+    if (!is_finite(box.min) || !is_finite(box.max))
+        throw InputError(name(), "points, radii and bevel", "too large to be added", "finite sums");
+    object_bounds_ = Box3d(box.min + center, box.max + center);
+    constexpr double kMargin = 1.25;  // the surface bulges by less between looks a quarter of 50 degrees apart
+    const double half = std::max(max_abs(box.min), max_abs(box.max)) * kMargin;
+    frame_.center = center;
+    frame_.scale = half > 0.0 ? std::exp2(std::ceil(std::log2(half))) : 1.0;
+    divide_lengths(path_, frame_.scale);
+    const double margin = (kMargin - 1.0) * half / frame_.scale;
+    bounds_ = outward_float(Box3d(box.min / frame_.scale - Vec3d(margin), box.max / frame_.scale + Vec3d(margin)));
+}
+
+SweptElement SweptSurface::element(uint32_t index) const {
+    SweptElement result;
+    const auto pieces = static_cast<uint32_t>(path_.pieces.size()),
+               splines = static_cast<uint32_t>(path_.splines.size());
+    if (index < first_cap()) {
+        result.profile = index / pieces;
+        result.piece = index % pieces;
+        return result;
+    }
+    const uint32_t cap = index - first_cap();
+    result.is_cap = true;
+    result.end = cap % 2 == 0 ? CapEnd::Begin : CapEnd::End;
+    result.spline = cap / 2 % splines;
+    result.profile = cap / 2 / splines;
+    return result;
+}
+
+const SweptSurface::Group& SweptSurface::group_of(const SweptElement& element) const {
+    return groups_[(element.is_cap ? path_.splines[element.spline] : path_.spline_of(element.piece)).group];
+}
+
+uint32_t SweptSurface::material_slot(const LocalHit& hit) const {
+    return group_of(element(hit.primitive)).material_slot;
+}
+
+SweepRing SweptSurface::end_ring(const SweepSpline& spline, CapEnd end) const {
+    const uint32_t piece = spline.first_piece + (end == CapEnd::End ? spline.piece_count - 1 : 0);
+    return path_.ring(path_.pieces[piece], end == CapEnd::End ? 1.0 : 0.0);
+}
+
+Vec2f SweptSurface::cap_parameters(uint32_t profile, const Vec2d& place) const {
+    const double side = 2.0 * extents_[profile];
+    return Vec2f(Vec2d(place.x / side + 0.5, place.y / side + 0.5));
+}
+
+Vec2d SweptSurface::cap_place(uint32_t profile, const Vec2f& parameters) const {
+    const double side = 2.0 * extents_[profile];
+    return {(static_cast<double>(parameters.x) - 0.5) * side, (static_cast<double>(parameters.y) - 0.5) * side};
+}
+
+Vec3d SweptSurface::cap_normal(const SweepRing& ring, CapEnd end) const {
+    return ring.across.cross(ring.up) * (end == CapEnd::End ? 1.0 : -1.0);
+}
+
+LocalSurface SweptSurface::surface(const LocalHit& hit) const {
+    const SweptElement where = element(hit.primitive);
+    return where.is_cap ? cap_surface(hit, where) : wall_surface(hit, where);
+}
+
+LocalSurface SweptSurface::cap_surface(const LocalHit& hit, const SweptElement& where) const {
+    const SweepRing ring = end_ring(path_.splines[where.spline], where.end);
+    const Vec2d place = cap_place(where.profile, Vec2f(hit.u, hit.v));
+    LocalSurface result;
+    result.position = ring.at(place);
+    result.normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
+    result.uv = Vec2f(hit.u, hit.v);
+    const double side = 2.0 * extents_[where.profile];
+    result.dp_du = Vec3f(ring.across * side);
+    result.dp_dv = Vec3f(ring.up * side);
+    return result;
+}
+
+LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement& where) const {
+    const SweepPiece& piece = path_.pieces[where.piece];
+    const SweepSpline& spline = path_.spline_of(where.piece);
+    const SweepProfile& profile = profiles_[where.profile];
+    const double u = hit.u;
+    const SweepRingPoint ring = path_.evaluate(piece, u);
+    const ProfilePlace place = profile_place(profile, hit.v);
+    const ProfilePoint around = profile.evaluate(place.part, place.s);
+
+    LocalSurface result;
+    result.position = ring.ring.at(around.position);
+    const SweepPiece &first = path_.pieces[spline.first_piece],
+                     &last = path_.pieces[spline.first_piece + spline.piece_count - 1];
+    const double begin = path_.share(first, 0.0), length = path_.share(last, 1.0) - begin;
+    const double share = path_.share(piece, u), piece_length = path_.share(piece, 1.0) - path_.share(piece, 0.0);
+    const double part_length = profile.share(place.part, 1.0) - profile.share(place.part, 0.0);
+    result.uv =
+        Vec2f(static_cast<float>((share - begin) / length), static_cast<float>(profile.share(place.part, place.s)));
+    const double u_length = piece_length / length;
+    const Vec3d along = ring.change.center + ring.change.vector(around.position);
+    const Vec3d round = ring.ring.vector(around.first);
+    result.dp_du = u_length > 0.0 ? float_or_zero(along / u_length) : Vec3f(0.0f);
+    result.dp_dv = float_or_zero(round / part_length);
+    const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
+    result.normal = facet_normal;
+    if (!groups_[spline.group].smooth) return result;
+
+    Vec3d normal = crossing(ring, around);
+    if (max_abs(normal) == 0.0) {
+        normal = crossing(path_.evaluate(piece, u < 0.5 ? u + kInset : u - kInset), around);
+        if (max_abs(normal) == 0.0) return result;
+        result.normal = Vec3f(normalized_or(normal, Vec3d(facet_normal)));
+        if (result.normal.dot(facet_normal) < 0.0f) result.normal = -result.normal;
+        return result;
+    }
+    // m = P_v x P_u; the unit normal changes by the part of m' across it over |m|.
+    const double length_m = normal.length(), step = u < 0.5 ? kStep : -kStep;
+    const SweepRingPoint next = path_.evaluate(piece, u + step);
+    const Vec3d along_along = (next.change.center - ring.change.center + next.change.vector(around.position) -
+                               ring.change.vector(around.position)) /
+                              step;
+    const Vec3d along_round = ring.change.vector(around.first), round_round = ring.ring.vector(around.second);
+    const Vec3d n = normal / length_m;
+    const double side = Vec3f(n).dot(facet_normal) < 0.0f ? -1.0 : 1.0;
+    const auto change = [&](const Vec3d& dm) { return (dm - n * n.dot(dm)) * (side / length_m); };
+    result.normal = Vec3f(n * side);
+    if (u_length > 0.0)
+        result.dn_du = float_or_zero(change(along_round.cross(along) + round.cross(along_along)) / u_length);
+    result.dn_dv = float_or_zero(change(round_round.cross(along) + round.cross(along_round)) / part_length);
+    return result;
+}
+
+ElementPoint SweptSurface::element_point(uint32_t index, const Vec2f& parameters) const {
+    const SweptElement where = element(index);
+    ElementPoint result;
+    result.hit.primitive = index;
+    result.hit.u = parameters.x;
+    result.hit.v = parameters.y;
+    Vec3d normal;
+    if (where.is_cap) {
+        const SweepRing ring = end_ring(path_.splines[where.spline], where.end);
+        const Vec2d place = cap_place(where.profile, parameters);
+        result.hit.position = ring.at(place);
+        normal = cap_normal(ring, where.end);
+        const double side = 2.0 * extents_[where.profile];
+        const bool there = !path_.splines[where.spline].closed && inside(cap_outlines_[where.profile], place);
+        result.area_factor = there ? static_cast<float>(normal.length() * side * side) : 0.0f;
+    } else {
+        const SweepPiece& piece = path_.pieces[where.piece];
+        const SweepProfile& profile = profiles_[where.profile];
+        const ProfilePlace place = profile_place(profile, parameters.y);
+        const ProfilePoint around = profile.evaluate(place.part, place.s);
+        const SweepRingPoint ring = path_.evaluate(piece, parameters.x);
+        result.hit.position = ring.ring.at(around.position);
+        normal = crossing(ring, around) * static_cast<double>(profile.parts.size());
+        result.area_factor = static_cast<float>(normal.length());
+    }
+    result.normal = Vec3f(normalized_or(normal, Vec3d(0, 0, 1)));
+    result.hit.normal = result.normal;
+    return result;
+}
+
+size_t SweptSurface::bytes() const {
+    size_t total = sizeof(*this) + path_.bytes() + groups_.capacity() * sizeof(Group);
+    for (const SweepProfile& profile : profiles_) {
+        total += profile.parts.capacity() * sizeof(ProfilePart);
+        for (const ProfilePart& part : profile.parts) total += part.curve.points.capacity() * sizeof(Vec4d);
+    }
+    for (const std::vector<Vec2d>& outline : cap_outlines_) total += outline.capacity() * sizeof(Vec2d);
+    return total;
+}
+
+}  // namespace rayleaf

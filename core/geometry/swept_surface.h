@@ -1,0 +1,97 @@
+// A bevelled curve: profiles swept along splines, and the flat caps at their ends.
+//
+// An element is a piece of a spline (splines/sweep_path.h) with a whole profile around it, or a cap. Elements are
+// numbered profile by profile, within one spline by spline along u; the caps come last. Parameters of a hit: u along
+// the piece, v around the profile (splines/sweep_profile.h), each in [0,1]; on a cap the place in the square around
+// the profile.
+//
+// The texture coordinate is Blender's: u along the spline from 0 at the bevel's start to 1 at its end, v around the
+// profile. Normals are those of the exact surface; where profile or spline have a corner, so has the surface.
+#pragma once
+
+#include "geometry/shape.h"
+#include "geometry/swept_curve.h"
+#include "splines/curve_taper.h"
+#include "splines/sweep_path.h"
+#include "splines/sweep_profile.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+enum class CapEnd : uint8_t { Begin, End };
+
+/// What an element is.
+struct SweptElement {
+    uint32_t profile = 0;
+    uint32_t piece = 0;   ///< of a wall
+    uint32_t spline = 0;  ///< of a cap
+    bool is_cap = false;
+    CapEnd end = CapEnd::Begin;
+};
+
+class SweptSurface final : public Shape {
+  public:
+    /// Splines that Blender draws nothing for are left out. Bad data throws InputError.
+    explicit SweptSurface(const SweptCurveDescription& curve);
+
+    uint32_t element_count() const override { return first_cap() + cap_count(); }
+    LocalSurface surface(const LocalHit& hit) const override;
+    std::optional<Vec4f> attribute(AttributeId, const LocalHit&) const override { return std::nullopt; }
+    uint32_t material_slot(const LocalHit& hit) const override;
+    uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
+    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    size_t bytes() const override;
+
+    /// Local space.
+    const SweepPath& path() const { return path_; }
+    const std::vector<SweepProfile>& profiles() const { return profiles_; }
+    /// Whether the open ends of a spline are closed.
+    bool has_caps() const { return caps_; }
+
+    uint32_t wall_element(uint32_t profile, uint32_t piece) const {
+        return profile * static_cast<uint32_t>(path_.pieces.size()) + piece;
+    }
+    uint32_t cap_element(uint32_t profile, uint32_t spline, CapEnd end) const {
+        return first_cap() + 2 * (profile * static_cast<uint32_t>(path_.splines.size()) + spline) +
+               (end == CapEnd::End ? 1 : 0);
+    }
+    SweptElement element(uint32_t index) const;
+    /// The ring at an end of a spline.
+    SweepRing end_ring(const SweepSpline& spline, CapEnd end) const;
+    /// A place of a profile's plane as parameters of a cap, and back.
+    Vec2f cap_parameters(uint32_t profile, const Vec2d& place) const;
+    Vec2d cap_place(uint32_t profile, const Vec2f& parameters) const;
+    /// The outward direction of a cap, not unit; zero where the ring is a point.
+    Vec3d cap_normal(const SweepRing& ring, CapEnd end) const;
+
+  private:
+    struct Group {
+        uint32_t material_slot = 0;
+        bool smooth = true;
+    };
+    SweepPath path_;
+    std::vector<SweepProfile> profiles_;
+    std::vector<double> extents_;                   ///< of the profiles
+    std::vector<std::vector<Vec2d>> cap_outlines_;  ///< of the profiles, for points of caps
+    std::unique_ptr<CurveTaper> taper_;
+    std::vector<Group> groups_;
+    bool caps_ = false;
+
+    uint32_t first_cap() const { return static_cast<uint32_t>(profiles_.size() * path_.pieces.size()); }
+    uint32_t cap_count() const {
+        return caps_ ? static_cast<uint32_t>(2 * profiles_.size() * path_.splines.size()) : 0;
+    }
+    void build_path(const SweptCurveDescription& curve);
+    void fit_frame(const Vec3d& center);
+    const Group& group_of(const SweptElement& element) const;
+    LocalSurface wall_surface(const LocalHit& hit, const SweptElement& element) const;
+    LocalSurface cap_surface(const LocalHit& hit, const SweptElement& element) const;
+};
+
+/// The profiles of a curve: those given, or the round one; offset included.
+std::vector<SweepProfile> sweep_profiles(const SweptCurveDescription& curve);
+
+}  // namespace rayleaf

@@ -1,0 +1,30 @@
+// The radius along a spline as the height of another: y over x of a plane curve.
+#pragma once
+
+#include "splines/curve_splines.h"
+#include "splines/sweep_path.h"
+
+#include <vector>
+
+namespace rayleaf {
+
+/// x runs from the curve's first point (share 0) to its last (1). Where the curve turns back, the first of its points
+/// counts; beyond its ends, the height of the end.
+class CurveTaper final : public SweepTaper {
+  public:
+    /// The first spline of the group; without one, or without length along x, the factor is 0 everywhere.
+    explicit CurveTaper(const CurveSplines& splines);
+
+    Factor at(double share) const override;
+    /// Shares inside (0, 1) where two segments meet.
+    const std::vector<double>& knots() const { return knots_; }
+    /// The largest absolute factor; at least.
+    double largest() const;
+
+  private:
+    std::vector<BezierCurve> segments_;
+    std::vector<double> knots_;
+    double begin_ = 0, length_ = 0;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,80 @@
+// One spline on its way to pieces: what add_splines() consists of.
+#pragma once
+
+#include "splines/sweep_builder.h"
+#include "splines/sweep_elements.h"
+#include "splines/sweep_range.h"
+
+#include <array>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace rayleaf {
+
+/// Directions that differ by less than this are one, radians: a facet across a joint of that size is nowhere seen.
+inline constexpr double kSmoothJoint = 1e-6;
+/// The places of a piece at which directions are looked at.
+inline constexpr int kPieceLooks = 6;
+
+/// A ring before tilt, radius and the closing turn are applied.
+struct RingFrame {
+    Vec3d position{0, 0, 0}, tangent{0, 0, 1}, normal{1, 0, 0};
+    double widening = 1;  ///< of the profile's x, in the plane
+    double share = 0, radius = 1, tilt = 0;
+};
+
+/// Runs along a spline with the frame of the last ring, and adds pieces and rings to the path.
+class SplineBuilder {
+  public:
+    SplineBuilder(SweepPath& path, const SweepOptions& options, SweepElements elements)
+        : path_(path), options_(options), elements_(std::move(elements)) {}
+
+    void build();
+    bool closed() const { return elements_.closed; }
+
+  private:
+    SweepPath& path_;
+    const SweepOptions& options_;
+    SweepElements elements_;
+    ShareRange range_, taper_range_;
+    std::vector<double> splits_;  ///< shares where a piece must end
+    Vec3d tangent_{0, 0, 1}, normal_{1, 0, 0};
+    Vec3d begin_normal_{1, 0, 0};
+    size_t first_segment_ = 0;        ///< of this spline in the path
+    double side_ = 1;                 ///< of the binormal, for tangent twist
+    std::optional<RingFrame> last_;   ///< the ring at which a ruled piece goes on
+    std::optional<uint32_t> stored_;  ///< where it is, if it was stored
+    std::vector<std::pair<uint32_t, RingFrame>> ring_frames_;
+
+    const SweepSegment& segment(size_t i) const { return elements_.elements[i].segment; }
+    bool straight(size_t i) const { return elements_.elements[i].straight; }
+    SegmentPoint end_of(size_t i, double t) const { return path_.point(segment(i), t); }
+    double taper_share(double share) const {
+        return (share - taper_range_.begin) / (taper_range_.end - taper_range_.begin);
+    }
+    bool planar() const { return path_.space == SweepSpace::Planar; }
+
+    Vec3d node_direction(const Vec3d& arrives, const Vec3d& leaves, RingFrame& ring) const;
+    void start();
+    void add_element(size_t i);
+    void add_node(size_t before, size_t after);
+    void end();
+    void close();
+    void spread(double angle);
+    void turn_to(const Vec3d& tangent, const Vec3d& second = Vec3d(0.0));
+    Vec3d normal_at(const Vec3d& tangent, const Vec3d& second) const;
+    Vec3d half_way(const Vec3d& a, const Vec3d& b) const;
+    RingFrame ring_here(const SegmentPoint& point, double share) const;
+    SweepRing ring_of(const RingFrame& frame) const;
+    uint32_t store(const RingFrame& frame);
+    void ruled_to(const RingFrame& frame);
+    void add_curved(size_t i, double begin, double end);
+    void jump(size_t i, double begin, double end);
+    void divide(size_t i, double begin, double end, int slow_splits);
+    bool fits(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tangent, Vec3d& end_normal) const;
+    std::array<Vec3d, kPieceLooks> true_normals(size_t i, const SweepPiece& piece,
+                                                const std::array<SegmentPoint, kPieceLooks + 1>& looks) const;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,304 @@
+#include "splines/sweep_builder.h"
+
+#include "splines/spline_builder.h"
+#include "splines/sweep_frames.h"
+
+#include <algorithm>
+
+namespace rayleaf {
+
+/// The normal that the twist method asks for at a direction, `second` the curve's second derivative there.
+Vec3d SplineBuilder::normal_at(const Vec3d& tangent, const Vec3d& second) const {
+    if (planar()) return Vec3d(-tangent.y, tangent.x, 0);
+    if (options_.twist == TwistMethod::ZUp) return upright_normal(tangent);
+    const Vec3d along = perpendicular(carried(tangent_, tangent, normal_), tangent);
+    if (options_.twist == TwistMethod::Minimum) return along;
+    return normalized_or(tangent.cross(second) * side_, along);
+}
+
+void SplineBuilder::turn_to(const Vec3d& tangent, const Vec3d& second) {
+    normal_ = normal_at(tangent, second);
+    tangent_ = tangent;
+}
+
+/// The direction between two; for opposite ones, that of the profile's x.
+Vec3d SplineBuilder::half_way(const Vec3d& a, const Vec3d& b) const {
+    return (a + b).length() > kSmoothJoint ? normalized_or(a + b, a) : normal_;
+}
+
+RingFrame SplineBuilder::ring_here(const SegmentPoint& point, double share) const {
+    RingFrame frame;
+    frame.position = point.position;
+    frame.tangent = tangent_;
+    frame.normal = normal_;
+    frame.share = share;
+    frame.radius = point.radius;
+    frame.tilt = point.tilt;
+    return frame;
+}
+
+SweepRing SplineBuilder::ring_of(const RingFrame& frame) const {
+    const double radius = path_.radius(taper_share(frame.share), 0, frame.radius, 0).first;
+    if (planar()) return {frame.position, frame.normal * (radius * frame.widening), Vec3d(0, 0, radius)};
+    const Vec3d across = turned(frame.tangent, frame.normal, frame.tilt);
+    return {frame.position, across * radius, frame.tangent.cross(across) * radius};
+}
+
+uint32_t SplineBuilder::store(const RingFrame& frame) {
+    const auto index = static_cast<uint32_t>(path_.rings.size());
+    path_.rings.push_back(ring_of(frame));
+    ring_frames_.emplace_back(index, frame);
+    return index;
+}
+
+/// A ruled piece from the last ring to this one, as far as it lies in the bevel's range.
+void SplineBuilder::ruled_to(const RingFrame& frame) {
+    const RingFrame from = *last_;
+    last_ = frame;
+    const bool joint = frame.share == from.share;
+    const bool inside = joint ? range_.holds_joint(from.share) : range_.overlaps(from.share, frame.share);
+    if (!inside) {
+        stored_.reset();
+        return;
+    }
+    // Where the range ends within a straight piece, Blender takes centre and frame between, the radius of the outer
+    // ring.
+    const auto between = [&](double share, const RingFrame& outer) {
+        RingFrame cut = outer;
+        const double s = (share - from.share) / (frame.share - from.share);
+        cut.position = from.position + (frame.position - from.position) * s;
+        cut.share = share;
+        interpolate_frame(from.tangent, from.normal, frame.tangent, frame.normal, s, cut.tangent, cut.normal);
+        cut.widening = from.widening + (frame.widening - from.widening) * s;
+        cut.tilt = from.tilt + (frame.tilt - from.tilt) * s;
+        return cut;
+    };
+    SweepPiece piece;
+    piece.kind = SweepPieceKind::Ruled;
+    piece.begin = std::max(from.share, range_.begin);
+    piece.end = std::min(frame.share, range_.end);
+    if (piece.begin > from.share) stored_ = store(between(piece.begin, from));
+    if (!stored_) stored_ = store(from);
+    piece.source = *stored_;
+    stored_ = store(piece.end < frame.share ? between(piece.end, frame) : frame);
+    path_.pieces.push_back(piece);
+}
+
+void SplineBuilder::add_curved(size_t i, double begin, double end) {
+    const size_t pieces = path_.pieces.size(), rings = path_.rings.size(), frames = ring_frames_.size();
+    divide(i, begin, end, 0);
+    const SweepSegment& s = segment(i);
+    const double middle = s.share_begin + (s.share_end - s.share_begin) * 0.5 * (begin + end);
+    if (!range_.overlaps(middle, middle)) {  // only the frame had to get past it
+        path_.pieces.resize(pieces);
+        path_.rings.resize(rings);
+        ring_frames_.resize(frames);
+        return;
+    }
+    for (size_t k = pieces; k < path_.pieces.size(); ++k)
+        if (path_.pieces[k].kind == SweepPieceKind::Curved)
+            path_.pieces[k].source = static_cast<uint32_t>(path_.segments.size());
+}
+
+void SplineBuilder::add_element(size_t i) {
+    if (straight(i)) return;  // its ring at the far end completes it
+    const SweepSegment s = segment(i);
+    double begin = 0.0;
+    for (const double share : splits_) {
+        if (!(share > s.share_begin && share < s.share_end)) continue;
+        const double t = (share - s.share_begin) / (s.share_end - s.share_begin);
+        if (!(t > begin && t < 1.0)) continue;
+        add_curved(i, begin, t);
+        begin = t;
+    }
+    add_curved(i, begin, 1.0);
+    path_.segments.push_back(s);
+    path_.segments.back().taper_begin = static_cast<float>(taper_share(s.share_begin));
+    path_.segments.back().taper_end = static_cast<float>(taper_share(s.share_end));
+    last_.reset();
+    stored_.reset();
+}
+
+/// The direction of the ring between two segments; in the plane it is widened.
+Vec3d SplineBuilder::node_direction(const Vec3d& arrives, const Vec3d& leaves, RingFrame& ring) const {
+    /// Of the cosine of half the angle: walls at hairpins go a million times as far out, no further.
+    constexpr double kNarrowest = 1e-12;
+    if (planar()) ring.widening = 1.0 / std::sqrt(std::max(0.5 * (1.0 + arrives.dot(leaves)), kNarrowest));
+    return half_way(arrives, leaves);
+}
+
+/// The rings between two segments, the second of which may be the first of a closed spline.
+void SplineBuilder::add_node(size_t before, size_t after) {
+    const bool closing = after == 0;
+    const SegmentPoint arriving = end_of(before, 1.0), leaving = end_of(after, 0.0);
+    const Vec3d leaves = leaving.tangent;
+    const double share = segment(before).share_end;
+    if (!straight(before) && !straight(after) && arriving.second.dot(leaving.second) < 0.0) side_ = -side_;
+    RingFrame widened;
+    const Vec3d direction = node_direction(arriving.tangent, leaves, widened);
+    if (!straight(before)) {
+        last_ = ring_here(arriving, share);
+        stored_.reset();
+    }
+    const RingFrame from = *last_;
+    turn_to(direction, straight(after) ? Vec3d(0.0) : leaving.second);
+    RingFrame ring = ring_here(leaving, share);
+    ring.widening = widened.widening;
+    ring.position = arriving.position;
+    const bool same = (ring.tangent - from.tangent).length() + (ring.normal - from.normal).length() < kSmoothJoint &&
+                      ring.radius == from.radius && ring.tilt == from.tilt;
+    if (straight(before) || !same) ruled_to(ring);
+    if (straight(after) || closing) {
+        last_ = ring;
+        return;
+    }
+    if ((leaves - direction).length() > kSmoothJoint) {
+        last_ = ring;
+        turn_to(leaves, leaving.second);
+        ruled_to(ring_here(leaving, share));
+    }
+    tangent_ = leaves;
+    last_.reset();
+    stored_.reset();
+}
+
+void SplineBuilder::start() {
+    const size_t count = elements_.elements.size();
+    const SegmentPoint first = end_of(0, 0.0), last = end_of(count - 1, 1.0);
+    RingFrame widened;
+    Vec3d direction = normalized_or(elements_.begin_direction, first.tangent);
+    if (elements_.closed) direction = node_direction(last.tangent, first.tangent, widened);
+    if (planar()) {
+        direction.z = 0.0;
+        direction = normalized_or(direction, first.tangent);
+    }
+    if (!straight(0) && !straight(count - 1) && first.second.dot(last.second) < 0.0) side_ = -1.0;
+    tangent_ = direction;
+    normal_ = upright_normal(direction);
+    normal_ = normal_at(direction, straight(0) ? Vec3d(0.0) : first.second);
+    last_ = ring_here(first, 0.0);
+    last_->widening = widened.widening;
+    if (straight(0)) return;
+    if ((direction - first.tangent).length() > kSmoothJoint) {
+        turn_to(first.tangent, first.second);
+        ruled_to(ring_here(first, 0.0));
+    }
+    tangent_ = first.tangent;
+    last_.reset();
+    stored_.reset();
+}
+
+void SplineBuilder::end() {
+    const size_t last = elements_.elements.size() - 1;
+    SegmentPoint point = end_of(last, 1.0);
+    if (!straight(last)) {
+        last_ = ring_here(point, 1.0);
+        stored_.reset();
+    }
+    const RingFrame from = *last_;
+    point.radius = elements_.end_radius;
+    point.tilt = elements_.end_tilt;
+    Vec3d direction = normalized_or(elements_.end_direction, point.tangent);
+    if (planar()) direction = normalized_or(Vec3d(direction.x, direction.y, 0), point.tangent);
+    turn_to(direction, straight(last) ? Vec3d(0.0) : point.second);
+    const RingFrame ring = ring_here(point, 1.0);
+    const bool same =
+        (ring.tangent - from.tangent).length() < kSmoothJoint && ring.radius == from.radius && ring.tilt == from.tilt;
+    if (straight(last) || !same) ruled_to(ring);
+}
+
+/// Turns every ring by its share of the angle.
+void SplineBuilder::spread(double angle) {
+    for (size_t k = first_segment_; k < path_.segments.size(); ++k) {
+        SweepSegment& s = path_.segments[k];
+        s.turn_begin = static_cast<float>(angle * s.share_begin);
+        s.turn_end = static_cast<float>(angle * s.share_end);
+    }
+    for (auto& [index, frame] : ring_frames_) {
+        frame.normal = turned(frame.tangent, frame.normal, angle * frame.share);
+        path_.rings[index] = ring_of(frame);
+    }
+}
+
+void SplineBuilder::close() {
+    const Vec3d begin_normal = begin_normal_;
+    const size_t last = elements_.elements.size() - 1;
+    add_node(last, 0);
+    if (planar()) return;
+    const double angle = angle_about(tangent_, normal_, begin_normal);
+    if (std::abs(angle) < kSmoothJoint) return;
+    if (options_.twist == TwistMethod::Minimum && options_.closed_twist == ClosedTwist::Spread) {
+        spread(angle);
+        return;
+    }
+    normal_ = begin_normal;
+    RingFrame ring = *last_;
+    ring.normal = begin_normal;
+    if (straight(last) && stored_) {
+        ring_frames_.back().second = ring;
+        path_.rings[*stored_] = ring_of(ring);
+    } else {
+        ruled_to(ring);
+    }
+}
+
+void SplineBuilder::build() {
+    const size_t count = elements_.elements.size();
+    if (count == 0) return;
+    if (count <= 2 && elements_.closed && straight(0) && straight(count - 1)) {  // a spline of two rings is not closed
+        elements_.closed = false;
+        elements_.elements.resize(1);
+        elements_.elements[0].segment.share_end = 1.0;
+    }
+    if (!elements_.closed) range_ = bevel_range(path_, elements_, options_);
+    if (!(range_.begin < range_.end)) return;
+    splits_ = {range_.begin, range_.end};
+    if (options_.taper_fits_bevel) taper_range_ = range_;
+    for (const double knot : options_.taper_knots)
+        splits_.push_back(taper_range_.begin + (taper_range_.end - taper_range_.begin) * knot);
+    std::sort(splits_.begin(), splits_.end());
+    first_segment_ = path_.segments.size();
+    start();
+    begin_normal_ = normal_;
+    for (size_t i = 0; i < elements_.elements.size(); ++i) {
+        add_element(i);
+        if (i + 1 < elements_.elements.size()) add_node(i, i + 1);
+    }
+    if (elements_.closed)
+        close();
+    else
+        end();
+}
+
+void add_splines(SweepPath& path, const CurveSplines& splines, uint32_t group, const Vec3d& center,
+                 const SweepOptions& options) {
+    size_t first = 0;
+    for (const uint32_t count : splines.counts) {
+        SweepSpline spline;
+        spline.first_piece = static_cast<uint32_t>(path.pieces.size());
+        spline.group = group;
+        SplineBuilder builder(path, options, sweep_elements(splines, first, count, center, path.controls));
+        builder.build();
+        spline.piece_count = static_cast<uint32_t>(path.pieces.size()) - spline.first_piece;
+        spline.closed = builder.closed();
+        if (spline.piece_count > 0) path.splines.push_back(spline);
+        first += count;
+    }
+}
+
+void divide_lengths(SweepPath& path, double scale) {
+    path.scale *= scale;
+    const double factor = 1.0 / scale;
+    for (SweepControl& control : path.controls) {
+        control.point.x *= factor;
+        control.point.y *= factor;
+        control.point.z *= factor;
+    }
+    for (SweepRing& ring : path.rings) {
+        ring.center *= factor;
+        ring.across *= factor;
+        ring.up *= factor;
+    }
+}
+
+}  // namespace rayleaf

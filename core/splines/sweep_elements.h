@@ -1,0 +1,32 @@
+// The segments of a spline in the order in which Blender runs through them, each curved or straight, before frames.
+#pragma once
+
+#include "splines/curve_splines.h"
+#include "splines/sweep_path.h"
+
+#include <vector>
+
+namespace rayleaf {
+
+/// A straight element is a segment of degree 1.
+struct SweepElement {
+    SweepSegment segment;
+    bool straight = false;
+};
+
+struct SweepElements {
+    std::vector<SweepElement> elements;
+    bool closed = false;
+    /// Radius and tilt of the last ring of an open spline, which Blender takes from the point itself.
+    double end_radius = 1, end_tilt = 0;
+    /// What the first and last ring of an open NURBS spline are perpendicular to: the first and last leg of its control
+    /// polygon. Zero: the tangent.
+    Vec3d begin_direction{0, 0, 0}, end_direction{0, 0, 0};
+};
+
+/// The elements of the spline whose control points are [first, first + count), their controls appended to the path's.
+/// Elements without length are left out. `center` is subtracted.
+SweepElements sweep_elements(const CurveSplines& splines, size_t first, size_t count, const Vec3d& center,
+                             std::vector<SweepControl>& controls);
+
+}  // namespace rayleaf

@@ -1,0 +1,111 @@
+// The rings of a swept curve: at every place along its splines the centre and the two directions of the profile.
+//
+// A path consists of pieces. A curved piece is a part of a Bezier segment along which the tangent turns by less than
+// about kMostTurn; its frame is the one at its start carried to each point by the smallest rotation, plus a cubic that
+// holds what the twist method asks for beyond that (for minimum twist: what the smallest rotation differs from the
+// rotation minimizing frame), plus the tilt. A ruled piece joins two rings linearly: Blender's straight segments, and
+// the rings at one point where the direction jumps. Ring and derivatives are exact everywhere; nothing is sampled.
+#pragma once
+
+#include "base/vector.h"
+#include "splines/stack_buffer.h"
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace rayleaf {
+
+/// The profile point (x, y) lies at center + x across + y up.
+struct SweepRing {
+    Vec3d center{0, 0, 0}, across{0, 0, 0}, up{0, 0, 0};
+
+    Vec3d at(const Vec2d& p) const { return center + across * p.x + up * p.y; }
+    Vec3d vector(const Vec2d& p) const { return across * p.x + up * p.y; }
+};
+
+/// A ring and how it changes with the piece's parameter.
+struct SweepRingPoint {
+    SweepRing ring, change;
+};
+
+/// A control point of a segment in homogeneous form: w times position, radius and tilt.
+struct SweepControl {
+    Vec4d point{0, 0, 0, 1};
+    double radius = 1, tilt = 0;
+};
+
+struct SweepSegment {
+    uint32_t first_control = 0;
+    uint8_t degree = 3;
+    bool rational = false;
+    double share_begin = 0, share_end = 1;  ///< of the whole spline, in Blender's pieces
+    float taper_begin = 0, taper_end = 1;   ///< of the taper
+    float turn_begin = 0, turn_end = 0;     ///< what closes the twist of a cyclic spline, radians; linear between
+};
+
+enum class SweepPieceKind : uint8_t { Curved, Ruled };
+
+struct SweepPiece {
+    double begin = 0, end = 1;  ///< curved: parameters of the segment. Ruled: shares of the spline
+    uint32_t source = 0;        ///< curved: the segment. Ruled: the first of two rings
+    SweepPieceKind kind = SweepPieceKind::Curved;
+    Vec3f tangent{0, 0, 1}, normal{1, 0, 0};  ///< at the begin of a curved piece: the frame that is carried
+    std::array<float, 3> twist{};             ///< angle s (a + s (b + s c)), s from 0 to 1 over the piece
+};
+
+/// The pieces of one spline.
+struct SweepSpline {
+    uint32_t first_piece = 0, piece_count = 0;
+    uint32_t group = 0;  ///< of the description's `splines`
+    bool closed = false;
+};
+
+/// What multiplies or replaces the points' radius along each spline.
+class SweepTaper {
+  public:
+    virtual ~SweepTaper() = default;
+    struct Factor {
+        double value = 1, slope = 0;  ///< slope by share
+    };
+    /// The factor at a share of the spline.
+    virtual Factor at(double share) const = 0;
+};
+
+/// Planar: the profile's y runs along z, and the tangent is taken without its z.
+enum class SweepSpace : uint8_t { Planar, Spatial };
+
+/// A point of a segment: position, unit direction, their derivatives by the segment's parameter, radius and tilt.
+struct SegmentPoint {
+    Vec3d position{0, 0, 0}, first{0, 0, 0}, second{0, 0, 0}, tangent{0, 0, 1}, tangent_change{0, 0, 0};
+    double radius = 1, radius_change = 0, tilt = 0, tilt_change = 0;
+};
+
+struct SweepPath {
+    SweepSpace space = SweepSpace::Spatial;
+    std::vector<SweepControl> controls;
+    std::vector<SweepSegment> segments;
+    std::vector<SweepPiece> pieces;
+    std::vector<SweepRing> rings;  ///< of ruled pieces
+    std::vector<SweepSpline> splines;
+    /// Empty: the radius of the points counts. Else that of the taper, times or plus the points'.
+    enum class TaperUse : uint8_t { None, Override, Multiply, Add } taper_use = TaperUse::None;
+    const SweepTaper* taper = nullptr;
+    double scale = 1;  ///< of all lengths in rings: what the points were divided by
+
+    /// The ring at parameter u in [0,1] of a piece, with derivatives by u.
+    SweepRingPoint evaluate(const SweepPiece& piece, double u) const;
+    SweepRing ring(const SweepPiece& piece, double u) const { return evaluate(piece, u).ring; }
+    /// The piece's part of its spline's shares.
+    double share(const SweepPiece& piece, double u) const;
+    SegmentPoint point(const SweepSegment& segment, double t) const;
+    /// The radius of a ring and its derivative by the segment's parameter, from those of the points, at a share of the
+    /// taper.
+    std::pair<double, double> radius(double taper_share, double share_change, double points,
+                                     double points_change) const;
+    const SweepSpline& spline_of(uint32_t piece) const;
+    size_t bytes() const;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,104 @@
+#include "splines/sweep_range.h"
+
+#include "splines/sweep_builder.h"
+
+#include <algorithm>
+#include <array>
+
+#include <ImathMatrixAlgo.h>
+#include <ImathQuat.h>
+
+namespace rayleaf {
+namespace {
+
+/// Gauss-Legendre rule of five points on [0,1].
+constexpr std::array<std::array<double, 2>, 5> kGauss{{{0.046910077030668004, 0.118463442528094543},
+                                                       {0.230765344947158454, 0.239314335249683234},
+                                                       {0.5, 0.284444444444444444},
+                                                       {0.769234655052841546, 0.239314335249683234},
+                                                       {0.953089922969331996, 0.118463442528094543}}};
+/// Equal parts of a segment that the rule is applied to.
+constexpr int kParts = 16;
+
+double part_length(const SweepPath& path, const SweepSegment& segment, double begin, double end) {
+    double sum = 0.0;
+    for (const auto& [t, weight] : kGauss)
+        sum += weight * path.point(segment, begin + (end - begin) * t).first.length();
+    return sum * (end - begin);
+}
+
+double length(const SweepPath& path, const SweepSegment& segment) {
+    double sum = 0.0;
+    for (int k = 0; k < kParts; ++k)
+        sum += part_length(path, segment, static_cast<double>(k) / kParts, static_cast<double>(k + 1) / kParts);
+    return sum;
+}
+
+/// The parameter at which so much of a segment's length has passed.
+double parameter_at(const SweepPath& path, const SweepSegment& segment, double wanted) {
+    double passed = 0.0;
+    for (int k = 0; k < kParts; ++k) {
+        const double begin = static_cast<double>(k) / kParts, end = static_cast<double>(k + 1) / kParts;
+        const double part = part_length(path, segment, begin, end);
+        if (passed + part < wanted && k + 1 < kParts) {
+            passed += part;
+            continue;
+        }
+        double low = begin, high = end;
+        constexpr int kHalvings = 50;
+        for (int step = 0; step < kHalvings; ++step) {
+            const double middle = 0.5 * (low + high);
+            (passed + part_length(path, segment, begin, middle) < wanted ? low : high) = middle;
+        }
+        return 0.5 * (low + high);
+    }
+    return 1.0;
+}
+
+/// The share of the spline's pieces that a share by some mapping means.
+double piece_share(const SweepPath& path, const SweepElements& elements, double share, BevelMapping mapping) {
+    if (mapping == BevelMapping::Resolution || share <= 0.0 || share >= 1.0) return share;
+    std::vector<double> lengths;
+    double total = 0.0;
+    for (const SweepElement& element : elements.elements) {
+        lengths.push_back(length(path, element.segment));
+        total += lengths.back();
+    }
+    double wanted = share * total;
+    for (size_t i = 0; i < lengths.size(); ++i) {
+        if (wanted > lengths[i] && i + 1 < lengths.size()) {
+            wanted -= lengths[i];
+            continue;
+        }
+        const SweepSegment& segment = elements.elements[i].segment;
+        const double t = mapping == BevelMapping::Segments ? std::min(1.0, wanted / lengths[i])
+                                                           : parameter_at(path, segment, wanted);
+        return segment.share_begin + (segment.share_end - segment.share_begin) * t;
+    }
+    return 1.0;
+}
+
+Imath::Quatd rotation(const Vec3d& tangent, const Vec3d& normal) {
+    const Vec3d up = tangent.cross(normal);
+    const Imath::M44d matrix(normal.x, normal.y, normal.z, 0, up.x, up.y, up.z, 0, tangent.x, tangent.y, tangent.z, 0,
+                             0, 0, 0, 1);
+    return Imath::extractQuat(matrix);
+}
+
+}  // namespace
+
+ShareRange bevel_range(const SweepPath& path, const SweepElements& elements, const SweepOptions& options) {
+    const double a = piece_share(path, elements, options.bevel_start, options.start_mapping);
+    const double b = piece_share(path, elements, options.bevel_end, options.end_mapping);
+    return {std::min(a, b), std::max(a, b)};
+}
+
+void interpolate_frame(const Vec3d& tangent0, const Vec3d& normal0, const Vec3d& tangent1, const Vec3d& normal1,
+                       double s, Vec3d& tangent, Vec3d& normal) {
+    const Imath::Quatd between = Imath::slerpShortestArc(rotation(tangent0, normal0), rotation(tangent1, normal1), s);
+    const Imath::M33d matrix = between.toMatrix33();
+    normal = normalized_or(Vec3d(matrix[0][0], matrix[0][1], matrix[0][2]), normal0);
+    tangent = normalized_or(Vec3d(matrix[2][0], matrix[2][1], matrix[2][2]), tangent0);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,59 @@
+// What a surface needs to be traced by its grids: how it is cut into subpatches for one view, and the vertices of each.
+//
+// A subpatch's grid must be a pure function of the subpatch, and vertices on a border that two subpatches share must
+// have the same bits in both; then no ray passes between them (grid_intersection.h). Every kind of curved surface has
+// one implementation.
+#pragma once
+
+#include "rays/hit.h"
+#include "tessellation/grid.h"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+namespace rayleaf {
+
+/// How far a surface's facets may lie from it, for a part of it within the given box. Local units.
+using FacetTolerance = std::function<double(const Box3d& box)>;
+
+/// A place in the grid of a subpatch: i + fraction, j + fraction.
+struct PlaceInGrid {
+    uint32_t subpatch = 0;
+    Vec2d at{0, 0};
+};
+
+/// A place on a shape's element.
+struct ElementPlace {
+    uint32_t element = 0;
+    float u = 0, v = 0;
+};
+
+class Dicer {
+  public:
+    explicit Dicer(VertexFormat format) : format_(format) {}
+    virtual ~Dicer() = default;
+    Dicer(const Dicer&) = delete;
+    Dicer& operator=(const Dicer&) = delete;
+
+    VertexFormat format() const { return format_; }
+    virtual uint32_t subpatch_count() const = 0;
+    virtual void dice(uint32_t subpatch, Grid& grid) const = 0;
+    /// A box around a subpatch's facets, enlarged by kBlockPadding; by default the grid's own.
+    virtual Box3f box(uint32_t subpatch) const {
+        Grid grid;
+        dice(subpatch, grid);
+        return grid.box();
+    }
+    /// The shape's element and its parameters at a place in a grid; `position` is the point on the facet, local space.
+    virtual ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const = 0;
+    /// The way back; empty where the facets are the surface itself.
+    virtual std::optional<PlaceInGrid> place_in_grid(const ElementPlace& place) const = 0;
+    /// Bytes held, itself included.
+    virtual size_t bytes() const = 0;
+
+  private:
+    VertexFormat format_;
+};
+
+}  // namespace rayleaf

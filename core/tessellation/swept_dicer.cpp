@@ -1,0 +1,325 @@
+#include "tessellation/swept_dicer.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// The most subpatches a shape is cut into, unless it has more splines.
+constexpr uint64_t kMostSweptSubpatches = 1u << 20;
+/// A piece gets no more cells than this.
+constexpr double kMostCells = 1 << 16;
+/// Chords never lie farther from the spline than this share of the radius, whatever the view says: a ray aimed at the
+/// middle of a strand must hit it.
+constexpr double kMostShareOfRadius = 0.25;
+/// Rings of a piece at which its bend is looked at.
+constexpr int kLooks = 5;
+
+/// What a view asks of a piece.
+struct PieceNeed {
+    uint32_t cells = 1;
+    double profile_error = 0;  ///< the most that chords may lie from the profile, profile units
+};
+
+Box3d box_of(const SweepRing& ring, double extent) {
+    Vec3d reach;
+    for (int axis = 0; axis < 3; ++axis) reach[axis] = extent * std::hypot(ring.across[axis], ring.up[axis]);
+    return {ring.center - reach, ring.center + reach};
+}
+
+PieceNeed need_of(const SweepPath& path, const SweepPiece& piece, double extent, const FacetTolerance& tolerance) {
+    SweepRing rings[kLooks];
+    Box3d box;
+    double radius = 0.0;
+    for (int k = 0; k < kLooks; ++k) {
+        rings[k] = path.ring(piece, static_cast<double>(k) / (kLooks - 1));
+        box.extendBy(box_of(rings[k], extent));
+        radius = std::max({radius, rings[k].across.length(), rings[k].up.length()});
+    }
+    PieceNeed need;
+    const double wanted = tolerance(box);
+    need.profile_error = radius > 0.0 ? wanted / radius : std::numeric_limits<double>::infinity();
+    if (piece.kind == SweepPieceKind::Ruled) return need;
+    double bend = 0.0;
+    const auto second = [&](const Vec3d SweepRing::*part, int k) {
+        return ((rings[k + 1].*part - rings[k].*part) - (rings[k].*part - rings[k - 1].*part)).length();
+    };
+    for (int k = 1; k + 1 < kLooks; ++k)
+        bend = std::max(
+            bend, second(&SweepRing::center, k) + extent * (second(&SweepRing::across, k) + second(&SweepRing::up, k)));
+    bend *= (kLooks - 1) * (kLooks - 1);
+    const double size = radius * extent;
+    const double most = size > 0.0 ? std::min(wanted, kMostShareOfRadius * size) : wanted;
+    need.cells = static_cast<uint32_t>(std::clamp(std::ceil(std::sqrt(bend / (8.0 * most))), 1.0, kMostCells));
+    return need;
+}
+
+int32_t fixed(double local) {
+    return static_cast<int32_t>(std::lrint(local / kFixedStep));
+}
+
+/// Packs vertices, [j][i], into a grid of fixed numbers.
+void pack(const Vec3d (&vertices)[kGridVertices][kGridVertices], Grid& grid) {
+    for (int block = 0; block < kBlocks; ++block) {
+        const int row = block / kBlockCells * kBlockCells, column = block % kBlockCells * kBlockCells;
+        Box3d box;
+        for (int j = 0; j < kBlockVertices; ++j) {
+            for (int i = 0; i < kBlockVertices; ++i) {
+                const Vec3d& vertex = vertices[row + j][column + i];
+                box.extendBy(vertex);
+                for (int axis = 0; axis < 3; ++axis)
+                    grid.fixed[block][axis][j * kBlockVertices + i] = fixed(vertex[axis]);
+            }
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            grid.boxes[axis][0][block] = static_cast<float>(box.min[axis]) - kBlockPadding;
+            grid.boxes[axis][1][block] = static_cast<float>(box.max[axis]) + kBlockPadding;
+        }
+    }
+}
+
+}  // namespace
+
+SweptDicer::SweptDicer(const SweptSurface& surface, const FacetTolerance& tolerance)
+    : Dicer(VertexFormat::Fixed), surface_(&surface) {
+    for (const SweepProfile& profile : surface.profiles()) profiles_.push_back(profile_cells(profile));
+    plan(tolerance);
+    const size_t splines = surface.path().splines.size();
+    for (size_t profile = 0; surface.has_caps() && profile < profiles_.size(); ++profile) {
+        std::vector<bool> used(profiles_[profile].size());
+        for (size_t s = 0; s < splines; ++s) used[tubes_[profile * splines + s].level] = true;
+        for (size_t level = 0; level < used.size(); ++level)
+            if (used[level]) add_cap(profiles_[profile][level], surface.profiles()[profile]);
+    }
+    number();
+}
+
+void SweptDicer::plan(const FacetTolerance& tolerance) {
+    const SweepPath& path = surface_->path();
+    double extent = 0.0;
+    for (const SweepProfile& profile : surface_->profiles()) extent = std::max(extent, profile.extent());
+    std::vector<PieceNeed> needs(path.pieces.size());
+    tbb::parallel_for(size_t{0}, needs.size(),
+                      [&](size_t i) { needs[i] = need_of(path, path.pieces[i], extent, tolerance); });
+    tubes_.resize(profiles_.size() * path.splines.size());
+    uint64_t around = 0;  // grids around all tubes of a spline, on average
+    for (size_t s = 0; s < path.splines.size(); ++s) {
+        const SweepSpline& spline = path.splines[s];
+        double error = std::numeric_limits<double>::infinity();
+        for (uint32_t k = 0; k < spline.piece_count; ++k)
+            error = std::min(error, needs[spline.first_piece + k].profile_error);
+        for (size_t profile = 0; profile < profiles_.size(); ++profile) {
+            const std::vector<ProfileCells>& levels = profiles_[profile];
+            uint8_t& level = tubes_[profile * path.splines.size() + s].level;
+            while (level + size_t{1} < levels.size() && levels[level].error > error) ++level;
+            around += static_cast<uint64_t>(levels[level].count / kGridCells);
+        }
+    }
+    const double each =
+        path.splines.empty() ? 1.0 : static_cast<double>(around) / static_cast<double>(path.splines.size());
+    first_cell_.resize(path.pieces.size());
+    cells_along_.resize(path.splines.size());
+    for (double share = 1.0;; share *= 0.8) {
+        uint64_t grids = 0;
+        for (size_t s = 0; s < path.splines.size(); ++s) {
+            const SweepSpline& spline = path.splines[s];
+            uint32_t cells = 0;
+            for (uint32_t p = spline.first_piece; p < spline.first_piece + spline.piece_count; ++p) {
+                first_cell_[p] = cells;
+                cells += std::max(1u, static_cast<uint32_t>(std::ceil(needs[p].cells * share)));
+            }
+            cells_along_[s] = (cells + kGridCells - 1) / kGridCells * kGridCells;
+            grids += cells_along_[s] / kGridCells;
+        }
+        constexpr double kLeastShare = 1e-5;
+        if (static_cast<double>(grids) * each <= kMostSweptSubpatches || share < kLeastShare) return;
+    }
+}
+
+uint32_t SweptDicer::walls(const TubePlace& place) const {
+    return cells_along_[place.spline] / kGridCells * static_cast<uint32_t>(cells(place).count / kGridCells);
+}
+
+void SweptDicer::number() {
+    const auto splines = static_cast<uint32_t>(surface_->path().splines.size());
+    for (uint32_t tube = 0; tube < tubes_.size(); ++tube) {
+        const TubePlace place{tube, tube / splines, tube % splines, 0};
+        tubes_[tube].first_subpatch = subpatch_count_;
+        subpatch_count_ += walls(place);
+        if (surface_->has_caps() && !surface_->path().splines[place.spline].closed)
+            subpatch_count_ += 2 * cells(place).cap_grids();
+    }
+}
+
+SweptDicer::TubePlace SweptDicer::tube_place(uint32_t subpatch) const {
+    const auto after = std::upper_bound(tubes_.begin(), tubes_.end(), subpatch,
+                                        [](uint32_t s, const Tube& tube) { return s < tube.first_subpatch; });
+    const auto tube = static_cast<uint32_t>(after - tubes_.begin()) - 1;
+    const auto splines = static_cast<uint32_t>(surface_->path().splines.size());
+    return {tube, tube / splines, tube % splines, subpatch - tubes_[tube].first_subpatch};
+}
+
+/// The piece that a ring belongs to: the later one where two meet.
+SweptDicer::PiecePlace SweptDicer::piece_at(uint32_t spline_index, uint32_t station) const {
+    const SweepSpline& spline = surface_->path().splines[spline_index];
+    const uint32_t total = cells_along_[spline_index];
+    if (station == total)
+        return spline.closed ? PiecePlace{spline.first_piece, 0.0}
+                             : PiecePlace{spline.first_piece + spline.piece_count - 1, 1.0};
+    const auto begin = first_cell_.begin() + spline.first_piece, end = begin + spline.piece_count;
+    const auto found = std::upper_bound(begin, end, station) - 1;
+    const uint32_t cells = (found + 1 == end ? total : *(found + 1)) - *found;
+    return {static_cast<uint32_t>(found - first_cell_.begin()), static_cast<double>(station - *found) / cells};
+}
+
+void SweptDicer::rings(uint32_t spline, uint32_t first_station, SweepRing (&rings)[kGridVertices]) const {
+    for (uint32_t i = 0; i < kGridVertices; ++i) {
+        const PiecePlace place = piece_at(spline, first_station + i);
+        rings[i] = surface_->path().ring(surface_->path().pieces[place.piece], place.u);
+    }
+}
+
+void SweptDicer::dice(uint32_t subpatch, Grid& grid) const {
+    const TubePlace place = tube_place(subpatch);
+    if (place.local < walls(place))
+        dice_wall(place, grid);
+    else
+        dice_cap(place, grid);
+}
+
+void SweptDicer::dice_wall(const TubePlace& place, Grid& grid) const {
+    const ProfileCells& around = cells(place);
+    const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
+    SweepRing along[kGridVertices];
+    rings(place.spline, place.local / blocks * kGridCells, along);
+    const Vec2d* corners = &around.corners[place.local % blocks * kGridCells];
+    Vec3d vertices[kGridVertices][kGridVertices];
+    for (int j = 0; j < kGridVertices; ++j)
+        for (int i = 0; i < kGridVertices; ++i) vertices[j][i] = along[i].at(corners[j]);
+    pack(vertices, grid);
+}
+
+/// Column 0 of an end's cap is its outline, the others the point that the fan turns about; that of a begin is the
+/// mirror image, for it is seen from the other side.
+void SweptDicer::dice_cap(const TubePlace& place, Grid& grid) const {
+    const ProfileCells& around = cells(place);
+    const uint32_t cap = place.local - walls(place), grids = around.cap_grids();
+    const CapEnd end = cap < grids ? CapEnd::Begin : CapEnd::End;
+    const uint32_t number = cap % grids;
+    const PiecePlace at = piece_at(place.spline, end == CapEnd::Begin ? 0 : cells_along_[place.spline]);
+    const SweepRing ring = surface_->path().ring(surface_->path().pieces[at.piece], at.u);
+    Vec2d outline[kGridVertices], inner[kGridVertices];
+    if (around.center) {
+        for (int j = 0; j < kGridVertices; ++j) {
+            outline[j] = around.corners[number * kGridCells + j];
+            inner[j] = *around.center;
+        }
+    } else {  // three columns a triangle, of which one cell has an area
+        for (int j = 0; j < kGridVertices; ++j) {
+            const size_t wanted = number * kTrianglesInGrid + static_cast<size_t>(j / 3);
+            const std::array<uint32_t, 3>& t = around.triangles[std::min(wanted, around.triangles.size() - 1)];
+            const bool past = wanted >= around.triangles.size() || j / 3 >= static_cast<int>(kTrianglesInGrid);
+            const int role = past ? 2 : j % 3;
+            outline[j] = around.corners[role == 0 ? t[0] : (role == 1 ? t[1] : t[2])];
+            inner[j] = around.corners[role == 0 ? t[0] : t[2]];
+        }
+    }
+    Vec3d vertices[kGridVertices][kGridVertices];
+    for (int j = 0; j < kGridVertices; ++j) {
+        for (int i = 0; i < kGridVertices; ++i) {
+            const bool rim = i == (end == CapEnd::End ? 0 : kGridCells);
+            vertices[j][i] = ring.at(rim ? outline[j] : inner[j]);
+        }
+    }
+    pack(vertices, grid);
+}
+
+Box3f SweptDicer::box(uint32_t subpatch) const {
+    const TubePlace place = tube_place(subpatch);
+    if (place.local >= walls(place)) return Dicer::box(subpatch);
+    const ProfileCells& around = cells(place);
+    const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
+    SweepRing along[kGridVertices];
+    rings(place.spline, place.local / blocks * kGridCells, along);
+    Imath::Box2d profile;
+    double extent = 0.0;
+    for (int j = 0; j < kGridVertices; ++j) {
+        const Vec2d& corner = around.corners[place.local % blocks * kGridCells + static_cast<uint32_t>(j)];
+        profile.extendBy(corner);
+        extent = std::max(extent, corner.length());
+    }
+    const Vec2d middle = (profile.min + profile.max) * 0.5, half = (profile.max - profile.min) * 0.5;
+    Box3d box;
+    for (const SweepRing& ring : along) {
+        const Vec3d center = ring.at(middle);
+        Box3d square = box_of(ring, extent);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double reach = std::abs(ring.across[axis]) * half.x + std::abs(ring.up[axis]) * half.y;
+            square.min[axis] = std::max(square.min[axis], center[axis] - reach);
+            square.max[axis] = std::min(square.max[axis], center[axis] + reach);
+        }
+        box.extendBy(square);
+    }
+    const Vec3f padding(2.0f * kBlockPadding);  // once for rounding to fixed and float numbers
+    return {Vec3f(box.min) - padding, Vec3f(box.max) + padding};
+}
+
+ElementPlace SweptDicer::element_place(const PlaceInGrid& in_grid, const Vec3d& position) const {
+    const TubePlace place = tube_place(in_grid.subpatch);
+    const ProfileCells& around = cells(place);
+    const uint32_t wall_count = walls(place);
+    if (place.local >= wall_count) {
+        const CapEnd end = place.local - wall_count < around.cap_grids() ? CapEnd::Begin : CapEnd::End;
+        const SweepRing ring = surface_->end_ring(surface_->path().splines[place.spline], end);
+        const Vec3d from = position - ring.center;
+        const double across2 = ring.across.dot(ring.across), up2 = ring.up.dot(ring.up);
+        const Vec2d at(across2 > 0.0 ? from.dot(ring.across) / across2 : 0.0,
+                       up2 > 0.0 ? from.dot(ring.up) / up2 : 0.0);
+        const Vec2f parameters = surface_->cap_parameters(place.profile, at);
+        return {surface_->cap_element(place.profile, place.spline, end), parameters.x, parameters.y};
+    }
+    const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
+    const double along = place.local / blocks * kGridCells + in_grid.at.x;
+    const uint32_t station = std::min(static_cast<uint32_t>(along), cells_along_[place.spline] - 1);
+    const PiecePlace begin = piece_at(place.spline, station), next = piece_at(place.spline, station + 1);
+    const double end = next.piece == begin.piece && next.u > begin.u ? next.u : 1.0;
+    const double u = begin.u + (end - begin.u) * std::clamp(along - station, 0.0, 1.0);
+    const double v = place.local % blocks * kGridCells + in_grid.at.y;
+    return {surface_->wall_element(place.profile, begin.piece), static_cast<float>(u),
+            profile_parameter(surface_->profiles()[place.profile], around.place(v))};
+}
+
+std::optional<PlaceInGrid> SweptDicer::place_in_grid(const ElementPlace& at) const {
+    const SweptElement element = surface_->element(at.element);
+    if (element.is_cap) return std::nullopt;
+    const SweepPath& path = surface_->path();
+    const SweepSpline& spline = path.spline_of(element.piece);
+    const auto spline_index = static_cast<uint32_t>(&spline - path.splines.data());
+    const auto tube = static_cast<uint32_t>(element.profile * path.splines.size() + spline_index);
+    const TubePlace place{tube, element.profile, spline_index, 0};
+    const ProfileCells& around = cells(place);
+    const uint32_t last = spline.first_piece + spline.piece_count - 1, first = first_cell_[element.piece];
+    const uint32_t end = element.piece == last ? cells_along_[spline_index] : first_cell_[element.piece + 1];
+    const double along = first + (end - first) * static_cast<double>(at.u);
+    const double v = around.at(profile_place(surface_->profiles()[element.profile], at.v));
+    const auto column = std::min(static_cast<uint32_t>(along), cells_along_[spline_index] - 1) / kGridCells;
+    const auto row = std::min(static_cast<uint32_t>(v), static_cast<uint32_t>(around.count) - 1) / kGridCells;
+    const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
+    return PlaceInGrid{tubes_[tube].first_subpatch + column * blocks + row,
+                       Vec2d(along - column * kGridCells, v - row * kGridCells)};
+}
+
+size_t SweptDicer::bytes() const {
+    size_t total = sizeof(*this) + first_cell_.capacity() * sizeof(uint32_t) +
+                   cells_along_.capacity() * sizeof(uint32_t) + tubes_.capacity() * sizeof(Tube);
+    for (const std::vector<ProfileCells>& levels : profiles_)
+        for (const ProfileCells& cells : levels)
+            total += sizeof(cells) + cells.corners.capacity() * sizeof(Vec2d) +
+                     cells.begins.capacity() * sizeof(ProfilePlace) + cells.lengths.capacity() * sizeof(double);
+    return total;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,66 @@
+// Bevelled curves diced along and around: many cells along a spline where it bends, few around where it is thin.
+//
+// Every piece of a spline gets as many cells along as the view asks for, one at least, and every profile as many cells
+// around, the same for a whole spline, so that rings meet vertex to vertex. The cells of all pieces in a row are cut
+// into grids of 16: a grid may hold parts of several pieces. A ring where two pieces meet is always that of the later
+// piece at its begin. Vertices are sums in one order of the ring and the profile's point, rounded to steps of 2^-30:
+// the same bits in every grid. Caps are fans about a point that sees their whole outline, or else triangles cut off one
+// after the other; their outline is the last ring, with the same bits.
+#pragma once
+
+#include "geometry/swept_surface.h"
+#include "tessellation/dicer.h"
+#include "tessellation/profile_cells.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace rayleaf {
+
+class SweptDicer final : public Dicer {
+  public:
+    SweptDicer(const SweptSurface& surface, const FacetTolerance& tolerance);
+
+    uint32_t subpatch_count() const override { return subpatch_count_; }
+    void dice(uint32_t subpatch, Grid& grid) const override;
+    Box3f box(uint32_t subpatch) const override;
+    ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override;
+    std::optional<PlaceInGrid> place_in_grid(const ElementPlace& place) const override;
+    size_t bytes() const override;
+
+  private:
+    /// One profile along one spline.
+    struct Tube {
+        uint32_t first_subpatch = 0;
+        uint8_t level = 0;  ///< of the profile's cells
+    };
+    struct TubePlace {
+        uint32_t tube, profile, spline;
+        uint32_t local;  ///< number of the subpatch within the tube
+    };
+    struct PiecePlace {
+        uint32_t piece;
+        double u;
+    };
+
+    const SweptSurface* surface_;
+    std::vector<std::vector<ProfileCells>> profiles_;  ///< by profile and level
+    std::vector<uint32_t> first_cell_;                 ///< of each piece, within its spline
+    std::vector<uint32_t> cells_along_;                ///< of each spline, a multiple of 16
+    std::vector<Tube> tubes_;                          ///< profile by profile, within one spline by spline
+    uint32_t subpatch_count_ = 0;
+
+    void plan(const FacetTolerance& tolerance);
+    void number();
+    TubePlace tube_place(uint32_t subpatch) const;
+    PiecePlace piece_at(uint32_t spline, uint32_t station) const;
+    const ProfileCells& cells(const TubePlace& place) const {
+        return profiles_[place.profile][tubes_[place.tube].level];
+    }
+    uint32_t walls(const TubePlace& place) const;
+    void rings(uint32_t spline, uint32_t first_station, SweepRing (&rings)[kGridVertices]) const;
+    void dice_wall(const TubePlace& place, Grid& grid) const;
+    void dice_cap(const TubePlace& place, Grid& grid) const;
+};
+
+}  // namespace rayleaf
