@@ -221,8 +221,8 @@ class CurveSplines:
 class SweptCurve:
     """A bevelled curve; what each value means, and its names, stand in core/geometry/swept_curve.h.
 
-    dimensions: 2D or 3D; twist: Z_UP, MINIMUM or TANGENT; closed_twist: SPREAD or JUMP; fill: FULL, BACK, FRONT or HALF; taper_radius: OVERRIDE,
-    MULTIPLY or ADD; the mappings: RESOLUTION, SEGMENTS or SPLINE.
+    dimensions: 2D or 3D; twist: Z_UP, MINIMUM or TANGENT; closed_twist: SPREAD or JUMP; fill: FULL, BACK,
+    FRONT or HALF; taper_radius: OVERRIDE, MULTIPLY or ADD; the mappings: RESOLUTION, SEGMENTS or SPLINE.
     """
 
     name: str
