@@ -18,9 +18,12 @@ ANY_ANGLE = 4.0  # radians: more than two directions can differ by
 Doubles = NDArray[np.float64]
 
 
-def tree_of(shape: Any, kind: str, **settings: Any) -> Any:
+TREES = ("ReferenceTree", "FastTree")
+
+
+def tree_of(shape: Any, kind: str, tree: str = "ReferenceTree", **settings: Any) -> Any:
     """A tree whose facets are too fine to matter."""
-    return ri_tree.ReferenceTree(shape, kind, **{"facet_tolerance": 2.0**-20, **settings})
+    return getattr(ri_tree, tree)(shape, kind, **{"facet_tolerance": 2.0**-20, **settings})
 
 
 def rays_towards(target: Doubles, radius: float, count: int, seed: int = 1, eye: Any = (0.5, -4.0, 1.5)) -> Any:
