@@ -235,10 +235,6 @@ std::optional<Vec4f> Strands::info_value(AttributeId id, const LocalHit& hit) co
     const auto scale = static_cast<float>(frame_.scale);
     if (id == info_.is_strand) return as_value(1.0f);
     if (id == info_.thickness) return as_value(2.0f * scale * static_cast<float>(segment(hit.primitive).at(hit.u).w));
-    if (id == info_.tangent_normal) {
-        const Vec3f tangent = surface(hit).dp_du;
-        return Vec4f(tangent.x, tangent.y, tangent.z, 1.0f);
-    }
     if (id != info_.intercept && id != info_.length) return std::nullopt;
     const uint32_t strand = strand_of_segment_[hit.primitive];
     const float whole = lengths_[first_segment_[strand + 1] - 1];

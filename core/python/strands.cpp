@@ -20,8 +20,7 @@ constexpr std::pair<const char*, AttributeId StrandInfoIds::*> kInfos[] = {
     {"IS_STRAND", &StrandInfoIds::is_strand},
     {"INTERCEPT", &StrandInfoIds::intercept},
     {"LENGTH", &StrandInfoIds::length},
-    {"THICKNESS", &StrandInfoIds::thickness},
-    {"TANGENT_NORMAL", &StrandInfoIds::tangent_normal}};
+    {"THICKNESS", &StrandInfoIds::thickness}};
 
 template <typename Value, size_t N>
 Value named(const std::string& object, const char* argument, const std::string& name,

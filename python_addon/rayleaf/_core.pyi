@@ -296,7 +296,7 @@ class Strands:
     points (n, 3), radii (n,), offsets (strands + 1,), cyclic and material_slots (strands,). basis: LINEAR, CATMULL_ROM,
     BSPLINE, BEZIER (3 points a segment and 1 more). form: ROUND, RIBBON, SPHERES, EMBREE_ROUND. attributes: id ->
     (strands, channels); point_attributes: id -> (n, channels); `uv` is the id of the active UV map. info: IS_STRAND,
-    INTERCEPT, LENGTH, THICKNESS, TANGENT_NORMAL -> id of the attribute by which shading reads it.
+    INTERCEPT, LENGTH, THICKNESS -> id of the attribute by which shading reads it.
     """
 
     def __init__(

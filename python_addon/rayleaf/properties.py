@@ -25,6 +25,20 @@ INDIRECT = (
 )
 
 
+STRAND_SHAPES = (
+    ("ROUND", "Round", "Closed tubes with round ends, exact at any distance"),
+    ("RIBBON", "Ribbon", "Flat bands that face the ray, shaded as if round"),
+)
+CURVE_PRIMITIVES = (
+    ("EXACT", "Exact", "Hair as its shape says, bevelled curves from their definition"),
+    ("RIBBON", "Ribbon", "Flat bands that face the ray"),
+    ("SPHERES", "Spheres", "Chains of balls"),
+    ("TRIANGLES", "Triangles", "Tubes of triangles"),
+    ("QUADS", "Quads", "Tubes of quadrangles"),
+    ("EMBREE_ROUND", "Embree", "Embree's own round curves"),
+)
+
+
 class RayleafSceneSettings(bpy.types.PropertyGroup):
     """What is set per scene."""
 
@@ -87,6 +101,20 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
     filter_type: EnumProperty(name="Pixel Filter", items=FILTERS, default="BLACKMAN_HARRIS")  # type: ignore
     filter_width: FloatProperty(  # type: ignore
         name="Width", description="Full width of the filter, in pixels", default=1.5, min=0.01, max=10.0
+    )
+
+    strand_shape: EnumProperty(name="Shape", description="What hair is", items=STRAND_SHAPES)  # type: ignore
+    curve_primitive: EnumProperty(  # type: ignore
+        name="Primitive",
+        description="What hair and round bevelled curves are rendered as; all but the first are there to compare with",
+        items=CURVE_PRIMITIVES,
+    )
+    curve_detail: IntProperty(  # type: ignore
+        name="Detail",
+        description="Balls a segment of a curve; rings a segment and sides of a tube",
+        default=16,
+        min=3,
+        max=256,
     )
 
     tile_size: IntProperty(  # type: ignore

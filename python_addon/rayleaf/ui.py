@@ -137,6 +137,21 @@ class RAYLEAF_PT_film(_Panel, bpy.types.Panel):
         row.prop(settings, "filter_width")
 
 
+class RAYLEAF_PT_curves(_Panel, bpy.types.Panel):
+    """What hair and curves are rendered as."""
+
+    bl_label = "Curves"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Any) -> None:
+        column, settings = self._column(), context.scene.rayleaf
+        column.prop(settings, "strand_shape")
+        column.prop(settings, "curve_primitive")
+        detail = column.row()
+        detail.active = settings.curve_primitive in ("SPHERES", "TRIANGLES", "QUADS")
+        detail.prop(settings, "curve_detail")
+
+
 class RAYLEAF_PT_performance(_Panel, bpy.types.Panel):
     """What the machine gives."""
 
@@ -267,6 +282,7 @@ PANELS = (
     RAYLEAF_PT_integrator,
     RAYLEAF_PT_light_paths,
     RAYLEAF_PT_film,
+    RAYLEAF_PT_curves,
     RAYLEAF_PT_performance,
     RAYLEAF_PT_passes,
     RAYLEAF_PT_light,

@@ -62,13 +62,18 @@ class NurbsSpline:
         return None
 
 
+class Strands:
+    def __init__(self, name, points, radii, offsets, **more):
+        self.arguments = dict(name=name, points=points, radii=radii, offsets=offsets, **more)
+
+
 class SceneDescription:
     """Keeps the arguments of every call by kind."""
 
     def __init__(self):
         self.meshes, self.surfaces, self.materials, self.material_lists = [], [], [], []
         self.instances, self.lamps, self.images = None, [], []
-        self.ray_interpolations = []
+        self.ray_interpolations, self.strands = [], []
         self.world = self.camera = None
         self.attributes, self.texture_memory, self.shapes = {}, 0, []
         RECORDED.append(self)
@@ -87,6 +92,10 @@ class SceneDescription:
     def add_surface(self, name, splines):
         self.surfaces.append(dict(name=name, splines=splines))
         return self._shape("surface", self.surfaces[-1])
+
+    def add_shape(self, shape):
+        self.strands.append(shape.arguments)
+        return self._shape("strands", shape.arguments)
 
     def add_material(self, name, surface, pass_index=0, volume=None):
         self.materials.append(dict(name=name, surface=surface, pass_index=pass_index, volume=volume))
@@ -199,7 +208,7 @@ RECORDED = []
 def install():
     """Make the stand-in the core that the add-on loads."""
     module = types.ModuleType("rayleaf._core")
-    items = (InputError, Program, NurbsSpline, SceneDescription, Settings, Session)
+    items = (InputError, Program, NurbsSpline, Strands, SceneDescription, Settings, Session)
     for item in (*items, RayInterpolation, VolumeVisualisation, RayCacheStore):
         setattr(module, item.__name__, item)
     sys.modules["rayleaf._core"] = module

@@ -1,4 +1,4 @@
-"""Named data over a mesh: UV maps, colour attributes and generic ones, by triangle corner."""
+"""Named data over a mesh by triangle corner, and over hair: UV maps, colour attributes and generic ones."""
 
 from typing import Any
 
@@ -14,6 +14,10 @@ Ints = NDArray[np.int32]
 ACTIVE_UV = "\nactive uv"
 ACTIVE_COLOR = "\nactive color"
 
+# What strands tell of themselves, as attributes: the core's name -> ours.
+STRAND_INFO = {name: "\nstrand " + name.lower() for name in ("IS_STRAND", "INTERCEPT", "LENGTH", "THICKNESS")}
+STRAND_RANDOM = "\nstrand random"
+
 # Blender's kinds of attribute: how their values are read (property, NumPy type, channels).
 _KINDS: dict[str, tuple[str, Any, int]] = {
     "FLOAT": ("value", np.float32, 1),
@@ -27,33 +31,46 @@ _KINDS: dict[str, tuple[str, Any, int]] = {
 }
 
 
-def _active_uv(mesh: Any) -> Any:
+def active_uv(mesh: Any) -> Any:
+    """The UV map that is active for rendering; None without one."""
     return next((layer for layer in mesh.uv_layers if layer.active_render), None)
 
 
-def _active_color(mesh: Any) -> Any:
+def active_color(mesh: Any) -> Any:
+    """The colour attribute that is active for rendering; None without one."""
     index = mesh.color_attributes.render_color_index
     return mesh.color_attributes[index] if 0 <= index < len(mesh.color_attributes) else None
 
 
-def _generic(attribute: Any, triangles: Ints, loops: Ints, polygons: Ints) -> Floats | None:
-    """(m, 3, channels) of an attribute, whatever it is stored on; None for kinds that shading cannot use."""
+def _flat(attribute: Any) -> Floats | None:
+    """(elements, channels); None for kinds that shading cannot use."""
     if attribute.data_type not in _KINDS:
         return None
     property_name, dtype, channels = _KINDS[attribute.data_type]
     values = np.empty(len(attribute.data) * channels, dtype)
     attribute.data.foreach_get(property_name, values)
-    values = values.reshape(-1, channels).astype(np.float32)
+    return values.reshape(-1, channels).astype(np.float32)
+
+
+def flat_values(attributes: Any, name: str, domain: str) -> Floats | None:
+    """(elements, channels) of the attribute of a name, if there is one on the domain."""
+    attribute = attributes.get(name)
+    return _flat(attribute) if attribute is not None and attribute.domain == domain else None
+
+
+def _generic(attribute: Any, triangles: Ints, loops: Ints, polygons: Ints) -> Floats | None:
+    """(m, 3, channels) of an attribute, whatever it is stored on; None for kinds that shading cannot use."""
+    values = _flat(attribute)
     where = {"POINT": triangles, "CORNER": loops, "FACE": np.repeat(polygons[:, None], 3, axis=1)}.get(attribute.domain)
-    return None if where is None else np.ascontiguousarray(values[where])
+    return None if where is None or values is None else np.ascontiguousarray(values[where])
 
 
 def attribute_values(mesh: Any, name: str, triangles: Ints, loops: Ints, polygons: Ints) -> Floats | None:
     """(m, 3, channels): an attribute at each triangle's corners, linear colours; None if the mesh has none of that name."""
     if name == ACTIVE_COLOR:
-        color = _active_color(mesh)
+        color = active_color(mesh)
         return None if color is None else _generic(color, triangles, loops, polygons)
-    layer = _active_uv(mesh) if name == ACTIVE_UV else mesh.uv_layers.get(name)
+    layer = active_uv(mesh) if name == ACTIVE_UV else mesh.uv_layers.get(name)
     if layer is not None:
         return np.ascontiguousarray(versions.uv_map(layer, len(mesh.loops))[loops])
     attribute = mesh.attributes.get(name)

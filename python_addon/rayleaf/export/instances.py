@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from . import ExportCancelled
 from .random_numbers import random_of_name
+from .strands import hair_systems
 from .surfaces import fallback_reason
 
 # Instances between two looks at the Esc key: some 10 ms.
@@ -19,7 +20,7 @@ _RANDOM_RANGE = 0xFFFFFFFF
 VISIBLE_CAMERA, VISIBLE_DIFFUSE, VISIBLE_GLOSSY, VISIBLE_TRANSMISSION, VISIBLE_SHADOW = 1, 2, 4, 8, 16
 
 # What has faces only through the mesh that Blender evaluates beside it.
-_WITH_MESH_TWIN = {"CURVE", "SURFACE", "FONT", "META", "CURVES"}
+_WITH_MESH_TWIN = {"CURVE", "SURFACE", "FONT", "META"}
 _UNSUPPORTED = {"VOLUME": "volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
 
 
@@ -32,10 +33,13 @@ class Group:
     exact: bool  # splines, not a mesh
     from_owner: bool  # the data is the owner's own, so its material slots count
     members: list[int]  # places in the depsgraph's list of instances
+    hair: int | None = None  # which of the owner's hair particle systems, in place of the data
 
     @property
     def shape_key(self) -> Any:
         """Equal for groups that can share one shape in the core."""
+        if self.hair is not None:
+            return (self.owner.as_pointer(), self.hair)
         if not self.exact:
             return self.data.as_pointer()
         # Shape keys can be pinned per object.
@@ -68,16 +72,15 @@ def collect(depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
     listed = depsgraph.object_instances
     count = len(listed)
     result = Instances([], [], _matrices(listed, count), _randoms(listed, count), {}, [])
-    shown_array = np.empty(count, bool)
-    listed.foreach_get("show_self", shown_array)
-    shown = shown_array.tolist()
+    shown, with_particles = _flags(listed, "show_self", count), _flags(listed, "show_particles", count)
 
     groups: dict[tuple[int, int], Group | None] = {}
+    hair: dict[int, list[Group]] = {}
     exact: dict[int, bool] = {}
     for place, instance in enumerate(listed):
         if place % _CANCEL_STRIDE == 0 and should_stop():
             raise ExportCancelled
-        if not shown[place]:
+        if not shown[place] and not with_particles[place]:
             continue
         item = instance.object
         data = item.data
@@ -85,6 +88,10 @@ def collect(depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
             continue
         owner = instance.instance_object
         is_instance = owner is not None
+        if with_particles[place]:
+            _collect_hair(owner if is_instance else item, place, hair, result)
+            if not shown[place]:
+                continue
         key = ((owner if is_instance else item).as_pointer(), data.as_pointer())
         try:
             group = groups[key]
@@ -103,6 +110,17 @@ def collect(depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
     return result
 
 
+def _collect_hair(owner: Any, place: int, known: dict[int, list[Group]], result: Instances) -> None:
+    """The particle hair of an object, one group a system."""
+    pointer = owner.as_pointer()
+    if pointer not in known:
+        count = len(hair_systems(owner)) if owner.type == "MESH" else 0
+        known[pointer] = [Group(owner, owner.data, False, True, [], hair=number) for number in range(count)]
+        result.groups += known[pointer]
+    for group in known[pointer]:
+        group.members.append(place)
+
+
 def _new_group(item: Any, owner: Any, data: Any, exact: dict[int, bool], result: Instances) -> Group | None:
     """The group an instance of a new kind opens; None for what is no shape."""
     kind = item.type
@@ -113,6 +131,8 @@ def _new_group(item: Any, owner: Any, data: Any, exact: dict[int, bool], result:
         return Group(settings, data, exact=False, from_owner=_is_own_data(settings, data), members=[])
     if kind == "SURFACE" and _is_exact(settings, exact):
         return Group(settings, data, exact=True, from_owner=True, members=[])
+    if kind == "CURVES":
+        return Group(settings, data, exact=False, from_owner=True, members=[])
     if kind in _UNSUPPORTED:
         result.skipped[settings.name] = f"{_UNSUPPORTED[kind]} are not supported"
     if kind in _WITH_MESH_TWIN:
@@ -123,6 +143,12 @@ def _new_group(item: Any, owner: Any, data: Any, exact: dict[int, bool], result:
 def _is_own_data(owner: Any, data: Any) -> bool:
     """True if the mesh is the owner's own, or made from it; geometry nodes may instance meshes of others."""
     return owner.type in _WITH_MESH_TWIN or owner.data is None or owner.data.as_pointer() == data.as_pointer()
+
+
+def _flags(listed: Any, name: str, count: int) -> list[bool]:
+    values = np.empty(count, bool)
+    listed.foreach_get(name, values)
+    return [bool(value) for value in values.tolist()]
 
 
 def _matrices(listed: Any, count: int) -> NDArray[np.float64]:

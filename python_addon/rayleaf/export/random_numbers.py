@@ -4,16 +4,21 @@ Objects that stand for themselves hash their name; instances have a number of Bl
 (public domain) of two words.
 """
 
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
 _WORD = 0xFFFFFFFF
 _SEED = 0xDEADBEEF + (2 << 2) + 13  # lookup3's start for two words
 
 
-def _rotate(value: int, bits: int) -> int:
+def _rotate(value: Any, bits: int) -> Any:
     return ((value << bits) | (value >> (32 - bits))) & _WORD
 
 
-def _hash_two_words(x: int, y: int) -> int:
-    """lookup3's final mix."""
+def _hash_two_words(x: Any, y: Any) -> Any:
+    """lookup3's final mix; of numbers, or of arrays with room for 64 bits."""
     a, b, c = (_SEED + x) & _WORD, (_SEED + y) & _WORD, _SEED & _WORD
     c = ((c ^ b) - _rotate(b, 14)) & _WORD
     a = ((a ^ c) - _rotate(c, 11)) & _WORD
@@ -29,4 +34,9 @@ def random_of_name(name: str) -> float:
     word = 0
     for byte in name.encode():
         word = (word * 37 + byte) & _WORD
-    return _hash_two_words(word, 0) / _WORD
+    return float(_hash_two_words(word, 0) / _WORD)
+
+
+def random_of_index(count: int) -> NDArray[np.float32]:
+    """(count,) 0..1: of the strands of an object, by their number."""
+    return np.asarray(_hash_two_words(np.arange(count, dtype=np.int64), 0) / _WORD, np.float32)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..messages import Messages
-from . import ExportCancelled, camera, instances, lights, meshes, ray_interpolation, surfaces, world
+from . import ExportCancelled, camera, instances, lights, meshes, ray_interpolation, strands, surfaces, world
 from .images import ImageLibrary
 from .instances import Group, Instances
 from .materials import MaterialLibrary, slots_of
@@ -21,7 +21,7 @@ _BYTES_PER_MEGABYTE = 1 << 20
 _INSTANCE_CHUNK = 100_000
 
 # Why objects of these types come as meshes.
-_EVALUATED_REASONS = {"CURVE": "curve", "FONT": "text", "META": "metaball", "CURVES": "hair curves"}
+_EVALUATED_REASONS = {"CURVE": "curve", "FONT": "text", "META": "metaball"}
 
 
 @dataclass
@@ -29,6 +29,7 @@ class ExportReport:
     """What was sent, and how."""
 
     exact: list[str] = field(default_factory=list)  # objects sent as splines
+    strands: list[str] = field(default_factory=list)  # objects whose hair was sent
     evaluated: dict[str, str] = field(default_factory=dict)  # object -> why as its evaluated mesh
     left_out: dict[str, str] = field(default_factory=dict)  # object -> why not rendered
     shapes: int = 0
@@ -116,11 +117,36 @@ class SceneExporter:
             self._check_cancel()
             key = group.shape_key
             if key not in known:
-                known[key] = self._export_surface(group) if group.exact else self._export_mesh(group, wanted)
+                known[key] = self._export_shape(group, wanted)
             result.append(known[key])
             self._note_way(group)
         self.report.shapes = sum(shape is not None for shape in known.values())
         return result
+
+    def _export_shape(self, group: Group, wanted: frozenset[str]) -> int | None:
+        if group.hair is not None or group.owner.type == "CURVES":
+            return self._export_strands(group, wanted)
+        return self._export_surface(group) if group.exact else self._export_mesh(group, wanted)
+
+    def _export_strands(self, group: Group, wanted: frozenset[str]) -> int | None:
+        name = group.owner.name
+        if group.hair is None:
+            arrays = strands.curves_strands(self._core, group.data, wanted)
+        else:
+            system, modifier = strands.hair_systems(group.owner)[group.hair]
+            arrays = strands.particle_strands(group.owner, system, modifier, wanted, self._check_cancel)
+        if arrays is None:
+            self._messages.note(f"Object '{name}' has no hair; left out")
+            return None
+        dropped = strands.without_bad_points(arrays)
+        if dropped:
+            self._messages.warn(f"Object '{name}': {dropped} strands have points that are not finite; left out")
+        try:
+            form = strands.strand_form(self._blender_scene.rayleaf)
+            return strands.add_strands(self._core, self.scene, name, arrays, form, wanted)
+        except self._core.InputError as error:
+            self._leave_out(name, str(error))
+            return None
 
     def _export_surface(self, group: Group) -> int | None:
         shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages)
@@ -145,6 +171,10 @@ class SceneExporter:
         """Which way an object went: exact or as a mesh, and why."""
         name, kind = group.owner.name, group.owner.type
         if name in self.report.left_out:
+            return
+        if group.hair is not None or kind == "CURVES":
+            if name not in self.report.strands:
+                self.report.strands.append(name)
             return
         if group.exact:
             if name not in self.report.exact:

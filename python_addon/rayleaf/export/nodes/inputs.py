@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...versions import reads_geometry
+from ..attributes import STRAND_INFO, STRAND_RANDOM
 from .compiler import NodeView, value_node
 from .emitter import Register
 
@@ -104,6 +105,19 @@ def _attribute_output(view: NodeView, output: str, identifier: int) -> Register:
     if output == "Fac":
         return view.emitter.operation("average", [value])
     return view.emitter.component(value, 3) if output == "Alpha" else value
+
+
+@value_node("ShaderNodeHairInfo")
+def hair_info(view: NodeView, output: str) -> Register:
+    """Hair Info, Curves Info in newer versions."""
+    emitter = view.emitter
+    if output == "Tangent Normal":
+        incoming, tangent = emitter.operation("incoming"), emitter.operation("tangent")
+        along = emitter.operation("vector_math", [incoming, tangent], text="PROJECT")
+        across = emitter.operation("vector_math", [incoming, along], text="SUBTRACT")
+        return emitter.operation("vector_math", [across], text="NORMALIZE")
+    name = STRAND_RANDOM if output == "Random" else STRAND_INFO[output.upper().replace(" ", "_")]
+    return emitter.operation("attribute", ints=[view.resources.attribute(name)])
 
 
 @value_node("ShaderNodeLightPath")
