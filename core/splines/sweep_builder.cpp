@@ -61,16 +61,23 @@ void SplineBuilder::ruled_to(const RingFrame& frame) {
         stored_.reset();
         return;
     }
-    // Where the range ends within a straight piece, Blender takes centre and frame between, the radius of the outer
-    // ring.
+    // Where the range ends within a straight piece, Blender takes centre and tilted frame between, the radius of the
+    // outer ring. In the plane it is the widened directions that lie between.
     const auto between = [&](double share, const RingFrame& outer) {
         RingFrame cut = outer;
         const double s = (share - from.share) / (frame.share - from.share);
         cut.position = from.position + (frame.position - from.position) * s;
         cut.share = share;
-        interpolate_frame(from.tangent, from.normal, frame.tangent, frame.normal, s, cut.tangent, cut.normal);
-        cut.widening = from.widening + (frame.widening - from.widening) * s;
-        cut.tilt = from.tilt + (frame.tilt - from.tilt) * s;
+        if (planar()) {
+            const Vec3d across = from.normal * (from.widening * (1.0 - s)) + frame.normal * (frame.widening * s);
+            cut.widening = across.length();
+            cut.normal = normalized_or(across, from.normal);
+            cut.tangent = Vec3d(cut.normal.y, -cut.normal.x, 0);
+            return cut;
+        }
+        interpolate_frame(from.tangent, turned(from.tangent, from.normal, from.tilt), frame.tangent,
+                          turned(frame.tangent, frame.normal, frame.tilt), s, cut.tangent, cut.normal);
+        cut.tilt = 0;
         return cut;
     };
     SweepPiece piece;

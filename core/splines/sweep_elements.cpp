@@ -178,6 +178,7 @@ SweepElements sweep_elements(const CurveSplines& splines, size_t first, size_t c
     if (splines.type == CurveSplineType::Nurbs && !result.closed) {
         const SweepSegment& last = result.elements.back().segment;
         const SweepControl& end = controls[last.first_control + last.degree];
+        result.legs = static_cast<int>(count) - 1;
         result.end_radius = end.radius / end.point.w;
         result.end_tilt = end.tilt / end.point.w;
         result.begin_direction = spline.point(1) - spline.point(0);

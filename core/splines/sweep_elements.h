@@ -17,6 +17,7 @@ struct SweepElement {
 struct SweepElements {
     std::vector<SweepElement> elements;
     bool closed = false;
+    int legs = 0;  ///< of a NURBS spline: legs of its control polygon, which Blender calls its segments
     /// Radius and tilt of the last ring of an open spline, which Blender takes from the point itself.
     double end_radius = 1, end_tilt = 0;
     /// What the first and last ring of an open NURBS spline are perpendicular to: the first and last leg of its control

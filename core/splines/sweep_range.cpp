@@ -27,11 +27,40 @@ double part_length(const SweepPath& path, const SweepSegment& segment, double be
     return sum * (end - begin);
 }
 
-double length(const SweepPath& path, const SweepSegment& segment) {
+double length(const SweepPath& path, const SweepSegment& segment, double begin = 0.0, double end = 1.0) {
+    const double part = (end - begin) / kParts;
     double sum = 0.0;
-    for (int k = 0; k < kParts; ++k)
-        sum += part_length(path, segment, static_cast<double>(k) / kParts, static_cast<double>(k + 1) / kParts);
+    for (int k = 0; k < kParts; ++k) sum += part_length(path, segment, begin + k * part, begin + (k + 1) * part);
     return sum;
+}
+
+/// The length of a spline between two of its shares.
+double length_between(const SweepPath& path, const SweepElements& elements, double from, double to) {
+    double sum = 0.0;
+    for (const SweepElement& element : elements.elements) {
+        const double first = element.segment.share_begin, share = element.segment.share_end - first;
+        const double begin = std::clamp((from - first) / share, 0.0, 1.0);
+        const double end = std::clamp((to - first) / share, 0.0, 1.0);
+        if (begin < end) sum += length(path, element.segment, begin, end);
+    }
+    return sum;
+}
+
+/// The share that mapping by segments means on a NURBS spline. Its segments are the legs of the control polygon, each
+/// with an equal part of the domain, whatever the knots.
+double share_by_legs(const SweepPath& path, const SweepElements& elements, double wanted_share) {
+    std::vector<double> lengths;
+    double total = 0.0;
+    for (int k = 0; k < elements.legs; ++k) {
+        lengths.push_back(length_between(path, elements, static_cast<double>(k) / elements.legs,
+                                         static_cast<double>(k + 1) / elements.legs));
+        total += lengths.back();
+    }
+    double wanted = wanted_share * total;
+    size_t leg = 0;
+    for (; leg + 1 < lengths.size() && wanted > lengths[leg]; ++leg) wanted -= lengths[leg];
+    const double inside = lengths[leg] > 0.0 ? std::min(1.0, wanted / lengths[leg]) : 0.0;
+    return (static_cast<double>(leg) + inside) / elements.legs;
 }
 
 /// The parameter at which so much of a segment's length has passed.
@@ -58,6 +87,7 @@ double parameter_at(const SweepPath& path, const SweepSegment& segment, double w
 /// The share of the spline's pieces that a share by some mapping means.
 double piece_share(const SweepPath& path, const SweepElements& elements, double share, BevelMapping mapping) {
     if (mapping == BevelMapping::Resolution || share <= 0.0 || share >= 1.0) return share;
+    if (mapping == BevelMapping::Segments && elements.legs > 0) return share_by_legs(path, elements, share);
     std::vector<double> lengths;
     double total = 0.0;
     for (const SweepElement& element : elements.elements) {

@@ -83,3 +83,8 @@ def spot_profile() -> str:
 def reads_geometry(node: Any) -> bool:
     """True if an Attribute node reads geometry, the only kind before 2.93."""
     return getattr(node, "attribute_type", "GEOMETRY") == "GEOMETRY"
+
+
+def closed_twist() -> str:
+    """What a closed curve's minimum twist does where it does not meet itself: until 3.4 it jumps, then it is spread."""
+    return "JUMP" if bpy.app.version < (3, 5, 0) else "SPREAD"

@@ -30,13 +30,13 @@ def _ring(rng, count, dimensions):
     return points
 
 
-def bezier(rng, count=4, handles="AUTO", cyclic=False, dimensions="3D", **settings):
-    """A Bezier spline; handles: a type for all, or a list of (left, right)."""
+def bezier(rng, count=4, handles="AUTO", cyclic=False, dimensions="3D", spread=0.5, **settings):
+    """A Bezier spline; handles: a type for all, or a list of (left, right). `spread`: how far free handles are from a straight line."""
     points = (_ring if cyclic else _walk)(rng, count, dimensions)
     pairs = (
         [(handles, handles)] * count if isinstance(handles, str) else [handles[i % len(handles)] for i in range(count)]
     )
-    offsets = rng.uniform(-0.5, 0.5, (2, count, 3))
+    offsets = rng.uniform(-spread, spread, (2, count, 3))
     if dimensions == "2D":
         offsets[:, :, 2] = 0
     return {
@@ -132,7 +132,7 @@ def profile_cases(rng):
     for name, settings in PROFILES.items():
         for kind in ("auto", "poly", "mixed"):
             spline = {"auto": lambda: bezier(rng), "poly": lambda: points_spline(rng, "POLY", 4)}.get(
-                kind, lambda: bezier(rng, 5, [("AUTO", "VECTOR"), ("VECTOR", "FREE"), ("FREE", "FREE")])
+                kind, lambda: bezier(rng, 5, [("AUTO", "VECTOR"), ("VECTOR", "FREE"), ("FREE", "FREE")], spread=0.15)
             )()
             yield _case(f"profile {name}, {kind}", {**settings, "twist_mode": "MINIMUM"}, spline)
 
@@ -201,6 +201,14 @@ def range_cases(rng):
         )
 
 
+def flat_range_cases(rng):
+    """Cuts of mitred straight segments."""
+    for kind, (start, end) in itertools.product(("POLY", "BEZIER"), ((0.1, 0.45), (0.3, 0.85))):
+        spline = bezier(rng, 5, "VECTOR", False, "2D") if kind == "BEZIER" else points_spline(rng, kind, 6, False, "2D")
+        settings = {**PROFILES_2D["extruded"], "dimensions": "2D", "bevel_factor_start": start, "bevel_factor_end": end}
+        yield _case(f"2D range {start} to {end}, {kind}", settings, spline)
+
+
 def taper_cases(rng):
     for taper, mode, fitted in itertools.product(
         ("taper bezier", "taper poly", "taper backwards"), ("OVERRIDE", "MULTIPLY", "ADD"), (False, True)
@@ -222,6 +230,7 @@ def all_cases():
         profile_cases,
         bevel_object_cases,
         range_cases,
+        flat_range_cases,
         taper_cases,
     )
     return [case for part in parts for case in part(rng)]

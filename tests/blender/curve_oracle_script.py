@@ -1,7 +1,8 @@
 """Inside Blender: makes curve objects of every setting and saves their definitions and Blender's meshes.
 
-Usage: curve_oracle_script.py OUT.json. The file holds a list of cases: what `curve_cases.py` asked for, with the points and
-handles as Blender has them, and the evaluated vertices in Blender's order.
+Usage: curve_oracle_script.py OUT.json ADDONS. The file holds a list of cases: what `curve_cases.py` asked for, with the points and
+handles as Blender has them, the evaluated vertices in Blender's order, and of each vertex its distance from the surface that the
+exporter and the core make of the curve.
 """
 
 import base64
@@ -12,7 +13,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-sys.path.append(str(Path(__file__).resolve().parent))
+sys.path += [str(Path(__file__).resolve().parent), sys.argv[-1]]
 from curve_cases import all_cases  # noqa: E402
 
 BEZIER_FIELDS = (("co", 3), ("handle_left", 3), ("handle_right", 3), ("radius", 1), ("tilt", 1))
@@ -103,6 +104,66 @@ def evaluated(item, depsgraph):
     }
 
 
+# Facets are a small part of Blender's own: seen from near enough that a pixel is this wide, in units of the curves.
+PIXEL = 2e-4
+# How far from a vertex its rays begin, and how far they go beyond it.
+REACH = 0.05
+# Points are moved from their vertex by this part of the way to a face's middle, so that rays do not pass by an edge; where
+# they do, by more.
+INWARD = (0.002, 0.05)
+
+
+def faces_by_vertices(mesh):
+    """(vertices, 3) each: vertices, normals, and the middle of a face at each; NaN where there is none."""
+    corners = np.empty(len(mesh.loops), np.int32)
+    sizes, middles = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.polygons) * 3, np.float32)
+    vertices, normals = np.empty((2, len(mesh.vertices) * 3), np.float32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    mesh.polygons.foreach_get("center", middles)
+    mesh.vertices.foreach_get("co", vertices)
+    mesh.vertices.foreach_get("normal", normals)
+    middle = np.full((len(mesh.vertices), 3), np.nan)
+    middle[corners] = np.repeat(middles.reshape(-1, 3), sizes, axis=0)
+    return vertices.reshape(-1, 3).astype(float), normals.reshape(-1, 3).astype(float), middle
+
+
+def distances_along_rays(tracer, points, normals):
+    """How far points are from what a tracer holds, along rays in several directions; infinite if none hits."""
+    nearest = np.full(len(points), np.inf)
+    for tilt in ((0, 0, 0), (0.6, 0.64, 0.48)):
+        axes = normals + tilt
+        lengths = np.linalg.norm(axes, axis=1, keepdims=True)
+        axes = np.where(lengths > 0.1, axes / np.maximum(lengths, 0.1), (0.0, 0.0, 1.0))
+        for sign, begin in ((-1.0, 0.0), (1.0, 0.0), (-1.0, REACH), (1.0, REACH)):
+            hits = tracer.closest_hits(points - sign * begin * axes, sign * axes, t_max=begin + REACH)
+            distance = np.linalg.norm(hits["position"] - points, axis=1)
+            nearest = np.minimum(nearest, np.where(np.isfinite(hits["t"]), distance, np.inf))
+    return nearest
+
+
+def surface_distances(item, depsgraph):
+    """(vertices, 2): how far Blender's mesh is from the core's surface near each vertex, and how far from the vertex that was."""
+    from rayleaf import _core as core
+    from rayleaf.export import curves
+
+    evaluated = item.evaluated_get(depsgraph)
+    if not curves.makes_faces(evaluated) or curves.fallback_reason(evaluated) is not None:
+        return None
+    vertices, normals, middles = faces_by_vertices(evaluated.to_mesh())
+    evaluated.to_mesh_clear()
+    shape = core.trace.SweptSurface(curves.describe(core, evaluated))
+    eye = tuple(vertices.mean(axis=0) + (0, 0, 1))
+    tracer = core.trace.Tracer([(shape, np.eye(4), 31)], pixel_angle=PIXEL, eye=eye)
+    result = np.full((len(vertices), 2), np.inf)
+    for inward in INWARD:
+        wanted = np.flatnonzero(np.isinf(result[:, 0]) & np.isfinite(middles).all(axis=1))
+        move = inward * (middles - vertices)[wanted]
+        result[wanted, 0] = distances_along_rays(tracer, vertices[wanted] + move, normals[wanted])
+        result[wanted, 1] = np.linalg.norm(move, axis=1)
+    return result
+
+
 def main():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     helpers, items = {}, []
@@ -117,8 +178,10 @@ def main():
     for case, item in zip(cases, items):
         case["splines"] = [described(spline) for spline in item.data.splines]
         case["mesh"] = evaluated(item, depsgraph)
+        distances = surface_distances(item, depsgraph)
+        case["distances"] = None if distances is None else packed(distances)
         case["settings"]["offset"] = item.data.offset
-    with open(sys.argv[-1], "w", encoding="utf-8") as file:
+    with open(sys.argv[-2], "w", encoding="utf-8") as file:
         json.dump(cases, file)
 
 

@@ -11,7 +11,9 @@ whose third is the direction. So the offset grows with the radius. See curve_spi
   spread the missing angle over the rings and does not; later versions do.
 * TANGENT (curved Bezier segments only): Y is opposite to the part of the second derivative that is perpendicular to the direction. The
   second derivative is negated where it turns by more than a right angle from one ring to the next. Y jumps where the curvature does: at
-  points, and by half a turn at inflections. Of straight segments, NURBS and POLY splines Blender never sets it; their rings are garbage.
+  points, and by half a turn at inflections; an open spline's last ring is judged before its neighbour is turned round, and may
+  be half a turn off, which Rayleaf does not follow. Of straight segments, NURBS and POLY splines Blender never sets it; their rings
+  are garbage.
 * Tilt turns the frame about the direction, afterwards, from X towards Y.
 
 In 2D, X is the normal to the left of the direction and Y the z axis; at corners X is 1 / sin(half the angle between the legs) long, so

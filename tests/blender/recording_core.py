@@ -67,11 +67,38 @@ class Strands:
         self.arguments = dict(name=name, points=points, radii=radii, offsets=offsets, **more)
 
 
+class CurveSplines:
+    def __init__(self, kind, counts, points, **more):
+        self.kind, self.counts, self.points, self.more = kind, counts, points, more
+
+
+class SweptCurve:
+    def __init__(self, name, splines, **settings):
+        self.name, self.splines, self.settings = name, splines, settings
+
+
+class NurbsCurve:
+    """As long as Blender draws it, and as straight as its control polygon."""
+
+    def __init__(self, points, order, *flags):
+        self.points = points
+
+    def problem(self):
+        return None
+
+    def to_bezier(self):
+        return self
+
+    def positions(self, t):
+        place = t * (len(self.points) - 1)
+        return np.stack([np.interp(place, np.arange(len(self.points)), self.points[:, i]) for i in range(3)], axis=1)
+
+
 class SceneDescription:
     """Keeps the arguments of every call by kind."""
 
     def __init__(self):
-        self.meshes, self.surfaces, self.materials, self.material_lists = [], [], [], []
+        self.meshes, self.surfaces, self.curves, self.materials, self.material_lists = [], [], [], [], []
         self.instances, self.lamps, self.images = None, [], []
         self.ray_interpolations, self.strands = [], []
         self.world = self.camera = None
@@ -96,6 +123,10 @@ class SceneDescription:
     def add_shape(self, shape):
         self.strands.append(shape.arguments)
         return self._shape("strands", shape.arguments)
+
+    def add_curve(self, curve):
+        self.curves.append(curve)
+        return self._shape("curve", curve)
 
     def add_material(self, name, surface, pass_index=0, volume=None):
         self.materials.append(dict(name=name, surface=surface, pass_index=pass_index, volume=volume))
@@ -209,7 +240,8 @@ def install():
     """Make the stand-in the core that the add-on loads."""
     module = types.ModuleType("rayleaf._core")
     items = (InputError, Program, NurbsSpline, Strands, SceneDescription, Settings, Session)
-    for item in (*items, RayInterpolation, VolumeVisualisation, RayCacheStore):
+    curves = (CurveSplines, SweptCurve, NurbsCurve)
+    for item in (*items, *curves, RayInterpolation, VolumeVisualisation, RayCacheStore):
         setattr(module, item.__name__, item)
     sys.modules["rayleaf._core"] = module
     import rayleaf

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import ExportCancelled
+from . import ExportCancelled, curves, surfaces
 from .random_numbers import random_of_name
 from .strands import hair_systems
-from .surfaces import fallback_reason
 
 # Instances between two looks at the Esc key: some 10 ms.
 _CANCEL_STRIDE = 10_000
@@ -21,6 +20,8 @@ VISIBLE_CAMERA, VISIBLE_DIFFUSE, VISIBLE_GLOSSY, VISIBLE_TRANSMISSION, VISIBLE_S
 
 # What has faces only through the mesh that Blender evaluates beside it.
 _WITH_MESH_TWIN = {"CURVE", "SURFACE", "FONT", "META"}
+# Of these, what the core can render from control points.
+_WITH_EXACT_FORM = {"SURFACE", "CURVE"}
 _UNSUPPORTED = {"VOLUME": "volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
 
 
@@ -29,7 +30,7 @@ class Group:
     """Instances that share geometry, materials and settings."""
 
     owner: Any  # the evaluated object whose settings count
-    data: Any  # what is rendered: a Mesh, or the SurfaceCurve of an exact surface
+    data: Any  # what is rendered: a Mesh, or the data of an exact surface or curve
     exact: bool  # splines, not a mesh
     from_owner: bool  # the data is the owner's own, so its material slots count
     members: list[int]  # places in the depsgraph's list of instances
@@ -62,7 +63,10 @@ class Instances:
 def _is_exact(owner: Any, known: dict[int, bool]) -> bool:
     pointer = owner.as_pointer()
     if pointer not in known:
-        known[pointer] = fallback_reason(owner) is None
+        if owner.type == "CURVE":
+            known[pointer] = curves.makes_faces(owner) and curves.fallback_reason(owner) is None
+        else:
+            known[pointer] = surfaces.fallback_reason(owner) is None
     return known[pointer]
 
 
@@ -126,10 +130,10 @@ def _new_group(item: Any, owner: Any, data: Any, exact: dict[int, bool], result:
     kind = item.type
     settings = item if owner is None else owner
     if kind == "MESH":
-        if settings.type == "SURFACE" and _is_exact(settings, exact):
+        if settings.type in _WITH_EXACT_FORM and _is_exact(settings, exact):
             return None  # the mesh beside exact splines
         return Group(settings, data, exact=False, from_owner=_is_own_data(settings, data), members=[])
-    if kind == "SURFACE" and _is_exact(settings, exact):
+    if kind in _WITH_EXACT_FORM and _is_exact(settings, exact):
         return Group(settings, data, exact=True, from_owner=True, members=[])
     if kind == "CURVES":
         return Group(settings, data, exact=False, from_owner=True, members=[])

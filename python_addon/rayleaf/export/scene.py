@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..messages import Messages
-from . import ExportCancelled, camera, instances, lights, meshes, ray_interpolation, strands, surfaces, world
+from . import ExportCancelled, camera, curves, instances, lights, meshes, ray_interpolation, strands, surfaces, world
 from .images import ImageLibrary
 from .instances import Group, Instances
 from .materials import MaterialLibrary, slots_of
@@ -21,7 +21,7 @@ _BYTES_PER_MEGABYTE = 1 << 20
 _INSTANCE_CHUNK = 100_000
 
 # Why objects of these types come as meshes.
-_EVALUATED_REASONS = {"CURVE": "curve", "FONT": "text", "META": "metaball"}
+_EVALUATED_REASONS = {"FONT": "text", "META": "metaball"}
 
 
 @dataclass
@@ -149,7 +149,8 @@ class SceneExporter:
             return None
 
     def _export_surface(self, group: Group) -> int | None:
-        shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages)
+        add = curves.add_curve if group.owner.type == "CURVE" else surfaces.add_surface
+        shape = add(self._core, self.scene, group.owner, self._messages)
         if shape is None:
             self.report.left_out.setdefault(group.owner.name, "no spline that can be rendered")
         return shape
@@ -179,8 +180,9 @@ class SceneExporter:
         if group.exact:
             if name not in self.report.exact:
                 self.report.exact.append(name)
-        elif kind == "SURFACE":
-            self.report.evaluated[name] = surfaces.fallback_reason(group.owner) or "geometry made by other means"
+        elif kind in ("SURFACE", "CURVE"):
+            reason = (curves if kind == "CURVE" else surfaces).fallback_reason(group.owner)
+            self.report.evaluated[name] = reason or "geometry made by other means"
         elif kind in _EVALUATED_REASONS:
             self.report.evaluated[name] = _EVALUATED_REASONS[kind]
 

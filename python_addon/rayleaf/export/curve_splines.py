@@ -1,0 +1,189 @@
+"""The splines of CURVE objects as plain arrays: up to millions of splines or points in seconds."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .curve_keys import ShapeKeys
+
+Doubles = NDArray[np.float64]
+
+# Settings that the core wants equal for splines given together, in this order in `SplineTable.settings`.
+_KINDS = ("BEZIER", "NURBS", "POLY")
+_INTERPOLATIONS = ("LINEAR", "CARDINAL", "BSPLINE", "EASE")
+KIND, CYCLIC, ORDER, ENDPOINT, BEZIER, RADIUS, TILT, RESOLUTION, MATERIAL, SMOOTH = range(10)
+
+
+@dataclass
+class SplineTable:
+    """All splines of a curve, their points end to end in the order of the splines."""
+
+    settings: NDArray[np.int32]  # (splines, 10): indices above; enumerations as places in _KINDS and _INTERPOLATIONS
+    counts: NDArray[np.int32]  # (splines,) points
+    points: Doubles  # (n, 4) x, y, z, weight
+    handles: Doubles  # (n, 2, 3) left, right; zero where there are none
+    radii: Doubles  # (n,)
+    tilts: Doubles  # (n,) radians
+    straight: NDArray[np.bool_]  # (n,) the segment that starts here has VECTOR handles at both sides
+
+    @cached_property
+    def firsts(self) -> NDArray[np.int64]:
+        """(splines,): where each spline's points begin."""
+        return np.concatenate([[0], np.cumsum(self.counts[:-1], dtype=np.int64)])
+
+    def kind(self, number: int) -> str:
+        """BEZIER, NURBS or POLY."""
+        return _KINDS[self.settings[number, KIND]]
+
+    def alone(self, number: int) -> "SplineTable":
+        """A table of one spline."""
+        one, part = slice(number, number + 1), self.part(number)
+        return SplineTable(
+            self.settings[one],
+            self.counts[one],
+            self.points[part],
+            self.handles[part],
+            self.radii[part],
+            self.tilts[part],
+            self.straight[part],
+        )
+
+    def part(self, number: int) -> slice:
+        """The points of one spline."""
+        first = int(self.firsts[number])
+        return slice(first, first + int(self.counts[number]))
+
+
+def _column(splines: Any, name: str, kind: Any) -> NDArray[np.int32]:
+    values = np.empty(len(splines), kind)
+    splines.foreach_get(name, values)
+    return values.astype(np.int32)
+
+
+def _settings(curve: Any) -> NDArray[np.int32]:
+    splines = curve.splines
+    kinds = {name: place for place, name in enumerate(_KINDS)}
+    modes = {name: place for place, name in enumerate(_INTERPOLATIONS)}
+    count = len(splines)
+    # Enumerations cannot be read together: Blender's foreach_get gives their bytes with what lies beside them.
+    columns = [
+        np.fromiter((kinds[spline.type] for spline in splines), np.int32, count),
+        _column(splines, "use_cyclic_u", bool),
+        _column(splines, "order_u", np.int32),
+        _column(splines, "use_endpoint_u", bool),
+        _column(splines, "use_bezier_u", bool),
+        np.fromiter((modes[spline.radius_interpolation] for spline in splines), np.int32, count),
+        np.fromiter((modes[spline.tilt_interpolation] for spline in splines), np.int32, count),
+        _column(splines, "resolution_u", np.int32),
+        _column(splines, "material_index", np.int32),
+        _column(splines, "use_smooth", bool),
+    ]
+    settings = np.stack(columns, axis=1)
+    if curve.render_resolution_u > 0:
+        settings[:, RESOLUTION] = curve.render_resolution_u
+    # What does not count must not part splines that could go together.
+    is_nurbs = settings[:, KIND] == kinds["NURBS"]
+    settings[np.ix_(~is_nurbs, (ORDER, ENDPOINT, BEZIER))] = (4, 0, 0)
+    settings[np.ix_(settings[:, KIND] != kinds["BEZIER"], (RADIUS, TILT))] = 0
+    return settings
+
+
+def _straight_segments(points: Any, count: int) -> NDArray[np.bool_]:
+    left = np.fromiter((point.handle_left_type == "VECTOR" for point in points), bool, count)
+    right = np.fromiter((point.handle_right_type == "VECTOR" for point in points), bool, count)
+    return right & np.roll(left, -1)
+
+
+def read_table(curve: Any, keys: ShapeKeys | None) -> SplineTable:
+    """The splines of an evaluated curve data block, with its shape keys mixed in."""
+    settings = _settings(curve)
+    counts = _column(curve.splines, "point_count_u", np.int32)
+    of_bezier = np.repeat(settings[:, KIND] == _KINDS.index("BEZIER"), counts)
+    read = _read_points(curve.splines, settings[:, KIND].tolist(), counts.tolist(), len(of_bezier))
+    points = read["points"].reshape(-1, 4)
+    points[of_bezier, :3] = read["positions"].reshape(-1, 3)[of_bezier]
+    points[of_bezier, 3] = 1.0
+    handles = np.stack([read["left"].reshape(-1, 3), read["right"].reshape(-1, 3)], axis=1)
+    table = SplineTable(
+        settings,
+        counts,
+        points.astype(np.float64),
+        handles.astype(np.float64),
+        read["radii"].astype(np.float64),
+        read["tilts"].astype(np.float64),
+        read["straight"],
+    )
+    if keys is not None:
+        keys.apply(table.points, table.handles, table.radii, table.tilts)
+        keys.resolve_handles(curve, table)
+    return table
+
+
+def _read_points(splines: Any, kinds: list[int], counts: list[int], total: int) -> dict[str, Any]:
+    """All that points have, flat and end to end. What a spline's kind has not stays zero."""
+    widths = {"points": 4, "positions": 3, "left": 3, "right": 3, "radii": 1, "tilts": 1}
+    arrays: dict[str, Any] = {name: np.zeros(total * width, np.float32) for name, width in widths.items()}
+    arrays["straight"] = np.zeros(total, bool)
+    points, positions, left, right, radii, tilts = (arrays[name] for name in widths)
+    bezier = _KINDS.index("BEZIER")
+    first = 0
+    for spline, kind, count in zip(splines, kinds, counts, strict=True):
+        end = first + count
+        if kind == bezier:
+            own = spline.bezier_points
+            own.foreach_get("co", positions[3 * first : 3 * end])
+            own.foreach_get("handle_left", left[3 * first : 3 * end])
+            own.foreach_get("handle_right", right[3 * first : 3 * end])
+            arrays["straight"][first:end] = _straight_segments(own, count)
+        else:
+            own = spline.points
+            own.foreach_get("co", points[4 * first : 4 * end])
+        own.foreach_get("radius", radii[first:end])
+        own.foreach_get("tilt", tilts[first:end])
+        first = end
+    return arrays
+
+
+def groups(table: SplineTable) -> Iterator[tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.bool_]]]:
+    """(settings, counts, which points): splines of equal settings together, in their order."""
+    # One number a spline, for numbers sort faster than rows.
+    largest = table.settings.max(axis=0, initial=0).astype(np.int64) + 1
+    numbers = np.ravel_multi_index(tuple(table.settings.T), tuple(largest)) if len(table.settings) else np.empty(0)
+    _, examples, inverse = np.unique(numbers, return_index=True, return_inverse=True)
+    of_points = np.repeat(inverse, table.counts)
+    for number, example in enumerate(examples):
+        yield table.settings[example], table.counts[inverse == number], of_points == number
+
+
+def send(core: ModuleType, table: SplineTable) -> list[Any]:
+    """The core's CurveSplines. Raises its InputError."""
+    result = []
+    for settings, counts, chosen in groups(table):
+        kind = _KINDS[settings[KIND]]
+        is_bezier = kind == "BEZIER"
+        result.append(
+            core.CurveSplines(
+                kind,
+                counts,
+                table.points[chosen],
+                handles=table.handles[chosen] if is_bezier else None,
+                radii=table.radii[chosen],
+                tilts=table.tilts[chosen],
+                straight=table.straight[chosen] if is_bezier else None,
+                order=int(settings[ORDER]),
+                cyclic=bool(settings[CYCLIC]),
+                endpoint=bool(settings[ENDPOINT]),
+                bezier=bool(settings[BEZIER]),
+                radius_interpolation=_INTERPOLATIONS[settings[RADIUS]],
+                tilt_interpolation=_INTERPOLATIONS[settings[TILT]],
+                resolution=int(settings[RESOLUTION]),
+                material_slot=int(settings[MATERIAL]),
+                smooth=bool(settings[SMOOTH]),
+            )
+        )
+    return result

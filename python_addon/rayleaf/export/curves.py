@@ -1,0 +1,184 @@
+"""CURVE objects as swept curves: which can be, and what the core needs of them.
+
+What Blender makes of each setting is told, and checked against Blender, by tests/blender/curve_reference.py.
+"""
+
+import math
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from .. import versions
+from ..messages import Messages
+from . import curve_splines
+from .curve_keys import ShapeKeys, has_aligned_handles
+from .curve_outlines import orient
+from .curve_splines import CYCLIC, KIND, RESOLUTION, SplineTable
+
+# Blender's fill modes of 2D curves, as the round bevel counts them.
+_FILLS = {"NONE": "FULL", "BOTH": "HALF"}
+
+
+def makes_faces(curve_object: Any) -> bool:
+    """Whether there is anything to sweep: without a profile, a curve is a thread."""
+    curve = curve_object.data
+    if curve.bevel_mode == "OBJECT":
+        return curve.bevel_object is not None and _has_splines(curve.bevel_object)
+    return curve.bevel_depth != 0.0 or curve.extrude != 0.0
+
+
+def _has_splines(bevel: Any) -> bool:
+    """Whether a bevel object is a plain curve; one that is bevelled itself counts for nothing in Blender."""
+    data = bevel.data
+    return bevel.type == "CURVE" and data.extrude == 0.0 and data.bevel_depth == 0.0 and len(data.splines) > 0
+
+
+def fallback_reason(curve_object: Any) -> str | None:
+    """Why an object must be taken as Blender's evaluated mesh; None if it can be sent as splines."""
+    curve = curve_object.data
+    reason = _deformed(curve_object)
+    if reason is not None:
+        return reason
+    if any(not spline.use_smooth for spline in curve.splines):
+        return "flat shading"
+    if curve.bevel_mode == "PROFILE" and curve.bevel_depth != 0.0:
+        return "custom bevel profile"
+    if curve.dimensions == "2D" and curve.fill_mode != "NONE" and _is_filled(curve):
+        return "filled area of a 2D curve"
+    if curve.dimensions == "3D" and curve.twist_mode == "TANGENT" and _has_undefined_tangents(curve):
+        return "tangent twist, which Blender leaves undefined on straight segments and NURBS"
+    if curve.bevel_mode == "OBJECT" and (_deformed(curve.bevel_object) or curve.bevel_object.data.offset != 0.0):
+        return "bevel object with a modifier, absolute shape keys or an offset"
+    taper = curve.taper_object
+    if taper is not None and taper.type == "CURVE" and (_deformed(taper) or not _is_thread(taper.data)):
+        return "taper object with a modifier, faces or absolute shape keys"
+    return None
+
+
+def _deformed(curve_object: Any) -> str | None:
+    """What keeps an object's control points from being the whole story."""
+    for modifier in curve_object.modifiers:
+        if modifier.show_render:
+            return f"modifier {modifier.name}"
+    keys = curve_object.data.shape_keys
+    if keys is not None:
+        if not keys.use_relative:
+            return "absolute shape keys"
+        if has_aligned_handles(curve_object.data):
+            return "shape keys with aligned handles"
+    return None
+
+
+def _is_filled(curve: Any) -> bool:
+    """Whether Blender fills the area between closed splines: not if every profile is closed itself."""
+    if not any(spline.use_cyclic_u for spline in curve.splines):
+        return False
+    if curve.bevel_mode != "OBJECT" or curve.bevel_object is None:
+        return True
+    return not all(spline.use_cyclic_u for spline in curve.bevel_object.data.splines)
+
+
+def _is_thread(curve: Any) -> bool:
+    closed = curve.dimensions == "2D" and curve.fill_mode != "NONE" and any(s.use_cyclic_u for s in curve.splines)
+    return not (closed or curve.extrude or curve.bevel_depth or curve.bevel_object or curve.offset)
+
+
+def _has_undefined_tangents(curve: Any) -> bool:
+    table = curve_splines.read_table(curve, None)
+    if (table.settings[:, KIND] != 0).any():
+        return True
+    straight = table.straight.copy()
+    # What follows the last point of an open spline is no segment.
+    straight[(table.firsts + table.counts - 1)[table.settings[:, CYCLIC] == 0]] = False
+    return bool(straight.any())
+
+
+def _table(curve_object: Any) -> SplineTable:
+    keys = curve_object.data.shape_keys
+    mixed = ShapeKeys(curve_object) if keys is not None and keys.key_blocks else None
+    return curve_splines.read_table(curve_object.data, mixed)
+
+
+def _profile(core: ModuleType, bevel: Any) -> list[Any]:
+    """The splines of a bevel object in profile coordinates: its x to the right of the curve, its y along the frame's Y."""
+    table = _table(bevel)
+    scale = np.array([-bevel.scale.x, bevel.scale.y, 0.0])
+    table.points[:, :3] *= scale
+    table.handles *= scale
+    return curve_splines.send(core, table)
+
+
+def _taper(core: ModuleType, taper: Any) -> Any | None:
+    """The first spline of a taper object that Blender draws; None if it has no length along x, or there is none."""
+    table = _table(taper)
+    for number, spline in enumerate(taper.data.splines):
+        alone = table.alone(number)
+        if len(alone.points) < 2:
+            continue
+        if spline.type == "NURBS":
+            curve = core.NurbsCurve(
+                alone.points, spline.order_u, spline.use_cyclic_u, spline.use_endpoint_u, spline.use_bezier_u
+            )
+            if curve.problem() is not None:
+                continue
+            ends = curve.to_bezier().positions(np.array([0.0, 1.0]))[:, 0]
+        else:
+            ends = alone.points[[0, -1], 0]
+        return curve_splines.send(core, alone)[0] if ends[1] > ends[0] else None
+    return None
+
+
+def _radius_without_taper(table: SplineTable, mode: str) -> None:
+    """A taper object without length counts as 1 everywhere."""
+    if mode == "OVERRIDE":
+        table.radii[:] = 1.0
+    elif mode == "ADD":
+        table.radii += 1.0
+
+
+def describe(core: ModuleType, curve_object: Any) -> Any:
+    """The core's SweptCurve of an object without fallback reason. Raises the core's InputError."""
+    curve = curve_object.data
+    table = _table(curve_object)
+    if curve.dimensions == "2D":
+        orient(core, table)
+    taper = None
+    if curve.taper_object is not None and curve.taper_object.type == "CURVE":
+        taper = _taper(core, curve.taper_object)
+        if taper is None:
+            _radius_without_taper(table, curve.taper_radius_mode)
+    own_profile = curve.bevel_mode == "OBJECT"
+    # Blender smooths by repeated averages, as many as smoothness times the resolution of the last spline.
+    resolution = max(1, int(table.settings[-1, RESOLUTION])) if len(table.settings) else 1
+    return core.SweptCurve(
+        curve_object.name,
+        curve_splines.send(core, table),
+        dimensions=curve.dimensions,
+        twist=curve.twist_mode,
+        closed_twist=versions.closed_twist(),
+        twist_smoothing=math.sqrt(max(curve.twist_smooth, 0.0) / (2.0 * resolution)),
+        bevel_depth=0.0 if own_profile else curve.bevel_depth,
+        extrude=0.0 if own_profile else curve.extrude,
+        offset=curve.offset,
+        fill=_FILLS.get(curve.fill_mode, curve.fill_mode),
+        bevel_resolution=curve.bevel_resolution,
+        profile=_profile(core, curve.bevel_object) if own_profile else None,
+        taper=taper,
+        taper_radius=curve.taper_radius_mode,
+        taper_fits_bevel=curve.use_map_taper,
+        bevel_start=curve.bevel_factor_start,
+        bevel_end=curve.bevel_factor_end,
+        start_mapping=curve.bevel_factor_mapping_start,
+        end_mapping=curve.bevel_factor_mapping_end,
+        fill_caps=curve.use_fill_caps,
+    )
+
+
+def add_curve(core: ModuleType, scene: Any, curve_object: Any, messages: Messages) -> int | None:
+    """Send a CURVE object; the shape's index, or None if nothing of it can be rendered."""
+    try:
+        return int(scene.add_curve(describe(core, curve_object)))
+    except core.InputError as error:
+        messages.warn(f"Object '{curve_object.name}': {error}; left out")
+        return None
