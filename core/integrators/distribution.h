@@ -11,6 +11,7 @@
 // With the same limits it estimates what path tracing does with at most one diffuse bounce.
 #pragma once
 
+#include "integrators/irradiance_cache.h"
 #include "integrators/path.h"
 #include "integrators/ray_counts.h"
 
@@ -24,8 +25,24 @@ struct DistributionSettings {
     IndirectLight indirect;
 };
 
+struct Branch;  // integrators/branch.h
+
+/// What all rays of a frame share.
+struct DistributionFrame {
+    const Scene& scene;
+    const DistributionSettings& settings;
+    const IrradianceCache* cache = nullptr;  ///< null: every hemisphere is sampled
+};
+
 /// What one camera ray and all that follow contribute to each pass that is on. Pure, but for adding to `counts`.
-PixelSample trace_distributed(const Scene& scene, const DistributionSettings& settings, const CameraRay& camera_ray,
-                              const Sampler& sampler, RayCounts& counts);
+PixelSample trace_distributed(const DistributionFrame& frame, const CameraRay& camera_ray, const Sampler& sampler,
+                              RayCounts& counts);
+
+/// What a ray of a hemisphere, scattered once by a white diffuse surface, brings to it. The settings must ask for light
+/// passes.
+HemisphereRay trace_hemisphere_ray(const DistributionFrame& frame, const Branch& ray, RayCounts& counts);
+
+/// False where hemisphere rays can find nothing that light sampling does not.
+bool hemisphere_brings_light(const DistributionFrame& frame);
 
 }  // namespace rayleaf

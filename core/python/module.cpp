@@ -4,6 +4,7 @@
 PYBIND11_MODULE(_core, module) {
     module.doc() = "Rayleaf's core: splines and meshes in, pixels out. Usable from plain Python.";
     rayleaf::bind_errors(module);
+    rayleaf::bind_distribution(module);
     rayleaf::bind_lights(module);
     rayleaf::bind_rays(module);
     rayleaf::bind_sampling(module);

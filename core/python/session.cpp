@@ -67,19 +67,27 @@ py::dict rays(const RenderStatistics& s) {
     return result;
 }
 
+/// Hemispheres of diffuse surfaces: those kept in the cache, and how those of the frame were answered.
+py::dict hemispheres(const RenderStatistics& s) {
+    using namespace py::literals;
+    return py::dict("sampled"_a = s.rays.hemispheres_sampled, "interpolated"_a = s.rays.hemispheres_interpolated,
+                    "records"_a = s.irradiance_records, "fill_seconds"_a = s.irradiance_seconds);
+}
+
 py::dict statistics(const Session& session) {
     using namespace py::literals;
     const RenderStatistics s = session.statistics();
     const TraceStatistics& t = s.trace;
     return py::dict(
         "time"_a = py::dict("build_seconds"_a = s.build_seconds, "render_seconds"_a = s.render_seconds),
-        "rays"_a = rays(s),
+        "rays"_a = rays(s), "hemispheres"_a = hemispheres(s),
         "geometry"_a = py::dict("shapes"_a = t.shapes, "instances"_a = t.instances, "triangles"_a = t.triangles,
                                 "subpatches"_a = t.subpatches, "grids_diced"_a = t.grids_diced,
                                 "limit_normals"_a = limit_normals(t.limit_normals)),
         "lights"_a = s.lights,
         "memory"_a = py::dict("shapes"_a = s.shape_bytes, "grids"_a = t.grid_bytes, "acceleration"_a = t.bvh_bytes,
-                              "lights"_a = s.light_bytes, "film"_a = s.film_bytes, "textures"_a = s.textures.bytes),
+                              "lights"_a = s.light_bytes, "film"_a = s.film_bytes, "irradiance"_a = s.irradiance_bytes,
+                              "textures"_a = s.textures.bytes),
         "left_out"_a = left_out(s, session));
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/random.h"
 #include "integrators/distribution.h"
+#include "integrators/irradiance_fill.h"
 #include "integrators/path.h"
 
 #include <chrono>
@@ -44,7 +45,7 @@ Settings validated(Settings settings) {
 struct Session::Frame {
     PixelFilter filter;
     PathSettings path;
-    DistributionSettings distribution;
+    DistributionFrame distribution;
     IntegratorKind integrator;
 };
 
@@ -84,10 +85,27 @@ void Session::render_building_first() {
 
 void Session::render_tiles() {
     const std::vector<Window> tiles = tiles_of(window(settings_), settings_.tile_size);
-    const Frame frame{PixelFilter(settings_.filter, settings_.filter_width), PathSettings(settings_), settings_,
+    const DistributionSettings distribution(settings_);
+    const std::unique_ptr<const IrradianceCache> cache = filled_cache();
+    const Frame frame{PixelFilter(settings_.filter, settings_.filter_width),
+                      PathSettings(settings_),
+                      {*scene_, distribution, cache.get()},
                       settings_.integrator};
     oneapi::tbb::parallel_for(
         size_t{0}, tiles.size(), [&](size_t i) { render_tile(tiles[i], frame); }, oneapi::tbb::simple_partitioner());
+}
+
+std::unique_ptr<const IrradianceCache> Session::filled_cache() {
+    if (settings_.integrator != IntegratorKind::Distribution || !settings_.irradiance_cache) return nullptr;
+    const auto start = std::chrono::steady_clock::now();
+    RayCounts counts;
+    std::unique_ptr<const IrradianceCache> cache = fill_irradiance_cache(*scene_, settings_, cancel_, counts);
+    add_counts(counts);
+    const std::scoped_lock lock(mutex_);
+    statistics_.irradiance_records = cache->size();
+    statistics_.irradiance_bytes = cache->bytes();
+    statistics_.irradiance_seconds = seconds_since(start);
+    return cache;
 }
 
 void Session::render_tile(const Window& tile, const Frame& frame) {
@@ -116,7 +134,7 @@ bool Session::render_pixel(int x, int y, const Frame& frame, PixelSums& sums, Ra
         const Vec2d place = Vec2d(x + 0.5, y + 0.5) + frame.filter.offset(sampler.get2(kFilterDimension));
         const CameraRay ray = scene_->camera().ray(place, sampler.get2(kLensDimension));
         const PixelSample value = frame.integrator == IntegratorKind::Distribution
-                                      ? trace_distributed(*scene_, frame.distribution, ray, sampler, counts)
+                                      ? trace_distributed(frame.distribution, ray, sampler, counts)
                                       : trace_path(*scene_, frame.path, ray, sampler);
         sums.add(value, settings_.passes);
     }

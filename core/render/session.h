@@ -3,6 +3,7 @@
 
 #include "base/cancel.h"
 #include "film/film.h"
+#include "integrators/irradiance_cache.h"
 #include "integrators/ray_counts.h"
 #include "ri_tree/ray_cache_store.h"
 #include "scene/description.h"
@@ -27,6 +28,8 @@ struct RenderStatistics {
     double build_seconds = 0, render_seconds = 0;
     uint64_t pixels = 0, paths = 0;
     RayCounts rays;  ///< of distribution ray tracing
+    size_t irradiance_records = 0, irradiance_bytes = 0;
+    double irradiance_seconds = 0;  ///< of the render
     TraceStatistics trace;
     TextureStore::Statistics textures;
     bool has_textures = false;
@@ -64,6 +67,8 @@ class Session {
 
     void render_building_first();
     void render_tiles();
+    /// Null where the settings want none.
+    std::unique_ptr<const IrradianceCache> filled_cache();
     struct Frame;  ///< what all tiles share
     void render_tile(const Window& tile, const Frame& frame);
     bool render_pixel(int x, int y, const Frame& frame, PixelSums& sums, RayCounts& counts) const;

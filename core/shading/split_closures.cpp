@@ -1,6 +1,7 @@
 #include "shading/split_closures.h"
 
 #include "shading/fresnel.h"
+#include "shading/lobe_frame.h"
 #include "shading/lobes.h"
 
 namespace rayleaf {
@@ -21,6 +22,23 @@ bool is_hemispherical(const Lobe& lobe) {
         default:
             return true;
     }
+}
+
+Color hemispherical_albedo(const Lobe& lobe, const Vec3f& outgoing) {
+    if (lobe.type == LobeType::Translucent) return lobe.weight;
+    if (lobe.type == LobeType::Diffuse && lobe.roughness == 0.0f) return lobe.weight;
+    // The mean over a grid of cosine-weighted directions; lobes of this class are smooth.
+    constexpr int kRings = 4, kSectors = 8;
+    const LobeFrame frame(lobe);
+    Color sum(0.0f);
+    for (int ring = 0; ring < kRings; ++ring)
+        for (int sector = 0; sector < kSectors; ++sector) {
+            const Vec3f local = cosine_hemisphere((static_cast<float>(ring) + 0.5f) / kRings,
+                                                  (static_cast<float>(sector) + 0.5f) / kSectors);
+            const LobeValue value = evaluate_lobe(lobe, outgoing, frame.to_world(local), Side::Reflected);
+            if (value.density > 0.0f) sum += value.value / value.density;
+        }
+    return sum / static_cast<float>(kRings * kSectors);
 }
 
 SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, const Vec3f& facet_normal) {

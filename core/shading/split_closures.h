@@ -28,6 +28,8 @@ class SplitClosures {
     void add_singular(const LobeSample& sample);
 };
 
+/// Share of light, alike from everywhere, that a lobe of `SplitClosures::diffuse` scatters to the viewer.
+Color hemispherical_albedo(const Lobe& lobe, const Vec3f& outgoing);
 /// True for lobes that `SplitClosures::diffuse` takes.
 bool is_hemispherical(const Lobe& lobe);
 

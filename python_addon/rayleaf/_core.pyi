@@ -490,6 +490,8 @@ def refracted_differential(
 ) -> list[list[float]]:
     """The differential after a refraction."""
 
+distribution: Any
+"""Parts of distribution ray tracing on arrays, for tests (core/python/distribution.cpp)."""
 trace: Any
 """Shapes and rays against them without a scene, for tests and benchmarks (core/python/trace.cpp)."""
 ri_tree: Any

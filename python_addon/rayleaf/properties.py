@@ -63,6 +63,18 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         name="Hemisphere Rays", description="Rays from a diffuse surface, per sample", default=16, min=1, max=4096
     )
     indirect: EnumProperty(name="Indirect Light", items=INDIRECT, default="COLOR_BLEEDING")  # type: ignore
+    use_irradiance_cache: BoolProperty(  # type: ignore
+        name="Irradiance Cache",
+        description="Sample hemispheres at few points before the frame, and interpolate between them",
+        default=False,
+    )
+    irradiance_error: FloatProperty(  # type: ignore
+        name="Error",
+        description="What interpolation may be wrong by; smaller takes more hemispheres",
+        default=0.2,
+        min=0.01,
+        max=1.0,
+    )
     occlusion_distance: FloatProperty(  # type: ignore
         name="Occlusion Distance",
         description="Farther things hide nothing in ambient occlusion, as light and as a pass; 0 for no limit",

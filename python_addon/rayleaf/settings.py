@@ -42,6 +42,8 @@ def core_settings(
         light_rays=own.light_rays,
         hemisphere_rays=own.hemisphere_rays,
         indirect=own.indirect,
+        irradiance_cache=own.use_irradiance_cache,
+        irradiance_error=own.irradiance_error,
         occlusion_distance=own.occlusion_distance,
         passes=[entry.identifier for entry in passes],
     )

@@ -100,6 +100,10 @@ class RAYLEAF_PT_integrator(_Panel, bpy.types.Panel):
             rays.prop(settings, "light_rays", text="Light")
             rays.prop(settings, "hemisphere_rays", text="Hemisphere")
             column.prop(settings, "indirect")
+            column.prop(settings, "use_irradiance_cache")
+            error = column.row()
+            error.enabled = settings.use_irradiance_cache
+            error.prop(settings, "irradiance_error")
         column.prop(settings, "occlusion_distance")
 
 

@@ -1,0 +1,117 @@
+#include "integrators/ambient_occlusion.h"
+#include "integrators/distribution_tracer.h"
+#include "integrators/scattered_differential.h"
+#include "integrators/shadow.h"
+
+namespace rayleaf {
+
+HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
+    const double reach = settings_.occlusion_distance;
+    const bool carries_light =
+        distribution_.indirect != IndirectLight::AmbientOcclusion && hemisphere_brings_light(frame_);
+    Ray limited = ray.ray;
+    if (!carries_light) limited.t_max = reach;
+    ++counts_[ray.use];
+    const std::optional<Hit> hit = scene_.tracer().closest_hit(limited, ray.bounces.ray_kind());
+    HemisphereRay result;
+    if (hit) result.inverse_distance = static_cast<float>(1.0 / hit->t);
+    limited.t_max = reach;
+    if (!hit || hit->t > reach)
+        result.light.free = Color(1.0f);
+    else if (scene_.has_transparency())
+        result.light.free = free_share(scene_, limited, ray.differential, ray.bounces.ray_kind(), ray.bounces.at(0),
+                                       ray.bounces.transparent_left());
+    if (carries_light) {
+        arrive(ray, hit);
+        follow_pending();
+        const auto color = [&](Pass pass) {
+            const Vec4f& value = light_.sample[pass];
+            return Color(value.x, value.y, value.z);
+        };
+        result.light.direct = color(Pass::diffuse_direct);
+        result.light.indirect = color(Pass::diffuse_indirect);
+    } else if (distribution_.indirect == IndirectLight::AmbientOcclusion && scene_.has_world()) {
+        result.light.direct =
+            result.light.free * scene_.world(Vec3f(ray.ray.direction), ray.differential, ray.bounces.at(0));
+    }
+    return result;
+}
+
+void DistributionTracer::add_occlusion(const Branch& branch, const Vertex& vertex) {
+    if (frame_.cache) {
+        const std::optional<HemisphereLight> cached =
+            frame_.cache->interpolate(vertex.point.position, facing_normal(vertex));
+        if (cached) return light_.sample.add(Pass::ambient_occlusion, cached->free / kPi);
+    }
+    const int count = rays(branch, distribution_.hemisphere_rays);
+    counts_[RayUse::Occlusion] += static_cast<uint64_t>(count);
+    light_.sample.add(Pass::ambient_occlusion,
+                      ambient_occlusion(scene_, settings_, vertex, branch.sampler,
+                                        dimension(branch.vertex, PathDimension::Occlusion), count));
+}
+
+void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Vertex& vertex,
+                                                 const SplitClosures& lobes) {
+    if (lobes.diffuse().size() == 0 || !hemisphere_brings_light(frame_)) return;
+    if (frame_.cache && add_cached_hemisphere(branch, vertex, lobes.diffuse())) {
+        ++counts_.hemispheres_interpolated;
+        return;
+    }
+    ++counts_.hemispheres_sampled;
+    const int count = rays(branch, distribution_.hemisphere_rays);
+    const uint32_t use = dimension(branch.vertex, PathDimension::Hemisphere);
+    for (int i = 0; i < count; ++i) {
+        const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
+        const std::optional<LobeSample> sample =
+            lobes.diffuse().sample(vertex.outgoing, vertex.point.facet_normal, sampler.get3(use));
+        if (!sample) continue;
+        Branch child = branch.scattered(vertex, lobes.diffuse(), *sample, count);
+        child.sampler = sampler;
+        child.differential =
+            hemisphere_differential(vertex.differential, sample->direction, kPi * sample->density, count);
+        child.departure.sampling = LightSampling::Alone;
+        child.spread = Spread::One;
+        child.use = RayUse::Hemisphere;
+        if (distribution_.indirect == IndirectLight::AmbientOcclusion)
+            add_unoccluded_world(child);
+        else
+            push(std::move(child));
+    }
+}
+
+void DistributionTracer::add_unoccluded_world(const Branch& child) {
+    ++counts_[child.use];
+    Ray ray = child.ray;
+    ray.t_max = settings_.occlusion_distance;
+    const PathState state = child.bounces.at(0);
+    const Color free =
+        free_share(scene_, ray, child.differential, child.bounces.ray_kind(), state, child.bounces.transparent_left());
+    if (is_black(free)) return;
+    add(child, free * scene_.world(Vec3f(ray.direction), child.differential, state), Pass::environment);
+}
+
+bool DistributionTracer::add_cached_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes) {
+    ByKind direct, indirect;
+    Color direct_sum(0.0f), indirect_sum(0.0f);
+    for (int i = 0; i < lobes.size(); ++i) {
+        const Lobe& lobe = lobes[i];
+        const bool far_side = lobe.type == LobeType::Translucent;
+        const std::optional<HemisphereLight> light =
+            frame_.cache->interpolate(vertex.point.position, far_side ? -lobe.normal : lobe.normal);
+        if (!light) return false;
+        const Color factor = branch.throughput * hemispherical_albedo(lobe, vertex.outgoing) / kPi;
+        direct[lobe.kind] += factor * light->direct;
+        indirect[lobe.kind] += factor * light->indirect;
+        direct_sum += factor * light->direct;
+        indirect_sum += factor * light->indirect;
+    }
+    const int count = branch.bounces.count();
+    const bool first = count == 0;
+    light_.add_scattered(direct_sum, count + 1, first ? shares_of(direct, direct_sum) : branch.first_shares,
+                         branch.share);
+    light_.add_scattered(indirect_sum, count + 2, first ? shares_of(indirect, indirect_sum) : branch.first_shares,
+                         branch.share);
+    return true;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,141 @@
+#include "integrators/distribution_tracer.h"
+#include "integrators/scattered_differential.h"
+#include "integrators/shadow.h"
+
+namespace rayleaf {
+
+void DistributionTracer::send_on(const Branch& branch, const Vertex& vertex) {
+    const SplitClosures lobes(vertex.closures, vertex.outgoing, vertex.point.facet_normal);
+    sample_lights(branch, vertex, lobes);
+    follow_singular(branch, vertex, lobes);
+    scatter_glossy(branch, vertex, lobes);
+    scatter_over_hemisphere(branch, vertex, lobes);
+}
+
+void DistributionTracer::add_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
+                                   const Color& value, const ByKind& shares, int count) {
+    const float each = 1.0f / static_cast<float>(count);
+    const Color arriving = branch.throughput * value * (light.radiance / light.density) * each;
+    if (is_black(arriving)) return;
+    ++counts_[RayUse::Shadow];
+    const Color free = shadow_transmittance(scene_, vertex.point, light,
+                                            shadow_differential(vertex.differential, light, count), branch.bounces);
+    if (is_black(free)) return;
+    if (branch.bounces.count() == 0)
+        light_.add_first(arriving * free, shares, branch.share * each);
+    else
+        light_.add_scattered(arriving * free, branch.bounces.count() + 1, branch.first_shares, branch.share * each);
+}
+
+LitClasses DistributionTracer::lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
+                                              const LightSample& light, int count) const {
+    const bool kinds = (branch.bounces.count() == 0 && settings_.light_passes) || light.visibility != kVisibleAll;
+    const auto lit = [&](const Closures& closures) {
+        if (closures.size() == 0) return LitLobes{};
+        return kinds ? lit_by_kind(vertex, closures, light) : lit_together(vertex, closures, light);
+    };
+    // Hemisphere rays leave sampled light to light sampling; with ambient occlusion, it leaves the world to them.
+    const bool occluded_world = light.world && distribution_.indirect == IndirectLight::AmbientOcclusion;
+    const LitLobes diffuse = occluded_world ? LitLobes{} : lit(lobes.diffuse());
+    LitLobes glossy = lit(lobes.glossy());
+    if (!light.delta && lobes.glossy().size() > 0) {
+        const auto glossy_rays = static_cast<float>(rays(branch, distribution_.glossy_rays));
+        glossy.value *= power_heuristic(static_cast<float>(count) * light.density, glossy_rays * glossy.density);
+    }
+    LitClasses sum{diffuse.value + glossy.value, {}};
+    if (!kinds) return sum;
+    ByKind parts;
+    for (const LobeKind kind : kLobeKinds)
+        parts[kind] = diffuse.value * diffuse.shares[kind] + glossy.value * glossy.shares[kind];
+    sum.shares = shares_of(parts, sum.value);
+    return sum;
+}
+
+void DistributionTracer::sample_lights(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes) {
+    if (scene_.lights().empty() || lobes.diffuse().size() + lobes.glossy().size() == 0) return;
+    const int count = rays(branch, distribution_.light_rays);
+    const uint32_t use = dimension(branch.vertex, PathDimension::Light);
+    for (int i = 0; i < count; ++i) {
+        const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
+        const std::optional<LightSample> light = scene_.lights().sample(vertex.point.position, sampler.get3(use));
+        if (!light) continue;
+        const LitClasses lit = lit_by_classes(branch, vertex, lobes, *light, count);
+        add_light(branch, vertex, *light, lit.value, lit.shares, count);
+    }
+}
+
+void DistributionTracer::follow_singular(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes) {
+    uint32_t number = 0;
+    for (const LobeSample& sample : lobes.singular()) {
+        Branch child = branch.scattered(vertex, vertex.closures, sample, 1);
+        child.sampler = branch.sampler.branch(0, 1, dimension(branch.vertex, PathDimension::Child) ^ (number++ << 24));
+        child.differential = glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, sample, 1);
+        child.use = RayUse::Specular;
+        push(std::move(child));
+    }
+}
+
+void DistributionTracer::scatter_glossy(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes) {
+    if (lobes.glossy().size() == 0) return;
+    const int count = rays(branch, distribution_.glossy_rays);
+    const uint32_t use = dimension(branch.vertex, PathDimension::Scatter);
+    for (int i = 0; i < count; ++i) {
+        const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
+        const std::optional<LobeSample> sample =
+            lobes.glossy().sample(vertex.outgoing, vertex.point.facet_normal, sampler.get3(use));
+        if (!sample) continue;
+        Branch child = branch.scattered(vertex, lobes.glossy(), *sample, count);
+        child.sampler = sampler;
+        child.differential = glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample, count);
+        child.departure.sampling = LightSampling::Weighed;
+        child.departure.density = static_cast<float>(count) * sample->density;
+        child.departure.light_rays = static_cast<float>(rays(branch, distribution_.light_rays));
+        child.use = RayUse::Glossy;
+        push(std::move(child));
+    }
+}
+
+void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& vertex) {
+    if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
+    const std::optional<LightSample> light = scene_.lights().sample(
+        vertex.point.position, branch.sampler.get3(dimension(branch.vertex, PathDimension::Light)));
+    if (!light) return;
+    const LitLobes lit = light->visibility != kVisibleAll ? lit_by_kind(vertex, vertex.closures, *light)
+                                                          : lit_together(vertex, vertex.closures, *light);
+    const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
+    add_light(branch, vertex, *light, lit.value * weight, {}, 1);
+}
+
+void DistributionTracer::send_one_on(const Branch& branch, const Vertex& vertex) {
+    const bool last = branch.bounces.is_last();
+    if (!last) sample_light_once(branch, vertex);
+    const float through = max_component(vertex.closures.transparency);
+    float scattering = 0.0f;
+    for (int i = 0; i < vertex.closures.size() && !last; ++i) scattering += max_component(vertex.closures[i].weight);
+    const float straight = through > 0.0f ? through / (through + scattering) : 0.0f;
+    if (straight > 0.0f && branch.random(PathDimension::Transparency) < straight) {
+        Branch child = branch.straight_on(vertex);
+        child.throughput /= straight;
+        return push(std::move(child));
+    }
+    if (last) return;
+    const std::optional<LobeSample> sample =
+        vertex.closures.sample(vertex.outgoing, vertex.point.facet_normal,
+                               branch.sampler.get3(dimension(branch.vertex, PathDimension::Scatter)));
+    if (!sample) return;
+    Branch child = branch.scattered(vertex, vertex.closures, *sample, 1);
+    child.throughput /= 1.0f - straight;
+    child.differential = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
+    if (!sample->singular) {
+        child.departure.sampling = LightSampling::Weighed;
+        child.departure.density = sample->density;
+    }
+    child.use = RayUse::Indirect;
+    push(std::move(child));
+}
+
+void DistributionTracer::push(Branch&& branch) {
+    if (survives(branch, settings_)) pending_.push_back(std::move(branch));
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,79 @@
+// The tree of rays that one camera ray grows (integrators/distribution.h); shared by the files that grow it.
+#pragma once
+
+#include "integrators/branch.h"
+#include "integrators/distribution.h"
+#include "shading/split_closures.h"
+
+#include <vector>
+
+namespace rayleaf {
+
+/// What both classes of rough lobes make of a sampled light.
+struct LitClasses {
+    Color value{0, 0, 0};
+    ByKind shares;
+};
+
+class DistributionTracer {
+  public:
+    DistributionTracer(const DistributionFrame& frame, RayCounts& counts)
+        : frame_(frame),
+          scene_(frame.scene),
+          distribution_(frame.settings),
+          settings_(frame.settings.path),
+          counts_(counts),
+          light_(frame.settings.path) {}
+
+    PixelSample trace(const Branch& camera);
+    HemisphereRay trace_hemisphere(const Branch& ray);
+
+  private:
+    const DistributionFrame& frame_;
+    const Scene& scene_;
+    const DistributionSettings& distribution_;
+    const PathSettings& settings_;
+    RayCounts& counts_;
+    Contributions light_;
+    std::vector<Branch> pending_;  ///< last in, first out
+    float alpha_ = 1;
+    bool surface_recorded_ = false;
+
+    void follow_pending();
+    /// What the ray meets at its end.
+    void arrive(const Branch& branch, const std::optional<Hit>& hit);
+    /// Records light that a ray met, before its throughput; `seen` is its pass where the camera sees it.
+    void add(const Branch& branch, const Color& radiance, Pass seen);
+    void add_lamps(const Branch& branch, double t_max);
+    void add_world(const Branch& branch);
+    void add_emission(const Branch& branch, const Vertex& vertex);
+    void record_surface(const Branch& branch, const Vertex& vertex);
+
+    /// Number of rays of a kind of which `wanted` are set.
+    int rays(const Branch& branch, int wanted) const {
+        return branch.spread == Spread::One
+                   ? 1
+                   : std::max(1, static_cast<int>(std::lround(static_cast<float>(wanted) * branch.share)));
+    }
+    void send_on(const Branch& branch, const Vertex& vertex);
+    void add_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Color& value,
+                   const ByKind& shares, int count);
+    LitClasses lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
+                              const LightSample& light, int count) const;
+    void sample_lights(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
+    void follow_singular(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
+    void scatter_glossy(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
+    void scatter_over_hemisphere(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
+    void add_unoccluded_world(const Branch& child);
+    /// True where the cache answered for all lobes.
+    bool add_cached_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes);
+    void add_occlusion(const Branch& branch, const Vertex& vertex);
+
+    void sample_light_once(const Branch& branch, const Vertex& vertex);
+    void send_one_on(const Branch& branch, const Vertex& vertex);
+
+    /// Takes a ray up, unless it is black or, being dim, ends by chance.
+    void push(Branch&& branch);
+};
+
+}  // namespace rayleaf
