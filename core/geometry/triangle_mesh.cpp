@@ -47,7 +47,8 @@ Vec3f float_or_zero(const Vec3d& v) {
 
 }  // namespace
 
-TriangleMesh::TriangleMesh(TriangleMeshArrays arrays) : Shape(ShapeKind::TriangleMesh, std::move(arrays.name)) {
+TriangleMesh::TriangleMesh(TriangleMeshArrays arrays)
+    : Shape(ShapeKind::TriangleMesh, std::move(arrays.name)), layout_(arrays.layout) {
     require_multiple_of_three(name(), "vertices", arrays.vertices.size());
     require_finite(name(), "vertices", arrays.vertices);
     const size_t count = arrays.vertices.size() / 3;

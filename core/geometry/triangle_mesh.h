@@ -26,6 +26,9 @@ struct CornerAttribute {
     std::vector<float> values;
 };
 
+/// Quads: triangles 2 k and 2 k + 1 make the quadrangle a b c d as (a, b, d) and (c, d, b), and are traced as one.
+enum class FacetLayout : uint8_t { Triangles, Quads };
+
 /// What a mesh is made of; the spans are read during construction only.
 struct TriangleMeshArrays {
     std::string name;                         ///< for messages
@@ -35,6 +38,7 @@ struct TriangleMeshArrays {
     std::span<const int32_t> material_slots;  ///< one a triangle; empty: slot 0 everywhere
     AttributeId active_uv = kNoAttribute;  ///< the attribute that is the surface's `uv`; the first two channels count
     std::vector<CornerAttribute> attributes;
+    FacetLayout layout = FacetLayout::Triangles;
 };
 
 class TriangleMesh final : public Shape {
@@ -55,8 +59,10 @@ class TriangleMesh final : public Shape {
     /// Vertex indices; those of a triangle without area are all equal.
     const std::vector<std::array<uint32_t, 3>>& triangles() const { return triangles_; }
     FacetCorners corners(uint32_t triangle) const;
+    FacetLayout layout() const { return layout_; }
 
   private:
+    FacetLayout layout_;
     std::vector<Vec3f> vertices_;
     std::vector<std::array<uint32_t, 3>> triangles_;
     std::vector<Vec3f> corner_normals_;  ///< unit; empty: flat

@@ -1,5 +1,6 @@
 #include "geometry/strands.h"
 
+#include "geometry/curve_fits.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 
@@ -16,11 +17,12 @@ constexpr std::pair<const char*, StrandForm> kForms[] = {{"ROUND", StrandForm::R
                                                          {"RIBBON", StrandForm::Ribbon},
                                                          {"SPHERES", StrandForm::Spheres},
                                                          {"EMBREE_ROUND", StrandForm::EmbreeRound}};
-constexpr std::pair<const char*, AttributeId StrandInfoIds::*> kInfos[] = {
-    {"IS_STRAND", &StrandInfoIds::is_strand},
-    {"INTERCEPT", &StrandInfoIds::intercept},
-    {"LENGTH", &StrandInfoIds::length},
-    {"THICKNESS", &StrandInfoIds::thickness}};
+constexpr std::pair<const char*, FacetLayout> kLayouts[] = {{"TRIANGLES", FacetLayout::Triangles},
+                                                            {"QUADS", FacetLayout::Quads}};
+constexpr std::pair<const char*, AttributeId StrandInfoIds::*> kInfos[] = {{"IS_STRAND", &StrandInfoIds::is_strand},
+                                                                           {"INTERCEPT", &StrandInfoIds::intercept},
+                                                                           {"LENGTH", &StrandInfoIds::length},
+                                                                           {"THICKNESS", &StrandInfoIds::thickness}};
 
 template <typename Value, size_t N>
 Value named(const std::string& object, const char* argument, const std::string& name,
@@ -78,6 +80,18 @@ void bind_strands(py::module_& module) {
              "form"_a = "ROUND", "cyclic"_a = py::none(), "material_slots"_a = py::none(), "spheres_per_segment"_a = 16,
              "uv"_a = -1, "attributes"_a = Attributes(), "point_attributes"_a = Attributes(),
              "info"_a = std::map<std::string, int>());
+    module.def(
+        "strand_tubes",
+        [](const Strands& strands, int rings, int sides, const std::string& facets) {
+            return strand_tubes(strands, rings, sides, named(strands.name(), "facets", facets, kLayouts));
+        },
+        "strands"_a, "rings"_a, "sides"_a, "facets"_a = "TRIANGLES");
+    module.def(
+        "strands_along",
+        [](const SweptCurveDescription& curve, const std::string& form, int spheres_per_segment) {
+            return strands_along(curve, named(curve.name, "form", form, kForms), spheres_per_segment);
+        },
+        "curve"_a, "form"_a = "ROUND", "spheres_per_segment"_a = 16);
 }
 
 }  // namespace rayleaf

@@ -1,17 +1,13 @@
 #include "trace/tracer.h"
 
 #include "base/error.h"
-#include "tessellation/patch_dicer.h"
-#include "tessellation/swept_dicer.h"
 #include "trace/dicing.h"
 #include "trace/embree.h"
 #include "trace/float_environment.h"
-#include "trace/grid_scene.h"
 #include "trace/instance_record.h"
 #include "trace/local_ray.h"
+#include "trace/make_scene.h"
 #include "trace/shape_scene.h"
-#include "trace/strand_scene.h"
-#include "trace/triangle_scene.h"
 
 #include <array>
 #include <unordered_map>
@@ -27,20 +23,6 @@ constexpr size_t kDirectInstances = 3;
 
 /// The longest edge a world box may have: products of such lengths still fit a double.
 constexpr double kLargestExtent = 1e100;
-
-std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {
-    cancel.throw_if_cancelled();
-    if (shape.kind() == ShapeKind::TriangleMesh)
-        return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape), cancel);
-    if (shape.kind() == ShapeKind::Strands)
-        return std::make_unique<StrandScene>(static_cast<const Strands&>(shape), cancel);
-    std::unique_ptr<const Dicer> dicer;
-    if (shape.kind() == ShapeKind::SweptSurface)
-        dicer = std::make_unique<SweptDicer>(static_cast<const SweptSurface&>(shape), tolerance);
-    else
-        dicer = std::make_unique<PatchDicer>(static_cast<const PatchSurface&>(shape), tolerance);
-    return std::make_unique<GridScene>(shape, std::move(dicer), cancel);
-}
 
 }  // namespace
 

@@ -9,8 +9,14 @@ const TriangleMesh& mesh_of(const RTCFilterFunctionNArguments* arguments) {
 
 bool offer(const RTCFilterFunctionNArguments* arguments) {
     ShapeQuery& query = ShapeQuery::of(arguments->context);
-    const uint32_t triangle = RTCHitN_primID(arguments->hit, arguments->N, 0);
-    return query.offer({triangle, 0}, mesh_of(arguments).corners(triangle));
+    const TriangleMesh& mesh = mesh_of(arguments);
+    uint32_t triangle = RTCHitN_primID(arguments->hit, arguments->N, 0);
+    if (mesh.layout() == FacetLayout::Quads) {
+        RTCHitN* hit = arguments->hit;
+        const bool is_second = RTCHitN_u(hit, arguments->N, 0) + RTCHitN_v(hit, arguments->N, 0) > 1.0f;
+        triangle = 2 * triangle + (is_second ? 1 : 0);
+    }
+    return query.offer({triangle, 0}, mesh.corners(triangle));
 }
 
 void filter_closest(const RTCFilterFunctionNArguments* arguments) {
@@ -27,19 +33,42 @@ void filter_any(const RTCFilterFunctionNArguments* arguments) {
     if (arguments->valid[0] != 0 && !offer(arguments)) arguments->valid[0] = 0;
 }
 
+void set_triangles(RTCGeometry geometry, const TriangleMesh& mesh) {
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles().data(), 0,
+                               sizeof(mesh.triangles()[0]), mesh.triangles().size());
+}
+
+/// Embree splits a quadrangle as the mesh does.
+void set_quads(RTCGeometry geometry, const TriangleMesh& mesh) {
+    const size_t count = mesh.triangles().size() / 2;
+    auto* quads = static_cast<std::array<uint32_t, 4>*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(std::array<uint32_t, 4>), count));
+    for (size_t i = 0; quads && i < count; ++i) {
+        const std::array<uint32_t, 3>&first = mesh.triangles()[2 * i], &second = mesh.triangles()[2 * i + 1];
+        const bool first_is_point = first[0] == first[1] && first[1] == first[2];
+        if (first_is_point)
+            quads[i] = {first[0], second[2], second[0], second[1]};
+        else
+            quads[i] = {first[0], first[1], second[0], first[2]};
+    }
+}
+
 }  // namespace
 
 TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel)
     : ShapeScene(mesh, FacetKind::Triangles), mesh_(&mesh) {
     if (mesh.triangles().empty()) return;
-    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    const bool quads = mesh.layout() == FacetLayout::Quads;
+    RTCGeometry geometry = rtcNewGeometry(embree_device(), quads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
     // Embree reads 16 bytes at the last vertex, so it gets a copy of its own with room behind.
     const size_t count = mesh.vertices().size();
     auto* vertices = static_cast<Vec3f*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), count));
     if (vertices) std::copy(mesh.vertices().begin(), mesh.vertices().end(), vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles().data(), 0,
-                               sizeof(mesh.triangles()[0]), mesh.triangles().size());
+    if (quads)
+        set_quads(geometry, mesh);
+    else
+        set_triangles(geometry, mesh);
     rtcSetGeometryUserData(geometry, const_cast<TriangleMesh*>(&mesh));
     rtcSetGeometryIntersectFilterFunction(geometry, filter_closest);
     rtcSetGeometryOccludedFilterFunction(geometry, filter_any);

@@ -316,6 +316,12 @@ class Strands:
         info: dict[str, int] = {},
     ) -> None: ...
 
+def strand_tubes(strands: Strands, rings: int, sides: int, facets: str = "TRIANGLES") -> Any:
+    """A tube of TRIANGLES or QUADS along every strand: rings a segment, sides a ring."""
+
+def strands_along(curve: SweptCurve, form: str = "ROUND", spheres_per_segment: int = 16) -> Strands | None:
+    """The strands along a bevelled curve's axes; None unless its profile is one full circle."""
+
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
 

@@ -142,8 +142,8 @@ class SceneExporter:
         if dropped:
             self._messages.warn(f"Object '{name}': {dropped} strands have points that are not finite; left out")
         try:
-            form = strands.strand_form(self._blender_scene.rayleaf)
-            return strands.add_strands(self._core, self.scene, name, arrays, form, wanted)
+            settings = strands.curve_settings(self._blender_scene.rayleaf)
+            return strands.add_strands(self._core, self.scene, name, arrays, settings, wanted)
         except self._core.InputError as error:
             self._leave_out(name, str(error))
             return None

@@ -54,24 +54,22 @@ def add_strands(
     if STRAND_RANDOM in wanted:
         arrays.attributes[STRAND_RANDOM] = random_of_index(arrays.count)[:, None]
     has_uv = ACTIVE_UV in arrays.attributes or ACTIVE_UV in arrays.point_attributes
-    return int(
-        scene.add_shape(
-            core.Strands(
-                name,
-                arrays.points,
-                arrays.radii,
-                arrays.offsets,
-                basis=arrays.basis,
-                form=form,
-                cyclic=arrays.cyclic,
-                material_slots=np.full(arrays.count, arrays.material_slot, np.int32),
-                uv=scene.attribute(ACTIVE_UV) if has_uv else -1,
-                attributes=by_id(arrays.attributes),
-                point_attributes=by_id(arrays.point_attributes),
-                info={key: scene.attribute(value) for key, value in STRAND_INFO.items() if value in wanted},
-            )
-        )
+    strands = core.Strands(
+        name,
+        arrays.points,
+        arrays.radii,
+        arrays.offsets,
+        basis=arrays.basis,
+        form=settings.form,
+        cyclic=arrays.cyclic,
+        material_slots=np.full(arrays.count, arrays.material_slot, np.int32),
+        spheres_per_segment=settings.detail,
+        uv=scene.attribute(ACTIVE_UV) if has_uv else -1,
+        attributes=by_id(arrays.attributes),
+        point_attributes=by_id(arrays.point_attributes),
+        info={key: scene.attribute(value) for key, value in STRAND_INFO.items() if value in wanted},
     )
+    return int(scene.add_shape(settings.of_strands(core, strands)))
 
 
 def without_bad_points(arrays: StrandArrays) -> int:
@@ -238,8 +236,3 @@ def _take_attribute(arrays: StrandArrays, data: Any, name: str) -> None:
     values = flat_values(data.attributes, name, "POINT")
     if values is not None:
         arrays.point_attributes[name] = values
-
-
-def strand_form(settings: Any) -> str:
-    """The core's form of strands for the scene's settings: the primitive to compare with, or the shape."""
-    return settings.strand_shape if settings.curve_primitive == "EXACT" else settings.curve_primitive

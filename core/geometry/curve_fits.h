@@ -1,0 +1,25 @@
+// The same curves as other primitives, to compare with: strands as tubes of facets, round bevelled curves as strands.
+#pragma once
+
+#include "geometry/strands.h"
+#include "geometry/swept_surface.h"
+#include "geometry/triangle_mesh.h"
+
+#include <memory>
+#include <optional>
+
+namespace rayleaf {
+
+/// More sides or rings a segment would not be told apart from the round tube.
+inline constexpr int kMostTubeDetail = 4096;
+
+/// A tube along every strand: `rings` rings a segment, `sides` vertices a ring, smooth normals, open at its ends.
+/// Attributes of strands are not carried over.
+std::shared_ptr<TriangleMesh> strand_tubes(const Strands& strands, int rings, int sides, FacetLayout layout);
+
+/// The strands along the axes of a bevelled curve whose profile is one full circle; empty where it is not. Segments
+/// with weights are followed at their pieces' ends and in the directions there. `spheres` a segment, of the form
+/// Spheres.
+std::shared_ptr<Strands> strands_along(const SweptCurveDescription& curve, StrandForm form, int spheres);
+
+}  // namespace rayleaf

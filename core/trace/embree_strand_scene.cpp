@@ -1,0 +1,65 @@
+#include "trace/embree_strand_scene.h"
+
+#include <algorithm>
+
+namespace rayleaf {
+
+EmbreeStrandScene::EmbreeStrandScene(const Strands& strands, const CancelToken& cancel)
+    : ShapeScene(strands, FacetKind::Strands), strands_(&strands) {
+    const uint32_t count = strands.element_count();
+    if (count == 0) return;
+    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE);
+    constexpr size_t kPoints = 4;
+    auto* points = static_cast<Vec4f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                                                               sizeof(Vec4f), kPoints * count));
+    auto* indices = static_cast<uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, sizeof(uint32_t), count));
+    for (uint32_t i = 0; i < count; ++i) {
+        const StrandSegment segment = strands.segment(i);
+        for (const StrandPoint& point : segment.points) *points++ = Vec4f(point);
+        indices[i] = kPoints * i;
+    }
+    EmbreeScene scene = new_embree_scene(cancel);
+    build_embree_scene(scene, geometry);
+    set_scene(std::move(scene), strands.bounds());
+}
+
+std::optional<ShapeHit> EmbreeStrandScene::closest(const LocalRay& ray) const {
+    EmbreeContext context;
+    initialize(context);
+    RTCRayHit found = ray.embree_ray_hit();
+    // No double precision decides about hits before the true start, so the ray begins there.
+    found.ray.tnear = std::max(0.0f, static_cast<float>((ray.t_min - ray.start) * ray.speed));
+    embree_closest(embree_scene(), context, found);
+    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    ShapeHit hit;
+    hit.facet = {found.hit.primID, 0};
+    hit.point.t = std::clamp(ray.start + double{found.ray.tfar} / ray.speed, ray.t_min, ray.t_max);
+    hit.point.u = found.hit.u;
+    hit.point.position = ray.origin + ray.direction * hit.point.t;
+    hit.normal = normalized_or(Vec3d(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z), Vec3d(0, 0, 1));
+    return hit;
+}
+
+bool EmbreeStrandScene::occluded(const LocalRay& ray) const {
+    EmbreeContext context;
+    initialize(context);
+    RTCRay embree_ray = ray.embree_ray();
+    embree_ray.tnear = std::max(0.0f, static_cast<float>((ray.t_min - ray.start) * ray.speed));
+    embree_any(embree_scene(), context, embree_ray);
+    return embree_ray.tfar < 0.0f;
+}
+
+LocalHit EmbreeStrandScene::local_hit(const ShapeHit& hit) const {
+    LocalHit local;
+    const double s = std::clamp(hit.point.u, 0.0, 1.0);
+    local.primitive = hit.facet.primitive;
+    local.u = static_cast<float>(s);
+    local.position = hit.point.position;
+    local.normal = Vec3f(hit.normal);
+    const Vec3d along = axis_point(strands_->segment(local.primitive).derivative(s));
+    local.v = wall_angle(normalized_or(along, Vec3d(0, 0, 1)), hit.normal);
+    return local;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,29 @@
+#include "trace/make_scene.h"
+
+#include "tessellation/patch_dicer.h"
+#include "tessellation/swept_dicer.h"
+#include "trace/embree_strand_scene.h"
+#include "trace/grid_scene.h"
+#include "trace/strand_scene.h"
+#include "trace/triangle_scene.h"
+
+namespace rayleaf {
+
+std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {
+    cancel.throw_if_cancelled();
+    if (shape.kind() == ShapeKind::TriangleMesh)
+        return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape), cancel);
+    if (shape.kind() == ShapeKind::Strands) {
+        const auto& strands = static_cast<const Strands&>(shape);
+        if (strands.form() == StrandForm::EmbreeRound) return std::make_unique<EmbreeStrandScene>(strands, cancel);
+        return std::make_unique<StrandScene>(strands, cancel);
+    }
+    std::unique_ptr<const Dicer> dicer;
+    if (shape.kind() == ShapeKind::SweptSurface)
+        dicer = std::make_unique<SweptDicer>(static_cast<const SweptSurface&>(shape), tolerance);
+    else
+        dicer = std::make_unique<PatchDicer>(static_cast<const PatchSurface&>(shape), tolerance);
+    return std::make_unique<GridScene>(shape, std::move(dicer), cancel);
+}
+
+}  // namespace rayleaf
