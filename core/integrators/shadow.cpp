@@ -3,9 +3,21 @@
 namespace rayleaf {
 namespace {
 
-Ray shadow_ray(const SurfacePoint& point, const LightSample& light) {
+/// Where a shadow ray starts. Near the terminator a facet may face away from a light that the surface itself still
+/// sees. The facet's point would then lie in its own shadow, in steps as large as facets; the surface's own point lies
+/// outside all facets around it where the surface is convex.
+Vec3d shadow_origin(const SurfacePoint& point, const Vec3f& direction) {
+    const bool seen_by_surface = direction.dot(point.normal) > 0.0f;
+    if (seen_by_surface == (direction.dot(point.facet_normal) > 0.0f)) return point.ray_origin(direction);
+    const Vec3d side = Vec3d(point.normal) * (seen_by_surface ? 1.0 : -1.0);
+    if (!((point.position - point.facet_position).dot(side) > 0.0)) return point.ray_origin(direction);
+    return point.position + side * point.start_offset;
+}
+
+Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias) {
     Ray ray;
-    ray.origin = point.ray_origin(light.direction);
+    ray.t_min = bias;
+    ray.origin = shadow_origin(point, light.direction);
     ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
     if (!std::isfinite(light.distance)) return ray;
     // From the very start to the very end, both off their facets: a ray parallel to the sampled direction would miss
@@ -36,6 +48,7 @@ Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visi
         if (!(max_component(transmittance) > 0.0f)) return Color(0.0f);
         ++state.transparent_depth;
         const Vec3d origin = point.ray_origin(Vec3f(ray.direction));
+        ray.t_min = 0;
         ray.t_max -= (origin - ray.origin).dot(ray.direction);
         ray.origin = origin;
     }
@@ -44,7 +57,7 @@ Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visi
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
                            const RayDifferential& differential, const Bounces& bounces) {
     if (!light.casts_shadow) return Color(1.0f);
-    const Ray ray = shadow_ray(point, light);
+    const Ray ray = shadow_ray(point, light, scene.shadow_bias());
     if (!(ray.t_max > 0)) return Color(1.0f);
     return free_share(scene, ray, differential, kVisibleShadow, bounces.of_shadow_ray(), bounces.transparent_left());
 }

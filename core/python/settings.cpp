@@ -88,6 +88,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("transmission_bounces", &Settings::transmission_bounces)
         .def_readwrite("transparent_bounces", &Settings::transparent_bounces)
         .def_readwrite("roulette_start", &Settings::roulette_start)
+        .def_readwrite("shadow_bias", &Settings::shadow_bias)
         .def_readwrite("clamp_direct", &Settings::clamp_direct)
         .def_readwrite("clamp_indirect", &Settings::clamp_indirect)
         .def_readwrite("film_transparent", &Settings::film_transparent)

@@ -45,7 +45,8 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     : materials_(description.materials),
       lists_(description.material_lists),
       world_(description.world),
-      textures_(description.existing_textures()) {
+      textures_(description.existing_textures()),
+      shadow_bias_(settings.shadow_bias) {
     validate(settings);
     camera_ = std::make_unique<Camera>(required_camera(description), settings.width, settings.height);
     commit_materials(description);

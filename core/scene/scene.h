@@ -38,6 +38,8 @@ class Scene {
     float object_index(uint32_t instance) const { return infos_[instance].object_index; }
     /// Whether any material lets light straight through, so that shadow rays have to ask.
     bool has_transparency() const { return has_transparency_; }
+    /// World units (scene/settings.h).
+    double shadow_bias() const { return shadow_bias_; }
     bool has_world() const { return world_ != nullptr; }
 
   private:
@@ -51,6 +53,7 @@ class Scene {
     std::unique_ptr<Tracer> tracer_;
     std::unique_ptr<LightSet> lights_;
     bool has_transparency_ = false;
+    double shadow_bias_ = 0;
 
     void commit_materials(const SceneDescription& description);
     void commit_lights(const SceneDescription& description);

@@ -33,6 +33,7 @@ void validate(const Settings& s) {
     check("transmission bounces", s.transmission_bounces, 0, 1024);
     check("transparent bounces", s.transparent_bounces, 0, 1024);
     check("roulette start", s.roulette_start, 0, 1024);
+    check("shadow bias", s.shadow_bias, 0, 1e30);
     check("clamp direct", s.clamp_direct, 0, 1e30);
     check("clamp indirect", s.clamp_indirect, 0, 1e30);
     check("occlusion distance", s.occlusion_distance, 0, 1e30);

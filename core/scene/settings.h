@@ -34,6 +34,9 @@ struct Settings {
     int max_bounces = 12, diffuse_bounces = 4, glossy_bounces = 4, transmission_bounces = 12, transparent_bounces = 8;
     int roulette_start = 3;                       ///< bounces after which Russian roulette may end a path
     float clamp_direct = 0, clamp_indirect = 10;  ///< largest component of one contribution; 0: no limit
+    /// What is nearer than this to the start of a shadow ray casts no shadow, world units. 0: everything casts shadows,
+    /// and surfaces need no more to be free of acne. For pictures like those of older ray tracers.
+    double shadow_bias = 0;
     bool film_transparent = false;
     PixelFilterKind filter = PixelFilterKind::BlackmanHarris;
     float filter_width = 1.5f;  ///< pixels, as Blender's panel counts it (film/pixel_filter.h)
@@ -44,8 +47,8 @@ struct Settings {
     // Of distribution ray tracing: rays from one surface point of a sample, and what for.
     int glossy_rays = 4, light_rays = 4, hemisphere_rays = 16;
     IndirectLight indirect = IndirectLight::ColorBleeding;
-    bool irradiance_cache = false;  ///< sample hemispheres at few points and interpolate
-    float irradiance_error = 0.2f;  ///< that interpolation may make, relative (Ward and Heckbert 1992's a)
+    bool irradiance_cache = false;       ///< sample hemispheres at few points and interpolate
+    float irradiance_error = 0.2f;       ///< that interpolation may make, relative (Ward and Heckbert 1992's a)
     RayInterpolation ray_interpolation;  ///< of objects without one of their own
 
     std::vector<Pass> passes = {Pass::combined};

@@ -42,6 +42,19 @@ PieceNeed need_of(const SweepPath& path, const SweepPiece& piece, double extent,
     PieceNeed need;
     const double wanted = tolerance(box);
     need.profile_error = radius > 0.0 ? wanted / radius : std::numeric_limits<double>::infinity();
+    const double size = radius * extent;
+    const double most = size > 0.0 ? std::min(wanted, kMostShareOfRadius * size) : wanted;
+    // Two triangles leave a bilinear cell by |P_uv| hu hv / 4; around, a cell is no longer than a sixteenth of a
+    // circle.
+    constexpr double kLongestCell = 0.4;
+    const SweepRing &first = rings[0], &last = rings[kLooks - 1];
+    const double turn = extent * ((last.across - first.across).length() + (last.up - first.up).length());
+    const double around = std::min(kLongestCell, size > 0.0 ? std::sqrt(8.0 * wanted / size) : kLongestCell);
+    const double twist_cells = turn * around / (4.0 * most);
+    const auto cells = [&](double wanted_cells) {
+        return static_cast<uint32_t>(std::clamp(std::ceil(wanted_cells), 1.0, kMostCells));
+    };
+    need.cells = cells(twist_cells);
     if (piece.kind == SweepPieceKind::Ruled) return need;
     double bend = 0.0;
     const auto second = [&](const Vec3d SweepRing::*part, int k) {
@@ -51,9 +64,7 @@ PieceNeed need_of(const SweepPath& path, const SweepPiece& piece, double extent,
         bend = std::max(
             bend, second(&SweepRing::center, k) + extent * (second(&SweepRing::across, k) + second(&SweepRing::up, k)));
     bend *= (kLooks - 1) * (kLooks - 1);
-    const double size = radius * extent;
-    const double most = size > 0.0 ? std::min(wanted, kMostShareOfRadius * size) : wanted;
-    need.cells = static_cast<uint32_t>(std::clamp(std::ceil(std::sqrt(bend / (8.0 * most))), 1.0, kMostCells));
+    need.cells = cells(std::max(twist_cells, std::sqrt(bend / (8.0 * most))));
     return need;
 }
 

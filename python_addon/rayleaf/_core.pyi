@@ -437,6 +437,7 @@ class Settings:
     transmission_bounces: int
     transparent_bounces: int
     roulette_start: int
+    shadow_bias: float
     clamp_direct: float
     clamp_indirect: float
     film_transparent: bool

@@ -97,6 +97,16 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         min=0,
         max=1024,
     )
+    shadow_bias: FloatProperty(  # type: ignore
+        name="Shadow Bias",
+        description="What is nearer than this to a shaded point casts no shadow on it, for pictures like those of older"
+        " ray tracers; 0 is right, and free of acne",
+        default=0.0,
+        min=0.0,
+        subtype="DISTANCE",
+        unit="LENGTH",
+        precision=6,
+    )
     clamp_direct: FloatProperty(  # type: ignore
         name="Direct",
         description="Largest light of one sample straight from lights; 0 for no limit",

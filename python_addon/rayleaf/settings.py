@@ -30,6 +30,7 @@ def core_settings(
         transmission_bounces=own.transmission_bounces,
         transparent_bounces=own.transparent_bounces,
         roulette_start=own.roulette_start,
+        shadow_bias=own.shadow_bias,
         clamp_direct=own.clamp_direct,
         clamp_indirect=own.clamp_indirect,
         film_transparent=render.film_transparent,

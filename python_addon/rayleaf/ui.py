@@ -121,6 +121,7 @@ class RAYLEAF_PT_light_paths(_Panel, bpy.types.Panel):
         bounces.prop(settings, "transmission_bounces")
         bounces.prop(settings, "transparent_bounces")
         column.prop(settings, "roulette_start")
+        column.prop(settings, "shadow_bias")
         clamping = column.column(align=True, heading="Clamping")
         clamping.prop(settings, "clamp_direct", text="Clamp Direct")
         clamping.prop(settings, "clamp_indirect", text="Clamp Indirect")
