@@ -4,14 +4,17 @@ namespace rayleaf {
 namespace {
 
 /// Where a shadow ray starts. Near the terminator a facet may face away from a light that the surface itself still
-/// sees. The facet's point would then lie in its own shadow, in steps as large as facets; the surface's own point lies
-/// outside all facets around it where the surface is convex.
+/// sees, or stand in the light of its neighbour where the two meet in a dent. The facet's point would then lie in
+/// shadow, in steps as large as facets; the surface's own point lies outside all facets around it where the surface is
+/// convex.
 Vec3d shadow_origin(const SurfacePoint& point, const Vec3f& direction) {
-    const bool seen_by_surface = direction.dot(point.normal) > 0.0f;
-    if (seen_by_surface == (direction.dot(point.facet_normal) > 0.0f)) return point.ray_origin(direction);
-    const Vec3d side = Vec3d(point.normal) * (seen_by_surface ? 1.0 : -1.0);
-    if (!((point.position - point.facet_position).dot(side) > 0.0)) return point.ray_origin(direction);
-    return point.position + side * point.start_offset;
+    /// Sine of the angle to a facet above which its neighbours never matter: facets of a tenth of a pixel meet at less.
+    constexpr float kGrazing = 0.1f;
+    const float by_facet = direction.dot(point.facet_normal), by_surface = direction.dot(point.normal);
+    if (by_facet * by_surface > 0.0f && std::abs(by_facet) > kGrazing) return point.ray_origin(direction);
+    const Vec3d side = Vec3d(point.normal) * (by_surface > 0.0f ? 1.0 : -1.0);
+    const bool outside = (point.position - point.facet_position).dot(side) > -point.start_offset;
+    return outside ? point.position + side * point.start_offset : point.ray_origin(direction);
 }
 
 Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias) {
