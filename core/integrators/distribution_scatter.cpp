@@ -18,8 +18,9 @@ void DistributionTracer::add_light(const Branch& branch, const Vertex& vertex, c
     const Color arriving = branch.throughput * value * (light.radiance / light.density) * each;
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
+    const int siblings = branch.spread == Spread::One ? kPathSiblings : count;
     const Color free = shadow_transmittance(scene_, vertex.point, light,
-                                            shadow_differential(vertex.differential, light, count), branch.bounces);
+                                            shadow_differential(vertex.differential, light, siblings), branch.bounces);
     if (is_black(free)) return;
     if (branch.bounces.count() == 0)
         light_.add_first(arriving * free, shares, branch.share * each);

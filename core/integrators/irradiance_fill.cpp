@@ -19,8 +19,9 @@ constexpr int kFirstSpacing = 16;
 constexpr float kLeastReach = 1.5f;
 /// The largest radius of a record, in pixels: with an error of 0.2 it reaches a dozen of them.
 constexpr float kLargestRadius = 60.0f;
-/// A record is for all samples of the pixels around: it takes the rays that the samples of one would, up to this.
-constexpr int kFewestRays = 16, kMostRays = 4096;
+/// A record is for all samples of the pixels around: it takes the rays that the samples of one would, within these.
+/// (The fewest: Christensen et al. 2003, section 4.6, for a hemisphere without visible noise.)
+constexpr int kFewestRays = 256, kMostRays = 4096;
 /// Mirrors and refractions dimmer than this are not followed to look for points.
 constexpr float kLeastBrightness = 0.05f;
 constexpr uint32_t kRecordTag = 0x49524143u;

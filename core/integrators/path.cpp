@@ -164,7 +164,8 @@ void PathTracer::add_direct_light(const Vertex& vertex) {
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
     const Color arriving = throughput_ * lit.value * (light->radiance / light->density) * weight;
     if (is_black(arriving)) return;
-    const Color free = shadow_transmittance(scene_, vertex.point, *light, vertex.differential, bounces_);
+    const Color free = shadow_transmittance(scene_, vertex.point, *light,
+                                            shadow_differential(vertex.differential, *light, kPathSiblings), bounces_);
     if (is_black(free)) return;
     if (first)
         light_.add_first(arriving * free, lit.shares);

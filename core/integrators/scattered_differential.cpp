@@ -3,8 +3,8 @@
 namespace rayleaf {
 namespace {
 
-/// Opening of the widest lobe, radians: a pixel's worth of diffuse rays, some tens, share the hemisphere (Christensen
-/// et al. 2003, section 4.2).
+/// Opening of the widest lobe, radians: about the root of pi / kPathSiblings, the share of a cosine-weighted hemisphere
+/// at its pole.
 constexpr float kWidestLobe = 0.5f;
 
 /// Change of the texture coordinates for a step `dp` on the surface, by least squares.

@@ -11,6 +11,10 @@
 
 namespace rayleaf {
 
+/// Rays that share a lobe or a light where only one goes on from each surface: those of the other samples of a pixel,
+/// some of which pass nearby. A global value, as section 4.6 has it for path tracing.
+constexpr int kPathSiblings = 16;
+
 /// Path tracing, one ray on from each surface: mirrors and refractions by the surface's curvature, rough lobes at least
 /// by a global width. `direction` is the incoming ray's.
 RayDifferential scattered_differential(const RayDifferential& differential, const Vec3f& direction,

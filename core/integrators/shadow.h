@@ -6,7 +6,7 @@
 
 namespace rayleaf {
 
-/// Share of the light that reaches `point`. `differential` is the footprint at the point, for textured transparency.
+/// Share of the light that reaches `point`. `differential` is the shadow ray's where it leaves the point.
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
                            const RayDifferential& differential, const Bounces& bounces);
 

@@ -64,3 +64,20 @@ report(rays=found)
         assert counts["shadow"] > 0
     assert 0.9 * camera * 8 < rays["AMBIENT_OCCLUSION"]["hemisphere"] <= camera * 8
     assert rays["COLOR_BLEEDING"]["indirect"] > 0 and "indirect" not in rays["AMBIENT_OCCLUSION"]
+
+
+def test_the_irradiance_cache_is_used_and_its_hemispheres_are_counted(run_blender, tmp_path):
+    script = """
+import rayleaf
+own.integrator, own.samples, own.hemisphere_rays = "DISTRIBUTION", 2, 8
+render.filepath = sys.argv[1]
+found = []
+for own.use_irradiance_cache, own.irradiance_error in ((False, 0.2), (True, 0.2), (True, 0.02)):
+    bpy.ops.render.render(write_still=True)
+    found.append(rayleaf.last_statistics["core"]["hemispheres"])
+report(found=found)
+"""
+    none, coarse, fine = run_blender(SETUP + script, tmp_path / "picture.exr").report["found"]
+    assert none["records"] == none["interpolated"] == 0 < none["sampled"]
+    assert 0 < coarse["records"] < fine["records"]
+    assert coarse["interpolated"] > 10 * coarse["sampled"]

@@ -1,5 +1,8 @@
 """The irradiance cache: gradients against finite differences, error against sampling everywhere, determinism."""
 
+import threading
+import time
+
 import numpy as np
 import pytest
 from path_scenes import ALL_PASSES, lit_plane, render, varied_scene
@@ -164,3 +167,18 @@ def test_nothing_is_kept_where_path_tracing_or_no_cache_is_wanted(core):
         session = render(core, lit_plane(core), samples=1, **settings)
         assert session.statistics()["hemispheres"]["records"] == 0
         assert session.statistics()["memory"]["irradiance"] == 0
+
+
+def test_a_render_that_is_cancelled_while_the_cache_fills_ends_soon(core):
+    settings = dict(width=512, height=512, samples=64, hemisphere_rays=64, **CACHED)
+    session = core.Session(varied_scene(core), core.Settings(**settings))
+    thread = threading.Thread(target=session.render)
+    thread.start()
+    while session.progress()[0] != "rendering":
+        time.sleep(0.01)
+    time.sleep(0.2)
+    start = time.monotonic()
+    session.cancel()
+    thread.join(20)
+    assert not thread.is_alive() and time.monotonic() - start < 10
+    assert session.progress() == ("cancelled", 0.0)
