@@ -24,6 +24,11 @@ struct SurfacePoint {
     uint32_t instance = 0;
     bool interpolated = false;  ///< not on a facet: no derivatives by `uv`, and only an approximate point
 
+    /// What a ray that starts or ends here holds on to.
+    RayAnchor anchor() const {
+        if (local.subpatch == RayAnchor::kNone) return {};
+        return {instance, local.subpatch, local.levels};
+    }
     /// Where a ray that leaves towards `direction` (unit) starts: the facet point moved to the side the ray goes.
     Vec3d ray_origin(const Vec3f& direction) const {
         const double side = direction.dot(facet_normal) < 0.0f ? -start_offset : start_offset;

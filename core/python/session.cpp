@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "python/bindings.h"
+#include "python/geometry_cache.h"
 
 namespace rayleaf {
 namespace {
@@ -82,11 +83,11 @@ py::dict statistics(const Session& session) {
         "time"_a = py::dict("build_seconds"_a = s.build_seconds, "render_seconds"_a = s.render_seconds),
         "rays"_a = rays(s), "hemispheres"_a = hemispheres(s),
         "geometry"_a = py::dict("shapes"_a = t.shapes, "instances"_a = t.instances, "triangles"_a = t.triangles,
-                                "subpatches"_a = t.subpatches, "grids_diced"_a = t.grids_diced,
-                                "limit_normals"_a = limit_normals(t.limit_normals)),
-        "lights"_a = s.lights,
-        "memory"_a = py::dict("shapes"_a = s.shape_bytes, "grids"_a = t.grid_bytes, "acceleration"_a = t.bvh_bytes,
-                              "lights"_a = s.light_bytes, "film"_a = s.film_bytes, "irradiance"_a = s.irradiance_bytes,
+                                "subpatches"_a = t.subpatches, "limit_normals"_a = limit_normals(t.limit_normals)),
+        "geometry_cache"_a = geometry_cache_statistics(t.geometry), "lights"_a = s.lights,
+        "memory"_a = py::dict("shapes"_a = s.shape_bytes, "grids"_a = t.geometry.bytes, "subpatches"_a = t.record_bytes,
+                              "acceleration"_a = t.bvh_bytes, "lights"_a = s.light_bytes, "film"_a = s.film_bytes,
+                              "irradiance"_a = s.irradiance_bytes,
                               "textures"_a = s.textures.bytes),
         "left_out"_a = left_out(s, session));
 }

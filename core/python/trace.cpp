@@ -3,10 +3,11 @@
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/geometry_cache.h"
+#include "python/ray_footprints.h"
 #include "tessellation/grid_intersection.h"
 #include "tessellation/patch_dicer.h"
 #include "tessellation/simd_targets.h"
-#include "tessellation/tessellation_store.h"
 #include "trace/baselines.h"
 #include "trace/tracer.h"
 
@@ -73,13 +74,13 @@ DicingView view_from(double pixel_angle, const std::array<double, 3>& eye) {
 }
 
 std::unique_ptr<Tracer> make_tracer(const std::vector<Placement>& placements, double pixel_angle,
-                                    const std::array<double, 3>& eye) {
+                                    const std::array<double, 3>& eye, const GeometryCacheSettings& cache) {
     std::vector<TracedInstance> instances;
     instances.reserve(placements.size());
     for (const auto& [shape, matrix, visibility] : placements)
         instances.push_back({shape, affine_of(shape->name(), matrix), static_cast<uint8_t>(visibility)});
     const py::gil_scoped_release released;
-    return std::make_unique<Tracer>(std::move(instances), view_from(pixel_angle, eye));
+    return std::make_unique<Tracer>(std::move(instances), view_from(pixel_angle, eye), kNeverCancelled, cache);
 }
 
 /// Many instances of one shape: matrices (n, 4, 4).
@@ -93,38 +94,6 @@ std::unique_ptr<Tracer> make_instanced(const std::shared_ptr<Shape>& shape, cons
     return std::make_unique<Tracer>(std::move(instances), DicingView{});
 }
 
-/// Rays from arrays of three doubles each, with t_min and t_max per ray.
-struct Rays {
-    Array<double> origins, directions, t_min, t_max;
-
-    size_t size() const { return static_cast<size_t>(origins.size() / 3); }
-    Ray operator[](size_t i) const {
-        const double *o = origins.data() + 3 * i, *d = directions.data() + 3 * i;
-        Ray ray;
-        ray.origin = {o[0], o[1], o[2]};
-        ray.direction = {d[0], d[1], d[2]};
-        ray.t_min = t_min.data()[t_min.size() == 1 ? 0 : i];
-        ray.t_max = t_max.data()[t_max.size() == 1 ? 0 : i];
-        return ray;
-    }
-};
-
-Rays rays_from(const Array<double>& origins, const Array<double>& directions, const Array<double>& t_min,
-               const Array<double>& t_max) {
-    const auto count = origins.size() / 3;
-    if (origins.size() % 3 != 0 || directions.size() != origins.size())
-        throw py::value_error("origins and directions must both have shape (n, 3)");
-    if ((t_min.size() != 1 && t_min.size() != count) || (t_max.size() != 1 && t_max.size() != count))
-        throw py::value_error("t_min and t_max must be numbers or have one number a ray");
-    return {origins, directions, t_min, t_max};
-}
-
-Array<double> number(double value) {
-    Array<double> array(1);
-    *array.mutable_data() = value;
-    return array;
-}
-
 template <typename T>
 py::array_t<T> columns(size_t rows, size_t count) {
     return py::array_t<T>(std::vector<size_t>{rows, count});
@@ -136,9 +105,13 @@ void store_vector(const V& value, T* out) {
 }
 
 py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
-                      const Array<double>& t_min, const Array<double>& t_max, int kind) {
-    const Rays rays = rays_from(origins, directions, t_min, t_max);
+                      const Array<double>& t_min, const Array<double>& t_max, int kind, const Array<float>& width,
+                      const Array<float>& spread, const Array<uint32_t>& starts) {
+    const RayArrays rays{origins, directions, t_min, t_max, width, spread, starts};
+    rays.check();
     const size_t n = rays.size();
+    py::array_t<uint32_t> anchors = columns<uint32_t>(n, 3);
+    uint32_t* anchors_out = anchors.mutable_data();
     py::array_t<double> t(n), offset(n), position = columns<double>(n, 3), facet = columns<double>(n, 3);
     py::array_t<int32_t> instance(n), primitive(n);
     py::array_t<float> u(n), v(n), normal = columns<float>(n, 3), facet_normal = columns<float>(n, 3);
@@ -167,6 +140,10 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
         store_vector(point.facet_normal, facet_normal_out + 3 * i);
         uv_out[2 * i] = point.uv.x;
         uv_out[2 * i + 1] = point.uv.y;
+        const RayAnchor anchor = hit ? point.anchor() : RayAnchor{};
+        anchors_out[3 * i] = anchor.instance;
+        anchors_out[3 * i + 1] = anchor.subpatch;
+        anchors_out[3 * i + 2] = anchor.levels;
         store_vector(point.dp_du, derivatives_out + 12 * i);
         store_vector(point.dp_dv, derivatives_out + 12 * i + 3);
         store_vector(point.dn_du, derivatives_out + 12 * i + 6);
@@ -189,12 +166,13 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
     result["facet_normal"] = facet_normal;
     result["start_offset"] = offset;
     result["derivatives"] = derivatives;
+    result["anchors"] = anchors;
     return result;
 }
 
 py::array_t<bool> occluded(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
                            const Array<double>& t_min, const Array<double>& t_max, int kind) {
-    const Rays rays = rays_from(origins, directions, t_min, t_max);
+    const RayArrays rays = ray_arrays(origins, directions, t_min, t_max);
     py::array_t<bool> result(rays.size());
     bool* out = result.mutable_data();
     const py::gil_scoped_release released;
@@ -203,7 +181,10 @@ py::array_t<bool> occluded(const Tracer& tracer, const Array<double>& origins, c
     return result;
 }
 
-/// The grid of one patch that is not split, as (17, 17, 3): rows run along v.
+PatchDicer unsplit(const PatchSurface& surface) {
+    return PatchDicer(surface, [](const Box3d&) { return std::numeric_limits<double>::infinity(); });
+}
+
 py::tuple normal_at(const PatchSurface& surface, uint32_t patch, float u, float v) {
     LocalHit hit;
     hit.primitive = patch;
@@ -213,10 +194,10 @@ py::tuple normal_at(const PatchSurface& surface, uint32_t patch, float u, float 
     return py::make_tuple(std::array<float, 3>{normal.x, normal.y, normal.z}, surface.limit_normals().counts);
 }
 
+/// The grid of one patch that is not split, as (17, 17, 3): rows run along v.
 py::array_t<float> diced_patch(const PatchSurface& surface, uint32_t patch) {
-    const double no_limit = std::numeric_limits<double>::infinity();
-    const TessellationStore store(std::make_unique<PatchDicer>(surface, [no_limit](const Box3d&) { return no_limit; }));
-    const Grid& grid = store.grid(patch);
+    Grid grid;
+    unsplit(surface).dice(patch, grid);
     py::array_t<float> result(std::vector<size_t>{kGridVertices, kGridVertices, 3});
     for (int k = 0; k < kGridSize; ++k)
         store_vector(grid.vertex(k % kGridVertices, k / kGridVertices), result.mutable_data() + 3 * k);
@@ -227,18 +208,17 @@ py::array_t<float> diced_patch(const PatchSurface& surface, uint32_t patch) {
 /// -1 where there is none.
 py::tuple grid_candidates(const PatchSurface& surface, uint32_t patch, const Array<float>& origins,
                           const Array<float>& directions) {
-    const double no_limit = std::numeric_limits<double>::infinity();
-    const TessellationStore store(std::make_unique<PatchDicer>(surface, [no_limit](const Box3d&) { return no_limit; }));
-    const Grid& grid = store.grid(patch);
-    const AddCandidates add_candidates = add_candidates_function(VertexFormat::Float);
+    Grid grid;
+    unsplit(surface).dice(patch, grid);
+    const GridKernels kernels = grid_kernels(VertexFormat::Float);
     const py::ssize_t count = origins.size() / 3;
     py::array_t<float> t(count);
     py::array_t<int32_t> triangle(count);
     for (py::ssize_t i = 0; i < count; ++i) {
         const float *o = origins.data() + 3 * i, *d = directions.data() + 3 * i;
         GridCandidates candidates;
-        add_candidates(grid, GridRay({o[0], o[1], o[2]}, {d[0], d[1], d[2]}), std::numeric_limits<float>::infinity(),
-                       candidates);
+        kernels.add_candidates(SnappedGrid(grid, VertexFormat::Float), GridRay({o[0], o[1], o[2]}, {d[0], d[1], d[2]}),
+                               std::numeric_limits<float>::infinity(), candidates);
         GridCandidate nearest{std::numeric_limits<float>::infinity(), 0};
         const bool found = !candidates.empty();
         if (found) nearest = candidates.take_nearest();
@@ -265,7 +245,8 @@ py::array_t<double> rings(const SweptSurface& surface, const Array<double>& plac
 
 template <typename Target>
 py::tuple timed(const Target& target, const Array<double>& origins, const Array<double>& directions) {
-    const Rays rays = rays_from(origins, directions, number(0.0), number(std::numeric_limits<double>::infinity()));
+    const RayArrays rays =
+        ray_arrays(origins, directions, number(0.0), number(std::numeric_limits<double>::infinity()));
     std::vector<Ray> made;
     made.reserve(rays.size());
     for (size_t i = 0; i < rays.size(); ++i) made.push_back(rays[i]);
@@ -283,8 +264,8 @@ py::dict statistics(const Tracer& tracer) {
     const TraceStatistics s = tracer.statistics();
     py::dict result;
     result["subpatches"] = s.subpatches;
-    result["grids_diced"] = s.grids_diced;
-    result["grid_bytes"] = s.grid_bytes;
+    result["record_bytes"] = s.record_bytes;
+    result["geometry_cache"] = geometry_cache_statistics(s.geometry);
     result["bvh_bytes"] = s.bvh_bytes;
     result["triangles"] = s.triangles;
     result["instances"] = s.instances;
@@ -301,6 +282,7 @@ py::tuple bounds(const Tracer& tracer) {
 
 void bind_trace(py::module_& parent) {
     py::module_ module = parent.def_submodule("trace", "Shapes and rays against them, for tests and benchmarks.");
+    bind_geometry_cache_settings(module);
     py::class_<Shape, std::shared_ptr<Shape>>(module, "Shape", "A renderable shape in its own space.")
         .def_property_readonly("name", &Shape::name)
         .def_property_readonly("element_count", &Shape::element_count)
@@ -334,10 +316,13 @@ void bind_trace(py::module_& parent) {
     const Array<double> zero = number(0.0), infinity = number(std::numeric_limits<double>::infinity());
     py::class_<Tracer>(module, "Tracer", "Rays against instances: (shape, 4x4 matrix, visibility) each.")
         .def(py::init(&make_tracer), py::arg("instances"), py::arg("pixel_angle") = 1e-3,
-             py::arg("eye") = std::array<double, 3>{0, 0, 0})
+             py::arg("eye") = std::array<double, 3>{0, 0, 0}, py::arg("cache") = GeometryCacheSettings{})
         .def(py::init(&make_instanced), py::arg("shape"), py::arg("matrices"))
         .def("closest_hits", &closest_hits, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
-             py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
+             py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll),
+             py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
+             py::arg("starts") = Array<uint32_t>(0),
+             "anchors: instance, subpatch and levels of a hit, which rays that leave it may be given as starts")
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
         .def("timed_closest", &timed<Tracer>, py::arg("origins"), py::arg("directions"),
@@ -345,6 +330,7 @@ void bind_trace(py::module_& parent) {
         .def("bounds", &bounds)
         .def("statistics", &statistics);
 
+    bind_geometry_cache(module);
     module.def("simd_targets", &simd_targets, "Instruction sets the kernels can use here, the best one first.");
     module.def("use_simd_target", &use_simd_target, py::arg("name"), "For new tracers; empty: the best.");
     module.def("diced_patch", &diced_patch, py::arg("surface"), py::arg("patch"));

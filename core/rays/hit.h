@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "rays/ray.h"
 
 #include <cstdint>
 
@@ -13,6 +14,8 @@ struct LocalHit {
     float u = 0, v = 0;       ///< triangle: weights of vertices 1 and 2. Patch: its parameters in [0,1]²
     Vec3d position{0, 0, 0};  ///< the point on the facet that was hit, exact to double precision
     Vec3f normal{0, 0, 1};    ///< of that facet by its winding; not unit, never zero
+    /// The subpatch that was hit, and how finely it was diced for the ray (RayAnchor); none for triangles.
+    uint32_t subpatch = RayAnchor::kNone, levels = 0;
 };
 
 /// How an object with a ray cache answered a ray. The numbers are the codes of the mask pass (film/passes.def).

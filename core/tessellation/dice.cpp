@@ -21,6 +21,7 @@ struct DiceTask {
     float control[4][(kMostDicedDegree + 1) * (kMostDicedDegree + 1)];
     const DyadicBasis *basis_u, *basis_v;
     int first_u, first_v;
+    float* out[3];  ///< by axis, rows along u
 };
 
 }  // namespace rayleaf
@@ -31,37 +32,45 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::CappedTag<float, 16>;
-using Vector = hn::Vec<Lanes>;
-constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
-/// Where the vectors that cover 17 values start; the last one overlaps.
-constexpr int kChunks = kGridCells / kWidth + 1;
-constexpr int chunk_start(int chunk) {
-    return chunk + 1 < kChunks ? chunk * kWidth : kGridVertices - kWidth;
-}
+/// How 16, 4 or 1 cells along a side go into vectors.
+template <int kCells>
+struct Row {
+    using Lanes = hn::CappedTag<float, kCells>;
+    using Vector = hn::Vec<Lanes>;
+    static constexpr int kVertices = kCells + 1;
+    static constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
+    /// Where the vectors that cover the vertices start; the last one overlaps.
+    static constexpr int kChunks = kCells / kWidth + 1;
+    static constexpr int chunk_start(int chunk) { return chunk + 1 < kChunks ? chunk * kWidth : kVertices - kWidth; }
+};
+
+using Lanes = Row<kGridCells>::Lanes;
+using Vector = Row<kGridCells>::Vector;
+constexpr int kWidth = Row<kGridCells>::kWidth;
 
 /// t0 + tn, + (t1 + tn-1), ..., + the middle one.
 template <typename Term>
-HWY_INLINE Vector symmetric_sum(int degree, const Term& term) {
-    Vector sum = hn::Add(term(0), term(degree));
+HWY_INLINE auto symmetric_sum(int degree, const Term& term) {
+    auto sum = hn::Add(term(0), term(degree));
     for (int i = 1; i < degree - i; ++i) sum = hn::Add(sum, hn::Add(term(i), term(degree - i)));
     return degree % 2 == 0 ? hn::Add(sum, term(degree / 2)) : sum;
 }
 
-/// Control points of the 17 iso-curves v = const: rows[component][i][row].
+/// Control points of the iso-curves v = const: rows[component][i][row].
 struct CurvePoints {
     float rows[4][kMostDicedDegree + 1][kGridVertices + 15];
 };
 
+template <int kCells>
 HWY_INLINE void evaluate_along_v(const DiceTask& task, int degree_v, CurvePoints& curves) {
-    const Lanes lanes;
+    const typename Row<kCells>::Lanes lanes;
     const int columns = task.degree_u + 1;
-    for (int chunk = 0; chunk < kChunks; ++chunk) {
-        const int start = chunk_start(chunk);
+    for (int chunk = 0; chunk < Row<kCells>::kChunks; ++chunk) {
+        const int start = Row<kCells>::chunk_start(chunk);
         for (int c = 0; c < task.components; ++c) {
             for (int i = 0; i < columns; ++i) {
                 const float* control = &task.control[c][i];
-                const Vector sum = symmetric_sum(degree_v, [&](int j) HWY_ATTR {
+                const auto sum = symmetric_sum(degree_v, [&](int j) HWY_ATTR {
                     return hn::Mul(hn::LoadU(lanes, task.basis_v->values(j, task.first_v + start)),
                                    hn::Set(lanes, control[j * columns]));
                 });
@@ -71,42 +80,53 @@ HWY_INLINE void evaluate_along_v(const DiceTask& task, int degree_v, CurvePoints
     }
 }
 
-HWY_INLINE void evaluate_along_u(const DiceTask& task, int degree_u, const CurvePoints& curves, GridRows& grid) {
-    const Lanes lanes;
-    for (int row = 0; row < kGridVertices; ++row) {
-        for (int chunk = 0; chunk < kChunks; ++chunk) {
-            const int start = chunk_start(chunk), index = row * kGridVertices + start;
+template <int kCells>
+HWY_INLINE void evaluate_along_u(const DiceTask& task, int degree_u, const CurvePoints& curves) {
+    const typename Row<kCells>::Lanes lanes;
+    for (int row = 0; row < Row<kCells>::kVertices; ++row) {
+        for (int chunk = 0; chunk < Row<kCells>::kChunks; ++chunk) {
+            const int start = Row<kCells>::chunk_start(chunk), index = row * Row<kCells>::kVertices + start;
             const auto component = [&](int c) HWY_ATTR {
                 return symmetric_sum(degree_u, [&](int i) HWY_ATTR {
                     return hn::Mul(hn::LoadU(lanes, task.basis_u->values(i, task.first_u + start)),
                                    hn::Set(lanes, curves.rows[c][i][row]));
                 });
             };
-            Vector x = component(0), y = component(1), z = component(2);
+            auto x = component(0), y = component(1), z = component(2);
             if (task.components == 4) {
-                const Vector w = component(3);
+                const auto w = component(3);
                 x = hn::Div(x, w);
                 y = hn::Div(y, w);
                 z = hn::Div(z, w);
             }
-            hn::StoreU(x, lanes, &grid.vertices[0][index]);
-            hn::StoreU(y, lanes, &grid.vertices[1][index]);
-            hn::StoreU(z, lanes, &grid.vertices[2][index]);
+            hn::StoreU(x, lanes, task.out[0] + index);
+            hn::StoreU(y, lanes, task.out[1] + index);
+            hn::StoreU(z, lanes, task.out[2] + index);
         }
     }
 }
 
-void evaluate(const DiceTask& task, GridRows& grid) {
+template <int kCells>
+HWY_INLINE void evaluate_grid(const DiceTask& task) {
     CurvePoints curves;
     // The common degree as a constant lets the compiler unroll the sums.
     if (task.degree_v == 3)
-        evaluate_along_v(task, 3, curves);
+        evaluate_along_v<kCells>(task, 3, curves);
     else
-        evaluate_along_v(task, task.degree_v, curves);
+        evaluate_along_v<kCells>(task, task.degree_v, curves);
     if (task.degree_u == 3)
-        evaluate_along_u(task, 3, curves, grid);
+        evaluate_along_u<kCells>(task, 3, curves);
     else
-        evaluate_along_u(task, task.degree_u, curves, grid);
+        evaluate_along_u<kCells>(task, task.degree_u, curves);
+}
+
+void evaluate(const DiceTask& task, int cells) {
+    if (cells == kGridCells)
+        evaluate_grid<kGridCells>(task);
+    else if (cells == kBlockCells)
+        evaluate_grid<kBlockCells>(task);
+    else
+        evaluate_grid<1>(task);
 }
 
 /// Smallest or largest (by `pick`) of each group of four lanes, in all four of them; a single lane stays as it is.
@@ -148,7 +168,7 @@ HWY_INLINE void reduce_blocks(const float* vertices, const Pick& pick, float pad
     }
 }
 
-void pack(const GridRows& rows, Grid& grid) {
+void pack_rows(const GridRows& rows, Grid& grid) {
     for (int axis = 0; axis < 3; ++axis) {
         const float* vertices = rows.vertices[axis];
         reduce_blocks(
@@ -173,7 +193,7 @@ namespace rayleaf {
 namespace {
 
 HWY_EXPORT(evaluate);
-HWY_EXPORT(pack);
+HWY_EXPORT(pack_rows);
 
 void prepare(const PatchView& patch, DiceTask& task) {
     task.degree_u = patch.degree_u;
@@ -202,37 +222,55 @@ bool is_point(const PatchView& patch, const Border& border) {
     return true;
 }
 
-void set_line(GridRows& grid, int first, int stride, const Vec3f& point) {
-    for (int k = 0; k < kGridVertices; ++k)
-        for (int axis = 0; axis < 3; ++axis) grid.vertices[axis][first + k * stride] = point[axis];
-}
+/// The grid that a task fills: how many cells along a side, and where.
+struct Target {
+    int cells;
+    float* out[3];
+};
 
 /// Sets the vertices of the borders that are points.
-void set_collapsed_borders(const PatchView& patch, const DiceTask& task, int cells_u, int cells_v, GridRows& grid) {
-    constexpr int kLast = kGridCells * kGridVertices;
+void set_collapsed_borders(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, const Target& target) {
+    const int vertices = target.cells + 1, last_row = target.cells * vertices;
     const auto fix = [&](const Border& border, int first, int stride) {
-        if (is_point(patch, border)) set_line(grid, first, stride, float_position(patch, border.i, border.j));
+        if (!is_point(patch, border)) return;
+        const Vec3f point = float_position(patch, border.i, border.j);
+        for (int k = 0; k < vertices; ++k)
+            for (int axis = 0; axis < 3; ++axis) target.out[axis][first + k * stride] = point[axis];
     };
-    if (task.first_u == 0) fix({0, 0, 0, 1, patch.rows()}, 0, kGridVertices);
-    if (task.first_u + kGridCells == cells_u) fix({patch.degree_u, 0, 0, 1, patch.rows()}, kGridCells, kGridVertices);
-    if (task.first_v == 0) fix({0, 0, 1, 0, patch.columns()}, 0, 1);
-    if (task.first_v + kGridCells == cells_v) fix({0, patch.degree_v, 1, 0, patch.columns()}, kLast, 1);
+    if (u.at_begin) fix({0, 0, 0, 1, patch.rows()}, 0, vertices);
+    if (u.at_end) fix({patch.degree_u, 0, 0, 1, patch.rows()}, target.cells, vertices);
+    if (v.at_begin) fix({0, 0, 1, 0, patch.columns()}, 0, 1);
+    if (v.at_end) fix({0, patch.degree_v, 1, 0, patch.columns()}, last_row, 1);
+}
+
+void dice_into(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, const Target& target) {
+    DiceTask task;
+    prepare(patch, task);
+    task.basis_u = u.basis;
+    task.basis_v = v.basis;
+    task.first_u = u.first;
+    task.first_v = v.first;
+    std::copy_n(target.out, 3, task.out);
+    HWY_DYNAMIC_DISPATCH(evaluate)(task, target.cells);
+    set_collapsed_borders(patch, u, v, target);
 }
 
 }  // namespace
 
-void dice(const PatchView& patch, const DyadicBasis& basis_u, int first_u, const DyadicBasis& basis_v, int first_v,
-          Grid& grid) {
-    DiceTask task;
-    prepare(patch, task);
-    task.basis_u = &basis_u;
-    task.basis_v = &basis_v;
-    task.first_u = first_u;
-    task.first_v = first_v;
-    GridRows rows;
-    HWY_DYNAMIC_DISPATCH(evaluate)(task, rows);
-    set_collapsed_borders(patch, task, basis_u.intervals(), basis_v.intervals(), rows);
-    HWY_DYNAMIC_DISPATCH(pack)(rows, grid);
+void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, GridRows& rows) {
+    dice_into(patch, u, v, {kGridCells, {rows.vertices[0], rows.vertices[1], rows.vertices[2]}});
+}
+
+void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, MediumGrid& grid) {
+    dice_into(patch, u, v, {kBlockCells, {grid.vertices[0], grid.vertices[1], grid.vertices[2]}});
+}
+
+void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, CoarseGrid& grid) {
+    dice_into(patch, u, v, {1, {grid.vertices[0], grid.vertices[1], grid.vertices[2]}});
+}
+
+void pack(const GridRows& rows, Grid& grid) {
+    HWY_DYNAMIC_DISPATCH(pack_rows)(rows, grid);
 }
 
 }  // namespace rayleaf

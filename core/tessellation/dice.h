@@ -15,9 +15,20 @@ namespace rayleaf {
 /// The largest degree that can be diced.
 inline constexpr int kMostDicedDegree = 15;
 
-/// Dices the cells [first_u, first_u + 16] x [first_v, first_v + 16] of the patch's uniform cells. The bases are those
-/// of the patch's degrees at as many intervals as the patch has cells.
-void dice(const PatchView& patch, const DyadicBasis& basis_u, int first_u, const DyadicBasis& basis_v, int first_v,
-          Grid& grid);
+/// The vertices of a subpatch along one direction: `first` and those after it of a basis of the patch's degree.
+struct DiceAxis {
+    const DyadicBasis* basis = nullptr;
+    int first = 0;
+    bool at_begin = false, at_end = false;  ///< whether the first, the last vertex lies on the patch's border
+};
+
+/// 17 x 17 vertices.
+void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, GridRows& rows);
+/// 5 x 5 and 2 x 2: the bases have a fourth and a sixteenth as many intervals.
+void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, MediumGrid& grid);
+void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, CoarseGrid& grid);
+
+/// Rows as blocks with boxes.
+void pack(const GridRows& rows, Grid& grid);
 
 }  // namespace rayleaf

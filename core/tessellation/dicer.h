@@ -2,11 +2,12 @@
 //
 // A subpatch's grid must be a pure function of the subpatch, and vertices on a border that two subpatches share must
 // have the same bits in both; then no ray passes between them (grid_intersection.h). Every kind of curved surface has
-// one implementation.
+// one implementation. One that has levels gives a vertex the same bits at all of them, and in parts.
 #pragma once
 
 #include "rays/hit.h"
 #include "tessellation/grid.h"
+#include "tessellation/snapped_grid.h"
 
 #include <cstdint>
 #include <functional>
@@ -52,8 +53,21 @@ class Dicer {
     /// Bytes held, itself included.
     virtual size_t bytes() const = 0;
 
+    /// Null where all rays see fine grids.
+    virtual const class LevelDicer* levels() const { return nullptr; }
+
   private:
     VertexFormat format_;
+};
+
+/// Dices at several levels (tessellation/level.h), in floats.
+class LevelDicer {
+  public:
+    virtual ~LevelDicer() = default;
+    virtual void dice_rows(uint32_t subpatch, GridRows& rows) const = 0;
+    virtual void dice_medium(uint32_t subpatch, MediumGrid& grid) const = 0;
+    virtual void dice_coarse(uint32_t subpatch, CoarseGrid& grid) const = 0;
+    virtual void dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const = 0;
 };
 
 }  // namespace rayleaf

@@ -4,13 +4,13 @@
 
 namespace rayleaf {
 
-DyadicBasis::DyadicBasis(int degree, int intervals)
-    : degree_(degree), intervals_(intervals), values_((degree + size_t{1}) * (intervals + size_t{1})) {
+DyadicBasis::DyadicBasis(int degree, int intervals, int first, int steps)
+    : steps_(steps), values_((degree + size_t{1}) * (steps + size_t{1})) {
     std::vector<double> at_parameter(degree + size_t{1});
-    for (int k = 0; k <= intervals; ++k) {
-        bernstein_values(degree, static_cast<double>(k) / intervals, at_parameter.data());
+    for (int k = 0; k <= steps; ++k) {
+        bernstein_values(degree, static_cast<double>(first + k) / intervals, at_parameter.data());
         for (int i = 0; i <= degree; ++i)
-            values_[static_cast<size_t>(i) * (intervals + 1) + k] = static_cast<float>(at_parameter[i]);
+            values_[static_cast<size_t>(i) * (steps + size_t{1}) + k] = static_cast<float>(at_parameter[i]);
     }
 }
 

@@ -11,14 +11,17 @@ namespace rayleaf {
 
 class DyadicBasis {
   public:
-    DyadicBasis(int degree, int intervals);
-    int degree() const { return degree_; }
-    int intervals() const { return intervals_; }
-    /// B_i at k/n for k = first, first + 1, ...
-    const float* values(int i, int first) const { return &values_[static_cast<size_t>(i) * (intervals_ + 1) + first]; }
+    DyadicBasis(int degree, int intervals) : DyadicBasis(degree, intervals, 0, intervals) {}
+    /// Only k = first..first + steps.
+    DyadicBasis(int degree, int intervals, int first, int steps);
+    /// B_i at (first + k)/n for k = from, from + 1, ...
+    const float* values(int i, int from) const {
+        return &values_[static_cast<size_t>(i) * (steps_ + size_t{1}) + from];
+    }
+    size_t bytes() const { return sizeof(*this) + values_.capacity() * sizeof(float); }
 
   private:
-    int degree_, intervals_;
+    int steps_;
     std::vector<float> values_;
 };
 

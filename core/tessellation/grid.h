@@ -69,6 +69,16 @@ inline FacetCorners Grid::corners(uint32_t triangle, VertexFormat format) const 
     return {at(low), at(second), at(third)};
 }
 
+/// The same surface by 4 x 4 cells: every fourth vertex of the fine grid, (i, j) at j * 5 + i.
+struct alignas(64) MediumGrid {
+    float vertices[3][kBlockSize];
+};
+
+/// And by one cell: its corners, (i, j) at j * 2 + i.
+struct alignas(64) CoarseGrid {
+    float vertices[3][4];
+};
+
 /// Where in a grid a point of a triangle lies: i + fraction, j + fraction.
 Vec2d grid_parameters(uint32_t triangle, double weight1, double weight2);
 

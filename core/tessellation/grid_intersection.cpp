@@ -3,6 +3,7 @@
 #include "tessellation/simd.h"
 
 #include <bit>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tessellation/grid_intersection.cpp"
@@ -29,21 +30,31 @@ HWY_INLINE uint32_t mask_bits(D lanes, hn::Mask<D> mask) {
 }
 
 /// The blocks that the ray may hit up to t_max, one bit each.
-HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_max) {
+HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_max, float padding) {
     const Lanes lanes;
+    const Vector pad = hn::Set(lanes, padding);
     uint32_t bits = 0;
     for (int start = 0; start < kBlocks; start += kWidth) {
         Vector near = hn::Zero(lanes), far = hn::Set(lanes, t_max * kFarFactor);
         for (int axis = 0; axis < 3; ++axis) {
             const Vector origin = hn::Set(lanes, ray.origin[axis]);
-            const Vector entry = hn::LoadU(lanes, grid.boxes[axis][ray.near_side[axis]] + start);
-            const Vector exit = hn::LoadU(lanes, grid.boxes[axis][1 - ray.near_side[axis]] + start);
+            const int side = ray.near_side[axis];
+            Vector entry = hn::LoadU(lanes, grid.boxes[axis][side] + start);
+            Vector exit = hn::LoadU(lanes, grid.boxes[axis][1 - side] + start);
+            if (padding > 0.0f) {
+                entry = side == 0 ? hn::Sub(entry, pad) : hn::Add(entry, pad);
+                exit = side == 0 ? hn::Add(exit, pad) : hn::Sub(exit, pad);
+            }
             near = hn::Max(near, hn::Mul(hn::Sub(entry, origin), hn::Set(lanes, ray.inverse_near[axis])));
             far = hn::Min(far, hn::Mul(hn::Sub(exit, origin), hn::Set(lanes, ray.inverse_far[axis])));
         }
         bits |= mask_bits(lanes, hn::Le(near, far)) << start;
     }
     return bits;
+}
+
+uint32_t find_blocks(const Grid& grid, const GridRay& ray, float t_max, float padding) {
+    return blocks_on_way(grid, ray, t_max, padding);
 }
 
 /// kRows rows of kColumns neighbouring values.
@@ -63,10 +74,10 @@ HWY_INLINE hn::Vec<D> load_cells(D lanes, const T* first) {
 struct FloatCells {
     using Lanes = hn::CappedTag<float, 8>;
     using Number = float;
+    using Stored = float;
 
-    static HWY_INLINE hn::Vec<Lanes> load(const Grid& grid, int block, int axis, int index) {
-        return load_cells(Lanes(), grid.vertices[block][axis] + index);
-    }
+    static HWY_INLINE const float* block(const SnappedGrid& grid, int number) { return grid.block_vertices(number); }
+    static HWY_INLINE hn::Vec<Lanes> load(const float* first) { return load_cells(Lanes(), first); }
     static HWY_INLINE float origin(const GridRay& ray, int axis) { return ray.origin[axis]; }
     static HWY_INLINE float shear_x(const GridRay& ray) { return ray.shear_x; }
     static HWY_INLINE float shear_y(const GridRay& ray) { return ray.shear_y; }
@@ -77,10 +88,14 @@ struct FloatCells {
 struct FixedCells {
     using Lanes = hn::CappedTag<double, 8>;
     using Number = double;
+    using Stored = int32_t;
 
-    static HWY_INLINE hn::Vec<Lanes> load(const Grid& grid, int block, int axis, int index) {
+    static HWY_INLINE const int32_t* block(const SnappedGrid& grid, int number) {
+        return grid.fine()->fixed[number][0];
+    }
+    static HWY_INLINE hn::Vec<Lanes> load(const int32_t* first) {
         const hn::Rebind<int32_t, Lanes> integers;
-        return hn::PromoteTo(Lanes(), load_cells(integers, grid.fixed[block][axis] + index));
+        return hn::PromoteTo(Lanes(), load_cells(integers, first));
     }
     static HWY_INLINE double origin(const GridRay& ray, int axis) { return ray.fixed_origin[axis]; }
     static HWY_INLINE double shear_x(const GridRay& ray) { return ray.fixed_shear_x; }
@@ -115,9 +130,11 @@ struct CellTest {
     };
 
     int axis_x, axis_y, axis_z;
+    int cells;  ///< along the grid
     V origin_x, origin_y, origin_z, shear_x, shear_y, scale_z, farthest;
 
-    HWY_INLINE CellTest(const GridRay& ray, float t_max) : axis_x(ray.axis_x), axis_y(ray.axis_y), axis_z(ray.axis_z) {
+    HWY_INLINE CellTest(const GridRay& ray, int cells_along, float t_max)
+        : axis_x(ray.axis_x), axis_y(ray.axis_y), axis_z(ray.axis_z), cells(cells_along) {
         const D lanes;
         origin_x = hn::Set(lanes, Cells::origin(ray, ray.axis_x));
         origin_y = hn::Set(lanes, Cells::origin(ray, ray.axis_y));
@@ -127,11 +144,11 @@ struct CellTest {
         scale_z = hn::Set(lanes, Cells::scale_z(ray));
         farthest = hn::Set(lanes, t_max);
     }
-    /// A corner of the cells from `index` of the block on.
-    HWY_INLINE Corner corner(const Grid& grid, int block, int index) const {
-        const V dz = hn::Sub(Cells::load(grid, block, axis_z, index), origin_z);
-        const V dx = hn::Sub(Cells::load(grid, block, axis_x, index), origin_x);
-        const V dy = hn::Sub(Cells::load(grid, block, axis_y, index), origin_y);
+    /// A corner of the cells from `index` of a block [3][25] on.
+    HWY_INLINE Corner corner(const typename Cells::Stored* block, int index) const {
+        const V dz = hn::Sub(Cells::load(block + axis_z * kBlockSize + index), origin_z);
+        const V dx = hn::Sub(Cells::load(block + axis_x * kBlockSize + index), origin_x);
+        const V dy = hn::Sub(Cells::load(block + axis_y * kBlockSize + index), origin_y);
         return {hn::Sub(dx, hn::Mul(shear_x, dz)), hn::Sub(dy, hn::Mul(shear_y, dz)), dz};
     }
     static HWY_INLINE V edge(const Corner& p, const Corner& q) { return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x)); }
@@ -148,46 +165,84 @@ struct CellTest {
         for (; bits != 0; bits &= bits - 1) {
             const int lane = __builtin_ctz(bits), row = lane / kColumns, column = lane % kColumns;
             candidates.add(
-                {static_cast<float>(distances[lane]), first + static_cast<uint32_t>(2 * (row * kGridCells + column))});
+                {static_cast<float>(distances[lane]), first + static_cast<uint32_t>(2 * (row * cells + column))});
         }
     }
-    /// The cells from (column, row) of a block on.
-    HWY_INLINE void add(const Grid& grid, int block, int column, int row, GridCandidates& candidates) const {
+    /// The cells from (column, row) of a block on, the first of which is cell `first_cell` of the grid.
+    HWY_INLINE void add(const typename Cells::Stored* block, int first_cell, int column, int row,
+                        GridCandidates& candidates) const {
         const D lanes;
         const int index = row * kBlockVertices + column;
         // Of cell (i, j): (i, j), (i+1, j), (i+1, j+1), (i, j+1).
-        const Corner a = corner(grid, block, index), b = corner(grid, block, index + 1);
-        const Corner c = corner(grid, block, index + kBlockVertices + 1);
-        const Corner d = corner(grid, block, index + kBlockVertices);
+        const Corner a = corner(block, index), b = corner(block, index + 1);
+        const Corner c = corner(block, index + kBlockVertices + 1);
+        const Corner d = corner(block, index + kBlockVertices);
         const V ac = edge(a, c);
         const Triangles lower{edge(a, b), edge(b, c), hn::Neg(ac), a.z, b.z, c.z};
         const Triangles upper{ac, edge(c, d), edge(d, a), a.z, c.z, d.z};
         const M in_lower = lower.inside(), in_upper = upper.inside();
         if (hn::AllFalse(lanes, hn::Or(in_lower, in_upper))) return;
-        const int first_row = block / kBlockCells * kBlockCells, first_column = block % kBlockCells * kBlockCells;
-        const auto first = static_cast<uint32_t>(2 * ((first_row + row) * kGridCells + first_column + column));
+        const auto first = static_cast<uint32_t>(2 * (first_cell + row * cells + column));
         if (!hn::AllFalse(lanes, in_lower)) add_hits(lower, in_lower, first, candidates);
         if (!hn::AllFalse(lanes, in_upper)) add_hits(upper, in_upper, first + 1, candidates);
     }
 };
 
+/// One cell: the same operations as in a lane, for its borders are its neighbours'. `vertices` is [3][4].
+void test_cell(const float* vertices, const GridRay& ray, float t_max, GridCandidates& candidates) {
+    struct Point {
+        float x, y, z;
+    } p[4];
+    for (int k = 0; k < 4; ++k) {
+        const float dz = vertices[ray.axis_z * 4 + k] - ray.origin[ray.axis_z];
+        p[k] = {(vertices[ray.axis_x * 4 + k] - ray.origin[ray.axis_x]) - ray.shear_x * dz,
+                (vertices[ray.axis_y * 4 + k] - ray.origin[ray.axis_y]) - ray.shear_y * dz, dz};
+    }
+    const auto side = [&](int i, int j) { return p[i].x * p[j].y - p[i].y * p[j].x; };
+    const auto test = [&](int a, int b, int c, uint32_t triangle) {
+        const float ab = side(a, b), bc = side(b, c), ca = side(c, a);
+        if (!(ab >= 0.0f && bc >= 0.0f && ca >= 0.0f) && !(ab <= 0.0f && bc <= 0.0f && ca <= 0.0f)) return;
+        const float area = (bc + ca) + ab;
+        if (area == 0.0f) return;
+        const float t = ((bc * p[a].z + ca * p[b].z) + ab * p[c].z) / area * ray.scale_z;
+        if (t >= 0.0f && t <= t_max) candidates.add({t, triangle});
+    };
+    test(0, 1, 3, 0);
+    test(0, 3, 2, 1);
+}
+
 template <class Cells>
-HWY_INLINE void add_all(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
+HWY_INLINE void add_all(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
     using Test = CellTest<Cells>;
-    const Test test(ray, t_max);
-    for (uint32_t blocks = blocks_on_way(grid, ray, t_max); blocks != 0; blocks &= blocks - 1) {
+    const Test test(ray, grid.cells(), t_max);
+    uint32_t blocks = 1;
+    if (grid.fine()) blocks = blocks_on_way(*grid.fine(), ray, t_max, 0.0f) | grid.blocks_beyond_boxes();
+    for (; blocks != 0; blocks &= blocks - 1) {
         const int block = __builtin_ctz(blocks);
+        const typename Cells::Stored* vertices = Cells::block(grid, block);
+        HWY_ALIGN float moved[3 * kBlockSize];
+        if constexpr (std::is_same_v<typename Cells::Stored, float>) {
+            if (grid.moves_block(block)) {
+                grid.move_block(block, moved);
+                vertices = moved;
+            }
+        }
+        const int first_row = block / kBlockCells * kBlockCells, first_column = block % kBlockCells * kBlockCells;
         for (int row = 0; row < kBlockCells; row += Test::kRows)
             for (int column = 0; column < kBlockCells; column += Test::kColumns)
-                test.add(grid, block, column, row, candidates);
+                test.add(vertices, first_row * grid.cells() + first_column, column, row, candidates);
     }
 }
 
-void add_candidates(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
-    add_all<FloatCells>(grid, ray, t_max, candidates);
+void add_candidates(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
+    if (grid.cells() == 1)
+        test_cell(grid.block_vertices(0), ray, t_max, candidates);
+    else
+        add_all<FloatCells>(grid, ray, t_max, candidates);
 }
 
-void add_fixed_candidates(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
+/// Borders of fixed numbers stay as they are.
+void add_fixed_candidates(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
     add_all<FixedCells>(grid, ray, t_max, candidates);
 }
 
@@ -200,12 +255,14 @@ namespace rayleaf {
 
 HWY_EXPORT(add_candidates);
 HWY_EXPORT(add_fixed_candidates);
+HWY_EXPORT(find_blocks);
 
-AddCandidates add_candidates_function(VertexFormat format) {
-    // The first call through the table chooses; the pointer must be taken after that.
+GridKernels grid_kernels(VertexFormat format) {
+    // The first call through the table chooses; the pointers must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return format == VertexFormat::Fixed ? &HWY_DYNAMIC_DISPATCH(add_fixed_candidates)
-                                         : &HWY_DYNAMIC_DISPATCH(add_candidates);
+    return {format == VertexFormat::Fixed ? &HWY_DYNAMIC_DISPATCH(add_fixed_candidates)
+                                          : &HWY_DYNAMIC_DISPATCH(add_candidates),
+            &HWY_DYNAMIC_DISPATCH(find_blocks)};
 }
 
 void GridRay::set_fixed(const Vec3d& ray_origin, const Vec3d& direction) {

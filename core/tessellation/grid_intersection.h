@@ -1,4 +1,4 @@
-// A ray against the 512 facets of a grid: SIMD over blocks of 4 x 4 cells, in single precision.
+// A ray against the facets of a grid: SIMD over blocks of 4 x 4 cells, in single precision.
 //
 // As in Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection" (JCGT 2013): vertices are moved to the ray's origin
 // and sheared so that the ray is the z axis; what side of an edge p q the ray passes is the sign of px qy - py qx.
@@ -10,6 +10,7 @@
 
 #include "base/vector.h"
 #include "tessellation/grid.h"
+#include "tessellation/snapped_grid.h"
 
 #include <cstdint>
 
@@ -66,9 +67,16 @@ class GridCandidates {
 };
 
 /// Adds the facets that the ray hits from its origin up to t_max.
-using AddCandidates = void (*)(const Grid& grid, const GridRay& ray, float t_max, GridCandidates& candidates);
-/// The version for this machine's processor. Fixed numbers are tested in double precision, by the same steps, so that
+using AddCandidates = void (*)(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates);
+/// The blocks of a fine grid whose boxes, enlarged by `padding`, the ray meets up to t_max; one bit each.
+using FindBlocks = uint32_t (*)(const Grid& grid, const GridRay& ray, float t_max, float padding);
+
+struct GridKernels {
+    AddCandidates add_candidates;
+    FindBlocks find_blocks;
+};
+/// The versions for this machine's processor. Fixed numbers are tested in double precision, by the same steps, so that
 /// what is found is exact to 2^-50 or so of the shape's size.
-AddCandidates add_candidates_function(VertexFormat format);
+GridKernels grid_kernels(VertexFormat format);
 
 }  // namespace rayleaf

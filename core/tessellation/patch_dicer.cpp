@@ -1,7 +1,5 @@
 #include "tessellation/patch_dicer.h"
 
-#include "tessellation/dice.h"
-
 namespace rayleaf {
 
 PatchDicer::PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance)
@@ -9,19 +7,66 @@ PatchDicer::PatchDicer(const PatchSurface& surface, const FacetTolerance& tolera
     for (uint32_t i = 0; i < surface.splines().size(); ++i) {
         const SplinePatches& spline = surface.splines()[i];
         const SplineSplit& split = plan_.split(i);
-        for (const auto& [degree, cells] :
-             {std::pair(spline.degree_u, split.cells_u()), std::pair(spline.degree_v, split.cells_v())})
-            bases_.try_emplace({degree, cells}, degree, cells);
+        of_spline_.push_back({level_bases(spline.degree_u, split.log2_u), level_bases(spline.degree_v, split.log2_v)});
     }
 }
 
-void PatchDicer::dice(uint32_t index, Grid& grid) const {
+PatchDicer::LevelBases PatchDicer::level_bases(int degree, int log2) {
+    LevelBases result{};
+    for (int level = 0; level < kStoredLevels; ++level) {
+        const int intervals = quads_along(level) << log2;
+        result[level] = &bases_.try_emplace({degree, intervals}, degree, intervals).first->second;
+    }
+    return result;
+}
+
+template <typename Target>
+void PatchDicer::dice_at(int level, uint32_t index, Target& target) const {
+    const Subpatch& subpatch = plan_.subpatch(index);
+    const SplineSplit& split = plan_.split(subpatch.spline);
+    const SplineBases& bases = of_spline_[subpatch.spline];
+    const int quads = quads_along(level);
+    const auto axis = [quads](const DyadicBasis* basis, int cell, int log2) {
+        return DiceAxis{basis, cell * quads, cell == 0, cell + 1 == 1 << log2};
+    };
+    rayleaf::dice(surface_->patch(subpatch.patch), axis(bases.u[level], subpatch.u, split.log2_u),
+                  axis(bases.v[level], subpatch.v, split.log2_v), target);
+}
+
+void PatchDicer::dice(uint32_t subpatch, Grid& grid) const {
+    GridRows rows;
+    dice_at(kFine, subpatch, rows);
+    pack(rows, grid);
+}
+
+void PatchDicer::dice_rows(uint32_t subpatch, GridRows& rows) const {
+    dice_at(kFine, subpatch, rows);
+}
+
+void PatchDicer::dice_medium(uint32_t subpatch, MediumGrid& grid) const {
+    dice_at(kMedium, subpatch, grid);
+}
+
+void PatchDicer::dice_coarse(uint32_t subpatch, CoarseGrid& grid) const {
+    dice_at(kCoarse, subpatch, grid);
+}
+
+void PatchDicer::dice_part(uint32_t index, const GridPart& part, GridRows& rows) const {
     const Subpatch& subpatch = plan_.subpatch(index);
     const SplineSplit& split = plan_.split(subpatch.spline);
     const SplinePatches& spline = surface_->splines()[subpatch.spline];
-    rayleaf::dice(surface_->patch(subpatch.patch), bases_.at({spline.degree_u, split.cells_u()}),
-                  subpatch.u * kGridCells, bases_.at({spline.degree_v, split.cells_v()}), subpatch.v * kGridCells,
-                  grid);
+    const int parts = part.parts_along();
+    // Bases of so many intervals would be large and are seldom used: only what the part needs.
+    const auto basis = [parts](int degree, int cell, int log2, int number) {
+        return DyadicBasis(degree, (kGridCells * parts) << log2, (cell * parts + number) * kGridCells, kGridCells);
+    };
+    const auto axis = [parts](const DyadicBasis& of_part, int cell, int log2, int number) {
+        return DiceAxis{&of_part, 0, cell == 0 && number == 0, cell + 1 == 1 << log2 && number + 1 == parts};
+    };
+    const DyadicBasis basis_u = basis(spline.degree_u, subpatch.u, split.log2_u, part.u);
+    const DyadicBasis basis_v = basis(spline.degree_v, subpatch.v, split.log2_v, part.v);
+    rayleaf::dice(surface_->patch(subpatch.patch), axis(basis_u, subpatch.u, split.log2_u, part.u),
+                  axis(basis_v, subpatch.v, split.log2_v, part.v), rows);
 }
 
 ElementPlace PatchDicer::element_place(const PlaceInGrid& place, const Vec3d&) const {
@@ -40,9 +85,8 @@ std::optional<PlaceInGrid> PatchDicer::place_in_grid(const ElementPlace& place) 
 }
 
 size_t PatchDicer::bytes() const {
-    size_t total = sizeof(*this) + subpatch_count() * sizeof(Subpatch);
-    for (const auto& [key, basis] : bases_)
-        total += sizeof(basis) + (key.first + size_t{1}) * (key.second + size_t{1}) * sizeof(float);
+    size_t total = sizeof(*this) + plan_.bytes() + of_spline_.capacity() * sizeof(SplineBases);
+    for (const auto& [key, basis] : bases_) total += basis.bytes();
     return total;
 }
 

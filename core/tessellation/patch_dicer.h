@@ -2,17 +2,20 @@
 #pragma once
 
 #include "geometry/patch_surface.h"
+#include "tessellation/dice.h"
 #include "tessellation/dicer.h"
 #include "tessellation/dyadic_basis.h"
 #include "tessellation/split_plan.h"
 
+#include <array>
 #include <map>
-#include <utility>
+#include <vector>
 
 namespace rayleaf {
 
-class PatchDicer final : public Dicer {
+class PatchDicer final : public Dicer, public LevelDicer {
   public:
+    /// The surface must live as long.
     PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance);
 
     uint32_t subpatch_count() const override { return plan_.subpatch_count(); }
@@ -20,11 +23,28 @@ class PatchDicer final : public Dicer {
     ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override;
     std::optional<PlaceInGrid> place_in_grid(const ElementPlace& place) const override;
     size_t bytes() const override;
+    const LevelDicer* levels() const override { return this; }
+
+    void dice_rows(uint32_t subpatch, GridRows& rows) const override;
+    void dice_medium(uint32_t subpatch, MediumGrid& grid) const override;
+    void dice_coarse(uint32_t subpatch, CoarseGrid& grid) const override;
+    void dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const override;
 
   private:
+    /// By level, coarse to fine.
+    using LevelBases = std::array<const DyadicBasis*, kStoredLevels>;
+    struct SplineBases {
+        LevelBases u{}, v{};
+    };
+
     const PatchSurface* surface_;
     SplitPlan plan_;
-    std::map<std::pair<int, int>, DyadicBasis> bases_;  ///< by degree and cells
+    std::map<std::pair<int, int>, DyadicBasis> bases_;  ///< by degree and intervals
+    std::vector<SplineBases> of_spline_;
+
+    LevelBases level_bases(int degree, int log2);
+    template <typename Target>
+    void dice_at(int level, uint32_t index, Target& target) const;
 };
 
 }  // namespace rayleaf

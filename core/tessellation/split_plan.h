@@ -13,8 +13,9 @@
 
 namespace rayleaf {
 
-/// The most subpatches a shape is split into, unless it has more patches: their grids take 256 MB.
-inline constexpr uint32_t kMostSubpatches = 1u << 16;
+/// The most subpatches a shape is split into, unless it has more patches: their tree and records take 50 MB. What is
+/// too coarse then is split when rays ask for it (tessellation/level.h).
+inline constexpr uint32_t kMostSubpatches = 1u << 18;
 
 struct SplineSplit {
     uint32_t first_subpatch = 0;
@@ -40,6 +41,9 @@ class SplitPlan {
     const Subpatch& subpatch(uint32_t index) const { return subpatches_[index]; }
     /// The subpatch that holds the parameters of a patch.
     uint32_t index_at(const PatchSurface& surface, uint32_t patch, double u, double v) const;
+    uint64_t bytes() const {
+        return splits_.capacity() * sizeof(SplineSplit) + subpatches_.capacity() * sizeof(Subpatch);
+    }
 
   private:
     std::vector<SplineSplit> splits_;

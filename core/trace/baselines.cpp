@@ -1,7 +1,6 @@
 #include "trace/baselines.h"
 
 #include "tessellation/patch_dicer.h"
-#include "tessellation/tessellation_store.h"
 #include "trace/dicing.h"
 
 #include <ctime>
@@ -49,23 +48,23 @@ EmbreeBaseline::EmbreeBaseline(const PatchSurface& surface, const DicingView& vi
     : frame_(surface.frame()) {
     const std::shared_ptr<const Shape> shape(std::shared_ptr<const Shape>(), &surface);
     const std::vector<TracedInstance> instances = {{shape, {}, kVisibleAll}};
-    const TessellationStore store(
-        std::make_unique<PatchDicer>(surface, facet_tolerances(instances, 1, {0}, view).front()));
+    const PatchDicer dicer(surface, facet_tolerances(instances, 1, {0}, view).front());
+    const uint32_t count = dicer.subpatch_count();
     const uint64_t before = embree_bytes();
     const RTCGeometryType type =
         primitive == EmbreePrimitive::Grid ? RTC_GEOMETRY_TYPE_GRID : RTC_GEOMETRY_TYPE_TRIANGLE;
     RTCGeometry geometry = rtcNewGeometry(embree_device(), type);
-    Vec3f* vertices = new_vertices(geometry, store.subpatch_count());
-    tbb::parallel_for(uint32_t{0}, store.subpatch_count(), [&](uint32_t i) {
+    Vec3f* vertices = new_vertices(geometry, count);
+    tbb::parallel_for(uint32_t{0}, count, [&](uint32_t i) {
         Grid grid;
-        store.dice_into(i, grid);
+        dicer.dice(i, grid);
         for (int k = 0; k < kGridSize; ++k)
             vertices[size_t{i} * kGridSize + k] = grid.vertex(k % kGridVertices, k / kGridVertices);
     });
     if (primitive == EmbreePrimitive::Grid)
-        add_grids(geometry, store.subpatch_count());
+        add_grids(geometry, count);
     else
-        add_triangles(geometry, store.subpatch_count());
+        add_triangles(geometry, count);
     scene_ = new_embree_scene();
     build_embree_scene(scene_, geometry);
     bytes_ = embree_bytes() - before;

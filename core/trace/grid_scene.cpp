@@ -7,23 +7,29 @@
 namespace rayleaf {
 namespace {
 
-/// Grids diced for their boxes are kept if all of a surface take no more than this; bytes.
-constexpr uint64_t kKeptAtBuild = uint64_t{16} << 20;
+/// Parts of a subpatch lie this near to its fine facets, in units of what their second differences tell: those are of
+/// neighbouring vertices, between which a second derivative may rise a little.
+constexpr float kPartDistance = 2.0f;
+
+Box3f box_of(const GridRows& rows, float padding) {
+    Box3f box;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto [low, high] = std::minmax_element(rows.vertices[axis], rows.vertices[axis] + kGridSize);
+        box.min[axis] = *low - padding;
+        box.max[axis] = *high + padding;
+    }
+    return box;
+}
 
 }  // namespace
 
 GridScene::GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, const CancelToken& cancel)
     : ShapeScene(shape, dicer->format() == VertexFormat::Fixed ? FacetKind::FixedGrids : FacetKind::Grids),
-      store_(std::move(dicer)),
-      add_candidates_(add_candidates_function(store_.dicer().format())) {
-    const uint32_t count = store_.subpatch_count();
+      dicer_(std::move(dicer)),
+      kernels_(grid_kernels(dicer_->format())) {
+    const uint32_t count = dicer_->subpatch_count();
     if (count == 0) return;
-    const bool keep = count * sizeof(Grid) <= kKeptAtBuild;
-    boxes_.resize(count);
-    tbb::parallel_for(uint32_t{0}, count, [&](uint32_t i) {
-        cancel.throw_if_cancelled();
-        boxes_[i] = keep ? store_.grid(i).box() : store_.dicer().box(i);
-    });
+    measure(cancel);
     RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, count);
     rtcSetGeometryUserData(geometry, this);
@@ -38,26 +44,137 @@ GridScene::GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, con
     boxes_ = {};
 }
 
+void GridScene::measure(const CancelToken& cancel) {
+    const uint32_t count = dicer_->subpatch_count();
+    const LevelDicer* levels = dicer_->levels();
+    boxes_.resize(count);
+    if (levels) details_.resize(count);
+    tbb::parallel_for(uint32_t{0}, count, [&](uint32_t i) {
+        cancel.throw_if_cancelled();
+        if (!levels) {
+            boxes_[i] = dicer_->box(i);
+            return;
+        }
+        GridRows rows;
+        levels->dice_rows(i, rows);
+        details_[i] = detail_of(rows);
+        boxes_[i] = box_of(rows, kBlockPadding + kPartDistance * fine_facet_distance(details_[i]));
+    });
+}
+
+uint64_t GridScene::record_bytes() const {
+    return details_.capacity() * sizeof(SubpatchDetail) + dicer_->bytes();
+}
+
 void GridScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
     const auto& self = *static_cast<const GridScene*>(arguments->geometryUserPtr);
     const Box3f& box = self.boxes_[arguments->primID];
     *arguments->bounds_o = {box.min.x, box.min.y, box.min.z, 0.0f, box.max.x, box.max.y, box.max.z, 0.0f};
 }
 
-/// Offers the facets of a grid, nearest first, until one counts. Facets closer together than single precision tells
-/// apart, as those of a thin strand, come in no order; all are offered then, for the exact hit decides.
-bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
-    const Grid& grid = store_.grid(subpatch);
-    const VertexFormat format = store_.dicer().format();
+void GridScene::prepare(ShapeQuery& query) const {
+    if (details_.empty()) return;
+    const LocalRay& ray = *query.ray;
+    query.levels = LevelChooser(query.reader->rule(), ray.origin, ray.direction, ray.width, ray.spread);
+    for (const RayAnchor& anchor : ray.anchors)
+        if (anchor.instance != RayAnchor::kNone && anchor.subpatch < details_.size())
+            query.levels.anchor(details_[anchor.subpatch], anchor.subpatch, anchor.levels);
+}
+
+/// Offers the facets that the ray meets, nearest first, until one counts. Facets closer together than single precision
+/// tells apart, as those of a thin strand, come in no order; all are offered then, for the exact hit decides.
+bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_t subpatch,
+                             const SubpatchLevels& levels, float t_max) const {
     GridCandidates candidates;
-    add_candidates_(grid, query.grid_ray, t_max, candidates);
+    kernels_.add_candidates(grid, query.grid_ray, t_max, candidates);
     bool found = false;
     while (!candidates.empty()) {
         const uint32_t triangle = candidates.take_nearest().triangle;
-        found = query.offer({subpatch, triangle}, grid.corners(triangle, format)) || found;
-        if (found && format == VertexFormat::Float) return true;
+        const SnappedGrid::Facet facet = grid.facet(triangle);
+        if (!query.offer({subpatch, triangle}, facet.corners)) continue;
+        query.best.area = area_vector(facet.corners);
+        query.best.place = facet.place(query.best.point.u, query.best.point.v) * (kGridCells / grid.cells());
+        query.best.levels = levels.packed();
+        found = true;
+        if (grid.format() == VertexFormat::Float) return true;
     }
     return found;
+}
+
+/// One ray in the parts of one subpatch.
+struct GridScene::PartSearch {
+    ShapeQuery& query;
+    const Grid& whole;
+    uint32_t subpatch;
+    SubpatchLevels levels;
+    float t_max;
+
+    /// Blocks of a part that hold facets drawn to vertices outside of it: where a border keeps fewer than one a part.
+    uint32_t stretched_blocks(const GridPart& place) const {
+        const int along = place.parts_along(), last = kGridCells / kBlockCells - 1;
+        const bool outer[kBorders] = {place.v == 0, place.u == along - 1, place.v == along - 1, place.u == 0};
+        uint32_t blocks = 0;
+        for (int border = 0; border < kBorders; ++border) {
+            if (!outer[border] || levels.border[border] + kFine >= levels.own) continue;
+            for (int k = 0; k <= last; ++k) {
+                const int i = border == 1 ? last : border == 3 ? 0 : k, j = border == 0 ? 0 : border == 2 ? last : k;
+                blocks |= 1u << (j * (last + 1) + i);
+            }
+        }
+        return blocks;
+    }
+};
+
+bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
+    const GeometryCache::Reader& reader = *query.reader;
+    if (details_.empty()) {
+        const SnappedGrid grid(reader.fine(*dicer_, first_subpatch(), subpatch), dicer_->format());
+        return offer_facets(query, grid, subpatch, {}, t_max);
+    }
+    const SubpatchLevels levels = query.levels.levels(details_[subpatch], subpatch);
+    switch (levels.own) {
+        case kCoarse:
+            return offer_facets(query, SnappedGrid(reader.coarse(*dicer_, first_subpatch(), subpatch)), subpatch,
+                                levels, t_max);
+        case kMedium:
+            return offer_facets(query, SnappedGrid(reader.medium(*dicer_, first_subpatch(), subpatch), levels),
+                                subpatch, levels, t_max);
+        case kFine:
+            return offer_facets(query, SnappedGrid(reader.fine(*dicer_, first_subpatch(), subpatch), levels), subpatch,
+                                levels, t_max);
+        default: {
+            const Grid& whole = reader.fine(*dicer_, first_subpatch(), subpatch);
+            PartSearch search{query, whole, subpatch, levels, t_max};
+            return visit_parts(search, whole, {});
+        }
+    }
+}
+
+/// Goes down from a grid to the parts that its blocks stand for.
+bool GridScene::visit_parts(PartSearch& search, const Grid& grid, const GridPart& place) const {
+    const float distance = fine_facet_distance(details_[search.subpatch]) * kPartDistance;
+    const float padding = distance / static_cast<float>(place.parts_along() * place.parts_along());
+    uint32_t blocks =
+        kernels_.find_blocks(grid, search.query.grid_ray, search.t_max, padding) | search.stretched_blocks(place);
+    bool found = false;
+    for (; blocks != 0; blocks &= blocks - 1) {
+        const int block = __builtin_ctz(blocks);
+        constexpr int kAlong = kGridCells / kBlockCells;
+        const GridPart part{place.level + 1, place.u * kAlong + block % kAlong, place.v * kAlong + block / kAlong};
+        const Grid& below = search.query.reader->part(*dicer_, search.subpatch, part);
+        found |= part.level == search.levels.own ? offer_part(search, below, part) : visit_parts(search, below, part);
+    }
+    return found;
+}
+
+bool GridScene::offer_part(PartSearch& search, const Grid& grid, const GridPart& place) const {
+    ShapeQuery& query = search.query;
+    const SnappedGrid snapped(grid, place, search.whole, search.levels);
+    if (!offer_facets(query, snapped, search.subpatch, search.levels, search.t_max)) return false;
+    query.best.facet.part += place.number() * kGridTriangles;
+    query.best.place = (query.best.place + Vec2d(place.u, place.v) * kGridCells) / place.parts_along();
+    search.t_max = query.ray->float_distance(query.farthest);
+    return true;
 }
 
 void GridScene::closest_callback(const RTCIntersectFunctionNArguments* arguments) {
@@ -77,28 +194,31 @@ void GridScene::any_callback(const RTCOccludedFunctionNArguments* arguments) {
 }
 
 LocalHit GridScene::local_hit(const ShapeHit& hit) const {
-    const Dicer& dicer = store_.dicer();
-    const PlaceInGrid place{hit.facet.primitive, grid_parameters(hit.facet.part, hit.point.u, hit.point.v)};
-    const ElementPlace element = dicer.element_place(place, hit.point.position);
+    const ElementPlace place = dicer_->element_place({hit.facet.primitive, hit.place}, hit.point.position);
     LocalHit local;
-    local.primitive = element.element;
-    local.u = element.u;
-    local.v = element.v;
+    local.primitive = place.element;
+    local.u = place.u;
+    local.v = place.v;
     local.position = hit.point.position;
-    const Vec3d area = area_vector(store_.grid(hit.facet.primitive).corners(hit.facet.part, dicer.format()));
-    local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
+    local.normal = Vec3f(hit.area / max_abs(hit.area));  // never zero: the facet was hit
+    local.subpatch = hit.facet.primitive;
+    local.levels = hit.levels;
     return local;
 }
 
 LocalHit GridScene::on_facet(const LocalHit& hit) const {
-    const std::optional<PlaceInGrid> in_grid = store_.dicer().place_in_grid({hit.primitive, hit.u, hit.v});
-    if (!in_grid) return hit;
-    const GridPlace place = grid_place(in_grid->at);
-    const FacetCorners corners = store_.grid(in_grid->subpatch).corners(place.triangle, store_.dicer().format());
+    const std::optional<PlaceInGrid> place = dicer_->place_in_grid({hit.primitive, hit.u, hit.v});
+    if (!place) return hit;
+    const GridPlace in_grid = grid_place(place->at);
+    const GeometryCache::Reader reader(*geometry_cache());
+    const FacetCorners corners =
+        reader.fine(*dicer_, first_subpatch(), place->subpatch).corners(in_grid.triangle, dicer_->format());
     LocalHit result = hit;
     result.position =
-        corners[0] + (corners[1] - corners[0]) * place.weight1 + (corners[2] - corners[0]) * place.weight2;
+        corners[0] + (corners[1] - corners[0]) * in_grid.weight1 + (corners[2] - corners[0]) * in_grid.weight2;
     result.normal = Vec3f(normalized_or(area_vector(corners), Vec3d(hit.normal)));
+    result.subpatch = place->subpatch;
+    result.levels = SubpatchLevels{}.packed();
     return result;
 }
 

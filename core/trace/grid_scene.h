@@ -1,8 +1,9 @@
-// A surface that is diced, as Embree's user geometry: one primitive a subpatch, its box that of its grid's vertices.
+// A surface that is diced, as Embree's user geometry: one primitive a subpatch, its box that of its vertices at all
+// levels.
 #pragma once
 
+#include "tessellation/dicer.h"
 #include "tessellation/grid_intersection.h"
-#include "tessellation/tessellation_store.h"
 #include "trace/shape_scene.h"
 
 #include <memory>
@@ -16,23 +17,28 @@ class GridScene final : public ShapeScene {
 
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override;
+    uint32_t subpatch_count() const override { return dicer_->subpatch_count(); }
     /// Fixed numbers are tested in double: rounded as often as in single precision, and a few times more in the test.
     double float_error() const override {
-        return store_.dicer().format() == VertexFormat::Fixed ? 0x1p-49 : ShapeScene::float_error();
+        return dicer_->format() == VertexFormat::Fixed ? 0x1p-49 : ShapeScene::float_error();
     }
-    uint64_t subpatch_count() const override { return store_.subpatch_count(); }
-    uint64_t grids_diced() const override { return store_.diced(); }
     NormalCounters limit_normals() const override;
-    uint64_t grid_bytes() const override { return store_.bytes(); }
-
-    const TessellationStore& store() const { return store_; }
+    uint64_t record_bytes() const override;
 
   private:
-    TessellationStore store_;
-    AddCandidates add_candidates_;
-    std::vector<Box3f> boxes_;  ///< while the scene is built
+    std::unique_ptr<const Dicer> dicer_;
+    GridKernels kernels_;
+    std::vector<SubpatchDetail> details_;  ///< none where the dicer has no levels
+    std::vector<Box3f> boxes_;             ///< while the scene is built
 
+    struct PartSearch;
+    void measure(const CancelToken& cancel);
+    void prepare(ShapeQuery& query) const override;
     bool visit(ShapeQuery& query, uint32_t subpatch, float t_max) const;
+    bool offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_t subpatch, const SubpatchLevels& levels,
+                      float t_max) const;
+    bool visit_parts(PartSearch& search, const Grid& grid, const GridPart& place) const;
+    bool offer_part(PartSearch& search, const Grid& grid, const GridPart& place) const;
 
     static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
     static void closest_callback(const RTCIntersectFunctionNArguments* arguments);

@@ -59,10 +59,20 @@ LocalHit InstanceRecord::interpolated_local(const Ray& world_ray, double t, cons
     return hit;
 }
 
-std::optional<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray) const {
+std::optional<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& world_ray, double t_max) const {
     if (scene->box().isEmpty()) return std::nullopt;
-    const auto local = clipped_ray(scene->box(), point_to_local(world_ray.origin), vector_to_local(world_ray.direction),
-                                   world_ray.t_min, world_ray.t_max);
+    std::optional<LocalRay> local = clipped_ray(scene->box(), point_to_local(world_ray.origin),
+                                                vector_to_local(world_ray.direction), world_ray.t_min, t_max);
+    if (!local) return local;
+    local->width = world_ray.width * shrink;
+    local->spread = world_ray.spread * widening;
+    if (world_ray.start.instance == index) local->anchors[0] = world_ray.start;
+    if (world_ray.end.instance == index) local->anchors[1] = world_ray.end;
+    return local;
+}
+
+std::optional<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray) const {
+    const std::optional<LocalRay> local = local_ray(index, world_ray, world_ray.t_max);
     const std::optional<ShapeHit> hit = local ? scene->closest(*local) : std::nullopt;
     if (!hit) return std::nullopt;
     return Hit{hit->point.t, index, scene->local_hit(*hit), RayAnswer::NotAsked, {}};

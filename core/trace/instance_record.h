@@ -18,6 +18,10 @@ struct InstanceRecord {
     Affine3d local_to_world;
     Vec3d to_local_x{1, 0, 0}, to_local_y{0, 1, 0}, to_local_z{0, 0, 1};  ///< linear part world -> local, columns
 
+    /// A local length looks at most 1 / `shrink` times as long in the world; a world length along a ray is at least
+    /// `widening / shrink` times its local one.
+    float shrink = 1, widening = 1;
+
     Vec3d vector_to_local(const Vec3d& v) const { return to_local_x * v.x + to_local_y * v.y + to_local_z * v.z; }
     /// The translation is subtracted first: that rounds nothing where it matters, close to a far object.
     Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }
@@ -33,6 +37,10 @@ struct InstanceRecord {
     ObjectAnswer ask(const Ray& world_ray, const LocalRay& ray) const;
     /// An interpolated answer as a hit at `t` of a world ray.
     LocalHit interpolated_local(const Ray& world_ray, double t, const ObjectAnswer& answer) const;
+
+    /// A world ray up to t_max in local space; empty where it misses
+    /// the shape's box. `index` is the instance's.
+    std::optional<LocalRay> local_ray(uint32_t index, const Ray& world_ray, double t_max) const;
 
     /// By tracing alone; `index` is the instance's.
     std::optional<Hit> closest(uint32_t index, const Ray& world_ray) const;

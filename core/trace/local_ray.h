@@ -7,6 +7,7 @@
 
 #include "base/vector.h"
 #include "rays/ray.h"
+#include "tessellation/geometry_cache.h"
 #include "trace/embree.h"
 
 #include <optional>
@@ -28,6 +29,10 @@ struct LocalRay {
     Vec3d origin{0, 0, 0};
     Vec3d direction{0, 0, 1};     ///< local units per world unit, not unit length: t is the world ray's
     double t_min = 0, t_max = 0;  ///< world units
+
+    float width = 0, spread = 0;                    ///< Ray's, local
+    RayAnchor anchors[2];                           ///< Ray's start and end where they lie on this instance; else none
+    const GeometryCache::Reader* reader = nullptr;  ///< of this thread; null: the shape gets one
 
     double start = 0;                ///< t of the float ray's origin
     double speed = 1;                ///< local units per world unit: length of `direction`

@@ -9,7 +9,10 @@ void ShapeScene::set_scene(EmbreeScene scene, const Box3f& box) {
 }
 
 std::optional<ShapeHit> ShapeScene::closest(const LocalRay& ray) const {
-    ShapeQuery query(ray, kind_);
+    std::optional<GeometryCache::Reader> own;
+    if (!ray.reader && geometry_cache_) own.emplace(*geometry_cache_);
+    ShapeQuery query(ray, kind_, own ? &*own : ray.reader);
+    prepare(query);
     RTCRayHit embree_ray = ray.embree_ray_hit();
     embree_closest(scene_.get(), query.context, embree_ray);
     if (!query.found) return std::nullopt;
@@ -17,7 +20,10 @@ std::optional<ShapeHit> ShapeScene::closest(const LocalRay& ray) const {
 }
 
 bool ShapeScene::occluded(const LocalRay& ray) const {
-    ShapeQuery query(ray, kind_);
+    std::optional<GeometryCache::Reader> own;
+    if (!ray.reader && geometry_cache_) own.emplace(*geometry_cache_);
+    ShapeQuery query(ray, kind_, own ? &*own : ray.reader);
+    prepare(query);
     RTCRay embree_ray = ray.embree_ray();
     embree_any(scene_.get(), query.context, embree_ray);
     return query.found;

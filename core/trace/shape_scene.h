@@ -10,6 +10,7 @@
 #include "geometry/shape.h"
 #include "rays/hit.h"
 #include "splines/limit_normal.h"
+#include "tessellation/geometry_cache.h"
 #include "tessellation/grid_intersection.h"
 #include "trace/embree.h"
 #include "trace/local_ray.h"
@@ -32,6 +33,10 @@ struct ShapeHit {
     FacetId facet;
     FacetHit point;
     Vec3d normal{0, 0, 0};  ///< of shapes whose facets have no corners
+    // Of grids only, which may be gone when the hit is looked at:
+    Vec3d area{0, 0, 0};  ///< area vector of the facet
+    Vec2d place{0, 0};    ///< in the fine grid: i + fraction, j + fraction
+    uint32_t levels = 0;  ///< SubpatchLevels::packed
 };
 
 /// What a shape's facets are held in.
@@ -41,12 +46,15 @@ enum class FacetKind : uint8_t { Triangles, Grids, FixedGrids, Strands };
 struct ShapeQuery {
     EmbreeContext context;
     const LocalRay* ray = nullptr;
-    GridRay grid_ray;  ///< set for grids only
+    GridRay grid_ray;     ///< set for grids only
+    LevelChooser levels;  ///< the same
+    const GeometryCache::Reader* reader = nullptr;
     ShapeHit best;
     double farthest = 0;  ///< t of the best hit, or the ray's t_max
     bool found = false;
 
-    ShapeQuery(const LocalRay& local, FacetKind kind) : ray(&local), farthest(local.t_max) {
+    ShapeQuery(const LocalRay& local, FacetKind kind, const GeometryCache::Reader* cache)
+        : ray(&local), reader(cache), farthest(local.t_max) {
         initialize(context);
         if (kind != FacetKind::Grids && kind != FacetKind::FixedGrids) return;
         grid_ray = GridRay(local.float_origin, local.float_direction);
@@ -60,7 +68,8 @@ struct ShapeQuery {
         const std::optional<FacetHit> hit = exact_facet_hit(corners, ray->origin, ray->direction);
         if (!hit || !(hit->t >= ray->t_min && hit->t <= farthest)) return false;
         if (found && hit->t == best.point.t && best.facet < facet) return false;
-        best = {facet, *hit};
+        best.facet = facet;
+        best.point = *hit;
         farthest = hit->t;
         found = true;
         return true;
@@ -88,20 +97,32 @@ class ShapeScene {
     virtual double float_error() const { return 0x1p-21; }
     virtual uint64_t triangle_count() const { return 0; }
     virtual uint64_t strand_pieces() const { return 0; }
-    virtual uint64_t subpatch_count() const { return 0; }
-    virtual uint64_t grids_diced() const { return 0; }
-    virtual uint64_t grid_bytes() const { return 0; }
+    virtual uint32_t subpatch_count() const { return 0; }
+    /// What is held beside Embree's tree and the grids.
+    virtual uint64_t record_bytes() const { return 0; }
     virtual NormalCounters limit_normals() const { return {}; }
+    /// Where grids are kept, and the number of the first subpatch there; before any ray, for shapes that have
+    /// subpatches.
+    void set_geometry_cache(const GeometryCache& cache, uint32_t first_subpatch) {
+        geometry_cache_ = &cache;
+        first_subpatch_ = first_subpatch;
+    }
 
   protected:
     ShapeScene(const Shape& shape, FacetKind kind) : shape_(&shape), kind_(kind) {}
     /// Embree's scene of the facets; the box is that of the facets, not yet padded.
     void set_scene(EmbreeScene scene, const Box3f& box);
     RTCScene embree_scene() const { return scene_.get(); }
+    const GeometryCache* geometry_cache() const { return geometry_cache_; }
+    uint32_t first_subpatch() const { return first_subpatch_; }
+    /// Before a query of grids.
+    virtual void prepare(ShapeQuery&) const {}
 
   private:
     const Shape* shape_;
     FacetKind kind_;
+    const GeometryCache* geometry_cache_ = nullptr;
+    uint32_t first_subpatch_ = 0;
     EmbreeScene scene_;
     Box3d box_;
 };

@@ -33,11 +33,13 @@ struct Tracer::Implementation {
     Box3d bounds;
     LocalFrame frame;  ///< world -> the space of the scene above the instances
     EmbreeScene scene;
+    std::unique_ptr<GeometryCache> cache;  ///< null without patches
     uint64_t bvh_bytes = 0;  ///< what Embree held more after the build; tracers built at the same time blur it
 
     struct Query {
         EmbreeContext context;
         const Implementation* tracer = nullptr;
+        const GeometryCache::Reader* reader = nullptr;
         const Ray* ray = nullptr;
         Visibility kind = kVisibleAll;
         LocalRay scene_ray;  ///< in the space above the instances
@@ -55,6 +57,7 @@ struct Tracer::Implementation {
     void build_shapes(const DicingView& view, const CancelToken& cancel);
     void build_records();
     void build_scene(const CancelToken& cancel);
+    void build_cache(const GeometryCacheSettings& settings);
     Box3d world_box(uint32_t index) const { return records[index].world_box(); }
 
     std::optional<LocalRay> local_ray(const Query& query, uint32_t index) const;
@@ -102,6 +105,11 @@ void Tracer::Implementation::build_records() {
                             max_abs(record.local_to_world.translation) < kLargestExtent;
         if (!usable) throw InputError(shape.name(), "object_to_world", "singular or not finite", "a regular matrix");
         bounds.extendBy(world_box(static_cast<uint32_t>(i)));
+        const Affine3d& map = record.local_to_world;
+        const double lengths[3] = {map.x.length(), map.y.length(), map.z.length()};
+        const auto [shortest, longest] = std::minmax({lengths[0], lengths[1], lengths[2]});
+        record.shrink = static_cast<float>(1.0 / longest);
+        record.widening = static_cast<float>(shortest / longest);
     }
     frame = LocalFrame::fitting(bounds);
 }
@@ -116,6 +124,21 @@ void Tracer::Implementation::build_scene(const CancelToken& cancel) {
     rtcSetGeometryOccludedFunction(geometry, any_callback);
     scene = new_embree_scene(cancel);
     build_embree_scene(scene, geometry);
+}
+
+void Tracer::Implementation::build_cache(const GeometryCacheSettings& settings) {
+    uint64_t subpatches = 0;
+    for (const std::unique_ptr<ShapeScene>& shape : shapes) subpatches += shape->subpatch_count();
+    if (subpatches >= GridIndex::kNone)
+        throw InputError("scene", "subpatches", std::to_string(subpatches),
+                         "fewer than " + std::to_string(GridIndex::kNone));
+    if (subpatches == 0) return;
+    cache = std::make_unique<GeometryCache>(settings, static_cast<uint32_t>(subpatches));
+    uint32_t first = 0;
+    for (const std::unique_ptr<ShapeScene>& shape : shapes) {
+        shape->set_geometry_cache(*cache, first);
+        first += shape->subpatch_count();
+    }
 }
 
 void Tracer::Implementation::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
@@ -135,8 +158,9 @@ void Tracer::Implementation::bounds_callback(const RTCBoundsFunctionArguments* a
 std::optional<LocalRay> Tracer::Implementation::local_ray(const Query& query, uint32_t index) const {
     const InstanceRecord& record = records[index];
     if ((instances[index].visibility & query.kind) == 0 || record.scene->box().isEmpty()) return std::nullopt;
-    return clipped_ray(record.scene->box(), record.point_to_local(query.ray->origin),
-                       record.vector_to_local(query.ray->direction), query.ray->t_min, query.farthest);
+    std::optional<LocalRay> local = record.local_ray(index, *query.ray, query.farthest);
+    if (local) local->reader = query.reader;
+    return local;
 }
 
 bool Tracer::Implementation::take_interpolated(Query& query, uint32_t index, const LocalRay& ray,
@@ -221,13 +245,15 @@ bool Tracer::Implementation::start(Query& query, const Ray& ray, Visibility kind
     return true;
 }
 
-Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel)
+Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel,
+               const GeometryCacheSettings& cache)
     : implementation_(std::make_unique<Implementation>()) {
     const uint64_t before = embree_bytes();
     implementation_->instances = std::move(instances);
     implementation_->build_shapes(view, cancel);
     implementation_->build_records();
     implementation_->build_scene(cancel);
+    implementation_->build_cache(cache);
     implementation_->bvh_bytes = embree_bytes() - std::min(before, embree_bytes());
 }
 
@@ -254,6 +280,8 @@ ClosestHit Tracer::closest(const Ray& ray, Visibility kind) const {
     const Implementation& self = *implementation_;
     Implementation::Query query;
     if (!self.start(query, ray, kind)) return {};
+    std::optional<GeometryCache::Reader> reader;
+    if (self.cache) query.reader = &reader.emplace(*self.cache);
     if (self.scene) {
         RTCRayHit embree_ray = query.scene_ray.embree_ray_hit();
         embree_closest(self.scene.get(), query.context, embree_ray);
@@ -280,6 +308,8 @@ bool Tracer::occluded(const Ray& ray, Visibility kind) const {
     const Implementation& self = *implementation_;
     Implementation::Query query;
     if (!self.start(query, ray, kind)) return false;
+    std::optional<GeometryCache::Reader> reader;
+    if (self.cache) query.reader = &reader.emplace(*self.cache);
     if (self.scene) {
         RTCRay embree_ray = query.scene_ray.embree_ray();
         embree_any(self.scene.get(), query.context, embree_ray);
@@ -376,12 +406,16 @@ TraceStatistics Tracer::statistics() const {
     result.bvh_bytes = implementation_->bvh_bytes;
     for (const std::unique_ptr<ShapeScene>& shape : implementation_->shapes) {
         result.subpatches += shape->subpatch_count();
-        result.grids_diced += shape->grids_diced();
-        result.grid_bytes += shape->grid_bytes();
+        result.record_bytes += shape->record_bytes();
         result.triangles += shape->triangle_count();
         result.limit_normals += shape->limit_normals();
     }
+    if (implementation_->cache) result.geometry = implementation_->cache->statistics();
     return result;
+}
+
+uint64_t Tracer::thread_misses() const {
+    return implementation_->cache ? GeometryCache::Reader(*implementation_->cache).misses() : 0;
 }
 
 }  // namespace rayleaf

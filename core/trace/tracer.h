@@ -12,6 +12,7 @@
 #include "rays/hit.h"
 #include "rays/ray.h"
 #include "splines/limit_normal.h"
+#include "tessellation/geometry_cache.h"
 #include "trace/object_cache.h"
 
 #include <cstdint>
@@ -47,8 +48,10 @@ struct DicingView {
 };
 
 struct TraceStatistics {
-    uint64_t subpatches = 0, grids_diced = 0, grid_bytes = 0, bvh_bytes = 0, triangles = 0, instances = 0, shapes = 0;
-    NormalCounters limit_normals;  ///< of hits on patches where the surface has no normal of its own, by stage
+    uint64_t subpatches = 0, bvh_bytes = 0, triangles = 0, instances = 0, shapes = 0;
+    uint64_t record_bytes = 0;         ///< what is held for each subpatch beside the tree and the grids
+    GeometryCacheStatistics geometry;  ///< all zero without patches
+    NormalCounters limit_normals;      ///< of hits on patches where the surface has no normal of its own, by stage
 };
 
 /// A closest hit, and how the objects with ray caches on the way answered.
@@ -60,7 +63,8 @@ struct ClosestHit {
 class Tracer {
   public:
     /// Throws Cancelled soon after `cancel` says so.
-    Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel = kNeverCancelled);
+    Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel = kNeverCancelled,
+           const GeometryCacheSettings& cache = {});
     ~Tracer();
     Tracer(const Tracer&) = delete;
     Tracer& operator=(const Tracer&) = delete;
@@ -92,6 +96,8 @@ class Tracer {
     Box3d bounds() const;
     Box3d bounds(uint32_t instance) const;
     TraceStatistics statistics() const;
+    /// Tessellations that this thread's rays had to make so far.
+    uint64_t thread_misses() const;
 
   private:
     struct Implementation;

@@ -136,7 +136,7 @@ def run() -> list[dict[str, Any]]:
                         times[method].append(len(origins) / seconds / 1e6)
             for method, values in times.items():
                 rows.append({"name": f"{subpatches} subpatches, {kind}: {method}", "unit": "Mrays/s", "values": values})
-        held = {"rayleaf": tracer.statistics()["grid_bytes"] + statistics["bvh_bytes"]}
+        held = {"rayleaf": tracer.statistics()["geometry_cache"]["bytes"] + statistics["bvh_bytes"]}
         held |= {method: target.bytes for method, target in methods.items() if method != "rayleaf"}
         for method, count in held.items():
             rows.append({"name": f"{subpatches} subpatches: {method}", "unit": "MB", "values": [count / 1e6]})

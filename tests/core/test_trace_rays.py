@@ -202,8 +202,8 @@ def test_grids_are_counted_and_kept():
     before = tracer.statistics()
     tracer.closest_hits(np.zeros((1000, 3)), shapes.random_directions(np.random.default_rng(30), 1000))
     after = tracer.statistics()
-    assert before["subpatches"] >= 8 and after["grids_diced"] >= after["subpatches"] > 0
-    assert after["grid_bytes"] >= 4 * 3 * 289
+    assert before["subpatches"] >= 8 and after["geometry_cache"]["levels"]["fine"]["diced"] > 0
+    assert after["geometry_cache"]["bytes"] >= 4 * 3 * 289
 
 
 def test_a_near_eye_makes_finer_facets_than_a_far_one():

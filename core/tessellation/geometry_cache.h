@@ -1,0 +1,138 @@
+// The geometry cache: tessellations at three resolutions for all shapes of a scene, within a budget of memory
+// (Christensen, Laur, Fong, Wooten, Batali, "Ray Differentials and Multiresolution Geometry Caching for Distribution
+// Ray Tracing in Complex Scenes", Eurographics 2003, section 5.2).
+//
+// What it holds changes time, never a picture: a grid is a pure function of (subpatch, level), so one that is not there
+// is diced again. Looking up never waits. A thread that finds nothing dices into a free slot, or where there is none
+// now, into a grid of its own.
+//
+// Departures from the paper: a clock instead of a list of the least recently used, which does as well without a lock;
+// all that it takes to keep track of the grids counts within the budget; when a level is too small for what rays want,
+// a subpatch must miss twice before it gets a slot.
+#pragma once
+
+#include "tessellation/dicer.h"
+#include "tessellation/grid_pool.h"
+#include "tessellation/level.h"
+#include "tessellation/readers.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+namespace rayleaf {
+
+enum class CacheMode : uint8_t {
+    Multi,   ///< three levels, a third of the budget each
+    Single,  ///< fine grids only: the single-resolution cache that the paper compares with
+    None     ///< nothing is kept
+};
+
+struct GeometryCacheSettings {
+    /// All memory of the cache: grids, what keeps track of them, the threads' own grids. Whatever it is, each thread
+    /// has what it needs to go on without.
+    uint64_t budget = uint64_t{30} << 20;
+    CacheMode mode = CacheMode::Multi;
+    LevelRule rule;
+};
+
+/// Megabytes as users give them; zero and less is no cache.
+inline uint64_t budget_from_megabytes(double megabytes) {
+    constexpr double kMost = 1e9;  // a petabyte
+    return megabytes > 0.0 ? static_cast<uint64_t>(std::min(megabytes, kMost) * 1048576.0) : 0;
+}
+
+/// What happened at one level.
+struct LevelCounters {
+    uint64_t lookups = 0;
+    uint64_t diced = 0;     ///< tessellations: lookups that found nothing
+    uint64_t cold = 0;      ///< of these, the first of their subpatch and level; 0 where not counted
+    uint64_t bypassed = 0;  ///< of those diced, the ones that got no slot
+
+    uint64_t recomputed() const { return diced - cold; }
+};
+
+struct GeometryCacheStatistics {
+    std::array<LevelCounters, kStoredLevels> levels;  ///< coarse to fine
+    uint64_t parts_diced = 0;                         ///< of subpatches split on demand
+    uint64_t bytes = 0;                               ///< held now, everything
+    uint64_t budget = 0;
+    bool cold_counted = true;  ///< false where even a bit for each subpatch and level is too much for the budget
+
+    uint64_t vertices_diced() const;
+    uint64_t vertices_recomputed() const;  ///< the cost of the cache (section 6.1)
+};
+
+constexpr uint64_t kLevelVertices[kStoredLevels] = {4, 25, 289};
+
+class GeometryCache {
+  public:
+    /// For subpatches numbered below `subpatch_count`.
+    GeometryCache(const GeometryCacheSettings& settings, uint32_t subpatch_count);
+    ~GeometryCache();
+    GeometryCache(const GeometryCache&) = delete;
+    GeometryCache& operator=(const GeometryCache&) = delete;
+
+    class Reader;
+    const GeometryCacheSettings& settings() const { return settings_; }
+    GeometryCacheStatistics statistics() const;
+
+  private:
+    struct ThreadState;
+    template <typename GridType>
+    struct Pool {
+        Pool(uint64_t budget, uint32_t keys);
+        GridSlots slots;
+        std::unique_ptr<GridType[]> grids;
+    };
+    GeometryCacheSettings settings_;
+    uint32_t subpatch_count_;
+    mutable ReaderEpochs epochs_;
+    mutable std::array<std::atomic<ThreadState*>, kMostReaders> states_{};
+    mutable std::unique_ptr<Pool<CoarseGrid>> coarse_;
+    mutable std::unique_ptr<Pool<MediumGrid>> medium_;
+    mutable std::unique_ptr<Pool<Grid>> fine_;
+    /// A bit for each (subpatch, level) diced so far.
+    mutable std::unique_ptr<std::atomic<uint64_t>[]> seen_;
+
+    ThreadState* state_of(int reader) const;
+    uint64_t seen_bytes() const;
+    template <typename GridType>
+    const GridType& look_up(ThreadState& state, Pool<GridType>& pool, int level, uint32_t key, const Dicer& dicer,
+                            uint32_t subpatch) const;
+    template <typename GridType>
+    const GridType& dice_missing(ThreadState& state, Pool<GridType>& pool, int level, uint32_t key, const Dicer& dicer,
+                                 uint32_t subpatch) const;
+    void count_cold(ThreadState& state, int level, uint32_t key) const;
+};
+
+/// One thread's access for the time of a ray. Grids are valid until it ends, or until the same thread has asked for
+/// another of the same level.
+class GeometryCache::Reader {
+  public:
+    explicit Reader(const GeometryCache& cache);
+    ~Reader();
+    Reader(const Reader&) = delete;
+    Reader& operator=(const Reader&) = delete;
+
+    /// `first` is the number of the dicer's first subpatch in the cache.
+    const CoarseGrid& coarse(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
+    const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
+    const Grid& fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
+    /// Beyond the fine level; not kept. Valid until the thread asks for another part of the same level.
+    const Grid& part(const Dicer& dicer, uint32_t subpatch, const GridPart& part) const;
+    const LevelRule& rule() const { return cache_->settings_.rule; }
+    /// Tessellations that this thread had to make so far.
+    uint64_t misses() const;
+
+  private:
+    const GeometryCache* cache_;
+    int number_;
+    ThreadState* state_;
+    std::unique_ptr<ThreadState> own_state_;  ///< of a thread that got no number
+    bool entered_ = false;
+};
+
+}  // namespace rayleaf

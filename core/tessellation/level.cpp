@@ -1,0 +1,238 @@
+#include "tessellation/level.h"
+
+#include <bit>
+#include <cmath>
+
+namespace rayleaf {
+namespace {
+
+/// Facets nearer to the surface than this differ by rounding alone; quads shorter than the other have lost their shape.
+constexpr float kSmallestDistance = 0x1p-22f, kSmallestQuad = 0x1p-18f;
+
+/// A border is never taken to be nearer than this share of its half length: a ray that starts within that says little
+/// about its distance (trace/dicing.cpp has the same for patches).
+constexpr float kNearestShare = 0.05f;
+
+/// Codes of lengths are eighths of powers of two above 2^-28.
+constexpr int kSteps = 8, kLowestExponent = -28;
+
+struct CodedLengths {
+    float value[256];
+
+    CodedLengths() {
+        value[0] = 0.0f;
+        for (int code = 1; code < 256; ++code)
+            value[code] = static_cast<float>(std::exp2(static_cast<double>(code) / kSteps + kLowestExponent));
+    }
+};
+const CodedLengths kCoded;
+
+/// The smallest k with 16^k >= `quads_squared`, at most the finest level. What is no number asks for nothing.
+int level_for(float quads_squared) {
+    int level = 0;
+    for (int k = 0; k < kFinestLevel; ++k)
+        level += quads_squared > static_cast<float>(quads_along(k) * quads_along(k)) ? 1 : 0;
+    return level;
+}
+
+Vec3d at(const GridRows& rows, int index) {
+    return {rows.vertices[0][index], rows.vertices[1][index], rows.vertices[2][index]};
+}
+
+/// A line of vertices of a grid.
+struct Line {
+    int first, stride;
+
+    int operator()(int k) const { return first + k * stride; }
+};
+constexpr int kLast = kGridVertices - 1;
+constexpr Line kBorderLines[kBorders] = {
+    {0, 1}, {kLast, kGridVertices}, {kLast * kGridVertices, 1}, {0, kGridVertices}};
+constexpr Line kMiddleLines[2] = {{kLast / 2 * kGridVertices, 1}, {kLast / 2, kGridVertices}};
+
+/// Of two chords: their sum does not depend on the direction.
+double length(const GridRows& rows, const Line& line) {
+    const Vec3d begin = at(rows, line(0)), middle = at(rows, line(kLast / 2)), end = at(rows, line(kLast));
+    return (middle - begin).length() + (end - middle).length();
+}
+
+/// The largest |p(i - offset) + p(i + offset) - 2 p(i)| over a range of vertices; symmetric, so direction is nothing.
+class SecondDifference {
+  public:
+    void add(const GridRows& rows, int before, int here, int after) {
+        float squared = 0.0f;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float* p = rows.vertices[axis];
+            const float difference = (p[before] + p[after]) - 2.0f * p[here];
+            squared += difference * difference;
+        }
+        largest_ = squared > largest_ ? squared : largest_;
+    }
+    /// Less what rounding alone makes of a straight line: three sums of coordinates up to 1.
+    double value() const { return std::max(0.0, std::sqrt(double{largest_}) - 0x1p-22); }
+
+  private:
+    float largest_ = 0.0f;
+};
+
+/// A parabola lies an eighth of its second difference off its chord; 16² makes it one segment.
+constexpr double kBendPerDifference = 256.0 / 8.0;
+
+double border_bend(const GridRows& rows, const Line& line) {
+    SecondDifference difference;
+    for (int k = 1; k < kLast; ++k) difference.add(rows, line(k - 1), line(k), line(k + 1));
+    return difference.value() * kBendPerDifference;
+}
+
+/// The largest squared difference `a + b - c - d` of vertices at fixed offsets from those of a row.
+float largest_in_row(const GridRows& rows, int first, int count, const std::array<int, 4>& offset) {
+    float largest = 0.0f;
+    for (int i = first; i < first + count; ++i) {
+        float squared = 0.0f;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float* p = rows.vertices[axis] + i;
+            const float difference = (p[offset[0]] + p[offset[1]]) - (p[offset[2]] + p[offset[3]]);
+            squared += difference * difference;
+        }
+        largest = std::max(largest, squared);
+    }
+    return largest;
+}
+
+/// Of facets from the second derivatives, as splines/bounds.h has it: (uu + 2 uv + vv) / 8.
+double inner_bend(const GridRows& rows) {
+    float uu = 0.0f, vv = 0.0f, uv = 0.0f;
+    for (int j = 0; j < kGridVertices; ++j) {
+        const int first = j * kGridVertices;
+        uu = std::max(uu, largest_in_row(rows, first + 1, kGridCells - 1, {-1, 1, 0, 0}));
+        if (j < kGridCells)
+            uv = std::max(uv, largest_in_row(rows, first, kGridCells, {0, kGridVertices + 1, 1, kGridVertices}));
+        if (j > 0 && j < kGridCells)
+            vv = std::max(vv, largest_in_row(rows, first, kGridVertices, {-kGridVertices, kGridVertices, 0, 0}));
+    }
+    const auto value = [](float squared) { return std::max(0.0, std::sqrt(double{squared}) - 0x1p-22); };
+    return (value(uu) + 2.0 * value(uv) + value(vv)) * kBendPerDifference;
+}
+
+bool same_border(const SubpatchDetail& a, int i, const SubpatchDetail& b, int j) {
+    return a.x[i] == b.x[j] && a.y[i] == b.y[j] && a.z[i] == b.z[j] && a.length[i] == b.length[j] &&
+           a.bend[i] == b.bend[j];
+}
+
+/// Gives the borders of a subpatch that are also borders of an anchored one the anchored levels.
+void take_shared(const SubpatchDetail& detail, const SubpatchDetail& anchored, const SubpatchLevels& anchored_levels,
+                 SubpatchLevels& levels) {
+    for (int i = 0; i < kBorders; ++i)
+        for (int j = 0; j < kBorders; ++j)
+            if (same_border(detail, i, anchored, j)) levels.border[i] = anchored_levels.border[j];
+}
+
+void raise_own(SubpatchLevels& levels) {
+    for (const uint8_t level : levels.border) levels.own = std::max(levels.own, level);
+}
+
+/// A number in [0,1) of the ray alone, for stochastic rounding.
+float ray_random(const Vec3d& origin, const Vec3d& direction) {
+    uint64_t state = 0;
+    for (const Vec3d& v : {origin, direction}) {
+        for (int axis = 0; axis < 3; ++axis) {  // the finalizer of splitmix64 (Steele, Lea, Flood 2014)
+            state += std::bit_cast<uint64_t>(v[axis]) + 0x9e3779b97f4a7c15u;
+            state = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9u;
+            state = (state ^ (state >> 27)) * 0x94d049bb133111ebu;
+            state ^= state >> 31;
+        }
+    }
+    return static_cast<float>(state >> 40) * 0x1p-24f;
+}
+
+}  // namespace
+
+uint8_t DetailCode::of(double length) {
+    const auto value = static_cast<float>(length);
+    if (!(value > 0.0f)) return 0;
+    const auto bits = std::bit_cast<uint32_t>(value);
+    const int exponent = static_cast<int>(bits >> 23) - 127;
+    const float mantissa = std::bit_cast<float>((bits & 0x007fffffu) | 0x3f800000u);  // in [1,2)
+    // 2^(k/8), rounded up.
+    constexpr float kEighths[kSteps] = {1.0f,        1.09050775f, 1.18920720f, 1.29683964f,
+                                        1.41421366f, 1.54221094f, 1.68179297f, 1.83400810f};
+    int beyond = 0;
+    for (const float eighth : kEighths) beyond += mantissa > eighth ? 1 : 0;
+    return static_cast<uint8_t>(std::clamp(kSteps * (exponent - kLowestExponent) + beyond, 1, 255));
+}
+
+float DetailCode::length(uint8_t code) {
+    return kCoded.value[code];
+}
+
+SubpatchDetail detail_of(const GridRows& rows) {
+    SubpatchDetail detail{};
+    double longest = 0.0;
+    for (int i = 0; i < kBorders; ++i) {
+        const int middle = kBorderLines[i](kLast / 2);
+        detail.x[i] = rows.vertices[0][middle];
+        detail.y[i] = rows.vertices[1][middle];
+        detail.z[i] = rows.vertices[2][middle];
+        const double here = length(rows, kBorderLines[i]);
+        longest = std::max(longest, here);
+        detail.length[i] = DetailCode::of(here);
+        detail.bend[i] = DetailCode::of(border_bend(rows, kBorderLines[i]));
+    }
+    for (const Line& line : kMiddleLines) longest = std::max(longest, length(rows, line));
+    detail.inner_length = DetailCode::of(longest);
+    detail.inner_bend = DetailCode::of(inner_bend(rows));
+    return detail;
+}
+
+float fine_facet_distance(const SubpatchDetail& detail) {
+    return DetailCode::length(detail.inner_bend) / static_cast<float>(kGridCells * kGridCells);
+}
+
+LevelChooser::LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, float width,
+                           float spread)
+    : fixed_(rule.resolution == LevelRule::Resolution::Single || !(width > 0.0f || spread > 0.0f)),
+      distance_(rule.distance) {
+    for (int axis = 0; axis < 3; ++axis) origin_[axis] = static_cast<float>(origin[axis]);
+    // A level up is sixteen times as many quads: a share of it at random rounds down with the share's probability.
+    if (rule.rounding == LevelRule::Rounding::Stochastic) rounding_ = std::exp2(-4.0f * ray_random(origin, direction));
+    width_ = width * rule.factor;
+    spread_ = spread * rule.factor;
+}
+
+void LevelChooser::anchor(const SubpatchDetail& detail, uint32_t subpatch, uint32_t packed_levels) {
+    SubpatchLevels levels = SubpatchLevels::unpacked(packed_levels);
+    for (int i = 0; i < anchors_; ++i) {
+        if (anchor_[i].subpatch == subpatch) return;  // the first one holds
+        take_shared(detail, *anchor_[i].detail, anchor_[i].levels, levels);
+    }
+    raise_own(levels);
+    anchor_[anchors_++] = {&detail, subpatch, levels};
+}
+
+SubpatchLevels LevelChooser::chosen(const SubpatchDetail& detail, uint32_t subpatch) const {
+    SubpatchLevels levels;
+    if (!fixed_) {
+        float finest_width = std::numeric_limits<float>::infinity();
+        for (int i = 0; i < kBorders; ++i) {
+            const float dx = detail.x[i] - origin_[0], dy = detail.y[i] - origin_[1], dz = detail.z[i] - origin_[2];
+            const float border = kCoded.value[detail.length[i]], half = 0.5f * border;
+            const float away = std::max(std::sqrt(dx * dx + dy * dy + dz * dz) - half, kNearestShare * half);
+            const float width = width_ + spread_ * away;
+            finest_width = std::min(finest_width, width);
+            const float quads = border / std::max(width, kSmallestQuad);
+            const float bent = kCoded.value[detail.bend[i]] / std::max(distance_ * width, kSmallestDistance);
+            levels.border[i] = static_cast<uint8_t>(level_for(std::min(quads * quads, bent) * rounding_));
+        }
+        const float quads = kCoded.value[detail.inner_length] / std::max(finest_width, kSmallestQuad);
+        const float bent = kCoded.value[detail.inner_bend] / std::max(distance_ * finest_width, kSmallestDistance);
+        levels.own = static_cast<uint8_t>(level_for(std::min(quads * quads, bent) * rounding_));
+    }
+    for (int i = 0; i < anchors_; ++i) {
+        if (anchor_[i].subpatch == subpatch) return anchor_[i].levels;
+        take_shared(detail, *anchor_[i].detail, anchor_[i].levels, levels);
+    }
+    raise_own(levels);
+    return levels;
+}
+
+}  // namespace rayleaf

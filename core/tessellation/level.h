@@ -1,0 +1,122 @@
+// How finely a ray sees a subpatch: a level for each of its borders and one for its inside.
+//
+// Level k means 4^k quads along a side: coarse 1, medium 4, fine 16 as in Christensen et al. 2003, section 5.2; beyond
+// that a subpatch is split on demand, 4 x 4 parts a level. A level suffices where the quads are no longer than the
+// ray is wide, as the paper has it, or where its facets lie nearer to the surface than a small share of that width:
+// flat surfaces need no small quads.
+//
+// No cracks: the level of a border is a function of the ray and of numbers that both its neighbours hold with the same
+// bits. A subpatch is diced at the finest of its five levels, and its borders are drawn to coarser ones when a ray
+// meets it (tessellation/snapped_grid.h).
+#pragma once
+
+#include "base/vector.h"
+#include "rays/ray.h"
+#include "tessellation/grid.h"
+
+#include <array>
+#include <cstdint>
+
+namespace rayleaf {
+
+inline constexpr int kCoarse = 0, kMedium = 1, kFine = 2;
+inline constexpr int kStoredLevels = 3;
+/// 1024 quads along a side of a subpatch. Single precision shows before that.
+inline constexpr int kFinestLevel = 5;
+
+/// Borders of a subpatch: v = 0, u = 1, v = 1, u = 0.
+inline constexpr int kBorders = 4;
+
+/// 4^level.
+constexpr int quads_along(int level) {
+    return 1 << (2 * level);
+}
+
+struct SubpatchLevels {
+    std::array<uint8_t, kBorders> border{kFine, kFine, kFine, kFine};
+    uint8_t own = kFine;  ///< at which it is diced: none of the borders' is higher
+
+    uint32_t packed() const {
+        uint32_t bits = own;
+        for (int i = 0; i < kBorders; ++i) bits |= uint32_t{border[i]} << (4 * (i + 1));
+        return bits;
+    }
+    static SubpatchLevels unpacked(uint32_t bits) {
+        SubpatchLevels levels;
+        levels.own = bits & 15u;
+        for (int i = 0; i < kBorders; ++i) levels.border[i] = bits >> (4 * (i + 1)) & 15u;
+        return levels;
+    }
+    bool operator==(const SubpatchLevels&) const = default;
+};
+
+/// The level of a packed set at which the subpatch was diced.
+inline int own_level(uint32_t packed) {
+    return static_cast<int>(packed & 15u);
+}
+
+/// What the choice of levels asks of a subpatch: one cache line. Lengths are in local space, rounded up to the next
+/// eighth of a power of two (DetailCode).
+struct alignas(64) SubpatchDetail {
+    float x[kBorders], y[kBorders], z[kBorders];  ///< the borders' middles
+    uint8_t length[kBorders];                     ///< of a border
+    /// 256 times how far a border may lie from its 16 segments: n segments lie within this over n².
+    uint8_t bend[kBorders];
+    uint8_t inner_length, inner_bend;  ///< the same for the whole subpatch: of its longest line, of its facets
+    uint8_t unused[6];
+};
+
+/// Positive lengths as bytes: 2^(code/8 - 28), code 0 is zero.
+class DetailCode {
+  public:
+    static uint8_t of(double length);
+    static float length(uint8_t code);
+};
+
+/// Of a diced subpatch. The borders' numbers do not depend on the direction in which a border is run through.
+SubpatchDetail detail_of(const GridRows& rows);
+/// How far the surface may lie from fine facets, local units.
+float fine_facet_distance(const SubpatchDetail& detail);
+
+/// How levels follow from a ray's width.
+struct LevelRule {
+    /// A ray's width is multiplied by this: the wanted length of quads in ray widths.
+    float factor = 1.0f;
+    /// Facets may lie this far from the surface, in ray widths times `factor`.
+    float distance = 0.1f;
+    /// Levels are rounded up or down at random for each ray, with the probability of the share beyond (Christensen et
+    /// al. 2003, section 7.1); else up.
+    enum class Rounding : uint8_t { Up, Stochastic } rounding = Rounding::Up;
+    /// All rays see fine grids: the single resolution that the paper compares with.
+    enum class Resolution : uint8_t { Multiple, Single } resolution = Resolution::Multiple;
+};
+
+/// Chooses levels for one ray in one shape's local space.
+class LevelChooser {
+  public:
+    LevelChooser() = default;
+    /// All are local.
+    LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, float width, float spread);
+
+    /// Adds a subpatch that is seen at given levels.
+    void anchor(const SubpatchDetail& detail, uint32_t subpatch, uint32_t packed_levels);
+    SubpatchLevels levels(const SubpatchDetail& detail, uint32_t subpatch) const {
+        return fixed_ && anchors_ == 0 ? SubpatchLevels{} : chosen(detail, subpatch);
+    }
+
+  private:
+    struct Anchor {
+        const SubpatchDetail* detail;
+        uint32_t subpatch;
+        SubpatchLevels levels;
+    };
+    bool fixed_ = true;  ///< the ray has no width: fine
+    float distance_ = 0, origin_[3] = {0, 0, 0}, width_ = 0, spread_ = 0;
+    float rounding_ = 1;  ///< the wanted number of quads is multiplied by this
+    int anchors_ = 0;
+    std::array<Anchor, 2> anchor_{};
+
+    SubpatchLevels chosen(const SubpatchDetail& detail, uint32_t subpatch) const;
+};
+
+}  // namespace rayleaf
