@@ -94,4 +94,45 @@ LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
             traced_length(*scene, origin, direction, world_ray.t_min, world_ray.t_max), 0.0f};
 }
 
+SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, double size,
+                                           const InterpolatedHit* interpolated) const {
+    const Affine3d& map = local_to_world;
+    const double turned = side();
+    const auto world_normal = [&](const Vec3f& n) {
+        return Vec3f(normalized_or(map.normal(Vec3d(n)) * turned, Vec3d(n)));
+    };
+    LocalSurface local{hit.position, hit.normal};
+    if (interpolated)
+        local.uv = interpolated->uv;
+    else
+        local = scene->shape().surface(hit);
+
+    SurfacePoint point;
+    point.shape = &scene->shape();
+    point.local = hit;
+    point.instance = index;
+    point.position = map.point(local.position);
+    point.facet_position = map.point(hit.position);
+    point.facet_normal = world_normal(hit.normal);
+    point.normal = world_normal(local.normal);
+    point.dp_du = Vec3f(map.vector(Vec3d(local.dp_du)));
+    point.dp_dv = Vec3f(map.vector(Vec3d(local.dp_dv)));
+    // Derivative of N = m/|m|, m the mapped normal: (m' - N (N.m')) / |m|.
+    const double length = map.normal(Vec3d(local.normal)).length();
+    const auto normal_derivative = [&](const Vec3f& dn) {
+        const Vec3d change = map.normal(Vec3d(dn)) * turned, n(point.normal);
+        return length > 0.0 ? Vec3f((change - n * n.dot(change)) / length) : Vec3f(0.0f);
+    };
+    point.dn_du = normal_derivative(local.dn_du);
+    point.dn_dv = normal_derivative(local.dn_dv);
+    point.uv = local.uv;
+    point.start_offset = start_offset(point.facet_position, Vec3d(point.facet_normal), size);
+    // A ray that leaves must not meet the surface beside which the point may lie.
+    if (interpolated) {
+        point.interpolated = true;
+        point.start_offset += interpolated->position_error * std::max({map.x.length(), map.y.length(), map.z.length()});
+    }
+    return point;
+}
+
 }  // namespace rayleaf

@@ -1,6 +1,7 @@
 // One instance as queries need it: from world to the shape's local space and back, its ray cache, its traced shape.
 #pragma once
 
+#include "geometry/surface_point.h"
 #include "rays/hit.h"
 #include "rays/ray.h"
 #include "trace/local_ray.h"
@@ -32,6 +33,10 @@ struct InstanceRecord {
     /// How far from a facet a ray must start so that rounding cannot put it on the other side, world units. `size` is
     /// the largest number that went into the computation of the hit: coordinates of the ray, world units.
     double start_offset(const Vec3d& position, const Vec3d& normal, double size) const;
+
+    /// Everything about a hit in world space; `size` as above, `index` the instance's.
+    SurfacePoint surface_point(uint32_t index, const LocalHit& hit, double size,
+                               const InterpolatedHit* interpolated) const;
 
     /// The cache's answer to a world ray from its t_min on; `ray` is the same, clipped.
     ObjectAnswer ask(const Ray& world_ray, const LocalRay& ray) const;

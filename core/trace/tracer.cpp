@@ -66,8 +66,6 @@ struct Tracer::Implementation {
     void visit_any(Query& query, uint32_t index) const;
     bool start(Query& query, const Ray& ray, Visibility kind) const;
     Hit hit_of(const Query& query) const;
-    SurfacePoint surface_point(uint32_t index, const LocalHit& hit, double size,
-                               const InterpolatedHit* interpolated) const;
 
     static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
     static void closest_callback(const RTCIntersectFunctionNArguments* arguments);
@@ -319,60 +317,17 @@ bool Tracer::occluded(const Ray& ray, Visibility kind) const {
     return query.found;
 }
 
-/// `size` is the largest number that went into the computation of the hit: coordinates of the ray, world units.
-SurfacePoint Tracer::Implementation::surface_point(uint32_t index, const LocalHit& hit, double size,
-                                                   const InterpolatedHit* interpolated) const {
-    const InstanceRecord& record = records[index];
-    const Affine3d& map = record.local_to_world;
-    const double side = record.side();
-    const auto world_normal = [&](const Vec3f& n) {
-        return Vec3f(normalized_or(map.normal(Vec3d(n)) * side, Vec3d(n)));
-    };
-    LocalSurface local{hit.position, hit.normal};
-    if (interpolated)
-        local.uv = interpolated->uv;
-    else
-        local = instances[index].shape->surface(hit);
-
-    SurfacePoint point;
-    point.shape = instances[index].shape.get();
-    point.local = hit;
-    point.instance = index;
-    point.position = map.point(local.position);
-    point.facet_position = map.point(hit.position);
-    point.facet_normal = world_normal(hit.normal);
-    point.normal = world_normal(local.normal);
-    point.dp_du = Vec3f(map.vector(Vec3d(local.dp_du)));
-    point.dp_dv = Vec3f(map.vector(Vec3d(local.dp_dv)));
-    // Derivative of N = m/|m|, m the mapped normal: (m' - N (N.m')) / |m|.
-    const double length = map.normal(Vec3d(local.normal)).length();
-    const auto normal_derivative = [&](const Vec3f& dn) {
-        const Vec3d change = map.normal(Vec3d(dn)) * side, n(point.normal);
-        return length > 0.0 ? Vec3f((change - n * n.dot(change)) / length) : Vec3f(0.0f);
-    };
-    point.dn_du = normal_derivative(local.dn_du);
-    point.dn_dv = normal_derivative(local.dn_dv);
-    point.uv = local.uv;
-    point.start_offset = record.start_offset(point.facet_position, Vec3d(point.facet_normal), size);
-    // A ray that leaves must not meet the surface beside which the point may lie.
-    if (interpolated) {
-        point.interpolated = true;
-        point.start_offset += interpolated->position_error * std::max({map.x.length(), map.y.length(), map.z.length()});
-    }
-    return point;
-}
-
 SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit) const {
     const double size = max_abs(ray.origin) + hit.t * max_abs(ray.direction);
-    SurfacePoint point = implementation_->surface_point(hit.instance, hit.local, size,
-                                                        hit.is_interpolated() ? &hit.interpolated : nullptr);
+    SurfacePoint point = implementation_->records[hit.instance].surface_point(
+        hit.instance, hit.local, size, hit.is_interpolated() ? &hit.interpolated : nullptr);
     point.t = hit.t;
     return point;
 }
 
 SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit) const {
-    const LocalHit on_facet = implementation_->records[instance].scene->on_facet(hit);
-    return implementation_->surface_point(instance, on_facet, 0.0, nullptr);
+    const InstanceRecord& record = implementation_->records[instance];
+    return record.surface_point(instance, record.scene->on_facet(hit), 0.0, nullptr);
 }
 
 void Tracer::set_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache) {
