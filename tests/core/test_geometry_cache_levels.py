@@ -82,7 +82,8 @@ def test_wide_rays_that_start_where_others_hit_never_leave_a_closed_shell(name, 
         normals = hits["facet_normal"].astype(np.float64)
         missed = hits["instance"] < 0
         outside = np.flatnonzero(missed | (np.sum(normals * directions, axis=1) < -1e-6))
-        # As for facets of one size, though coarse ones meet at sharper edges: a ray that starts beside a sharp edge may lie behind the other facet by the offset.
+        # As for facets of one size, though coarse ones meet at sharper edges: a ray that starts beside a sharp edge
+        # may lie behind the other facet by the offset.
         assert len(outside) <= count * 5e-4, f"bounce {bounce}: {origins[outside[:3]]!r}"
         normals[missed] = -directions[missed]
         directions = shapes.random_directions(random, count)
