@@ -29,7 +29,7 @@ class GradientSums {
     const std::vector<HemisphereRay>& rays_;
 
     const HemisphereRay& ray(int ring, int sector) const {
-        return rays_[static_cast<size_t>(ring * grid_.sectors + sector)];
+        return rays_[static_cast<size_t>(ring) * static_cast<size_t>(grid_.sectors) + static_cast<size_t>(sector)];
     }
     /// sin² of a border or, with a half, of the middle of a ring.
     float sine_squared(float ring) const { return ring / static_cast<float>(grid_.rings); }
@@ -116,7 +116,8 @@ HemisphereGrid::HemisphereGrid(int rays) {
 }
 
 Vec3f HemisphereGrid::direction(int index, const Vec2f& random) const {
-    const float sine2 = (static_cast<float>(index / sectors) + random.x) / static_cast<float>(rings);
+    const int ring = index / sectors;
+    const float sine2 = (static_cast<float>(ring) + random.x) / static_cast<float>(rings);
     const float angle = 2.0f * kPi * (static_cast<float>(index % sectors) + random.y) / static_cast<float>(sectors);
     const float sine = std::sqrt(sine2);
     return {sine * std::cos(angle), sine * std::sin(angle), std::sqrt(std::max(0.0f, 1.0f - sine2))};

@@ -92,10 +92,11 @@ std::optional<HemisphereLight> IrradianceCache::interpolate(const Vec3d& positio
 }
 
 size_t IrradianceCache::bytes() const {
+    constexpr size_t kListBytes = sizeof(std::vector<uint32_t>) + 2 * sizeof(void*);  // with its node
     size_t sum = records_.capacity() * sizeof(HemisphereRecord);
     for (const Level& level : levels_)
         for (const auto& [key, list] : level.cells)
-            sum += sizeof(key) + sizeof(list) + 2 * sizeof(void*) + list.capacity() * sizeof(uint32_t);
+            sum += sizeof(key) + kListBytes + list.capacity() * sizeof(uint32_t);
     return sum;
 }
 

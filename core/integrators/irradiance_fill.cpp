@@ -25,6 +25,10 @@ constexpr int kFewestRays = 256, kMostRays = 4096;
 /// Mirrors and refractions dimmer than this are not followed to look for points.
 constexpr float kLeastBrightness = 0.05f;
 constexpr uint32_t kRecordTag = 0x49524143u;
+/// Where more than this share of the points that pixels see are open even near the end, surfaces are too rough to
+/// interpolate on: what is left samples for itself, instead of filling memory with records nobody shares.
+constexpr double kMostOpen = 0.75;
+constexpr int kLastSpacings = 2;
 
 /// A diffuse point that needs a record.
 struct OpenPoint {
@@ -48,12 +52,14 @@ class PointFinder {
     PointFinder(const DistributionFrame& frame, const IrradianceCache& cache) : frame_(frame), cache_(cache) {}
 
     std::vector<OpenPoint> find(const CameraRay& camera_ray, const Sampler& sampler);
+    size_t looked_at() const { return looked_at_; }
 
   private:
     const DistributionFrame& frame_;
     const IrradianceCache& cache_;
     std::vector<Branch> pending_;
     std::vector<OpenPoint> points_;
+    size_t looked_at_ = 0;
 
     void look(const Branch& branch);
     void add(const Branch& branch, const Vertex& vertex, const Vec3f& normal);
@@ -102,6 +108,7 @@ void PointFinder::look(const Branch& branch) {
 void PointFinder::add(const Branch& branch, const Vertex& vertex, const Vec3f& normal) {
     for (const OpenPoint& other : points_)
         if (other.vertex.point.position == vertex.point.position && other.normal == normal) return;
+    ++looked_at_;
     if (cache_.interpolate(vertex.point.position, normal)) return;
     OpenPoint point{vertex, normal, pixel_side(frame_.scene, vertex),
                     branch.sampler.branch(static_cast<uint32_t>(points_.size()), 1, kRecordTag)};
@@ -122,7 +129,10 @@ class Fill {
           grid_(std::clamp(settings.hemisphere_rays * std::min(settings.samples, kMostRays), kFewestRays, kMostRays)) {}
 
     std::unique_ptr<IrradianceCache> run() {
-        for (int spacing = kFirstSpacing; spacing >= 1; spacing /= 2) pass(spacing);
+        for (int spacing = kFirstSpacing; spacing >= 1; spacing /= 2) {
+            const double open = pass(spacing);
+            if (spacing <= kLastSpacings && open > kMostOpen) break;
+        }
         return std::move(cache_);
     }
 
@@ -148,10 +158,15 @@ class Fill {
         int x = 0, y = 0;
     };
     std::vector<Pixel> pixels(int spacing) const;
-    std::vector<OpenPoint> open_points(const Pixel& pixel) const;
+    struct PixelPoints {
+        std::vector<OpenPoint> open;
+        size_t looked_at = 0;
+    };
+    PixelPoints points(const Pixel& pixel) const;
     HemisphereRecord sampled(const OpenPoint& point);
     RadiusLimits radius_limits(float pixel) const;
-    void pass(int spacing);
+    /// Returns the share of the points seen that were open.
+    double pass(int spacing);
 };
 
 std::vector<Fill::Pixel> Fill::pixels(int spacing) const {
@@ -165,11 +180,13 @@ std::vector<Fill::Pixel> Fill::pixels(int spacing) const {
     return result;
 }
 
-std::vector<OpenPoint> Fill::open_points(const Pixel& pixel) const {
+Fill::PixelPoints Fill::points(const Pixel& pixel) const {
     const auto number =
         static_cast<uint32_t>(pixel.y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(pixel.x);
     const CameraRay ray = scene_.camera().ray(Vec2d(pixel.x + 0.5, pixel.y + 0.5), Vec2f(0.5f, 0.5f));
-    return PointFinder(frame_, *cache_).find(ray, Sampler(number, 0, settings_.seed));
+    PointFinder finder(frame_, *cache_);
+    std::vector<OpenPoint> open = finder.find(ray, Sampler(number, 0, settings_.seed));
+    return {std::move(open), finder.looked_at()};
 }
 
 HemisphereRecord Fill::sampled(const OpenPoint& point) {
@@ -197,8 +214,7 @@ HemisphereRecord Fill::sampled(const OpenPoint& point) {
         ray.use = RayUse::Hemisphere;
         rays[static_cast<size_t>(i)] = trace_hemisphere_ray(frame_, ray, counts);
     }
-    const HemisphereRecord record =
-        make_record(vertex.point.position, point.normal, grid_, rays, radius_limits(point.pixel));
+    HemisphereRecord record = make_record(vertex.point.position, point.normal, grid_, rays, radius_limits(point.pixel));
     const std::scoped_lock lock(mutex_);
     counts_ += counts;
     return record;
@@ -214,21 +230,26 @@ RadiusLimits Fill::radius_limits(float pixel) const {
     return limits;
 }
 
-void Fill::pass(int spacing) {
+double Fill::pass(int spacing) {
     const std::vector<Pixel> all = pixels(spacing);
-    std::vector<std::vector<OpenPoint>> found(all.size());
+    std::vector<PixelPoints> found(all.size());
     oneapi::tbb::parallel_for(size_t{0}, all.size(), [&](size_t i) {
         cancel_.throw_if_cancelled();
-        found[i] = open_points(all[i]);
+        found[i] = points(all[i]);
     });
     std::vector<OpenPoint> open;
-    for (std::vector<OpenPoint>& points : found) std::move(points.begin(), points.end(), std::back_inserter(open));
+    size_t looked_at = 0;
+    for (PixelPoints& pixel : found) {
+        std::move(pixel.open.begin(), pixel.open.end(), std::back_inserter(open));
+        looked_at += pixel.looked_at;
+    }
     std::vector<HemisphereRecord> records(open.size());
     oneapi::tbb::parallel_for(size_t{0}, open.size(), [&](size_t i) {
         cancel_.throw_if_cancelled();
         records[i] = sampled(open[i]);
     });
     for (const HemisphereRecord& record : records) cache_->insert(record);
+    return looked_at == 0 ? 0.0 : static_cast<double>(open.size()) / static_cast<double>(looked_at);
 }
 
 }  // namespace
