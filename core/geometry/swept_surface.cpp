@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include <oneapi/tbb/parallel_for.h>
+
 namespace rayleaf {
 namespace {
 
@@ -110,16 +112,23 @@ void SweptSurface::build_path(const SweptCurveDescription& curve) {
 void SweptSurface::fit_frame(const Vec3d& center) {
     constexpr int kLooks = 4;
     const double extent = *std::max_element(extents_.begin(), extents_.end());
-    Box3d box;
-    for (const SweepPiece& piece : path_.pieces) {
-        for (int k = 0; k <= kLooks; ++k) {
-            const SweepRing ring = path_.ring(piece, static_cast<double>(k) / kLooks);
-            Vec3d reach;
-            for (int axis = 0; axis < 3; ++axis) reach[axis] = extent * std::hypot(ring.across[axis], ring.up[axis]);
-            box.extendBy(ring.center - reach);
-            box.extendBy(ring.center + reach);
+    constexpr size_t kPiecesAtOnce = 4096;
+    std::vector<Box3d> boxes((path_.pieces.size() + kPiecesAtOnce - 1) / kPiecesAtOnce);
+    tbb::parallel_for(size_t{0}, boxes.size(), [&](size_t part) {
+        const size_t end = std::min(path_.pieces.size(), (part + 1) * kPiecesAtOnce);
+        for (size_t i = part * kPiecesAtOnce; i < end; ++i) {
+            for (int k = 0; k <= kLooks; ++k) {
+                const SweepRing ring = path_.ring(path_.pieces[i], static_cast<double>(k) / kLooks);
+                Vec3d reach;
+                for (int axis = 0; axis < 3; ++axis)
+                    reach[axis] = extent * std::hypot(ring.across[axis], ring.up[axis]);
+                boxes[part].extendBy(ring.center - reach);
+                boxes[part].extendBy(ring.center + reach);
+            }
         }
-    }
+    });
+    Box3d box;
+    for (const Box3d& part : boxes) box.extendBy(part);
     if (box.isEmpty()) return;
     if (!is_finite(box.min) || !is_finite(box.max))
         throw InputError(name(), "points, radii and bevel", "too large to be added", "finite sums");

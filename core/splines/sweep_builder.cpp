@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include <oneapi/tbb/parallel_for.h>
+
 namespace rayleaf {
 
 /// The normal that the twist method asks for at a direction, `second` the curve's second derivative there.
@@ -277,19 +279,74 @@ void SplineBuilder::build() {
         end();
 }
 
-void add_splines(SweepPath& path, const CurveSplines& splines, uint32_t group, const Vec3d& center,
-                 const SweepOptions& options) {
-    size_t first = 0;
-    for (const uint32_t count : splines.counts) {
+namespace {
+
+/// Splines that are built at a time, by one thread: enough to be worth it.
+constexpr size_t kSplinesAtOnce = 2048;
+
+/// Splines of a group, one after the other.
+struct SplineRun {
+    size_t first_spline, spline_count, first_point;
+};
+
+void build_run(SweepPath& path, const CurveSplines& splines, const SplineRun& run, uint32_t group, const Vec3d& center,
+               const SweepOptions& options) {
+    size_t point = run.first_point;
+    for (size_t i = run.first_spline; i < run.first_spline + run.spline_count; ++i) {
+        const uint32_t count = splines.counts[i];
         SweepSpline spline;
         spline.first_piece = static_cast<uint32_t>(path.pieces.size());
         spline.group = group;
-        SplineBuilder builder(path, options, sweep_elements(splines, first, count, center, path.controls));
+        SplineBuilder builder(path, options, sweep_elements(splines, point, count, center, path.controls));
         builder.build();
         spline.piece_count = static_cast<uint32_t>(path.pieces.size()) - spline.first_piece;
         spline.closed = builder.closed();
         if (spline.piece_count > 0) path.splines.push_back(spline);
-        first += count;
+        point += count;
+    }
+}
+
+/// Adds the splines of a part behind those of the path.
+void append(SweepPath& path, const SweepPath& part) {
+    const auto controls = static_cast<uint32_t>(path.controls.size());
+    const auto segments = static_cast<uint32_t>(path.segments.size()), rings = static_cast<uint32_t>(path.rings.size());
+    const auto pieces = static_cast<uint32_t>(path.pieces.size());
+    path.controls.insert(path.controls.end(), part.controls.begin(), part.controls.end());
+    path.rings.insert(path.rings.end(), part.rings.begin(), part.rings.end());
+    for (SweepSegment segment : part.segments) {
+        segment.first_control += controls;
+        path.segments.push_back(segment);
+    }
+    for (SweepPiece piece : part.pieces) {
+        piece.source += piece.kind == SweepPieceKind::Ruled ? rings : segments;
+        path.pieces.push_back(piece);
+    }
+    for (SweepSpline spline : part.splines) {
+        spline.first_piece += pieces;
+        path.splines.push_back(spline);
+    }
+}
+
+}  // namespace
+
+void add_splines(SweepPath& path, const CurveSplines& splines, uint32_t group, const Vec3d& center,
+                 const SweepOptions& options) {
+    std::vector<SplineRun> runs;
+    size_t point = 0;
+    for (size_t i = 0; i < splines.counts.size(); ++i) {
+        if (i % kSplinesAtOnce == 0) runs.push_back({i, std::min(kSplinesAtOnce, splines.counts.size() - i), point});
+        point += splines.counts[i];
+    }
+    std::vector<SweepPath> parts(runs.size());
+    tbb::parallel_for(size_t{0}, runs.size(), [&](size_t i) {
+        parts[i].space = path.space;
+        parts[i].taper_use = path.taper_use;
+        parts[i].taper = path.taper;
+        build_run(parts[i], splines, runs[i], group, center, options);
+    });
+    for (SweepPath& part : parts) {
+        append(path, part);
+        part = {};
     }
 }
 

@@ -82,14 +82,15 @@ void GridScene::prepare(ShapeQuery& query) const {
 }
 
 /// Offers the facets that the ray meets, nearest first, until one counts. Facets closer together than single precision
-/// tells apart, as those of a thin strand, come in no order; all are offered then, for the exact hit decides.
+/// tells apart, as those of a thin strand, come in no order; all of them are offered, for the exact hit decides.
 bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_t subpatch,
                              const SubpatchLevels& levels, float t_max) const {
     GridCandidates candidates;
     kernels_.add_candidates(grid, query.grid_ray, t_max, candidates);
     bool found = false;
     while (!candidates.empty()) {
-        const uint32_t triangle = candidates.take_nearest().triangle;
+        const auto [t, triangle] = candidates.take_nearest();
+        if (found && t > query.ray->float_distance(query.farthest)) break;
         const SnappedGrid::Facet facet = grid.facet(triangle);
         if (!query.offer({subpatch, triangle}, facet.corners)) continue;
         query.best.area = area_vector(facet.corners);
