@@ -20,6 +20,12 @@ struct LatticeSample {
     Attributes attributes{};
 };
 
+/// Unit vectors that were blended, made unit again.
+Vec3d unit_or_same(const Vec3d& v) {
+    const double square = v.dot(v);
+    return square > 0.0 ? v * (1.0 / std::sqrt(square)) : v;
+}
+
 }  // namespace
 
 /// A block whose four corners are blended: c0 + x c1 + y (c2 + x c3), with x and y in [0, 1] over the block.
@@ -118,7 +124,7 @@ class ImagePlane::TileBuilder {
         const OutputRay& truth = samples_[middle].output;
         const Vec2d point = leaf.corner + Vec2d(0.5, 0.5) / leaf.inverse_size;
         const ImagePlaneSettings& settings = plane_.settings_;
-        const OutputRay blended = plane_.answer_in(leaf, point, samples_[middle].direction).output;
+        const OutputRay blended = plane_.blend(leaf, point, samples_[middle].direction);
         const double half_extent = 0.5 * max_component(Vec3d(plane_.tracer_->shape().bounds().size()));
         if (plane_.tracer_->settings().kind == OutputKind::Volume)
             return std::abs(blended.length - truth.length) / (settings.angle_threshold * half_extent);
@@ -173,24 +179,48 @@ const ImagePlane::Tile& ImagePlane::tile_at(int32_t x, int32_t y) {
     return *tile;
 }
 
-/// Local space, as is `direction`.
-CachedAnswer ImagePlane::answer_in(const Leaf& leaf, const Vec2d& point, const Vec3d& direction) const {
-    CachedAnswer answer{{}, AnsweredBy::CellMissed, 0.0};
-    if (leaf.sample_class.is_miss()) return answer;
+/// A leaf that is hit, in local space, as is the unit `direction`.
+OutputRay ImagePlane::blend(const Leaf& leaf, const Vec2d& point, const Vec3d& direction) const {
     const auto x = static_cast<float>((point.x - leaf.corner.x) * leaf.inverse_size);
     const auto y = static_cast<float>((point.y - leaf.corner.y) * leaf.inverse_size);
     const auto& [c0, c1, c2, c3] = leaf.coefficients;
-    std::array<double, kMostAttributes> blended;
-    for (size_t i = 0; i < blended.size(); ++i) blended[i] = double{c0[i] + x * c1[i] + y * (c2[i] + x * c3[i])};
-    answer.output = from_attributes(tracer_->settings().kind, leaf.sample_class, blended, direction);
-    answer.by = AnsweredBy::Interpolated;
-    answer.error = leaf.error * settings_.angle_threshold;
-    return answer;
+    Attributes sums;
+    for (size_t i = 0; i < sums.size(); ++i) sums[i] = c0[i] + x * c1[i] + y * (c2[i] + x * c3[i]);
+    const auto vector = [&](size_t first) { return Vec3d(sums[first], sums[first + 1], sums[first + 2]); };
+    OutputRay out;
+    out.sample_class = leaf.sample_class;
+    const OutputKind kind = tracer_->settings().kind;
+    if (kind == OutputKind::Volume) {
+        out.length = double{sums[0]};
+        return out;
+    }
+    out.position = out.exit_position = vector(0);
+    out.normal = unit_or_same(vector(3));
+    if (kind == OutputKind::Mirror) {
+        out.exit_direction = mirrored(direction, out.normal);
+    } else if (kind == OutputKind::Glass) {
+        out.exit_position = vector(6);
+        out.exit_direction = unit_or_same(vector(9));
+    } else {
+        out.uv = Vec2d(sums[6], sums[7]);
+        out.exit_direction = out.normal;
+    }
+    return out;
 }
 
-CachedAnswer ImagePlane::traced(const Ray& object_ray) const {
+void ImagePlane::answer(const Leaf& leaf, const Vec2d& point, const Vec3d& direction, CachedAnswer& out) const {
+    const bool missed = leaf.sample_class.is_miss();
+    out.output = missed ? OutputRay{} : blend(leaf, point, direction);
+    out.by = missed ? AnsweredBy::CellMissed : AnsweredBy::Interpolated;
+    out.error = leaf.error * settings_.angle_threshold;
+}
+
+void ImagePlane::trace(const Ray& object_ray, CachedAnswer& out) const {
     const Ray ray = to_local(object_ray);
-    return is_ray(ray) ? CachedAnswer{tracer_->trace(ray), AnsweredBy::TracedManyClasses, 0.0} : CachedAnswer{};
+    const bool traced = is_ray(ray);
+    out.output = traced ? tracer_->trace(ray) : OutputRay{};
+    out.by = traced ? AnsweredBy::TracedManyClasses : AnsweredBy::NotARay;
+    out.error = 0.0;
 }
 
 void ImagePlane::ask(std::span<const Ray> rays, std::span<const Vec2d> points, std::span<CachedAnswer> answers) {
@@ -211,14 +241,17 @@ void ImagePlane::ask(std::span<const Ray> rays, std::span<const Vec2d> points, s
             leaf = tile->leaf_of[static_cast<size_t>(cell_of(point.y - double{kTile} * y)) * kCells +
                                  cell_of(point.x - double{kTile} * x)];
         }
-        CachedAnswer& answer = answers[i];
-        answer = leaf == kTracedCell ? traced(rays[i]) : answer_in(tile->leaves[leaf], point, rays[i].direction);
-        ++statistics_.answers[static_cast<size_t>(answer.by)];
-        if (answer.output.sample_class.is_miss()) continue;
-        answer.output.length *= frame.scale;
+        CachedAnswer& out = answers[i];
+        if (leaf == kTracedCell)
+            trace(rays[i], out);
+        else
+            answer(tile->leaves[leaf], point, rays[i].direction, out);
+        ++statistics_.answers[static_cast<size_t>(out.by)];
+        if (out.output.sample_class.is_miss()) continue;
+        out.output.length *= frame.scale;
         if (kind == OutputKind::Volume) continue;
-        answer.output.position = answer.output.position * frame.scale + frame.center;
-        answer.output.exit_position = answer.output.exit_position * frame.scale + frame.center;
+        out.output.position = out.output.position * frame.scale + frame.center;
+        out.output.exit_position = out.output.exit_position * frame.scale + frame.center;
     }
 }
 

@@ -58,8 +58,9 @@ class ImagePlane {
     RayCacheStatistics statistics_;
 
     const Tile& tile_at(int32_t x, int32_t y);
-    CachedAnswer answer_in(const Leaf& leaf, const Vec2d& point, const Vec3d& direction) const;
-    CachedAnswer traced(const Ray& object_ray) const;
+    OutputRay blend(const Leaf& leaf, const Vec2d& point, const Vec3d& direction) const;
+    void answer(const Leaf& leaf, const Vec2d& point, const Vec3d& direction, CachedAnswer& out) const;
+    void trace(const Ray& object_ray, CachedAnswer& out) const;
     Ray to_local(const Ray& ray) const;
 };
 
