@@ -47,7 +47,7 @@ class Figures:
     samples: int = 0
     orbit_samples: float = 0.0
     megabytes: float = 0.0
-    most_megabytes: float = 0.0
+    prunes: int = 0
     flops: dict[str, tuple[float, float]] = field(default_factory=dict)  # speed-up: first, repeated; by tracer
 
     @property
@@ -117,13 +117,18 @@ class Bench:
             if repeat == 0:
                 figures.frame, figures.error = frame, error(frame.image, self.truth.image)
                 figures.samples, figures.megabytes = trees.total("samples_taken"), trees.total("bytes") / 1e6
-                figures.most_megabytes = trees.total("most_bytes") / 1e6
+                figures.prunes = trees.total("prunes")
             figures.repeated.append(render(self.scene, trees, self.picture).seconds)
         self.count_flops(trees, figures)
         before = trees.total("samples_taken")
         figures.orbit = self.orbit(trees)
         figures.orbit_samples = (trees.total("samples_taken") - before) / self.effort.orbit_frames
         return figures
+
+    def first_error(self, tree: str, settings: dict[str, Any]) -> float:
+        """Of a first frame."""
+        trees = Trees(self.scene, TREES[tree], settings)
+        return error(render(self.scene, trees, self.picture, wants_image=True).image, self.truth.image)
 
     def count_flops(self, trees: Trees, figures: Figures) -> None:
         """Of a first frame, by the samples it took, and of a repeated one."""

@@ -1,11 +1,10 @@
 """The tables of the source (tables 1 and 2 of Atalay and Mount), and rays without a camera's order."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from ray_frames import Picture, Rays, Rival, Trees, unit
-from ray_measure import RIVALS, Bench, Effort, Figures, numbers, paper_settings
+from ray_frames import Picture, Rays, Rival, Trees, surrounding, unit
+from ray_measure import RIVALS, TREES, Bench, Effort, Figures, numbers, paper_settings
 from ray_scenes import Scene, mirror_sheet, random_volumes, tomatoes
 from rayleaf import _core
 
@@ -41,7 +40,7 @@ def print_line(value: str, tree: str, own: Figures, bench: Bench) -> None:
     print(
         f"  {value:<10}{tree:<11}{numbers(list(own.flops['triangles'])):<15}{numbers(list(own.flops['Newton'])):<13}   "
         f"{ratios[0]}   {ratios[1]}   {ratios[2]}{own.error:>8.5f}"
-        f"{own.share('interp', 'two classes, interp'):>8.1f}%{own.share('traced'):>7.1f}%{own.megabytes:>8.3f}",
+        f"{own.share('interp', 'two classes, interp'):>8.1f}%{own.share('traced'):>7.1f}%{own.megabytes:>8.3f}{own.prunes:>7}",
         flush=True,
     )
 
@@ -90,28 +89,19 @@ def scattered(scene: Scene, count: int) -> Rays:
 
 def scattered_speed_up(scene: Scene, tree: str, settings: dict[str, Any], count: int) -> dict[str, float]:
     """Of rays that a filled tree interpolates, in no order: over triangles and over tracing, and their error."""
-    trees = Trees(scene, TREE_OF[tree], settings)
+    trees = Trees(scene, TREES[tree], settings)
     rays = scattered(scene, count)
-    first = trees.ask(rays)
-    used = np.isin(first["answered_by"], [_core.ri_tree.ANSWERS.index("interpolated")])
-    chosen = replace(
-        rays,
-        origins=rays.origins[used],
-        directions=rays.directions[used],
-        distances=rays.distances[used],
-        angles=rays.angles[used],
-    )
-    own = Trees(scene, TREE_OF["reference"], {}, traced=True)
-    seconds = {}
+    used = trees.ask(rays)["answered_by"] == _core.ri_tree.ANSWERS.index("interpolated")
+    chosen = Rays(rays.origins[used], rays.directions[used], rays.distances[used], rays.angles[used])
+    own = Trees(scene, TREES["reference"], {}, traced=True)
+    seconds, seen = {}, {}
     for name, method in {"tree": trees, "triangles": Rival(scene, "TRIANGLES"), "tracing": own}.items():
-        method.ask(chosen)
+        seen[name] = surrounding(method.ask(chosen)["exit_direction"].astype(float))
         seconds[name] = float(np.median([method.ask(chosen)["seconds"] for _ in range(3)]))
     return {
-        "interpolated": 100 * float(used.mean()),
+        "share": 100 * float(used.mean()),
         "ns": 1e9 * seconds["tree"] / max(int(used.sum()), 1),
         "triangles": seconds["triangles"] / seconds["tree"],
         "tracing": seconds["tracing"] / seconds["tree"],
+        "error": float(np.linalg.norm(seen["tree"] - seen["tracing"], axis=1).mean()),
     }
-
-
-TREE_OF = {"reference": _core.ri_tree.ReferenceTree, "fast": _core.ri_tree.FastTree}
