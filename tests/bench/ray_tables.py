@@ -97,7 +97,8 @@ def scattered_speed_up(scene: Scene, tree: str, settings: dict[str, Any], count:
     seconds, seen = {}, {}
     for name, method in {"tree": trees, "triangles": Rival(scene, "TRIANGLES"), "tracing": own}.items():
         seen[name] = surrounding(method.ask(chosen)["exit_direction"].astype(float))
-        seconds[name] = float(np.median([method.ask(chosen)["seconds"] for _ in range(3)]))
+        # At least a tick of the clock: a tree may interpolate none.
+        seconds[name] = max(float(np.median([method.ask(chosen)["seconds"] for _ in range(3)])), 1e-9)
     return {
         "share": 100 * float(used.mean()),
         "ns": 1e9 * seconds["tree"] / max(int(used.sum()), 1),
