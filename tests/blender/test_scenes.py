@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-SCENES = ("bezier_sheet", "spline_gallery", "glass_vase", "studio")
+SCENES = ("bezier_sheet", "spline_gallery", "glass_vase", "studio", "random_volumes", "random_volumes_xray", "tomatoes")
 LARGEST = 1_000_000  # bytes of a scene file
 
 DESCRIBE = """
