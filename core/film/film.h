@@ -67,5 +67,8 @@ class Film {
 /// Writes all passes as one multilayer EXR, channels named `Pass.channel`, 32-bit floats.
 /// Throws InputError that names the path.
 void write_exr(const Film& film, const std::string& path);
+/// Writes the combined pass as a binary PPM: 8 bits a channel, sRGB, what is brighter than white cut off, no alpha.
+/// Throws InputError that names the path, or the pass if the film has none.
+void write_ppm(const Film& film, const std::string& path);
 
 }  // namespace rayleaf

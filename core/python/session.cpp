@@ -114,6 +114,9 @@ void bind_session(py::module_& module) {
         .def("statistics", &statistics)
         .def(
             "write_exr", [](const Session& session, const std::string& path) { write_exr(session.film(), path); },
+            "path"_a, py::call_guard<py::gil_scoped_release>())
+        .def(
+            "write_ppm", [](const Session& session, const std::string& path) { write_ppm(session.film(), path); },
             "path"_a, py::call_guard<py::gil_scoped_release>());
 }
 

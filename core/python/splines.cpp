@@ -200,6 +200,14 @@ void bind_bezier_curve(py::module_& module) {
                 });
             },
             "t"_a)
+        .def(
+            "de_casteljau",
+            [](const BezierCurve& curve, const Array<double>& t) {
+                check_shape("BezierCurve", "t", t, {-1});
+                return position_table(static_cast<size_t>(t.size()),
+                                      [&](size_t i) { return curve.position_by_de_casteljau(t.data()[i]); });
+            },
+            "t"_a)
         .def("split", &BezierCurve::split, "t"_a)
         .def("restricted", &BezierCurve::restricted, "begin"_a, "end"_a)
         .def("elevated", &BezierCurve::elevated)

@@ -9,6 +9,14 @@ Vec3d BezierCurve::position(double t) const {
     return rational ? project(a) : spatial_part(a);
 }
 
+Vec3d BezierCurve::position_by_de_casteljau(double t) const {
+    std::vector<Vec4d> between = points;
+    const double s = 1.0 - t;
+    for (int level = degree; level > 0; --level)
+        for (int i = 0; i < level; ++i) between[i] = between[i] * s + between[i + 1] * t;
+    return rational ? project(between[0]) : spatial_part(between[0]);
+}
+
 CurvePoint BezierCurve::evaluate(double t) const {
     const BernsteinBasis basis(degree, t);
     const Vec4d a = basis.value(points.data()), a1 = basis.first(points.data()), a2 = basis.second(points.data());

@@ -20,6 +20,8 @@ struct BezierCurve {
     std::vector<Vec4d> points;  ///< homogeneous (wx,wy,wz,w), w > 0; degree + 1 of them
 
     Vec3d position(double t) const;
+    /// The same by de Casteljau's algorithm: slower by the degree, and without the basis.
+    Vec3d position_by_de_casteljau(double t) const;
     CurvePoint evaluate(double t) const;
     /// The parts [0,t] and [t,1], each again over [0,1]; they share a bit-equal point.
     std::pair<BezierCurve, BezierCurve> split(double t) const;

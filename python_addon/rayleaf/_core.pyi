@@ -79,6 +79,8 @@ class BezierCurve:
         """(degree + 1, 4), homogeneous: wx, wy, wz, w."""
     def evaluate(self, t: Doubles) -> Doubles:
         """(n, 3, 3): position, first and second derivative for each parameter."""
+    def de_casteljau(self, t: Doubles) -> Doubles:
+        """(n, 3): positions by repeated interpolation of the control points instead of the Bernstein form."""
     def split(self, t: float) -> tuple[BezierCurve, BezierCurve]: ...
     def restricted(self, begin: float, end: float) -> BezierCurve: ...
     def elevated(self) -> BezierCurve: ...
@@ -472,6 +474,8 @@ class Session:
     def statistics(self) -> dict[str, Any]: ...
     def write_exr(self, path: str) -> None:
         """All passes as one multilayer EXR."""
+    def write_ppm(self, path: str) -> None:
+        """The combined pass as a binary PPM: 8 bits, sRGB, no alpha."""
 
 class PixelFilterKind:
     """Shapes of the pixel filter."""

@@ -15,6 +15,7 @@ from . import curve_splines
 from .curve_keys import ShapeKeys, has_aligned_handles
 from .curve_outlines import orient
 from .curve_splines import CYCLIC, KIND, RESOLUTION, SplineTable
+from .strands import CurveSettings
 
 # Blender's fill modes of 2D curves, as the round bevel counts them.
 _FILLS = {"NONE": "FULL", "BOTH": "HALF"}
@@ -175,10 +176,14 @@ def describe(core: ModuleType, curve_object: Any) -> Any:
     )
 
 
-def add_curve(core: ModuleType, scene: Any, curve_object: Any, messages: Messages) -> int | None:
+def add_curve(
+    core: ModuleType, scene: Any, curve_object: Any, messages: Messages, settings: CurveSettings
+) -> int | None:
     """Send a CURVE object; the shape's index, or None if nothing of it can be rendered."""
     try:
-        return int(scene.add_curve(describe(core, curve_object)))
+        curve = describe(core, curve_object)
+        other = settings.of_curve(core, curve)
+        return int(scene.add_curve(curve) if other is None else scene.add_shape(other))
     except core.InputError as error:
         messages.warn(f"Object '{curve_object.name}': {error}; left out")
         return None

@@ -149,8 +149,11 @@ class SceneExporter:
             return None
 
     def _export_surface(self, group: Group) -> int | None:
-        add = curves.add_curve if group.owner.type == "CURVE" else surfaces.add_surface
-        shape = add(self._core, self.scene, group.owner, self._messages)
+        given = (self._core, self.scene, group.owner, self._messages)
+        if group.owner.type == "CURVE":
+            shape = curves.add_curve(*given, strands.curve_settings(self._blender_scene.rayleaf))
+        else:
+            shape = surfaces.add_surface(*given)
         if shape is None:
             self.report.left_out.setdefault(group.owner.name, "no spline that can be rendered")
         return shape
