@@ -58,6 +58,8 @@ class TriangleMesh final : public Shape {
     const std::vector<Vec3f>& vertices() const { return vertices_; }
     /// Vertex indices; those of a triangle without area are all equal.
     const std::vector<std::array<uint32_t, 3>>& triangles() const { return triangles_; }
+    /// False if every triangle shows its own flat normal.
+    bool is_smooth() const { return !corner_normals_.empty(); }
     FacetCorners corners(uint32_t triangle) const;
     FacetLayout layout() const { return layout_; }
 

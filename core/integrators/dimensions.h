@@ -10,6 +10,9 @@
 
 namespace rayleaf {
 
+/// Of the camera.
+enum CameraDimension : uint32_t { kFilterDimension = 0, kLensDimension = 1 };
+
 enum class PathDimension : uint32_t {
     Light = 0,         ///< which light, and where on it: three numbers
     Scatter = 1,       ///< which lobe, and the direction: three numbers

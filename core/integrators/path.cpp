@@ -5,9 +5,12 @@
 #include "integrators/contributions.h"
 #include "integrators/dimensions.h"
 #include "integrators/first_surface.h"
+#include "integrators/glass_path.h"
+#include "integrators/ray_passes.h"
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
 #include "integrators/vertex.h"
+#include "integrators/volumes.h"
 
 namespace rayleaf {
 namespace {
@@ -53,7 +56,13 @@ class PathTracer {
     float alpha_ = 1;
     bool surface_recorded_ = false;
     int vertex_ = 0;
+    std::optional<Hit> hit_;          ///< of the vertex
+    NeighbourHits neighbours_;        ///< where it is interpolated
+    uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
+    static constexpr uint32_t kNowhere = RayAnchor::kNone;
 
+    void find_hit();
+    void pass_volumes();
     float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
 
     /// Whether a surface that scatters no more can still matter.
@@ -80,13 +89,17 @@ class PathTracer {
     bool leave(const Vertex& vertex);
     bool pass_through(const Vertex& vertex, float probability);
     bool scatter(const Vertex& vertex);
+    bool cross_glass(const GlassBody& body, const Vertex& vertex);
+    bool cross_inside(LobeKind kind, const Color& factor);
     bool survives_roulette();
     float straight_probability(const Closures& closures) const;
 };
 
 PixelSample PathTracer::trace() {
     for (;; ++vertex_) {
-        const std::optional<Hit> hit = scene_.tracer().closest_hit(ray_, bounces_.ray_kind());
+        find_hit();
+        const std::optional<Hit>& hit = hit_;
+        pass_volumes();
         add_lamps(hit ? hit->t : std::numeric_limits<double>::infinity());
         if (!hit) {
             add_world();
@@ -98,6 +111,10 @@ PixelSample PathTracer::trace() {
         const Vec3f direction(ray_.direction);
         vertex.outgoing = -direction;
         vertex.differential = differential_.transferred(direction, hit->t, vertex.point.facet_normal);
+        if (hit->is_interpolated() && scene_.needs_differentials()) {
+            neighbours_ = neighbour_hits(scene_, ray_, *hit, vertex.differential);
+            set_derivatives(scene_, neighbours_, vertex.differential, vertex.point);
+        }
         scene_.shade(vertex.point, vertex.outgoing, footprint_on(*hit, vertex.differential), bounces_.at(hit->t),
                      vertex.closures);
         if (bounces_.count() == 0) record_surface(vertex);
@@ -109,6 +126,35 @@ PixelSample PathTracer::trace() {
     if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
     light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
     return light_.sample;
+}
+
+/// What the ray under way meets. One that has left a glass body cannot meet it from inside, unless the point where it
+/// was said to leave lay a little inside: then that surface is not there.
+void PathTracer::find_hit() {
+    ray_.width = differential_.width();
+    ray_.spread = differential_.spread();
+    constexpr int kMostSurfaces = 4;
+    ClosestHit found;
+    for (int i = 0; i < kMostSurfaces; ++i) {
+        found = scene_.tracer().closest(ray_, bounces_.ray_kind());
+        if (!found.hit || found.hit->instance != outside_of_) break;
+        const SurfacePoint point = scene_.tracer().surface_point(ray_, *found.hit);
+        if (point.facet_normal.dot(Vec3f(ray_.direction)) <= 0.0f) break;
+        ray_.t_min = found.hit->t + point.start_offset;
+    }
+    hit_ = found.hit;
+    neighbours_ = {};
+    if (vertex_ == 0 && settings_.ray_passes) write_answer(found, light_.sample);
+}
+
+void PathTracer::pass_volumes() {
+    if (scene_.volumes().empty()) return;
+    Ray ray = ray_;
+    if (hit_) ray.t_max = hit_->t;
+    const VolumePassage passage = through_volumes(scene_, ray, bounces_.ray_kind());
+    if (!is_black(passage.emission)) add(passage.emission, Pass::emission);
+    throughput_ *= passage.transmittance;
+    if (vertex_ == 0 && settings_.ray_passes) write_volumes(passage, light_.sample);
 }
 
 void PathTracer::add(const Color& radiance, Pass seen) {
@@ -212,6 +258,8 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     ray_.t_max -= (origin - ray_.origin).dot(ray_.direction);
     ray_.t_min = 0;
     ray_.origin = origin;
+    ray_.start = RayAnchor::on(vertex.point.instance);
+    outside_of_ = kNowhere;
     differential_ = vertex.differential;
     return true;
 }
@@ -226,12 +274,44 @@ bool PathTracer::scatter(const Vertex& vertex) {
     throughput_ *= sample->weight;
     bounces_.scatter(*sample);
     if (!survives_roulette()) return false;
+    const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
     differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
     departure_ = {vertex.point.position, sample->singular ? 0.0f : sample->density};
     ray_ = Ray{};
     ray_.origin = vertex.point.ray_origin(sample->direction);
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
+    ray_.start = RayAnchor::on(vertex.point.instance);
+    outside_of_ = kNowhere;
+    const GlassBody* body = enters ? scene_.glass_body(vertex.point.instance) : nullptr;
+    return !body || cross_glass(*body, vertex);
+}
+
+/// Goes on from where the ray that has just entered a glass body leaves it; false if the path ends inside.
+bool PathTracer::cross_glass(const GlassBody& body, const Vertex& vertex) {
+    std::optional<GlassExit> exit = interpolated_exit(scene_, *hit_, neighbours_, vertex.differential);
+    if (!exit) exit = traced_exit(scene_, body, vertex.point.instance, ray_, differential_);
+    if (!exit) return true;  // on, surface by surface
+    for (int i = 0; i < exit->total_reflections; ++i)
+        if (!cross_inside(LobeKind::Glossy, body.reflected)) return false;
+    for (int i = 0; i < exit->crossings; ++i)
+        if (!cross_inside(LobeKind::Transmission, body.leaving)) return false;
+    ray_ = exit->ray;
+    differential_ = exit->differential;
+    departure_.position = ray_.origin;
+    outside_of_ = vertex.point.instance;
     return true;
+}
+
+/// Counts a hit from inside as the bounce that it is.
+bool PathTracer::cross_inside(LobeKind kind, const Color& factor) {
+    if (bounces_.is_last()) return false;
+    LobeSample sample;
+    sample.kind = kind;
+    sample.singular = true;
+    sample.transmitted = kind == LobeKind::Transmission;
+    bounces_.scatter(sample);
+    throughput_ *= factor;
+    return max_component(throughput_) > 0.0f;
 }
 
 bool PathTracer::survives_roulette() {

@@ -30,6 +30,7 @@ struct PathSettings {
     uint32_t passes;    ///< a bit per pass that is on
     bool light_passes;  ///< any pass that splits light by the kind of lobe
     bool color_passes;
+    bool ray_passes;      ///< any pass that tells how rays were answered
     bool surface_passes;  ///< any pass that describes the first surface
 
     bool wants(Pass pass) const { return (passes >> static_cast<uint32_t>(pass)) & 1u; }

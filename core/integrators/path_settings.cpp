@@ -20,6 +20,8 @@ constexpr uint32_t kLightPasses = bit(Pass::diffuse_direct) | bit(Pass::diffuse_
 constexpr uint32_t kColorPasses = bit(Pass::diffuse_color) | bit(Pass::glossy_color) | bit(Pass::transmission_color);
 constexpr uint32_t kSurfacePasses = bit(Pass::depth) | bit(Pass::position) | bit(Pass::normal) | bit(Pass::uv) |
                                     bit(Pass::object_index) | bit(Pass::material_index) | bit(Pass::ambient_occlusion);
+constexpr uint32_t kRayPasses =
+    bit(Pass::mask) | bit(Pass::mask_colors) | bit(Pass::interpolation_error) | bit(Pass::path_length);
 
 }  // namespace
 
@@ -39,6 +41,7 @@ PathSettings::PathSettings(const Settings& s)
     for (const Pass pass : s.passes) passes |= bit(pass);
     light_passes = (passes & kLightPasses) != 0;
     color_passes = (passes & kColorPasses) != 0;
+    ray_passes = (passes & kRayPasses) != 0;
     surface_passes = (passes & kSurfacePasses) != 0;
 }
 

@@ -42,6 +42,8 @@ py::list left_out(const RenderStatistics& s, const Session& session) {
     py::list names;
     if (!s.has_textures) names.append("texture system");
     if (s.lights == 0) names.append("light sampling");
+    if (std::none_of(s.ray_caches.begin(), s.ray_caches.end(), [](const auto& each) { return each.used; }))
+        names.append("ray caches");
     if (s.trace.subpatches == 0) names.append("tessellation");
     if (s.trace.triangles == 0) names.append("triangles");
     for (const PassInfo& entry : kPasses)
@@ -75,6 +77,29 @@ py::dict hemispheres(const RenderStatistics& s) {
                     "records"_a = s.irradiance_records, "fill_seconds"_a = s.irradiance_seconds);
 }
 
+const char* kind_name(OutputKind kind) {
+    constexpr const char* kNames[] = {"simple", "mirror", "glass", "volume"};
+    return kNames[static_cast<size_t>(kind)];
+}
+
+/// One entry a cache, and one for objects that can have none.
+py::list ray_caches(const RenderStatistics& statistics) {
+    using namespace py::literals;
+    py::list list;
+    for (const RayCacheReport& report : statistics.ray_caches) {
+        const RayCacheStatistics& s = report.statistics;
+        py::dict answers;
+        for (size_t i = 0; i < kAnswerKinds; ++i) answers[answer_names()[i]] = s.answers[i];
+        list.append(py::dict("objects"_a = report.objects, "instances"_a = report.instances,
+                             "kind"_a = kind_name(report.kind),
+                             "mode"_a = report.mode == RayInterpolationMode::Auto ? "AUTO" : "ON",
+                             "used"_a = report.used, "reason"_a = report.reason, "answers"_a = answers,
+                             "samples_taken"_a = s.samples_taken, "samples"_a = s.samples, "nodes"_a = s.nodes,
+                             "leaves"_a = s.leaves, "bytes"_a = s.bytes, "prunes"_a = s.prunes));
+    }
+    return list;
+}
+
 py::dict statistics(const Session& session) {
     using namespace py::literals;
     const RenderStatistics s = session.statistics();
@@ -85,6 +110,7 @@ py::dict statistics(const Session& session) {
         "geometry"_a = py::dict("shapes"_a = t.shapes, "instances"_a = t.instances, "triangles"_a = t.triangles,
                                 "subpatches"_a = t.subpatches, "limit_normals"_a = limit_normals(t.limit_normals)),
         "geometry_cache"_a = geometry_cache_statistics(t.geometry), "lights"_a = s.lights,
+        "ray_caches"_a = ray_caches(s),
         "memory"_a = py::dict("shapes"_a = s.shape_bytes, "grids"_a = t.geometry.bytes, "subpatches"_a = t.record_bytes,
                               "acceleration"_a = t.bvh_bytes, "lights"_a = s.light_bytes, "film"_a = s.film_bytes,
                               "irradiance"_a = s.irradiance_bytes,

@@ -15,6 +15,9 @@ struct RayAnchor {
     uint32_t instance = kNone;
     uint32_t subpatch = 0;  ///< of the instance's shape, as the tracer numbers them
     uint32_t levels = 0;    ///< tessellation/level.h: SubpatchLevels::packed
+
+    /// Of a ray that starts on an instance, wherever that is.
+    static RayAnchor on(uint32_t instance) { return {instance, kNone, 0}; }
 };
 
 struct Ray {

@@ -1,6 +1,7 @@
 #include "render/session.h"
 
 #include "base/random.h"
+#include "integrators/dimensions.h"
 #include "integrators/distribution.h"
 #include "integrators/irradiance_fill.h"
 #include "integrators/path.h"
@@ -14,9 +15,6 @@
 
 namespace rayleaf {
 namespace {
-
-/// Dimensions of the sampler that belong to the camera (integrators start at 16).
-enum CameraDimension : uint32_t { kFilterDimension = 0, kLensDimension = 1 };
 
 /// Paths between two looks at the cancel token: well under a frame of a display for any scene.
 constexpr int kSamplesPerLook = 4;
@@ -77,6 +75,7 @@ void Session::render_building_first() {
     const auto start = std::chrono::steady_clock::now();
     state_ = RenderState::Building;
     scene_ = std::make_unique<Scene>(*description_, settings_, cancel_);
+    caches_ = std::make_unique<RayCaches>(*description_, *scene_, settings_, ray_caches_.get());
     const double build = seconds_since(start);
     state_ = RenderState::Rendering;
     render_tiles();
@@ -159,6 +158,7 @@ void Session::gather_statistics(double build_seconds, double render_seconds) {
     statistics_.lights = scene_->lights().count();
     statistics_.light_bytes = scene_->lights().bytes();
     statistics_.film_bytes = film_.bytes();
+    statistics_.ray_caches = caches_->report();
     std::unordered_set<const Shape*> seen;
     for (const auto& shape : description_->shapes)
         if (seen.insert(shape.get()).second) statistics_.shape_bytes += shape->bytes();

@@ -5,7 +5,7 @@
 #include "film/film.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/ray_counts.h"
-#include "ri_tree/ray_cache_store.h"
+#include "render/ray_caches.h"
 #include "scene/description.h"
 #include "scene/scene.h"
 #include "scene/settings.h"
@@ -33,6 +33,7 @@ struct RenderStatistics {
     TraceStatistics trace;
     TextureStore::Statistics textures;
     bool has_textures = false;
+    std::vector<RayCacheReport> ray_caches;
     size_t lights = 0, light_bytes = 0, film_bytes = 0, shape_bytes = 0;
 };
 
@@ -60,6 +61,7 @@ class Session {
     Film film_;
     CancelToken cancel_;
     std::unique_ptr<Scene> scene_;
+    std::unique_ptr<RayCaches> caches_;
     std::atomic<RenderState> state_{RenderState::Waiting};
     std::atomic<uint64_t> finished_pixels_{0};
     mutable std::mutex mutex_;  ///< guards statistics_

@@ -32,8 +32,12 @@ RayAnswer kind_of(AnsweredBy by) {
 }  // namespace
 
 CachedObject::CachedObject(std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape, OutputKind kind,
-                           double distance_threshold)
-    : cache_(std::move(cache)), shape_(std::move(shape)), kind_(kind), assumed_error_(distance_threshold) {
+                           double distance_threshold, double neighbour_scale)
+    : cache_(std::move(cache)),
+      shape_(std::move(shape)),
+      kind_(kind),
+      assumed_error_(distance_threshold),
+      neighbour_scale_(neighbour_scale) {
     const Box3d box(Vec3d(shape_->bounds().min), Vec3d(shape_->bounds().max));
     half_extent_ = box.isEmpty() ? 0.0 : 0.5 * max_component(box.size());
     list_elements();
@@ -58,7 +62,8 @@ CachedAnswer CachedObject::answer(const Vec3d& origin, const Vec3d& direction, c
     Ray ray;
     ray.origin = origin * frame.scale + frame.center;
     ray.direction = direction;
-    const RaySpacing spacing{static_cast<float>(neighbours.distance * frame.scale), neighbours.angle};
+    const RaySpacing spacing{static_cast<float>(neighbours.distance * frame.scale * neighbour_scale_),
+                             static_cast<float>(neighbours.angle * neighbour_scale_)};
     CachedAnswer result;
     cache_->ask({&ray, 1}, {&spacing, 1}, {&result, 1}, Uninterpolated::Leave);
     return result;

@@ -13,8 +13,10 @@ namespace rayleaf {
 class CachedObject final : public ObjectCache {
   public:
     /// `distance_threshold`: what error to assume where the cache tells none, a share of the half extent.
+    /// `neighbour_scale`: how far apart a picture's rays are against what their differentials say. Those are of one
+    /// sample a pixel; with n samples rays lie closer by the root of n.
     CachedObject(std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape, OutputKind kind,
-                 double distance_threshold);
+                 double distance_threshold, double neighbour_scale);
 
     ObjectAnswer ask(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const override;
     LengthAnswer ask_length(const Vec3d& origin, const Vec3d& direction,
@@ -27,7 +29,8 @@ class CachedObject final : public ObjectCache {
     std::shared_ptr<const Shape> shape_;
     OutputKind kind_;
     double assumed_error_;  ///< share of the half extent
-    double half_extent_;    ///< local units
+    double neighbour_scale_;
+    double half_extent_;  ///< local units
     /// By class, an element that has it: whose material is the class's. Empty where one material is on everything.
     std::vector<uint32_t> element_of_class_;
 

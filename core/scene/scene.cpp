@@ -1,6 +1,7 @@
 #include "scene/scene.h"
 
 #include "base/error.h"
+#include "scene/ray_cache_plan.h"
 
 namespace rayleaf {
 namespace {
@@ -30,12 +31,15 @@ const CameraDescription& required_camera(const SceneDescription& description) {
     return *description.camera();
 }
 
-std::vector<TracedInstance> traced_instances(const SceneDescription& description) {
+/// Volume objects have no surface that a ray could meet.
+std::vector<TracedInstance> traced_instances(const SceneDescription& description,
+                                             const std::vector<uint32_t>& volumes) {
     std::vector<TracedInstance> traced;
     traced.reserve(description.instances.size());
     for (const InstanceDescription& instance : description.instances)
         traced.push_back(
             {description.shapes[static_cast<size_t>(instance.shape)], instance.object_to_world, instance.visibility});
+    for (const uint32_t volume : volumes) traced[volume].visibility = 0;
     return traced;
 }
 
@@ -50,9 +54,18 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     validate(settings);
     camera_ = std::make_unique<Camera>(required_camera(description), settings.width, settings.height);
     commit_materials(description);
-    tracer_ = std::make_unique<Tracer>(traced_instances(description), camera_->dicing_view(), cancel);
+    for (const InstanceDescription& instance : description.instances)
+        interpolations_.push_back(
+            instance.ray_interpolation < 0
+                ? settings.ray_interpolation
+                : description.ray_interpolations[static_cast<size_t>(instance.ray_interpolation)]);
+    for (const InstanceDescription& instance : description.instances) volume_visibility_.push_back(instance.visibility);
+    for (uint32_t i = 0; i < instance_lists_.size(); ++i)
+        if (volume(i)) volumes_.push_back(i);
+    tracer_ = std::make_unique<Tracer>(traced_instances(description, volumes_), camera_->dicing_view(), cancel);
     cancel.throw_if_cancelled();
     commit_lights(description);
+    commit_glass(description);
 }
 
 Scene::~Scene() = default;
@@ -78,6 +91,29 @@ void Scene::commit_materials(const SceneDescription& description) {
             instance.material_list >= 0 && !lists_[static_cast<size_t>(instance.material_list)].empty();
         instance_lists_.push_back(has_list ? instance.material_list : static_cast<int>(lists_.size()) - 1);
     }
+}
+
+void Scene::commit_glass(const SceneDescription& description) {
+    // Each glass object looks at all others: past this many, all are rendered surface by surface.
+    constexpr size_t kMostInstances = 10'000;
+    if (interpolations_.size() > kMostInstances) return;
+    for (uint32_t i = 0; i < interpolations_.size(); ++i) {
+        if (interpolations_[i].mode == RayInterpolationMode::Off) continue;
+        const std::optional<GlassBody> body = skippable_glass(description, *this, i);
+        if (!body) continue;
+        glass_bodies_.resize(interpolations_.size());
+        glass_bodies_[i] = body;
+    }
+}
+
+const VolumeVisualisation* Scene::volume(uint32_t instance) const {
+    const Material& first = material_at(material_list(instance).front());
+    return first.volume ? &*first.volume : nullptr;
+}
+
+void Scene::set_ray_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache) {
+    cached_ += (cache ? 1 : 0) - (tracer_->cache(instance) ? 1 : 0);
+    tracer_->set_cache(instance, std::move(cache));
 }
 
 void Scene::commit_lights(const SceneDescription& description) {

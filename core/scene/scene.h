@@ -4,6 +4,7 @@
 #include "lights/light.h"
 #include "scene/camera.h"
 #include "scene/description.h"
+#include "scene/material_optics.h"
 #include "scene/settings.h"
 #include "shading/program.h"
 #include "trace/tracer.h"
@@ -35,6 +36,27 @@ class Scene {
     /// Radiance of the world seen along `direction`.
     Color world(const Vec3f& direction, const RayDifferential& differential, const PathState& path) const;
     const Material& material(uint32_t instance, const LocalHit& hit) const;
+    /// The materials of an instance by slot, never empty, and a material of such a list.
+    const std::vector<int>& material_list(uint32_t instance) const {
+        return lists_[static_cast<size_t>(instance_lists_[instance])];
+    }
+    const Material& material_at(int index) const { return materials_[static_cast<size_t>(index)]; }
+
+    const RayInterpolation& ray_interpolation(uint32_t instance) const { return interpolations_[instance]; }
+    /// What shows the length of rays inside an instance; null for objects with a surface. The first slot decides.
+    const VolumeVisualisation* volume(uint32_t instance) const;
+    /// Which rays see it.
+    uint8_t volume_visibility(uint32_t instance) const { return volume_visibility_[instance]; }
+    /// The instances that have one; no ray meets their surface.
+    const std::vector<uint32_t>& volumes() const { return volumes_; }
+    /// The body of an instance of clear glass whose inside rays skip; null for others.
+    const GlassBody* glass_body(uint32_t instance) const {
+        return glass_bodies_.empty() || !glass_bodies_[instance] ? nullptr : &*glass_bodies_[instance];
+    }
+    /// Ray caches of the instances that have one (null: none). Before rendering only.
+    void set_ray_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache);
+    /// Whether what is seen by way of an interpolated hit depends on its ray differential.
+    bool needs_differentials() const { return textures_ != nullptr || cached_ > 1; }
     float object_index(uint32_t instance) const { return infos_[instance].object_index; }
     /// Whether any material lets light straight through, so that shadow rays have to ask.
     bool has_transparency() const { return has_transparency_; }
@@ -52,10 +74,16 @@ class Scene {
     std::unique_ptr<Camera> camera_;
     std::unique_ptr<Tracer> tracer_;
     std::unique_ptr<LightSet> lights_;
+    std::vector<RayInterpolation> interpolations_;  ///< per instance
+    std::vector<uint32_t> volumes_;
+    std::vector<uint8_t> volume_visibility_;              ///< per instance
+    std::vector<std::optional<GlassBody>> glass_bodies_;  ///< per instance, or none at all
+    int cached_ = 0;                                      ///< instances with a ray cache
     bool has_transparency_ = false;
     double shadow_bias_ = 0;
 
     void commit_materials(const SceneDescription& description);
+    void commit_glass(const SceneDescription& description);
     void commit_lights(const SceneDescription& description);
     const Material& material_of(const std::vector<int>& list, uint32_t slot) const;
 };

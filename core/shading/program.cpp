@@ -150,6 +150,21 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         if (operands[0] >= 0) differentiate(operands[0]);
     }
     if (family == OperationFamily::Input || family == OperationFamily::Texture) constant_ = false;
+    reads_inputs_ |= family == OperationFamily::Input || family == OperationFamily::Texture;
+    switch (instruction.operation) {
+        case Operation::uv:
+        case Operation::attribute:
+        case Operation::tangent:
+        case Operation::parametric:
+        case Operation::normal_map:
+            reads_element_ = true;
+            break;
+        case Operation::principled:
+            reads_element_ |= operands[20] < 0 && !surely(6, 0.0f);  // anisotropy along the surface's own u
+            break;
+        default:
+            break;
+    }
     if (family != OperationFamily::Closure) return;
     switch (instruction.operation) {
         case Operation::emission:

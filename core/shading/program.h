@@ -51,6 +51,11 @@ class Program {
     bool may_be_transparent() const { return transparent_; }
     /// True if the result does not depend on the hit: a constant background, a plain lamp colour.
     bool is_constant() const { return constant_; }
+    /// True if its closures are the same on all of a surface: nothing is read but the normal and the view.
+    bool has_even_closures() const { return !reads_inputs_; }
+    /// True if it reads what only an element of the shape knows, or its direction of u: texture coordinates,
+    /// attributes, tangents.
+    bool reads_element() const { return reads_element_; }
 
   private:
     struct Instruction {
@@ -88,6 +93,7 @@ class Program {
     std::vector<Vec4f> registers_;  ///< initial contents
     std::vector<int32_t> origins_;  ///< per register: the instruction that writes it, or kConstant
     bool emits_ = false, transparent_ = false, constant_ = true;
+    bool reads_inputs_ = false, reads_element_ = false;
     bool textured_ = false;                   ///< some instruction is differentiated, or reads an image
     bool differentiates_attributes_ = false;  ///< and reads a named attribute
 };

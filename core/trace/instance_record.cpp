@@ -78,6 +78,18 @@ std::optional<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray)
     return Hit{hit->point.t, index, scene->local_hit(*hit), RayAnswer::NotAsked, {}};
 }
 
+std::optional<Hit> InstanceRecord::interpolated(uint32_t index, const Ray& world_ray) const {
+    if (!cache || scene->box().isEmpty()) return std::nullopt;
+    const auto local = clipped_ray(scene->box(), point_to_local(world_ray.origin), vector_to_local(world_ray.direction),
+                                   world_ray.t_min, world_ray.t_max);
+    if (!local) return std::nullopt;
+    const ObjectAnswer answer = ask(world_ray, *local);
+    Hit hit{world_ray.t_min + answer.distance / local->speed, index, {}, answer.answer, answer.hit};
+    if (!hit.is_interpolated()) return std::nullopt;
+    hit.local = interpolated_local(world_ray, hit.t, answer);
+    return hit;
+}
+
 LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
     if (scene->box().isEmpty()) return {RayAnswer::NotAsked};
     const Vec3d origin = point_to_local(world_ray.origin), direction = vector_to_local(world_ray.direction);

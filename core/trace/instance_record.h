@@ -49,6 +49,8 @@ struct InstanceRecord {
 
     /// By tracing alone; `index` is the instance's.
     std::optional<Hit> closest(uint32_t index, const Ray& world_ray) const;
+    /// By the cache alone.
+    std::optional<Hit> interpolated(uint32_t index, const Ray& world_ray) const;
     LengthAnswer length_inside(const Ray& world_ray) const;
 };
 

@@ -295,6 +295,10 @@ std::optional<Hit> Tracer::closest_on(uint32_t instance, const Ray& ray) const {
     return is_traceable(ray) ? implementation_->records[instance].closest(instance, ray) : std::nullopt;
 }
 
+std::optional<Hit> Tracer::interpolated_on(uint32_t instance, const Ray& ray) const {
+    return is_traceable(ray) ? implementation_->records[instance].interpolated(instance, ray) : std::nullopt;
+}
+
 LengthAnswer Tracer::length_inside(uint32_t instance, const Ray& ray) const {
     const FloatEnvironment environment;
     return is_traceable(ray) ? implementation_->records[instance].length_inside(ray)

@@ -80,6 +80,8 @@ class Tracer {
     ClosestHit closest(const Ray& ray, Visibility kind) const;
     /// The nearest hit on one instance, by tracing alone.
     std::optional<Hit> closest_on(uint32_t instance, const Ray& ray) const;
+    /// What the instance's ray cache alone tells of the nearest hit; empty where it has none or has to trace.
+    std::optional<Hit> interpolated_on(uint32_t instance, const Ray& ray) const;
     /// How much of [t_min, t_max] lies inside an instance, world units, whoever sees it.
     LengthAnswer length_inside(uint32_t instance, const Ray& ray) const;
     /// Whether anything lies in [t_min, t_max].

@@ -1,0 +1,82 @@
+#include "integrators/glass_path.h"
+
+#include "integrators/scattered_differential.h"
+#include "ri_tree/output_ray.h"
+
+namespace rayleaf {
+namespace {
+
+/// An interpolated exit lies beside the surface by as much as the first hit may: the ray starts this many times as far
+/// beyond it, which suffices where it leaves steeper than at some 15 degrees.
+constexpr double kExitErrors = 4.0;
+
+/// Snell's law; `normal` faces the incoming side, `eta` is the incoming side's index over the other's.
+std::optional<Vec3d> refracted_direction(const Vec3d& direction, const Vec3d& normal, double eta) {
+    const double cosine = -direction.dot(normal);
+    const double beyond = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    if (beyond < 0.0) return std::nullopt;
+    return normalized_or(direction * eta + normal * (eta * cosine - std::sqrt(beyond)), direction);
+}
+
+}  // namespace
+
+std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const NeighbourHits& neighbours,
+                                           const RayDifferential& differential) {
+    if (!hit.is_interpolated() || !hit.interpolated.has_exit) return std::nullopt;
+    const Affine3d& to_world = scene.tracer().local_to_world(hit.instance);
+    const InterpolatedHit& way = hit.interpolated;
+    const auto position_of = [&](const InterpolatedHit& each) { return to_world.point(each.exit_position); };
+    const auto direction_of = [&](const InterpolatedHit& each) {
+        return normalized_or(to_world.vector(each.exit_direction), Vec3d(0, 0, 1));
+    };
+    GlassExit exit;
+    exit.ray.direction = direction_of(way);
+    exit.ray.origin = position_of(way) + exit.ray.direction * (kExitErrors * way.position_error * to_world.x.length());
+    exit.ray.start = RayAnchor::on(hit.instance);
+    exit.total_reflections = way.total_reflections;
+    exit.crossings = way.interior_hits - way.total_reflections;
+    exit.differential = differential;
+    const auto change = [&](size_t i, Vec3f& position, Vec3f& direction) {
+        if (!neighbours.hits[i]) return;
+        const InterpolatedHit& other = neighbours.hits[i]->interpolated;
+        position = Vec3f(position_of(other) - position_of(way));
+        direction = Vec3f(direction_of(other) - exit.ray.direction);
+    };
+    change(0, exit.differential.dp_dx, exit.differential.dd_dx);
+    change(1, exit.differential.dp_dy, exit.differential.dd_dy);
+    return exit;
+}
+
+std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, uint32_t instance, const Ray& entered,
+                                     const RayDifferential& differential) {
+    GlassExit exit{entered, differential, 0, 0};
+    Ray& ray = exit.ray;
+    for (int hits = 0; hits < kMostInteriorHits; ++hits) {
+        const std::optional<Hit> hit = scene.tracer().closest_on(instance, ray);
+        if (!hit) return std::nullopt;
+        const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
+        const Vec3d facet(point.facet_normal);
+        if (!(ray.direction.dot(facet) > 0.0)) return std::nullopt;  // meets its own outside: no closed body
+        const Vec3d normal = -normalized_or(Vec3d(point.normal), facet);
+        const std::optional<Vec3d> through =
+            normal.dot(ray.direction) < 0.0 ? refracted_direction(ray.direction, normal, body.ior) : ray.direction;
+        const Vec3d direction = through ? *through : mirrored(ray.direction, normal);
+        LobeSample sample;
+        sample.direction = Vec3f(direction);
+        sample.kind = through ? LobeKind::Transmission : LobeKind::Glossy;
+        sample.singular = true;
+        sample.transmitted = through.has_value();
+        sample.eta = through ? static_cast<float>(body.ior) : 1.0f;
+        const Vec3f incoming(ray.direction);
+        exit.differential = scattered_differential(exit.differential.transferred(incoming, hit->t, point.facet_normal),
+                                                   incoming, point, sample);
+        ++(through ? exit.crossings : exit.total_reflections);
+        ray.origin = point.ray_origin(sample.direction);
+        ray.direction = direction;
+        // Where the ray goes by the facet is where it is: a shading normal may differ from it.
+        if (direction.dot(facet) >= 0.0) return exit;
+    }
+    return std::nullopt;
+}
+
+}  // namespace rayleaf

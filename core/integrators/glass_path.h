@@ -1,0 +1,29 @@
+// A ray through a body of clear glass, from where it enters to where it leaves, as one step of a path.
+//
+// The model (scene/material_optics.h, GlassBody) is the same whether the way is interpolated or traced, so that a
+// picture does not show which it was.
+#pragma once
+
+#include "integrators/neighbour_hits.h"
+#include "scene/scene.h"
+
+#include <optional>
+
+namespace rayleaf {
+
+struct GlassExit {
+    Ray ray;  ///< that leaves
+    RayDifferential differential;
+    int crossings = 0, total_reflections = 0;  ///< hits from inside: that let the ray out, and that did not
+};
+
+/// What the hit's ray cache tells of the way; empty where it tells nothing. `differential`: of the ray that enters,
+/// where it hits. `neighbours` may be empty: the differential is not wanted then.
+std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const NeighbourHits& neighbours,
+                                           const RayDifferential& differential);
+
+/// The way from `entered`, a ray that just passed the surface of `instance`. Empty where it finds no end.
+std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, uint32_t instance, const Ray& entered,
+                                     const RayDifferential& differential);
+
+}  // namespace rayleaf

@@ -1,0 +1,15 @@
+// The passes that show how the camera's rays were answered.
+#pragma once
+
+#include "film/pixel.h"
+#include "integrators/volumes.h"
+#include "trace/tracer.h"
+
+namespace rayleaf {
+
+/// Writes Rayleaf Mask, its colours and Rayleaf Error.
+void write_answer(const ClosestHit& found, PixelSample& sample);
+/// Writes Path Length, and in the others what volume objects say where it tells more.
+void write_volumes(const VolumePassage& passage, PixelSample& sample);
+
+}  // namespace rayleaf

@@ -1,0 +1,174 @@
+#include "render/ray_cache_probe.h"
+
+#include "base/random.h"
+#include "integrators/dimensions.h"
+#include "integrators/path.h"
+#include "ri_tree/cached_object.h"
+#include "trace/local_ray.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace rayleaf {
+namespace {
+
+// Costs in units of one ray traced to its first hit on smooth patches, from measurements of trees and tracers on one
+// core (some 200 ns then). They are to be right within a third or so: an object whose gain is smaller is traced.
+constexpr double kTracedMiss = 0.2;         ///< a ray that enters the box and hits nothing
+constexpr double kInterpolatedQuery = 0.3;  ///< leaf found, 16 corners blended
+constexpr double kMissedQuery = 0.1;        ///< leaf found, nothing there
+constexpr double kAskedInVain = 0.15;       ///< leaf found, ray to be traced after all
+/// The way through glass or a volume, first hit included: rays of two hits, and of three.
+constexpr double kTracedGlass = 2.5, kTracedVolume = 3.0;
+/// A sample is traced with its derivatives, and its cell is judged and stored.
+constexpr double kSampleFactor = 2.0;
+/// Only gains above this share of the tracing count: the costs are no more exact.
+constexpr double kLeastGain = 0.1;
+
+constexpr int kBlockSide = 8;        ///< pixels
+constexpr int kBlocksPerObject = 3;  ///< that see the object's box
+constexpr int kSpreadBlocks = 3;     ///< anywhere, for what is seen in mirrors
+constexpr int kMostBlocks = 12;
+constexpr int kMostSamples = 4;    ///< of a pixel
+constexpr int kPlacesTried = 512;  ///< for blocks that see an object
+/// At most this share of the frame's paths is probed; a frame for which that is not even two blocks is traced.
+constexpr double kProbedShare = 1.0 / 400.0;
+/// Fewer queries than this say nothing.
+constexpr uint64_t kLeastQueries = 32;
+
+double traced_cost(OutputKind kind) {
+    if (kind == OutputKind::Glass) return kTracedGlass;
+    return kind == OutputKind::Volume ? kTracedVolume : 1.0;
+}
+
+/// What a cache did in the probe.
+struct Counts {
+    uint64_t interpolated = 0, missed = 0, traced = 0;
+    double samples = 0;
+
+    uint64_t queries() const { return interpolated + missed + traced; }
+};
+
+Counts counts_of(const RayCacheStatistics& statistics) {
+    Counts counts;
+    counts.samples = static_cast<double>(statistics.samples_taken);
+    for (size_t i = 0; i < kAnswerKinds; ++i) {
+        const auto by = static_cast<AnsweredBy>(i);
+        const uint64_t count = statistics.answers[i];
+        if (is_traced(by))
+            counts.traced += count;
+        else if (by == AnsweredBy::Interpolated || by == AnsweredBy::TwoClassInterpolated)
+            counts.interpolated += count;
+        else if (by != AnsweredBy::NotARay && by != AnsweredBy::BoxMissed)
+            counts.missed += count;
+    }
+    return counts;
+}
+
+/// Points that fill the unit square evenly, however many are taken: the R2 sequence (Roberts 2018).
+Vec2d even_point(int index) {
+    constexpr double kPlastic = 1.32471795724474602596;
+    const double x = 0.5 + index / kPlastic, y = 0.5 + index / (kPlastic * kPlastic);
+    return {x - std::floor(x), y - std::floor(y)};
+}
+
+struct Block {
+    int x, y;  ///< lower left pixel
+};
+
+Block block_at(const Vec2d& point, const Settings& settings) {
+    const auto place = [](double share, int size) {
+        return std::clamp(static_cast<int>(share * size) - kBlockSide / 2, 0, std::max(size - kBlockSide, 0));
+    };
+    return {place(point.x, settings.width), place(point.y, settings.height)};
+}
+
+bool sees(const Scene& scene, const Settings& settings, const Vec2d& point, const PlannedRayCache& candidate) {
+    const Vec2d pixel(point.x * settings.width, point.y * settings.height);
+    const Ray ray = scene.camera().ray(pixel, Vec2f(0.5f, 0.5f)).ray;
+    return std::any_of(candidate.instances.begin(), candidate.instances.end(), [&](uint32_t instance) {
+        const auto stretch = inside_box(scene.tracer().bounds(instance), ray.origin, ray.direction);
+        return stretch && stretch->end > 0.0;
+    });
+}
+
+std::vector<Block> blocks_for(const std::vector<PlannedRayCache>& candidates, const Scene& scene,
+                              const Settings& settings, size_t most) {
+    std::vector<Block> blocks;
+    std::vector<int> seen(candidates.size(), 0);
+    for (int i = 0; i < kPlacesTried && blocks.size() < most; ++i) {
+        const Vec2d point = even_point(i);
+        bool wanted = i < kSpreadBlocks;
+        for (size_t c = 0; c < candidates.size(); ++c) {
+            if (seen[c] == kBlocksPerObject || !sees(scene, settings, point, candidates[c])) continue;
+            ++seen[c];
+            wanted = true;
+        }
+        if (wanted) blocks.push_back(block_at(point, settings));
+    }
+    return blocks;
+}
+
+void render_block(const Block& block, const Scene& scene, const Settings& settings, int samples) {
+    const PixelFilter filter(settings.filter, settings.filter_width);
+    const PathSettings path(settings);
+    for (int y = block.y; y < std::min(block.y + kBlockSide, settings.height); ++y)
+        for (int x = block.x; x < std::min(block.x + kBlockSide, settings.width); ++x)
+            for (int s = 0; s < samples; ++s) {
+                const auto pixel =
+                    static_cast<uint32_t>(y) * static_cast<uint32_t>(settings.width) + static_cast<uint32_t>(x);
+                const Sampler sampler(pixel, static_cast<uint32_t>(s), settings.seed);
+                const Vec2d place = Vec2d(x + 0.5, y + 0.5) + filter.offset(sampler.get2(kFilterDimension));
+                trace_path(scene, path, scene.camera().ray(place, sampler.get2(kLensDimension)), sampler);
+            }
+}
+
+/// `growth`: how many times as many samples of each pixel the frame has. Cells that more rays of the same pixels cross
+/// are mostly the same: new samples go with the root.
+ProbeResult judge(const Counts& counts, OutputKind kind, double growth) {
+    if (counts.queries() < kLeastQueries) return {false, "the probe met too few rays"};
+    const double way = traced_cost(kind), samples = counts.samples / std::sqrt(growth);
+    const double tracing = static_cast<double>(counts.interpolated + counts.traced) * way +
+                           static_cast<double>(counts.missed) * kTracedMiss;
+    const double asking = static_cast<double>(counts.interpolated) * kInterpolatedQuery +
+                          static_cast<double>(counts.traced) * (way + kAskedInVain) +
+                          static_cast<double>(counts.missed) * kMissedQuery + samples * way * kSampleFactor;
+    const auto percent = [&](double part) { return 100.0 * part / static_cast<double>(counts.queries()); };
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        "probe: %llu queries, %.0f %% interpolated, %.0f %% traced, %.2f samples a query; costs %.2f of tracing",
+        static_cast<unsigned long long>(counts.queries()), percent(static_cast<double>(counts.interpolated)),
+        percent(static_cast<double>(counts.traced)), samples / static_cast<double>(counts.queries()), asking / tracing);
+    return {asking < (1.0 - kLeastGain) * tracing, text};
+}
+
+}  // namespace
+
+std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& candidates, Scene& scene,
+                                          const Settings& settings, double neighbour_scale) {
+    if (candidates.empty()) return {};
+    const int samples = std::min(settings.samples, kMostSamples);
+    const double paths = static_cast<double>(settings.width) * settings.height * settings.samples;
+    const auto affordable = static_cast<size_t>(kProbedShare * paths / (kBlockSide * kBlockSide * samples));
+    if (affordable < 2) return std::vector<ProbeResult>(candidates.size(), {false, "the picture has too few rays"});
+    std::vector<std::shared_ptr<RayCache>> caches;
+    for (const PlannedRayCache& candidate : candidates) {
+        const RayCacheSettings& thresholds = candidate.interpolation.thresholds;
+        caches.push_back(make_ray_cache(RayCacheKind::Fast, candidate.shape, candidate.samples, thresholds));
+        const auto object = std::make_shared<const CachedObject>(caches.back(), candidate.shape, candidate.samples.kind,
+                                                                 thresholds.distance_threshold, neighbour_scale);
+        for (const uint32_t instance : candidate.instances) scene.set_ray_cache(instance, object);
+    }
+    for (const Block& block : blocks_for(candidates, scene, settings, std::min<size_t>(affordable, kMostBlocks)))
+        render_block(block, scene, settings, samples);
+    std::vector<ProbeResult> results;
+    for (size_t i = 0; i < candidates.size(); ++i) {
+        results.push_back(judge(counts_of(caches[i]->statistics()), candidates[i].samples.kind,
+                                static_cast<double>(settings.samples) / samples));
+        for (const uint32_t instance : candidates[i].instances) scene.set_ray_cache(instance, nullptr);
+    }
+    return results;
+}
+
+}  // namespace rayleaf

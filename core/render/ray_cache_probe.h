@@ -1,0 +1,27 @@
+// Whether ray caches would pay in a frame, from a small probe of it.
+//
+// Idea: some blocks of neighbouring pixels, spread evenly over the picture, are rendered with caches that are made for
+// this alone, by one thread; what the caches count is set against tracing, in units of one traced ray. Neighbouring
+// pixels share cells as they do in the whole picture, so the samples taken per query in a block stand for the frame's.
+// Counts alone decide, never clocks, nor what other frames left in a cache: a frame looks the same alone, in a
+// sequence, or as a part of one on another machine.
+#pragma once
+
+#include "scene/ray_cache_plan.h"
+#include "scene/scene.h"
+
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+struct ProbeResult {
+    bool pays = false;
+    std::string reason;  ///< with the figures that decided
+};
+
+/// One result each. The scene is left without the caches that were tried.
+std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& candidates, Scene& scene,
+                                          const Settings& settings, double neighbour_scale);
+
+}  // namespace rayleaf

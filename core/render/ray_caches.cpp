@@ -1,0 +1,69 @@
+#include "render/ray_caches.h"
+
+#include "render/ray_cache_probe.h"
+
+namespace rayleaf {
+namespace {
+
+RayCacheStatistics since(const RayCacheStatistics& before, RayCacheStatistics now) {
+    for (size_t i = 0; i < kAnswerKinds; ++i) now.answers[i] -= before.answers[i];
+    now.samples_taken -= before.samples_taken;
+    now.prunes -= before.prunes;
+    return now;
+}
+
+std::shared_ptr<RayCache> make(const PlannedRayCache& planned) {
+    return make_ray_cache(RayCacheKind::Fast, planned.shape, planned.samples, planned.interpolation.thresholds);
+}
+
+}  // namespace
+
+RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Settings& settings,
+                     RayCacheStore* store) {
+    const double neighbour_scale = 1.0 / std::sqrt(settings.samples);
+    std::vector<PlannedRayCache> undecided;
+    std::vector<size_t> places;
+    for (PlannedRayCache& planned : plan_ray_caches(description, scene)) {
+        frame_.push_back({std::move(planned), nullptr, {}, {}});
+        FrameCache& each = frame_.back();
+        each.reason = each.planned.obstacle;
+        if (!each.reason.empty()) continue;
+        if (each.planned.interpolation.mode == RayInterpolationMode::Auto) {
+            undecided.push_back(each.planned);
+            places.push_back(frame_.size() - 1);
+        } else {
+            use(each, scene, neighbour_scale, store);
+        }
+    }
+    const std::vector<ProbeResult> results = probe_ray_caches(undecided, scene, settings, neighbour_scale);
+    for (size_t i = 0; i < results.size(); ++i) {
+        FrameCache& each = frame_[places[i]];
+        each.reason = results[i].reason;
+        if (results[i].pays) use(each, scene, neighbour_scale, store);
+    }
+}
+
+void RayCaches::use(FrameCache& each, Scene& scene, double neighbour_scale, RayCacheStore* store) {
+    const PlannedRayCache& planned = each.planned;
+    const std::optional<RayCacheKey> key =
+        store ? key_of(*planned.shape, planned.samples, planned.interpolation.thresholds) : std::nullopt;
+    each.cache = key ? store->find_or_make(*key, [&] { return make(planned); }) : make(planned);
+    each.before = each.cache->statistics();
+    const auto object =
+        std::make_shared<const CachedObject>(each.cache, planned.shape, planned.samples.kind,
+                                             planned.interpolation.thresholds.distance_threshold, neighbour_scale);
+    for (const uint32_t instance : planned.instances) scene.set_ray_cache(instance, object);
+}
+
+std::vector<RayCacheReport> RayCaches::report() const {
+    std::vector<RayCacheReport> reports;
+    for (const FrameCache& each : frame_) {
+        const PlannedRayCache& planned = each.planned;
+        reports.push_back({planned.objects, planned.instances.size(), planned.samples.kind, planned.interpolation.mode,
+                           each.cache != nullptr, each.reason,
+                           each.cache ? since(each.before, each.cache->statistics()) : RayCacheStatistics{}});
+    }
+    return reports;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,156 @@
+#include "scene/ray_cache_plan.h"
+
+#include "geometry/patch_surface.h"
+#include "geometry/triangle_mesh.h"
+#include "scene/scene.h"
+#include "splines/bounds.h"
+
+#include <map>
+#include <tuple>
+
+namespace rayleaf {
+namespace {
+
+/// Names listed of the objects that share a cache.
+constexpr size_t kListedObjects = 8;
+/// Boxes that reach into one another by this share of the smaller one's size only touch: a vase stands on a table.
+constexpr double kTouching = 1e-4;
+/// Columns of a map whose lengths and angles differ by less than this scale evenly.
+constexpr double kEvenScale = 1e-5;
+
+bool is_flat(const Shape& shape) {
+    if (shape.kind() == ShapeKind::TriangleMesh) return !static_cast<const TriangleMesh&>(shape).is_smooth();
+    for (const SplinePatches& spline : static_cast<const PatchSurface&>(shape).splines())
+        if (spline.smooth) return false;
+    return true;
+}
+
+/// What the materials of an object have in common.
+struct ObjectOptics {
+    MaterialOptics first;
+    bool even = true;  ///< one material alone
+    std::string obstacle;
+};
+
+ObjectOptics optics_of_object(const Scene& scene, uint32_t instance) {
+    ObjectOptics result;
+    const std::vector<int>& list = scene.material_list(instance);
+    const Material& first = scene.material_at(list.front());
+    for (const int index : list) {
+        const Program& program = *scene.material_at(index).surface;
+        result.even &= index == list.front();
+        if (program.emits()) result.obstacle = "emits light";
+        if (program.reads_element()) result.obstacle = "reads texture coordinates, attributes or tangents";
+    }
+    result.first = optics_of(*first.surface);
+    return result;
+}
+
+SampleSettings samples_for(const ObjectOptics& optics, bool is_volume) {
+    SampleSettings samples;
+    samples.kind = OutputKind::Simple;
+    if (is_volume) {
+        samples.kind = OutputKind::Volume;
+    } else if (optics.even && optics.first.surface == SurfaceOptics::Mirror) {
+        samples.kind = OutputKind::Mirror;
+    } else if (optics.even && optics.first.surface == SurfaceOptics::Glass) {
+        samples.kind = OutputKind::Glass;
+        samples.ior = optics.first.glass.ior;
+    }
+    return samples;
+}
+
+std::string obstacle_of(const Shape& shape, const ObjectOptics& optics, bool is_volume) {
+    if (shape.element_count() == 0) return "has no faces";
+    if (shape.kind() != ShapeKind::TriangleMesh && shape.kind() != ShapeKind::PatchSurface)
+        return "is neither a surface nor a mesh";
+    if (is_volume) return {};
+    if (is_flat(shape)) return "is shaded flat";
+    return optics.obstacle;
+}
+
+bool scales_evenly(const Affine3d& m) {
+    const double x = m.x.length2(), y = m.y.length2(), z = m.z.length2();
+    const double largest = std::max({x, y, z}) * kEvenScale;
+    return m.determinant() > 0.0 && std::abs(x - y) <= largest && std::abs(y - z) <= largest &&
+           std::abs(m.x.dot(m.y)) <= largest && std::abs(m.y.dot(m.z)) <= largest && std::abs(m.z.dot(m.x)) <= largest;
+}
+
+/// Whether any element of a shape may lie in a box of its local space.
+bool has_element_in(const Shape& shape, const Box3d& box) {
+    const auto overlaps = [&](const Box3d& element) { return box.intersects(element); };
+    if (shape.kind() == ShapeKind::PatchSurface) {
+        const auto& surface = static_cast<const PatchSurface&>(shape);
+        for (uint32_t patch = 0; patch < surface.element_count(); ++patch)
+            if (overlaps(hull_bounds(surface.patch(patch)))) return true;
+        return false;
+    }
+    if (shape.kind() != ShapeKind::TriangleMesh) return true;
+    const auto& mesh = static_cast<const TriangleMesh&>(shape);
+    for (uint32_t triangle = 0; triangle < mesh.element_count(); ++triangle) {
+        Box3d element;
+        for (const Vec3d& corner : mesh.corners(triangle)) element.extendBy(corner);
+        if (overlaps(element)) return true;
+    }
+    return false;
+}
+
+Box3d image_of(const Box3d& box, const Affine3d& map) {
+    Box3d image;
+    for (int corner = 0; corner < 8; ++corner)
+        image.extendBy(map.point({corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                                  corner & 4 ? box.max.z : box.min.z}));
+    return image;
+}
+
+/// Whether something of the scene may lie in the world box of an instance, beside the instance itself.
+bool is_occupied(const SceneDescription& description, const Tracer& tracer, uint32_t instance) {
+    Box3d box = tracer.bounds(instance);
+    const double touching = kTouching * max_component(box.size());
+    box.min += Vec3d(touching);
+    box.max -= Vec3d(touching);
+    for (uint32_t other = 0; other < description.instances.size(); ++other) {
+        if (other == instance || !box.intersects(tracer.bounds(other))) continue;
+        if (has_element_in(*tracer.instance(other).shape, image_of(box, tracer.local_to_world(other).inverse())))
+            return true;
+    }
+    return std::any_of(description.lamps.begin(), description.lamps.end(), [&](const Lamp& lamp) {
+        return lamp.kind != LampKind::Sun && box.intersects(lamp.to_world.translation);
+    });
+}
+
+}  // namespace
+
+std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene) {
+    using Key = std::tuple<const Shape*, OutputKind, double, int, std::string>;
+    std::map<Key, size_t> places;
+    std::vector<PlannedRayCache> plan;
+    for (uint32_t i = 0; i < description.instances.size(); ++i) {
+        const InstanceDescription& instance = description.instances[i];
+        const RayInterpolation& interpolation = scene.ray_interpolation(i);
+        if (interpolation.mode == RayInterpolationMode::Off) continue;
+        const std::shared_ptr<const Shape>& shape = description.shapes[static_cast<size_t>(instance.shape)];
+        const bool is_volume = scene.volume(i) != nullptr;
+        const ObjectOptics optics = optics_of_object(scene, i);
+        const SampleSettings samples = samples_for(optics, is_volume);
+        const std::string obstacle = obstacle_of(*shape, optics, is_volume);
+        const Key key{shape.get(), samples.kind, samples.ior, instance.ray_interpolation, obstacle};
+        const auto [place, is_new] = places.try_emplace(key, plan.size());
+        if (is_new) plan.push_back({shape, samples, interpolation, {}, {}, obstacle});
+        PlannedRayCache& planned = plan[place->second];
+        planned.instances.push_back(i);
+        if (planned.objects.size() < kListedObjects) planned.objects.push_back(instance.name);
+    }
+    return plan;
+}
+
+std::optional<GlassBody> skippable_glass(const SceneDescription& description, const Scene& scene, uint32_t instance) {
+    const std::vector<int>& list = scene.material_list(instance);
+    const ObjectOptics optics = optics_of_object(scene, instance);
+    if (!optics.even || optics.first.surface != SurfaceOptics::Glass || scene.volume(instance)) return std::nullopt;
+    if (list.empty() || !scales_evenly(scene.tracer().instance(instance).object_to_world)) return std::nullopt;
+    if (is_occupied(description, scene.tracer(), instance)) return std::nullopt;
+    return optics.first.glass;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,34 @@
+// Which objects of a scene can have a ray cache, of what kind, and which share one.
+#pragma once
+
+#include "ri_tree/sample_tracer.h"
+#include "scene/material_optics.h"
+#include "scene/ray_interpolation.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+class Scene;
+
+/// One cache: of a shape, by what its material makes of rays and by its settings.
+struct PlannedRayCache {
+    std::shared_ptr<const Shape> shape;
+    SampleSettings samples;
+    RayInterpolation interpolation;
+    std::vector<uint32_t> instances;
+    std::vector<std::string> objects;  ///< names of the first few instances
+    std::string obstacle;              ///< why there can be none; empty: there can
+};
+
+/// Objects whose interpolation is off are not listed.
+std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene);
+
+/// The glass body of an instance, where rays through it may skip its inside: its map is rigid but for an even scale,
+/// and nothing else lies in its box.
+std::optional<GlassBody> skippable_glass(const SceneDescription& description, const Scene& scene, uint32_t instance);
+
+}  // namespace rayleaf
