@@ -22,22 +22,24 @@ last_statistics: dict[str, Any] = {}
 
 def register() -> None:
     """Called by Blender when the add-on is enabled."""
-    from . import animation, engine, properties, ui
+    from . import animation, engine, properties, ui, ui_rays
     from .report import panel
 
     properties.register()
     engine.register()
     animation.register()
     ui.register()
+    ui_rays.register()
     panel.register()
 
 
 def unregister() -> None:
     """Called by Blender when the add-on is disabled."""
-    from . import animation, engine, properties, ui
+    from . import animation, engine, properties, ui, ui_rays
     from .report import panel
 
     panel.unregister()
+    ui_rays.unregister()
     ui.unregister()
     animation.unregister()
     engine.unregister()

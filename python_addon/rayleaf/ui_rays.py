@@ -1,0 +1,90 @@
+"""Panels of ray interpolation and volume visualisation."""
+
+from typing import Any
+
+import bpy
+
+from .ui import _Panel
+
+_SHAPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+
+
+def _draw_thresholds(column: Any, settings: Any) -> None:
+    error = column.row()
+    error.enabled = not settings.use_advanced
+    error.prop(settings, "error")
+    column.prop(settings, "use_advanced")
+    if settings.use_advanced:
+        advanced = column.column(align=True)
+        advanced.prop(settings, "distance")
+        advanced.prop(settings, "angle")
+        advanced.prop(settings, "depth")
+        advanced.prop(settings, "cache_size", text="Cache Size (MB)")
+
+
+class RAYLEAF_PT_ray_interpolation(_Panel, bpy.types.Panel):
+    """Rays answered from rays traced before."""
+
+    bl_label = "Ray Interpolation"
+
+    def draw(self, context: Any) -> None:
+        column, settings = self._column(), context.scene.rayleaf.ray_interpolation
+        column.row().prop(settings, "mode", expand=True)
+        thresholds = column.column()
+        thresholds.active = settings.mode != "OFF"
+        _draw_thresholds(thresholds, settings)
+
+
+class RAYLEAF_PT_object_ray_interpolation(_Panel, bpy.types.Panel):
+    """The same for one object."""
+
+    bl_label = "Ray Interpolation"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.object is not None and context.object.type in _SHAPES and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        column, settings = self._column(), context.object.rayleaf.ray_interpolation
+        column.prop(settings, "mode")
+        column.prop(settings, "use_own_error")
+        if settings.use_own_error:
+            _draw_thresholds(column, settings)
+
+
+class RAYLEAF_PT_volume(_Panel, bpy.types.Panel):
+    """An object as an x-ray shows it."""
+
+    bl_label = "Volume Visualisation"
+    bl_context = "material"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.material is not None and super().poll(context)
+
+    def draw_header(self, context: Any) -> None:
+        self.layout.prop(context.material.rayleaf, "use_volume", text="")
+
+    def draw(self, context: Any) -> None:
+        column, settings = self._column(), context.material.rayleaf
+        column.active = settings.use_volume
+        column.prop(settings, "volume_kind")
+        column.prop(settings, "volume_density")
+        column.prop(settings, "volume_color")
+
+
+PANELS = (RAYLEAF_PT_ray_interpolation, RAYLEAF_PT_object_ray_interpolation, RAYLEAF_PT_volume)
+
+
+def register() -> None:
+    """Show the panels."""
+    for panel in PANELS:
+        bpy.utils.register_class(panel)
+
+
+def unregister() -> None:
+    """Take them away."""
+    for panel in reversed(PANELS):
+        bpy.utils.unregister_class(panel)

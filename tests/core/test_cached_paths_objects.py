@@ -1,0 +1,141 @@
+"""Which objects get a ray cache, of what kind, and what is said of the others."""
+
+import numpy as np
+import pytest
+from cached_scenes import ball, ball_scene, picture, render, used, world
+from path_scenes import material
+from scenes import CUBE_TRIANGLES, CUBE_VERTICES, emission, look_down, matrix, sphere_spline
+
+
+def reports(session):
+    return {name: each for each in session.statistics()["ray_caches"] for name in each["objects"]}
+
+
+def all_kinds(core, **more):
+    scene = core.SceneDescription()
+    for i, kind in enumerate(("mirror", "glass", "simple")):
+        ball(core, scene, kind, kind, (2.2 * i - 2.2, 0, 0), **more)
+    fog = scene.add_material("fog", None, volume=core.VolumeVisualisation())
+    shape = scene.add_surface("fog", [sphere_spline(core)])
+    scene.add_instance("fog", shape, matrix((0, 2.2, 0)), scene.add_material_list([fog]), **more)
+    scene.set_world(world(core), 32)
+    look_down(scene, 8.0, 0.45)
+    return scene
+
+
+def test_each_kind_of_material_gets_its_kind_of_cache(core):
+    found = reports(render(core, all_kinds(core)))
+    assert {name: each["kind"] for name, each in found.items()} == {
+        "mirror": "mirror",
+        "glass": "glass",
+        "simple": "simple",
+        "fog": "volume",
+    }
+    for each in found.values():
+        assert each["used"] and each["samples_taken"] > 0 and each["bytes"] > 0
+        assert each["answers"]["interpolated"] > 0
+
+
+def test_nothing_is_allocated_when_off(core):
+    session = render(core, all_kinds(core), "OFF")
+    assert session.statistics()["ray_caches"] == []
+    assert "ray caches" in session.statistics()["left_out"]
+    assert (session.pass_pixels("mask") == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "obstacle"), [("flat", "flat"), ("glow", "emits"), ("textured", "texture coordinates")]
+)
+def test_objects_that_cannot_have_a_cache_are_told_with_the_reason(core, name, obstacle):
+    scene = ball_scene(core, "mirror", floor=False)
+    if name == "flat":
+        scene.add_instance(name, scene.add_mesh(name, CUBE_VERTICES, CUBE_TRIANGLES), matrix((3, 0, 0)))
+    else:
+        program = emission(core) if name == "glow" else core.Program(name)
+        if name == "textured":
+            program.operation("diffuse", [program.constant(1, 1, 1, 1), program.operation("uv", ints=[-1])])
+        materials = scene.add_material_list([scene.add_material(name, program)])
+        scene.add_instance(name, scene.add_surface(name, [sphere_spline(core)]), matrix((3, 0, 0)), materials)
+    found = reports(render(core, scene))
+    assert not found[name]["used"] and obstacle in found[name]["reason"]
+    assert found["ball"]["used"]
+
+
+def test_instances_of_a_shape_share_a_cache_unless_their_materials_differ(core):
+    scene = core.SceneDescription()
+    shape = scene.add_surface("ball", [sphere_spline(core)])
+    mirror = material(core, scene, ("glossy", 1.0, 0.9, 0.0, "SHARP"), name="mirror")
+    clear = material(core, scene, ("glass", 1.0, 1.0, 0.0, 1.3, "SHARP"), name="clear")
+    dense = material(core, scene, ("glass", 1.0, 1.0, 0.0, 2.0, "SHARP"), name="dense")
+    for i, materials in enumerate((mirror, mirror, clear, dense)):
+        scene.add_instance(f"ball {i}", shape, matrix((2.2 * i - 3.3, 0, 0)), materials)
+    scene.set_world(world(core), 32)
+    look_down(scene, 8.0, 0.6)
+    caches = used(render(core, scene))
+    assert sorted((each["kind"], each["instances"]) for each in caches) == [("glass", 1), ("glass", 1), ("mirror", 2)]
+
+
+def test_an_object_may_have_settings_of_its_own(core):
+    scene = core.SceneDescription()
+    own = scene.add_ray_interpolation("ball", core.RayInterpolation(mode="ON", error=0.02))
+    off = scene.add_ray_interpolation("other", core.RayInterpolation(mode="OFF"))
+    ball(core, scene, "ball", "mirror", ray_interpolation=own)
+    ball(core, scene, "other", "mirror", (2.5, 0, 0), ray_interpolation=off)
+    ball(core, scene, "third", "mirror", (-2.5, 0, 0))
+    scene.set_world(world(core), 32)
+    look_down(scene, 8.0, 0.45)
+    assert [each["objects"] for each in used(render(core, scene, "OFF"))] == [["ball"]]
+    assert sorted(each["objects"][0] for each in used(render(core, scene, "ON"))) == ["ball", "third"]
+
+
+def test_auto_says_what_it_decided_and_why(core):
+    small = render(core, ball_scene(core, "mirror"), "AUTO")
+    assert "too few rays" in reports(small)["ball"]["reason"] and not reports(small)["ball"]["used"]
+    large = [render(core, ball_scene(core, "mirror"), "AUTO", width=256, height=256, samples=1) for _ in range(2)]
+    reasons = [reports(session)["ball"]["reason"] for session in large]
+    assert reasons[0] == reasons[1] and "queries" in reasons[0] and "of tracing" in reasons[0]
+
+
+def test_auto_decides_alike_whatever_a_store_holds_and_whatever_part_is_rendered(core):
+    store = core.RayCacheStore()
+    size = dict(width=256, height=256, samples=1)
+    render(core, ball_scene(core, "mirror"), "ON", caches=store, **size)
+    whole = render(core, ball_scene(core, "mirror"), "AUTO", caches=store, **size)
+    crop = dict(crop_x=96, crop_y=96, crop_width=64, crop_height=64)
+    part = render(core, ball_scene(core, "mirror"), "AUTO", **size, **crop)
+    assert reports(whole)["ball"]["reason"] == reports(part)["ball"]["reason"]
+    assert np.array_equal(picture(part), picture(whole)[96:160, 96:160])
+
+
+@pytest.mark.parametrize(
+    "settings", [dict(error=0.0), dict(error=float("nan")), dict(mode="MAYBE"), dict(depth_limit=61)]
+)
+def test_settings_without_meaning_are_rejected_by_name(core, settings):
+    with pytest.raises(core.InputError, match=next(iter(settings)).replace("_", " ")):
+        core.RayInterpolation(**settings)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        dict(distance_threshold=0.0),
+        dict(distance_threshold=float("inf"), angle_threshold=float("inf")),
+        dict(depth_limit=0),
+        dict(cache_bytes=0),
+    ],
+)
+@pytest.mark.parametrize("kind", ["mirror", "glass"])
+def test_extreme_thresholds_give_a_picture(core, kind, settings):
+    interpolation = core.RayInterpolation(mode="ON", **{"depth_limit": 16, **settings})
+    values = core.Settings(width=12, height=12, samples=1, threads=1, ray_interpolation=interpolation)
+    session = core.Session(ball_scene(core, kind), values)
+    assert session.render()
+    pixels = picture(session)
+    assert np.isfinite(pixels).all() and (pixels > 0).all()
+
+
+def test_finer_settings_ask_more_of_every_threshold(core):
+    coarse, fine = core.RayInterpolation(error=0.02), core.RayInterpolation(error=0.001)
+    assert fine.distance_threshold < coarse.distance_threshold
+    assert fine.angle_threshold < coarse.angle_threshold
+    assert fine.depth_limit > coarse.depth_limit

@@ -1,0 +1,166 @@
+"""Pictures with ray interpolation: within the error of those without, and the same bits however they are made."""
+
+import numpy as np
+import pytest
+from cached_scenes import (
+    INTERPOLATED,
+    MISSED,
+    NOT_ASKED,
+    TWO_CLASS,
+    ball,
+    ball_scene,
+    picture,
+    render,
+    share_of,
+    used,
+)
+from path_scenes import material
+from scenes import CUBE_TRIANGLES, CUBE_VERTICES, look_down, matrix, quad, sphere_spline
+
+
+@pytest.mark.parametrize("kind", ["mirror", "simple"])
+def test_an_interpolated_picture_is_that_of_tracing_within_the_error(core, kind):
+    off, on = render(core, ball_scene(core, kind), "OFF"), render(core, ball_scene(core, kind))
+    assert share_of(on, INTERPOLATED) > 0.1
+    difference = np.abs(picture(on) - picture(off))
+    # Radiance changes by at most 0.4 a radian of the world's directions; directions are off by 0.02 at most.
+    assert difference.mean() < 0.01 * picture(off).mean()
+    assert np.median(difference) < 0.002
+
+
+def test_interpolated_glass_is_the_same_body_as_traced_glass(core):
+    # Auto uses the model of On; a picture this small is not worth a probe, so its rays are traced.
+    traced, on = render(core, ball_scene(core, "glass"), "AUTO"), render(core, ball_scene(core, "glass"))
+    assert used(traced) == [] and share_of(on, INTERPOLATED) > 0.1
+    assert np.abs(picture(on) - picture(traced)).mean() < 0.01 * picture(traced).mean()
+
+
+def test_a_glass_body_in_even_light_disappears_as_energy_is_kept(core):
+    scene = core.SceneDescription()
+    shape = scene.add_surface("ball", [sphere_spline(core)])
+    scene.add_instance("ball", shape, matrix(), material(core, scene, ("glass", 1.0, 1.0, 0.0, 1.45, "SHARP")))
+    program = core.Program("world")
+    ones = [program.constant(1, 1, 1, 1) for _ in range(3)]
+    program.operation("background", ones)
+    scene.set_world(program, 0)
+    look_down(scene, 6.0, 0.3)
+    for mode in ("ON", "AUTO"):
+        assert np.allclose(picture(render(core, scene, mode, roulette_start=100)), 1.0, atol=2e-3), mode
+
+
+@pytest.mark.parametrize("kind", ["mirror", "glass", "simple"])
+def test_threads_cache_size_and_kept_caches_change_no_bit(core, kind):
+    reference = picture(render(core, ball_scene(core, kind), threads=1))
+    store = core.RayCacheStore()
+    for settings in (dict(threads=4), dict(cache_bytes=200_000), dict(tile_size=8), dict(caches=store)):
+        assert np.array_equal(picture(render(core, ball_scene(core, kind), **settings)), reference), settings
+    again = render(core, ball_scene(core, kind), caches=store)
+    assert np.array_equal(picture(again), reference)
+    assert used(again)[0]["samples_taken"] == 0
+
+
+def test_a_store_forgets_what_the_last_frame_did_not_use(core):
+    store = core.RayCacheStore()
+    render(core, ball_scene(core, "mirror"), caches=store)
+    assert store.count() == 1 and store.bytes() > 0
+    store.next_frame()
+    render(core, ball_scene(core, "glass"), caches=store)
+    assert store.count() == 2
+    store.next_frame()
+    assert store.count() == 1
+
+
+def test_what_lies_inside_glass_is_not_skipped(core):
+    def scene():
+        made = ball_scene(core, "glass", floor=False)
+        red = material(core, made, ("diffuse", 1.0, (1.0, 0.05, 0.05)), name="red")
+        cube = made.add_mesh("cube", CUBE_VERTICES, CUBE_TRIANGLES)
+        made.add_instance("cube", cube, matrix((0, 0, 0), 0.3), red)
+        return made
+
+    off, on = picture(render(core, scene(), "OFF")), picture(render(core, scene()))
+    middle = np.s_[14:18, 14:18]
+    assert off[middle][..., 0].mean() > 2 * off[middle][..., 1].mean()
+    assert np.allclose(on[middle].mean(axis=(0, 1)), off[middle].mean(axis=(0, 1)), rtol=0.1)
+
+
+def test_a_body_that_stands_on_a_table_is_still_skipped(core):
+    def scene(height):
+        made = ball_scene(core, "glass", floor=False)
+        ground = material(core, made, ("diffuse", 1.0, 0.5), name="ground")
+        made.add_instance("floor", quad(made, "floor", 6.0, height), matrix(), ground)
+        return made
+
+    # A difference between the models shows whether the inside is skipped: partial reflections.
+    apart = [
+        np.abs(picture(render(core, scene(h))) - picture(render(core, scene(h), "OFF"))).mean() for h in (-1.0, -0.5)
+    ]
+    assert apart[0] > 0.003 > apart[1]
+
+
+def test_shadows_of_an_interpolated_object_fall_where_they_did(core):
+    def scene():
+        made = ball_scene(core, "simple")
+        made.set_world(None)
+        made.add_lamp("sun", "SUN", matrix(), (3, 3, 3))
+        made.add_lamp("key", "POINT", matrix((2, 1, 4)), (200, 200, 200))
+        return made
+
+    off, on = render(core, scene(), "OFF"), render(core, scene())
+    assert (picture(off) < 0.2).mean() > 0.03, "no shadow to compare"
+    apart = np.abs(picture(on) - picture(off)).max(axis=-1)
+    assert (apart > 0.1).mean() < 0.02
+
+
+def test_no_interpolated_surface_shadows_or_mirrors_itself(core):
+    scene = ball_scene(core, "simple", floor=False)
+    on = picture(render(core, scene, samples=16, error=0.02))
+    off = picture(render(core, scene, "OFF", samples=16))
+    lit = off.min(axis=-1) > 0.05
+    # A ray caught by its own surface would leave a black pixel in lit surroundings.
+    assert (on[lit] > 0.5 * off[lit]).all()
+
+
+def test_the_mask_and_the_error_say_how_each_pixel_was_answered(core):
+    on = render(core, ball_scene(core, "mirror"), passes=["combined", "mask", "mask_colors", "interpolation_error"])
+    mask, colors, error = (on.pass_pixels(name) for name in ("mask", "mask_colors", "interpolation_error"))
+    assert set(np.unique(mask)) <= {0, 1, 2, 3, 4}
+    assert mask[16, 16] == INTERPOLATED and mask[0, 0] in (NOT_ASKED, MISSED)
+    assert colors[16, 16, 2] > colors[16, 16, 0], "blue shows what is interpolated"
+    inside = share_of(on, INTERPOLATED, TWO_CLASS)
+    assert 0.1 < inside < 0.9
+    assert (error[mask == INTERPOLATED] <= 0.02).all() and (error[(mask == NOT_ASKED)] == 0).all()
+
+
+def test_textures_seen_by_way_of_an_interpolated_mirror_are_as_sharp_as_traced(core):
+    def scene():
+        made = core.SceneDescription()
+        ball(core, made, "ball", "mirror")
+        stripes = np.zeros((64, 64, 3), np.float32)
+        stripes[:, ::2] = 1.0
+        image = made.add_image_pixels("stripes", stripes, "LINEAR")
+        program = core.Program("floor")
+        one = program.constant(1, 1, 1, 1)
+        place = program.operation("generated")
+        scaled = program.operation("vector_math", [place, program.constant(0.3, 0.3, 0.3, 0)], text="MULTIPLY")
+        color = program.operation("image", [scaled], [image, 0, 0])
+        program.operation("diffuse", [one, color])
+        floor = made.add_material_list([made.add_material("floor", program)])
+        made.add_instance("floor", quad(made, "floor", 20.0, -1.2), matrix(), floor)
+        program = core.Program("world")
+        program.operation("background", [program.constant(1, 1, 1, 1) for _ in range(3)])
+        made.set_world(program, 0)
+        made.set_camera("PERSPECTIVE", tilted(), (-0.2, -0.2), (0.2, 0.2), 0.01, 100.0)
+        return made
+
+    off, on = picture(render(core, scene(), "OFF", samples=16)), picture(render(core, scene(), samples=16))
+    assert abs(on.std() - off.std()) < 0.1 * off.std()
+
+
+def tilted():
+    """A camera that looks at the origin from the side, a little from below."""
+    m = np.eye(4)
+    angle = np.radians(80)
+    m[1:3, 1:3] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    m[:3, 3] = 7 * m[:3, 2]
+    return m
