@@ -23,7 +23,7 @@ RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Se
     const double neighbour_scale = 1.0 / std::sqrt(settings.samples);
     std::vector<PlannedRayCache> undecided;
     std::vector<size_t> places;
-    for (PlannedRayCache& planned : plan_ray_caches(description, scene)) {
+    for (PlannedRayCache& planned : plan_ray_caches(description, scene, settings)) {
         frame_.push_back({std::move(planned), nullptr, {}, {}});
         FrameCache& each = frame_.back();
         each.reason = each.planned.obstacle;

@@ -46,13 +46,14 @@ ObjectOptics optics_of_object(const Scene& scene, uint32_t instance) {
     return result;
 }
 
-SampleSettings samples_for(const ObjectOptics& optics, bool is_volume) {
+/// Point and normal, what a mirror needs, are enough for every material that reads no texture coordinates.
+SampleSettings samples_for(const ObjectOptics& optics, bool is_volume, bool shows_uv) {
     SampleSettings samples;
-    samples.kind = OutputKind::Simple;
+    samples.kind = OutputKind::Mirror;
     if (is_volume) {
         samples.kind = OutputKind::Volume;
-    } else if (optics.even && optics.first.surface == SurfaceOptics::Mirror) {
-        samples.kind = OutputKind::Mirror;
+    } else if (shows_uv) {
+        samples.kind = OutputKind::Simple;
     } else if (optics.even && optics.first.surface == SurfaceOptics::Glass) {
         samples.kind = OutputKind::Glass;
         samples.ior = optics.first.glass.ior;
@@ -121,7 +122,9 @@ bool is_occupied(const SceneDescription& description, const Tracer& tracer, uint
 
 }  // namespace
 
-std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene) {
+std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene,
+                                             const Settings& settings) {
+    const bool shows_uv = std::find(settings.passes.begin(), settings.passes.end(), Pass::uv) != settings.passes.end();
     using Key = std::tuple<const Shape*, OutputKind, double, int, std::string>;
     std::map<Key, size_t> places;
     std::vector<PlannedRayCache> plan;
@@ -132,7 +135,7 @@ std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description
         const std::shared_ptr<const Shape>& shape = description.shapes[static_cast<size_t>(instance.shape)];
         const bool is_volume = scene.volume(i) != nullptr;
         const ObjectOptics optics = optics_of_object(scene, i);
-        const SampleSettings samples = samples_for(optics, is_volume);
+        const SampleSettings samples = samples_for(optics, is_volume, shows_uv);
         const std::string obstacle = obstacle_of(*shape, optics, is_volume);
         const Key key{shape.get(), samples.kind, samples.ior, instance.ray_interpolation, obstacle};
         const auto [place, is_new] = places.try_emplace(key, plan.size());

@@ -4,6 +4,7 @@
 #include "ri_tree/sample_tracer.h"
 #include "scene/material_optics.h"
 #include "scene/ray_interpolation.h"
+#include "scene/settings.h"
 
 #include <memory>
 #include <optional>
@@ -24,8 +25,10 @@ struct PlannedRayCache {
     std::string obstacle;              ///< why there can be none; empty: there can
 };
 
-/// Objects whose interpolation is off are not listed.
-std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene);
+/// Objects whose interpolation is off are not listed. The UV pass wants texture coordinates of every surface: then
+/// there are first hits alone.
+std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene,
+                                             const Settings& settings);
 
 /// The glass body of an instance, where rays through it may skip its inside: its map is rigid but for an even scale,
 /// and nothing else lies in its box.

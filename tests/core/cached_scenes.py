@@ -12,6 +12,13 @@ CLOSURES = {
 # Codes of the pass Rayleaf Mask.
 NOT_ASKED, TRACED, INTERPOLATED, TWO_CLASS, MISSED = range(5)
 PASSES = ["combined", "mask", "interpolation_error"]
+# From the middle of the picture to the right, past the rim of a ball_scene's ball, which is 142 pixels from the middle.
+SIZE = 513
+STRIP = dict(crop_x=248, crop_y=252, crop_width=176, crop_height=9)
+# The pixel of a strip that shows the picture's middle.
+MIDDLE = (4, 8)
+# Nothing is left to chance: one ray through the middle of every pixel.
+STILL = dict(samples=1, filter="BOX", filter_width=0.0)
 
 
 def world(core):
@@ -45,9 +52,9 @@ def ball_scene(core, kind, floor=True):
 
 
 def render(core, scene, mode="ON", caches=None, error=0.005, cache_bytes=None, **settings):
-    """A finished session."""
+    """A finished session: a strip of a large picture, whose rays are close enough together to share samples."""
     interpolation = core.RayInterpolation(mode=mode, error=error, cache_bytes=cache_bytes)
-    values = dict(width=32, height=32, samples=4, threads=2, clamp_indirect=0.0, passes=PASSES)
+    values = dict(width=SIZE, height=SIZE, samples=4, threads=2, clamp_indirect=0.0, passes=PASSES, **STRIP)
     values.update(settings)
     session = core.Session(scene, core.Settings(**values, ray_interpolation=interpolation), caches)
     assert session.render()

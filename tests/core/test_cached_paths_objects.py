@@ -7,6 +7,10 @@ from path_scenes import material
 from scenes import CUBE_TRIANGLES, CUBE_VERTICES, emission, look_down, matrix, sphere_spline
 
 
+# A whole picture that is worth a probe.
+LARGE = dict(width=256, height=256, samples=1, crop_x=0, crop_y=0, crop_width=0, crop_height=0)
+
+
 def reports(session):
     return {name: each for each in session.statistics()["ray_caches"] for name in each["objects"]}
 
@@ -28,12 +32,17 @@ def test_each_kind_of_material_gets_its_kind_of_cache(core):
     assert {name: each["kind"] for name, each in found.items()} == {
         "mirror": "mirror",
         "glass": "glass",
-        "simple": "simple",
+        "simple": "mirror",  # point and normal are all that is needed
         "fog": "volume",
     }
     for each in found.values():
         assert each["used"] and each["samples_taken"] > 0 and each["bytes"] > 0
         assert each["answers"]["interpolated"] > 0
+
+
+def test_texture_coordinates_are_stored_where_a_pass_shows_them(core):
+    session = render(core, all_kinds(core), passes=["combined", "uv"])
+    assert {each["kind"] for each in used(session)} == {"simple", "volume"}
 
 
 def test_nothing_is_allocated_when_off(core):
@@ -89,20 +98,19 @@ def test_an_object_may_have_settings_of_its_own(core):
 
 
 def test_auto_says_what_it_decided_and_why(core):
-    small = render(core, ball_scene(core, "mirror"), "AUTO")
+    small = render(core, ball_scene(core, "mirror"), "AUTO", **{**LARGE, "width": 64, "height": 64})
     assert "too few rays" in reports(small)["ball"]["reason"] and not reports(small)["ball"]["used"]
-    large = [render(core, ball_scene(core, "mirror"), "AUTO", width=256, height=256, samples=1) for _ in range(2)]
+    large = [render(core, ball_scene(core, "mirror"), "AUTO", **LARGE) for _ in range(2)]
     reasons = [reports(session)["ball"]["reason"] for session in large]
     assert reasons[0] == reasons[1] and "queries" in reasons[0] and "of tracing" in reasons[0]
 
 
 def test_auto_decides_alike_whatever_a_store_holds_and_whatever_part_is_rendered(core):
     store = core.RayCacheStore()
-    size = dict(width=256, height=256, samples=1)
-    render(core, ball_scene(core, "mirror"), "ON", caches=store, **size)
-    whole = render(core, ball_scene(core, "mirror"), "AUTO", caches=store, **size)
+    render(core, ball_scene(core, "mirror"), "ON", caches=store)
+    whole = render(core, ball_scene(core, "mirror"), "AUTO", caches=store, **LARGE)
     crop = dict(crop_x=96, crop_y=96, crop_width=64, crop_height=64)
-    part = render(core, ball_scene(core, "mirror"), "AUTO", **size, **crop)
+    part = render(core, ball_scene(core, "mirror"), "AUTO", **{**LARGE, **crop})
     assert reports(whole)["ball"]["reason"] == reports(part)["ball"]["reason"]
     assert np.array_equal(picture(part), picture(whole)[96:160, 96:160])
 
@@ -131,7 +139,7 @@ def test_extreme_thresholds_give_a_picture(core, kind, settings):
     session = core.Session(ball_scene(core, kind), values)
     assert session.render()
     pixels = picture(session)
-    assert np.isfinite(pixels).all() and (pixels > 0).all()
+    assert np.isfinite(pixels).all() and pixels.mean() > 0.2
 
 
 def test_finer_settings_ask_more_of_every_threshold(core):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cached_scenes import INTERPOLATED, MISSED, TWO_CLASS, render, share_of, world
+from cached_scenes import INTERPOLATED, MIDDLE, MISSED, SIZE, STILL, STRIP, TWO_CLASS, render, share_of, world
 from path_scenes import material
 from scenes import CUBE_TRIANGLES, CUBE_VERTICES, background, look_down, matrix, quad, sphere_spline
 
@@ -25,10 +25,11 @@ def scene_of(core, *volumes, floor=None):
     return scene
 
 
-def chords(size, height=6.0, half=0.3, radius=1.0):
+def chords(height=6.0, half=0.3, radius=1.0):
     """The length inside a sphere at the origin of the rays through pixel centres."""
-    x = (np.arange(size) + 0.5) / size * 2 * half - half
-    dx, dy = np.meshgrid(x, x)
+    x = STRIP["crop_x"] + np.arange(STRIP["crop_width"])
+    y = STRIP["crop_y"] + np.arange(STRIP["crop_height"])
+    dx, dy = ((place + 0.5) / SIZE * 2 * half - half for place in np.meshgrid(x, y))
     direction = np.stack([dx, dy, -np.ones_like(dx)], -1)
     direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
     along = direction[..., 2] * -height
@@ -39,21 +40,21 @@ def chords(size, height=6.0, half=0.3, radius=1.0):
 @pytest.mark.parametrize("mode", ["OFF", "ON"])
 def test_the_path_length_of_a_sphere_is_that_of_its_chords(core, mode):
     scene = scene_of(core, ((0, 0, 0), 1.0, core.VolumeVisualisation()))
-    session = render(core, scene, mode, samples=1, filter="BOX", filter_width=0.0, passes=PASSES)
+    session = render(core, scene, mode, **STILL, passes=PASSES)
     lengths = session.pass_pixels("path_length")[..., 0]
     # Interpolated lengths may be off by the threshold, a share of half the object's size; more at the rim.
-    apart = np.abs(lengths - chords(32))
+    apart = np.abs(lengths - chords())
     assert apart.max() < 1e-3 if mode == "OFF" else np.median(apart) < 0.005
     if mode == "ON":
         assert share_of(session, INTERPOLATED, TWO_CLASS) > 0.1 and share_of(session, MISSED) > 0
 
 
 def test_emission_adds_and_absorption_takes_density_times_length(core):
-    still = dict(samples=1, filter="BOX", filter_width=0.0, passes=PASSES)
+    still = dict(**STILL, passes=PASSES)
     glowing = core.VolumeVisualisation("EMISSION", 0.5, (1.0, 0.5, 0.0))
     dark = core.VolumeVisualisation("ABSORPTION", 0.5, (1.0, 0.5, 0.1))
     empty = render(core, scene_of(core), "OFF", **still).pass_pixels("combined")[..., :3]
-    length = chords(32)[..., None]
+    length = chords()[..., None]
     lit = render(core, scene_of(core, ((0, 0, 0), 1.0, glowing)), "OFF", **still).pass_pixels("combined")[..., :3]
     assert np.allclose(lit, empty + 0.5 * length * [1.0, 0.5, 0.0], atol=1e-3)
     shaded = render(core, scene_of(core, ((0, 0, 0), 1.0, dark)), "OFF", **still).pass_pixels("combined")[..., :3]
@@ -64,8 +65,8 @@ def test_lengths_of_several_objects_add_up_and_scale_with_the_object(core):
     volume = core.VolumeVisualisation()
     scene = scene_of(core, ((0, 0, 1.0), 0.5, volume), ((0, 0, -1.0), 0.25, volume))
     for mode in ("OFF", "ON"):
-        session = render(core, scene, mode, samples=1, filter="BOX", filter_width=0.0, passes=PASSES)
-        assert session.pass_pixels("path_length")[16, 16, 0] == pytest.approx(1.5, abs=0.02), mode
+        session = render(core, scene, mode, **STILL, passes=PASSES)
+        assert session.pass_pixels("path_length")[MIDDLE][0] == pytest.approx(1.5, abs=0.02), mode
 
 
 def test_only_what_lies_in_front_of_a_surface_counts(core):
@@ -73,15 +74,15 @@ def test_only_what_lies_in_front_of_a_surface_counts(core):
     for floor, expected in ((0.0, 1.0), (-2.0, 2.0), (2.0, 0.0)):
         scene = scene_of(core, ((0, 0, 0), 1.0, volume), floor=floor)
         for mode in ("OFF", "ON"):
-            session = render(core, scene, mode, samples=1, filter="BOX", filter_width=0.0, passes=PASSES)
-            assert session.pass_pixels("path_length")[16, 16, 0] == pytest.approx(expected, abs=0.01), (floor, mode)
+            session = render(core, scene, mode, **STILL, passes=PASSES)
+            assert session.pass_pixels("path_length")[MIDDLE][0] == pytest.approx(expected, abs=0.01), (floor, mode)
 
 
 def test_a_camera_inside_a_volume_counts_from_there(core):
     scene = scene_of(core, ((0, 0, 6.0), 1.0, core.VolumeVisualisation()))
     for mode in ("OFF", "ON"):
-        session = render(core, scene, mode, samples=1, filter="BOX", filter_width=0.0, passes=PASSES)
-        assert session.pass_pixels("path_length")[16, 16, 0] == pytest.approx(1.0, abs=0.02), mode
+        session = render(core, scene, mode, **STILL, passes=PASSES)
+        assert session.pass_pixels("path_length")[MIDDLE][0] == pytest.approx(1.0, abs=0.02), mode
 
 
 def test_absorbing_objects_cast_shadows_and_glowing_ones_do_not(core):
@@ -101,8 +102,8 @@ def test_absorbing_objects_cast_shadows_and_glowing_ones_do_not(core):
 def test_a_volume_object_is_no_surface(core):
     volume = core.VolumeVisualisation("EMISSION", 0.0)
     scene = scene_of(core, ((0, 0, 0), 1.0, volume), floor=-2.0)
-    session = render(core, scene, "OFF", passes=["combined", "depth"], samples=1, filter="BOX", filter_width=0.0)
-    assert session.pass_pixels("depth")[16, 16, 0] == pytest.approx(8.0, abs=1e-4)
+    session = render(core, scene, "OFF", passes=["combined", "depth"], **STILL)
+    assert session.pass_pixels("depth")[MIDDLE][0] == pytest.approx(8.0, abs=1e-4)
 
 
 @pytest.mark.parametrize("wrong", [dict(density=-1.0), dict(density=float("nan")), dict(color=(1, -1, 1))])
@@ -125,5 +126,5 @@ def test_boxes_of_facets_are_volumes_too(core):
     scene.set_world(world(core), 32)
     look_down(scene, 6.0, 0.1)
     for mode in ("OFF", "ON"):
-        session = render(core, scene, mode, samples=1, filter="BOX", filter_width=0.0, passes=PASSES)
-        assert session.pass_pixels("path_length")[16, 16, 0] == pytest.approx(2.0, abs=0.01), mode
+        session = render(core, scene, mode, **STILL, passes=PASSES)
+        assert session.pass_pixels("path_length")[MIDDLE][0] == pytest.approx(2.0, abs=0.01), mode
