@@ -131,8 +131,8 @@ PixelSample PathTracer::trace() {
 /// What the ray under way meets. One that has left a glass body cannot meet it from inside, unless the point where it
 /// was said to leave lay a little inside: then that surface is not there.
 void PathTracer::find_hit() {
-    ray_.width = differential_.width();
-    ray_.spread = differential_.spread();
+    ray_.neighbour_distance = differential_.width();
+    ray_.neighbour_angle = differential_.spread();
     constexpr int kMostSurfaces = 4;
     ClosestHit found;
     for (int i = 0; i < kMostSurfaces; ++i) {
@@ -258,7 +258,7 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     ray_.t_max -= (origin - ray_.origin).dot(ray_.direction);
     ray_.t_min = 0;
     ray_.origin = origin;
-    ray_.start = RayAnchor::on(vertex.point.instance);
+    ray_.leaves = vertex.point.instance;
     outside_of_ = kNowhere;
     differential_ = vertex.differential;
     return true;
@@ -280,7 +280,7 @@ bool PathTracer::scatter(const Vertex& vertex) {
     ray_ = Ray{};
     ray_.origin = vertex.point.ray_origin(sample->direction);
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
-    ray_.start = RayAnchor::on(vertex.point.instance);
+    ray_.leaves = vertex.point.instance;
     outside_of_ = kNowhere;
     const GlassBody* body = enters ? scene_.glass_body(vertex.point.instance) : nullptr;
     return !body || cross_glass(*body, vertex);

@@ -22,7 +22,7 @@ Vec3d shadow_origin(const SurfacePoint& point, const Vec3f& direction) {
 Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias) {
     Ray ray;
     ray.t_min = bias;
-    ray.start = RayAnchor::on(point.instance);
+    ray.leaves = point.instance;
     ray.origin = shadow_origin(point, light.direction);
     ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
     if (!std::isfinite(light.distance)) return ray;
@@ -38,8 +38,8 @@ Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias)
 
 Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
                  int transparent_left) {
-    ray.width = differential.width();
-    ray.spread = differential.spread();
+    ray.neighbour_distance = differential.width();
+    ray.neighbour_angle = differential.spread();
     Color transmittance = through_volumes(scene, ray, kind).transmittance;
     if (!scene.has_transparency()) return scene.tracer().occluded(ray, kind) ? Color(0.0f) : transmittance;
     const Vec3f outgoing = -Vec3f(ray.direction);
@@ -59,7 +59,7 @@ Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visi
         ray.t_min = 0;
         ray.t_max -= (origin - ray.origin).dot(ray.direction);
         ray.origin = origin;
-        ray.start = RayAnchor::on(point.instance);
+        ray.leaves = point.instance;
     }
 }
 

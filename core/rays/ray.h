@@ -15,9 +15,6 @@ struct RayAnchor {
     uint32_t instance = kNone;
     uint32_t subpatch = 0;  ///< of the instance's shape, as the tracer numbers them
     uint32_t levels = 0;    ///< tessellation/level.h: SubpatchLevels::packed
-
-    /// Of a ray that starts on an instance, wherever that is.
-    static RayAnchor on(uint32_t instance) { return {instance, kNone, 0}; }
 };
 
 struct Ray {
@@ -31,6 +28,12 @@ struct Ray {
     float width = 0.0f;   ///< at the origin, world units
     float spread = 0.0f;  ///< radians
     RayAnchor start, end;
+
+    /// For ray caches: the instance that the ray leaves, if any, and how far the rays of this picture beside it are.
+    /// Both zero: as close as can be.
+    uint32_t leaves = RayAnchor::kNone;
+    float neighbour_distance = 0.0f;  ///< at the origin, world units
+    float neighbour_angle = 0.0f;     ///< radians
 
     Vec3d at(double t) const { return origin + direction * t; }
 };

@@ -16,7 +16,8 @@ Box3d image_of(const Box3d& box, const Affine3d& map) {
 
 /// Where rays of the picture that neighbour `ray` pass its object: as wide as the ray is there.
 RayNeighbours neighbours_of(const Ray& ray, double t, double local_per_world) {
-    return {static_cast<float>((ray.width + ray.spread * std::max(t, 0.0)) * local_per_world), ray.spread};
+    return {static_cast<float>((ray.neighbour_distance + ray.neighbour_angle * std::max(t, 0.0)) * local_per_world),
+            ray.neighbour_angle};
 }
 
 }  // namespace

@@ -176,7 +176,7 @@ void Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
     const std::optional<LocalRay> ray = local_ray(query, index);
     if (!ray) return;
     RayAnswer by = RayAnswer::NotAsked;
-    if (records[index].cache && query.ray->start.instance != index) {
+    if (records[index].cache && query.ray->leaves != index) {
         const ObjectAnswer answer = records[index].ask(*query.ray, *ray);
         by = answer.answer;
         if (by != RayAnswer::Traced && (by == RayAnswer::Missed || !take_interpolated(query, index, *ray, answer))) {
@@ -201,7 +201,7 @@ void Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
 void Tracer::Implementation::visit_any(Query& query, uint32_t index) const {
     const std::optional<LocalRay> ray = local_ray(query, index);
     if (!ray) return;
-    if (records[index].cache && query.ray->start.instance != index) {
+    if (records[index].cache && query.ray->leaves != index) {
         const ObjectAnswer answer = records[index].ask(*query.ray, *ray);
         if (answer.answer != RayAnswer::Traced) {
             query.found |= answer.answer != RayAnswer::Missed && take_interpolated(query, index, *ray, answer);
