@@ -25,6 +25,17 @@ WEIGHTS = 32  # products of four lengths and their complements
 BLEND = 31  # an attribute: sixteen products, fifteen sums
 UNIT = 10  # a vector's length made one
 MIRROR = 11
+# The fast tree's (core/ri_tree/line_batch.cpp, cell_leaf.h): its search is of integers.
+FAST_PLACE = 12  # a subtraction, product and difference an axis
+FAST_TERMS = 34  # products and squares of four numbers
+FAST_VALUE = 70  # thirty-five products and sums
+FAST_UNFOLD = 6  # the third component of a unit vector
+FAST_POSITION = 10  # from the depth along the line
+FAST_VALUES = {"SIMPLE": 5, "MIRROR": 3, "GLASS": 8, "VOLUME": 1}
+# What a hit of its samples costs beyond tracing: second derivatives of a bicubic patch, changes of four lines.
+FAST_CHANGES = 430
+HITS = {"SIMPLE": 1, "MIRROR": 1, "GLASS": 3, "VOLUME": 2}
+
 ATTRIBUTES = {"SIMPLE": 8, "MIRROR": 6, "GLASS": 12, "VOLUME": 1}
 UNITS = {"SIMPLE": 1, "MIRROR": 1, "GLASS": 2, "VOLUME": 0}
 
@@ -59,6 +70,7 @@ class Account:
     uninterpolated: Any = field(default_factory=lambda: np.zeros(2))
     asking: float = 0.0
     depth: float = 20.0
+    fast: bool = False
 
     def __call__(self, rays: Rays, answers: Answers) -> None:
         """Takes a batch into account."""
@@ -71,15 +83,23 @@ class Account:
             self.tracing[i] += SAMPLED * flops.sum()
             self.uninterpolated[i] += SAMPLED * flops[traced].sum()
         self.asking += SAMPLED * BOX * len(by)
-        self.asking += SAMPLED * (LINE + LEVEL * self.depth) * np.count_nonzero(~np.isin(by, BESIDE))
+        search = 0.0 if self.fast else LEVEL * self.depth
+        self.asking += SAMPLED * (LINE + search) * np.count_nonzero(~np.isin(by, BESIDE))
         for index, each in enumerate(self.scene.objects):
             blended = np.count_nonzero(np.isin(by, INTERPOLATED) & (objects == index))
-            flops = PLACE + WEIGHTS + BLEND * ATTRIBUTES[each.kind] + UNIT * UNITS[each.kind]
-            self.asking += SAMPLED * blended * (flops + (MIRROR if each.kind == "MIRROR" else 0))
+            self.asking += SAMPLED * blended * (self.blend_flops(each.kind) + (MIRROR if each.kind == "MIRROR" else 0))
+
+    def blend_flops(self, kind: str) -> int:
+        """Of one answer, once its cell is found."""
+        if self.fast:
+            vectors = FAST_UNFOLD * UNITS[kind] + (FAST_POSITION if kind != "VOLUME" else 0)
+            return FAST_PLACE + FAST_TERMS + FAST_VALUE * FAST_VALUES[kind] + vectors
+        return PLACE + WEIGHTS + BLEND * ATTRIBUTES[kind] + UNIT * UNITS[kind]
 
     def speed_up(self, samples: int, sample: Any) -> Any:
         """Operations of tracing over those with trees that took so many samples."""
-        return self.tracing / (self.asking + self.uninterpolated + samples * sample)
+        changes = FAST_CHANGES * np.mean([HITS[each.kind] for each in self.scene.objects]) if self.fast else 0.0
+        return self.tracing / (self.asking + self.uninterpolated + samples * (sample + changes))
 
 
 def sample_flops(scene: Scene, trees: Trees, counters: Counters, rays: Rays) -> tuple[Any, float]:

@@ -119,7 +119,7 @@ class Bench:
                 figures.samples, figures.megabytes = trees.total("samples_taken"), trees.total("bytes") / 1e6
                 figures.prunes = trees.total("prunes")
             figures.repeated.append(render(self.scene, trees, self.picture).seconds)
-        self.count_flops(trees, figures)
+        self.count_flops(trees, figures, tree == "fast")
         before = trees.total("samples_taken")
         figures.orbit = self.orbit(trees)
         figures.orbit_samples = (trees.total("samples_taken") - before) / self.effort.orbit_frames
@@ -130,11 +130,11 @@ class Bench:
         trees = Trees(self.scene, TREES[tree], settings)
         return error(render(self.scene, trees, self.picture, wants_image=True).image, self.truth.image)
 
-    def count_flops(self, trees: Trees, figures: Figures) -> None:
+    def count_flops(self, trees: Trees, figures: Figures, fast: bool) -> None:
         """Of a first frame, by the samples it took, and of a repeated one."""
         rays = next(Camera(self.scene, self.picture, 0.0).bands())
         sample, depth = sample_flops(self.scene, trees, self.counters, rays)
-        account = Account(self.scene, self.counters, depth=depth)
+        account = Account(self.scene, self.counters, depth=depth, fast=fast)
         before = trees.total("samples_taken")
         render(self.scene, trees, self.picture, account=account)
         again = trees.total("samples_taken") - before
