@@ -149,11 +149,36 @@ py::dict statistics(const RayCache& tree) {
     return result;
 }
 
+/// Samples at lattice points of one dominant direction.
+py::dict samples(const FastTree& tree, int direction, const Array<uint32_t>& places) {
+    const CellKey key = key_from({direction, 0, {}});
+    check_shape("samples", "places", places, {-1, kLineAxes});
+    std::vector<FastSample> taken(static_cast<size_t>(places.shape(0)));
+    std::vector<OutputRay> paths(taken.size());
+    for (size_t i = 0; i < taken.size(); ++i) {
+        LatticePoint point{key.direction, {}};
+        std::copy_n(places.data() + i * kLineAxes, kLineAxes, point.place.begin());
+        taken[i] = tree.sample(point);
+        paths[i].sample_class = taken[i].sample_class;
+    }
+    py::dict result = arrays_of(paths.size(), [&](size_t i) -> const OutputRay& { return paths[i]; });
+    const auto count = static_cast<size_t>(sample_value_count(tree.tracer().settings().kind));
+    py::array_t<float> values({taken.size(), count}), changes({taken.size(), count, size_t{kLineAxes}});
+    for (size_t i = 0; i < taken.size(); ++i) {
+        std::copy_n(taken[i].values.data(), count, values.mutable_data() + i * count);
+        std::copy_n(taken[i].changes.front().data(), count * kLineAxes, changes.mutable_data() + i * count * kLineAxes);
+    }
+    result["values"] = values;
+    result["changes"] = changes;
+    return result;
+}
+
 template <typename Tree>
-void bind_tree(py::module_& module, const char* name, const char* description) {
+py::class_<Tree, RayCache> bind_tree(py::module_& module, const char* name, const char* description) {
     const SampleSettings samples;
     const RayCacheSettings settings;
-    py::class_<Tree, RayCache>(module, name, description)
+    py::class_<Tree, RayCache> tree_class(module, name, description);
+    tree_class
         .def(py::init(&make_tree<Tree>), py::arg("shape"), py::arg("kind"), py::arg("ior") = samples.ior,
              py::arg("distance_threshold") = settings.distance_threshold,
              py::arg("angle_threshold") = settings.angle_threshold, py::arg("depth_limit") = settings.depth_limit,
@@ -172,6 +197,7 @@ void bind_tree(py::module_& module, const char* name, const char* description) {
         .def("lines", &lines<Tree>, py::arg("origins"), py::arg("directions"),
              "Direction and shares (n, 4) of the lines of rays in local space.")
         .def_property_readonly("class_count", [](const Tree& tree) { return tree.tracer().classes().count(); });
+    return tree_class;
 }
 
 }  // namespace
@@ -179,6 +205,19 @@ void bind_tree(py::module_& module, const char* name, const char* description) {
 void bind_ri_tree(py::module_& parent) {
     py::module_ module = parent.def_submodule("ri_tree", "Ray caches over one shape, for tests and benchmarks.");
     module.attr("ANSWERS") = py::cast(std::vector<std::string>(answer_names().begin(), answer_names().end()));
+    module.def(
+        "quality_settings",
+        [](double error) {
+            const RayCacheSettings s = quality_settings(error);
+            py::dict result;
+            result["distance_threshold"] = s.distance_threshold;
+            result["direction_threshold"] = s.direction_threshold;
+            result["angle_threshold"] = s.angle_threshold;
+            result["depth_limit"] = s.depth_limit;
+            result["mixed_depth_limit"] = s.mixed_depth_limit;
+            return result;
+        },
+        py::arg("error"), "The thresholds that keep the mean error of RGB values near `error`, as a tree's arguments.");
     py::class_<RayCache>(module, "RayCache", "What is asked with rays against one shape.")
         .def("ask", &ask, py::arg("origins"), py::arg("directions"), py::arg("distances") = py::none(),
              py::arg("angles") = py::none(),
@@ -187,7 +226,10 @@ void bind_ri_tree(py::module_& parent) {
         .def("trace", &trace_alone, py::arg("origins"), py::arg("directions"), "The same by tracing alone.")
         .def("statistics", &statistics);
     bind_tree<ReferenceTree>(module, "ReferenceTree", "The ray interpolant tree as published. One thread at a time.");
-    bind_tree<FastTree>(module, "FastTree", "The ray cache that renders. Any number of threads.");
+    bind_tree<FastTree>(module, "FastTree", "The ray cache that renders. Any number of threads.")
+        .def("samples", &samples, py::arg("direction"), py::arg("places"),
+             "Samples at lattice points (n, 4), shares times 2^31: values (n, k), changes by the line's coordinates as "
+             "shares of the root cell's half sides (n, k, 4), and what happened on the way.");
 }
 
 }  // namespace rayleaf

@@ -125,7 +125,7 @@ CellVerdict CellJudge::judge(const CellKey& key, const CellDepths& depths, const
                              CellLeaf& leaf) const {
     const SampleClass& first = samples[0].sample_class;
     for (const FastSample& sample : samples)
-        if (sample.sample_class != first) return depths.deepest_mixed ? CellVerdict::ManyClasses : CellVerdict::Halved;
+        if (sample.sample_class != first) return judge_mixed(depths);
     const auto halved_or = [&](CellVerdict last) { return depths.deepest ? last : CellVerdict::Halved; };
     if (first.is_miss()) return space_.is_narrow(key) ? CellVerdict::Missed : halved_or(CellVerdict::LargeCell);
     if (first.is_faceted()) return CellVerdict::ManyClasses;
@@ -200,7 +200,9 @@ bool CellJudge::is_close(const CellKey& key, const FastSample& center,
     }
     const LineGeometry line = geometry_of(space_, space_.center_ray(key), key.direction / 2);
     const auto output = [&](const std::array<float, kMostLeafValues>& values) {
-        return output_of(kind_, leaf, values.data(), 1, line, space_.center());
+        OutputRay ray;
+        set_output(kind_, leaf, values.data(), 1, line, space_.center(), ray);
+        return ray;
     };
     const OutputRay got = output(estimate);
     leaf.error = leaf.position_error = 0.0f;

@@ -39,6 +39,10 @@ class CellJudge {
     CellJudge(const SampleTracer& tracer, const LineSpace& space, const RayCacheSettings& settings);
 
     SampleContents contents() const { return contents_; }
+    /// Of samples of several classes; any two of them tell.
+    static CellVerdict judge_mixed(const CellDepths& depths) {
+        return depths.deepest_mixed ? CellVerdict::ManyClasses : CellVerdict::Halved;
+    }
     /// `leaf` is set if the verdict is Interpolated.
     CellVerdict judge(const CellKey& key, const CellDepths& depths, const CellSamples& samples, CellLeaf& leaf) const;
 

@@ -5,17 +5,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 namespace rayleaf {
 namespace {
 
-/// Halvings between two tests.
-constexpr int kStepDepths = 4;
 static_assert(1 << kStepDepths == kNodeChildren);
+
 /// The share of the cache's bytes that samples may take.
 constexpr uint64_t kSampleShare = 4;
-/// So many of a frame's rays must cross a cell for its samples to pay.
-constexpr float kWorthRays = 4.0f;
 /// An interpolated hit counts as beyond an origin inside the box if it is so by this many times its error at the cell's
 /// centre, and by this share of the half extent at least.
 constexpr double kBeyondErrors = 2.0;
@@ -24,6 +22,10 @@ constexpr double kLeastBeyond = 0x1p-10;
 constexpr int kOneByOne = 2;
 /// After so many rays a reader lets go of the store, so that blocks can be exchanged.
 constexpr size_t kRaysPerReader = 256;
+
+/// The centre, then pairs of opposite corners: what is likely to differ comes early.
+constexpr std::array<int, kCellCorners + 1> kSampleOrder = {
+    kCenterSample, 0, 15, 3, 12, 5, 10, 6, 9, 1, 14, 2, 13, 4, 11, 7, 8};
 
 AnsweredBy answered_by(CellVerdict verdict) {
     switch (verdict) {
@@ -80,15 +82,16 @@ FastTree::FastTree(std::shared_ptr<const Shape> shape, const SampleSettings& sam
       settings_(checked(tracer_.shape().name(), settings)),
       space_(tracer_.shape().bounds()),
       judge_(tracer_, space_, settings_),
+      steps_(space_, settings_),
       functions_(batch_functions()),
       samples_(samples.kind, judge_.contents(), settings.cache_bytes / kSampleShare),
       store_(settings.cache_bytes - settings.cache_bytes / kSampleShare) {
-    prepare_steps();
+    prepare_frame();
 }
 
 FastTree::~FastTree() = default;
 
-void FastTree::prepare_steps() {
+void FastTree::prepare_frame() {
     const LocalFrame& local = tracer_.shape().frame();
     frame_.center = local.center;
     frame_.shrink = 1.0 / local.scale;
@@ -96,45 +99,10 @@ void FastTree::prepare_steps() {
     frame_.box_min = space_.box().min;
     frame_.box_max = space_.box().max;
     frame_.box_center = space_.center();
-    deepest_ = settings_.depth_limit / kStepDepths;
     for (int axis = 0; axis < 3; ++axis) {
-        const auto direction = static_cast<uint8_t>(2 * axis);
         const std::array<double, kLineAxes> half_sides = space_.root_half_sides(axis);
         for (int k = 0; k < kLineAxes; ++k) frame_.inverse_half_sides[axis][k] = 1.0 / half_sides[k];
-        for (size_t i = 0; i < steps_[axis].size(); ++i) {
-            Step& step = steps_[axis][i];
-            const int depth = static_cast<int>(i) * kStepDepths;
-            step.levels = space_.levels(direction, depth);
-            // Middles of cells are lattice points too.
-            const auto finest = std::max_element(step.levels.begin(), step.levels.end());
-            if (*finest >= kPlaceBits) deepest_ = std::min(deepest_, static_cast<int>(i) - 1);
-            for (int k = 0; k < kLineAxes; ++k)
-                step.inverse_sides[k] = static_cast<float>(std::ldexp(0.5 / half_sides[k], step.levels[k]));
-            for (int j = 0; j < kStepDepths && depth + j < kGreatestCellDepth; ++j) {
-                step.axis[j] = static_cast<uint8_t>(space_.split_axis(direction, depth + j));
-                const int level = space_.levels(direction, depth + j)[step.axis[j]];
-                step.bit[j] = static_cast<uint8_t>(std::max(kPlaceBits - 1 - level, 0));
-            }
-        }
     }
-    deepest_mixed_ = std::min(deepest_, settings_.mixed_depth_limit / kStepDepths);
-}
-
-/// The smallest cells that enough neighbours of a ray cross, as a step; -1: none.
-///
-/// Along each of the two axes beside the dominant one, neighbours lie `distance` and `angle` apart, on a slanted line
-/// in the plane of intercept and slope: on average it runs 1 / (distance / side + angle / other side) rays inside a
-/// cell.
-int FastTree::deepest_worth(int axis, const RaySpacing& spacing) const {
-    const auto distance = static_cast<float>(spacing.distance * frame_.shrink);
-    int step = 0;
-    for (; step <= deepest_; ++step) {
-        const std::array<float, kLineAxes>& inverse = steps_[axis][step].inverse_sides;
-        const float b = distance * inverse[0] + spacing.angle * inverse[2];
-        const float c = distance * inverse[1] + spacing.angle * inverse[3];
-        if (b * c * kWorthRays > 1.0f) break;
-    }
-    return step - 1;
 }
 
 Ray FastTree::to_local(const Ray& object_ray) const {
@@ -144,24 +112,29 @@ Ray FastTree::to_local(const Ray& object_ray) const {
     return local;
 }
 
-OutputRay FastTree::to_object(OutputRay local) const {
-    if (local.sample_class.is_miss()) return local;
+void FastTree::move_to_object(OutputRay& ray) const {
+    if (ray.sample_class.is_miss()) return;
     const LocalFrame& frame = tracer_.shape().frame();
-    local.length *= frame.scale;
-    if (tracer_.settings().kind == OutputKind::Volume) return local;
-    local.position = local.position * frame.scale + frame.center;
-    local.exit_position = local.exit_position * frame.scale + frame.center;
-    return local;
+    ray.length *= frame.scale;
+    if (tracer_.settings().kind == OutputKind::Volume) return;
+    ray.position = ray.position * frame.scale + frame.center;
+    ray.exit_position = ray.exit_position * frame.scale + frame.center;
 }
 
 OutputRay FastTree::trace(const Ray& object_ray) const {
     if (!is_ray(object_ray)) return {};
-    return to_object(tracer_.trace(to_local(object_ray)));
+    OutputRay result = tracer_.trace(to_local(object_ray));
+    move_to_object(result);
+    return result;
 }
 
-CachedAnswer FastTree::traced(const Search& search, const Ray& object_ray, AnsweredBy reason) const {
-    if (search.others == Uninterpolated::Leave) return {{}, reason, 0.0};
-    return {to_object(tracer_.trace(to_local(object_ray))), reason, 0.0};
+/// An answer without interpolation: missed, or traced if the caller wants that.
+void FastTree::answer_plainly(const Search& search, const Ray& object_ray, AnsweredBy by, CachedAnswer& answer) const {
+    const bool traces = is_traced(by) && search.others == Uninterpolated::Trace;
+    answer.output = traces ? tracer_.trace(to_local(object_ray)) : OutputRay{};
+    if (traces) move_to_object(answer.output);
+    answer.by = by;
+    answer.error = 0.0;
 }
 
 void FastTree::ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers,
@@ -188,24 +161,29 @@ void FastTree::ask_batch(Search& search, const Ray* rays, const RaySpacing* spac
                          CachedAnswer* answers) {
     LineBatch& batch = search.batch;
     functions_.prepare(rays, count, frame_, batch);
+    RaySet pending = space_.box().isEmpty() ? RaySet{0} : batch.in_box;
     for (int i = 0; i < count; ++i) {
+        if ((pending >> i & 1) != 0) continue;
         const bool is_one = (batch.rays >> i & 1) != 0;
         answers[i] = CachedAnswer{{}, is_one ? AnsweredBy::BoxMissed : AnsweredBy::NotARay, 0.0};
     }
     std::array<int, kBatchRays> worth;
-    worth.fill(deepest_);
-    RaySet pending = space_.box().isEmpty() ? RaySet{0} : batch.in_box;
-    if (spacings)
+    worth.fill(steps_.deepest());
+    if (spacings) {
+        int near = steps_.deepest();
         for (uint32_t rest = pending; rest != 0; rest &= rest - 1) {
             const int ray = std::countr_zero(rest);
-            worth[ray] = deepest_worth(batch.line_direction[ray] / 2, spacings[ray]);
+            const auto direction = static_cast<uint8_t>(batch.line_direction[ray]);
+            const auto distance = static_cast<float>(spacings[ray].distance * frame_.shrink);
+            near = worth[ray] = steps_.deepest_worth(direction, {distance, spacings[ray].angle}, near);
         }
+    }
     while (pending != 0) {
         const int ray = std::countr_zero(pending);
         const Found found = find(search, ray, worth[ray]);
         RaySet set = static_cast<RaySet>(1 << ray);
         if (found.verdict != CellVerdict::Unknown) {
-            const RaySet in_cell = functions_.rays_in(batch, found.key.direction, place_of(found.key)) & pending;
+            const RaySet in_cell = functions_.rays_in(batch, found.key.direction, steps_.place(found.key)) & pending;
             for (uint32_t rest = in_cell; rest != 0; rest &= rest - 1) {
                 const int other = std::countr_zero(rest);
                 if (worth[other] >= found.step) set = static_cast<RaySet>(set | 1 << other);
@@ -220,66 +198,54 @@ void FastTree::ask_batch(Search& search, const Ray* rays, const RaySpacing* spac
 /// Answers the rays of a set, all in one cell.
 void FastTree::answer_cell(Search& search, const Found& found, RaySet set, const Ray* rays, CachedAnswer* answers) {
     const AnsweredBy by = answered_by(found.verdict);
-    if (by == AnsweredBy::Interpolated) {
-        const CellPlace place = place_of(found.key);
-        alignas(64) float values[kMostLeafValues][kBatchRays];
-        float own_values[kLeafPadding];
-        const bool one_by_one = std::popcount(set) <= kOneByOne;
-        if (!one_by_one) functions_.evaluate(search.batch, place, *found.leaf, values);
+    if (by != AnsweredBy::Interpolated) {
         for (uint32_t rest = set; rest != 0; rest &= rest - 1) {
             const int ray = std::countr_zero(rest);
-            if (one_by_one) functions_.evaluate_one(search.batch, ray, place, *found.leaf, own_values);
-            answers[ray] = one_by_one ? interpolated(search, found, ray, rays[ray], own_values, 1)
-                                      : interpolated(search, found, ray, rays[ray], &values[0][ray], kBatchRays);
+            answer_plainly(search, rays[ray], by, answers[ray]);
         }
         return;
     }
+    const CellPlace place = steps_.place(found.key);
+    if (std::popcount(set) <= kOneByOne) {
+        float values[kLeafPadding];
+        for (uint32_t rest = set; rest != 0; rest &= rest - 1) {
+            const int ray = std::countr_zero(rest);
+            functions_.evaluate_one(search.batch, ray, place, *found.leaf, values);
+            interpolate(search, found, ray, rays[ray], values, 1, answers[ray]);
+        }
+        return;
+    }
+    alignas(64) float values[kMostLeafValues][kBatchRays];
+    functions_.evaluate(search.batch, place, *found.leaf, values);
     for (uint32_t rest = set; rest != 0; rest &= rest - 1) {
         const int ray = std::countr_zero(rest);
-        answers[ray] = is_traced(by) ? traced(search, rays[ray], by) : CachedAnswer{{}, by, 0.0};
+        interpolate(search, found, ray, rays[ray], &values[0][ray], kBatchRays, answers[ray]);
     }
 }
 
-CachedAnswer FastTree::interpolated(const Search& search, const Found& found, int ray, const Ray& given,
-                                    const float* values, size_t stride) const {
+void FastTree::interpolate(const Search& search, const Found& found, int ray, const Ray& given, const float* values,
+                           size_t stride, CachedAnswer& answer) const {
     const LineBatch& batch = search.batch;
     const bool starts_inside = (batch.inside >> ray & 1) != 0;
     const OutputKind kind = tracer_.settings().kind;
     // The length of a line says nothing about where on it the object lies.
-    if (starts_inside && kind == OutputKind::Volume) return traced(search, given, AnsweredBy::TracedOrigin);
+    if (starts_inside && kind == OutputKind::Volume)
+        return answer_plainly(search, given, AnsweredBy::TracedOrigin, answer);
     LineGeometry line;
     line.axis = found.key.direction / 2;
     line.intercept = {batch.intercept[0][ray], batch.intercept[1][ray]};
     line.slope = {batch.slope[0][ray], batch.slope[1][ray]};
     line.direction = {batch.direction[0][ray], batch.direction[1][ray], batch.direction[2][ray]};
-    OutputRay output = output_of(kind, *found.leaf, values, stride, line, frame_.box_center);
+    set_output(kind, *found.leaf, values, stride, line, frame_.box_center, answer.output);
     if (starts_inside) {
         const Vec3d origin = (given.origin - frame_.center) * frame_.shrink;
         const double margin = kBeyondErrors * double{found.leaf->position_error} + kLeastBeyond * space_.half_extent();
-        if (!((output.position - origin).dot(line.direction) > margin))
-            return traced(search, given, AnsweredBy::TracedOrigin);
+        if (!((answer.output.position - origin).dot(line.direction) > margin))
+            return answer_plainly(search, given, AnsweredBy::TracedOrigin, answer);
     }
-    return {to_object(output), AnsweredBy::Interpolated, double{found.leaf->error}};
-}
-
-CellKey FastTree::key_at(const LineBatch& batch, int ray, int step) const {
-    CellKey key;
-    key.direction = static_cast<uint8_t>(batch.line_direction[ray]);
-    key.depth = static_cast<uint8_t>(step * kStepDepths);
-    const std::array<uint8_t, kLineAxes>& levels = steps_[key.direction / 2][step].levels;
-    for (int k = 0; k < kLineAxes; ++k)
-        key.index[k] = static_cast<uint32_t>(batch.place[k][ray]) >> (kPlaceBits - levels[k]);
-    return key;
-}
-
-CellPlace FastTree::place_of(const CellKey& key) const {
-    const std::array<uint8_t, kLineAxes>& levels = steps_[key.direction / 2][key.depth / kStepDepths].levels;
-    CellPlace place;
-    for (int k = 0; k < kLineAxes; ++k) {
-        place.bits[k] = kPlaceBits - levels[k];
-        place.first[k] = static_cast<int32_t>(key.index[k] << place.bits[k]);
-    }
-    return place;
+    move_to_object(answer.output);
+    answer.by = AnsweredBy::Interpolated;
+    answer.error = found.leaf->error;
 }
 
 /// Goes down to the final cell that holds a ray, and makes what is missing on the way; or to where it is not worth it.
@@ -287,55 +253,80 @@ FastTree::Found FastTree::find(Search& search, int ray, int deepest_worth) {
     const LineBatch& batch = search.batch;
     Found found;
     found.key.direction = static_cast<uint8_t>(batch.line_direction[ray]);
-    const auto& steps = steps_[found.key.direction / 2];
+    const uint8_t direction = found.key.direction;
+    LinePlaces places{};
+    for (int k = 0; k < kLineAxes; ++k) places[k] = static_cast<uint32_t>(batch.place[k][ray]);
     CellBlock* block = search.reader.current();
-    std::atomic<CellRef>* place = block ? &block->root(found.key.direction) : nullptr;
+    std::atomic<CellRef>* place = block ? &block->root(direction) : nullptr;
     for (; found.step <= deepest_worth; ++found.step) {
         CellRef ref = place ? place->load(std::memory_order_acquire) : 0;
-        if (place && verdict_of(ref) == CellVerdict::Unknown) {
-            ref = add_cell(search, key_at(batch, ray, found.step), found.step, *place);
+        found.verdict = verdict_of(ref);
+        if (found.verdict == CellVerdict::Unknown) {
+            const CellKey key = steps_.key(direction, found.step, places);
+            found.verdict = copy_older(search, key, found.step);
+            if (found.verdict == CellVerdict::Unknown) found.verdict = make_cell(search, key, found.step);
+            if (place) ref = store_cell(search, found.verdict, *place);
             if (ref == 0) place = nullptr;  // no room: from here on by itself
         }
-        found.verdict = place ? verdict_of(ref) : make_cell(search, key_at(batch, ray, found.step), found.step);
         if (found.verdict != CellVerdict::Halved) {
-            found.key = key_at(batch, ray, found.step);
+            found.key = steps_.key(direction, found.step, places);
             if (found.verdict == CellVerdict::Interpolated) found.leaf = place ? &block->leaf(ref) : &search.own_leaf;
             return found;
         }
-        if (!place) continue;
-        const Step& step = steps[found.step];
-        uint32_t child = 0;
-        for (int j = 0; j < kStepDepths; ++j)
-            child |= (static_cast<uint32_t>(batch.place[step.axis[j]][ray]) >> step.bit[j] & 1u) << j;
-        place = &block->node(ref).children[child];
+        if (place) place = &block->node(ref).children[steps_.child(direction, found.step, places)];
     }
     found.verdict = CellVerdict::Unknown;
     return found;
 }
 
-/// Samples a cell and judges it. Its leaf, if it has one, is the search's own.
+/// Samples a cell and judges it. Its leaf, if it has one, is the search's own. Two samples of different classes decide,
+/// whichever they are: those that are held already are looked at first, and after the first such pair none is traced.
 CellVerdict FastTree::make_cell(Search& search, const CellKey& key, int step) {
-    const std::array<uint8_t, kLineAxes>& levels = steps_[key.direction / 2][step].levels;
+    const CellDepths depths = steps_.depths(step);
     CellSamples samples;
-    LatticePoint point;
-    point.direction = key.direction;
+    std::optional<SampleClass> seen;
+    const auto differs = [&](int i) {
+        if (!seen) seen = samples[i].sample_class;
+        return samples[i].sample_class != *seen;
+    };
+    uint32_t missing = 0;
     for (int i = 0; i <= kCellCorners; ++i) {
-        for (int k = 0; k < kLineAxes; ++k) {
-            const uint32_t half_steps = i == kCenterSample ? 1 : 2 * (static_cast<uint32_t>(i) >> k & 1);
-            point.place[k] = (2 * key.index[k] + half_steps) << (kPlaceBits - 1 - levels[k]);
-        }
-        if (samples_.find(point, samples[i])) continue;
+        if (!samples_.find(steps_.sample_point(key, i), samples[i]))
+            missing |= 1u << i;
+        else if (differs(i))
+            return CellJudge::judge_mixed(depths);
+    }
+    for (const int i : kSampleOrder) {
+        if ((missing >> i & 1) == 0) continue;
+        const LatticePoint point = steps_.sample_point(key, i);
         samples[i] = take_sample(tracer_, space_, point, judge_.contents());
         ++search.samples_taken;
         samples_.put(point, samples[i]);
+        if (differs(i)) return CellJudge::judge_mixed(depths);
     }
-    return judge_.judge(key, {step >= deepest_, step >= deepest_mixed_}, samples, search.own_leaf);
+    return judge_.judge(key, depths, samples, search.own_leaf);
 }
 
-/// Makes a cell and publishes it at its place; 0 if there is no room.
-CellRef FastTree::add_cell(Search& search, const CellKey& key, int step, std::atomic<CellRef>& place) {
+/// What the block that was current before says of a cell, its leaf as the search's own; or Unknown.
+CellVerdict FastTree::copy_older(Search& search, const CellKey& key, int step) const {
+    CellBlock* older = search.reader.older();
+    if (!older) return CellVerdict::Unknown;
+    const LinePlaces places = steps_.first_places(key);
+    CellRef ref = older->root(key.direction).load(std::memory_order_acquire);
+    for (int i = 0; i < step; ++i) {
+        if (verdict_of(ref) != CellVerdict::Halved) return CellVerdict::Unknown;
+        ref = older->node(ref).children[steps_.child(key.direction, i, places)].load(std::memory_order_acquire);
+    }
+    if (verdict_of(ref) == CellVerdict::Interpolated) {
+        const CellLeaf& leaf = older->leaf(ref);
+        std::memcpy(static_cast<void*>(&search.own_leaf), &leaf, leaf.stored_bytes());
+    }
+    return verdict_of(ref);
+}
+
+/// Publishes a cell, its leaf being the search's own, at its place; 0 if there is no room.
+CellRef FastTree::store_cell(Search& search, CellVerdict verdict, std::atomic<CellRef>& place) {
     CellBlock& block = *search.reader.current();
-    const CellVerdict verdict = make_cell(search, key, step);
     std::optional<CellRef> made = static_cast<CellRef>(verdict);
     if (verdict == CellVerdict::Halved) made = block.add_node();
     if (verdict == CellVerdict::Interpolated) made = block.add_leaf(search.own_leaf);
@@ -355,7 +346,11 @@ std::optional<CellKey> FastTree::final_cell(const Ray& object_ray) {
     rays[0] = object_ray;
     functions_.prepare(rays.data(), 1, frame_, search.batch);
     if (space_.box().isEmpty() || search.batch.in_box == 0) return std::nullopt;
-    return find(search, 0, deepest_).key;
+    return find(search, 0, steps_.deepest()).key;
+}
+
+FastSample FastTree::sample(const LatticePoint& point) const {
+    return take_sample(tracer_, space_, point, judge_.contents());
 }
 
 RayCacheStatistics FastTree::statistics() const {

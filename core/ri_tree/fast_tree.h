@@ -12,6 +12,7 @@
 #pragma once
 
 #include "ri_tree/cell_judge.h"
+#include "ri_tree/cell_steps.h"
 #include "ri_tree/cell_store.h"
 #include "ri_tree/line_batch.h"
 #include "ri_tree/line_space.h"
@@ -41,18 +42,12 @@ class FastTree final : public RayCache {
 
     /// The final cell that answers a ray, whether or not it is held; empty for a ray that is none or misses the box.
     std::optional<CellKey> final_cell(const Ray& object_ray);
+    /// What the corners and centres of cells are sampled with.
+    FastSample sample(const LatticePoint& point) const;
     const LineSpace& space() const { return space_; }
     const SampleTracer& tracer() const { return tracer_; }
 
   private:
-    /// A depth at which cells are tested, counted by fours.
-    struct Step {
-        std::array<uint8_t, kLineAxes> levels{};
-        /// How the child is found that holds a place: bit j of its number is this bit of the place along this axis.
-        std::array<uint8_t, 4> axis{}, bit{};
-        /// 1 over the sides: intercepts in local units, slopes.
-        std::array<float, kLineAxes> inverse_sides{};
-    };
     struct Search;
     struct Found;
 
@@ -60,30 +55,26 @@ class FastTree final : public RayCache {
     RayCacheSettings settings_;
     LineSpace space_;
     CellJudge judge_;
+    CellSteps steps_;
     BatchFrame frame_;
     BatchFunctions functions_;
-    int deepest_ = 0;                                                    ///< step of the smallest cells
-    int deepest_mixed_ = 0;                                              ///< of the smallest ones of several classes
-    std::array<std::array<Step, kGreatestCellDepth / 4 + 1>, 3> steps_;  ///< by axis of the dominant direction
     SampleTable samples_;
     CellStore store_;
 
-    void prepare_steps();
-    int deepest_worth(int axis, const RaySpacing& spacing) const;
+    void prepare_frame();
     Ray to_local(const Ray& object_ray) const;
-    OutputRay to_object(OutputRay local) const;
+    void move_to_object(OutputRay& local) const;
 
     void ask_batch(Search& search, const Ray* rays, const RaySpacing* spacings, int count, CachedAnswer* answers);
     void answer_cell(Search& search, const Found& found, RaySet set, const Ray* rays, CachedAnswer* answers);
-    CachedAnswer interpolated(const Search& search, const Found& found, int ray, const Ray& given, const float* values,
-                              size_t stride) const;
-    CachedAnswer traced(const Search& search, const Ray& object_ray, AnsweredBy reason) const;
+    void interpolate(const Search& search, const Found& found, int ray, const Ray& given, const float* values,
+                     size_t stride, CachedAnswer& answer) const;
+    void answer_plainly(const Search& search, const Ray& object_ray, AnsweredBy by, CachedAnswer& answer) const;
 
     Found find(Search& search, int ray, int deepest_worth);
-    CellKey key_at(const LineBatch& batch, int ray, int step) const;
-    CellPlace place_of(const CellKey& key) const;
     CellVerdict make_cell(Search& search, const CellKey& key, int step);
-    CellRef add_cell(Search& search, const CellKey& key, int step, std::atomic<CellRef>& place);
+    CellVerdict copy_older(Search& search, const CellKey& key, int step) const;
+    static CellRef store_cell(Search& search, CellVerdict verdict, std::atomic<CellRef>& place);
 };
 
 }  // namespace rayleaf

@@ -4,6 +4,9 @@
 #include "ri_tree/fast_tree.h"
 #include "ri_tree/reference_tree.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace rayleaf {
 namespace {
 
@@ -15,6 +18,15 @@ const char* const kAnswerNames[kAnswerKinds] = {
     "not a ray",           "box missed",       "cell missed",         "interpolated",  "two classes, interpolated",
     "two classes, missed", "traced: classes",  "traced: few corners", "traced: angle", "traced: origin in the box",
     "traced: large cell",  "traced: few rays", "traced: error"};
+
+/// The error for which the thresholds below hold as they are, and the depth limit then.
+constexpr double kUsualError = 0.005;
+constexpr int kUsualDepth = 28;
+/// Centres are off by most; rays in between by a tenth of that, on average.
+constexpr double kDistancePerError = 10.0;
+constexpr double kUsualDirection = kPi / 180.0, kUsualAngle = kPi / 6.0;
+/// Directions further apart than a right angle tell nothing about those in between.
+constexpr double kMostAngle = kPi / 2.0;
 
 }  // namespace
 
@@ -33,6 +45,21 @@ const RayCacheSettings& checked(const std::string& name, const RayCacheSettings&
             "mixed_depth_limit", settings.mixed_depth_limit, "0 to 60");
     require(settings.pruned_share > 0.0 && settings.pruned_share <= 1.0, name, "pruned_share", settings.pruned_share,
             "above 0, at most 1");
+    return settings;
+}
+
+RayCacheSettings quality_settings(double error) {
+    if (!(error > 0.0 && std::isfinite(error)))
+        throw InputError("ray interpolation", "error", std::to_string(error), "a finite number above 0");
+    const double coarser = error / kUsualError;
+    RayCacheSettings settings;
+    settings.distance_threshold = kDistancePerError * error;
+    settings.direction_threshold = kUsualDirection * coarser;
+    settings.angle_threshold = std::min(kUsualAngle * std::sqrt(coarser), kMostAngle);
+    // Four more halvings, half of every side, make a sixteenth of the error.
+    const double steps = std::max(std::round(-std::log2(coarser) / 4.0), 0.0);
+    settings.depth_limit = static_cast<int>(std::min(kUsualDepth + 4.0 * steps, double{kGreatestCellDepth}));
+    settings.mixed_depth_limit = settings.depth_limit;
     return settings;
 }
 

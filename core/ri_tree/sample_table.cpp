@@ -1,5 +1,6 @@
 #include "ri_tree/sample_table.h"
 
+#include <algorithm>
 #include <cstring>
 #include <new>
 
@@ -18,6 +19,13 @@ uint64_t mixed(uint64_t h) {  // Stafford's variant 13 of MurmurHash3's finalize
     return h ^ (h >> 31);
 }
 
+/// Marks of slots. All others: upper bits of the hash of what is there.
+constexpr uint32_t kEmpty = 0, kBusy = 1;
+
+uint32_t mark_of(uint64_t hash) {
+    return std::max(static_cast<uint32_t>(hash >> 32), kBusy + 1);
+}
+
 uint64_t hash_of(const LatticePoint& point) {
     const uint64_t low = point.place[0] | uint64_t{point.place[1]} << 32;
     const uint64_t high = point.place[2] | uint64_t{point.place[3]} << 32;
@@ -28,8 +36,6 @@ uint64_t hash_of(const LatticePoint& point) {
 
 /// Followed by the values, then their changes.
 struct SampleTable::Slot {
-    enum State : uint8_t { Empty, Taken, Busy };
-    std::atomic<uint8_t> state{Empty};
     LatticePoint point;
     SampleClass sample_class;
 
@@ -37,10 +43,14 @@ struct SampleTable::Slot {
     const float* numbers() const { return reinterpret_cast<const float*>(this + 1); }
 };
 
+/// What is in a slot is told by its mark, in an array of their own: most searches are over after looking there.
 struct SampleTable::Table {
     uint64_t slots = 0;
     std::atomic<uint64_t> filled{0};
+    std::unique_ptr<std::atomic<uint32_t>[]> marks;
     std::unique_ptr<std::byte[]> memory;
+
+    uint64_t index(uint64_t number) const { return number & (slots - 1); }
 };
 
 SampleTable::SampleTable(OutputKind kind, SampleContents contents, uint64_t most_bytes)
@@ -51,8 +61,8 @@ SampleTable::SampleTable(OutputKind kind, SampleContents contents, uint64_t most
 
 SampleTable::~SampleTable() = default;
 
-SampleTable::Slot* SampleTable::slot_at(const Table& table, uint64_t number) const {
-    return std::launder(reinterpret_cast<Slot*>(table.memory.get() + (number & (table.slots - 1)) * slot_bytes_));
+SampleTable::Slot* SampleTable::slot_at(const Table& table, uint64_t index) const {
+    return std::launder(reinterpret_cast<Slot*>(table.memory.get() + index * slot_bytes_));
 }
 
 void SampleTable::read(const Slot& slot, FastSample& sample) const {
@@ -73,34 +83,36 @@ bool SampleTable::find(const LatticePoint& point, FastSample& sample) const {
     const int current = current_.load(std::memory_order_acquire);
     if (current < 0) return false;
     const Table& table = *tables_[current];
-    const uint64_t first = hash_of(point);
+    const uint64_t hash = hash_of(point);
     for (uint64_t i = 0; i < kProbes; ++i) {
-        Slot& slot = *slot_at(table, first + i);
-        uint8_t state = Slot::Taken;
-        if (!slot.state.compare_exchange_strong(state, Slot::Busy, std::memory_order_acquire)) {
-            if (state == Slot::Empty) return false;
-            continue;
-        }
+        const uint64_t index = table.index(hash + i);
+        uint32_t mark = table.marks[index].load(std::memory_order_relaxed);
+        if (mark == kEmpty) return false;
+        if (mark != mark_of(hash)) continue;
+        if (!table.marks[index].compare_exchange_strong(mark, kBusy, std::memory_order_acquire)) continue;
+        const Slot& slot = *slot_at(table, index);
         const bool found = slot.point == point;
         if (found) read(slot, sample);
-        slot.state.store(Slot::Taken, std::memory_order_release);
+        table.marks[index].store(mark, std::memory_order_release);
         if (found) return true;
     }
     return false;
 }
 
-/// False if the sample was not there before and went into an empty slot.
+/// Whether the sample went into an empty slot.
 bool SampleTable::put_in(Table& table, const LatticePoint& point, const FastSample& sample) {
-    const uint64_t first = hash_of(point);
+    const uint64_t hash = hash_of(point);
     for (uint64_t i = 0; i <= kProbes; ++i) {
         const bool last = i == kProbes;  // all are taken: one of them, told by the hash, is forgotten
-        Slot& slot = *slot_at(table, last ? first + (first >> 32) % kProbes : first + i);
-        uint8_t state = last ? Slot::Taken : Slot::Empty;
-        if (!slot.state.compare_exchange_strong(state, Slot::Busy, std::memory_order_acquire)) continue;
+        const uint64_t index = table.index(last ? hash + (hash >> 32) % kProbes : hash + i);
+        uint32_t mark = table.marks[index].load(std::memory_order_relaxed);
+        if (mark == kBusy || (!last && mark != kEmpty)) continue;
+        if (!table.marks[index].compare_exchange_strong(mark, kBusy, std::memory_order_acquire)) continue;
+        Slot& slot = *slot_at(table, index);
         slot.point = point;
         write(slot, sample);
-        slot.state.store(Slot::Taken, std::memory_order_release);
-        return !last;
+        table.marks[index].store(mark_of(hash), std::memory_order_release);
+        return mark == kEmpty;
     }
     return false;
 }
@@ -119,28 +131,35 @@ void SampleTable::put(const LatticePoint& point, const FastSample& sample) {
     count_.fetch_add(1, std::memory_order_relaxed);
 }
 
+/// Returns how many there are.
+uint64_t SampleTable::copy(const Table& from, Table& to) {
+    uint64_t filled = 0;
+    FastSample sample;
+    for (uint64_t i = 0; i < from.slots; ++i) {
+        uint32_t mark = from.marks[i].load(std::memory_order_relaxed);
+        if (mark == kEmpty || mark == kBusy) continue;
+        if (!from.marks[i].compare_exchange_strong(mark, kBusy, std::memory_order_acquire)) continue;
+        const Slot& slot = *slot_at(from, i);
+        read(slot, sample);
+        filled += put_in(to, slot.point, sample) ? 1 : 0;
+        from.marks[i].store(mark, std::memory_order_release);
+    }
+    return filled;
+}
+
 /// A table of twice the size, with what the last one holds; unless another thread is at it, or memory is at its limit.
 void SampleTable::grow() {
     if (growing_.exchange(true, std::memory_order_acquire)) return;
     const int current = current_.load(std::memory_order_relaxed);
     const uint64_t slots = current < 0 ? kFirstSlots : 2 * tables_[current]->slots;
-    const uint64_t more = slots * slot_bytes_;
+    const uint64_t more = slots * (slot_bytes_ + sizeof(uint32_t));
     if (current + 1 < kMostTables && bytes() + more <= most_bytes_) {
         auto table = std::make_unique<Table>();
         table->slots = slots;
-        table->memory.reset(new (std::nothrow) std::byte[more]);
-        if (table->memory) {
-            for (uint64_t i = 0; i < slots; ++i) new (table->memory.get() + i * slot_bytes_) Slot;
-            uint64_t filled = 0;
-            for (uint64_t i = 0; current >= 0 && i < tables_[current]->slots; ++i) {
-                Slot& slot = *slot_at(*tables_[current], i);
-                uint8_t state = Slot::Taken;
-                if (!slot.state.compare_exchange_strong(state, Slot::Busy, std::memory_order_acquire)) continue;
-                FastSample sample;
-                read(slot, sample);
-                filled += put_in(*table, slot.point, sample) ? 1 : 0;
-                slot.state.store(Slot::Taken, std::memory_order_release);
-            }
+        table->marks.reset(new (std::nothrow) std::atomic<uint32_t>[slots]());
+        table->memory.reset(new (std::nothrow) std::byte[slots * slot_bytes_]);
+        if (table->marks && table->memory) {
+            const uint64_t filled = current < 0 ? 0 : copy(*tables_[current], *table);
             table->filled.store(filled, std::memory_order_relaxed);
             count_.store(filled, std::memory_order_relaxed);
             bytes_.fetch_add(more, std::memory_order_relaxed);

@@ -41,10 +41,11 @@ class SampleTable {
     std::atomic<bool> growing_{false};
     std::atomic<uint64_t> count_{0}, bytes_{0};
 
-    Slot* slot_at(const Table& table, uint64_t number) const;
+    Slot* slot_at(const Table& table, uint64_t index) const;
     bool put_in(Table& table, const LatticePoint& point, const FastSample& sample);
     void read(const Slot& slot, FastSample& sample) const;
     void write(Slot& slot, const FastSample& sample) const;
+    uint64_t copy(const Table& from, Table& to);
     void grow();
 };
 

@@ -15,8 +15,7 @@ enum class RayInterpolationMode : uint8_t {
     On
 };
 
-/// Error that interpolation may have unless told otherwise: a share of an object's half extent for points; directions
-/// may then be off by one degree.
+/// Error that interpolation may have unless told otherwise (ri_tree/ray_cache.h: quality_settings).
 inline constexpr double kDefaultRayError = 0.005;
 
 /// The thresholds that together keep the error near `error`. Throws InputError unless it is above 0 and finite.

@@ -7,6 +7,7 @@ import pytest
 from core import ri_tree_support as support
 from core import shapes
 from core.ri_tree_support import BOX_MISSED, CELL_MISSED, INTERPOLATED, NOT_A_RAY, ORIGIN
+from rayleaf import _core
 
 KINDS = ("SIMPLE", "MIRROR", "GLASS", "VOLUME")
 
@@ -117,3 +118,21 @@ def test_rays_that_are_none_and_rays_that_miss_the_box():
     got = tree.ask(np.array([[0.0, 0, 5], [5.0, 5, 5]]), np.array([[0.0, 0, 1], [0.0, 0, -1]]))
     assert (got["answered_by"] == BOX_MISSED).all()
     assert tree.statistics()["nodes"] == 0
+
+
+def test_one_number_sets_the_thresholds_and_bounds_the_error():
+    rays = support.rays_towards(np.zeros(3), 0.8, 1500)
+    errors, samples = [], []
+    for error in (0.02, 0.005, 0.001):
+        tree = fast_tree(shapes.nurbs_sphere(), "MIRROR", **support.ri_tree.quality_settings(error))
+        got, truth = tree.ask(*rays), tree.trace(*rays)
+        used = (got["answered_by"] == INTERPOLATED) & truth["hit"]
+        assert used.mean() > 0.5, support.counts(got)
+        # A colour that changes by as much as the direction does.
+        errors.append(support.angles(got["exit_direction"], truth["exit_direction"])[used].mean())
+        assert errors[-1] < error, (error, errors)
+        samples.append(tree.statistics()["samples_taken"])
+    assert errors == sorted(errors, reverse=True) and samples == sorted(samples), (errors, samples)
+    for error in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(_core.InputError, match="error"):
+            support.ri_tree.quality_settings(error)

@@ -1,0 +1,63 @@
+"""How samples change with their line, against finite differences, and what that buys: an error of fourth order."""
+
+import numpy as np
+import pytest
+from core import ri_tree_support as support
+from core import shapes
+from core.test_fast_tree import fast_tree
+
+PLACES = 2**31  # of a lattice axis
+STEP = 2**20  # 2^-11 of the root cell's side, 2^-10 of its half: rounding of floats over it is 1e-4
+
+
+def lattice_points(tree, directions, origins):
+    """Places of the lines of rays of one dominant direction."""
+    direction, shares = tree.lines(origins, directions)
+    most = np.bincount(direction).argmax()
+    return int(most), np.round(shares[direction == most] * PLACES).astype(np.uint32)
+
+
+@pytest.mark.parametrize("kind", ["SIMPLE", "MIRROR", "GLASS", "VOLUME"])
+def test_changes_of_samples_agree_with_finite_differences(kind):
+    tree = fast_tree(shapes.nurbs_torus(), kind, ior=1.3, facet_tolerance=2.0**-22)
+    origins, directions = support.scattered_rays(400, spread=0.9)
+    direction, places = lattice_points(tree, directions, origins)
+    assert len(places) > 40
+    center = tree.samples(direction, places)
+    checked = 0
+    for axis in range(4):
+        offset = np.zeros(4, np.int64)
+        offset[axis] = STEP
+        above = tree.samples(direction, (places + offset).astype(np.uint32))
+        below = tree.samples(direction, (places - offset).astype(np.uint32))
+        alike = center["hit"]
+        for name in ("hit", "exit_class", "interior_hits", "total_reflections"):
+            alike = alike & (above[name] == center[name]) & (below[name] == center[name])
+        step = 2 * STEP / PLACES * 2  # in half sides
+        slopes = (above["values"].astype(float) - below["values"]) / step
+        differences = np.abs(slopes - center["changes"][:, :, axis])[alike]
+        size = 1 + np.abs(center["changes"][:, :, axis])[alike]
+        # Differences are of second order in the step; close to silhouettes and total reflection higher derivatives are
+        # large, so not all lines can be judged.
+        relative = np.max(differences / size, axis=1)
+        assert np.median(relative) < 1e-3 and np.quantile(relative, 0.8) < 1e-2, (axis, np.sort(relative))
+        checked += int(alike.sum())
+    assert checked > 60
+
+
+@pytest.mark.parametrize("kind", ["MIRROR", "GLASS"])
+def test_the_error_is_of_fourth_order_in_the_cells_sides(kind):
+    """Four more halvings halve every side: a sixteenth of the error, until float leaves and facets show."""
+    rays = support.rays_towards(np.array([0.0, -0.6, 0.2]), 0.1, 200)
+    errors, depths, threshold = [], [], 1.0
+    for _ in range(3):
+        settings = {"distance_threshold": threshold, "direction_threshold": np.inf, "angle_threshold": np.inf}
+        tree = fast_tree(shapes.nurbs_sphere(), kind, depth_limit=40, mixed_depth_limit=40, **settings)
+        got, truth = tree.ask(*rays), tree.trace(*rays)
+        assert (got["answered_by"] == support.INTERPOLATED).all(), support.counts(got)
+        depths.append({cell[1] for cell in tree.final_cells(*rays)})
+        errors.append(np.median(support.angles(got["exit_direction"], truth["exit_direction"])))
+        threshold = 0.999 * got["error"].min()  # next time none of these cells is close enough
+    assert all(max(before) < min(after) for before, after in zip(depths, depths[1:])), depths
+    ratios = np.array(errors[:-1]) / errors[1:]
+    assert (ratios > 8).all(), (errors, ratios, depths)
