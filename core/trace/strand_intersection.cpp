@@ -159,7 +159,7 @@ double extreme_parameter(const StrandSegment& piece, double side, double nearest
 }
 
 /// The span of a piece that has one nearest place at most.
-std::optional<StrandSpan> simple_span(const StrandSegment& piece, double radius) {
+std::optional<StrandSpan> simple_span(const StrandSegment& piece, double radius, double needs_leave_before) {
     const double nearest = nearest_parameter(piece, radius);
     if (!(At(piece, nearest).inside() > 0.0)) return std::nullopt;
     const auto end_of = [&](double side, double& s) {
@@ -169,7 +169,8 @@ std::optional<StrandSpan> simple_span(const StrandSegment& piece, double radius)
     };
     StrandSpan span;
     span.enter = end_of(1.0, span.s_enter);
-    span.leave = end_of(-1.0, span.s_leave);
+    span.leave = std::numeric_limits<double>::infinity();
+    if (span.enter < needs_leave_before) span.leave = end_of(-1.0, span.s_leave);
     return span;
 }
 
@@ -199,7 +200,7 @@ void add_round(const StrandSegment& piece, double begin, double size, int depth,
     if (!(radius > 0.0) || surely_missed(piece, radius)) return;
     const bool is_last = depth == kDeepest || (depth >= kDeep && deep_halvings >= kMostDeepHalvings);
     if (is_last || has_one_extremum(piece, radius)) {
-        std::optional<StrandSpan> span = simple_span(piece, radius);
+        std::optional<StrandSpan> span = simple_span(piece, radius, std::numeric_limits<double>::infinity());
         if (!span) return;
         span->s_enter = begin + span->s_enter * size;
         span->s_leave = begin + span->s_leave * size;
@@ -277,8 +278,14 @@ void StrandSpans::add(StrandSpan span) {
     if (count < kMostSpans) spans[count++] = span;
 }
 
-StrandSpans round_spans(const StrandSegment& piece) {
+StrandSpans round_spans(const StrandSegment& piece, double needs_leave_before) {
     StrandSpans result;
+    const double radius = largest_radius(piece);
+    if (!(radius > 0.0) || surely_missed(piece, radius)) return result;
+    if (has_one_extremum(piece, radius)) {
+        if (const std::optional<StrandSpan> span = simple_span(piece, radius, needs_leave_before)) result.add(*span);
+        return result;
+    }
     int deep_halvings = 0;
     add_round(piece, 0.0, 1.0, 0, deep_halvings, result);
     return result;

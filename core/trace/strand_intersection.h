@@ -11,6 +11,7 @@
 #include "geometry/strand_curve.h"
 
 #include <array>
+#include <limits>
 #include <optional>
 
 namespace rayleaf {
@@ -44,8 +45,10 @@ struct StrandSpans {
     void add(StrandSpan span);
 };
 
-/// The spans of a piece in the ray's frame.
-StrandSpans round_spans(const StrandSegment& piece);
+/// The spans of a piece in the ray's frame. Where the ray enters at `needs_leave_before` or later, `leave` may be
+/// infinite: not computed.
+StrandSpans round_spans(const StrandSegment& piece,
+                        double needs_leave_before = std::numeric_limits<double>::infinity());
 
 /// Where the axis of a piece comes nearest to the ray, within its radius.
 struct RibbonHit {

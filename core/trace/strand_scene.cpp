@@ -35,7 +35,9 @@ struct StrandScene::Query {
     const StrandScene* scene = nullptr;
     const LocalRay* ray = nullptr;
     StrandRay frame;
+    Vec3f float_origin{0, 0, 0}, float_x{1, 0, 0}, float_y{0, 1, 0};  ///< of the frame
     ShapeHit best;
+    double begin = 0;     ///< the true start in the frame, and a little beyond: the rounding of t
     double farthest = 0;  ///< t of the best hit, or the ray's t_max
     Crossing best_crossing = Crossing::Enters;
     bool found = false;
@@ -52,6 +54,10 @@ struct StrandScene::Query {
         : scene(&strand_scene),
           ray(&local),
           frame(local.origin + local.direction * local.start, local.direction / local.speed),
+          float_origin(frame.origin),
+          float_x(frame.across_x),
+          float_y(frame.across_y),
+          begin((local.t_min - local.start) * local.speed + kBackstep),
           farthest(local.t_max) {
         initialize(context);
     }
@@ -116,9 +122,31 @@ void StrandScene::add_pieces(const CancelToken& cancel) {
         if (std::max(std::max(p[0].w, p[1].w), std::max(p[2].w, p[3].w)) == 0.0) continue;  // nothing to hit
         const uint16_t level = spheres ? 0 : split_level(curve);
         const auto count = static_cast<uint16_t>(spheres ? strands_->spheres_per_segment() + 1 : 1 << level);
-        for (uint16_t index = 0; index < count; ++index) pieces_.push_back({segment, index, level});
+        for (uint16_t index = 0; index < count; ++index) {
+            Piece& piece = pieces_.emplace_back();
+            piece.segment = segment;
+            piece.index = index;
+            piece.level = level;
+            set_capsule(piece);
+        }
     }
     pieces_.shrink_to_fit();
+}
+
+void StrandScene::set_capsule(Piece& piece) const {
+    StrandSegment curve;
+    if (strands_->form() == StrandForm::Spheres)
+        curve.points.fill(ball(piece));
+    else
+        curve = strands_->segment(piece.segment).part(piece.level, piece.index);
+    const std::array<StrandPoint, 4>& p = curve.points;
+    // |C - chord| <= max|C''| / 8, and |C''| <= 6 max|second difference|.
+    const double bend =
+        std::max(axis_point(p[0] - p[1] * 2.0 + p[2]).length(), axis_point(p[1] - p[2] * 2.0 + p[3]).length());
+    const double radius = std::max(std::max(p[0].w, p[1].w), std::max(p[2].w, p[3].w));
+    piece.begin = Vec3f(axis_point(p[0]));
+    piece.end = Vec3f(axis_point(p[3]));
+    piece.radius = static_cast<float>(radius + 0.75 * bend + kBoxPadding);
 }
 
 uint16_t StrandScene::split_level(const StrandSegment& segment) const {
@@ -152,7 +180,7 @@ void StrandScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
     *arguments->bounds_o = {low.x, low.y, low.z, 0.0f, high.x, high.y, high.z, 0.0f};
 }
 
-StrandSpans StrandScene::spans(const Query& query, const Piece& piece) const {
+StrandSpans StrandScene::spans(const Query& query, const Piece& piece, double needs_leave_before) const {
     if (strands_->form() == StrandForm::Spheres) {
         const StrandSegment in_frame = query.frame.to_frame(strands_->segment(piece.segment));
         StrandSpans result;
@@ -161,16 +189,29 @@ StrandSpans StrandScene::spans(const Query& query, const Piece& piece) const {
             result.add(*span);
         return result;
     }
-    return round_spans(query.frame.to_frame(strands_->segment(piece.segment)).part(piece.level, piece.index));
+    return round_spans(query.frame.to_frame(strands_->segment(piece.segment)).part(piece.level, piece.index),
+                       needs_leave_before);
+}
+
+/// Whether single precision is sure that the ray passes the piece.
+bool StrandScene::passes(const Query& query, const Piece& piece) {
+    const Vec3f begin = piece.begin - query.float_origin, end = piece.end - query.float_origin;
+    const float x = begin.dot(query.float_x), y = begin.dot(query.float_y);
+    const float dx = end.dot(query.float_x) - x, dy = end.dot(query.float_y) - y;
+    const float length2 = dx * dx + dy * dy, along = -(x * dx + y * dy);
+    const float s = along <= 0.0f ? 0.0f : along >= length2 ? 1.0f : along / length2;
+    const float nearest_x = x + dx * s, nearest_y = y + dy * s;
+    return nearest_x * nearest_x + nearest_y * nearest_y > piece.radius * piece.radius;
 }
 
 void StrandScene::visit(Query& query, uint32_t index) const {
     const Piece& piece = pieces_[index];
+    if (passes(query, piece)) return;
     if (strands_->form() == StrandForm::Ribbon) {
         visit_ribbon(query, piece);
         return;
     }
-    const StrandSpans found = spans(query, piece);
+    const StrandSpans found = spans(query, piece, query.begin);
     for (int i = 0; i < found.count; ++i) {
         const StrandSpan& span = found.spans[i];
         if (query.t_of(span.enter) >= query.ray->t_min)
@@ -232,9 +273,9 @@ bool StrandScene::holding_callback(RTCPointQueryFunctionArguments* arguments) {
     Query& query = *static_cast<Query*>(arguments->userPtr);
     const StrandScene& self = *query.scene;
     const Piece& piece = self.pieces_[arguments->primID];
-    if (self.strands_->strand_of(piece.segment) != query.wanted_strand) return false;
+    if (self.strands_->strand_of(piece.segment) != query.wanted_strand || passes(query, piece)) return false;
     const FacetId facet{piece.segment, piece.index};
-    const StrandSpans found = self.spans(query, piece);
+    const StrandSpans found = self.spans(query, piece, std::numeric_limits<double>::infinity());
     for (int i = 0; i < found.count; ++i) {
         const StrandSpan& span = found.spans[i];
         if (!(span.enter <= query.wanted_distance && query.wanted_distance < span.leave)) continue;

@@ -36,8 +36,11 @@ class StrandScene final : public ShapeScene {
     /// the extremum's error.
     static constexpr double kStrandError = 0x1p-40;
 
-    /// Part number `index` of 2^level of a segment; of the form Spheres, ball number `index`.
+    /// Part number `index` of 2^level of a segment; of the form Spheres, ball number `index`. It lies within `radius`
+    /// of the line from `begin` to `end`, as single precision computes with these (local space).
     struct Piece {
+        Vec3f begin{0, 0, 0}, end{0, 0, 0};
+        float radius = 0;
         uint32_t segment = 0;
         uint16_t index = 0, level = 0;
     };
@@ -50,8 +53,10 @@ class StrandScene final : public ShapeScene {
     uint16_t split_level(const StrandSegment& segment) const;
     StrandPoint ball(const Piece& piece) const;
     Box3d box_of(const Piece& piece) const;
-    StrandSpans spans(const Query& query, const Piece& piece) const;
+    void set_capsule(Piece& piece) const;
+    StrandSpans spans(const Query& query, const Piece& piece, double needs_leave_before) const;
     double place_of(const Piece& piece, double s) const;
+    static bool passes(const Query& query, const Piece& piece);
     void visit(Query& query, uint32_t index) const;
     void enter(Query& query, const Piece& piece, const StrandSpan& span) const;
     void follow_out(Query& query, uint32_t strand, StrandLeave place) const;

@@ -24,8 +24,9 @@ Tracer = _core.trace.Tracer
 PRINTS_ITSELF = True
 RADIUS = 0.03
 TURNS = 6
-# A pixel of a picture 2000 wide that shows the whole curve.
-PIXEL_ANGLE = 1e-3
+# A pixel of a picture 1000 wide that shows the whole curve, from where the rays start.
+PIXEL_ANGLE = 4e-4
+EYE = (0.0, -3.0, 0.0)
 DETAILS = (8, 16, 32)
 DEGREES = (1, 2, 3, 5, 8, 12, 20, 30, 40)
 
@@ -101,7 +102,7 @@ def measured(make: Callable[[], Any], origins: Doubles, directions: Doubles, rep
     """Build seconds, bytes, nanoseconds a ray and distances of one primitive."""
     began = time.perf_counter()
     shape = make()
-    tracer = Tracer([(shape, np.eye(4), 31)], pixel_angle=PIXEL_ANGLE)
+    tracer = Tracer([(shape, np.eye(4), 31)], pixel_angle=PIXEL_ANGLE, eye=EYE)
     built = time.perf_counter() - began
     seconds, t = tracer.timed_closest(origins, directions)  # also dices what is diced when it is met
     seconds = min(tracer.timed_closest(origins, directions)[0] for _ in range(repeats))
@@ -129,25 +130,24 @@ def table_of_primitives(segments: int, count: int, repeats: int) -> list[dict[st
     return rows
 
 
-def silhouette_detail(error: float) -> int:
-    """Sides of a tube whose chords are at most `error` radii inside the circle."""
-    return max(3, int(np.ceil(np.pi / np.arccos(1.0 - error))))
-
-
 def table_of_silhouettes(segments: int, count: int, repeats: int) -> list[dict[str, Any]]:
-    """Prints the swept patch beside tubes of triangles with the silhouette error that the patch has."""
+    """Prints the swept patch beside the coarsest tube of triangles whose outline is as near to the exact one: no more rays
+    hit one alone."""
     origins, directions = rays(count)
     exact = measured(lambda: _core.strands_along(curve(segments)), origins, directions, 1)
     swept = measured(lambda: _core.trace.SweptSurface(curve(segments)), origins, directions, repeats)
-    # A tenth of a pixel at the distance of the eye, which is at the origin of the rays' sphere, is what the patch keeps.
-    error = 0.1 * PIXEL_ANGLE / RADIUS
-    detail = silhouette_detail(error)
-    strands = exact["shape"]
-    # Along the curve chords are as short as around it: both bend by an angle a step.
-    turn = 2.0 * np.pi * TURNS / segments
-    rings = max(1, int(np.ceil(turn / np.sqrt(8.0 * error * RADIUS / 0.45))))
-    mesh = measured(lambda: _core.strand_tubes(strands, rings, detail), origins, directions, repeats)
-    print(f"\n  silhouettes within {error:.1e} radii: triangles with {detail} sides, {rings} rings a segment")
+    wanted = compared(swept["t"], exact["t"])[0]
+    for sides in (12, 16, 24, 32, 48, 64):
+        rings = sides // 2
+        mesh = measured(
+            lambda rings=rings, sides=sides: _core.strand_tubes(exact["shape"], rings, sides),
+            origins,
+            directions,
+            repeats,
+        )
+        if compared(mesh["t"], exact["t"])[0] <= wanted:
+            break
+    print(f"\n  equal silhouette error: triangles with {sides} sides, {rings} rings a segment")
     rows = []
     for name, result in (("swept patch", swept), ("triangles", mesh)):
         missed, median, _ = compared(result["t"], exact["t"])
