@@ -40,7 +40,9 @@ SweepProfile round_profile(const SweptCurveDescription& curve) {
         return profile;
     }
     if (extrude == 0.0 && curve.fill == BevelFill::Full) {
-        parts.push_back(arc(low, depth, 0.0, 4 * kQuarter, 2 * pieces + 2));
+        // Blender's first point is one step away from N.
+        const double steps = 2 * pieces + 2;
+        parts.push_back(arc(low, depth, 4 * kQuarter / steps, 4 * kQuarter, steps));
         return profile;
     }
     const Vec2d right(depth, 0), left(-depth, 0);

@@ -107,7 +107,7 @@ def measured(make: Callable[[], Any], origins: Doubles, directions: Doubles, rep
     seconds, t = tracer.timed_closest(origins, directions)  # also dices what is diced when it is met
     seconds = min(tracer.timed_closest(origins, directions)[0] for _ in range(repeats))
     held = tracer.statistics()
-    memory = shape.bytes + held["bvh_bytes"] + held["grid_bytes"]
+    memory = shape.bytes + held["bvh_bytes"] + held["geometry_cache"]["bytes"]
     return {"build": built, "memory": memory, "ray": 1e9 * seconds / len(t), "t": t, "shape": shape}
 
 

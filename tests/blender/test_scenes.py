@@ -6,7 +6,10 @@ from typing import Any
 
 import pytest
 
-SCENES = ("bezier_sheet", "spline_gallery", "glass_vase", "studio", "random_volumes", "random_volumes_xray", "tomatoes")
+SCENES = (
+    *("bezier_sheet", "spline_gallery", "glass_vase", "studio", "random_volumes", "random_volumes_xray", "tomatoes"),
+    *("curves_gallery", "knot", "paper_fish", "spiral"),
+)
 LARGEST = 1_000_000  # bytes of a scene file
 
 DESCRIBE = """
@@ -21,7 +24,21 @@ def spline(each):
     size = [each.point_count_u, each.point_count_v, each.order_u, each.order_v]
     return [size, flags, [numbers(point.co) for point in each.points]]
 
+def curve(data):
+    settings = [data.dimensions, data.fill_mode, data.twist_mode, data.bevel_mode, data.taper_radius_mode, data.use_fill_caps]
+    helpers = [item and item.name for item in (data.bevel_object, data.taper_object)]
+    sizes = numbers([data.bevel_depth, data.extrude, data.offset, data.bevel_factor_start, data.bevel_factor_end])
+    return [settings, helpers, sizes, [spline_of_curve(each) for each in data.splines]]
+
+def spline_of_curve(each):
+    points = each.bezier_points if each.type == "BEZIER" else each.points
+    places = [numbers([*point.co, point.radius, point.tilt]) for point in points]
+    handles = [numbers([*point.handle_left, *point.handle_right]) for point in each.bezier_points]
+    return [each.type, each.use_cyclic_u, each.order_u, each.radius_interpolation, each.tilt_interpolation, places, handles]
+
 def data(thing):
+    if thing.type == "CURVE":
+        return curve(thing.data)
     if thing.type == "SURFACE":
         return [spline(each) for each in thing.data.splines]
     if thing.type == "MESH":

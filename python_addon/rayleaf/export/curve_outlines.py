@@ -100,6 +100,8 @@ def _reverse(table: SplineTable, number: int) -> None:
     count = part.stop - part.start
     kind = table.kind(number)
     last = _last_of_reversed(kind, count, table.settings[number])
+    if kind == "BEZIER" and count > 1 and table.straight[part][count - 2]:
+        last = count - 3  # the last segment is a single piece, and the reversed spline begins at its other end
     order = part.start + (last - np.arange(count)) % count
     if kind == "BEZIER":
         segments = part.start + (last - 1 - np.arange(count)) % count

@@ -107,6 +107,11 @@ def _profile(core: ModuleType, bevel: Any) -> list[Any]:
     scale = np.array([-bevel.scale.x, bevel.scale.y, 0.0])
     table.points[:, :3] *= scale
     table.handles *= scale
+    for number in np.flatnonzero((table.settings[:, CYCLIC] == 1) & (table.settings[:, KIND] == 0)).tolist():
+        # A closed Bezier spline begins at its first point as a profile, and at its last as a path.
+        part = table.part(number)
+        for values in (table.points, table.handles, table.straight):
+            values[part] = np.roll(values[part], -1, axis=0)
     return curve_splines.send(core, table)
 
 
