@@ -29,7 +29,6 @@ std::optional<SplineProblem> find_problem(const SweptCurveDescription& curve) {
     if (auto problem = number_problem("bevel_depth", curve.bevel_depth, -kLargest, kLargest)) return problem;
     if (auto problem = number_problem("extrude", curve.extrude, -kLargest, kLargest)) return problem;
     if (auto problem = number_problem("offset", curve.offset, -kLargest, kLargest)) return problem;
-    if (auto problem = number_problem("twist_smoothing", curve.twist_smoothing, 0, kLargest)) return problem;
     if (auto problem = number_problem("bevel_resolution", curve.bevel_resolution, 0, kMostPieces)) return problem;
     if (auto problem = number_problem("bevel_start", curve.bevel_start, 0, 1)) return problem;
     if (auto problem = number_problem("bevel_end", curve.bevel_end, 0, 1)) return problem;

@@ -32,10 +32,6 @@ struct SweptCurveDescription {
     CurveDimensions dimensions = CurveDimensions::Three;  ///< two: tilt and twist do not count
     TwistMethod twist = TwistMethod::Minimum;
     ClosedTwist closed_twist = ClosedTwist::Spread;
-    /// Standard deviation of a Gaussian that smooths the twist along a spline, in segments; 0: none. Blender's own
-    /// smoothing, repeated averaging of neighbouring pieces, is that of sqrt(smooth / (2 resolution)).
-    double twist_smoothing = 0;
-
     double bevel_depth = 0;  ///< radius of the round profile, object units; may be negative, as in Blender
     double extrude = 0;      ///< half the length of the straight part along B, object units
     double offset = 0;       ///< added to the profile's x, object units (Blender's data has this plus 1)

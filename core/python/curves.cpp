@@ -88,8 +88,8 @@ CurveSplines make_splines(const std::string& type, const Array<int32_t>& counts,
 
 SweptCurveDescription make_curve(const std::string& name, const std::vector<CurveSplines>& splines,
                                  const std::string& dimensions, const std::string& twist,
-                                 const std::string& closed_twist, double twist_smoothing, double bevel_depth,
-                                 double extrude, double offset, const std::string& fill, int bevel_resolution,
+                                 const std::string& closed_twist, double bevel_depth, double extrude, double offset,
+                                 const std::string& fill, int bevel_resolution,
                                  const std::optional<std::vector<CurveSplines>>& profile,
                                  const std::optional<CurveSplines>& taper, const std::string& taper_radius,
                                  bool taper_fits_bevel, double bevel_start, double bevel_end,
@@ -100,7 +100,6 @@ SweptCurveDescription make_curve(const std::string& name, const std::vector<Curv
     curve.dimensions = value_of(name, "dimensions", dimensions, kDimensions);
     curve.twist = value_of(name, "twist", twist, kTwists);
     curve.closed_twist = value_of(name, "closed_twist", closed_twist, kClosedTwists);
-    curve.twist_smoothing = twist_smoothing;
     curve.bevel_depth = bevel_depth;
     curve.extrude = extrude;
     curve.offset = offset;
@@ -132,11 +131,10 @@ void bind_curves(py::module_& module) {
         .def("__len__", &CurveSplines::spline_count);
     py::class_<SweptCurveDescription>(module, "SweptCurve")
         .def(py::init(&make_curve), "name"_a, "splines"_a, py::kw_only(), "dimensions"_a = "3D", "twist"_a = "MINIMUM",
-             "closed_twist"_a = "SPREAD", "twist_smoothing"_a = 0.0, "bevel_depth"_a = 0.0, "extrude"_a = 0.0,
-             "offset"_a = 0.0, "fill"_a = "FULL", "bevel_resolution"_a = 4, "profile"_a = py::none(),
-             "taper"_a = py::none(), "taper_radius"_a = "OVERRIDE", "taper_fits_bevel"_a = false, "bevel_start"_a = 0.0,
-             "bevel_end"_a = 1.0, "start_mapping"_a = "RESOLUTION", "end_mapping"_a = "RESOLUTION",
-             "fill_caps"_a = false)
+             "closed_twist"_a = "SPREAD", "bevel_depth"_a = 0.0, "extrude"_a = 0.0, "offset"_a = 0.0, "fill"_a = "FULL",
+             "bevel_resolution"_a = 4, "profile"_a = py::none(), "taper"_a = py::none(), "taper_radius"_a = "OVERRIDE",
+             "taper_fits_bevel"_a = false, "bevel_start"_a = 0.0, "bevel_end"_a = 1.0, "start_mapping"_a = "RESOLUTION",
+             "end_mapping"_a = "RESOLUTION", "fill_caps"_a = false)
         .def_readonly("name", &SweptCurveDescription::name);
 }
 

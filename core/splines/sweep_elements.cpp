@@ -119,6 +119,7 @@ void add_bezier(SweepElements& result, std::vector<SweepControl>& controls, cons
         const auto tilt = form(spline.group.tilt_interpolation, [&](size_t i) { return spline.tilt(i); });
         const Vec3d positions[4] = {spline.point(from), spline.right(from), spline.left(to), spline.point(to)};
         std::vector<SweepControl> added;
+        added.reserve(4);
         for (int i = 0; i < 4; ++i) added.push_back(control(positions[i], radius[i], tilt[i]));
         append(result, controls, added, false, false, pieces, spline.group.resolution);
         pieces += spline.group.resolution;
@@ -127,6 +128,8 @@ void add_bezier(SweepElements& result, std::vector<SweepControl>& controls, cons
 
 void add_nurbs(SweepElements& result, std::vector<SweepControl>& controls, const SplinePoints& spline) {
     NurbsCurve positions, values;
+    positions.points.reserve(spline.count);
+    values.points.reserve(spline.count);
     positions.direction = values.direction = spline.group.nurbs;
     for (size_t i = 0; i < spline.count; ++i) {
         const Vec3d p = spline.point(i);

@@ -236,7 +236,6 @@ class SweptCurve:
         dimensions: str = "3D",
         twist: str = "MINIMUM",
         closed_twist: str = "SPREAD",
-        twist_smoothing: float = 0.0,
         bevel_depth: float = 0.0,
         extrude: float = 0.0,
         offset: float = 0.0,

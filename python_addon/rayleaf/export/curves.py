@@ -3,7 +3,6 @@
 What Blender makes of each setting is told, and checked against Blender, by tests/blender/curve_reference.py.
 """
 
-import math
 from types import ModuleType
 from typing import Any
 
@@ -14,7 +13,7 @@ from ..messages import Messages
 from . import curve_splines
 from .curve_keys import ShapeKeys, has_aligned_handles
 from .curve_outlines import orient
-from .curve_splines import CYCLIC, KIND, RESOLUTION, SplineTable
+from .curve_splines import CYCLIC, KIND, SplineTable
 from .strands import CurveSettings
 
 # Blender's fill modes of 2D curves, as the round bevel counts them.
@@ -49,6 +48,8 @@ def fallback_reason(curve_object: Any) -> str | None:
         return "filled area of a 2D curve"
     if curve.dimensions == "3D" and curve.twist_mode == "TANGENT" and _has_undefined_tangents(curve):
         return "tangent twist, which Blender leaves undefined on straight segments and NURBS"
+    if curve.dimensions == "3D" and curve.twist_mode != "MINIMUM" and curve.twist_smooth > 0.0:
+        return "smoothed twist, which depends on the resolution"
     if curve.bevel_mode == "OBJECT" and (_deformed(curve.bevel_object) or curve.bevel_object.data.offset != 0.0):
         return "bevel object with a modifier, absolute shape keys or an offset"
     taper = curve.taper_object
@@ -155,15 +156,12 @@ def describe(core: ModuleType, curve_object: Any) -> Any:
         if taper is None:
             _radius_without_taper(table, curve.taper_radius_mode)
     own_profile = curve.bevel_mode == "OBJECT"
-    # Blender smooths by repeated averages, as many as smoothness times the resolution of the last spline.
-    resolution = max(1, int(table.settings[-1, RESOLUTION])) if len(table.settings) else 1
     return core.SweptCurve(
         curve_object.name,
         curve_splines.send(core, table),
         dimensions=curve.dimensions,
         twist=curve.twist_mode,
         closed_twist=versions.closed_twist(),
-        twist_smoothing=math.sqrt(max(curve.twist_smooth, 0.0) / (2.0 * resolution)),
         bevel_depth=0.0 if own_profile else curve.bevel_depth,
         extrude=0.0 if own_profile else curve.extrude,
         offset=curve.offset,
