@@ -45,11 +45,16 @@ def radius_of(mode, values, share):
     )
 
 
+# Where the texture coordinate around begins, in turns: Blender's first point is one of its steps away from the first
+# normal, and a bevel resolution of 4 makes 12 of them.
+PROFILE_START = 1 / 12
+
+
 def round_reference(uv, radius, normals, tilt=None):
     """Points of the round tube at texture coordinates."""
     position, tangent = swept.along(CONTROL, uv[:, 0])
     across, up = swept.turned(normals, tangent, np.zeros(len(uv)) if tilt is None else tilt)
-    angle = uv[:, 1:] * 2 * np.pi
+    angle = (uv[:, 1:] + PROFILE_START) * 2 * np.pi
     return position + np.reshape(radius, (-1, 1)) * (np.cos(angle) * across + np.sin(angle) * up)
 
 
