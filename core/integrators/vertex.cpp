@@ -1,23 +1,35 @@
 #include "integrators/vertex.h"
 
 namespace rayleaf {
+namespace {
+
+/// The normal that tells on which side a light is: the exact one of splines, so that their facets do not show where
+/// light grazes; a facet's own on meshes, and where a facet is seen at a silhouette whose surface faces away.
+const Vec3f& side_normal(const Vertex& vertex) {
+    const SurfacePoint& point = vertex.point;
+    const bool exact = point.shape && point.shape->kind() != ShapeKind::TriangleMesh;
+    const bool seen = point.normal.dot(vertex.outgoing) * point.facet_normal.dot(vertex.outgoing) > 0.0f;
+    return exact && seen ? point.normal : point.facet_normal;
+}
+
+}  // namespace
 
 LitLobes lit_together(const Vertex& vertex, const Closures& closures, const LightSample& light) {
-    const auto both = closures.evaluate_with_density(vertex.outgoing, light.direction, vertex.point.facet_normal);
+    const auto both = closures.evaluate_with_density(vertex.outgoing, light.direction, side_normal(vertex));
     return {both.value, both.density, {}};
 }
 
 LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const LightSample& light) {
     constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
-    const Vec3f& facet = vertex.point.facet_normal;
+    const Vec3f& side = side_normal(vertex);
     LitLobes lit;
     ByKind parts;
     for (const LobeKind kind : kLobeKinds) {
         if (!(light.visibility & kSeenBy[static_cast<size_t>(kind)])) continue;
-        parts[kind] = closures.evaluate(vertex.outgoing, light.direction, facet, kind);
+        parts[kind] = closures.evaluate(vertex.outgoing, light.direction, side, kind);
         lit.value += parts[kind];
     }
-    lit.density = closures.density(vertex.outgoing, light.direction, facet);
+    lit.density = closures.density(vertex.outgoing, light.direction, side);
     lit.shares = shares_of(parts, lit.value);
     return lit;
 }
