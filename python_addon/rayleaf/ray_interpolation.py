@@ -27,8 +27,8 @@ class _Thresholds:
 
     error: FloatProperty(  # type: ignore
         name="Error",
-        description="Largest error of an interpolated ray: a share of half the object's size. "
-        "Sets distance, angle and depth together; smaller is finer and slower",
+        description="Mean error that colours seen in a mirror or glass may have, on a scale from 0 to 1. "
+        "Sets distance, angle and depth together; smaller is closer and slower",
         default=0.005,
         min=0.00001,
         max=1.0,

@@ -13,7 +13,13 @@ def test_the_benchmark_of_curves_prints_its_tables(root, addons, tmp_path):
         [sys.executable, script, "curves", "--quick", "--json", out], env=environment, capture_output=True, text=True
     )
     assert run.returncode == 0, run.stdout + run.stderr
-    for title in ("swept patch", "Embree's round curve", "triangles, 32 sides", "equal silhouette error", "aimed at the axis"):
+    for title in (
+        "swept patch",
+        "Embree's round curve",
+        "triangles, 32 sides",
+        "equal silhouette error",
+        "aimed at the axis",
+    ):
         assert title in run.stdout, run.stdout
     rows = {(row["name"], row["unit"]): row["values"] for row in json.loads(out.read_text())["cases"]["curves"]}
     assert max(rows["lost axis hits: round", "share"] + rows["lost axis hits: ribbon", "share"]) == 0

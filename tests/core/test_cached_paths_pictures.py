@@ -6,7 +6,6 @@ from cached_scenes import (
     INTERPOLATED,
     MISSED,
     NOT_ASKED,
-    STILL,
     TWO_CLASS,
     ball,
     ball_scene,
@@ -21,12 +20,16 @@ from scenes import CUBE_TRIANGLES, CUBE_VERTICES, look_down, matrix, quad, spher
 
 def test_the_uv_pass_of_interpolated_surfaces_is_that_of_tracing(core):
     def uv(mode):
-        session = render(core, ball_scene(core, "simple"), mode, passes=["combined", "uv", "mask"], **STILL)
+        session = render(core, ball_scene(core, "simple"), mode, passes=["combined", "uv", "mask"])
         return session.pass_pixels("uv")[..., 1], share_of(session, INTERPOLATED)
 
     (off, _), (on, share) = uv("OFF"), uv("ON")
     assert share > 0.01
     assert np.median(np.abs(on - off)) < 0.01
+
+
+# What centres of cells may be off by where the error is 0.005 (quality_settings in core/ri_tree/ray_cache.h).
+MOST_AT_CENTRES = 0.05
 
 
 @pytest.mark.parametrize("kind", ["mirror", "simple"])
@@ -140,7 +143,7 @@ def test_the_mask_and_the_error_say_how_each_pixel_was_answered(core):
     assert colors[on_ball][2] > colors[on_ball][0], "blue shows what is interpolated"
     inside = share_of(on, INTERPOLATED, TWO_CLASS)
     assert 0.1 < inside < 0.9
-    assert (error[mask == INTERPOLATED] <= 0.02).all() and (error[(mask == NOT_ASKED)] == 0).all()
+    assert (error[mask == INTERPOLATED] <= MOST_AT_CENTRES).all() and (error[(mask == NOT_ASKED)] == 0).all()
 
 
 def test_textures_seen_by_way_of_an_interpolated_mirror_are_as_sharp_as_traced(core):

@@ -75,7 +75,9 @@ def test_only_what_lies_in_front_of_a_surface_counts(core):
         scene = scene_of(core, ((0, 0, 0), 1.0, volume), floor=floor)
         for mode in ("OFF", "ON"):
             session = render(core, scene, mode, **STILL, passes=PASSES)
-            assert session.pass_pixels("path_length")[MIDDLE][0] == pytest.approx(expected, abs=0.01), (floor, mode)
+            # On, lengths at centres of cells may be off by 0.05 of half the object's size, which is 1.
+            near = pytest.approx(expected, abs=0.01 if mode == "OFF" else 0.05)
+            assert session.pass_pixels("path_length")[MIDDLE][0] == near, (floor, mode)
 
 
 def test_a_camera_inside_a_volume_counts_from_there(core):
