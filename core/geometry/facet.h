@@ -24,14 +24,15 @@ inline Vec3d area_vector(const FacetCorners& corners) {
 
 /// The hit of a ray that a test in single precision has found inside the facet. That test decides about inside, since
 /// it agrees with the neighbours' along shared edges; here the point is only made exact, so weights that leave the
-/// facet are drawn back to its border. Empty where the ray lies in the facet's plane.
+/// facet are drawn back to its border. Empty where the ray lies in the facet's plane, or the facet has no area.
 inline std::optional<FacetHit> exact_facet_hit(const FacetCorners& corners, const Vec3d& origin,
                                                const Vec3d& direction) {
     // Cramer's rule on  origin + t direction = p0 + u edge1 + v edge2  (Moeller and Trumbore 1997).
     const Vec3d edge1 = corners[1] - corners[0], edge2 = corners[2] - corners[0];
     const Vec3d across = direction.cross(edge2);
     const double determinant = edge1.dot(across);
-    if (determinant == 0.0) return std::nullopt;
+    // Rounding can give a facet without area a determinant: it would be hit, and have no normal.
+    if (determinant == 0.0 || max_abs(edge1.cross(edge2)) == 0.0) return std::nullopt;
     const Vec3d from = origin - corners[0];
     const Vec3d other = from.cross(edge1);
     const double scale = 1.0 / determinant;

@@ -1,0 +1,138 @@
+"""Stiff and extreme patches against extended precision: hit or miss, position, normal; at every size and distance, and with
+every kernel."""
+
+import numpy as np
+import pytest
+from core import shapes
+from stability.measured import check
+from stability.patch_cases import REGULAR, PatchCase, extended
+
+trace = shapes.trace
+OFFSETS = (0.0, 1e3, 1e6)
+SCALES = (1e-6, 1.0, 1e6)
+CASES = {case.name: case for case in REGULAR}
+DISTANCE = 3.0  # of the eye, in sizes of the patch
+PIXEL_ANGLE = 1e-4
+FACET_TOLERANCE = 0.1 * PIXEL_ANGLE * DISTANCE  # of facets to surface, in sizes of the patch
+
+
+@pytest.fixture
+def any_target():
+    yield
+    trace.use_simd_target("")
+
+
+def aimed_rays(case: PatchCase, angle: float):
+    """Rays at the case's points, tilted from the normal; positions and origins in extended precision, size 1."""
+    aims = case.aims()
+    position, by_u, _ = case.evaluate(aims[:, 0], aims[:, 1])
+    normal = case.normals(aims[:, 0], aims[:, 1])
+    tangent = by_u / np.sqrt(np.sum(by_u * by_u, axis=1))[:, None]
+    towards = -(np.cos(extended(angle)) * normal + np.sin(extended(angle)) * tangent)
+    return position, position - towards * DISTANCE, towards
+
+
+def hits_of(case: PatchCase, offset: float, scale: float, origins, towards):
+    """The core's hits, with the patch scaled and moved."""
+    matrix = shapes.moved(offset, scale)
+    tracer = trace.Tracer([(case.surface(), matrix, shapes.EVERYTHING)], pixel_angle=PIXEL_ANGLE, eye=(offset,) * 3)
+    # The tolerance is a share of the distance: an eye at the patch's own size away.
+    placed = np.asarray(origins * scale + offset, np.float64)
+    return tracer.closest_hits(placed, np.asarray(towards, np.float64))
+
+
+def errors(case: PatchCase, offset: float, scale: float, angle: float):
+    """Missed rays; worst distances, in sizes of the patch, of the surface's hit from its own parameters and from the
+    ray; worst angle of the normal to that of its parameters."""
+    _, origins, towards = aimed_rays(case, angle)
+    hits = hits_of(case, offset, scale, origins, towards)
+    found = hits["instance"] >= 0
+    u, v = hits["u"].astype(float)[found], hits["v"].astype(float)[found]
+    exact = case.evaluate(u, v)[0]
+    position = (extended(hits["position"][found]) - extended(offset)) / extended(scale)
+    apart = np.sqrt(np.sum((position - exact) ** 2, axis=1))
+    # The ray as the core got it: rounding its origin at 1e6 moves it by more than the patch's facets.
+    start = (extended(np.asarray(origins * scale + offset, np.float64)) - extended(offset)) / extended(scale)
+    way = exact - start[found]
+    off_ray = np.sqrt(np.sum(np.cross(way, towards[found]) ** 2, axis=1))
+    normal = case.normals(u, v)
+    turned = np.sqrt(np.sum((extended(hits["normal"][found]) - normal) ** 2, axis=1))
+    return int(np.sum(~found)), apart, off_ray, turned
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("offset", OFFSETS)
+@pytest.mark.parametrize("name", CASES)
+def test_rays_meet_stiff_patches_where_extended_precision_says(name, offset, scale):
+    if offset > 1e9 * scale:
+        pytest.skip("a world position has too few digits for an object that small so far away")
+    case = CASES[name]
+    place = f"{name}, offset {offset:g}, scale {scale:g}"
+    for angle in (0.0, case.steepest):
+        missed, apart, off_ray, turned = errors(case, offset, scale, angle)
+        rounding = 4 * np.spacing(offset + scale) / scale  # of world positions, in sizes of the patch
+        check(place, f"rays lost at {angle:g} rad", missed, 0, "rays")
+        check(place, f"position at {angle:g} rad", apart.max(), case.position_bound + rounding, "sizes")
+        # A facet stands off by its tolerance, seen at the angle; float parameters of the hit add their own.
+        allowed = 2 * FACET_TOLERANCE / np.cos(angle) + 4e-6 + rounding
+        check(place, f"distance from the ray at {angle:g} rad", off_ray.max(), allowed, "sizes")
+        check(place, f"normal at {angle:g} rad", turned.max(), 2e-6, "rad")
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_kernel_gives_the_same_bits(name, any_target):
+    case = CASES[name]
+    _, origins, towards = aimed_rays(case, 0.5 * case.steepest)
+    results = {}
+    for target in trace.simd_targets():
+        assert trace.use_simd_target(target)
+        results[target] = hits_of(case, 0.0, 1.0, origins, towards)
+    assert len(results) >= 2, "only one instruction set: nothing to compare"
+    first, *others = results.values()
+    for other in others:
+        for key in ("t", "u", "v", "position", "normal"):
+            np.testing.assert_array_equal(first[key], other[key], err_msg=key)
+
+
+@pytest.mark.parametrize("angle", [1e-3, 1e-5, 1e-7])
+def test_grazing_rays_meet_a_flat_patch_to_a_ten_millionth_of_a_radian(angle):
+    """A flat square hit at its middle by rays that rise by 1e-7: the closed form is the plane."""
+    flat = PatchCase("flat", np.array([[[-1, -1, 0, 1], [1, -1, 0, 1]], [[-1, 1, 0, 1], [1, 1, 0, 1.0]]]))
+    tracer = trace.Tracer([(flat.surface(), np.eye(4), shapes.EVERYTHING)])
+    place = np.random.default_rng(5).uniform(-0.5, 0.5, (1000, 2))
+    directions = np.column_stack([np.full(1000, np.cos(angle)), np.zeros(1000), np.full(1000, -np.sin(angle))])
+    target = np.column_stack([place, np.zeros(1000)])
+    origins = target - 0.4 * directions
+    hits = tracer.closest_hits(origins, directions)
+    check(f"grazing by {angle:g}", "rays lost", int(np.sum(hits["instance"] < 0)), 0, "rays")
+    # The height of the origin is known to one rounding of its coordinates: 1e-17, over the angle.
+    off = np.linalg.norm(hits["facet_position"] - target, axis=1).max()
+    check(f"grazing by {angle:g}", "position on the facet", off, 1e-15 + 1e-15 / angle, "sizes")
+    # The surface's point comes from parameters in single precision, of a patch of size 2.
+    off = np.linalg.norm(hits["position"] - target, axis=1).max()
+    check(f"grazing by {angle:g}", "position on the surface", off, 2.0**-23 + 1e-15 / angle, "sizes")
+
+
+def test_needles_and_sheets_of_aspect_a_million_are_hit():
+    for name, factors in {"needle": (1, 1e-6, 1e-6), "sheet": (1, 1e-6, 1)}.items():
+        case = PatchCase(name, CASES["bicubic"].points * [*factors, 1])
+        aims = case.aims()
+        position = np.asarray(case.evaluate(aims[:, 0], aims[:, 1])[0], float)
+        normal = np.asarray(case.normals(aims[:, 0], aims[:, 1]), float)
+        tracer = trace.Tracer([(case.surface(), np.eye(4), shapes.EVERYTHING)], pixel_angle=1e-8)
+        hits = tracer.closest_hits(position + normal * 1e-3, -normal)
+        check(f"{name} of aspect 1e6", "rays lost", int(np.sum(hits["instance"] < 0)), 0, "rays")
+        off = np.linalg.norm(hits["position"] - position, axis=1).max()
+        # 64 x 16 cells at most along a side: chords are 1.2 (2 / 1024)^2 / 8 off at that curvature, seen at an angle.
+        check(f"{name} of aspect 1e6", "position", off, 4e-6, "sizes")
+
+
+def test_a_patch_of_one_point_is_refused_or_missed_and_never_crashes():
+    points = np.zeros((4, 4, 4))
+    points[..., 3] = 1.0
+    case = PatchCase("one point", points)
+    tracer = trace.Tracer([(case.surface(), np.eye(4), shapes.EVERYTHING)])
+    origins = np.array([[0, 0, 1], [1e-9, 0, 1], [0.5, 0, 1.0]])
+    hits = tracer.closest_hits(origins, np.array([[0, 0, -1.0]] * 3))
+    assert np.isfinite(hits["position"]).all() and np.isfinite(hits["normal"]).all()
+    assert hits["instance"][2] < 0
