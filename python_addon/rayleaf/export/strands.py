@@ -43,8 +43,45 @@ class StrandArrays:
         return len(self.offsets) - 1
 
 
+_FACETS = ("TRIANGLES", "QUADS")
+
+
+@dataclass(frozen=True)
+class CurveSettings:
+    """What hair and round bevelled curves are rendered as: the scene's Curves panel."""
+
+    strand_shape: str  # of exact hair: ROUND or RIBBON
+    primitive: str  # EXACT, or one of those to compare with
+    detail: int  # balls a segment; rings a segment and sides of a tube
+
+    @property
+    def form(self) -> str:
+        """The form of the core's Strands; tubes of facets are made from round ones."""
+        if self.primitive == "EXACT":
+            return self.strand_shape
+        return "ROUND" if self.primitive in _FACETS else self.primitive
+
+    def of_strands(self, core: ModuleType, strands: Any) -> Any:
+        """The shape that is rendered for strands of this form."""
+        if self.primitive not in _FACETS:
+            return strands
+        return core.strand_tubes(strands, self.detail, max(3, self.detail), self.primitive)
+
+    def of_curve(self, core: ModuleType, curve: Any) -> Any | None:
+        """What replaces a bevelled curve; None if nothing does: exact, or not a round tube of one thickness."""
+        if self.primitive == "EXACT":
+            return None
+        strands = core.strands_along(curve, self.form, self.detail)
+        return None if strands is None else self.of_strands(core, strands)
+
+
+def curve_settings(own: Any) -> CurveSettings:
+    """Those of `scene.rayleaf`."""
+    return CurveSettings(own.strand_shape, own.curve_primitive, own.curve_detail)
+
+
 def add_strands(
-    core: ModuleType, scene: Any, name: str, arrays: StrandArrays, form: str, wanted: frozenset[str]
+    core: ModuleType, scene: Any, name: str, arrays: StrandArrays, settings: CurveSettings, wanted: frozenset[str]
 ) -> int:
     """Send strands; the shape's index. Raises the core's InputError."""
 
