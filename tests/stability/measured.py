@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 
-def check(case: str, quantity: str, measured: float, bound: float, unit: str) -> None:
+def check_bound(case: str, quantity: str, measured: float, bound: float, unit: str) -> None:
     """Fails if `measured` is above `bound` or is no number; records both."""
     path = os.environ.get("RAYLEAF_STABILITY")
     if path:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import ri_tree_support as support
 from core import shapes
-from stability.measured import check
+from stability.measured import check_bound
 
 trace = shapes.trace
 FACETS = 2.0**-20  # distance of facets to the surface, in sizes
@@ -28,13 +28,13 @@ def test_a_ball_lens_bends_rays_as_snell_says(ior, height):
     answers = ball(ior).trace(origins, directions)
     position, direction = support.through_glass_ball(origins, directions, ior)
     place = f"ball lens, index {ior:g}, height {height:g}"
-    check(place, "rays lost", int(np.sum(~answers["hit"])), 0, "rays")
+    check_bound(place, "rays lost", int(np.sum(~answers["hit"])), 0, "rays")
     # Normals are exact at a hit whose place is off by a facet's distance over the cosine of incidence.
     cosine = np.sqrt(1 - height**2)
     allowed = 40 * FACETS / cosine * max(1.0, ior)
-    check(place, "exit direction", support.angles(answers["exit_direction"], direction).max(), allowed, "rad")
+    check_bound(place, "exit direction", support.angles(answers["exit_direction"], direction).max(), allowed, "rad")
     off = np.linalg.norm(answers["exit_position"] - position, axis=1).max()
-    check(place, "exit position", off, allowed, "sizes")
+    check_bound(place, "exit position", off, allowed, "sizes")
 
 
 def test_glass_of_index_one_bends_nothing():
@@ -42,7 +42,7 @@ def test_glass_of_index_one_bends_nothing():
     answers = ball(1.0).trace(origins, directions)
     hit = answers["hit"]
     turned = support.angles(answers["exit_direction"][hit], directions[hit]).max()
-    check("ball of index 1", "exit direction", turned, 1e-7, "rad")
+    check_bound("ball of index 1", "exit direction", turned, 1e-7, "rad")
 
 
 @pytest.mark.parametrize("excess", [1e-3, 1e-5, 1e-7])
@@ -91,8 +91,8 @@ def test_a_stack_of_plates_shifts_rays_and_keeps_their_direction(plates):
         position += directions * (gap / -directions[0, 2])
         travelled += thickness * np.tan(np.arcsin(np.sin(angle) / ior)) + gap * np.tan(angle)
     place = f"stack of {plates} plates"
-    check(place, "direction", np.abs(directions - [np.sin(angle), 0, -np.cos(angle)]).max(), 1e-7 * plates, "rad")
-    check(place, "shift", abs(position[0, 0] + 0.6 - travelled), 1e-6 * plates, "sizes")
+    check_bound(place, "direction", np.abs(directions - [np.sin(angle), 0, -np.cos(angle)]).max(), 1e-7 * plates, "rad")
+    check_bound(place, "shift", abs(position[0, 0] + 0.6 - travelled), 1e-6 * plates, "sizes")
 
 
 def test_a_corner_cube_sends_rays_back_where_they_came_from():
@@ -117,7 +117,7 @@ def test_a_corner_cube_sends_rays_back_where_they_came_from():
     back = bounced == 3
     assert back.sum() > 1000, "too few rays met all three mirrors"
     assert bounced.max() <= 3
-    check("corner cube", "direction", np.abs(directions[back] + into[back]).max(), 1e-6, "rad")
+    check_bound("corner cube", "direction", np.abs(directions[back] + into[back]).max(), 1e-6, "rad")
 
 
 def test_the_error_of_a_chain_of_interior_hits_grows_as_the_angles_allow():
@@ -131,7 +131,7 @@ def test_the_error_of_a_chain_of_interior_hits_grows_as_the_angles_allow():
     hits = int(answers["interior_hits"][0])
     assert answers["hit"][0] and hits >= 40, f"only {hits} hits inside"
     turned = np.abs(np.abs(answers["exit_direction"]) - np.abs(directions)).max()
-    check(f"light pipe, {hits} interior hits", "exit direction", turned, 1e-7 * hits, "rad")
+    check_bound(f"light pipe, {hits} interior hits", "exit direction", turned, 1e-7 * hits, "rad")
 
 
 @pytest.mark.parametrize("hits", [2, 4, 8, 16])
@@ -158,4 +158,4 @@ def test_the_growth_of_errors_in_a_ball_of_total_reflections_is_measured(hits):
     # Normals are floats: 1e-7 each; the place of a hit is off by the facet's distance over the cosine, and turns the
     # normal by as much, twice in a reflection. Chords of a circle keep their angle: the error adds up along the circle.
     turned = np.sqrt(np.sum((directions - exact_direction) ** 2, axis=1)).astype(float)
-    check(f"mirror ball, {hits} hits", "direction", turned.max(), 1e-5 * hits**2, "rad")
+    check_bound(f"mirror ball, {hits} hits", "direction", turned.max(), 1e-5 * hits**2, "rad")

@@ -5,7 +5,7 @@ import os
 import numpy as np
 import pytest
 from core import shapes
-from stability.measured import check
+from stability.measured import check_bound
 
 RAYS = int(float(os.environ.get("RAYLEAF_LEAK_RAYS", "2e5")))
 BATCH = 200_000
@@ -45,4 +45,4 @@ def test_as_many_rays_leave_a_closed_shell_as_enter_it(name, place):
         directions = shapes.unit(targets - origins)
         wrong += parity_errors(tracer, origins * scale + offset, directions)
     # A ray through a sharp edge of a mesh may meet one of its two faces only: its direction is parallel to the other.
-    check(f"{name} {place}, {count} rays", "rays that leaked", wrong, 0, "rays")
+    check_bound(f"{name} {place}, {count} rays", "rays that leaked", wrong, 0, "rays")

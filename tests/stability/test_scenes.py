@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import scenes
 from path_scenes import ALL_PASSES, material
-from stability.measured import check
+from stability.measured import check_bound
 
 CENTIMETRE_LIKE = dict(width=16, height=16, samples=16, filter="BOX", filter_width=1.0, clamp_indirect=0.0)
 
@@ -37,7 +37,7 @@ def test_a_tiny_lamp_of_any_power_lights_as_a_point_does(core, radius, power):
     height = 2.0
     expected = 0.5 / np.pi * power / (4 * np.pi) / height**2
     found = passes_of(core, lamp_over_plane(core, radius, power), samples=4)["combined"][..., :3]
-    check(
+    check_bound(
         f"lamp of radius {radius:g}, {power:g} W", "radiance", np.abs(found / expected - 1).max(), 1e-3, "of the value"
     )
 
@@ -64,7 +64,7 @@ def test_a_camera_inside_glass_sees_a_white_world_white(core, ior):
     light = found["combined"][..., :3]
     assert light.max() <= 1 + 1e-4, "more light than the world has"
     lost = 1 - light.mean()
-    check(f"camera inside glass of index {ior:g}", "light lost", lost, 1e-3, "of the world's")
+    check_bound(f"camera inside glass of index {ior:g}", "light lost", lost, 1e-3, "of the world's")
 
 
 @pytest.mark.parametrize("clip", [1e-6, 1e-3])
@@ -75,7 +75,7 @@ def test_a_camera_that_close_to_a_wall_sees_it(core, clip):
     scene.set_camera("PERSPECTIVE", scenes.matrix((0, 0, 2 * clip)), (-0.1, -0.1), (0.1, 0.1), clip, 10.0)
     found = passes_of(core, scene, samples=1)
     np.testing.assert_allclose(found["combined"][..., :3], 1.0)
-    check(f"wall at {2 * clip:g}", "depth", np.abs(found["depth"] / (2 * clip) - 1).max(), 1e-5, "of the value")
+    check_bound(f"wall at {2 * clip:g}", "depth", np.abs(found["depth"] / (2 * clip) - 1).max(), 1e-5, "of the value")
 
 
 @pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6])
@@ -89,7 +89,7 @@ def test_nested_shells_a_millionth_apart_lose_no_light(core, gap):
     scene.set_world(scenes.background(core, (1, 1, 1)))
     scenes.look_down(scene, half=0.3)
     light = passes_of(core, scene)["combined"][..., :3]
-    check(f"shells {gap:g} apart", "light", np.abs(light - 1).max(), 1e-4, "of the world's")
+    check_bound(f"shells {gap:g} apart", "light", np.abs(light - 1).max(), 1e-4, "of the world's")
 
 
 def test_a_shell_that_touches_itself_lets_no_light_in(core):
@@ -102,7 +102,7 @@ def test_a_shell_that_touches_itself_lets_no_light_in(core):
     scene.set_world(scenes.background(core, (1, 1, 1), 1e6))
     scene.set_camera("PERSPECTIVE", scenes.matrix((-1, 0, 0.5)), (-2, -2), (2, 2), 1e-3, 100.0)
     light = passes_of(core, scene, samples=64)["combined"][..., :3]
-    check("box in a bright world", "light that leaked in", light.max(), 0.0, "")
+    check_bound("box in a bright world", "light that leaked in", light.max(), 0.0, "")
 
 
 def test_a_bright_lamp_seen_in_a_rough_mirror_makes_no_infinite_speck(core):
