@@ -76,7 +76,9 @@ def test_what_fits_is_diced_once():
     first = cache_statistics(tracer)
     tracer.closest_hits(origins, directions, width=width)
     second = cache_statistics(tracer)
-    assert second["vertices_diced"] == first["vertices_diced"] > 0
+    # Who cannot have a slot at once, because another thread is at it, dices for itself alone: the grid is kept only
+    # when it is missed again. A few of thousands.
+    assert first["vertices_diced"] <= second["vertices_diced"] <= 1.001 * first["vertices_diced"]
     for name, level in second["levels"].items():
         assert level["lookups"] == 2 * first["levels"][name]["lookups"]
         # Two threads may miss the same grid at the same time.
