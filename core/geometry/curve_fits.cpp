@@ -138,8 +138,7 @@ std::shared_ptr<Strands> strands_along(const SweptCurveDescription& curve, Stran
     std::vector<int32_t> offsets = {0}, slots;
     for (const SweepSpline& spline : path.splines) {
         for (uint32_t i = 0; i < spline.piece_count; ++i)
-            add_piece(path, path.pieces[spline.first_piece + i], std::abs(curve.bevel_depth), i == 0,
-                      local);
+            add_piece(path, path.pieces[spline.first_piece + i], std::abs(curve.bevel_depth), i == 0, local);
         offsets.push_back(static_cast<int32_t>(local.size()));
         slots.push_back(static_cast<int32_t>(curve.splines[spline.group].material_slot));
     }

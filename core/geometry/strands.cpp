@@ -165,7 +165,9 @@ void Strands::measure() {
         double length = first ? 0.0 : lengths_[i - 1];
         const StrandSegment curve = segment(i);
         for (int k = 0; k < kChords; ++k)
-            length += (axis_point(curve.at((k + 1.0) / kChords)) - axis_point(curve.at(static_cast<double>(k) / kChords))).length();
+            length +=
+                (axis_point(curve.at((k + 1.0) / kChords)) - axis_point(curve.at(static_cast<double>(k) / kChords)))
+                    .length();
         lengths_[i] = static_cast<float>(length);
     }
 }

@@ -41,10 +41,10 @@ struct StrandAttribute {
 
 /// What a strand tells of itself, as attributes: ids, -1 where nobody asks. All of one channel.
 struct StrandInfoIds {
-    AttributeId is_strand = -1;       ///< 1
-    AttributeId intercept = -1;       ///< share of the strand's length from its root to here
-    AttributeId length = -1;          ///< of the whole strand, object units
-    AttributeId thickness = -1;       ///< diameter here, object units
+    AttributeId is_strand = -1;  ///< 1
+    AttributeId intercept = -1;  ///< share of the strand's length from its root to here
+    AttributeId length = -1;     ///< of the whole strand, object units
+    AttributeId thickness = -1;  ///< diameter here, object units
 };
 
 /// What strands are made of; the spans are read during construction only.

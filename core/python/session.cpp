@@ -113,8 +113,7 @@ py::dict statistics(const Session& session) {
         "ray_caches"_a = ray_caches(s),
         "memory"_a = py::dict("shapes"_a = s.shape_bytes, "grids"_a = t.geometry.bytes, "subpatches"_a = t.record_bytes,
                               "acceleration"_a = t.bvh_bytes, "lights"_a = s.light_bytes, "film"_a = s.film_bytes,
-                              "irradiance"_a = s.irradiance_bytes,
-                              "textures"_a = s.textures.bytes),
+                              "irradiance"_a = s.irradiance_bytes, "textures"_a = s.textures.bytes),
         "left_out"_a = left_out(s, session));
 }
 

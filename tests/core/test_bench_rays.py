@@ -5,7 +5,10 @@ import os
 import subprocess
 import sys
 
+import pytest
 
+
+@pytest.mark.slow
 def test_the_benchmark_of_ray_caches_prints_its_tables(root, addons, tmp_path):
     script, out = root / "tests" / "bench" / "run_benchmarks.py", tmp_path / "rows.json"
     environment = {**os.environ, "RAYLEAF_PACKAGE_DIR": str(addons)}
