@@ -10,14 +10,6 @@ namespace {
 /// beyond it, which suffices where it leaves steeper than at some 15 degrees.
 constexpr double kExitErrors = 4.0;
 
-/// Snell's law; `normal` faces the incoming side, `eta` is the incoming side's index over the other's.
-std::optional<Vec3d> refracted_direction(const Vec3d& direction, const Vec3d& normal, double eta) {
-    const double cosine = -direction.dot(normal);
-    const double beyond = 1.0 - eta * eta * (1.0 - cosine * cosine);
-    if (beyond < 0.0) return std::nullopt;
-    return normalized_or(direction * eta + normal * (eta * cosine - std::sqrt(beyond)), direction);
-}
-
 }  // namespace
 
 std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const NeighbourHits& neighbours,

@@ -132,7 +132,7 @@ PixelSample PathTracer::trace() {
 /// was said to leave lay a little inside: then that surface is not there.
 void PathTracer::find_hit() {
     ray_.neighbour_distance = differential_.width();
-    ray_.neighbour_angle = differential_.spread();
+    ray_.neighbour_angle = differential_.angle();
     constexpr int kMostSurfaces = 4;
     ClosestHit found;
     for (int i = 0; i < kMostSurfaces; ++i) {

@@ -39,7 +39,7 @@ Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias)
 Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
                  int transparent_left) {
     ray.neighbour_distance = differential.width();
-    ray.neighbour_angle = differential.spread();
+    ray.neighbour_angle = differential.angle();
     Color transmittance = through_volumes(scene, ray, kind).transmittance;
     if (!scene.has_transparency()) return scene.tracer().occluded(ray, kind) ? Color(0.0f) : transmittance;
     const Vec3f outgoing = -Vec3f(ray.direction);

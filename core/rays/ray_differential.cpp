@@ -52,8 +52,7 @@ float share_width(float density, int rays) {
 RayDifferential widened(const RayDifferential& in, const Vec3f& new_direction, float angle) {
     Vec3f tangent, bitangent;
     orthonormal_basis(new_direction, tangent, bitangent);
-    const float old = std::sqrt(std::max(in.dd_dx.length2(), in.dd_dy.length2()));
-    const float wide = std::max(old, angle);
+    const float wide = std::max(in.angle(), angle);
     return {in.dp_dx, in.dp_dy, tangent * wide, bitangent * wide};
 }
 

@@ -14,8 +14,6 @@ struct RayDifferential {
     RayDifferential transferred(const Vec3f& direction, double t, const Vec3f& normal) const;
     /// Length of the larger of the two position vectors: the ray's width, world units.
     float width() const { return std::sqrt(std::max(dp_dx.length2(), dp_dy.length2())); }
-    /// The larger of the two direction vectors: by how much the ray widens, radians.
-    float spread() const { return std::sqrt(std::max(dd_dx.length2(), dd_dy.length2())); }
     /// Length of the larger of the two direction vectors: how fast the ray widens, radians.
     float angle() const { return std::sqrt(std::max(dd_dx.length2(), dd_dy.length2())); }
 };

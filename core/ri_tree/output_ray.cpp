@@ -86,4 +86,11 @@ Vec3d mirrored(const Vec3d& direction, const Vec3d& normal) {
     return direction - normal * (2.0 * direction.dot(normal));
 }
 
+std::optional<Vec3d> refracted_direction(const Vec3d& direction, const Vec3d& normal, double eta) {
+    const double cosine = -direction.dot(normal);
+    const double beyond = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    if (beyond < 0.0) return std::nullopt;
+    return normalized_or(direction * eta + normal * (eta * cosine - std::sqrt(beyond)), direction);
+}
+
 }  // namespace rayleaf

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace rayleaf {
@@ -78,5 +79,8 @@ OutputRay from_attributes(OutputKind kind, const SampleClass& sample_class, std:
 double distance(OutputKind kind, const OutputRay& a, const OutputRay& b, double reach);
 
 Vec3d mirrored(const Vec3d& direction, const Vec3d& normal);
+/// Snell's law; `normal` faces the incoming side, `eta` is the incoming side's index over the other's. Empty: all is
+/// reflected.
+std::optional<Vec3d> refracted_direction(const Vec3d& direction, const Vec3d& normal, double eta);
 
 }  // namespace rayleaf

@@ -45,15 +45,6 @@ TextureSeams seams_of(OutputKind kind) {
     return kind == OutputKind::Simple ? TextureSeams::Parted : TextureSeams::Joined;
 }
 
-/// Snell's law; `normal` faces the incoming side, `eta` is the incoming side's index over the other's. Empty: all is
-/// reflected.
-std::optional<Vec3d> refracted_direction(const Vec3d& direction, const Vec3d& normal, double eta) {
-    const double cosine = -direction.dot(normal);
-    const double beyond = 1.0 - eta * eta * (1.0 - cosine * cosine);
-    if (beyond < 0.0) return std::nullopt;
-    return normalized_or(direction * eta + normal * (eta * cosine - std::sqrt(beyond)), direction);
-}
-
 }  // namespace
 
 SampleTracer::SampleTracer(std::shared_ptr<const Shape> shape, const SampleSettings& settings)

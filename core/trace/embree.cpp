@@ -58,6 +58,16 @@ EmbreeScene new_embree_scene(const CancelToken& cancel) {
     return scene;
 }
 
+RTCGeometry new_user_geometry(void* owner, size_t count, const UserGeometryCallbacks& callbacks) {
+    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(count));
+    rtcSetGeometryUserData(geometry, owner);
+    rtcSetGeometryBoundsFunction(geometry, callbacks.bounds, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, callbacks.closest);
+    rtcSetGeometryOccludedFunction(geometry, callbacks.any);
+    return geometry;
+}
+
 void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry) {
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene.get(), geometry, 0);

@@ -9,6 +9,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -84,6 +85,14 @@ class EmbreeScene {
 RTCDevice embree_device();
 /// A new scene of best quality with the robust flag. Its build looks at the token, which must live until then.
 EmbreeScene new_embree_scene(const CancelToken& cancel = kNeverCancelled);
+/// What a user geometry answers; null: rays of that kind are not asked.
+struct UserGeometryCallbacks {
+    RTCBoundsFunction bounds;
+    RTCIntersectFunctionN closest;
+    RTCOccludedFunctionN any;
+};
+/// A geometry of `count` primitives whose callbacks get `owner` as geometryUserPtr.
+RTCGeometry new_user_geometry(void* owner, size_t count, const UserGeometryCallbacks& callbacks);
 /// Adds a geometry, which it takes over, to a scene as number 0 and builds it. Throws Cancelled if the scene's token
 /// says so, std::runtime_error with Embree's word if the build fails.
 void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry);

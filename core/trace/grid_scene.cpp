@@ -30,14 +30,8 @@ GridScene::GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, con
     const uint32_t count = dicer_->subpatch_count();
     if (count == 0) return;
     measure(cancel);
-    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, count);
-    rtcSetGeometryUserData(geometry, this);
-    rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, closest_callback);
-    rtcSetGeometryOccludedFunction(geometry, any_callback);
     EmbreeScene scene = new_embree_scene(cancel);
-    build_embree_scene(scene, geometry);
+    build_embree_scene(scene, new_user_geometry(this, count, {bounds_callback, closest_callback, any_callback}));
     Box3f box;
     for (const Box3f& each : boxes_) box.extendBy(each);
     set_scene(std::move(scene), box);

@@ -113,12 +113,7 @@ RTCGeometry RivalScene::newton_boxes() {
     for (const BicubicPatch& patch : patches_) {
         for (uint32_t part = 0; part < kParts; ++part) boxes_.push_back(part_box(patch, part));
     }
-    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(boxes_.size()));
-    rtcSetGeometryUserData(geometry, this);
-    rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, newton_callback);
-    return geometry;
+    return new_user_geometry(this, boxes_.size(), {bounds_callback, newton_callback, nullptr});
 }
 
 void RivalScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {

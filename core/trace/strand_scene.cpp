@@ -101,14 +101,9 @@ StrandScene::StrandScene(const Strands& strands, const CancelToken& cancel)
     : ShapeScene(strands, FacetKind::Strands), strands_(&strands) {
     add_pieces(cancel);
     if (pieces_.empty()) return;
-    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(pieces_.size()));
-    rtcSetGeometryUserData(geometry, this);
-    rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, closest_callback);
-    rtcSetGeometryOccludedFunction(geometry, any_callback);
     EmbreeScene scene = new_embree_scene(cancel);
-    build_embree_scene(scene, geometry);
+    build_embree_scene(scene,
+                       new_user_geometry(this, pieces_.size(), {bounds_callback, closest_callback, any_callback}));
     set_scene(std::move(scene), strands.bounds());
 }
 

@@ -114,14 +114,9 @@ void Tracer::Implementation::build_records() {
 
 void Tracer::Implementation::build_scene(const CancelToken& cancel) {
     if (instances.size() <= kDirectInstances || bounds.isEmpty()) return;
-    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(instances.size()));
-    rtcSetGeometryUserData(geometry, this);
-    rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, closest_callback);
-    rtcSetGeometryOccludedFunction(geometry, any_callback);
     scene = new_embree_scene(cancel);
-    build_embree_scene(scene, geometry);
+    build_embree_scene(scene,
+                       new_user_geometry(this, instances.size(), {bounds_callback, closest_callback, any_callback}));
 }
 
 void Tracer::Implementation::build_cache(const GeometryCacheSettings& settings) {

@@ -51,11 +51,10 @@ def table(rows: list[dict[str, Any]]) -> list[str]:
 
 def machine() -> dict[str, Any]:
     """What the figures depend on."""
-    names = [
-        line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line
-    ]
+    from rayleaf.report.machine import processor  # on the path once `main` has set it
+
     return {
-        "processor": names[0] if names else platform.machine(),
+        "processor": processor(),
         "cores": os.cpu_count(),
         "load": os.getloadavg()[0],
         "python": platform.python_version(),

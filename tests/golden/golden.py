@@ -7,6 +7,7 @@ from pathlib import Path
 import matplotlib.image
 import numpy as np
 from numpy.typing import NDArray
+from rayleaf.report.errors import to_srgb
 
 SIZE = 160  # pixels along the longer side
 SAMPLES = 16
@@ -93,8 +94,7 @@ class Comparison:
 
 def write_png(path: Path, linear: NDArray[np.float32]) -> None:
     """Linear light as an sRGB picture."""
-    clipped = np.clip(np.nan_to_num(linear), 0, 1)
-    encoded = np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
+    encoded = to_srgb(np.clip(np.nan_to_num(linear), 0, 1))
     matplotlib.image.imsave(path, np.ascontiguousarray(encoded.astype(np.float64)))
 
 

@@ -10,9 +10,6 @@ from . import page
 from .measure import render
 from .points import Point
 
-# Passes whose numbers are not colours: how each becomes one.
-_INTERESTING = "a pass that is black everywhere is left out"
-
 
 def read_layers(path: Path) -> dict[str, Any]:
     """Pass name -> (height, width, channels), rows bottom to top; of the first view layer of Blender's file."""

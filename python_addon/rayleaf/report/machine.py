@@ -15,7 +15,8 @@ def _first_line(command: list[str], folder: Path) -> str:
     return (done.stdout.splitlines() or ["unknown"])[0].strip()
 
 
-def _processor() -> str:
+def processor() -> str:
+    """Its name as the system tells it."""
     for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
         if line.startswith("model name"):
             return line.split(":", 1)[1].strip()
@@ -34,7 +35,7 @@ def describe(root: Path, blender: str) -> dict[str, str]:
     changed = _first_line(["git", "status", "--porcelain"], root)
     commit = _first_line(["git", "rev-parse", "--short", "HEAD"], root)
     return {
-        "processor": _processor(),
+        "processor": processor(),
         "cores": str(os.cpu_count()),
         "load before": f"{os.getloadavg()[0]:.2f}",
         "system": platform.platform(),

@@ -2,11 +2,11 @@
 
 import base64
 import html
-import struct
-import zlib
+import io
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import matplotlib.image
 import numpy as np
 
 from .errors import displayed, to_srgb
@@ -60,19 +60,9 @@ def section(title: str, *parts: str, level: int = 2) -> str:
 
 def png(pixels: Any) -> bytes:
     """(height, width, 3) bytes, rows top to bottom, as a PNG file."""
-    height, width, _ = pixels.shape
-    rows = np.concatenate([np.zeros((height, 1), np.uint8), pixels.reshape(height, width * 3)], axis=1)
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    return (
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", header)
-        + chunk(b"IDAT", zlib.compress(rows.tobytes(), 9))
-        + chunk(b"IEND", b"")
-    )
+    file = io.BytesIO()
+    matplotlib.image.imsave(file, np.ascontiguousarray(pixels), format="png")
+    return file.getvalue()
 
 
 def picture(linear: Any, caption: str) -> str:

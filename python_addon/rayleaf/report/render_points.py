@@ -45,16 +45,8 @@ def remembered(scene: Any, paths: list[str]) -> dict[str, Any]:
     return found
 
 
-def process_megabytes(field: str) -> float:
-    """VmRSS or VmHWM of this process."""
-    for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
-        if line.startswith(field):
-            return int(line.split()[1]) / 1024
-    return 0.0
-
-
 def forget_peak() -> None:
-    """Make VmHWM start again from what is used now."""
+    """Make the peak of the process start again from what is used now (Linux)."""
     gc.collect()
     Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
 
@@ -103,12 +95,13 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
         for path, value in point["assign"].items():
             assign(scene, path, value)
         forget_peak()
-        at_start, seconds = process_megabytes("VmRSS"), []
+        process_memory = importlib.import_module(f"{job['addon']}.statistics").process_memory
+        at_start, seconds = process_memory()[0], []
         for _ in range(job["repeats"]):
             began = time.perf_counter()
             bpy.ops.render.render()
             seconds.append(time.perf_counter() - began)
-        memory = process_megabytes("VmHWM") - at_start
+        memory = process_memory()[1] - at_start
         picture = folder / f"{number:03d}.npy"
         np.save(picture, rendered_pixels(folder, scene))
         layers = saved_layers(folder / f"{number:03d}.exr", scene) if job.get("all_passes") else ""
