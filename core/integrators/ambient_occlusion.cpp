@@ -27,6 +27,7 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         ray.origin = vertex.point.ray_origin(direction);
         ray.direction = normalized_or(Vec3d(direction), Vec3d(0, 0, 1));
         ray.t_max = settings.occlusion_distance;
+        ray.start = vertex.point.anchor();
         sum += free_share(scene, ray, hemisphere_differential(vertex.differential, direction, local.z, rays),
                           kVisibleDiffuse, state, settings.transparent_bounces);
     }

@@ -2,6 +2,7 @@
 
 #include "integrators/distribution_tracer.h"
 #include "integrators/first_surface.h"
+#include "rays/ray_footprint.h"
 
 namespace rayleaf {
 
@@ -10,7 +11,8 @@ void DistributionTracer::follow_pending() {
         const Branch branch = pending_.back();
         pending_.pop_back();
         ++counts_[branch.use];
-        arrive(branch, scene_.tracer().closest_hit(branch.ray, branch.bounces.ray_kind()));
+        arrive(branch,
+               scene_.tracer().closest_hit(with_footprint(branch.ray, branch.differential), branch.bounces.ray_kind()));
     }
 }
 

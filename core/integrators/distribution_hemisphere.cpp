@@ -2,6 +2,7 @@
 #include "integrators/distribution_tracer.h"
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
+#include "rays/ray_footprint.h"
 
 namespace rayleaf {
 
@@ -12,7 +13,8 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     Ray limited = ray.ray;
     if (!carries_light) limited.t_max = reach;
     ++counts_[ray.use];
-    const std::optional<Hit> hit = scene_.tracer().closest_hit(limited, ray.bounces.ray_kind());
+    const std::optional<Hit> hit =
+        scene_.tracer().closest_hit(with_footprint(limited, ray.differential), ray.bounces.ray_kind());
     HemisphereRay result;
     if (hit) result.inverse_distance = static_cast<float>(1.0 / hit->t);
     limited.t_max = reach;

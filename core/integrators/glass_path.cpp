@@ -1,6 +1,7 @@
 #include "integrators/glass_path.h"
 
 #include "integrators/scattered_differential.h"
+#include "rays/ray_footprint.h"
 #include "ri_tree/output_ray.h"
 
 namespace rayleaf {
@@ -44,7 +45,7 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
     GlassExit exit{entered, differential, 0, 0};
     Ray& ray = exit.ray;
     for (int hits = 0; hits < kMostInteriorHits; ++hits) {
-        const std::optional<Hit> hit = scene.tracer().closest_on(instance, ray);
+        const std::optional<Hit> hit = scene.tracer().closest_on(instance, with_footprint(ray, exit.differential));
         if (!hit) return std::nullopt;
         const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
         const Vec3d facet(point.facet_normal);
@@ -65,6 +66,7 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
         ++(through ? exit.crossings : exit.total_reflections);
         ray.origin = point.ray_origin(sample.direction);
         ray.direction = direction;
+        ray.start = point.anchor();
         // Where the ray goes by the facet is where it is: a shading normal may differ from it.
         if (direction.dot(facet) >= 0.0) return exit;
     }

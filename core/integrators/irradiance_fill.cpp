@@ -4,6 +4,7 @@
 #include "integrators/branch.h"
 #include "integrators/dimensions.h"
 #include "integrators/scattered_differential.h"
+#include "rays/ray_footprint.h"
 #include "shading/split_closures.h"
 
 #include <mutex>
@@ -80,7 +81,8 @@ std::vector<OpenPoint> PointFinder::find(const CameraRay& camera_ray, const Samp
 
 void PointFinder::look(const Branch& branch) {
     const Tracer& tracer = frame_.scene.tracer();
-    const std::optional<Hit> hit = tracer.closest_hit(branch.ray, branch.bounces.ray_kind());
+    const std::optional<Hit> hit =
+        tracer.closest_hit(with_footprint(branch.ray, branch.differential), branch.bounces.ray_kind());
     if (!hit || branch.bounces.is_spent()) return;
     Vertex vertex;
     vertex.point = tracer.surface_point(branch.ray, *hit);

@@ -11,6 +11,7 @@
 #include "integrators/shadow.h"
 #include "integrators/vertex.h"
 #include "integrators/volumes.h"
+#include "rays/ray_footprint.h"
 
 namespace rayleaf {
 namespace {
@@ -131,6 +132,7 @@ PixelSample PathTracer::trace() {
 /// What the ray under way meets. One that has left a glass body cannot meet it from inside, unless the point where it
 /// was said to leave lay a little inside: then that surface is not there.
 void PathTracer::find_hit() {
+    ray_ = with_footprint(ray_, differential_);
     ray_.neighbour_distance = differential_.width();
     ray_.neighbour_angle = differential_.angle();
     constexpr int kMostSurfaces = 4;
@@ -260,6 +262,7 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     ray_.origin = origin;
     ray_.leaves = vertex.point.instance;
     outside_of_ = kNowhere;
+    ray_.start = vertex.point.anchor();
     differential_ = vertex.differential;
     return true;
 }
@@ -281,6 +284,7 @@ bool PathTracer::scatter(const Vertex& vertex) {
     ray_.origin = vertex.point.ray_origin(sample->direction);
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
     ray_.leaves = vertex.point.instance;
+    ray_.start = vertex.point.anchor();
     outside_of_ = kNowhere;
     const GlassBody* body = enters ? scene_.glass_body(vertex.point.instance) : nullptr;
     return !body || cross_glass(*body, vertex);

@@ -1,6 +1,7 @@
 #include "integrators/shadow.h"
 
 #include "integrators/volumes.h"
+#include "rays/ray_footprint.h"
 
 namespace rayleaf {
 namespace {
@@ -24,6 +25,8 @@ Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias)
     ray.t_min = bias;
     ray.leaves = point.instance;
     ray.origin = shadow_origin(point, light.direction);
+    ray.start = point.anchor();
+    ray.end = light.target_anchor;
     ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
     if (!std::isfinite(light.distance)) return ray;
     // From the very start to the very end, both off their facets: a ray parallel to the sampled direction would miss
@@ -38,6 +41,7 @@ Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias)
 
 Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
                  int transparent_left) {
+    ray = with_footprint(ray, differential);
     ray.neighbour_distance = differential.width();
     ray.neighbour_angle = differential.angle();
     Color transmittance = through_volumes(scene, ray, kind).transmittance;
@@ -60,6 +64,8 @@ Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visi
         ray.t_max -= (origin - ray.origin).dot(ray.direction);
         ray.origin = origin;
         ray.leaves = point.instance;
+        ray.start = point.anchor();
+        ray = with_footprint(ray, differential);
     }
 }
 

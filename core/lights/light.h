@@ -46,6 +46,7 @@ struct LightSample {
     Vec3f direction{0, 0, 1};  ///< unit, from the point to the light
     double distance = 0;       ///< world units; infinity for suns and the world
     Vec3d target{0, 0, 0};     ///< where the way must be free up to, if the distance is finite; world
+    RayAnchor target_anchor;   ///< of an emitting surface: what the ray to `target` ends on
     Color radiance{0, 0, 0};   ///< arriving if nothing is in the way; delta lights: irradiance at normal incidence
     float density = 0;         ///< per solid angle, choice of the light included; delta lights: the choice alone
     bool delta = false;        ///< cannot be hit by a scattered ray

@@ -131,6 +131,7 @@ std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position,
     sample.distance = from.distance;
     if (std::isfinite(from.distance))
         sample.target = from.target ? *from.target : position + from.direction * from.distance;
+    sample.target_anchor = from.target_anchor;
     sample.radiance = from.radiance;
     sample.density = static_cast<float>(std::min(from.density * probability, kLargestDensity));
     sample.delta = from.delta;

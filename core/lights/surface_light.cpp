@@ -102,6 +102,7 @@ std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& posi
     const Vec3f outgoing = -Vec3f(sample.direction);
     sample.distance = distance;
     sample.target = point.ray_origin(outgoing);  // off the facet, on the side that looks here
+    sample.target_anchor = point.anchor();
     sample.density = std::min(density, kLargestDensity);
     sample.radiance = emission_(point, outgoing);
     return sample;

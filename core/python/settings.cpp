@@ -100,6 +100,9 @@ void bind_settings(py::module_& module) {
         .def_readwrite("irradiance_error", &Settings::irradiance_error)
         .def_readwrite("filter_width", &Settings::filter_width)
         .def_readwrite("exposure", &Settings::exposure)
+        .def_readwrite("geometry_cache_megabytes", &Settings::geometry_cache_megabytes)
+        .def_readwrite("tessellation_factor", &Settings::tessellation_factor)
+        .def_readwrite("stochastic_levels", &Settings::stochastic_levels)
         .def_readwrite("ray_interpolation", &Settings::ray_interpolation)
         .def_property("passes", &pass_names, &set_passes);
     bind_choice(settings_class, "filter", &Settings::filter, kFilters);

@@ -244,9 +244,11 @@ py::array_t<double> rings(const SweptSurface& surface, const Array<double>& plac
 }
 
 template <typename Target>
-py::tuple timed(const Target& target, const Array<double>& origins, const Array<double>& directions) {
-    const RayArrays rays =
-        ray_arrays(origins, directions, number(0.0), number(std::numeric_limits<double>::infinity()));
+py::tuple timed(const Target& target, const Array<double>& origins, const Array<double>& directions,
+                const Array<float>& width, const Array<float>& spread, const Array<uint32_t>& starts) {
+    const RayArrays rays{origins, directions, number(0.0), number(std::numeric_limits<double>::infinity()),
+                         width,   spread,     starts};
+    rays.check();
     std::vector<Ray> made;
     made.reserve(rays.size());
     for (size_t i = 0; i < rays.size(); ++i) made.push_back(rays[i]);
@@ -326,7 +328,8 @@ void bind_trace(py::module_& parent) {
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
         .def("timed_closest", &timed<Tracer>, py::arg("origins"), py::arg("directions"),
-             "(processor seconds on one thread, t)")
+             py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
+             py::arg("starts") = Array<uint32_t>(0), "(processor seconds on one thread, t)")
         .def("bounds", &bounds)
         .def("statistics", &statistics);
 
@@ -349,7 +352,8 @@ void bind_trace(py::module_& parent) {
              py::arg("eye") = std::array<double, 3>{0, 0, 0})
         .def_property_readonly("bytes", &EmbreeBaseline::bytes)
         .def("timed_closest", &timed<EmbreeBaseline>, py::arg("origins"), py::arg("directions"),
-             "(processor seconds on one thread, t)");
+             py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
+             py::arg("starts") = Array<uint32_t>(0), "(processor seconds on one thread, t)");
 }
 
 }  // namespace rayleaf

@@ -62,10 +62,8 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     for (const InstanceDescription& instance : description.instances) volume_visibility_.push_back(instance.visibility);
     for (uint32_t i = 0; i < instance_lists_.size(); ++i)
         if (volume(i)) volumes_.push_back(i);
-    // No ray brings a width yet: all see fine grids, which then have the whole budget.
-    GeometryCacheSettings cache;
-    cache.mode = CacheMode::Single;
-    tracer_ = std::make_unique<Tracer>(traced_instances(description, volumes_), camera_->dicing_view(), cancel, cache);
+    tracer_ = std::make_unique<Tracer>(traced_instances(description, volumes_), camera_->dicing_view(), cancel,
+                                       geometry_cache_settings(settings));
     cancel.throw_if_cancelled();
     commit_lights(description);
     commit_glass(description);

@@ -43,7 +43,17 @@ void validate(const Settings& s) {
     check("irradiance error", s.irradiance_error, 0.01, 1);
     check("filter width", s.filter_width, 0, 10);
     check("exposure", s.exposure, 0, 1e10);
+    check("geometry cache megabytes", s.geometry_cache_megabytes, -1e9, 1e9);
+    check("tessellation factor", s.tessellation_factor, 0.01, 100);
     validate("settings", s.ray_interpolation);
+}
+
+GeometryCacheSettings geometry_cache_settings(const Settings& s) {
+    GeometryCacheSettings cache;
+    cache.budget = budget_from_megabytes(s.geometry_cache_megabytes);
+    cache.rule.factor = s.tessellation_factor;
+    cache.rule.rounding = s.stochastic_levels ? LevelRule::Rounding::Stochastic : LevelRule::Rounding::Up;
+    return cache;
 }
 
 }  // namespace rayleaf

@@ -4,6 +4,7 @@
 #include "film/pass.h"
 #include "film/pixel_filter.h"
 #include "scene/ray_interpolation.h"
+#include "tessellation/geometry_cache.h"
 
 #include <cstdint>
 #include <vector>
@@ -50,9 +51,17 @@ struct Settings {
     bool irradiance_cache = false;       ///< sample hemispheres at few points and interpolate
     float irradiance_error = 0.2f;       ///< that interpolation may make, relative (Ward and Heckbert 1992's a)
     RayInterpolation ray_interpolation;  ///< of objects without one of their own
+    /// Memory of the geometry cache; 0 and less: tessellations are not kept.
+    double geometry_cache_megabytes = 30;
+    /// How long facets may be, in ray widths, where the surface is not flat enough for longer ones.
+    float tessellation_factor = 1;
+    bool stochastic_levels = false;  ///< round the level of each ray at random, so that none shows in an animation
 
     std::vector<Pass> passes = {Pass::combined};
 };
+
+/// What a render's settings ask of the geometry cache.
+GeometryCacheSettings geometry_cache_settings(const Settings& settings);
 
 /// Throws InputError that names the first setting out of its range.
 void validate(const Settings& settings);

@@ -453,6 +453,9 @@ class Settings:
     indirect: str
     irradiance_cache: bool
     irradiance_error: float
+    geometry_cache_megabytes: float
+    tessellation_factor: float
+    stochastic_levels: bool
     ray_interpolation: RayInterpolation
     passes: list[str]
 

@@ -125,6 +125,27 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         name="Width", description="Full width of the filter, in pixels", default=1.5, min=0.01, max=10.0
     )
 
+    geometry_cache_size: FloatProperty(  # type: ignore
+        name="Geometry Cache",
+        description="Memory for tessellated surfaces, in megabytes; the picture is the same for any",
+        default=30.0,
+        min=0.0,
+        soft_max=4096.0,
+    )
+    tessellation_factor: FloatProperty(  # type: ignore
+        name="Tessellation Factor",
+        description="How long facets may be, in widths of the rays that meet them; larger is coarser",
+        default=1.0,
+        min=0.01,
+        max=100.0,
+    )
+    use_stochastic_levels: BoolProperty(  # type: ignore
+        name="Stochastic Levels",
+        description="Choose between two levels of tessellation at random for each ray, so that no change of level"
+        " shows in an animation",
+        default=False,
+    )
+
     strand_shape: EnumProperty(name="Shape", description="What hair is", items=STRAND_SHAPES)  # type: ignore
     curve_primitive: EnumProperty(  # type: ignore
         name="Primitive",

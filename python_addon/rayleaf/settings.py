@@ -46,5 +46,8 @@ def core_settings(
         irradiance_cache=own.use_irradiance_cache,
         irradiance_error=own.irradiance_error,
         occlusion_distance=own.occlusion_distance,
+        geometry_cache_megabytes=own.geometry_cache_size,
+        tessellation_factor=own.tessellation_factor,
+        stochastic_levels=own.use_stochastic_levels,
         passes=[entry.identifier for entry in passes],
     )

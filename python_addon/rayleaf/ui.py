@@ -170,6 +170,9 @@ class RAYLEAF_PT_performance(_Panel, bpy.types.Panel):
         threads.enabled = render.threads_mode == "FIXED"
         threads.prop(render, "threads")
         column.prop(context.scene.rayleaf, "tile_size")
+        column.prop(context.scene.rayleaf, "geometry_cache_size")
+        column.prop(context.scene.rayleaf, "tessellation_factor")
+        column.prop(context.scene.rayleaf, "use_stochastic_levels")
         column.prop(context.scene.rayleaf, "texture_memory")
 
 
