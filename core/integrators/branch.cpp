@@ -15,6 +15,7 @@ Branch Branch::scattered(const Vertex& from, const Closures& closures, const Lob
     Branch child = *this;
     child.ray = Ray{};
     child.ray.origin = from.point.ray_origin(sample.direction);
+    child.ray.start = from.point.anchor();
     child.ray.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
     child.ray.start = from.point.anchor();
     child.departure = {};

@@ -12,7 +12,7 @@ void DistributionTracer::follow_pending() {
         pending_.pop_back();
         ++counts_[branch.use];
         arrive(branch,
-               scene_.tracer().closest_hit(with_footprint(branch.ray, branch.differential), branch.bounces.ray_kind()));
+               scene_.tracer().closest_hit(with_width(branch.ray, branch.differential), branch.bounces.ray_kind()));
     }
 }
 

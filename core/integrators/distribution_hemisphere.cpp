@@ -10,7 +10,7 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     const double reach = settings_.occlusion_distance;
     const bool carries_light =
         distribution_.indirect != IndirectLight::AmbientOcclusion && hemisphere_brings_light(frame_);
-    Ray limited = ray.ray;
+    Ray limited = with_width(ray.ray, ray.differential);
     if (!carries_light) limited.t_max = reach;
     ++counts_[ray.use];
     const std::optional<Hit> hit =

@@ -82,7 +82,7 @@ std::vector<OpenPoint> PointFinder::find(const CameraRay& camera_ray, const Samp
 void PointFinder::look(const Branch& branch) {
     const Tracer& tracer = frame_.scene.tracer();
     const std::optional<Hit> hit =
-        tracer.closest_hit(with_footprint(branch.ray, branch.differential), branch.bounces.ray_kind());
+        tracer.closest_hit(with_width(branch.ray, branch.differential), branch.bounces.ray_kind());
     if (!hit || branch.bounces.is_spent()) return;
     Vertex vertex;
     vertex.point = tracer.surface_point(branch.ray, *hit);

@@ -23,6 +23,7 @@ Vec3d shadow_origin(const SurfacePoint& point, const Vec3f& direction) {
 Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias) {
     Ray ray;
     ray.t_min = bias;
+    ray.start = point.anchor();
     ray.leaves = point.instance;
     ray.origin = shadow_origin(point, light.direction);
     ray.start = point.anchor();
@@ -63,16 +64,17 @@ Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visi
         ray.t_min = 0;
         ray.t_max -= (origin - ray.origin).dot(ray.direction);
         ray.origin = origin;
-        ray.leaves = point.instance;
         ray.start = point.anchor();
-        ray = with_footprint(ray, differential);
+        ray.leaves = point.instance;
+        if (ray.spread > 0.0f) ray = with_width(ray, differential);
     }
 }
 
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
-                           const RayDifferential& differential, const Bounces& bounces) {
+                           const RayDifferential& differential, const Bounces& bounces, ShadowDetail detail) {
     if (!light.casts_shadow) return Color(1.0f);
-    const Ray ray = shadow_ray(point, light, scene.shadow_bias());
+    Ray ray = shadow_ray(point, light, scene.shadow_bias());
+    if (detail == ShadowDetail::OfRay) ray = with_width(ray, differential);
     if (!(ray.t_max > 0)) return Color(1.0f);
     return free_share(scene, ray, differential, kVisibleShadow, bounces.of_shadow_ray(), bounces.transparent_left());
 }

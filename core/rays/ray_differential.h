@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "rays/ray.h"
 
 namespace rayleaf {
 
@@ -17,6 +18,13 @@ struct RayDifferential {
     /// Length of the larger of the two direction vectors: how fast the ray widens, radians.
     float angle() const { return std::sqrt(std::max(dd_dx.length2(), dd_dy.length2())); }
 };
+
+/// The ray with the width of its differential.
+inline Ray with_width(Ray ray, const RayDifferential& differential) {
+    ray.width = differential.width();
+    ray.spread = differential.angle();
+    return ray;
+}
 
 /// Differential of the mirrored ray at a surface whose unit normal changes by `dn_dx`, `dn_dy` over the footprint
 /// (Igehy, equation 15). `direction` is the incoming one; the input must have been transferred to the surface.
