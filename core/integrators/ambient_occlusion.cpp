@@ -26,11 +26,11 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         Ray ray;
         ray.origin = vertex.point.ray_origin(direction);
         ray.start = vertex.point.anchor();
+        ray.leaves = vertex.point.instance;
         ray.direction = normalized_or(Vec3d(direction), Vec3d(0, 0, 1));
         ray.t_max = settings.occlusion_distance;
-        ray.start = vertex.point.anchor();
-        sum += free_share(scene, ray, hemisphere_differential(vertex.differential, direction, local.z, rays),
-                          kVisibleDiffuse, state, settings.transparent_bounces);
+        const RayDifferential differential = hemisphere_differential(vertex.differential, direction, local.z, rays);
+        sum += free_share(scene, ray, differential, kVisibleDiffuse, state, settings.transparent_bounces);
     }
     return sum / static_cast<float>(rays);
 }

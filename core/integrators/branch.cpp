@@ -16,8 +16,8 @@ Branch Branch::scattered(const Vertex& from, const Closures& closures, const Lob
     child.ray = Ray{};
     child.ray.origin = from.point.ray_origin(sample.direction);
     child.ray.start = from.point.anchor();
+    child.ray.leaves = from.point.instance;
     child.ray.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
-    child.ray.start = from.point.anchor();
     child.departure = {};
     child.departure.position = from.point.position;
     child.bounces.scatter(sample);
@@ -35,6 +35,7 @@ Branch Branch::straight_on(const Vertex& from) const {
     child.ray.t_min = 0;
     child.ray.origin = origin;
     child.ray.start = from.point.anchor();
+    child.ray.leaves = from.point.instance;
     child.differential = from.differential;
     child.throughput *= from.closures.transparency;
     child.bounces.pass_through(from.point.t);

@@ -2,13 +2,13 @@
 
 #include "integrators/distribution_tracer.h"
 #include "integrators/first_surface.h"
-#include "rays/ray_footprint.h"
+#include "integrators/ray_passes.h"
 
 namespace rayleaf {
 
 void DistributionTracer::follow_pending() {
     while (!pending_.empty()) {
-        const Branch branch = pending_.back();
+        Branch branch = pending_.back();
         pending_.pop_back();
         ++counts_[branch.use];
         arrive(branch,
@@ -24,7 +24,17 @@ PixelSample DistributionTracer::trace(const Branch& camera) {
     return light_.sample;
 }
 
-void DistributionTracer::arrive(const Branch& branch, const std::optional<Hit>& hit) {
+void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& hit) {
+    Ray ray = with_width(branch.ray, branch.differential);
+    if (hit) ray.t_max = hit->t;
+    const VolumePassage passage = through_volumes(scene_, ray, branch.bounces.ray_kind());
+    if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission);
+    branch.throughput *= passage.transmittance;
+    if (branch.vertex == 0 && settings_.ray_passes) write_volumes(passage, light_.sample);
+}
+
+void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
+    if (!scene_.volumes().empty()) pass_volumes(branch, hit);
     add_lamps(branch, hit ? hit->t : std::numeric_limits<double>::infinity());
     if (!hit) return add_world(branch);
     const Program& program = *scene_.material(hit->instance, hit->local).surface;

@@ -2,7 +2,6 @@
 #include "integrators/distribution_tracer.h"
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
-#include "rays/ray_footprint.h"
 
 namespace rayleaf {
 
@@ -13,18 +12,21 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     Ray limited = with_width(ray.ray, ray.differential);
     if (!carries_light) limited.t_max = reach;
     ++counts_[ray.use];
-    const std::optional<Hit> hit =
-        scene_.tracer().closest_hit(with_footprint(limited, ray.differential), ray.bounces.ray_kind());
+    const std::optional<Hit> hit = scene_.tracer().closest_hit(limited, ray.bounces.ray_kind());
     HemisphereRay result;
     if (hit) result.inverse_distance = static_cast<float>(1.0 / hit->t);
     limited.t_max = reach;
-    if (!hit || hit->t > reach)
+    if (!scene_.volumes().empty())
+        result.light.free = free_share(scene_, limited, ray.differential, ray.bounces.ray_kind(), ray.bounces.at(0),
+                                       ray.bounces.transparent_left());
+    else if (!hit || hit->t > reach)
         result.light.free = Color(1.0f);
     else if (scene_.has_transparency())
         result.light.free = free_share(scene_, limited, ray.differential, ray.bounces.ray_kind(), ray.bounces.at(0),
                                        ray.bounces.transparent_left());
     if (carries_light) {
-        arrive(ray, hit);
+        Branch branch = ray;
+        arrive(branch, hit);
         follow_pending();
         const auto color = [&](Pass pass) {
             const Vec4f& value = light_.sample[pass];
@@ -83,7 +85,7 @@ void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Ver
 
 void DistributionTracer::add_unoccluded_world(const Branch& child) {
     ++counts_[child.use];
-    Ray ray = child.ray;
+    Ray ray = with_width(child.ray, child.differential);
     ray.t_max = settings_.occlusion_distance;
     const PathState state = child.bounces.at(0);
     const Color free =

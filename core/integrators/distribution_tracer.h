@@ -41,7 +41,8 @@ class DistributionTracer {
 
     void follow_pending();
     /// What the ray meets at its end.
-    void arrive(const Branch& branch, const std::optional<Hit>& hit);
+    void arrive(Branch& branch, const std::optional<Hit>& hit);
+    void pass_volumes(Branch& branch, const std::optional<Hit>& hit);
     /// Records light that a ray met, before its throughput; `seen` is its pass where the camera sees it.
     void add(const Branch& branch, const Color& radiance, Pass seen);
     void add_lamps(const Branch& branch, double t_max);

@@ -1,7 +1,6 @@
 #include "integrators/glass_path.h"
 
 #include "integrators/scattered_differential.h"
-#include "rays/ray_footprint.h"
 #include "ri_tree/output_ray.h"
 
 namespace rayleaf {
@@ -45,7 +44,7 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
     GlassExit exit{entered, differential, 0, 0};
     Ray& ray = exit.ray;
     for (int hits = 0; hits < kMostInteriorHits; ++hits) {
-        const std::optional<Hit> hit = scene.tracer().closest_on(instance, with_footprint(ray, exit.differential));
+        const std::optional<Hit> hit = scene.tracer().closest_on(instance, with_width(ray, exit.differential));
         if (!hit) return std::nullopt;
         const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
         const Vec3d facet(point.facet_normal);

@@ -4,7 +4,6 @@
 #include "integrators/branch.h"
 #include "integrators/dimensions.h"
 #include "integrators/scattered_differential.h"
-#include "rays/ray_footprint.h"
 #include "shading/split_closures.h"
 
 #include <mutex>

@@ -11,7 +11,6 @@
 #include "integrators/shadow.h"
 #include "integrators/vertex.h"
 #include "integrators/volumes.h"
-#include "rays/ray_footprint.h"
 
 namespace rayleaf {
 namespace {
@@ -132,9 +131,7 @@ PixelSample PathTracer::trace() {
 /// What the ray under way meets. One that has left a glass body cannot meet it from inside, unless the point where it
 /// was said to leave lay a little inside: then that surface is not there.
 void PathTracer::find_hit() {
-    ray_ = with_footprint(ray_, differential_);
-    ray_.neighbour_distance = differential_.width();
-    ray_.neighbour_angle = differential_.angle();
+    ray_ = with_width(ray_, differential_);
     constexpr int kMostSurfaces = 4;
     ClosestHit found;
     for (int i = 0; i < kMostSurfaces; ++i) {

@@ -1,7 +1,6 @@
 #include "integrators/shadow.h"
 
 #include "integrators/volumes.h"
-#include "rays/ray_footprint.h"
 
 namespace rayleaf {
 namespace {
@@ -23,7 +22,6 @@ Vec3d shadow_origin(const SurfacePoint& point, const Vec3f& direction) {
 Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias) {
     Ray ray;
     ray.t_min = bias;
-    ray.start = point.anchor();
     ray.leaves = point.instance;
     ray.origin = shadow_origin(point, light.direction);
     ray.start = point.anchor();
@@ -42,9 +40,7 @@ Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias)
 
 Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
                  int transparent_left) {
-    ray = with_footprint(ray, differential);
-    ray.neighbour_distance = differential.width();
-    ray.neighbour_angle = differential.angle();
+    ray = with_width(ray, differential);
     Color transmittance = through_volumes(scene, ray, kind).transmittance;
     if (!scene.has_transparency()) return scene.tracer().occluded(ray, kind) ? Color(0.0f) : transmittance;
     const Vec3f outgoing = -Vec3f(ray.direction);
@@ -66,15 +62,14 @@ Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visi
         ray.origin = origin;
         ray.start = point.anchor();
         ray.leaves = point.instance;
-        if (ray.spread > 0.0f) ray = with_width(ray, differential);
+        ray = with_width(ray, differential);
     }
 }
 
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
-                           const RayDifferential& differential, const Bounces& bounces, ShadowDetail detail) {
+                           const RayDifferential& differential, const Bounces& bounces) {
     if (!light.casts_shadow) return Color(1.0f);
-    Ray ray = shadow_ray(point, light, scene.shadow_bias());
-    if (detail == ShadowDetail::OfRay) ray = with_width(ray, differential);
+    const Ray ray = shadow_ray(point, light, scene.shadow_bias());
     if (!(ray.t_max > 0)) return Color(1.0f);
     return free_share(scene, ray, differential, kVisibleShadow, bounces.of_shadow_ray(), bounces.transparent_left());
 }

@@ -6,16 +6,9 @@
 
 namespace rayleaf {
 
-/// How finely the surfaces that cast a shadow are diced.
-enum class ShadowDetail : uint8_t {
-    OfView,  ///< as finely as the view asks for
-    OfRay    ///< as finely as the width of the shadow ray needs
-};
-
 /// Share of the light that reaches `point`. `differential` is the shadow ray's where it leaves the point.
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
-                           const RayDifferential& differential, const Bounces& bounces,
-                           ShadowDetail detail = ShadowDetail::OfView);
+                           const RayDifferential& differential, const Bounces& bounces);
 
 /// Share of light that surfaces let straight through along `ray`, which is of the given kind and in the given state;
 /// more than `transparent_left` transparent surfaces let nothing through.

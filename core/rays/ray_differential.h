@@ -19,10 +19,10 @@ struct RayDifferential {
     float angle() const { return std::sqrt(std::max(dd_dx.length2(), dd_dy.length2())); }
 };
 
-/// The ray with the width of its differential.
+/// The ray with the width of its differential, for dicing and for ray caches.
 inline Ray with_width(Ray ray, const RayDifferential& differential) {
-    ray.width = differential.width();
-    ray.spread = differential.angle();
+    ray.width = ray.neighbour_distance = differential.width();
+    ray.spread = ray.neighbour_angle = differential.angle();
     return ray;
 }
 
