@@ -26,6 +26,7 @@ struct SurfacePoint {
 
     /// What a ray that starts or ends here holds on to.
     RayAnchor anchor() const {
+        if (interpolated) return {instance, RayAnchor::kNoFacet, 0};
         if (local.subpatch == RayAnchor::kNone) return {};
         return {instance, local.subpatch, local.levels};
     }

@@ -25,6 +25,7 @@ std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, c
     exit.ray.direction = direction_of(way);
     exit.ray.origin = position_of(way) + exit.ray.direction * (kExitErrors * way.position_error * to_world.x.length());
     exit.ray.leaves = hit.instance;
+    exit.ray.start = {hit.instance, RayAnchor::kNoFacet, 0};
     exit.total_reflections = way.total_reflections;
     exit.crossings = way.interior_hits - way.total_reflections;
     exit.differential = differential;

@@ -12,6 +12,8 @@ namespace rayleaf {
 /// and its borders in the same way, whatever its own width asks for: else the point could lie behind coarser facets.
 struct RayAnchor {
     static constexpr uint32_t kNone = ~0u;
+    /// As a subpatch: the point is close to the surface itself and on no facet. All of the instance is seen fine.
+    static constexpr uint32_t kNoFacet = ~0u - 1;
     uint32_t instance = kNone;
     uint32_t subpatch = 0;  ///< of the instance's shape, as the tracer numbers them
     uint32_t levels = 0;    ///< tessellation/level.h: SubpatchLevels::packed

@@ -15,13 +15,22 @@ struct RayDifferential {
     RayDifferential transferred(const Vec3f& direction, double t, const Vec3f& normal) const;
     /// Length of the larger of the two position vectors: the ray's width, world units.
     float width() const { return std::sqrt(std::max(dp_dx.length2(), dp_dy.length2())); }
+    /// The same of the beam's cross-section at right angles to the ray's unit direction: a ray that leaves a surface at
+    /// grazing angle is narrow, however long its footprint.
+    float width_across(const Vec3f& direction) const {
+        const auto squared = [&](const Vec3f& dp) {
+            const float along = dp.dot(direction);
+            return std::max(dp.length2() - along * along, 0.0f);
+        };
+        return std::sqrt(std::max(squared(dp_dx), squared(dp_dy)));
+    }
     /// Length of the larger of the two direction vectors: how fast the ray widens, radians.
     float angle() const { return std::sqrt(std::max(dd_dx.length2(), dd_dy.length2())); }
 };
 
 /// The ray with the width of its differential, for dicing and for ray caches.
 inline Ray with_width(Ray ray, const RayDifferential& differential) {
-    ray.width = ray.neighbour_distance = differential.width();
+    ray.width = ray.neighbour_distance = differential.width_across(Vec3f(ray.direction));
     ray.spread = ray.neighbour_angle = differential.angle();
     return ray;
 }

@@ -98,6 +98,8 @@ class LevelChooser {
     /// All are local.
     LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, float width, float spread);
 
+    /// The ray sees fine grids, as one without a width.
+    void see_fine() { fixed_ = true; }
     /// Adds a subpatch that is seen at given levels.
     void anchor(const SubpatchDetail& detail, uint32_t subpatch, uint32_t packed_levels);
     SubpatchLevels levels(const SubpatchDetail& detail, uint32_t subpatch) const {

@@ -70,9 +70,12 @@ void GridScene::prepare(ShapeQuery& query) const {
     if (details_.empty()) return;
     const LocalRay& ray = *query.ray;
     query.levels = LevelChooser(query.reader->rule(), ray.origin, ray.direction, ray.width, ray.spread);
-    for (const RayAnchor& anchor : ray.anchors)
-        if (anchor.instance != RayAnchor::kNone && anchor.subpatch < details_.size())
+    for (const RayAnchor& anchor : ray.anchors) {
+        if (anchor.instance == RayAnchor::kNone) continue;
+        if (anchor.subpatch == RayAnchor::kNoFacet) query.levels.see_fine();
+        if (anchor.subpatch < details_.size())
             query.levels.anchor(details_[anchor.subpatch], anchor.subpatch, anchor.levels);
+    }
 }
 
 /// Offers the facets that the ray meets, nearest first, until one counts. Facets closer together than single precision

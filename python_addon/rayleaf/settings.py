@@ -37,7 +37,7 @@ def core_settings(
         filter=own.filter_type,
         filter_width=own.filter_width,
         exposure=own.film_exposure,
-        ray_interpolation=ray_interpolation.of_scene(core, own),
+        ray_interpolation=ray_interpolation.of_scene(core, own.ray_interpolation),
         integrator=own.integrator,
         glossy_rays=own.glossy_rays,
         light_rays=own.light_rays,

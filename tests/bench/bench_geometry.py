@@ -1,83 +1,70 @@
-"""The geometry cache against Embree's full grid, a single resolution and none, on 10^6 subpatches and mixed rays.
+"""The geometry cache: several resolutions against one, none, and Embree's full grid, at 1 to 100 MB.
 
-Christensen et al. 2003, sections 6.2 and 6.3.2. Fifteen lumpy closed tori over a wavy ground, all bicubic, as in
-bench_trace.py. Mixed rays: camera rays, the mirror rays of their hits, and rays over the hemispheres of some hits, each
-as wide as it is for a picture of this size. One thread, its processor time, after a pass that fills the cache. Embree's
-grids take 7 GB for 10^6 subpatches and are left out where the memory free is less. RAYLEAF_BENCH_QUICK=1 does all of it
-on 10^3 subpatches.
+Christensen et al. 2003, sections 6.2 and 6.3.2. Fifteen lumpy closed tori over a wavy ground, all bicubic, 10^6
+subpatches, as in bench_trace.py. Mixed rays: camera rays, the mirror rays of their hits, and rays over the hemispheres
+of some hits, each as wide as it is for a picture of this size. One thread, its processor time, in the second of two
+passes; the counters are of the first. Vertices computed again: those of grids that were there before and had to go.
+
+Embree's grids take 7 GB for 10^6 subpatches and are left out where less memory is free.
 """
 
-import os
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import bench_trace
 import numpy as np
-from numpy.typing import NDArray
+from geometry_rays import Doubles, Rays, cracks_in_shells, mixed_rays
 from rayleaf import _core
 
-Doubles = NDArray[np.float64]
-Floats = NDArray[np.float32]
-Rays = dict[str, Any]
-
-QUICK = os.environ.get("RAYLEAF_BENCH_QUICK") == "1"
-RESOLUTION = 8 if QUICK else 250  # patches around a torus; 19 n² in all
-BUDGETS = [1, 3, 10, 30, 100]
+PRINTS_ITSELF = True
+RESOLUTION, QUICK_RESOLUTION = 250, 25  # patches around a torus; some 16 n² in all
+WIDTH, QUICK_WIDTH = 1024, 256  # pixels
+BUDGETS = (100, 30, 10, 3, 1)  # MB
 DEFAULT_BUDGET = 30
-HEMISPHERE_RAYS = 16
-HEMISPHERE_EVERY = 16  # hits
-SHELL_RAYS = 100_000 if QUICK else 10_000_000
+SHELL_RAYS, QUICK_SHELL_RAYS = 10_000_000, 100_000
+# A scene that fits into the default budget, all of its levels: of so many patches around a torus.
+FITTING_RESOLUTION = 8
 # Of Embree's grids with 17 x 17 vertices and its tree over them.
 EMBREE_BYTES_PER_SUBPATCH = 8000
+LEVELS = ("coarse", "medium", "fine")
+Row = dict[str, Any]
+
+
+@dataclass
+class Figures:
+    """What one cache did."""
+
+    mode: str
+    megabytes: float
+    speed: float  # Mrays/s
+    counters: dict[str, Any]
+    again: float = 0.0  # million vertices
+
+    @property
+    def name(self) -> str:
+        """For rows."""
+        return f"{self.mode.lower()}, {self.megabytes:g} MB"
+
+    def level(self, name: str, what: str) -> int:
+        """One counter of a level."""
+        return int(self.counters["levels"][name][what])
+
+    def hit_rate(self, name: str) -> str:
+        """Of a level, per cent of its lookups."""
+        lookups = self.level(name, "lookups")
+        return f"{100 * (1 - self.level(name, 'diced') / lookups):.2f}" if lookups else "-"
+
+    def misses(self, name: str) -> float:
+        """Of a level, without the cold ones, thousands."""
+        return (self.level(name, "diced") - self.level(name, "cold")) / 1e3
 
 
 def free_bytes() -> int:
     """Memory that may still be had."""
     lines = Path("/proc/meminfo").read_text().splitlines()
     return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable"))
-
-
-def joined(sets: list[Rays]) -> Rays:
-    """All rays of several sets, one set after the other."""
-    return {key: np.concatenate([each[key] for each in sets]) for key in sets[0]}
-
-
-def rays_of(origins: Doubles, directions: Doubles, width: Any, spread: Any, starts: Any = None) -> Rays:
-    """Rays with their widths; one number may stand for all."""
-    count = len(origins)
-    none = np.full((count, 3), 2**32 - 1, np.uint32)
-    return {
-        "origins": origins,
-        "directions": directions,
-        "width": np.broadcast_to(np.float32(width), count).copy(),
-        "spread": np.broadcast_to(np.float32(spread), count).copy(),
-        "starts": none if starts is None else starts,
-    }
-
-
-def mixed_rays(tracer: Any) -> Rays:
-    """Camera rays, mirror rays, hemisphere rays."""
-    origins, directions = bench_trace.camera_rays()
-    pixel = 1.1 / bench_trace.WIDTH
-    camera = rays_of(origins, directions, 0.0, pixel)
-    hits = tracer.closest_hits(**camera)
-    hit = hits["instance"] >= 0
-    hits = {key: value[hit] for key, value in hits.items()}
-    seen, width = directions[hit], (pixel * hits["t"]).astype(np.float32)
-    normal = hits["normal"].astype(np.float64)
-    normal *= -np.sign(np.sum(normal * seen, axis=1))[:, None]
-    mirrored = bench_trace.unit(seen - 2 * np.sum(seen * normal, axis=1)[:, None] * normal)
-    # The normal turns by about the curvature times the width: lumps of a fifth of a unit.
-    mirror = rays_of(bench_trace.leaving(hits, mirrored), mirrored, width, pixel + 10 * width, hits["anchors"])
-    random = np.random.default_rng(3)
-    chosen = np.repeat(np.arange(0, len(seen), HEMISPHERE_EVERY), HEMISPHERE_RAYS)
-    few = {key: value[chosen] for key, value in hits.items()}
-    scattered = bench_trace.unit(normal[chosen] + bench_trace.unit(random.normal(size=(len(chosen), 3))))
-    cosine = np.maximum(np.sum(scattered * normal[chosen], axis=1), 0.05)
-    share = np.minimum(np.sqrt(np.pi / (HEMISPHERE_RAYS * cosine)), 1.0)
-    wide = rays_of(bench_trace.leaving(few, scattered), scattered, width[chosen], share, few["anchors"])
-    return joined([camera, mirror, wide])
 
 
 def made(surface: Any, megabytes: float, mode: str) -> tuple[Any, float]:
@@ -88,89 +75,134 @@ def made(surface: Any, megabytes: float, mode: str) -> tuple[Any, float]:
     return tracer, time.perf_counter() - begin
 
 
-def measured(tracer: Any, rays: Rays) -> tuple[float, Doubles, dict[str, Any]]:
-    """Mrays/s of the second pass, its distances, and the cache's counters after the first."""
+def measured(tracer: Any, rays: Rays, mode: str, megabytes: float) -> tuple[Figures, Doubles]:
+    """Speed of the second pass, its distances, and the cache's counters after the first."""
     tracer.timed_closest(**rays)
     counters = tracer.statistics()["geometry_cache"]
     seconds, t = tracer.timed_closest(**rays)
-    return len(t) / seconds / 1e6, t, counters
+    return Figures(mode, megabytes, len(t) / seconds / 1e6, counters), t
 
 
-def cracks_in_shells() -> int:
-    """How many of many rays of all widths find crossings that no closed shell has."""
-    random = np.random.default_rng(5)
-    torus = bench_trace.torus(np.zeros(3), 0.7, 16, 24, random)
-    closed = bench_trace.CUBIC_CLOSED
-    surface = _core.trace.PatchSurface("shell", [(torus, closed, closed, True, 0)])
-    tracer = _core.trace.Tracer([(surface, np.eye(4), 31)])
-    found, block = 0, 100_000
-    for _ in range(SHELL_RAYS // block):
-        origins = 5 * bench_trace.unit(random.normal(size=(block, 3)))
-        directions = bench_trace.unit(random.uniform(-0.9, 0.9, (block, 3)) - origins)
-        width, spread = ((10 ** random.uniform(-6, 0, block)).astype(np.float32) for _ in range(2))
-        found += int(_core.trace.cracks(tracer, origins, directions, width, spread, inside=False).sum())
+def sweep(surface: Any, rays: Rays, mode: str) -> list[Figures]:
+    """All budgets of one mode, the largest first; all give the same hits."""
+    found: list[Figures] = []
+    expected: Doubles | None = None
+    cold = 0
+    for budget in BUDGETS:
+        figures, t = measured(made(surface, budget, mode)[0], rays, mode, budget)
+        expected = t if expected is None else expected
+        assert np.array_equal(t, expected), f"{budget} MB gives other hits"
+        counters = figures.counters
+        assert counters["bytes"] <= budget * 2**20, counters
+        # What is cold does not depend on the budget, and is not counted within the smallest ones.
+        if counters["cold_counted"]:
+            cold = counters["vertices_diced"] - counters["vertices_recomputed"]
+        figures.again = (counters["vertices_diced"] - cold) / 1e6
+        found.append(figures)
+    print(f"\n{mode.lower()}: {cold / 1e6:.2f} million vertices computed first")
+    print(
+        f"  {'MB':>5} {'Mrays/s':>8}  {'hit rate, %: ' + ', '.join(LEVELS):>36}  {'misses, 10^3':>26}  again, million"
+    )
+    for figures in found:
+        rates = " ".join(f"{figures.hit_rate(name):>11}" for name in LEVELS)
+        known = figures.counters["cold_counted"]
+        misses = " ".join(f"{figures.misses(name):>8.1f}" if known else f"{'?':>8}" for name in LEVELS)
+        print(
+            f"  {figures.megabytes:>5g} {figures.speed:>8.3f}  {rates:>36}  {misses}  {figures.again:>14.3f}",
+            flush=True,
+        )
     return found
 
 
-def run() -> list[dict[str, Any]]:
-    """Rows of speed, memory, vertices computed again, and what is to be reached."""
-    surface = bench_trace.scene(RESOLUTION)
+class Reach:
+    """What is to be reached, and what is."""
+
+    def __init__(self) -> None:
+        self.rows: list[Row] = []
+
+    def add(self, name: str, got: float, wanted: float, most: bool = False) -> None:
+        """`most`: it is reached by being smaller."""
+        reached = got <= wanted if most else got >= wanted
+        sign = "<=" if most else ">="
+        print(f"  {name:<64}{got:>10.4g}  ({sign} {wanted:g})  {'reached' if reached else 'NOT reached'}", flush=True)
+        self.rows.append({"name": name, "unit": f"({sign} {wanted:g})", "values": [got]})
+
+
+def embree(surface: Any, rays: Rays) -> tuple[float, float, float] | None:
+    """Mrays/s, bytes and seconds to build of Embree's full grid; None where memory does not allow it."""
+    begin = time.perf_counter()
+    grid = _core.trace.EmbreeBaseline(surface, "GRID", eye=list(bench_trace.EYE))
+    build = time.perf_counter() - begin
+    plain = rays["origins"], rays["directions"]
+    grid.timed_closest(*plain)
+    seconds, _ = grid.timed_closest(*plain)
+    return len(rays["origins"]) / seconds / 1e6, float(grid.bytes), build
+
+
+def compare_fitting(reach: Reach, width: int) -> None:
+    """A scene that fits: is it slower for having the cache?"""
+    surface = bench_trace.scene(FITTING_RESOLUTION)
+    rays = mixed_rays(made(surface, DEFAULT_BUDGET, "MULTI")[0], width)
+    speeds = {}
+    for mode in ("SINGLE", "MULTI", "SINGLE", "MULTI"):
+        speed = measured(made(surface, 1000, mode)[0], rays, mode, 1000)[0].speed
+        speeds[mode] = max(speeds.get(mode, 0.0), speed)
+    grid = embree(surface, rays)
+    assert grid is not None
+    print(
+        f"\nA scene that fits, {len(rays['origins'])} rays: multi {speeds['MULTI']:.3f} Mrays/s, all fine and kept",
+        end=" ",
+    )
+    print(f"{speeds['SINGLE']:.3f}, Embree's grid {grid[0]:.3f}")
+    reach.add("a scene that fits: speed over all fine and kept", speeds["MULTI"] / speeds["SINGLE"], 1.0)
+    reach.add("a scene that fits: speed over Embree's grid", speeds["MULTI"] / grid[0], 1.0)
+
+
+def run(quick: bool = False) -> list[Row]:
+    """Prints the tables; `quick`: 10^4 subpatches, to see that it works."""
+    surface = bench_trace.scene(QUICK_RESOLUTION if quick else RESOLUTION)
     reference, build = made(surface, DEFAULT_BUDGET, "MULTI")
-    rays = mixed_rays(reference)
-    rows: list[dict[str, Any]] = []
+    rays = mixed_rays(reference, QUICK_WIDTH if quick else WIDTH)
+    subpatches = reference.statistics()["subpatches"]
+    full = 12 * 289 * subpatches / 1e6
+    print(
+        f"{subpatches} subpatches, {full:.0f} MB if all were diced, {len(rays['origins'])} rays; built in {build:.2f} s"
+    )
+    multi, single = (sweep(surface, rays, mode) for mode in ("MULTI", "SINGLE"))
+    at = {(figures.mode, figures.megabytes): figures for figures in multi + single}
+    nothing = {mode: measured(made(surface, 0, mode)[0], rays, mode, 0)[0] for mode in ("NONE", "SINGLE")}
+    print("\nnothing is kept")
+    for mode, name in (("NONE", "three levels"), ("SINGLE", "fine alone")):
+        vertices = nothing[mode].counters["vertices_diced"] / 1e6
+        print(f"  {name:<14}{nothing[mode].speed:>8.3f} Mrays/s {vertices:>10.1f} million vertices")
 
-    def row(name: str, unit: str, value: float) -> None:
-        rows.append({"name": name, "unit": unit, "values": [value]})
-
-    statistics = reference.statistics()
-    row("subpatches", "", statistics["subpatches"])
-    row("rays", "", len(rays["origins"]))
-    row("build, geometry cache", "s", build)
-    again: dict[tuple[str, int], float] = {}
-    speed: dict[tuple[str, int], float] = {}
-    expected: Doubles | None = None
-    for mode in ("MULTI", "SINGLE"):
-        cold = 0
-        for budget in reversed(BUDGETS):
-            tracer, _ = made(surface, budget, mode)
-            speed[mode, budget], t, counters = measured(tracer, rays)
-            if mode == "MULTI":
-                expected = t if expected is None else expected
-                assert np.array_equal(t, expected), f"{budget} MB gives other hits"
-            levels = counters["levels"]
-            assert counters["bytes"] <= max(budget * 2**20, 2**18), counters
-            # What is cold does not depend on the budget, and is not counted within the smallest ones.
-            cold = counters["vertices_diced"] - counters["vertices_recomputed"] if counters["cold_counted"] else cold
-            again[mode, budget] = counters["vertices_diced"] - cold
-            name = f"{mode.lower()}, {budget} MB"
-            row(f"{name}: speed", "Mrays/s", speed[mode, budget])
-            row(f"{name}: vertices computed again", "million", again[mode, budget] / 1e6)
-            for level, numbers in levels.items():
-                if numbers["lookups"]:
-                    row(f"{name}: hits, {level}", "%", 100 * (1 - numbers["diced"] / numbers["lookups"]))
-        row(f"{mode.lower()}: vertices computed first", "million", cold / 1e6)
-    nothing, _ = made(surface, 0, "NONE")
-    row("no cache: speed", "Mrays/s", measured(nothing, rays)[0])
-
+    default = at["MULTI", DEFAULT_BUDGET]
     held = reference.statistics()
-    memory = held["geometry_cache"]["bytes"] + held["record_bytes"] + held["bvh_bytes"]
-    row("geometry cache, records and tree", "MB", memory / 1e6)
-    multi, single = again["MULTI", DEFAULT_BUDGET], again["SINGLE", DEFAULT_BUDGET]
-    row("reached: single over multi, vertices again at 30 MB", "times (300)", single / max(multi, 1))
-    row("reached: 100 MB single over 1 MB multi", "times (10)", again["SINGLE", 100] / max(again["MULTI", 1], 1))
-    if free_bytes() > 1.5 * EMBREE_BYTES_PER_SUBPATCH * statistics["subpatches"]:
-        begin = time.perf_counter()
-        grid = _core.trace.EmbreeBaseline(surface, "GRID", eye=list(bench_trace.EYE))
-        grid_build = time.perf_counter() - begin
-        plain = rays["origins"], rays["directions"]
-        grid.timed_closest(*plain)
-        seconds, _ = grid.timed_closest(*plain)
-        row("Embree's grid: speed", "Mrays/s", len(rays["origins"]) / seconds / 1e6)
-        row("Embree's grid: memory", "MB", grid.bytes / 1e6)
-        row("Embree's grid: build", "s", grid_build)
-        ratio = speed["MULTI", DEFAULT_BUDGET] * seconds * 1e6 / len(rays["origins"])
-        row("reached: speed over Embree's grid", "times (1.15)", ratio)
-        row("reached: share of its memory", "% (5)", 100 * memory / grid.bytes)
-        row("reached: share of its build time", "% (3.3)", 100 * build / grid_build)
-    row(f"cracks, {SHELL_RAYS} rays through a shell of mixed levels", "rays (0)", cracks_in_shells())
-    return rows
+    memory = default.counters["bytes"] + held["record_bytes"] + held["bvh_bytes"]
+    print(
+        f"\nmemory of the default: cache {default.counters['bytes'] / 1e6:.0f}, records {held['record_bytes'] / 1e6:.0f}",
+        end="",
+    )
+    print(f", Embree's tree {held['bvh_bytes'] / 1e6:.0f} MB")
+    grid = embree(surface, rays) if free_bytes() > 1.5 * EMBREE_BYTES_PER_SUBPATCH * subpatches else None
+    reach = Reach()
+    if grid:
+        print(f"Embree's full grid: {grid[0]:.3f} Mrays/s, {grid[1] / 1e6:.0f} MB, built in {grid[2]:.1f} s")
+    else:
+        print("Embree's full grid: not measured, it needs more memory than is free")
+    print("\nReach, at 30 MB where nothing else is said")
+    if grid:
+        reach.add("speed over Embree's full grid", default.speed / grid[0], 1.15)
+        reach.add("share of its memory, %", 100 * memory / grid[1], 5, most=True)
+        reach.add("its build time over the cache's", grid[2] / build, 30)
+    again = {key: max(figures.again, 1e-6) for key, figures in at.items()}
+    ratio = again["SINGLE", DEFAULT_BUDGET] / again["MULTI", DEFAULT_BUDGET]
+    reach.add("vertices computed again, single over multi", ratio, 300)
+    reach.add("vertices computed again, 100 MB single over 1 MB multi", again["SINGLE", 100] / again["MULTI", 1], 10)
+    reach.add("speed over a single resolution", default.speed / at["SINGLE", DEFAULT_BUDGET].speed, 1.0)
+    reach.add("speed over no cache", default.speed / nothing["NONE"].speed, 1.0)
+    compare_fitting(reach, QUICK_WIDTH if quick else WIDTH)
+    count = QUICK_SHELL_RAYS if quick else SHELL_RAYS
+    reach.add(f"parity errors of {count} rays through a shell of mixed levels", cracks_in_shells(count), 0, most=True)
+    speeds = [{"name": f"{each.name}: speed", "unit": "Mrays/s", "values": [each.speed]} for each in at.values()]
+    return reach.rows + speeds

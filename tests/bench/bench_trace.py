@@ -68,12 +68,12 @@ def unit(vectors: Doubles) -> Doubles:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
-def camera_rays() -> tuple[Doubles, Doubles]:
+def camera_rays(width: int = WIDTH, height: int = HEIGHT) -> tuple[Doubles, Doubles]:
     """Origins and directions, tile by tile."""
-    x, y = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
+    x, y = np.meshgrid(np.arange(width), np.arange(height))
     order = np.lexsort(((x % TILE).ravel(), (y % TILE).ravel(), (x // TILE).ravel(), (y // TILE).ravel()))
-    screen_x = ((x + 0.5) / WIDTH - 0.5).ravel()[order]
-    screen_y = ((y + 0.5) / WIDTH - 0.5 * HEIGHT / WIDTH).ravel()[order]
+    screen_x = ((x + 0.5) / width - 0.5).ravel()[order]
+    screen_y = ((y + 0.5) / width - 0.5 * height / width).ravel()[order]
     forward = unit(np.array([0.0, 0.0, -0.1]) - EYE)
     right = unit(np.cross(forward, [0, 0, 1]))
     up = np.cross(right, forward)

@@ -68,3 +68,41 @@ def varied_scene(core):
     scene.set_world(uneven_world(core), 32)
     look_down(scene, height=4, half=0.35)
     return scene
+
+
+def nasty_scene(core, rng):
+    """Random materials and lamps whose numbers are nothing, tiny or huge."""
+
+    def nasty():
+        return float(rng.choice([0.0, 1e-30, 1e-9, 1e-3, 0.5, 1.0, 3.0, 1e6, 1e20, 1e30]))
+
+    scene = core.SceneDescription()
+    closures = [
+        ("diffuse", nasty(), nasty(), nasty()),
+        ("glossy", nasty(), nasty(), nasty(), "GGX"),
+        ("glass", nasty(), nasty(), nasty(), nasty(), "BECKMANN"),
+        ("transparent", nasty(), nasty()),
+        ("emission", nasty(), nasty(), nasty()),
+    ]
+    for i in range(4):
+        chosen = [closures[j] for j in rng.choice(len(closures), 2, replace=False)]
+        slots = material(core, scene, *chosen, name=f"material {i}")
+        place = matrix(rng.uniform(-1, 1, 3), float(rng.choice([1e-6, 0.5, 1.0])))
+        shape = scene.add_surface("ball", [sphere_spline(core)]) if i % 2 else quad(scene, "quad", 1.0)
+        scene.add_instance(f"thing {i}", shape, place, slots)
+    for kind in ("POINT", "SUN", "SPOT", "RECTANGLE", "DISK"):
+        scene.add_lamp(
+            kind,
+            kind,
+            matrix(rng.uniform(-1, 1, 3)),
+            (nasty(), nasty(), nasty()),
+            radius=nasty(),
+            angle=min(nasty(), 3.0),
+            size_x=nasty(),
+            size_y=nasty(),
+            spread=min(nasty(), 3.0),
+            spot_size=min(nasty(), 3.0),
+        )
+    scene.set_world(uneven_world(core), 16)
+    look_down(scene, height=3)
+    return scene

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from path_scenes import ALL_PASSES, lit_plane, material, picture, render, uneven_world, varied_scene, veil
+from path_scenes import ALL_PASSES, lit_plane, material, nasty_scene, picture, render, uneven_world, varied_scene, veil
 from scenes import CUBE_TRIANGLES, CUBE_VERTICES, background, look_down, matrix, quad, sphere_spline
 
 DISTRIBUTION = dict(integrator="DISTRIBUTION")
@@ -167,28 +167,7 @@ def test_unknown_choices_are_refused_with_those_there_are(core):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_no_pass_is_ever_nan_or_infinite_under_nasty_parameters(core, seed):
-    rng = np.random.default_rng(seed)
-
-    def nasty():
-        return float(rng.choice([0.0, 1e-30, 1e-9, 1e-3, 0.5, 1.0, 3.0, 1e6, 1e20, 1e30]))
-
-    scene = core.SceneDescription()
-    closures = [
-        ("diffuse", nasty(), nasty(), nasty()),
-        ("glossy", nasty(), nasty(), nasty(), "GGX"),
-        ("glass", nasty(), nasty(), nasty(), nasty(), "BECKMANN"),
-        ("transparent", nasty(), nasty()),
-        ("emission", nasty(), nasty(), nasty()),
-    ]
-    for i in range(4):
-        chosen = [closures[j] for j in rng.choice(len(closures), 2, replace=False)]
-        slots = material(core, scene, *chosen, name=f"material {i}")
-        place = matrix(rng.uniform(-1, 1, 3), float(rng.choice([1e-6, 0.5, 1.0])))
-        shape = scene.add_surface("ball", [sphere_spline(core)]) if i % 2 else quad(scene, "quad", 1.0)
-        scene.add_instance(f"thing {i}", shape, place, slots)
-    scene.add_lamp("lamp", "POINT", matrix(rng.uniform(-1, 1, 3)), (nasty(), nasty(), nasty()), radius=nasty())
-    scene.set_world(uneven_world(core), 16)
-    look_down(scene, height=3)
+    scene = nasty_scene(core, np.random.default_rng(seed))
     session = render(core, scene, samples=2, passes=ALL_PASSES, **DISTRIBUTION)
     for name in ALL_PASSES:
         assert np.isfinite(session.pass_pixels(name)).all(), f"{name}, seed {seed}"

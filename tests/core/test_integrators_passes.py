@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from path_scenes import ALL_PASSES, lit_plane, material, render, uneven_world, varied_scene, veil
+from path_scenes import ALL_PASSES, lit_plane, material, nasty_scene, render, uneven_world, varied_scene, veil
 from scenes import background, look_down, matrix, quad, sphere_spline
 
 
@@ -89,40 +89,7 @@ def test_colour_passes_hold_the_albedo_and_exposure_scales_light_only(core):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_no_pass_is_ever_nan_or_infinite_under_nasty_parameters(core, seed):
-    rng = np.random.default_rng(seed)
-
-    def nasty():
-        return float(rng.choice([0.0, 1e-30, 1e-9, 1e-3, 0.5, 1.0, 3.0, 1e6, 1e20, 1e30]))
-
-    scene = core.SceneDescription()
-    closures = [
-        ("diffuse", nasty(), nasty(), nasty()),
-        ("glossy", nasty(), nasty(), nasty(), "GGX"),
-        ("glass", nasty(), nasty(), nasty(), nasty(), "BECKMANN"),
-        ("transparent", nasty(), nasty()),
-        ("emission", nasty(), nasty(), nasty()),
-    ]
-    for i in range(4):
-        chosen = [closures[j] for j in rng.choice(len(closures), 2, replace=False)]
-        slots = material(core, scene, *chosen, name=f"material {i}")
-        place = matrix(rng.uniform(-1, 1, 3), float(rng.choice([1e-6, 0.5, 1.0])))
-        shape = scene.add_surface("ball", [sphere_spline(core)]) if i % 2 else quad(scene, "quad", 1.0)
-        scene.add_instance(f"thing {i}", shape, place, slots)
-    for kind in ("POINT", "SUN", "SPOT", "RECTANGLE", "DISK"):
-        scene.add_lamp(
-            kind,
-            kind,
-            matrix(rng.uniform(-1, 1, 3)),
-            (nasty(), nasty(), nasty()),
-            radius=nasty(),
-            angle=min(nasty(), 3.0),
-            size_x=nasty(),
-            size_y=nasty(),
-            spread=min(nasty(), 3.0),
-            spot_size=min(nasty(), 3.0),
-        )
-    scene.set_world(uneven_world(core), 16)
-    look_down(scene, height=3)
+    scene = nasty_scene(core, np.random.default_rng(seed))
     session = render(core, scene, samples=8, passes=ALL_PASSES, clamp_indirect=10.0)
     for name in ALL_PASSES:
         assert np.isfinite(session.pass_pixels(name)).all(), f"{name}, seed {seed}"

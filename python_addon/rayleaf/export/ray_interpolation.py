@@ -26,15 +26,9 @@ def _thresholds(settings: Any) -> dict[str, Any]:
     return values
 
 
-def is_possible(own: Any) -> bool:
-    """False where the integrator of `scene.rayleaf` does not tell ray caches what they must know."""
-    return bool(own.integrator != "DISTRIBUTION")
-
-
-def of_scene(core: ModuleType, own: Any) -> Any:
-    """The core's settings for objects without their own, of `scene.rayleaf`."""
-    settings = own.ray_interpolation
-    return core.RayInterpolation(mode=settings.mode if is_possible(own) else "OFF", **_thresholds(settings))
+def of_scene(core: ModuleType, settings: Any) -> Any:
+    """The core's settings for objects without their own."""
+    return core.RayInterpolation(mode=settings.mode, **_thresholds(settings))
 
 
 def of_object(core: ModuleType, settings: Any, scene_settings: Any) -> Any | None:

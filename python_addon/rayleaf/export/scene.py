@@ -225,8 +225,6 @@ class SceneExporter:
 
     def _ray_interpolation(self, owner: Any) -> int:
         """The index of an object's own settings for ray interpolation, -1 for the scene's."""
-        if not ray_interpolation.is_possible(self._blender_scene.rayleaf):
-            return -1
         own = ray_interpolation.of_object(
             self._core, owner.rayleaf.ray_interpolation, self._blender_scene.rayleaf.ray_interpolation
         )
