@@ -45,7 +45,7 @@ struct ElementPoint {
     float area_factor = 0;  ///< local area per unit of parameter area: |dP/du x dP/dv|; a triangle's whole area
 };
 
-enum class ShapeKind { TriangleMesh, PatchSurface, Strands, SweptSurface };
+enum class ShapeKind { TriangleMesh, PatchSurface, Strands, SweptSurface, SubdivisionSurface };
 
 /// A renderable shape. Immutable after construction; all threads read it. Constructors validate and throw InputError.
 class Shape {

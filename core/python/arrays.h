@@ -50,4 +50,16 @@ inline Affine3d affine_of(const std::string& object, const Array<double>& matrix
     return affine_of(matrix.data());
 }
 
+/// The value of a name among those there are.
+template <typename Value, size_t N>
+Value named(const std::string& object, const char* argument, const std::string& name,
+            const std::pair<const char*, Value> (&values)[N]) {
+    std::string wanted;
+    for (const auto& [text, value] : values) {
+        if (name == text) return value;
+        wanted += (wanted.empty() ? "" : ", ") + std::string(text);
+    }
+    throw InputError(object, argument, "'" + name + "'", wanted);
+}
+
 }  // namespace rayleaf

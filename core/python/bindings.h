@@ -23,6 +23,7 @@ void bind_session(py::module_& module);
 void bind_settings(py::module_& module);
 void bind_shading(py::module_& module);
 void bind_strands(py::module_& module);
+void bind_subdivision(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_splines(py::module_& module);
 

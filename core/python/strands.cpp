@@ -24,17 +24,6 @@ constexpr std::pair<const char*, AttributeId StrandInfoIds::*> kInfos[] = {{"IS_
                                                                            {"LENGTH", &StrandInfoIds::length},
                                                                            {"THICKNESS", &StrandInfoIds::thickness}};
 
-template <typename Value, size_t N>
-Value named(const std::string& object, const char* argument, const std::string& name,
-            const std::pair<const char*, Value> (&values)[N]) {
-    std::string wanted;
-    for (const auto& [text, value] : values) {
-        if (name == text) return value;
-        wanted += (wanted.empty() ? "" : ", ") + std::string(text);
-    }
-    throw InputError(object, argument, "'" + name + "'", wanted);
-}
-
 using Attributes = std::map<int, Array<float>>;
 
 void add_attributes(StrandArrays& arrays, const Attributes& given, StrandDomain domain) {

@@ -130,10 +130,10 @@ void join_triangles(const TriangleMesh& mesh, TextureSeams seams, JoinedElements
 }  // namespace
 
 PatchClasses::PatchClasses(const Shape& shape, TextureSeams seams) : class_of_(shape.element_count(), kFacetedClass) {
-    // Strands are too thin for rays to be interpolated between; rays against swept surfaces are traced too.
-    if (shape.kind() == ShapeKind::Strands || shape.kind() == ShapeKind::SweptSurface) return;
-    JoinedElements joined(shape.element_count());
+    // Strands are too thin for rays to be interpolated between; rays against other surfaces are traced too.
     const bool is_mesh = shape.kind() == ShapeKind::TriangleMesh;
+    if (!is_mesh && shape.kind() != ShapeKind::PatchSurface) return;
+    JoinedElements joined(shape.element_count());
     if (is_mesh)
         join_triangles(static_cast<const TriangleMesh&>(shape), seams, joined);
     else

@@ -28,13 +28,31 @@ double noise_length(const PatchView& patch) {
     return roundings * std::numeric_limits<double>::epsilon() * largest * (high / low);
 }
 
-bool is_regular(const PatchView& patch, const PatchPoint& p) {
+/// What normals are taken of: its points, their noise and the sum of the degrees.
+struct PatchSource {
+    const PatchView& patch;
+
+    PatchPoint evaluate(double u, double v) const { return patch.evaluate(u, v); }
+    double noise() const { return noise_length(patch); }
+    int degrees() const { return patch.degree_u + patch.degree_v; }
+};
+
+struct FunctionSource {
+    const SurfaceFunction& surface;
+
+    static constexpr int kDegrees = 6;  // piecewise bicubic
+    PatchPoint evaluate(double u, double v) const { return surface(u, v); }
+    double noise() const { return 16.0 * (kDegrees + 1) * std::numeric_limits<double>::epsilon(); }
+    int degrees() const { return kDegrees; }
+};
+
+bool is_regular(const auto& source, const PatchPoint& p) {
     const double uu = p.du.dot(p.du), vv = p.dv.dot(p.dv);
     const Vec3d cross = p.du.cross(p.dv);
     if (!(cross.dot(cross) > kDegenerateShare * uu * vv)) return false;
     const double shorter = std::sqrt(std::min(uu, vv)), longer = std::sqrt(std::max(uu, vv));
     if (shorter > kSuspiciousRatio * longer && shorter > kSuspiciousLength * max_abs(p.position)) return true;
-    return shorter > noise_length(patch);
+    return shorter > source.noise();
 }
 
 /// dn for N with derivative dN: the part of dN across n, by the length of N.
@@ -60,11 +78,11 @@ double inward(double parameter) {
     return parameter <= 0.5 ? 1.0 : -1.0;
 }
 
-std::optional<Vec3d> expanded_normal(const PatchView& patch, const PatchPoint& p, double a, double b) {
+std::optional<Vec3d> expanded_normal(const auto& source, const PatchPoint& p, double a, double b) {
     const double u = p.du.length(), v = p.dv.length(), uu = p.duu.length(), uv = p.duv.length(), vv = p.dvv.length();
     const Vec3d step = (p.duu.cross(p.dv) + p.du.cross(p.duv)) * a + (p.duv.cross(p.dv) + p.du.cross(p.dvv)) * b;
     const double products = u * uv + uu * v + u * vv + uv * v;
-    const double noise = noise_length(patch) * (patch.degree_u + patch.degree_v) * (u + v + uu + uv + vv);
+    const double noise = source.noise() * source.degrees() * (u + v + uu + uv + vv);
     const double length = step.length();
     if (!(length > kCancellationShare * products) || !(length > noise) || !std::isfinite(length)) return std::nullopt;
     const Vec3d none(0.0);
@@ -72,13 +90,13 @@ std::optional<Vec3d> expanded_normal(const PatchView& patch, const PatchPoint& p
     return normal == none ? std::nullopt : std::optional(normal);
 }
 
-LimitNormal degenerate_normal(const PatchView& patch, double u, double v, const PatchPoint& point,
+LimitNormal degenerate_normal(const auto& source, double u, double v, const PatchPoint& point,
                               const NormalFallback& fallback) {
     const double a = inward(u), b = inward(v);
-    const PatchPoint inside = patch.evaluate(u + a * kInset, v + b * kInset);
-    const std::optional<LimitNormal> inset = is_regular(patch, inside) ? regular_normal(inside) : std::nullopt;
+    const PatchPoint inside = source.evaluate(u + a * kInset, v + b * kInset);
+    const std::optional<LimitNormal> inset = is_regular(source, inside) ? regular_normal(inside) : std::nullopt;
     LimitNormal out = inset.value_or(LimitNormal());
-    if (const auto expanded = expanded_normal(patch, point, a, b)) {
+    if (const auto expanded = expanded_normal(source, point, a, b)) {
         out.normal = *expanded;
         out.stage = NormalStage::SecondOrder;
         return out;
@@ -97,13 +115,22 @@ LimitNormal degenerate_normal(const PatchView& patch, double u, double v, const 
     return out;
 }
 
+LimitNormal normal_of(const auto& source, double u, double v, const PatchPoint& point, const NormalFallback& fallback) {
+    if (is_regular(source, point))
+        if (const auto regular = regular_normal(point)) return *regular;
+    return degenerate_normal(source, u, v, point, fallback);
+}
+
 }  // namespace
 
 LimitNormal limit_normal(const PatchView& patch, double u, double v, const PatchPoint& point,
                          const NormalFallback& fallback) {
-    if (is_regular(patch, point))
-        if (const auto regular = regular_normal(point)) return *regular;
-    return degenerate_normal(patch, u, v, point, fallback);
+    return normal_of(PatchSource{patch}, u, v, point, fallback);
+}
+
+LimitNormal limit_normal(const SurfaceFunction& surface, double u, double v, const PatchPoint& point,
+                         const NormalFallback& fallback) {
+    return normal_of(FunctionSource{surface}, u, v, point, fallback);
 }
 
 LimitNormal limit_normal(const PatchView& patch, double u, double v, const NormalFallback& fallback) {

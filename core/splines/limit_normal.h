@@ -61,4 +61,9 @@ LimitNormal limit_normal(const PatchView& patch, double u, double v, const Patch
                          const NormalFallback& fallback = {});
 LimitNormal limit_normal(const PatchView& patch, double u, double v, const NormalFallback& fallback = {});
 
+/// The same for a surface that is no single patch, with coordinates up to 1.
+using SurfaceFunction = std::function<PatchPoint(double u, double v)>;
+LimitNormal limit_normal(const SurfaceFunction& surface, double u, double v, const PatchPoint& point,
+                         const NormalFallback& fallback = {});
+
 }  // namespace rayleaf

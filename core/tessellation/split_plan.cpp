@@ -1,7 +1,5 @@
 #include "tessellation/split_plan.h"
 
-#include "splines/bounds.h"
-
 #include <algorithm>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -34,9 +32,10 @@ CurvatureBounds tight_curvature_bounds(const PatchView& patch) {
     return bounds;
 }
 
+}  // namespace
+
 /// Splits in the direction that bends more until the facets are near enough.
-SplineSplit split_for(const PatchView& patch, double tolerance) {
-    const CurvatureBounds bounds = tight_curvature_bounds(patch);
+SplineSplit split_for(const CurvatureBounds& bounds, double tolerance) {
     SplineSplit split;
     while (facet_distance_bound(bounds, split.cells_u(), split.cells_v()) > tolerance) {
         const double bend_u = bounds.duu / (double(split.cells_u()) * split.cells_u());
@@ -53,14 +52,12 @@ SplineSplit split_for(const PatchView& patch, double tolerance) {
     return split;
 }
 
-}  // namespace
-
 SplitPlan::SplitPlan(const PatchSurface& surface, const FacetTolerance& tolerance) {
     const size_t count = surface.element_count();
     std::vector<SplineSplit> wanted(count);
     tbb::parallel_for(size_t{0}, count, [&](size_t i) {
         const PatchView patch = surface.patch(static_cast<uint32_t>(i));
-        wanted[i] = split_for(patch, tolerance(hull_bounds(patch)));
+        wanted[i] = split_for(tight_curvature_bounds(patch), tolerance(hull_bounds(patch)));
     });
     for (const SplinePatches& spline : surface.splines()) {
         SplineSplit split;

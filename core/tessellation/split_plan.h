@@ -5,6 +5,7 @@
 #pragma once
 
 #include "geometry/patch_surface.h"
+#include "splines/bounds.h"
 #include "tessellation/dicer.h"
 #include "tessellation/grid.h"
 
@@ -24,6 +25,9 @@ struct SplineSplit {
     int cells_u() const { return kGridCells << log2_u; }
     int cells_v() const { return kGridCells << log2_v; }
 };
+
+/// The coarsest split of a patch, or whatever has such bounds, whose facets lie within `tolerance` of it.
+SplineSplit split_for(const CurvatureBounds& bounds, double tolerance);
 
 /// One cell of a split patch.
 struct Subpatch {

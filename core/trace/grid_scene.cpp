@@ -1,6 +1,7 @@
 #include "trace/grid_scene.h"
 
 #include "geometry/patch_surface.h"
+#include "geometry/subdivision_surface.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -221,6 +222,8 @@ LocalHit GridScene::on_facet(const LocalHit& hit) const {
 }
 
 NormalCounters GridScene::limit_normals() const {
+    if (shape().kind() == ShapeKind::SubdivisionSurface)
+        return static_cast<const SubdivisionSurface&>(shape()).limit_normals();
     if (shape().kind() != ShapeKind::PatchSurface) return {};
     return static_cast<const PatchSurface&>(shape()).limit_normals();
 }

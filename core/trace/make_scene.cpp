@@ -1,6 +1,7 @@
 #include "trace/make_scene.h"
 
 #include "tessellation/patch_dicer.h"
+#include "tessellation/subdivision_dicer.h"
 #include "tessellation/swept_dicer.h"
 #include "trace/embree_strand_scene.h"
 #include "trace/grid_scene.h"
@@ -21,6 +22,8 @@ std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance&
     std::unique_ptr<const Dicer> dicer;
     if (shape.kind() == ShapeKind::SweptSurface)
         dicer = std::make_unique<SweptDicer>(static_cast<const SweptSurface&>(shape), tolerance);
+    else if (shape.kind() == ShapeKind::SubdivisionSurface)
+        dicer = std::make_unique<SubdivisionDicer>(static_cast<const SubdivisionSurface&>(shape), tolerance);
     else
         dicer = std::make_unique<PatchDicer>(static_cast<const PatchSurface&>(shape), tolerance);
     return std::make_unique<GridScene>(shape, std::move(dicer), cancel);

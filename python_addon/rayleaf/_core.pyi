@@ -323,6 +323,37 @@ def strand_tubes(strands: Strands, rings: int, sides: int, facets: str = "TRIANG
 def strands_along(curve: SweptCurve, form: str = "ROUND", spheres_per_segment: int = 16) -> Strands | None:
     """The strands along a bevelled curve's axes; None unless its profile is one full circle."""
 
+class SubdivisionSurface:
+    """The Catmull-Clark limit of a polygon mesh; see core/geometry/subdivision_cage.h. A corner is a vertex of a face.
+
+    vertices (n, 3), face_sizes (m,), corners (sum of sizes,): vertex indices, counter-clockwise. Sharpness: 0 is smooth,
+    10 and more sharp for ever; crease_edges (k, 2). border_corners: SMOOTH, SHARP. uv_smoothing: NONE, PRESERVE_CORNERS,
+    PRESERVE_CORNERS_AND_JUNCTIONS, PRESERVE_CORNERS_JUNCTIONS_AND_CONCAVE, PRESERVE_BOUNDARIES, SMOOTH_ALL. uv_maps: id
+    -> (corners, 2), smoothed; `uv` is the id of the active one; attributes: id -> (corners, channels), linear.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        vertices: Floats,
+        face_sizes: Ints,
+        corners: Ints,
+        crease_edges: Ints | None = None,
+        crease_sharpness: Floats | None = None,
+        crease_vertices: Ints | None = None,
+        vertex_sharpness: Floats | None = None,
+        material_slots: Ints | None = None,
+        border_corners: str = "SMOOTH",
+        uv_smoothing: str = "PRESERVE_BOUNDARIES",
+        uv_maps: dict[int, Floats] = {},
+        uv: int = -1,
+        attributes: dict[int, Floats] = {},
+    ) -> None: ...
+    def points(self, elements: Ints, parameters: Doubles) -> Doubles:
+        """Position and derivatives by u, v, uu, uv, vv, (n, 6, 3) in local space, at parameters (n, 2) of elements."""
+    def values(self, attribute: int, elements: Ints, parameters: Doubles) -> Floats:
+        """(n, 4) of an attribute."""
+
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
 

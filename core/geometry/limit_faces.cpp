@@ -1,0 +1,298 @@
+#include "geometry/limit_faces.h"
+
+#include "base/error.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <numeric>
+#include <shared_mutex>
+
+#include <oneapi/tbb/parallel_for.h>
+#include <opensubdiv/bfr/refinerSurfaceFactory.h>
+#include <opensubdiv/bfr/surface.h>
+#include <opensubdiv/far/topologyDescriptor.h>
+#include <opensubdiv/far/topologyRefinerFactory.h>
+
+namespace rayleaf {
+namespace {
+
+namespace Bfr = OpenSubdiv::Bfr;
+namespace Far = OpenSubdiv::Far;
+namespace Sdc = OpenSubdiv::Sdc;
+
+using SharedCache = Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
+                                                     std::unique_lock<std::shared_mutex>>;
+using Factory = Bfr::RefinerSurfaceFactory<SharedCache>;
+using FaceSurface = Bfr::Surface<double>;
+using Descriptor = Far::TopologyDescriptor;
+
+/// Texture coordinates of one vertex nearer than this are one (Blender's STD_UV_CONNECT_LIMIT).
+constexpr float kSameUv = 1e-4f;
+
+const FaceSurface::PointDescriptor kPoints(3);
+
+double* numbers(Vec3d* points) {
+    return &points->x;
+}
+const double* numbers(const Vec3d* points) {
+    return &points->x;
+}
+
+Sdc::Options::FVarLinearInterpolation linear_where(UvSmoothing smoothing) {
+    switch (smoothing) {
+        case UvSmoothing::None:
+            return Sdc::Options::FVAR_LINEAR_ALL;
+        case UvSmoothing::KeepCorners:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_ONLY;
+        case UvSmoothing::KeepCornersJunctions:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1;
+        case UvSmoothing::KeepCornersJunctionsConcave:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2;
+        case UvSmoothing::KeepBoundaries:
+            return Sdc::Options::FVAR_LINEAR_BOUNDARIES;
+        case UvSmoothing::All:
+            break;
+    }
+    return Sdc::Options::FVAR_LINEAR_NONE;
+}
+
+Sdc::Options options_of(const SubdivisionCage& cage) {
+    Sdc::Options options;
+    options.SetVtxBoundaryInterpolation(cage.border_corners == BorderCorners::Sharp
+                                            ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
+                                            : Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+    options.SetCreasingMethod(Sdc::Options::CREASE_UNIFORM);
+    options.SetFVarLinearInterpolation(linear_where(cage.uv_smoothing));
+    return options;
+}
+
+std::vector<float> limited_sharpness(std::span<const float> values) {
+    std::vector<float> result(values.begin(), values.end());
+    for (float& value : result) value = std::min(value, kInfiniteSharpness);
+    return result;
+}
+
+/// The different texture coordinates of a map, and which of them each corner has.
+struct UvValues {
+    std::vector<Vec3d> values;
+    std::vector<int> of_corner;
+};
+
+UvValues merged_uv(const SubdivisionCage& cage, const CornerAttribute& map) {
+    UvValues result;
+    result.of_corner.resize(cage.corners.size());
+    std::vector<std::vector<int>> of_vertex(cage.vertices.size() / 3);  // values so far at each vertex
+    for (size_t corner = 0; corner < cage.corners.size(); ++corner) {
+        const float* uv = &map.values[corner * static_cast<size_t>(map.channels)];
+        std::vector<int>& known = of_vertex[static_cast<size_t>(cage.corners[corner])];
+        const auto found = std::find_if(known.begin(), known.end(), [&](int index) {
+            const Vec3d& other = result.values[static_cast<size_t>(index)];
+            return std::abs(other.x - uv[0]) < kSameUv && std::abs(other.y - uv[1]) < kSameUv;
+        });
+        if (found != known.end()) {
+            result.of_corner[corner] = *found;
+            continue;
+        }
+        result.of_corner[corner] = static_cast<int>(result.values.size());
+        known.push_back(result.of_corner[corner]);
+        result.values.emplace_back(uv[0], uv[1], 0.0);
+    }
+    return result;
+}
+
+/// Creases on edges that faces have: OpenSubdiv reports others on the error stream.
+struct Creases {
+    std::vector<int> vertices;
+    std::vector<float> sharpness;
+
+    explicit Creases(const SubdivisionCage& cage) {
+        if (cage.crease_sharpness.empty()) return;
+        const auto key = [](int a, int b) { return std::pair(std::min(a, b), std::max(a, b)); };
+        std::map<std::pair<int, int>, float> wanted;
+        const std::vector<float> limited = limited_sharpness(cage.crease_sharpness);
+        for (size_t i = 0; i < limited.size(); ++i)
+            wanted[key(cage.crease_edges[2 * i], cage.crease_edges[2 * i + 1])] = limited[i];
+        size_t first = 0;
+        for (const int32_t size : cage.face_sizes) {
+            for (int32_t i = 0; i < size; ++i) {
+                const auto found = wanted.find(key(cage.corners[first + static_cast<size_t>(i)],
+                                                   cage.corners[first + static_cast<size_t>((i + 1) % size)]));
+                if (found == wanted.end()) continue;
+                vertices.push_back(found->first.first);
+                vertices.push_back(found->first.second);
+                sharpness.push_back(found->second);
+                wanted.erase(found);
+            }
+            first += static_cast<size_t>(size);
+        }
+    }
+};
+
+}  // namespace
+
+struct LimitFaces::Faces {
+    struct Face {
+        FaceSurface surface;
+        std::vector<Vec3d> points;  ///< control points and what OpenSubdiv derives from them
+    };
+    std::vector<Face> faces;
+};
+
+LimitFaces::LimitFaces() = default;
+LimitFaces::~LimitFaces() = default;
+LimitFaces::LimitFaces(LimitFaces&&) noexcept = default;
+LimitFaces& LimitFaces::operator=(LimitFaces&&) noexcept = default;
+
+bool LimitFaces::is_regular(uint32_t face) const {
+    const FaceSurface& surface = faces_->faces[face].surface;
+    return surface.IsRegular() && surface.GetFaceSize() == 4;
+}
+
+PatchPoint LimitFaces::evaluate(uint32_t face, const Vec2d& parameters) const {
+    const Faces::Face& of = faces_->faces[face];
+    PatchPoint p{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
+    const double uv[2] = {parameters.x, parameters.y};
+    of.surface.Evaluate(uv, numbers(of.points.data()), kPoints, numbers(&p.position), numbers(&p.du), numbers(&p.dv),
+                        numbers(&p.duu), numbers(&p.duv), numbers(&p.dvv));
+    return p;
+}
+
+Vec3d LimitFaces::position(uint32_t face, const Vec2d& parameters) const {
+    const Faces::Face& of = faces_->faces[face];
+    Vec3d position(0.0);
+    const double uv[2] = {parameters.x, parameters.y};
+    of.surface.Evaluate(uv, numbers(of.points.data()), kPoints, numbers(&position));
+    return position;
+}
+
+void LimitFaces::forget(uint32_t face) {
+    faces_->faces[face].surface.Clear();
+    faces_->faces[face].points = {};
+}
+
+size_t LimitFaces::bytes() const {
+    size_t total = sizeof(*this) + sizeof(Faces) + faces_->faces.capacity() * sizeof(Faces::Face);
+    for (const Faces::Face& face : faces_->faces) total += face.points.capacity() * sizeof(Vec3d);
+    return total;
+}
+
+struct CageTopology::Refiner {
+    std::string name;
+    std::unique_ptr<Far::TopologyRefiner> refiner;
+    std::vector<std::vector<Vec3d>> uv_values;  ///< by map
+
+    const Far::TopologyLevel& cage() const { return refiner->GetLevel(0); }
+    Factory factory() const {
+        Factory::Options options;
+        options.SetApproxLevelSmooth(kApproximationLevels).SetApproxLevelSharp(kSharpLevels);
+        return Factory(*refiner, options);
+    }
+    LimitFaces limit_of(const std::vector<Vec3d>& values, const auto& init) const;
+};
+
+/// `init` makes the surface of a face.
+LimitFaces CageTopology::Refiner::limit_of(const std::vector<Vec3d>& values, const auto& init) const {
+    LimitFaces result;
+    result.faces_ = std::make_unique<LimitFaces::Faces>();
+    std::vector<LimitFaces::Faces::Face>& faces = result.faces_->faces;
+    faces.resize(static_cast<size_t>(cage().GetNumFaces()));
+    tbb::parallel_for(size_t{0}, faces.size(), [&](size_t i) {
+        LimitFaces::Faces::Face& face = faces[i];
+        if (!init(static_cast<int>(i), face.surface))
+            throw InputError(name, "face " + std::to_string(i), "one without a limit surface", "another topology");
+        face.points.resize(static_cast<size_t>(face.surface.GetNumPatchPoints()));
+        face.surface.PreparePatchPoints(numbers(values.data()), kPoints, numbers(face.points.data()), kPoints);
+    });
+    return result;
+}
+
+CageTopology::CageTopology(const SubdivisionCage& cage) : refiner_(std::make_unique<Refiner>()) {
+    refiner_->name = cage.name;
+    Descriptor descriptor;
+    descriptor.numVertices = static_cast<int>(cage.vertices.size() / 3);
+    descriptor.numFaces = static_cast<int>(cage.face_sizes.size());
+    descriptor.numVertsPerFace = cage.face_sizes.data();
+    descriptor.vertIndicesPerFace = cage.corners.data();
+    const Creases creases(cage);
+    descriptor.numCreases = static_cast<int>(creases.sharpness.size());
+    descriptor.creaseVertexIndexPairs = creases.vertices.data();
+    descriptor.creaseWeights = creases.sharpness.data();
+    const std::vector<float> sharpness = limited_sharpness(cage.vertex_sharpness);
+    descriptor.numCorners = static_cast<int>(sharpness.size());
+    descriptor.cornerVertexIndices = cage.crease_vertices.data();
+    descriptor.cornerWeights = sharpness.data();
+
+    std::vector<UvValues> maps;
+    std::vector<Descriptor::FVarChannel> channels;
+    for (const CornerAttribute& map : cage.uv_maps) maps.push_back(merged_uv(cage, map));
+    for (UvValues& map : maps) {
+        Descriptor::FVarChannel channel;
+        channel.numValues = static_cast<int>(map.values.size());
+        channel.valueIndices = map.of_corner.data();
+        channels.push_back(channel);
+        refiner_->uv_values.push_back(std::move(map.values));
+    }
+    descriptor.numFVarChannels = static_cast<int>(channels.size());
+    descriptor.fvarChannels = channels.data();
+
+    using RefinerFactory = Far::TopologyRefinerFactory<Descriptor>;
+    refiner_->refiner.reset(
+        RefinerFactory::Create(descriptor, RefinerFactory::Options(Sdc::SCHEME_CATMARK, options_of(cage))));
+    if (!refiner_->refiner)
+        throw InputError(cage.name, "corners", "faces that OpenSubdiv cannot connect", "another topology");
+}
+
+CageTopology::~CageTopology() = default;
+
+uint32_t CageTopology::edge_count() const {
+    return static_cast<uint32_t>(refiner_->cage().GetNumEdges());
+}
+
+std::array<uint32_t, 2> CageTopology::edge_vertices(uint32_t edge) const {
+    const Far::ConstIndexArray vertices = refiner_->cage().GetEdgeVertices(static_cast<int>(edge));
+    return {static_cast<uint32_t>(vertices[0]), static_cast<uint32_t>(vertices[1])};
+}
+
+uint32_t CageTopology::face_edge(uint32_t face, uint32_t corner) const {
+    return static_cast<uint32_t>(refiner_->cage().GetFaceEdges(static_cast<int>(face))[static_cast<int>(corner)]);
+}
+
+std::vector<uint32_t> CageTopology::edge_faces(uint32_t edge) const {
+    const Far::ConstIndexArray faces = refiner_->cage().GetEdgeFaces(static_cast<int>(edge));
+    return {faces.begin(), faces.end()};
+}
+
+LimitFaces CageTopology::limit(const std::vector<Vec3d>& vertices) const {
+    const Factory factory = refiner_->factory();
+    return refiner_->limit_of(
+        vertices, [&](int face, FaceSurface& surface) { return factory.InitVertexSurface(face, &surface); });
+}
+
+LimitFaces CageTopology::uv_limit(size_t map) const {
+    const Factory factory = refiner_->factory();
+    return refiner_->limit_of(refiner_->uv_values[map], [&](int face, FaceSurface& surface) {
+        return factory.InitFaceVaryingSurface(face, &surface, static_cast<Factory::FVarID>(map));
+    });
+}
+
+FaceSquare CageTopology::corner_square(int face_size, int corner) {
+    const Bfr::Parameterization parameters(Sdc::SCHEME_CATMARK, face_size);
+    const auto vertex = [&](int index) {
+        double uv[2];
+        parameters.GetVertexCoord(index % face_size, uv);
+        return Vec2d(uv[0], uv[1]);
+    };
+    FaceSquare square;
+    square.origin = vertex(corner);
+    if (parameters.HasSubFaces()) {
+        square.next = Vec2d(0.5, 0.0);
+        square.previous = Vec2d(0.0, 0.5);
+    } else {
+        square.next = (vertex(corner + 1) - square.origin) * 0.5;
+        square.previous = (vertex(corner + face_size - 1) - square.origin) * 0.5;
+    }
+    return square;
+}
+
+}  // namespace rayleaf

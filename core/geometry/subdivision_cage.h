@@ -1,0 +1,55 @@
+// The polygon mesh whose limit is a subdivision surface (Catmull and Clark 1978), as it comes from outside.
+//
+// A corner is one vertex of one face; corners are numbered face by face, counter-clockwise seen from the outside.
+#pragma once
+
+#include "geometry/triangle_mesh.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rayleaf {
+
+/// Sharpness from which on an edge or a vertex stays sharp for ever (OpenSubdiv's constant).
+inline constexpr float kInfiniteSharpness = 10.0f;
+
+/// Larger faces and vertices of more faces are refused: every face at such a vertex depends on all of them.
+inline constexpr int kMostAtVertex = 1024;
+
+/// What becomes of vertices of the border that belong to one face alone.
+enum class BorderCorners : uint8_t { Sharp, Smooth };
+
+/// Where texture coordinates stay linear, as Blender's modifier has it.
+enum class UvSmoothing : uint8_t {
+    None,                         ///< everywhere
+    KeepCorners,                  ///< at corners of islands
+    KeepCornersJunctions,         ///< and where islands meet
+    KeepCornersJunctionsConcave,  ///< and at their darts and concave corners
+    KeepBoundaries,               ///< along all borders of islands
+    All                           ///< nowhere
+};
+
+/// The spans are read during construction only.
+struct SubdivisionCage {
+    std::string name;                         ///< for messages
+    std::span<const float> vertices;          ///< x,y,z each, object space
+    std::span<const int32_t> face_sizes;      ///< corners of each face, 3 or more
+    std::span<const int32_t> corners;         ///< vertex indices, face by face
+    std::span<const int32_t> crease_edges;    ///< two vertex indices each; edges of no face are left out
+    std::span<const float> crease_sharpness;  ///< one an edge: 0 is smooth
+    std::span<const int32_t> crease_vertices;
+    std::span<const float> vertex_sharpness;  ///< one for each of these
+    std::span<const int32_t> material_slots;  ///< one a face; empty: slot 0 everywhere
+    BorderCorners border_corners = BorderCorners::Smooth;
+    UvSmoothing uv_smoothing = UvSmoothing::KeepBoundaries;
+    std::vector<CornerAttribute> uv_maps;     ///< two channels, smoothed with the surface; one value a corner
+    AttributeId active_uv = kNoAttribute;     ///< the map that is the surface's `uv`
+    std::vector<CornerAttribute> attributes;  ///< bilinear within faces; one value a corner
+};
+
+/// Throws InputError for cages that have no limit surface. Edges may have any number of faces.
+void validate(const SubdivisionCage& cage);
+
+}  // namespace rayleaf

@@ -1,0 +1,56 @@
+// Elements of a subdivision surface, split for a view (ring_splits.h) and diced.
+//
+// Elements of one bicubic patch go the way of splines (dice.h), and so do all borders of theirs. The vertices of other
+// elements are evaluated in double, on a border by its owner.
+#pragma once
+
+#include "geometry/subdivision_surface.h"
+#include "tessellation/dice.h"
+#include "tessellation/dicer.h"
+#include "tessellation/dyadic_basis.h"
+#include "tessellation/ring_splits.h"
+
+#include <map>
+
+namespace rayleaf {
+
+class SubdivisionDicer final : public Dicer, public LevelDicer {
+  public:
+    /// The surface must live as long.
+    SubdivisionDicer(const SubdivisionSurface& surface, const FacetTolerance& tolerance);
+
+    uint32_t subpatch_count() const override { return splits_.subpatch_count(); }
+    void dice(uint32_t subpatch, Grid& grid) const override;
+    ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override;
+    std::optional<PlaceInGrid> place_in_grid(const ElementPlace& place) const override;
+    size_t bytes() const override;
+    const LevelDicer* levels() const override { return this; }
+
+    void dice_rows(uint32_t subpatch, GridRows& rows) const override;
+    void dice_medium(uint32_t subpatch, MediumGrid& grid) const override;
+    void dice_coarse(uint32_t subpatch, CoarseGrid& grid) const override;
+    void dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const override;
+
+  private:
+    const SubdivisionSurface* surface_;
+    RingSplits splits_;
+    std::map<int, DyadicBasis> bases_;  ///< by intervals
+
+    /// The vertices of a grid along one direction of its element.
+    struct Span {
+        int first = 0, intervals = 0;  ///< of the whole element
+
+        double at(int k) const { return static_cast<double>(first + k) / intervals; }
+        bool at_begin(int k) const { return first + k == 0; }
+        bool at_end(int k) const { return first + k == intervals; }
+    };
+    template <typename Target>
+    void dice_at(int level, uint32_t subpatch, Target& target) const;
+    template <typename Target>
+    void dice_spans(uint32_t element, const Span& u, const Span& v, const DiceAxis& axis_u, const DiceAxis& axis_v,
+                    int quads, Target& target) const;
+    template <typename Target>
+    void evaluate_irregular(uint32_t element, const Span& u, const Span& v, int quads, Target& target) const;
+};
+
+}  // namespace rayleaf
