@@ -168,6 +168,19 @@ oiio::TextureOpt options(TextureExtension extension, TextureInterpolation interp
     return result;
 }
 
+/// Refuses files that hold no flat picture, or one so large that it cannot be meant: a header says any size.
+void check_spec(const std::string& name, const std::string& path, const oiio::ImageSpec& spec) {
+    const std::string argument = "image file '" + path + "'";
+    const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels, " +
+                             std::to_string(spec.nchannels) + " channels";
+    if (spec.deep || spec.depth > 1) throw InputError(name, argument, "deep or a volume", "a flat picture");
+    constexpr int kLargestSide = 1 << 17;
+    constexpr double kMostPixels = 1u << 30;
+    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.width > kLargestSide ||
+        spec.height > kLargestSide || static_cast<double>(spec.width) * spec.height > kMostPixels)
+        throw InputError(name, argument, size, "at least 1 x 1 and at most 2^30 pixels, 2^17 a side");
+}
+
 float finite(float x) {
     return std::isfinite(x) ? x : 0.0f;
 }
@@ -228,6 +241,7 @@ TextureId TextureStore::add_file(const std::string& name, const std::string& pat
     const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::open(path, &hints);
     if (!input) throw InputError(name, "image file '" + path + "'", oiio::geterror(), "a readable image");
     const oiio::ImageSpec& spec = input->spec();
+    check_spec(name, path, spec);
     Picture picture;
     picture.width = spec.width;
     picture.height = spec.height;

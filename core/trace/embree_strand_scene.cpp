@@ -3,6 +3,16 @@
 #include <algorithm>
 
 namespace rayleaf {
+namespace {
+
+/// Smaller numbers become 0: Embree scales the boxes of its curves by one over their size, and ends the process where
+/// that is infinite.
+float without_tiny(double value) {
+    constexpr double kTiny = 1e-15;  // of a shape of size 1
+    return std::abs(value) < kTiny ? 0.0f : static_cast<float>(value);
+}
+
+}  // namespace
 
 EmbreeStrandScene::EmbreeStrandScene(const Strands& strands, const CancelToken& cancel)
     : ShapeScene(strands, FacetKind::Strands), strands_(&strands) {
@@ -16,7 +26,8 @@ EmbreeStrandScene::EmbreeStrandScene(const Strands& strands, const CancelToken& 
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, sizeof(uint32_t), count));
     for (uint32_t i = 0; i < count; ++i) {
         const StrandSegment segment = strands.segment(i);
-        for (const StrandPoint& point : segment.points) *points++ = Vec4f(point);
+        for (const StrandPoint& p : segment.points)
+            *points++ = Vec4f(without_tiny(p.x), without_tiny(p.y), without_tiny(p.z), without_tiny(p.w));
         indices[i] = kPoints * i;
     }
     EmbreeScene scene = new_embree_scene(cancel);

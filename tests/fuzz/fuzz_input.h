@@ -3,7 +3,10 @@
 
 #include "base/error.h"
 
+#include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <span>
@@ -24,14 +27,16 @@ class Bytes {
         return value;
     }
     bool flag() { return (byte() & 1) != 0; }
+    /// From now on, small numbers only.
+    void tame() { tame_ = true; }
     /// 0 .. most.
     int count(int most) { return byte() % (most + 1); }
     /// A few small numbers, some that are stiff, and any bits of a double.
     double number() {
-        constexpr double kTried[] = {0,     1,     -1,     0.5,   2,    1e-6, 1e6, -1e6, 1e-30, 1e30, 1e-300, 1e300,
-                                     -1e300, 1.0 / 3.0, 1e-12, 3e38, 1e38};
+        constexpr double kTried[] = {0,    1,      -1,    0.5,    2,         1e-6,  1e6,  -1e6, 1e-30,
+                                     1e30, 1e-300, 1e300, -1e300, 1.0 / 3.0, 1e-12, 3e38, 1e38};
         const uint8_t kind = byte();
-        if (kind < 128) return (static_cast<int>(byte()) - 128) / 16.0;
+        if (kind < 128 || tame_) return (static_cast<int>(byte()) - 128) / 16.0;
         if (kind < 200) return kTried[kind % std::size(kTried)];
         if (kind < 208) return std::numeric_limits<double>::quiet_NaN();
         if (kind < 216) return std::numeric_limits<double>::infinity();
@@ -40,6 +45,14 @@ class Bytes {
         double value = 0;
         std::memcpy(&value, &bits, sizeof value);
         return value;
+    }
+    /// Seldom 1, mostly 0: what to add to a length so that it does not fit.
+    size_t odd_length() { return byte() == 7 ? 1 : 0; }
+    /// Everything that is left.
+    std::span<const uint8_t> rest() {
+        const std::span<const uint8_t> all = left_;
+        left_ = {};
+        return all;
     }
     std::vector<float> floats(size_t size) {
         std::vector<float> values(size);
@@ -54,6 +67,7 @@ class Bytes {
 
   private:
     std::span<const uint8_t> left_;
+    bool tame_ = false;
 };
 
 /// Runs a function that may refuse its input by InputError, and by nothing else.
@@ -66,8 +80,10 @@ void refusing(Function function) {
 }
 
 /// Ends the run, so that the fuzzer keeps the input.
-inline void require(bool holds) {
-    if (!holds) __builtin_trap();
+inline void require(bool holds, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+    if (holds) return;
+    std::fprintf(stderr, "%s:%d: not so\n", file, line);
+    std::abort();
 }
 
 }  // namespace rayleaf::fuzz

@@ -7,13 +7,13 @@ using namespace rayleaf;
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     fuzz::Bytes bytes(data, size);
     const int vertices = bytes.count(12), triangles = bytes.count(12);
-    const auto odd = [&bytes] { return bytes.byte() == 7 ? size_t{1} : size_t{0}; };
-    const std::vector<float> places = bytes.floats(3 * static_cast<size_t>(vertices) + odd());
-    const std::vector<int32_t> corners = bytes.indices(3 * static_cast<size_t>(triangles) + odd(), vertices);
-    const std::vector<float> normals = bytes.flag() ? bytes.floats(9 * static_cast<size_t>(triangles) + odd())
-                                                    : std::vector<float>();
-    const std::vector<int32_t> slots = bytes.flag() ? bytes.indices(static_cast<size_t>(triangles) + odd(), 4)
-                                                    : std::vector<int32_t>();
+    const std::vector<float> places = bytes.floats(3 * static_cast<size_t>(vertices) + bytes.odd_length());
+    const std::vector<int32_t> corners =
+        bytes.indices(3 * static_cast<size_t>(triangles) + bytes.odd_length(), vertices);
+    const std::vector<float> normals =
+        bytes.flag() ? bytes.floats(9 * static_cast<size_t>(triangles) + bytes.odd_length()) : std::vector<float>();
+    const std::vector<int32_t> slots =
+        bytes.flag() ? bytes.indices(static_cast<size_t>(triangles) + bytes.odd_length(), 4) : std::vector<int32_t>();
     fuzz::refusing([&] {
         TriangleMeshArrays arrays;
         arrays.name = "drawn";
@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             const int channels = bytes.count(5);
             arrays.active_uv = bytes.count(1);
             arrays.attributes.push_back(
-                {0, channels, bytes.floats(static_cast<size_t>(3 * triangles * channels) + odd())});
+                {0, channels, bytes.floats(static_cast<size_t>(3 * triangles * channels) + bytes.odd_length())});
         }
         fuzz::trace_drawn_rays(std::make_shared<TriangleMesh>(std::move(arrays)), bytes);
     });

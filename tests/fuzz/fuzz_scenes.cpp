@@ -1,7 +1,6 @@
-// Settings, cameras, lamps and matrices of any numbers: refused with a message, or a tiny picture without NaN.
-#include "fuzz_input.h"
-#include "geometry/triangle_mesh.h"
-#include "render/session.h"
+// Scene descriptions: cameras, lamps, matrices, materials, indices of any numbers: refused with a message, or a tiny
+// picture without NaN.
+#include "fuzz_scene.h"
 
 using namespace rayleaf;
 
@@ -15,51 +14,57 @@ Affine3d matrix(fuzz::Bytes& bytes) {
     return drawn;
 }
 
-std::shared_ptr<Shape> square() {
-    static const std::vector<float> places = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
-    static const std::vector<int32_t> corners = {0, 1, 2, 0, 2, 3};
-    TriangleMeshArrays arrays;
-    arrays.name = "square";
-    arrays.vertices = places;
-    arrays.triangles = corners;
-    return std::make_shared<TriangleMesh>(std::move(arrays));
-}
-
 void add_lamp(SceneDescription& scene, fuzz::Bytes& bytes) {
     Lamp lamp;
     lamp.name = "lamp";
     lamp.kind = static_cast<LampKind>(bytes.count(4));
     lamp.to_world = matrix(bytes);
     lamp.strength = Color(static_cast<float>(bytes.number()));
-    for (double* value : {&lamp.radius, &lamp.angle, &lamp.spot_size, &lamp.spot_blend, &lamp.size_x, &lamp.size_y,
-                          &lamp.spread})
+    for (double* value :
+         {&lamp.radius, &lamp.angle, &lamp.spot_size, &lamp.spot_blend, &lamp.size_x, &lamp.size_y, &lamp.spread})
         if (bytes.flag()) *value = bytes.number();
+    lamp.spot_profile = bytes.flag() ? SpotProfile::Even : SpotProfile::Cosine;
+    lamp.casts_shadow = bytes.flag();
+    lamp.visibility = bytes.byte();
     scene.add_lamp(lamp);
 }
 
-Settings settings(fuzz::Bytes& bytes) {
-    Settings drawn;
-    drawn.width = drawn.height = 4;
-    drawn.samples = 1;
-    drawn.threads = 1;
-    if (bytes.flag()) drawn.filter_width = static_cast<float>(bytes.number());
-    if (bytes.flag()) drawn.exposure = static_cast<float>(bytes.number());
-    if (bytes.flag()) drawn.clamp_direct = static_cast<float>(bytes.number());
-    if (bytes.flag()) drawn.clamp_indirect = static_cast<float>(bytes.number());
-    if (bytes.flag()) drawn.max_bounces = static_cast<int8_t>(bytes.byte());
-    if (bytes.flag()) drawn.crop_x = static_cast<int8_t>(bytes.byte());
-    if (bytes.flag()) drawn.crop_width = drawn.crop_height = static_cast<int8_t>(bytes.byte());
-    if (bytes.flag()) drawn.tile_size = static_cast<int8_t>(bytes.byte());
+Material material(fuzz::Bytes& bytes) {
+    constexpr const char* kClosures[] = {"diffuse", "translucent", "transparent", "emission", "glossy", "glass"};
+    const size_t kind = bytes.byte() % std::size(kClosures);
+    const float value = static_cast<float>(bytes.number()), second = static_cast<float>(bytes.number());
+    Material drawn = kind < 3   ? fuzz::plain(kClosures[kind], {})
+                     : kind < 5 ? fuzz::plain(kClosures[kind], {value}, kind == 4 ? "GGX" : "")
+                                : fuzz::plain(kClosures[kind], {value, second}, "GGX");
+    if (bytes.byte() % 4 == 1) {
+        drawn.volume = VolumeVisualisation{};
+        drawn.volume->kind = static_cast<VolumeVisualisation::Kind>(bytes.count(1));
+        drawn.volume->density = static_cast<float>(bytes.number());
+        drawn.volume->color = Color(static_cast<float>(bytes.number()));
+    }
     return drawn;
+}
+
+void add_instance(SceneDescription& scene, fuzz::Bytes& bytes) {
+    InstanceDescription instance;
+    instance.name = "object";
+    instance.shape = bytes.count(4) - 1;
+    instance.object_to_world = matrix(bytes);
+    instance.material_list = bytes.count(5) - 1;
+    instance.visibility = bytes.flag() ? kVisibleAll : bytes.byte();
+    instance.ray_interpolation = bytes.count(2) - 1;
+    scene.add_instance(instance);
 }
 
 CameraDescription camera(fuzz::Bytes& bytes) {
     CameraDescription drawn;
     drawn.to_world.translation = {0, 0, 3};
     if (bytes.flag()) drawn.to_world = matrix(bytes);
+    drawn.kind = bytes.flag() ? CameraKind::Perspective : CameraKind::Orthographic;
     for (double* value : {&drawn.clip_start, &drawn.clip_end, &drawn.aperture_radius, &drawn.focus_distance,
-                          &drawn.blade_rotation, &drawn.aperture_ratio})
-        if (bytes.flag()) *value = bytes.number();
+                          &drawn.blade_rotation, &drawn.aperture_ratio, &drawn.window_min.x, &drawn.window_max.y})
+        if (bytes.byte() % 4 == 1) *value = bytes.number();
+    drawn.blades = static_cast<int8_t>(bytes.byte());
     return drawn;
 }
 
@@ -67,22 +72,29 @@ CameraDescription camera(fuzz::Bytes& bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     fuzz::Bytes bytes(data, size);
-    auto scene = std::make_shared<SceneDescription>();
-    const int shape = scene->add_shape(square());
-    for (int i = bytes.count(2); i >= 0; --i)
-        fuzz::refusing([&] {
-            InstanceDescription instance;
-            instance.name = "square";
-            instance.shape = bytes.byte() == 7 ? 3 : shape;
-            instance.object_to_world = matrix(bytes);
-            scene->add_instance(instance);
-        });
+    const auto scene = std::make_shared<SceneDescription>();
+    scene->add_shape(fuzz::square());
+    scene->add_shape(fuzz::patch());
+    scene->add_shape(fuzz::strand());
+    scene->add_ray_interpolation("object", {});
+    fuzz::refusing([&] { scene->add_material_list({scene->add_material(material(bytes)), bytes.count(3) - 1}); });
+    fuzz::refusing([&] { scene->add_material_list({scene->add_material(material(bytes))}); });
+    for (int i = bytes.count(3); i >= 0; --i) fuzz::refusing([&] { add_instance(*scene, bytes); });
     for (int i = bytes.count(2); i > 0; --i) fuzz::refusing([&] { add_lamp(*scene, bytes); });
     fuzz::refusing([&] {
+        auto world = std::make_shared<Program>("world");
+        const float strength = static_cast<float>(bytes.number());
+        const Register one = world->constant(Vec4f(1, 1, 1, 1)), strong = world->constant(Vec4f(strength));
+        world->operation("background", std::vector<Register>{one, one, strong});
+        scene->set_world(world, static_cast<int8_t>(bytes.byte()));
+    });
+    fuzz::refusing([&] {
         scene->set_camera(camera(bytes));
-        Session session(scene, settings(bytes));
-        fuzz::require(session.render());
-        for (const float value : session.film().pixels(Pass::combined)) fuzz::require(std::isfinite(value));
+        Settings settings;
+        settings.width = settings.height = 4;
+        settings.samples = settings.threads = 1;
+        settings.integrator = bytes.flag() ? IntegratorKind::Path : IntegratorKind::Distribution;
+        fuzz::check_render(scene, settings);
     });
     return 0;
 }

@@ -4,12 +4,48 @@ import os
 
 import numpy as np
 import pytest
+import strand_shapes
+import swept_support
 from core import shapes
 from stability.measured import check_bound
 
 RAYS = int(float(os.environ.get("RAYLEAF_LEAK_RAYS", "2e5")))
 BATCH = 200_000
-SHELLS = ("nurbs_sphere", "nurbs_torus", "lumpy_torus", "cube", "lumpy_mesh")
+KNOT = strand_shapes.torus_knot() / 4.0
+
+
+def tube(**settings):
+    """The trefoil as a bevelled curve."""
+    return swept_support.surface("NURBS", KNOT, order=4, cyclic=True, **settings)
+
+
+def capped_star():
+    """An open curve with a sharp profile, closed by caps."""
+    angle = np.arange(10) * np.pi / 5
+    star = np.stack([np.cos(angle), np.sin(angle)], axis=1) * np.where(np.arange(10) % 2, 0.1, 0.25)[:, None]
+    points = np.array([[-0.8, 0, 0], [-0.2, 0.4, 0.3], [0.4, -0.4, -0.2], [0.8, 0.1, 0.4]])
+    star_profile = [swept_support.polygon(star)]
+    return swept_support.surface("NURBS", points, order=4, endpoint=True, profile=star_profile, fill_caps=True)
+
+
+def strand(basis, cyclic):
+    radii = 0.06 + 0.04 * np.cos(np.arange(len(KNOT)))
+    closed = np.array([int(cyclic)], np.uint8)
+    return strand_shapes.strand(KNOT, radii, basis=basis, cyclic=closed)
+
+
+SHELLS = {
+    "NURBS sphere": shapes.nurbs_sphere,
+    "NURBS torus": shapes.nurbs_torus,
+    "dented torus of bicubic patches": shapes.lumpy_torus,
+    "cube of triangles": shapes.cube,
+    "dented mesh": shapes.lumpy_mesh,
+    "bevelled knot": lambda: tube(bevel_depth=0.1),
+    "thin bevelled knot": lambda: tube(bevel_depth=1e-3),
+    "curve with a star's profile and caps": capped_star,
+    "round strand": lambda: strand("CATMULL_ROM", False),
+    "closed round strand": lambda: strand("BSPLINE", True),
+}
 PLACES = {"at the origin": (0.0, 1.0), "at 1e3": (1e3, 1.0), "at 1e6": (1e6, 1.0), "tiny": (1.0, 1e-6),
           "huge": (0.0, 1e6)}  # fmt: skip
 
@@ -34,7 +70,7 @@ def parity_errors(tracer, origins, directions):
 @pytest.mark.parametrize("name", SHELLS)
 def test_as_many_rays_leave_a_closed_shell_as_enter_it(name, place):
     offset, scale = PLACES[place]
-    tracer = shapes.trace.Tracer([(getattr(shapes, name)(), shapes.moved(offset, scale), shapes.EVERYTHING)])
+    tracer = shapes.trace.Tracer([(SHELLS[name](), shapes.moved(offset, scale), shapes.EVERYTHING)])
     random = np.random.default_rng(21)
     count = max(1, RAYS // (len(SHELLS) * len(PLACES)))
     wrong = 0

@@ -1,0 +1,66 @@
+// Image files of any bytes under the names of several formats, and arrays of pixels: refused with a message, or a
+// texture whose lookups are finite.
+#include "fuzz_input.h"
+#include "textures/texture_store.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <unistd.h>
+
+using namespace rayleaf;
+
+namespace {
+
+/// The readers are other people's and as good as they are; what is tried here is what is made of their answers.
+constexpr const char* kEndings[] = {"hdr", "bmp", "tga", "ppm", "png", "sgi", "pgm", "rgbe"};
+
+/// A folder of this process.
+const std::filesystem::path& folder() {
+    static const std::filesystem::path made = [] {
+        const auto path = std::filesystem::temp_directory_path() / ("rayleaf_fuzz_" + std::to_string(getpid()));
+        std::filesystem::create_directories(path);
+        return path;
+    }();
+    return made;
+}
+
+void look_up(const TextureStore& store, TextureId id, fuzz::Bytes& bytes) {
+    for (int i = 0; i < 6; ++i) {
+        const std::vector<float> place = bytes.floats(6);
+        const auto extension = static_cast<TextureExtension>(bytes.count(3));
+        const auto interpolation = static_cast<TextureInterpolation>(bytes.count(2));
+        const Vec4f value = store.lookup(id, {place[0], place[1]}, {place[2], place[3]}, {place[4], place[5]},
+                                         extension, interpolation);
+        for (int c = 0; c < 4; ++c) fuzz::require(std::isfinite(value[c]));
+    }
+}
+
+TextureId add_pixels(TextureStore& store, fuzz::Bytes& bytes, ColorSpace space) {
+    const int width = bytes.count(9), height = bytes.count(9), channels = bytes.count(5);
+    const std::vector<float> pixels = bytes.floats(static_cast<size_t>(width * height * channels) + bytes.odd_length());
+    return store.add_pixels("drawn", pixels, width, height, channels, space);
+}
+
+TextureId add_file(TextureStore& store, fuzz::Bytes& bytes, ColorSpace space) {
+    const auto path = folder() / (std::string("drawn.") + kEndings[bytes.byte() % std::size(kEndings)]);
+    const std::span<const uint8_t> content = bytes.rest();
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
+    return store.add_file("drawn", path.string(), space);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+    fuzz::Bytes bytes(data, size);
+    TextureStore store(size_t{16} << 20);
+    const auto space = static_cast<ColorSpace>(bytes.count(2));
+    fuzz::refusing([&] {
+        const TextureId id = bytes.flag() ? add_file(store, bytes, space) : add_pixels(store, bytes, space);
+        fuzz::Bytes places(data, size);
+        look_up(store, id, places);
+        look_up(store, bytes.byte(), places);  // mostly another than there is
+    });
+    return 0;
+}

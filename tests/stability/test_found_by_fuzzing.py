@@ -1,0 +1,56 @@
+"""What `rayleaf fuzz` found, said in plain words; the inputs themselves are in tests/fuzz/cases."""
+
+import numpy as np
+import pytest
+import strand_shapes
+from core import shapes
+from rayleaf import _core
+
+trace = shapes.trace
+
+
+@pytest.mark.parametrize("length", [1e-300, 1e-160, 1e160, 1e300])
+@pytest.mark.parametrize("shape", ["cube", "nurbs_sphere"])
+def test_the_length_of_a_direction_does_not_matter(shape, length):
+    """The square of such a length is zero or infinite; Embree was given infinite directions, and ended the process."""
+    tracer = trace.Tracer([(getattr(shapes, shape)(), np.eye(4), shapes.EVERYTHING)])
+    origins = np.array([[0.1, 0.2, 3.0]])
+    plain = tracer.closest_hits(origins, np.array([[0.0, 0.0, -1.0]]))
+    scaled = tracer.closest_hits(origins, np.array([[0.0, 0.0, -length]]))
+    assert scaled["instance"][0] == 0
+    np.testing.assert_allclose(scaled["t"] * length, plain["t"], rtol=1e-6)
+    np.testing.assert_allclose(scaled["position"], plain["position"], atol=1e-6)
+
+
+@pytest.mark.parametrize("distance", [1e17, 1e19, 1e30, 1e300])
+def test_origins_beyond_all_bounds_are_hits_or_misses(distance):
+    """After rounding, the point where such a ray enters a box may be beyond what Embree takes."""
+    tracer = trace.Tracer([(shapes.cube(), np.eye(4), shapes.EVERYTHING)])
+    random = np.random.default_rng(3)
+    origins = distance * shapes.random_directions(random, 500)
+    towards = shapes.unit(random.normal(size=(500, 3)) / distance - origins / distance)
+    hits = tracer.closest_hits(origins, towards)
+    assert np.isfinite(hits["position"]).all()
+
+
+@pytest.mark.parametrize("size", [1e-10, 1e-25, 1e-40])
+def test_embrees_round_curves_may_be_as_small_as_they_like(size):
+    """Embree scales the boxes of neighbouring curves by one over their size, and ended the process at infinity."""
+    strands = []
+    for start, extent in (((0, 0, 0), size), ((0, 0, 1), 1.0)):
+        along = np.linspace(0, 1, 4)[:, None] * np.array([extent, 0.5 * extent, 0])
+        strands.append(along + start)
+    points = np.concatenate(strands)
+    radii = np.array([size] * 4 + [0.1] * 4, np.float32)
+    offsets = np.array([0, 4, 8], np.int32)
+    hair = _core.Strands("hair", points, radii, offsets, form="EMBREE_ROUND")
+    hits = strand_shapes.tracer(hair).closest_hits(np.array([[0.5, 0.25, 5.0]]), np.array([[0.0, 0.0, -1.0]]))
+    assert hits["instance"][0] == 0
+
+
+@pytest.mark.parametrize("width, height", [(2_000_000, 2_000_000), (1_000_000, 1), (0, 5)])
+def test_a_header_that_claims_any_size_is_refused_before_memory_is_taken(tmp_path, width, height):
+    path = tmp_path / "claims.pgm"
+    path.write_bytes(b"P5\n%d %d\n255\n" % (width, height) + bytes(100))
+    with pytest.raises(_core.InputError, match="claims.pgm"):
+        _core.shading.TextureStore(1 << 27).add_file("image", str(path), _core.shading.ColorSpace.SRGB)
