@@ -11,7 +11,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent))
 from scene_curves import add_bezier, add_curve, add_points, label  # noqa: E402
-from scene_tools import add_camera, add_lamp, link, material, plain_world, save, start_empty  # noqa: E402
+from scene_tools import light_gallery, material, save, start_empty  # noqa: E402
 
 COLUMNS = 6
 SPACING_X, SPACING_Y = 2.9, 2.35
@@ -159,15 +159,7 @@ def main() -> None:
         thing.location.z = max(thing.location.z, 0.35 if thing.data.dimensions == "2D" else 0.0)
         thing.data.materials.append(material(name, colorsys.hsv_to_rgb(number / len(listed), 0.8, 0.75), 0.3))
         label(name, (x, y - 0.98, 0.01), 0.25, look)
-    mesh = bpy.data.meshes.new("floor")
-    mesh.from_pydata([(-40, -40, 0), (40, -40, 0), (40, 60, 0), (-40, 60, 0)], [], [(0, 1, 2, 3)])
-    mesh.materials.append(material("floor", (0.62, 0.62, 0.64), 0.5))
-    link("floor", mesh)
-    plain_world((0.75, 0.85, 1.0), 0.5)
-    key = add_lamp("key", "AREA", (-11, -3, 15), (0, 0, 0), 2800, (1.0, 0.95, 0.88))
-    key.data.shape, key.data.size = "DISK", 5
-    camera = add_camera((0, -20, 30), (0, -0.25, 0), 50)
-    camera.data.type, camera.data.ortho_scale = "ORTHO", 17.8
+    light_gallery((0, -20, 30), (0, -0.25, 0), 17.8)
     save("curves_gallery")
 
 

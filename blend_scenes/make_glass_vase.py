@@ -8,14 +8,15 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent))
 from scene_tools import (  # noqa: E402
-    NodeTree,
     add_camera,
+    add_floor,
     add_grid,
     add_lamp,
     add_surface,
-    color_ramp,
+    checkered,
+    glass,
+    graded_world,
     lathe,
-    link,
     look_at,
     make_circle_of_u,
     material,
@@ -23,6 +24,8 @@ from scene_tools import (  # noqa: E402
     start_empty,
 )
 
+# Brightens towards a warm horizon.
+SKY = ((0.0, (0.95, 0.62, 0.36)), (0.12, (0.75, 0.6, 0.52)), (0.35, (0.3, 0.42, 0.6)), (1.0, (0.08, 0.16, 0.36)))
 # Radius and height of the control points, from the middle of the foot up the outside, over the rim, and down the inside.
 OUTSIDE = (
     (0, 0.05),
@@ -39,42 +42,6 @@ RIM = ((0.5, 3.15), (0.86, 3.34), (0.9, 3.42), (0.84, 3.44))
 INSIDE = ((0.42, 3.2), (0.28, 2.7), (0.46, 2.1), (1.12, 1.56), (1.16, 0.82), (0.7, 0.3), (0.3, 0.24), (0, 0.24))
 
 
-def glass(name: str, color: tuple[float, float, float]) -> bpy.types.Material:
-    """Clear glass with a tint."""
-    made = bpy.data.materials.new(name)
-    tree = NodeTree(made)
-    shader = tree.add("ShaderNodeBsdfGlass", {"Color": (*color, 1), "Roughness": 0.0, "IOR": 1.5})
-    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
-    return made
-
-
-def checkered() -> bpy.types.Material:
-    """The table's top: a checkerboard that shows through the glass."""
-    made = bpy.data.materials.new("table")
-    tree = NodeTree(made)
-    position = tree.add("ShaderNodeTexCoord").outputs["Object"]
-    above = tree.add("ShaderNodeMapping", {"Vector": position, "Location": (0, 0, 0.5)}).outputs[0]
-    colors = {"Vector": above, "Color1": (0.72, 0.66, 0.56, 1), "Color2": (0.06, 0.1, 0.12, 1), "Scale": 1.6}
-    checker = tree.add("ShaderNodeTexChecker", colors)
-    inputs = {"Base Color": checker.outputs["Color"], "Roughness": 0.35}
-    shader = tree.add("ShaderNodeBsdfPrincipled", inputs)
-    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
-    return made
-
-
-def evening_world() -> None:
-    """A sky that brightens towards a warm horizon."""
-    world = bpy.data.worlds.new("evening")
-    bpy.context.scene.world = world
-    tree = NodeTree(world)
-    direction = tree.add("ShaderNodeTexCoord").outputs["Generated"]
-    height = tree.add("ShaderNodeSeparateXYZ", {"Vector": direction}).outputs["Z"]
-    stops = ((0.0, (0.95, 0.62, 0.36)), (0.12, (0.75, 0.6, 0.52)), (0.35, (0.3, 0.42, 0.6)), (1.0, (0.08, 0.16, 0.36)))
-    sky = color_ramp(tree, height, stops).outputs["Color"]
-    background = tree.add("ShaderNodeBackground", {"Color": sky, "Strength": 0.6})
-    tree.add("ShaderNodeOutputWorld", {"Surface": background.outputs[0]})
-
-
 def add_vase() -> None:
     """The shell: outside, rim and inside in one surface whose ends meet the axis."""
     vase = add_surface("vase", (0, 0, 0.001))
@@ -82,13 +49,13 @@ def add_vase() -> None:
     make_circle_of_u(spline)
     spline.use_endpoint_v = True
     spline.order_v = 4
-    vase.data.materials.append(glass("green glass", (0.8, 0.97, 0.9)))
+    vase.data.materials.append(glass("green glass", (0.8, 0.97, 0.9), 1.5))
 
 
 def add_marbles() -> None:
     """Three small balls of NURBS: more glass, gold and chalk."""
     places = (
-        ((1.75, -0.75, 0.32), 0.32, glass("clear glass", (1, 1, 1))),
+        ((1.75, -0.75, 0.32), 0.32, glass("clear glass", (1, 1, 1), 1.5)),
         ((-1.5, -1.0, 0.26), 0.26, material("gold", (1.0, 0.66, 0.24), 0.12, Metallic=1.0)),
         ((1.1, -1.6, 0.2), 0.2, material("chalk", (0.75, 0.16, 0.1), 0.6)),
     )
@@ -103,11 +70,9 @@ def main() -> None:
     start_empty(width=540, height=640, samples=40)
     add_vase()
     add_marbles()
-    mesh = bpy.data.meshes.new("table")
-    mesh.from_pydata([(-9, -6, 0), (9, -6, 0), (9, 12, 0), (-9, 12, 0)], [], [(0, 1, 2, 3)])
-    mesh.materials.append(checkered())
-    link("table", mesh)
-    evening_world()
+    checks = checkered("table", (0.72, 0.66, 0.56), (0.06, 0.1, 0.12), 1.6, 0.35)
+    add_floor("table", (-9, -6), (9, 12), checks)
+    graded_world("evening", SKY, 0.6)
     key = add_lamp("window", "AREA", (-3.6, -1.0, 4.4), (0, 0, 1.2), 320, (1.0, 0.93, 0.84))
     key.data.shape, key.data.size, key.data.size_y = "RECTANGLE", 2.2, 3.0
     rim = add_lamp("back", "AREA", (3.4, 3.6, 3.4), (0, 0, 1.6), 160, (0.75, 0.86, 1.0))

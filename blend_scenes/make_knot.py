@@ -4,13 +4,25 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 sys.path.append(str(Path(__file__).resolve().parent))
 from scene_curves import add_curve, add_points  # noqa: E402
-from scene_tools import NodeTree, add_camera, add_lamp, color_ramp, link, material, save, start_empty  # noqa: E402
+from scene_tools import (  # noqa: E402
+    add_camera,
+    add_floor,
+    add_lamp,
+    checkered,
+    glass,
+    graded_world,
+    material,
+    save,
+    start_empty,
+)
+
+# Light at the horizon, dark blue above.
+SKY = ((0.0, (0.85, 0.75, 0.68)), (0.15, (0.62, 0.68, 0.78)), (0.5, (0.2, 0.3, 0.5)), (1.0, (0.06, 0.1, 0.22)))
 
 
 def torus_knot(count: int, around: int, through: int, radius: float, tube: float) -> NDArray[np.float64]:
@@ -30,51 +42,14 @@ def add_knot(name: str, points: NDArray[np.float64], thickness: float, look: Any
     return knot
 
 
-def glass(name: str, color: tuple[float, float, float]) -> bpy.types.Material:
-    """Clear glass with a tint."""
-    made = bpy.data.materials.new(name)
-    tree = NodeTree(made)
-    shader = tree.add("ShaderNodeBsdfGlass", {"Color": (*color, 1), "Roughness": 0.0, "IOR": 1.45})
-    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
-    return made
-
-
-def checkered() -> bpy.types.Material:
-    """A floor whose checks show what the glass does to them."""
-    made = bpy.data.materials.new("floor")
-    tree = NodeTree(made)
-    position = tree.add("ShaderNodeTexCoord").outputs["Object"]
-    above = tree.add("ShaderNodeMapping", {"Vector": position, "Location": (0, 0, 0.5)}).outputs[0]
-    colors = {"Vector": above, "Color1": (0.7, 0.68, 0.62, 1), "Color2": (0.05, 0.07, 0.13, 1), "Scale": 1.3}
-    checker = tree.add("ShaderNodeTexChecker", colors)
-    shader = tree.add("ShaderNodeBsdfPrincipled", {"Base Color": checker.outputs["Color"], "Roughness": 0.4})
-    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
-    return made
-
-
-def sky() -> None:
-    """Light at the horizon, dark blue above."""
-    world = bpy.data.worlds.new("sky")
-    bpy.context.scene.world = world
-    tree = NodeTree(world)
-    direction = tree.add("ShaderNodeTexCoord").outputs["Generated"]
-    height = tree.add("ShaderNodeSeparateXYZ", {"Vector": direction}).outputs["Z"]
-    stops = ((0.0, (0.85, 0.75, 0.68)), (0.15, (0.62, 0.68, 0.78)), (0.5, (0.2, 0.3, 0.5)), (1.0, (0.06, 0.1, 0.22)))
-    colors = color_ramp(tree, height, stops).outputs["Color"]
-    background = tree.add("ShaderNodeBackground", {"Color": colors, "Strength": 0.7})
-    tree.add("ShaderNodeOutputWorld", {"Surface": background.outputs[0]})
-
-
 def main() -> None:
     start_empty(width=640, height=560, samples=64)
-    add_knot("glass knot", torus_knot(30, 2, 3, 1.1, 0.52), 0.27, glass("blue glass", (0.82, 0.93, 0.99)))
+    add_knot("glass knot", torus_knot(30, 2, 3, 1.1, 0.52), 0.27, glass("blue glass", (0.82, 0.93, 0.99), 1.45))
     gold = material("gold", (1.0, 0.68, 0.25), 0.16, Metallic=1.0)
     add_knot("gold thread", torus_knot(90, 2, 9, 1.12, 0.86), 0.035, gold)
-    mesh = bpy.data.meshes.new("floor")
-    mesh.from_pydata([(-9, -6, 0), (9, -6, 0), (9, 14, 0), (-9, 14, 0)], [], [(0, 1, 2, 3)])
-    mesh.materials.append(checkered())
-    link("floor", mesh)
-    sky()
+    checks = checkered("floor", (0.7, 0.68, 0.62), (0.05, 0.07, 0.13), 1.3, 0.4)
+    add_floor("floor", (-9, -6), (9, 14), checks)
+    graded_world("sky", SKY, 0.7)
     key = add_lamp("window", "AREA", (-3.8, -2.2, 5.2), (0, 0, 1.4), 420, (1.0, 0.94, 0.86))
     key.data.shape, key.data.size, key.data.size_y = "RECTANGLE", 2.4, 2.4
     back = add_lamp("back", "AREA", (3.6, 3.4, 3.2), (0, 0, 1.5), 200, (0.8, 0.88, 1.0))

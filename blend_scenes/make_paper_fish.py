@@ -14,28 +14,18 @@ from numpy.typing import NDArray
 sys.path.append(str(Path(__file__).resolve().parent))
 from scene_curves import add_bezier, add_curve  # noqa: E402
 from scene_tools import (  # noqa: E402
-    NodeTree,
     add_camera,
     add_grid,
     add_lamp,
     add_surface,
     bezier_from_cubic_b_spline,
+    matte,
     plain_world,
     save,
     start_empty,
 )
 
 PLEATS = 7  # of a fin
-
-
-def matte(name: str, color: tuple[float, float, float]) -> bpy.types.Material:
-    """Light is scattered evenly, and nothing else."""
-    made = bpy.data.materials.new(name)
-    tree = NodeTree(made)
-    shader = tree.add("ShaderNodeBsdfDiffuse", {"Color": (*color, 1)})
-    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
-    made.diffuse_color = (*color, 1)
-    return made
 
 
 def add_patches(surface: Any, points: NDArray[np.float64]) -> None:

@@ -12,19 +12,9 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent))
 from scene_curves import add_bezier, add_curve  # noqa: E402
-from scene_tools import NodeTree, add_camera, add_lamp, link, plain_world, save, start_empty  # noqa: E402
+from scene_tools import NodeTree, add_camera, add_floor, add_lamp, matte, plain_world, save, start_empty  # noqa: E402
 
 TURNS, POINTS_A_TURN = 5, 8
-
-
-def matte(name: str, color: tuple[float, float, float]) -> bpy.types.Material:
-    """Light is scattered evenly, and nothing else."""
-    made = bpy.data.materials.new(name)
-    tree = NodeTree(made)
-    shader = tree.add("ShaderNodeBsdfDiffuse", {"Color": (*color, 1)})
-    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
-    made.diffuse_color = (*color, 1)
-    return made
 
 
 def lamp(name: str, color: tuple[float, float, float], strength: float) -> bpy.types.Material:
@@ -52,10 +42,7 @@ def main() -> None:
     spiral = add_curve("spiral", bevel_depth=0.17, use_fill_caps=True)
     add_bezier(spiral, points, radii=radii, radius_interpolation="CARDINAL")
     spiral.data.materials.append(matte("green", (0.13, 0.55, 0.12)))
-    mesh = bpy.data.meshes.new("ground")
-    mesh.from_pydata([(-12, -8, 0), (12, -8, 0), (12, 16, 0), (-12, 16, 0)], [], [(0, 1, 2, 3)])
-    mesh.materials.append(matte("blue", (0.07, 0.16, 0.5)))
-    link("ground", mesh)
+    add_floor("ground", (-12, -8), (12, 16), matte("blue", (0.07, 0.16, 0.5)))
     bpy.ops.surface.primitive_nurbs_surface_sphere_add(radius=0.42, location=(-1.75, 0.5, 3.3))
     ball = bpy.context.object
     ball.name = ball.data.name = "ball of light"

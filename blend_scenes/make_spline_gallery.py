@@ -10,17 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 sys.path.append(str(Path(__file__).resolve().parent))
-from scene_tools import (
-    add_camera,
+from scene_curves import label  # noqa: E402
+from scene_tools import (  # noqa: E402
     add_grid,
-    add_lamp,
     add_surface,
-    link,
+    light_gallery,
     material,
-    plain_world,
     save,
     start_empty,
-)  # noqa: E402
+)
 
 KINDS = ("plain", "endpoint", "bezier", "endpoint bezier", "cyclic", "cyclic bezier")
 ORDERS = (2, 3, 4, 5, 6)
@@ -84,12 +82,8 @@ def add_exhibit(row: int, column: int, label_material: bpy.types.Material) -> No
     hue = (row * len(ORDERS) + column) / (len(KINDS) * len(ORDERS))
     color = colorsys.hsv_to_rgb(hue, 0.8, 0.75)
     surface.data.materials.append(material(name, color, 0.3))
-    text = bpy.data.curves.new(f"label of {name}", "FONT")
-    text.body = f"U {kind_u} {order_u}\nV {kind_v} {order_v}"
-    text.size, text.align_x = 0.3, "CENTER"
-    text.resolution_u = 2
-    text.materials.append(label_material)
-    link(text.name, text, (x, y - 1.3, 0.01))
+    text = label(f"U {kind_u} {order_u}\nV {kind_v} {order_v}", (x, y - 1.3, 0.01), 0.3, label_material)
+    text.name = text.data.name = f"label of {name}"
 
 
 def main() -> None:
@@ -98,15 +92,7 @@ def main() -> None:
     for row in range(len(KINDS)):
         for column in range(len(ORDERS)):
             add_exhibit(row, column, label_material)
-    mesh = bpy.data.meshes.new("floor")
-    mesh.from_pydata([(-40, -40, 0), (40, -40, 0), (40, 60, 0), (-40, 60, 0)], [], [(0, 1, 2, 3)])
-    mesh.materials.append(material("floor", (0.62, 0.62, 0.64), 0.5))
-    link("floor", mesh)
-    plain_world((0.75, 0.85, 1.0), 0.5)
-    key = add_lamp("key", "AREA", (-11, -3, 15), (0, 0, 0), 2800, (1.0, 0.95, 0.88))
-    key.data.shape, key.data.size = "DISK", 5
-    camera = add_camera((0, -24, 30), (0, -0.35, 0), 50)
-    camera.data.type, camera.data.ortho_scale = "ORTHO", 17.6
+    light_gallery((0, -24, 30), (0, -0.35, 0), 17.6)
     save("spline_gallery")
 
 

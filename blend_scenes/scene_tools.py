@@ -101,6 +101,25 @@ def add_lamp(name: str, kind: str, location: Triple, target: Triple, power: floa
     return lamp
 
 
+def add_floor(name: str, low: tuple[float, float], high: tuple[float, float], look: Any) -> Any:
+    """A rectangle at z = 0."""
+    mesh = bpy.data.meshes.new(name)
+    corners = [(low[0], low[1], 0), (high[0], low[1], 0), (high[0], high[1], 0), (low[0], high[1], 0)]
+    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
+    mesh.materials.append(look)
+    return link(name, mesh)
+
+
+def light_gallery(eye: Triple, target: Triple, width: float) -> None:
+    """Floor, light and camera of a gallery of small labelled things; `width` of the picture, in the scene's units."""
+    add_floor("floor", (-40, -40), (40, 60), material("floor", (0.62, 0.62, 0.64), 0.5))
+    plain_world((0.75, 0.85, 1.0), 0.5)
+    key = add_lamp("key", "AREA", (-11, -3, 15), (0, 0, 0), 2800, (1.0, 0.95, 0.88))
+    key.data.shape, key.data.size = "DISK", 5
+    camera = add_camera(eye, target, 50)
+    camera.data.type, camera.data.ortho_scale = "ORTHO", width
+
+
 # --- surfaces ------------------------------------------------------------------------------------------------------
 
 
@@ -214,6 +233,40 @@ def material(name: str, color: Triple = (0.8, 0.8, 0.8), roughness: float = 0.5,
     return made
 
 
+def matte(name: str, color: Triple) -> Any:
+    """A material that scatters light evenly, and nothing else."""
+    made = bpy.data.materials.new(name)
+    tree = NodeTree(made)
+    shader = tree.add("ShaderNodeBsdfDiffuse", {"Color": (*color, 1)})
+    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
+    made.diffuse_color = (*color, 1)
+    return made
+
+
+def glass(name: str, color: Triple, ior: float) -> Any:
+    """Clear glass with a tint."""
+    made = bpy.data.materials.new(name)
+    tree = NodeTree(made)
+    shader = tree.add("ShaderNodeBsdfGlass", {"Color": (*color, 1), "Roughness": 0.0, "IOR": ior})
+    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
+    return made
+
+
+def checkered(name: str, light: Triple, dark: Triple, scale: float, roughness: float) -> Any:
+    """A floor whose checks show what glass before it does to them; it must lie at z = 0."""
+    made = bpy.data.materials.new(name)
+    tree = NodeTree(made)
+    position = tree.add("ShaderNodeTexCoord").outputs["Object"]
+    # From z = 0 half a check up: rounding must not choose between two layers of checks.
+    above = tree.add("ShaderNodeMapping", {"Vector": position, "Location": (0, 0, 0.5)}).outputs[0]
+    colors = {"Vector": above, "Color1": (*light, 1), "Color2": (*dark, 1), "Scale": scale}
+    checker = tree.add("ShaderNodeTexChecker", colors)
+    inputs = {"Base Color": checker.outputs["Color"], "Roughness": roughness}
+    shader = tree.add("ShaderNodeBsdfPrincipled", inputs)
+    tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
+    return made
+
+
 def color_ramp(tree: NodeTree, factor: Any, stops: Sequence[tuple[float, Triple]]) -> Any:
     """A colour ramp node with these stops."""
     node = tree.add("ShaderNodeValToRGB", {"Fac": factor})
@@ -232,6 +285,18 @@ def plain_world(color: Triple, strength: float = 1.0) -> None:
     bpy.context.scene.world = world
     tree = NodeTree(world)
     background = tree.add("ShaderNodeBackground", {"Color": (*color, 1), "Strength": strength})
+    tree.add("ShaderNodeOutputWorld", {"Surface": background.outputs[0]})
+
+
+def graded_world(name: str, stops: Sequence[tuple[float, Triple]], strength: float) -> None:
+    """A world whose colour goes with the height above the horizon, from 0 to 1 overhead."""
+    world = bpy.data.worlds.new(name)
+    bpy.context.scene.world = world
+    tree = NodeTree(world)
+    direction = tree.add("ShaderNodeTexCoord").outputs["Generated"]
+    height = tree.add("ShaderNodeSeparateXYZ", {"Vector": direction}).outputs["Z"]
+    colors = color_ramp(tree, height, stops).outputs["Color"]
+    background = tree.add("ShaderNodeBackground", {"Color": colors, "Strength": strength})
     tree.add("ShaderNodeOutputWorld", {"Surface": background.outputs[0]})
 
 
