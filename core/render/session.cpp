@@ -160,8 +160,11 @@ void Session::gather_statistics(double build_seconds, double render_seconds) {
     statistics_.film_bytes = film_.bytes();
     statistics_.ray_caches = caches_->report();
     std::unordered_set<const Shape*> seen;
-    for (const auto& shape : description_->shapes)
-        if (seen.insert(shape.get()).second) statistics_.shape_bytes += shape->bytes();
+    for (const auto& shape : description_->shapes) {
+        if (!seen.insert(shape.get()).second) continue;
+        statistics_.shape_bytes += shape->bytes();
+        statistics_.curves.add(*shape);
+    }
 }
 
 RenderStatistics Session::statistics() const {

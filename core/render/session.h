@@ -5,6 +5,7 @@
 #include "film/film.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/ray_counts.h"
+#include "render/curve_statistics.h"
 #include "render/ray_caches.h"
 #include "scene/description.h"
 #include "scene/scene.h"
@@ -34,6 +35,7 @@ struct RenderStatistics {
     TextureStore::Statistics textures;
     bool has_textures = false;
     std::vector<RayCacheReport> ray_caches;
+    CurveStatistics curves;
     size_t lights = 0, light_bytes = 0, film_bytes = 0, shape_bytes = 0;
 };
 

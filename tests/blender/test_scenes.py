@@ -8,7 +8,7 @@ import pytest
 
 SCENES = (
     *("bezier_sheet", "spline_gallery", "glass_vase", "studio", "random_volumes", "random_volumes_xray", "tomatoes"),
-    *("curves_gallery", "knot", "paper_fish", "spiral"),
+    *("curves_gallery", "knot", "paper_fish", "spiral", "hair_ball"),
 )
 LARGEST = 1_000_000  # bytes of a scene file
 
@@ -36,13 +36,18 @@ def spline_of_curve(each):
     handles = [numbers([*point.handle_left, *point.handle_right]) for point in each.bezier_points]
     return [each.type, each.use_cyclic_u, each.order_u, each.radius_interpolation, each.tilt_interpolation, places, handles]
 
+def hair(settings):
+    sizes = [settings.count, settings.rendered_child_count, settings.hair_length, settings.radius_scale, settings.tip_radius]
+    return [settings.type, settings.child_type, settings.kink, numbers(sizes)]
+
 def data(thing):
     if thing.type == "CURVE":
         return curve(thing.data)
     if thing.type == "SURFACE":
         return [spline(each) for each in thing.data.splines]
     if thing.type == "MESH":
-        return [numbers(vertex.co) for vertex in thing.data.vertices] + [[m.type for m in thing.modifiers]]
+        modifiers = [m.type for m in thing.modifiers]
+        return [numbers(vertex.co) for vertex in thing.data.vertices] + [modifiers, [hair(s.settings) for s in thing.particle_systems]]
     if thing.type == "LIGHT":
         return [thing.data.type, numbers([thing.data.energy, *thing.data.color])]
     if thing.type == "CAMERA":
