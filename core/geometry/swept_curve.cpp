@@ -19,6 +19,20 @@ std::optional<SplineProblem> splines_problem(const std::string& argument, const 
     return std::nullopt;
 }
 
+std::optional<SplineProblem> fill_problem(const SweptCurveDescription& curve) {
+    if (curve.fill_materials.empty()) return std::nullopt;
+    if (curve.dimensions != CurveDimensions::Two)
+        return SplineProblem{SplineProblemKind::BadData, "fill_materials", "those of a curve in 3D", "none, or 2D"};
+    constexpr int kMostSlots = 1 << 16;
+    for (const int slot : curve.fill_materials)
+        if (auto problem = number_problem("fill_materials", slot, 0, kMostSlots)) return problem;
+    for (const CurveSplines& splines : curve.splines)
+        if (auto problem = number_problem("splines.fill_group", splines.fill_group, 0,
+                                          static_cast<double>(curve.fill_materials.size()) - 1))
+            return problem;
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<SplineProblem> find_problem(const SweptCurveDescription& curve) {
@@ -33,6 +47,7 @@ std::optional<SplineProblem> find_problem(const SweptCurveDescription& curve) {
     if (auto problem = number_problem("bevel_start", curve.bevel_start, 0, 1)) return problem;
     if (auto problem = number_problem("bevel_end", curve.bevel_end, 0, 1)) return problem;
     if (auto problem = splines_problem("splines", curve.splines)) return problem;
+    if (auto problem = fill_problem(curve)) return problem;
     if (curve.profile)
         if (auto problem = splines_problem("profile", *curve.profile)) return problem;
     if (curve.taper)

@@ -49,6 +49,13 @@ struct SweptCurveDescription {
     double bevel_start = 0, bevel_end = 1;  ///< shares of each spline that is not cyclic; in either order
     BevelMapping start_mapping = BevelMapping::Resolution, end_mapping = BevelMapping::Resolution;
     bool fill_caps = false;  ///< flat ends close the profile of splines that are not cyclic
+
+    /// In two dimensions: the areas between closed splines are filled, by fill group; outlines run clockwise seen from
+    /// above, so that the walls' outside is outside, and holes the other way. Material slots of the areas; empty:
+    /// nothing is filled. Where there is no profile, the areas lie between the splines themselves (moved by `offset`)
+    /// and face upwards. Where there is one, and it is open: between its ends, at the front if `fill` is Front or Half,
+    /// and at the back if it is Back or Half.
+    std::vector<int> fill_materials;
 };
 
 /// What is wrong with the description; splines that Blender draws nothing for are no problem.

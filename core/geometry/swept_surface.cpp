@@ -72,7 +72,7 @@ SweptSurface::SweptSurface(const SweptCurveDescription& curve) : Shape(ShapeKind
     caps_ = curve.fill_caps;
     for (const CurveSplines& splines : curve.splines)
         groups_.push_back({static_cast<uint32_t>(splines.material_slot), splines.smooth});
-    if (!profiles_.empty()) build_path(curve);
+    if (!profiles_.empty() || !curve.fill_materials.empty()) build_path(curve);
 }
 
 void SweptSurface::build_path(const SweptCurveDescription& curve) {
@@ -98,20 +98,25 @@ void SweptSurface::build_path(const SweptCurveDescription& curve) {
     for (size_t i = 0; i < curve.splines.size(); ++i)
         add_splines(path_, curve.splines[i], static_cast<uint32_t>(i), center, options);
     constexpr size_t kMostElements = 1u << 30;
-    if ((path_.pieces.size() + 2 * path_.splines.size()) * profiles_.size() > kMostElements)
+    const size_t profiles = std::max(profiles_.size(), size_t{1});
+    if ((path_.pieces.size() + 2 * path_.splines.size()) * profiles > kMostElements)
         throw InputError(name(), "splines", std::to_string(path_.pieces.size()) + " pieces",
-                         "fewer than " + std::to_string(kMostElements / profiles_.size()));
+                         "fewer than " + std::to_string(kMostElements / profiles));
     path_.controls.shrink_to_fit();
     path_.pieces.shrink_to_fit();
     path_.rings.shrink_to_fit();
     path_.segments.shrink_to_fit();
-    fit_frame(center);
+    const std::vector<FillBorder> borders = fill_borders(curve, profiles_);
+    double extent = 0.0;
+    for (const double each : extents_) extent = std::max(extent, each);
+    for (const FillBorder& border : borders) extent = std::max(extent, border.place.length());
+    fit_frame(center, extent);
+    fills_ = swept_fills(curve, path_, borders);
 }
 
 /// Local space fits the rings at the places where facets may be, a little more for what lies between.
-void SweptSurface::fit_frame(const Vec3d& center) {
+void SweptSurface::fit_frame(const Vec3d& center, double extent) {
     constexpr int kLooks = 4;
-    const double extent = *std::max_element(extents_.begin(), extents_.end());
     constexpr size_t kPiecesAtOnce = 4096;
     std::vector<Box3d> boxes((path_.pieces.size() + kPiecesAtOnce - 1) / kPiecesAtOnce);
     tbb::parallel_for(size_t{0}, boxes.size(), [&](size_t part) {
@@ -151,8 +156,13 @@ SweptElement SweptSurface::element(uint32_t index) const {
         result.piece = index % pieces;
         return result;
     }
+    if (index >= first_fill()) {
+        result.part = SweptPart::Fill;
+        result.fill = index - first_fill();
+        return result;
+    }
     const uint32_t cap = index - first_cap();
-    result.is_cap = true;
+    result.part = SweptPart::Cap;
     result.end = cap % 2 == 0 ? CapEnd::Begin : CapEnd::End;
     result.spline = cap / 2 % splines;
     result.profile = cap / 2 / splines;
@@ -160,11 +170,13 @@ SweptElement SweptSurface::element(uint32_t index) const {
 }
 
 const SweptSurface::Group& SweptSurface::group_of(const SweptElement& element) const {
-    return groups_[(element.is_cap ? path_.splines[element.spline] : path_.spline_of(element.piece)).group];
+    const bool is_cap = element.part == SweptPart::Cap;
+    return groups_[(is_cap ? path_.splines[element.spline] : path_.spline_of(element.piece)).group];
 }
 
 uint32_t SweptSurface::material_slot(const LocalHit& hit) const {
-    return group_of(element(hit.primitive)).material_slot;
+    const SweptElement where = element(hit.primitive);
+    return where.part == SweptPart::Fill ? fills_[where.fill].material_slot : group_of(where).material_slot;
 }
 
 SweepRing SweptSurface::end_ring(const SweepSpline& spline, CapEnd end) const {
@@ -188,7 +200,14 @@ Vec3d SweptSurface::cap_normal(const SweepRing& ring, CapEnd end) const {
 
 LocalSurface SweptSurface::surface(const LocalHit& hit) const {
     const SweptElement where = element(hit.primitive);
-    return where.is_cap ? cap_surface(hit, where) : wall_surface(hit, where);
+    switch (where.part) {
+        case SweptPart::Cap:
+            return cap_surface(hit, where);
+        case SweptPart::Fill:
+            return fills_[where.fill].surface(hit);
+        default:
+            return wall_surface(hit, where);
+    }
 }
 
 LocalSurface SweptSurface::cap_surface(const LocalHit& hit, const SweptElement& where) const {
@@ -263,7 +282,12 @@ ElementPoint SweptSurface::element_point(uint32_t index, const Vec2f& parameters
     result.hit.u = parameters.x;
     result.hit.v = parameters.y;
     Vec3d normal;
-    if (where.is_cap) {
+    if (where.part == SweptPart::Fill) {
+        const SweptFill& fill = fills_[where.fill];
+        result.hit.position = fill.at(parameters);
+        normal = fill.normal();
+        result.area_factor = fill.covers(result.hit.position) ? fill.rectangle_area() : 0.0f;
+    } else if (where.part == SweptPart::Cap) {
         const SweepRing ring = end_ring(path_.splines[where.spline], where.end);
         const Vec2d place = cap_place(where.profile, parameters);
         result.hit.position = ring.at(place);
@@ -293,6 +317,7 @@ size_t SweptSurface::bytes() const {
         for (const ProfilePart& part : profile.parts) total += part.curve.points.capacity() * sizeof(Vec4d);
     }
     for (const std::vector<Vec2d>& outline : cap_outlines_) total += outline.capacity() * sizeof(Vec2d);
+    for (const SweptFill& fill : fills_) total += fill.bytes();
     return total;
 }
 

@@ -1,9 +1,9 @@
 // A bevelled curve: profiles swept along splines, and the flat caps at their ends.
 //
 // An element is a piece of a spline (splines/sweep_path.h) with a whole profile around it, or a cap. Elements are
-// numbered profile by profile, within one spline by spline along u; the caps come last. Parameters of a hit: u along
-// the piece, v around the profile (splines/sweep_profile.h), each in [0,1]; on a cap the place in the square around
-// the profile.
+// numbered profile by profile, within one spline by spline along u; then come the caps, and last filled areas.
+// Parameters of a hit: u along the piece, v around the profile (splines/sweep_profile.h), each in [0,1]; on a cap the
+// place in the square around the profile.
 //
 // The texture coordinate is Blender's: u along the spline from 0 at the bevel's start to 1 at its end, v around the
 // profile. Normals are those of the exact surface; where profile or spline have a corner, so has the surface.
@@ -11,6 +11,7 @@
 
 #include "geometry/shape.h"
 #include "geometry/swept_curve.h"
+#include "geometry/swept_fills.h"
 #include "splines/curve_taper.h"
 #include "splines/sweep_path.h"
 #include "splines/sweep_profile.h"
@@ -23,13 +24,16 @@ namespace rayleaf {
 
 enum class CapEnd : uint8_t { Begin, End };
 
+enum class SweptPart : uint8_t { Wall, Cap, Fill };
+
 /// What an element is.
 struct SweptElement {
+    SweptPart part = SweptPart::Wall;
     uint32_t profile = 0;
-    uint32_t piece = 0;   ///< of a wall
-    uint32_t spline = 0;  ///< of a cap
-    bool is_cap = false;
-    CapEnd end = CapEnd::Begin;
+    uint32_t piece = 0;          ///< of a wall
+    uint32_t spline = 0;         ///< of a cap
+    CapEnd end = CapEnd::Begin;  ///< of a cap
+    uint32_t fill = 0;           ///< of a fill
 };
 
 class SweptSurface final : public Shape {
@@ -37,7 +41,7 @@ class SweptSurface final : public Shape {
     /// Splines that Blender draws nothing for are left out. Bad data throws InputError.
     explicit SweptSurface(const SweptCurveDescription& curve);
 
-    uint32_t element_count() const override { return first_cap() + cap_count(); }
+    uint32_t element_count() const override { return first_fill() + static_cast<uint32_t>(fills_.size()); }
     LocalSurface surface(const LocalHit& hit) const override;
     std::optional<Vec4f> attribute(AttributeId, const LocalHit&) const override { return std::nullopt; }
     uint32_t material_slot(const LocalHit& hit) const override;
@@ -58,6 +62,8 @@ class SweptSurface final : public Shape {
         return first_cap() + 2 * (profile * static_cast<uint32_t>(path_.splines.size()) + spline) +
                (end == CapEnd::End ? 1 : 0);
     }
+    const std::vector<SweptFill>& fills() const { return fills_; }
+    uint32_t fill_element(uint32_t fill) const { return first_fill() + fill; }
     SweptElement element(uint32_t index) const;
     /// The ring at an end of a spline.
     SweepRing end_ring(const SweepSpline& spline, CapEnd end) const;
@@ -78,15 +84,17 @@ class SweptSurface final : public Shape {
     std::vector<std::vector<Vec2d>> cap_outlines_;  ///< of the profiles, for points of caps
     std::unique_ptr<CurveTaper> taper_;
     std::vector<Group> groups_;
+    std::vector<SweptFill> fills_;
     bool caps_ = false;
 
     uint32_t first_cap() const { return static_cast<uint32_t>(profiles_.size() * path_.pieces.size()); }
     uint32_t cap_count() const {
         return caps_ ? static_cast<uint32_t>(2 * profiles_.size() * path_.splines.size()) : 0;
     }
+    uint32_t first_fill() const { return first_cap() + cap_count(); }
     void build_path(const SweptCurveDescription& curve);
-    void fit_frame(const Vec3d& center);
-    const Group& group_of(const SweptElement& element) const;
+    void fit_frame(const Vec3d& center, double extent);
+    const Group& group_of(const SweptElement& element) const;  ///< of no fill
     LocalSurface wall_surface(const LocalHit& hit, const SweptElement& element) const;
     LocalSurface cap_surface(const LocalHit& hit, const SweptElement& element) const;
 };

@@ -1,4 +1,5 @@
 #include "geometry/swept_curve.h"
+#include "geometry/swept_fills.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "splines/curve_splines.h"
@@ -53,7 +54,8 @@ CurveSplines make_splines(const std::string& type, const Array<int32_t>& counts,
                           const std::optional<Array<double>>& handles, const std::optional<Array<double>>& radii,
                           const std::optional<Array<double>>& tilts, const std::optional<Array<bool>>& straight,
                           int order, bool cyclic, bool endpoint, bool bezier, const std::string& radius_interpolation,
-                          const std::string& tilt_interpolation, int resolution, int material_slot, bool smooth) {
+                          const std::string& tilt_interpolation, int resolution, int material_slot, bool smooth,
+                          int fill_group) {
     check_shape(kSplines, "counts", counts, {-1});
     check_shape(kSplines, "points", points, {-1, 4});
     const py::ssize_t count = points.shape(0);
@@ -81,6 +83,7 @@ CurveSplines make_splines(const std::string& type, const Array<int32_t>& counts,
     splines.resolution = resolution;
     splines.material_slot = material_slot;
     splines.smooth = smooth;
+    splines.fill_group = fill_group;
     if (const auto problem = find_problem(splines))
         throw InputError(kSplines, problem->argument, problem->got, problem->wanted);
     return splines;
@@ -93,7 +96,8 @@ SweptCurveDescription make_curve(const std::string& name, const std::vector<Curv
                                  const std::optional<std::vector<CurveSplines>>& profile,
                                  const std::optional<CurveSplines>& taper, const std::string& taper_radius,
                                  bool taper_fits_bevel, double bevel_start, double bevel_end,
-                                 const std::string& start_mapping, const std::string& end_mapping, bool fill_caps) {
+                                 const std::string& start_mapping, const std::string& end_mapping, bool fill_caps,
+                                 const std::vector<int>& fill_materials) {
     SweptCurveDescription curve;
     curve.name = name;
     curve.splines = splines;
@@ -114,6 +118,7 @@ SweptCurveDescription make_curve(const std::string& name, const std::vector<Curv
     curve.start_mapping = value_of(name, "start_mapping", start_mapping, kMappings);
     curve.end_mapping = value_of(name, "end_mapping", end_mapping, kMappings);
     curve.fill_caps = fill_caps;
+    curve.fill_materials = fill_materials;
     if (const auto problem = find_problem(curve))
         throw InputError(name, problem->argument, problem->got, problem->wanted);
     return curve;
@@ -127,14 +132,16 @@ void bind_curves(py::module_& module) {
         .def(py::init(&make_splines), "type"_a, "counts"_a, "points"_a, "handles"_a = py::none(),
              "radii"_a = py::none(), "tilts"_a = py::none(), "straight"_a = py::none(), "order"_a = 4,
              "cyclic"_a = false, "endpoint"_a = false, "bezier"_a = false, "radius_interpolation"_a = "LINEAR",
-             "tilt_interpolation"_a = "LINEAR", "resolution"_a = 12, "material_slot"_a = 0, "smooth"_a = true)
+             "tilt_interpolation"_a = "LINEAR", "resolution"_a = 12, "material_slot"_a = 0, "smooth"_a = true,
+             "fill_group"_a = 0)
         .def("__len__", &CurveSplines::spline_count);
     py::class_<SweptCurveDescription>(module, "SweptCurve")
         .def(py::init(&make_curve), "name"_a, "splines"_a, py::kw_only(), "dimensions"_a = "3D", "twist"_a = "MINIMUM",
              "closed_twist"_a = "SPREAD", "bevel_depth"_a = 0.0, "extrude"_a = 0.0, "offset"_a = 0.0, "fill"_a = "FULL",
              "bevel_resolution"_a = 4, "profile"_a = py::none(), "taper"_a = py::none(), "taper_radius"_a = "OVERRIDE",
              "taper_fits_bevel"_a = false, "bevel_start"_a = 0.0, "bevel_end"_a = 1.0, "start_mapping"_a = "RESOLUTION",
-             "end_mapping"_a = "RESOLUTION", "fill_caps"_a = false)
+             "end_mapping"_a = "RESOLUTION", "fill_caps"_a = false, "fill_materials"_a = std::vector<int>())
+        .def("borders_cross", &borders_cross, py::call_guard<py::gil_scoped_release>())
         .def_readonly("name", &SweptCurveDescription::name);
 }
 

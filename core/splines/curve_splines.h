@@ -41,6 +41,7 @@ struct CurveSplines {
     int resolution = 12;
     int material_slot = 0;  ///< index into the object's material slots
     bool smooth = true;     ///< false: shaded with the normals of facets
+    int fill_group = 0;     ///< of closed splines: those of one number are filled together (geometry/swept_curve.h)
 
     size_t spline_count() const { return counts.size(); }
 };

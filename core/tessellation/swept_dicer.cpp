@@ -68,10 +68,6 @@ PieceNeed need_of(const SweepPath& path, const SweepPiece& piece, double extent,
     return need;
 }
 
-int32_t fixed(double local) {
-    return static_cast<int32_t>(std::lrint(local / kFixedStep));
-}
-
 /// Packs vertices, [j][i], into a grid of fixed numbers.
 void pack(const Vec3d (&vertices)[kGridVertices][kGridVertices], Grid& grid) {
     for (int block = 0; block < kBlocks; ++block) {
@@ -82,7 +78,7 @@ void pack(const Vec3d (&vertices)[kGridVertices][kGridVertices], Grid& grid) {
                 const Vec3d& vertex = vertices[row + j][column + i];
                 box.extendBy(vertex);
                 for (int axis = 0; axis < 3; ++axis)
-                    grid.fixed[block][axis][j * kBlockVertices + i] = fixed(vertex[axis]);
+                    grid.fixed[block][axis][j * kBlockVertices + i] = fixed_number(vertex[axis]);
             }
         }
         for (int axis = 0; axis < 3; ++axis) {
@@ -106,6 +102,33 @@ SweptDicer::SweptDicer(const SweptSurface& surface, const FacetTolerance& tolera
             if (used[level]) add_cap(profiles_[profile][level], surface.profiles()[profile]);
     }
     number();
+    for (const SweptFill& fill : surface.fills()) {
+        first_fill_subpatch_.push_back(subpatch_count_);
+        subpatch_count_ += fills_.emplace_back(fill_cells(fill)).grids();
+    }
+}
+
+/// The vertices at the borders are those of the walls' outermost rows; outlines of curves run clockwise.
+FillCells SweptDicer::fill_cells(const SweptFill& fill) const {
+    std::vector<FixedVertex> vertices;
+    std::vector<uint32_t> begins{0};
+    for (const uint32_t spline : fill.splines) {
+        for (uint32_t station = cells_along_[spline]; station > 0; --station) {
+            const PiecePlace place = piece_at(spline, station);
+            const SweepRing ring = surface_->path().ring(surface_->path().pieces[place.piece], place.u);
+            const Vec3d vertex = ring.at(fill.border.place);
+            vertices.push_back({fixed_number(vertex.x), fixed_number(vertex.y), fixed_number(vertex.z)});
+        }
+        begins.push_back(static_cast<uint32_t>(vertices.size()));
+    }
+    return {std::move(vertices), begins,
+            fill.border.side == FillSide::Front ? FillFacing::Upwards : FillFacing::Downwards};
+}
+
+std::optional<uint32_t> SweptDicer::fill_of(uint32_t subpatch) const {
+    if (first_fill_subpatch_.empty() || subpatch < first_fill_subpatch_.front()) return std::nullopt;
+    const auto after = std::upper_bound(first_fill_subpatch_.begin(), first_fill_subpatch_.end(), subpatch);
+    return static_cast<uint32_t>(after - first_fill_subpatch_.begin()) - 1;
 }
 
 void SweptDicer::plan(const FacetTolerance& tolerance) {
@@ -194,6 +217,12 @@ void SweptDicer::rings(uint32_t spline, uint32_t first_station, SweepRing (&ring
 }
 
 void SweptDicer::dice(uint32_t subpatch, Grid& grid) const {
+    if (const std::optional<uint32_t> fill = fill_of(subpatch)) {
+        Vec3d vertices[kGridVertices][kGridVertices];
+        fills_[*fill].place(subpatch - first_fill_subpatch_[*fill], vertices);
+        pack(vertices, grid);
+        return;
+    }
     const TubePlace place = tube_place(subpatch);
     if (place.local < walls(place))
         dice_wall(place, grid);
@@ -249,6 +278,7 @@ void SweptDicer::dice_cap(const TubePlace& place, Grid& grid) const {
 }
 
 Box3f SweptDicer::box(uint32_t subpatch) const {
+    if (fill_of(subpatch)) return Dicer::box(subpatch);
     const TubePlace place = tube_place(subpatch);
     if (place.local >= walls(place)) return Dicer::box(subpatch);
     const ProfileCells& around = cells(place);
@@ -279,6 +309,10 @@ Box3f SweptDicer::box(uint32_t subpatch) const {
 }
 
 ElementPlace SweptDicer::element_place(const PlaceInGrid& in_grid, const Vec3d& position) const {
+    if (const std::optional<uint32_t> fill = fill_of(in_grid.subpatch)) {
+        const Vec2f parameters = surface_->fills()[*fill].parameters(position);
+        return {surface_->fill_element(*fill), parameters.x, parameters.y};
+    }
     const TubePlace place = tube_place(in_grid.subpatch);
     const ProfileCells& around = cells(place);
     const uint32_t wall_count = walls(place);
@@ -305,7 +339,7 @@ ElementPlace SweptDicer::element_place(const PlaceInGrid& in_grid, const Vec3d& 
 
 std::optional<PlaceInGrid> SweptDicer::place_in_grid(const ElementPlace& at) const {
     const SweptElement element = surface_->element(at.element);
-    if (element.is_cap) return std::nullopt;
+    if (element.part != SweptPart::Wall) return std::nullopt;
     const SweepPath& path = surface_->path();
     const SweepSpline& spline = path.spline_of(element.piece);
     const auto spline_index = static_cast<uint32_t>(&spline - path.splines.data());
@@ -325,11 +359,13 @@ std::optional<PlaceInGrid> SweptDicer::place_in_grid(const ElementPlace& at) con
 
 size_t SweptDicer::bytes() const {
     size_t total = sizeof(*this) + first_cell_.capacity() * sizeof(uint32_t) +
-                   cells_along_.capacity() * sizeof(uint32_t) + tubes_.capacity() * sizeof(Tube);
+                   first_fill_subpatch_.capacity() * sizeof(uint32_t) + cells_along_.capacity() * sizeof(uint32_t) +
+                   tubes_.capacity() * sizeof(Tube);
     for (const std::vector<ProfileCells>& levels : profiles_)
         for (const ProfileCells& cells : levels)
             total += sizeof(cells) + cells.corners.capacity() * sizeof(Vec2d) +
                      cells.begins.capacity() * sizeof(ProfilePlace) + cells.lengths.capacity() * sizeof(double);
+    for (const FillCells& fill : fills_) total += fill.bytes();
     return total;
 }
 

@@ -5,12 +5,14 @@
 // into grids of 16: a grid may hold parts of several pieces. A ring where two pieces meet is always that of the later
 // piece at its begin. Vertices are sums in one order of the ring and the profile's point, rounded to steps of 2^-30:
 // the same bits in every grid. Caps are fans about a point that sees their whole outline, or else triangles cut off one
-// after the other; their outline is the last ring, with the same bits.
+// after the other; their outline is the last ring, with the same bits. So are the borders of filled areas
+// (swept_fill_cells.h), whose subpatches come last.
 #pragma once
 
 #include "geometry/swept_surface.h"
 #include "tessellation/dicer.h"
 #include "tessellation/profile_cells.h"
+#include "tessellation/swept_fill_cells.h"
 
 #include <cstdint>
 #include <vector>
@@ -48,10 +50,15 @@ class SweptDicer final : public Dicer {
     std::vector<uint32_t> first_cell_;                 ///< of each piece, within its spline
     std::vector<uint32_t> cells_along_;                ///< of each spline, a multiple of 16
     std::vector<Tube> tubes_;                          ///< profile by profile, within one spline by spline
+    std::vector<FillCells> fills_;                     ///< by the surface's fills
+    std::vector<uint32_t> first_fill_subpatch_;        ///< of each
     uint32_t subpatch_count_ = 0;
 
     void plan(const FacetTolerance& tolerance);
     void number();
+    FillCells fill_cells(const SweptFill& fill) const;
+    /// The fill that a subpatch belongs to; empty for walls and caps.
+    std::optional<uint32_t> fill_of(uint32_t subpatch) const;
     TubePlace tube_place(uint32_t subpatch) const;
     PiecePlace piece_at(uint32_t spline, uint32_t station) const;
     const ProfileCells& cells(const TubePlace& place) const {

@@ -217,6 +217,7 @@ class CurveSplines:
         resolution: int = 12,
         material_slot: int = 0,
         smooth: bool = True,
+        fill_group: int = 0,
     ) -> None: ...
     def __len__(self) -> int: ...
 
@@ -250,7 +251,10 @@ class SweptCurve:
         start_mapping: str = "RESOLUTION",
         end_mapping: str = "RESOLUTION",
         fill_caps: bool = False,
+        fill_materials: Sequence[int] = (),
     ) -> None: ...
+    def borders_cross(self) -> bool:
+        """Whether borders of filled areas cross each other or themselves."""
 
 class RayInterpolation:
     """How rays against an object are interpolated. `error` sets the thresholds together; those given replace them."""
