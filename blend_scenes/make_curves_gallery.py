@@ -144,7 +144,7 @@ def exhibits() -> Iterator[tuple[str, Exhibit]]:
     yield "2D, poly, mitred", points(
         "POLY", FLAT, dimensions="2D", fill_mode="NONE", extrude=0.3, offset=0.1, bevel_depth=0.05
     )
-    yield "2D, filled (a mesh)", flower
+    yield "2D, filled", flower
 
 
 def main() -> None:

@@ -76,6 +76,9 @@ class SweptCurve:
     def __init__(self, name, splines, **settings):
         self.name, self.splines, self.settings = name, splines, settings
 
+    def borders_cross(self):
+        return self.name == "Crossed"
+
 
 class NurbsCurve:
     """As long as Blender draws it, and as straight as its control polygon."""

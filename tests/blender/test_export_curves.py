@@ -81,6 +81,9 @@ curve("Exact", **tube)
 curve("Modified", **tube).modifiers.new("Bend", "SIMPLE_DEFORM")
 curve("Flat", **tube).data.splines[0].use_smooth = False
 curve("Filled", dimensions="2D", fill_mode="BOTH", cyclic=True, points=square, **tube)
+uneven = curve("Uneven", dimensions="2D", fill_mode="BOTH", cyclic=True, points=square, **tube)
+uneven.data.splines[0].bezier_points[1].radius = 2.0
+curve("Crossed", "POLY", [(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0)], cyclic=True, dimensions="2D", fill_mode="BOTH")
 curve("Outline", dimensions="2D", fill_mode="NONE", cyclic=True, points=square, **tube)
 curve("Profile", bevel_mode="PROFILE", **tube)
 curve("Tangent", twist_mode="TANGENT", **tube)
@@ -98,11 +101,12 @@ sent, told, _ = recording_core.export()
 report(exact=told.exact, evaluated=told.evaluated, names=sorted(sent.instances["names"]))
 """
     ).report
-    assert sorted(run["exact"]) == ["Exact", "Outline", "Tangent"]
+    assert sorted(run["exact"]) == ["Exact", "Filled", "Outline", "Tangent"]
     assert run["evaluated"] == {
         "Modified": "modifier Bend",
         "Flat": "flat shading",
-        "Filled": "filled area of a 2D curve",
+        "Uneven": "filled area that is not flat, for the radius changes",
+        "Crossed": "filled area whose outlines cross",
         "Profile": "custom bevel profile",
         "Corners": "tangent twist, which Blender leaves undefined on straight segments and NURBS",
         "Absolute": "absolute shape keys",

@@ -16,14 +16,14 @@ Doubles = NDArray[np.float64]
 # Settings that the core wants equal for splines given together, in this order in `SplineTable.settings`.
 _KINDS = ("BEZIER", "NURBS", "POLY")
 _INTERPOLATIONS = ("LINEAR", "CARDINAL", "BSPLINE", "EASE")
-KIND, CYCLIC, ORDER, ENDPOINT, BEZIER, RADIUS, TILT, RESOLUTION, MATERIAL, SMOOTH = range(10)
+KIND, CYCLIC, ORDER, ENDPOINT, BEZIER, RADIUS, TILT, RESOLUTION, MATERIAL, SMOOTH, FILL = range(11)
 
 
 @dataclass
 class SplineTable:
     """All splines of a curve, their points end to end in the order of the splines."""
 
-    settings: NDArray[np.int32]  # (splines, 10): indices above; enumerations as places in _KINDS and _INTERPOLATIONS
+    settings: NDArray[np.int32]  # (splines, 11): indices above; enumerations as places in _KINDS and _INTERPOLATIONS
     counts: NDArray[np.int32]  # (splines,) points
     points: Doubles  # (n, 4) x, y, z, weight
     handles: Doubles  # (n, 2, 3) left, right; zero where there are none
@@ -82,6 +82,7 @@ def _settings(curve: Any) -> NDArray[np.int32]:
         _column(splines, "resolution_u", np.int32),
         _column(splines, "material_index", np.int32),
         _column(splines, "use_smooth", bool),
+        np.zeros(count, np.int32),  # what is filled together: curve_fills.py
     ]
     settings = np.stack(columns, axis=1)
     if curve.render_resolution_u > 0:
@@ -184,6 +185,7 @@ def send(core: ModuleType, table: SplineTable) -> list[Any]:
                 resolution=int(settings[RESOLUTION]),
                 material_slot=int(settings[MATERIAL]),
                 smooth=bool(settings[SMOOTH]),
+                fill_group=int(settings[FILL]),
             )
         )
     return result

@@ -1,8 +1,10 @@
-"""CURVE objects as swept curves: which can be, and what the core needs of them.
+"""CURVE and FONT objects as swept curves: which can be, and what the core needs of them.
 
 What Blender makes of each setting is told, and checked against Blender, by tests/blender/curve_reference.py.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import ModuleType
 from typing import Any
 
@@ -10,7 +12,7 @@ import numpy as np
 
 from .. import versions
 from ..messages import Messages
-from . import curve_splines
+from . import curve_fills, curve_splines
 from .curve_keys import ShapeKeys, has_aligned_handles
 from .curve_outlines import orient
 from .curve_splines import CYCLIC, KIND, SplineTable
@@ -20,9 +22,22 @@ from .strands import CurveSettings
 _FILLS = {"NONE": "FULL", "BOTH": "HALF"}
 
 
-def makes_faces(curve_object: Any) -> bool:
-    """Whether there is anything to sweep: without a profile, a curve is a thread."""
-    curve = curve_object.data
+@contextmanager
+def splines_of(curve_object: Any, depsgraph: Any) -> Iterator[Any]:
+    """The data block with an object's splines: its own, or what its text is written with."""
+    if curve_object.type != "FONT":
+        yield curve_object.data
+        return
+    try:
+        yield curve_object.to_curve(depsgraph)
+    finally:
+        curve_object.to_curve_clear()
+
+
+def makes_faces(curve: Any) -> bool:
+    """Whether there is anything to sweep or to fill: else a curve is a thread."""
+    if curve_fills.is_filled(curve):
+        return True
     if curve.bevel_mode == "OBJECT":
         return curve.bevel_object is not None and _has_splines(curve.bevel_object)
     return curve.bevel_depth != 0.0 or curve.extrude != 0.0
@@ -34,9 +49,8 @@ def _has_splines(bevel: Any) -> bool:
     return bevel.type == "CURVE" and data.extrude == 0.0 and data.bevel_depth == 0.0 and len(data.splines) > 0
 
 
-def fallback_reason(curve_object: Any) -> str | None:
-    """Why an object must be taken as Blender's evaluated mesh; None if it can be sent as splines."""
-    curve = curve_object.data
+def fallback_reason(core: ModuleType, curve_object: Any, curve: Any) -> str | None:
+    """Why an object must be taken as Blender's evaluated mesh; None if it can be sent as splines, which `curve` holds."""
     reason = _deformed(curve_object)
     if reason is not None:
         return reason
@@ -44,8 +58,6 @@ def fallback_reason(curve_object: Any) -> str | None:
         return "flat shading"
     if curve.bevel_mode == "PROFILE" and curve.bevel_depth != 0.0:
         return "custom bevel profile"
-    if curve.dimensions == "2D" and curve.fill_mode != "NONE" and _is_filled(curve):
-        return "filled area of a 2D curve"
     if curve.dimensions == "3D" and curve.twist_mode == "TANGENT" and _has_undefined_tangents(curve):
         return "tangent twist, which Blender leaves undefined on straight segments and NURBS"
     if curve.dimensions == "3D" and curve.twist_mode != "MINIMUM" and curve.twist_smooth > 0.0:
@@ -55,7 +67,17 @@ def fallback_reason(curve_object: Any) -> str | None:
     taper = curve.taper_object
     if taper is not None and taper.type == "CURVE" and (_deformed(taper) or not _is_thread(taper.data)):
         return "taper object with a modifier, faces or absolute shape keys"
-    return None
+    return _fill_reason(core, curve_object, curve) if curve_fills.is_filled(curve) else None
+
+
+def _fill_reason(core: ModuleType, curve_object: Any, curve: Any) -> str | None:
+    reason = curve_fills.fallback_reason(curve, _table(curve_object, curve))
+    if reason is not None:
+        return reason
+    try:
+        return "filled area whose outlines cross" if describe(core, curve_object, curve).borders_cross() else None
+    except core.InputError:
+        return None  # will be told when it is sent
 
 
 def _deformed(curve_object: Any) -> str | None:
@@ -70,15 +92,6 @@ def _deformed(curve_object: Any) -> str | None:
         if has_aligned_handles(curve_object.data):
             return "shape keys with aligned handles"
     return None
-
-
-def _is_filled(curve: Any) -> bool:
-    """Whether Blender fills the area between closed splines: not if every profile is closed itself."""
-    if not any(spline.use_cyclic_u for spline in curve.splines):
-        return False
-    if curve.bevel_mode != "OBJECT" or curve.bevel_object is None:
-        return True
-    return not all(spline.use_cyclic_u for spline in curve.bevel_object.data.splines)
 
 
 def _is_thread(curve: Any) -> bool:
@@ -96,15 +109,15 @@ def _has_undefined_tangents(curve: Any) -> bool:
     return bool(straight.any())
 
 
-def _table(curve_object: Any) -> SplineTable:
+def _table(curve_object: Any, curve: Any) -> SplineTable:
     keys = curve_object.data.shape_keys
     mixed = ShapeKeys(curve_object) if keys is not None and keys.key_blocks else None
-    return curve_splines.read_table(curve_object.data, mixed)
+    return curve_splines.read_table(curve, mixed)
 
 
 def _profile(core: ModuleType, bevel: Any) -> list[Any]:
     """The splines of a bevel object in profile coordinates: its x to the right of the curve, its y along the frame's Y."""
-    table = _table(bevel)
+    table = _table(bevel, bevel.data)
     scale = np.array([-bevel.scale.x, bevel.scale.y, 0.0])
     table.points[:, :3] *= scale
     table.handles *= scale
@@ -118,7 +131,7 @@ def _profile(core: ModuleType, bevel: Any) -> list[Any]:
 
 def _taper(core: ModuleType, taper: Any) -> Any | None:
     """The first spline of a taper object that Blender draws; None if it has no length along x, or there is none."""
-    table = _table(taper)
+    table = _table(taper, taper.data)
     for number, spline in enumerate(taper.data.splines):
         alone = table.alone(number)
         if len(alone.points) < 2:
@@ -144,12 +157,12 @@ def _radius_without_taper(table: SplineTable, mode: str) -> None:
         table.radii += 1.0
 
 
-def describe(core: ModuleType, curve_object: Any) -> Any:
+def describe(core: ModuleType, curve_object: Any, curve: Any) -> Any:
     """The core's SweptCurve of an object without fallback reason. Raises the core's InputError."""
-    curve = curve_object.data
-    table = _table(curve_object)
+    table = _table(curve_object, curve)
     if curve.dimensions == "2D":
         orient(core, table)
+    fills = curve_fills.group_fills(table, curve) if curve_fills.is_filled(curve) else []
     taper = None
     if curve.taper_object is not None and curve.taper_object.type == "CURVE":
         taper = _taper(core, curve.taper_object)
@@ -176,15 +189,17 @@ def describe(core: ModuleType, curve_object: Any) -> Any:
         start_mapping=curve.bevel_factor_mapping_start,
         end_mapping=curve.bevel_factor_mapping_end,
         fill_caps=curve.use_fill_caps,
+        fill_materials=fills,
     )
 
 
 def add_curve(
-    core: ModuleType, scene: Any, curve_object: Any, messages: Messages, settings: CurveSettings
+    core: ModuleType, scene: Any, curve_object: Any, messages: Messages, settings: CurveSettings, depsgraph: Any
 ) -> int | None:
-    """Send a CURVE object; the shape's index, or None if nothing of it can be rendered."""
+    """Send a CURVE or FONT object; the shape's index, or None if nothing of it can be rendered."""
     try:
-        curve = describe(core, curve_object)
+        with splines_of(curve_object, depsgraph) as splines:
+            curve = describe(core, curve_object, splines)
         other = settings.of_curve(core, curve)
         return int(scene.add_curve(curve) if other is None else scene.add_shape(other))
     except core.InputError as error:

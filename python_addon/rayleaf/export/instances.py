@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ VISIBLE_CAMERA, VISIBLE_DIFFUSE, VISIBLE_GLOSSY, VISIBLE_TRANSMISSION, VISIBLE_S
 # What has faces only through the mesh that Blender evaluates beside it.
 _WITH_MESH_TWIN = {"CURVE", "SURFACE", "FONT", "META"}
 # Of these, what the core can render from control points.
-_WITH_EXACT_FORM = {"SURFACE", "CURVE"}
+WITH_EXACT_FORM = {"SURFACE", "CURVE", "FONT"}
 _UNSUPPORTED = {"VOLUME": "volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
 
 
@@ -58,29 +59,44 @@ class Instances:
     randoms: NDArray[np.float32]  # (n,) 0..1
     skipped: dict[str, str]  # object name -> why it is not rendered
     without_faces: list[Any]  # curves, texts and the like of which Blender makes no mesh
+    reasons: dict[str, str]  # object name -> why not from control points
 
 
-def _is_exact(owner: Any, known: dict[int, bool]) -> bool:
-    pointer = owner.as_pointer()
-    if pointer not in known:
-        if owner.type == "CURVE":
-            known[pointer] = curves.makes_faces(owner) and curves.fallback_reason(owner) is None
-        else:
-            known[pointer] = surfaces.fallback_reason(owner) is None
-    return known[pointer]
+class _ExactForms:
+    """Which objects are rendered from control points."""
+
+    def __init__(self, core: ModuleType, depsgraph: Any) -> None:
+        self.reasons: dict[str, str] = {}
+        self._core, self._depsgraph = core, depsgraph
+        self._known: dict[int, bool] = {}
+
+    def has(self, owner: Any) -> bool:
+        """Whether an object of a type with an exact form is."""
+        pointer = owner.as_pointer()
+        if pointer not in self._known:
+            reason = surfaces.fallback_reason(owner) if owner.type == "SURFACE" else None
+            faces = True
+            if owner.type != "SURFACE":
+                with curves.splines_of(owner, self._depsgraph) as splines:
+                    faces = curves.makes_faces(splines)
+                    reason = curves.fallback_reason(self._core, owner, splines) if faces else None
+            if reason is not None:
+                self.reasons[owner.name] = reason
+            self._known[pointer] = faces and reason is None
+        return self._known[pointer]
 
 
-def collect(depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
+def collect(core: ModuleType, depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
     """Walk the view layer once. Blender lists a CURVE, SURFACE, FONT or META object and, if it has faces, an instance
     with its evaluated mesh: of the two exactly one is taken."""
     listed = depsgraph.object_instances
     count = len(listed)
-    result = Instances([], [], _matrices(listed, count), _randoms(listed, count), {}, [])
+    result = Instances([], [], _matrices(listed, count), _randoms(listed, count), {}, [], {})
     shown, with_particles = _flags(listed, "show_self", count), _flags(listed, "show_particles", count)
 
     groups: dict[tuple[int, int], Group | None] = {}
     hair: dict[int, list[Group]] = {}
-    exact: dict[int, bool] = {}
+    exact = _ExactForms(core, depsgraph)
     for place, instance in enumerate(listed):
         if place % _CANCEL_STRIDE == 0 and should_stop():
             raise ExportCancelled
@@ -110,6 +126,7 @@ def collect(depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
         elif item.type == "LIGHT":
             result.lamps.append((owner if is_instance else item, place))
     with_faces = {group.owner.as_pointer() for group in result.groups}
+    result.reasons = exact.reasons
     result.without_faces = [owner for owner in result.without_faces if owner.as_pointer() not in with_faces]
     return result
 
@@ -125,15 +142,15 @@ def _collect_hair(owner: Any, place: int, known: dict[int, list[Group]], result:
         group.members.append(place)
 
 
-def _new_group(item: Any, owner: Any, data: Any, exact: dict[int, bool], result: Instances) -> Group | None:
+def _new_group(item: Any, owner: Any, data: Any, exact: _ExactForms, result: Instances) -> Group | None:
     """The group an instance of a new kind opens; None for what is no shape."""
     kind = item.type
     settings = item if owner is None else owner
     if kind == "MESH":
-        if settings.type in _WITH_EXACT_FORM and _is_exact(settings, exact):
+        if settings.type in WITH_EXACT_FORM and exact.has(settings):
             return None  # the mesh beside exact splines
         return Group(settings, data, exact=False, from_owner=_is_own_data(settings, data), members=[])
-    if kind in _WITH_EXACT_FORM and _is_exact(settings, exact):
+    if kind in WITH_EXACT_FORM and exact.has(settings):
         return Group(settings, data, exact=True, from_owner=True, members=[])
     if kind == "CURVES":
         return Group(settings, data, exact=False, from_owner=True, members=[])

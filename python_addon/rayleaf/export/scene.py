@@ -21,7 +21,7 @@ _BYTES_PER_MEGABYTE = 1 << 20
 _INSTANCE_CHUNK = 100_000
 
 # Why objects of these types come as meshes.
-_EVALUATED_REASONS = {"FONT": "text", "META": "metaball"}
+_EVALUATED_REASONS = {"META": "metaball"}
 
 
 @dataclass
@@ -57,7 +57,7 @@ class SceneExporter:
         """The scene description. `needs_uv`: a pass shows the UV map. Raises CameraError, InputError, ExportCancelled."""
         self.scene.texture_memory = self._blender_scene.rayleaf.texture_memory * _BYTES_PER_MEGABYTE
         self._export_camera(frame)
-        listed = instances.collect(self._depsgraph, self._should_stop)
+        listed = instances.collect(self._core, self._depsgraph, self._should_stop)
         for name, reason in listed.skipped.items():
             self._leave_out(name, reason)
         for owner in listed.without_faces:
@@ -67,7 +67,7 @@ class SceneExporter:
         self._export_lamps(listed)
         if needs_uv:
             self._resources.active_uv()
-        shapes = self._export_shapes(listed.groups)
+        shapes = self._export_shapes(listed)
         self._export_instances(listed, shapes, material_lists)
         return self.scene
 
@@ -108,18 +108,18 @@ class SceneExporter:
             except self._core.InputError as error:
                 self._leave_out(lamp_object.name, str(error))
 
-    def _export_shapes(self, groups: list[Group]) -> list[int | None]:
+    def _export_shapes(self, listed: Instances) -> list[int | None]:
         """The shape of each group; groups with the same data share one."""
         wanted = frozenset(self._resources.wanted_attributes)
         known: dict[Any, int | None] = {}
         result = []
-        for group in groups:
+        for group in listed.groups:
             self._check_cancel()
             key = group.shape_key
             if key not in known:
                 known[key] = self._export_shape(group, wanted)
             result.append(known[key])
-            self._note_way(group)
+            self._note_way(group, listed.reasons)
         self.report.shapes = sum(shape is not None for shape in known.values())
         return result
 
@@ -150,10 +150,11 @@ class SceneExporter:
 
     def _export_surface(self, group: Group) -> int | None:
         given = (self._core, self.scene, group.owner, self._messages)
-        if group.owner.type == "CURVE":
-            shape = curves.add_curve(*given, strands.curve_settings(self._blender_scene.rayleaf))
-        else:
+        if group.owner.type == "SURFACE":
             shape = surfaces.add_surface(*given)
+        else:
+            settings = strands.curve_settings(self._blender_scene.rayleaf)
+            shape = curves.add_curve(*given, settings, self._depsgraph)
         if shape is None:
             self.report.left_out.setdefault(group.owner.name, "no spline that can be rendered")
         return shape
@@ -171,7 +172,7 @@ class SceneExporter:
             self._leave_out(name, str(error))
             return None
 
-    def _note_way(self, group: Group) -> None:
+    def _note_way(self, group: Group, reasons: dict[str, str]) -> None:
         """Which way an object went: exact or as a mesh, and why."""
         name, kind = group.owner.name, group.owner.type
         if name in self.report.left_out:
@@ -183,9 +184,8 @@ class SceneExporter:
         if group.exact:
             if name not in self.report.exact:
                 self.report.exact.append(name)
-        elif kind in ("SURFACE", "CURVE"):
-            reason = (curves if kind == "CURVE" else surfaces).fallback_reason(group.owner)
-            self.report.evaluated[name] = reason or "geometry made by other means"
+        elif kind in instances.WITH_EXACT_FORM:
+            self.report.evaluated[name] = reasons.get(name, "geometry made by other means")
         elif kind in _EVALUATED_REASONS:
             self.report.evaluated[name] = _EVALUATED_REASONS[kind]
 
