@@ -8,7 +8,8 @@ and writes NAME.blend to FOLDER, by default to the folder of the script. Scenes 
 import shutil
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -133,28 +134,47 @@ def add_surface(name: str, location: Triple = (0, 0, 0)) -> Any:
 def add_grid(surface: Any, points: NDArray[np.float64], resolution: int = 4) -> Any:
     """Append a NURBS grid; points (count_v, count_u, 4): x, y, z, weight, at least three each way.
 
-    Blender's data interface makes only rows of points; the operator that joins rows makes the grid, and shuffles the
-    points, so their coordinates come last. Set flags and orders on the spline returned.
+    Set flags and orders on the spline returned.
+    """
+    with _edit(surface):
+        _join_rows(surface, points)
+    spline = surface.data.splines[-1]
+    spline.resolution_u = spline.resolution_v = resolution
+    return spline
+
+
+@contextmanager
+def _edit(surface: Any) -> Iterator[None]:
+    """In Edit Mode of an object; its splines are others before, within and after."""
+    bpy.context.view_layer.objects.active = surface
+    bpy.ops.object.mode_set(mode="EDIT")
+    try:
+        yield
+    finally:
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def _join_rows(surface: Any, points: NDArray[np.float64]) -> Any:
+    """A new grid of a surface in Edit Mode.
+
+    Blender's data interface makes only rows of points; the operator that joins selected rows makes the grid, and shuffles
+    the points, so their coordinates come last. It also evaluates all of the object, so the resolution is low until the end.
     """
     count_v, count_u = points.shape[:2]
-    bpy.context.view_layer.objects.active = surface
-    for spline in surface.data.splines:
-        spline.points.foreach_set("select", [False] * len(spline.points))
     for row in range(count_u):
         spline = surface.data.splines.new("NURBS")
         spline.points.add(count_v - 1)
         apart = np.array([[row, 0.01 * i, 0, 1] for i in range(count_v)], dtype=np.float64)
         spline.points.foreach_set("co", apart.ravel())
         spline.points.foreach_set("select", [True] * count_v)
-    bpy.ops.object.mode_set(mode="EDIT")
+        spline.resolution_u = spline.resolution_v = 1
     bpy.ops.curve.make_segment()
-    bpy.ops.object.mode_set(mode="OBJECT")
     spline = surface.data.splines[-1]
     if (spline.point_count_u, spline.point_count_v) != (count_u, count_v):
         raise RuntimeError(f"{surface.name}: Blender made a grid of {spline.point_count_u} x {spline.point_count_v}")
     spline.points.foreach_set("co", points.astype(np.float64).ravel())
     spline.points.foreach_set("select", [False] * len(spline.points))
-    spline.resolution_u = spline.resolution_v = resolution
+    spline.resolution_u = spline.resolution_v = 1
     spline.use_smooth = True
     return spline
 
@@ -162,10 +182,13 @@ def add_grid(surface: Any, points: NDArray[np.float64], resolution: int = 4) -> 
 def add_parts(name: str, parts: Sequence[Part], location: Triple = (0, 0, 0), resolution: int = 4) -> Any:
     """A SURFACE object of parts (scene_shapes.py)."""
     surface = add_surface(name, location)
-    for part in parts:
-        spline = add_grid(surface, part.points, resolution)
-        spline.order_u, spline.use_cyclic_u, spline.use_endpoint_u, spline.use_bezier_u = part.u
-        spline.order_v, spline.use_cyclic_v, spline.use_endpoint_v, spline.use_bezier_v = part.v
+    with _edit(surface):
+        for part in parts:
+            spline = _join_rows(surface, part.points)
+            spline.order_u, spline.use_cyclic_u, spline.use_endpoint_u, spline.use_bezier_u = part.u
+            spline.order_v, spline.use_cyclic_v, spline.use_endpoint_v, spline.use_bezier_v = part.v
+    for spline in surface.data.splines:
+        spline.resolution_u = spline.resolution_v = resolution
     return surface
 
 
