@@ -62,7 +62,7 @@ def place(name: str, parts: Parts, location: tuple[float, float, float], turn: f
     """An object a material; `looks` replaces materials by kind."""
     for kind, made in parts.items():
         if made:
-            thing = add_parts(f"{name} {kind}", made, location)
+            thing = add_parts(f"{name} {kind}", made, location, resolution=1)
             thing.rotation_euler = (0, 0, turn)
             thing.data.materials.append(looks.get(kind) or matte(kind, COLORS[kind]))
 

@@ -69,7 +69,8 @@ def make_car(detail: int) -> list[Any]:
     }
     made = []
     for kind, parts in car(detail).items():
-        thing = add_parts(kind, parts)
+        # Blender tessellates surfaces whatever engine renders; Rayleaf does not look at that, so the least will do.
+        thing = add_parts(kind, parts, resolution=1)
         thing.data.materials.append(looks.get(kind))
         made.append(thing)
     return made
