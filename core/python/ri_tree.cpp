@@ -31,8 +31,8 @@ template <typename Tree>
 std::unique_ptr<Tree> make_tree(std::shared_ptr<Shape> shape, const std::string& kind, double ior,
                                 double distance_threshold, double angle_threshold, int depth_limit,
                                 uint64_t cache_bytes, double pruned_share, double facet_tolerance,
-                                double direction_threshold, int mixed_depth_limit) {
-    const SampleSettings samples{kind_named(shape->name(), kind), ior, facet_tolerance};
+                                double direction_threshold, int mixed_depth_limit, int most_interior_hits) {
+    const SampleSettings samples{kind_named(shape->name(), kind), ior, most_interior_hits, facet_tolerance};
     return std::make_unique<Tree>(std::move(shape), samples,
                                   RayCacheSettings{distance_threshold, angle_threshold, depth_limit, cache_bytes,
                                                    pruned_share, direction_threshold, mixed_depth_limit});
@@ -186,7 +186,9 @@ py::class_<Tree, RayCache> bind_tree(py::module_& module, const char* name, cons
              py::arg("facet_tolerance") = samples.facet_tolerance,
              py::arg("direction_threshold") = settings.direction_threshold,
              py::arg("mixed_depth_limit") = settings.mixed_depth_limit,
-             "kind: SIMPLE, MIRROR, GLASS or VOLUME. Thresholds: a share of the box's half extent, and radians.")
+             py::arg("most_interior_hits") = samples.most_interior_hits,
+             "kind: SIMPLE, MIRROR, GLASS or VOLUME. Thresholds: a share of the box's half extent, and radians. Paths in "
+             "glass of more than most_interior_hits hits from inside are cut off.")
         .def("final_cells", &final_cells<Tree>, py::arg("origins"), py::arg("directions"),
              "(direction, depth, indices) of the cells that answer, None for rays that miss the box.")
         .def("corner_rays", &corner_rays<Tree>, py::arg("cell"), "Origins and directions (16, 3), local space.")

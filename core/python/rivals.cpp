@@ -24,14 +24,15 @@ py::dict arrays_of(const std::vector<PathAnswer>& answers, double seconds) {
 /// (shape, kind, index of refraction)
 using RivalObject = std::tuple<std::shared_ptr<PatchSurface>, std::string, float>;
 
-std::unique_ptr<RivalTracer> make_tracer(const std::vector<RivalObject>& objects, const std::string& method) {
+std::unique_ptr<RivalTracer> make_tracer(const std::vector<RivalObject>& objects, const std::string& method,
+                                         int most_interior_hits) {
     if (method != "TRIANGLES" && method != "NEWTON")
         throw InputError("rival tracer", "method", method, "TRIANGLES or NEWTON");
     std::vector<std::shared_ptr<const PatchSurface>> surfaces;
     std::vector<RivalMaterial> materials;
     for (const auto& [surface, kind, ior] : objects) {
         surfaces.push_back(surface);
-        materials.push_back({kind_named(surface->name(), kind), ior});
+        materials.push_back({kind_named(surface->name(), kind), ior, most_interior_hits});
     }
     return std::make_unique<RivalTracer>(surfaces, std::move(materials),
                                          method == "NEWTON" ? RivalMethod::Newton : RivalMethod::Triangles);
@@ -71,8 +72,8 @@ struct BoundPlane {
 };
 
 std::unique_ptr<BoundPlane> make_plane(std::shared_ptr<Shape> shape, const std::string& kind, double ior,
-                                       double angle_threshold, double distance_threshold) {
-    const SampleSettings samples{kind_named(shape->name(), kind), ior, kDefaultFacetTolerance};
+                                       double angle_threshold, double distance_threshold, int most_interior_hits) {
+    const SampleSettings samples{kind_named(shape->name(), kind), ior, most_interior_hits};
     auto made = std::make_unique<BoundPlane>();
     made->tracer = std::make_shared<SampleTracer>(std::move(shape), samples);
     made->settings = {angle_threshold, distance_threshold};
@@ -182,6 +183,7 @@ void bind_rivals(py::module_& parent) {
     py::module_ module = parent.def_submodule("rivals", "What ray caches are measured against, and sets of objects.");
     py::class_<RivalTracer>(module, "RivalTracer", "Surfaces as Embree's triangles, or as patches met by Newton.")
         .def(py::init(&make_tracer), py::arg("objects"), py::arg("method"),
+             py::arg("most_interior_hits") = kMostInteriorHits,
              "objects: (PatchSurface, kind, ior) each; method: TRIANGLES or NEWTON.")
         .def("trace", &trace, py::arg("origins"), py::arg("directions"), py::arg("packets") = false,
              "Output rays of rays (n, 3) as arrays; processor seconds. Packets: 16 rays at once, through all bounces.")
@@ -193,7 +195,8 @@ void bind_rivals(py::module_& parent) {
     py::class_<BoundPlane>(module, "ImagePlane", "One object's camera rays, interpolated between those of the picture.")
         .def(py::init(&make_plane), py::arg("shape"), py::arg("kind"), py::arg("ior") = SampleSettings{}.ior,
              py::arg("angle_threshold") = settings.angle_threshold,
-             py::arg("distance_threshold") = settings.distance_threshold)
+             py::arg("distance_threshold") = settings.distance_threshold,
+             py::arg("most_interior_hits") = kMostInteriorHits)
         .def("look", &look, py::arg("eye"), py::arg("corner"), py::arg("right"), py::arg("up"),
              "Begins a frame: the ray through (x, y) goes towards corner + x right + y up.")
         .def("statistics", &plane_statistics);

@@ -66,12 +66,13 @@ void ObjectSet::take(int32_t member, const Ray& ray, const CachedAnswer& got, do
         if (t >= nearest) return;
         nearest = t;
     }
+    const bool leaves = output.sample_class.ending != PathEnding::CutOff;
     answer = {member,
               got.by,
               Vec3f(output.position),
               Vec3f(output.normal),
               Vec3f(output.exit_position),
-              Vec3f(output.exit_direction),
+              leaves ? Vec3f(output.exit_direction) : Vec3f(0.0f),
               static_cast<float>(output.length)};
 }
 

@@ -20,14 +20,14 @@ enum class OutputKind : uint8_t {
     Volume   ///< the length of the line inside the object
 };
 
-/// The path inside glass ends after so many hits from inside.
+/// The path inside glass ends after so many hits from inside at the latest, and so does a line through a volume.
 inline constexpr int kMostInteriorHits = 64;
 
 /// How the path inside glass, or along a volume, came to its end.
 enum class PathEnding : uint8_t {
     FirstHit,  ///< not followed: Simple and Mirror
     Left,
-    CutOff,  ///< kMostInteriorHits reached: the exit ray is the one at that point, still inside
+    CutOff,  ///< too many hits from inside: no ray leaves, and in its place are position and normal of the first hit
     Escaped  ///< nothing more was hit from inside: the surface has a gap
 };
 
@@ -35,7 +35,7 @@ inline constexpr uint32_t kMissedClass = 0;            ///< of lines that hit no
 inline constexpr uint32_t kFacetedClass = 0xffffffff;  ///< each facet is a class of its own: never interpolated
 
 /// Samples are blended only if all of this is equal. The paper has the first hit's class alone; what happened inside is
-/// added, so that no blend crosses a border of total internal reflection.
+/// added, so that no blend crosses a border of total internal reflection. Paths that are cut off are all alike.
 struct SampleClass {
     uint32_t first_hit = kMissedClass;  ///< class of the patch hit first (ri_tree/patch_classes.h)
     uint32_t exit = kMissedClass;       ///< class of the patch where the path left

@@ -14,7 +14,7 @@ struct PathAnswer {
     int32_t object = kNoObject;  ///< the one hit first
     AnsweredBy by = AnsweredBy::NotARay;
     Vec3f position{0, 0, 0}, normal{0, 0, 0};               ///< first hit; zero for volumes
-    Vec3f exit_position{0, 0, 0}, exit_direction{0, 0, 0};  ///< as in OutputRay
+    Vec3f exit_position{0, 0, 0}, exit_direction{0, 0, 0};  ///< as in OutputRay; no direction if none leaves
     float length = 0;                                       ///< volumes: inside all objects together
 };
 

@@ -35,6 +35,7 @@ class UnknownChanges {
     void refract(const Vec3d&, const Vec3d&, double, bool) {}
     void reflect(const Vec3d&, const Vec3d&, bool) {}
     void leave() {}
+    void cut_off() {}
     void add_crossing(const Vec3d&, double, const Vec3d&, double) {}
 };
 
@@ -94,6 +95,14 @@ class PathChanges {
         for (int k = 0; k < kLineAxes; ++k) {
             out_[k].exit_position = ray_[k].position;
             out_[k].exit_direction = ray_[k].direction;
+        }
+    }
+
+    /// The path ends inside: position and normal of the first hit take the place of the ray that leaves.
+    void cut_off() {
+        for (int k = 0; k < kLineAxes; ++k) {
+            out_[k].exit_position = out_[k].position;
+            out_[k].exit_direction = out_[k].normal;
         }
     }
 

@@ -9,6 +9,7 @@ std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samp
     key.shape = *content;
     key.kind = samples.kind;
     key.ior = samples.kind == OutputKind::Glass ? samples.ior : 0.0;
+    key.most_interior_hits = samples.kind == OutputKind::Glass ? samples.most_interior_hits : 0;
     key.facet_tolerance = samples.facet_tolerance;
     key.distance_threshold = settings.distance_threshold;
     key.angle_threshold = settings.angle_threshold;

@@ -23,6 +23,7 @@ namespace rayleaf {
 struct RayCacheKey {
     ContentHash shape{};
     OutputKind kind = OutputKind::Mirror;
+    int most_interior_hits = 0;
     double ior = 0, facet_tolerance = 0;
     double distance_threshold = 0, angle_threshold = 0, direction_threshold = 0, pruned_share = 0;
     int depth_limit = 0, mixed_depth_limit = 0;

@@ -30,18 +30,22 @@ bool advance_volume(RivalPath& path, const RivalHit& hit) {
     return path.hits <= kMostInteriorHits;
 }
 
-bool advance_glass(RivalPath& path, const RivalHit& hit, float ior) {
+bool advance_glass(RivalPath& path, const RivalHit& hit, const RivalMaterial& material) {
     Vec3f& direction = path.ray.direction;
     const bool from_inside = direction.dot(hit.facet_normal) > 0.0f;
     const Vec3f normal = hit.normal.dot(direction) > 0.0f ? -hit.normal : hit.normal;
     Vec3f next;
-    if (!refract(direction, normal, from_inside ? ior : 1.0f / ior, next)) next = mirrored(direction, normal);
+    if (!refract(direction, normal, from_inside ? material.ior : 1.0f / material.ior, next)) next = mirrored(direction, normal);
     direction = next;
     path.answer.exit_position = hit.position;
     path.answer.exit_direction = direction;
     const float side = direction.dot(hit.facet_normal);
     path.ray.origin = hit.facet_position + hit.facet_normal * std::copysign(kRivalStartOffset, side);
-    return side < 0.0f && path.hits <= kMostInteriorHits;
+    if (side >= 0.0f) return false;
+    if (path.hits <= material.most_interior_hits) return true;
+    path.answer.exit_position = path.answer.position;
+    path.answer.exit_direction = Vec3f(0.0f);
+    return false;
 }
 
 }  // namespace
@@ -64,7 +68,7 @@ bool advance(RivalPath& path, const RivalHit* hit, std::span<const RivalMaterial
             path.answer.exit_direction = mirrored(path.ray.direction, hit->normal);
             return false;
         case OutputKind::Glass:
-            return advance_glass(path, *hit, material.ior);
+            return advance_glass(path, *hit, material);
         case OutputKind::Volume:
             return advance_volume(path, *hit);
     }

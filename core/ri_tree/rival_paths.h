@@ -13,6 +13,7 @@ namespace rayleaf {
 struct RivalMaterial {
     OutputKind kind = OutputKind::Mirror;
     float ior = 1.45f;
+    int most_interior_hits = kMostInteriorHits;  ///< as SampleSettings has it
 };
 
 /// A path under way, scene space.

@@ -23,6 +23,8 @@ SampleSettings checked(const std::string& name, const SampleSettings& settings) 
     };
     require_positive("ior", settings.ior);
     require_positive("facet_tolerance", settings.facet_tolerance);
+    if (settings.most_interior_hits < 1 || settings.most_interior_hits > kMostInteriorHits)
+        throw InputError(name, "most_interior_hits", std::to_string(settings.most_interior_hits), "1 to 64");
     return settings;
 }
 
@@ -156,9 +158,14 @@ void SampleTracer::follow_glass(const Ray& ray, const Point& first, OutputRay& o
             path.ending = PathEnding::Left;
             break;
         }
-        if (path.interior_hits == kMostInteriorHits) {
+        if (path.interior_hits == settings_.most_interior_hits) {
+            path.exit = kMissedClass;
+            path.total_reflections = 0;
             path.ending = PathEnding::CutOff;
-            break;
+            out.exit_position = out.position;
+            out.exit_direction = out.normal;
+            changes.cut_off();
+            return;
         }
         Ray inner;
         inner.origin = point.ray_origin(direction);

@@ -20,6 +20,9 @@ inline constexpr double kDefaultFacetTolerance = 0x1p-16;
 struct SampleSettings {
     OutputKind kind = OutputKind::Mirror;
     double ior = 1.45;  ///< Glass: index of refraction inside over that outside; above 0
+    /// Glass: paths of more hits from inside are cut off; 1 to kMostInteriorHits. The long ones are few, but cost most
+    /// of the time, and change with the line so fast that nothing can be interpolated.
+    int most_interior_hits = kMostInteriorHits;
     double facet_tolerance = kDefaultFacetTolerance;
 };
 

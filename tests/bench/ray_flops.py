@@ -56,7 +56,10 @@ class Counters:
     def of(cls, scene: Scene) -> "Counters":
         """For a scene."""
         objects = [(each.surface, each.kind, each.ior) for each in scene.objects]
-        tracers = [_core.rivals.RivalTracer(objects, method) for method in ("TRIANGLES", "NEWTON")]
+        hits = scene.interior_hits
+        tracers = [
+            _core.rivals.RivalTracer(objects, method, most_interior_hits=hits) for method in ("TRIANGLES", "NEWTON")
+        ]
         return cls(*(_core.rivals.FlopCounter(tracer) for tracer in tracers))
 
 

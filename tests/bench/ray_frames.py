@@ -108,7 +108,8 @@ class Rival:
 
     def __init__(self, scene: Scene, method: str, packets: bool = False) -> None:
         objects = [(each.surface, each.kind, each.ior) for each in scene.objects]
-        self.tracer, self.packets = _core.rivals.RivalTracer(objects, method), packets
+        self.tracer = _core.rivals.RivalTracer(objects, method, most_interior_hits=scene.interior_hits)
+        self.packets = packets
 
     def begin(self, camera: Camera) -> None:
         """Nothing to be done."""
@@ -123,7 +124,10 @@ class Trees:
     """A tree an object, or with `traced` only the tracer that would fill it. That tracer's facets are made already."""
 
     def __init__(self, scene: Scene, tree: Any, settings: dict[str, Any], traced: bool = False) -> None:
-        self.trees = [tree(each.surface, each.kind, ior=each.ior, **settings) for each in scene.objects]
+        hits = scene.interior_hits
+        self.trees = [
+            tree(each.surface, each.kind, ior=each.ior, most_interior_hits=hits, **settings) for each in scene.objects
+        ]
         parts = [(each.surface, made) for each, made in zip(scene.objects, self.trees)]
         self.set = _core.rivals.ObjectSet(parts, traced=traced, sum_of_lengths=scene.lengths)
         tracing = _core.rivals.ObjectSet(parts, traced=True, sum_of_lengths=scene.lengths)
@@ -148,7 +152,11 @@ class ImagePlane:
     """Camera rays interpolated in the picture, anew each frame; all others traced as those in between."""
 
     def __init__(self, scene: Scene, own: Trees) -> None:
-        self.planes = [_core.rivals.ImagePlane(each.surface, each.kind, each.ior) for each in scene.objects]
+        hits = scene.interior_hits
+        self.planes = [
+            _core.rivals.ImagePlane(each.surface, each.kind, each.ior, most_interior_hits=hits)
+            for each in scene.objects
+        ]
         parts = [(each.surface, plane) for each, plane in zip(scene.objects, self.planes)]
         self.set = _core.rivals.ObjectSet(parts, sum_of_lengths=scene.lengths)
         self.own = own
@@ -284,7 +292,9 @@ class Follower:
         pixels: NDArray[np.int64],
         weights: Doubles,
     ) -> tuple[Rays, NDArray[np.int64], Doubles]:
-        """Reflected or refracted rays; a convex object is not asked again by those that leave it."""
+        """Reflected or refracted rays; a convex object is not asked again by those that leave it. Paths that were cut off
+        inside glass are black."""
+        hit = hit[answers["exit_direction"][hit].any(axis=1)]
         directions = unit(answers["exit_direction"][hit].astype(float))
         origins = answers["exit_position"][hit] + self.offset * directions
         left = np.full(len(hit), index if each.convex else -1, np.int32)

@@ -39,6 +39,7 @@ class Scene:
     turn: float = 20.0
     width: float = 0.85  # of the picture, at distance 1
     rounds: int = 1  # how often rays are followed from object to object
+    interior_hits: int = 8  # paths that hit glass more often from inside are cut off
 
     @property
     def lengths(self) -> bool:
