@@ -14,7 +14,7 @@ constexpr double kExitErrors = 4.0;
 
 std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const NeighbourHits& neighbours,
                                            const RayDifferential& differential) {
-    if (!hit.is_interpolated() || !hit.interpolated.has_exit) return std::nullopt;
+    if (!hit.is_interpolated() || hit.interpolated.way == GlassWay::Unknown) return std::nullopt;
     const Affine3d& to_world = scene.tracer().local_to_world(hit.instance);
     const InterpolatedHit& way = hit.interpolated;
     const auto position_of = [&](const InterpolatedHit& each) { return to_world.point(each.exit_position); };
@@ -22,6 +22,8 @@ std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, c
         return normalized_or(to_world.vector(each.exit_direction), Vec3d(0, 0, 1));
     };
     GlassExit exit;
+    exit.is_cut_off = way.way == GlassWay::CutOff;
+    if (exit.is_cut_off) return exit;
     exit.ray.direction = direction_of(way);
     exit.ray.origin = position_of(way) + exit.ray.direction * (kExitErrors * way.position_error * to_world.x.length());
     exit.ray.leaves = hit.instance;
@@ -41,10 +43,10 @@ std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, c
 }
 
 std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, uint32_t instance, const Ray& entered,
-                                     const RayDifferential& differential) {
+                                     const RayDifferential& differential, int most_hits) {
     GlassExit exit{entered, differential, 0, 0};
     Ray& ray = exit.ray;
-    for (int hits = 0; hits < kMostInteriorHits; ++hits) {
+    for (int hits = 0; hits < most_hits; ++hits) {
         const std::optional<Hit> hit = scene.tracer().closest_on(instance, with_width(ray, exit.differential));
         if (!hit) return std::nullopt;
         const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
@@ -70,7 +72,8 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
         // Where the ray goes by the facet is where it is: a shading normal may differ from it.
         if (direction.dot(facet) >= 0.0) return exit;
     }
-    return std::nullopt;
+    exit.is_cut_off = true;
+    return exit;
 }
 
 }  // namespace rayleaf

@@ -15,6 +15,7 @@ struct GlassExit {
     Ray ray;  ///< that leaves
     RayDifferential differential;
     int crossings = 0, total_reflections = 0;  ///< hits from inside: that let the ray out, and that did not
+    bool is_cut_off = false;                   ///< by the limit of hits: no ray leaves
 };
 
 /// What the hit's ray cache tells of the way; empty where it tells nothing. `differential`: of the ray that enters,
@@ -22,8 +23,9 @@ struct GlassExit {
 std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const NeighbourHits& neighbours,
                                            const RayDifferential& differential);
 
-/// The way from `entered`, a ray that just passed the surface of `instance`. Empty where it finds no end.
+/// The way from `entered`, a ray that just passed the surface of `instance`, of at most so many hits from inside. Empty
+/// where it finds no end.
 std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, uint32_t instance, const Ray& entered,
-                                     const RayDifferential& differential);
+                                     const RayDifferential& differential, int most_hits);
 
 }  // namespace rayleaf

@@ -4,7 +4,7 @@ namespace rayleaf {
 namespace {
 
 bool take_one_way(const InterpolatedHit& a, const InterpolatedHit& b) {
-    return a.has_exit == b.has_exit && a.interior_hits == b.interior_hits && a.total_reflections == b.total_reflections;
+    return a.way == b.way && a.interior_hits == b.interior_hits && a.total_reflections == b.total_reflections;
 }
 
 }  // namespace

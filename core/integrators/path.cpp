@@ -290,8 +290,10 @@ bool PathTracer::scatter(const Vertex& vertex) {
 /// Goes on from where the ray that has just entered a glass body leaves it; false if the path ends inside.
 bool PathTracer::cross_glass(const GlassBody& body, const Vertex& vertex) {
     std::optional<GlassExit> exit = interpolated_exit(scene_, *hit_, neighbours_, vertex.differential);
-    if (!exit) exit = traced_exit(scene_, body, vertex.point.instance, ray_, differential_);
+    if (!exit)
+        exit = traced_exit(scene_, body, vertex.point.instance, ray_, differential_, settings_.most_interior_hits);
     if (!exit) return true;  // on, surface by surface
+    if (exit->is_cut_off) return false;
     for (int i = 0; i < exit->total_reflections; ++i)
         if (!cross_inside(LobeKind::Glossy, body.reflected)) return false;
     for (int i = 0; i < exit->crossings; ++i)

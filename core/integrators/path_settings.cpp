@@ -1,4 +1,5 @@
 #include "integrators/path.h"
+#include "scene/ray_cache_plan.h"
 
 #include <limits>
 
@@ -32,6 +33,7 @@ PathSettings::PathSettings(const Settings& s)
       transmission_bounces(s.transmission_bounces),
       transparent_bounces(s.transparent_bounces),
       roulette_start(s.roulette_start),
+      most_interior_hits(rayleaf::most_interior_hits(s)),
       clamp_direct(limit_or_infinity(s.clamp_direct)),
       clamp_indirect(limit_or_infinity(s.clamp_indirect)),
       occlusion_distance(s.occlusion_distance > 0 ? s.occlusion_distance : std::numeric_limits<double>::infinity()),

@@ -187,7 +187,8 @@ py::class_<Tree, RayCache> bind_tree(py::module_& module, const char* name, cons
              py::arg("direction_threshold") = settings.direction_threshold,
              py::arg("mixed_depth_limit") = settings.mixed_depth_limit,
              py::arg("most_interior_hits") = samples.most_interior_hits,
-             "kind: SIMPLE, MIRROR, GLASS or VOLUME. Thresholds: a share of the box's half extent, and radians. Paths in "
+             "kind: SIMPLE, MIRROR, GLASS or VOLUME. Thresholds: a share of the box's half extent, and radians. Paths "
+             "in "
              "glass of more than most_interior_hits hits from inside are cut off.")
         .def("final_cells", &final_cells<Tree>, py::arg("origins"), py::arg("directions"),
              "(direction, depth, indices) of the cells that answer, None for rays that miss the box.")

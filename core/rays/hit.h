@@ -21,6 +21,9 @@ struct LocalHit {
 /// How an object with a ray cache answered a ray. The numbers are the codes of the mask pass (film/passes.def).
 enum class RayAnswer : uint8_t { NotAsked, Traced, Interpolated, TwoClass, Missed };
 
+/// What is known of the way through a glass body. Cut off: it has more hits than any path may.
+enum class GlassWay : uint8_t { Unknown, Leaves, CutOff };
+
 /// What an interpolated first hit knows, beside the point: local space of the shape.
 struct InterpolatedHit {
     Vec2f uv{0, 0};
@@ -28,7 +31,7 @@ struct InterpolatedHit {
     float error = 0;            ///< the cache's own estimate, a share of the object's half extent
     /// Glass: where and how the ray leaves, after `interior_hits` hits from inside of which `total_reflections` let
     /// nothing through.
-    bool has_exit = false;
+    GlassWay way = GlassWay::Unknown;
     Vec3d exit_position{0, 0, 0};
     Vec3d exit_direction{0, 0, 1};  ///< unit
     int interior_hits = 0, total_reflections = 0;

@@ -29,6 +29,11 @@ RayAnswer kind_of(AnsweredBy by) {
     }
 }
 
+GlassWay way_of(PathEnding ending) {
+    if (ending == PathEnding::CutOff) return GlassWay::CutOff;
+    return ending == PathEnding::Left ? GlassWay::Leaves : GlassWay::Unknown;
+}
+
 }  // namespace
 
 CachedObject::CachedObject(std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape, OutputKind kind,
@@ -90,7 +95,7 @@ ObjectAnswer CachedObject::ask(const Vec3d& origin, const Vec3d& direction, cons
     const double error = result.answer == RayAnswer::Interpolated ? found.error : assumed_error_;
     hit.error = static_cast<float>(error);
     hit.position_error = std::max(kErrorsBeside * error, kLeastError) * half_extent_;
-    hit.has_exit = kind_ == OutputKind::Glass && output.sample_class.ending == PathEnding::Left;
+    if (kind_ == OutputKind::Glass) hit.way = way_of(output.sample_class.ending);
     hit.exit_position = to_local(output.exit_position);
     hit.exit_direction = output.exit_direction;
     hit.interior_hits = output.sample_class.interior_hits;

@@ -11,17 +11,22 @@ constexpr float kLeastThird = 0.2f;
 /// corner's, and corners' errors partly cancel.
 constexpr double kResidualShare = 0.25;
 
-/// A function at the corners, as sums of products of the coordinates: entry S belongs to prod(u_k, k in S).
-using CornerValues = std::array<double, kCellCorners>;
+/// Functions at the corners, side by side: a leaf's values, then how each changes along the first axis, and so on.
+constexpr int kMostFunctions = kMostLeafValues * (1 + kLineAxes);
+using CornerFunctions = std::array<std::array<double, kMostFunctions>, kCellCorners>;
 
-/// Walsh-Hadamard transform, so that a bit means +1.
-void transform(CornerValues& values) {
+/// Walsh-Hadamard transform of the first `count` of them, so that a bit means +1: then row S belongs to prod(u_k, k in
+/// S).
+void transform(CornerFunctions& functions, int count) {
     for (int bit = 1; bit < kCellCorners; bit *= 2) {
         for (int i = 0; i < kCellCorners; ++i) {
             if ((i & bit) != 0) continue;
-            const double low = values[i], high = values[i | bit];
-            values[i] = 0.5 * (low + high);
-            values[i | bit] = 0.5 * (high - low);
+            std::array<double, kMostFunctions>&below = functions[i], &above = functions[i | bit];
+            for (int f = 0; f < count; ++f) {
+                const double low = below[f], high = above[f];
+                below[f] = 0.5 * (low + high);
+                above[f] = 0.5 * (high - low);
+            }
         }
     }
 }
@@ -34,36 +39,31 @@ struct Fit {
     double residual = 0;  ///< what of the samples no such polynomial has
 };
 
-Fit fit_values(const CornerValues& at_corners) {
-    CornerValues sums = at_corners;
-    transform(sums);
+/// Of value `i` among `values`, whose transforms these are.
+Fit fit_value(const CornerFunctions& sums, int i) {
     Fit fit;
-    for (int t = 0; t < kLinearTerms; ++t) fit.terms[t] = sums[kTermAxes[t]];
-    fit.residual = std::abs(sums[kCellCorners - 1]);
+    for (int t = 0; t < kLinearTerms; ++t) fit.terms[t] = sums[kTermAxes[t]][i];
+    fit.residual = std::abs(sums[kCellCorners - 1][i]);
     return fit;
 }
 
-Fit fit_values_and_changes(const CornerValues& at_corners, std::array<CornerValues, kLineAxes>& changes) {
-    CornerValues sums = at_corners;
-    transform(sums);
-    Fit fit;
-    for (int t = 0; t < kLinearTerms; ++t) fit.terms[t] = sums[kTermAxes[t]];
+Fit fit_value_and_changes(const CornerFunctions& sums, int i, int values) {
+    Fit fit = fit_value(sums, i);
     double squares = 0.0;
     int mixed = kMixedTerms;
     for (int k = 0; k < kLineAxes; ++k) {
-        const int own = 1 << k;
-        transform(changes[k]);
-        fit.terms[kSquareTerms + k] = 0.5 * changes[k][own];
-        fit.terms[kCubeTerms + k] = 0.5 * (changes[k][0] - sums[own]);
+        const int own = 1 << k, change = values * (1 + k) + i;
+        fit.terms[kSquareTerms + k] = 0.5 * sums[own][change];
+        fit.terms[kCubeTerms + k] = 0.5 * (sums[0][change] - sums[own][i]);
         for (int l = 0; l < kLineAxes; ++l)
-            if (l != k) fit.terms[mixed++] = 0.5 * changes[k][own | (1 << l)];
+            if (l != k) fit.terms[mixed++] = 0.5 * sums[own | (1 << l)][change];
         for (int set = 1; set < kCellCorners; ++set) {
             if ((set & own) != 0 && std::popcount(static_cast<unsigned>(set)) <= 2) continue;
-            const double off = (set & own) != 0 ? changes[k][set] : changes[k][set] - sums[set | own];
+            const double off = (set & own) != 0 ? sums[set][change] : sums[set][change] - sums[set | own][i];
             squares += off * off;
         }
     }
-    fit.residual = kResidualShare * std::sqrt(squares) + std::abs(sums[kCellCorners - 1]);
+    fit.residual += kResidualShare * std::sqrt(squares);
     return fit;
 }
 
@@ -162,21 +162,25 @@ bool CellJudge::fit(const CellKey& key, const CellSamples& samples, CellLeaf& le
     if (kind_ != OutputKind::Volume && !fold(samples, sample_value::kNormal, leaf.normal)) return false;
     if (kind_ == OutputKind::Glass && !fold(samples, sample_value::kExitDirection, leaf.exit_direction)) return false;
     const std::array<int, kMostLeafValues> sources = sources_of(kind_, leaf);
+    const int values = leaf.values;
+    const bool has_changes = contents_ == SampleContents::ValuesAndChanges;
     const std::array<uint8_t, kLineAxes>& levels = space_.levels(key.direction, key.depth);
-    std::array<double, kMostLeafValues> residual{};
-    for (int i = 0; i < leaf.values; ++i) {
-        CornerValues values{};
-        for (int corner = 0; corner < kCellCorners; ++corner) values[corner] = samples[corner].values[sources[i]];
-        Fit fit;
-        if (contents_ == SampleContents::Values) {
-            fit = fit_values(values);
-        } else {
-            std::array<CornerValues, kLineAxes> changes{};
+    std::array<double, kLineAxes> shares{};
+    for (int k = 0; k < kLineAxes; ++k) shares[k] = std::ldexp(1.0, -levels[k]);
+    CornerFunctions functions;
+    for (int corner = 0; corner < kCellCorners; ++corner) {
+        const FastSample& sample = samples[corner];
+        for (int i = 0; i < values; ++i) {
+            functions[corner][i] = sample.values[sources[i]];
+            if (!has_changes) continue;
             for (int k = 0; k < kLineAxes; ++k)
-                for (int corner = 0; corner < kCellCorners; ++corner)
-                    changes[k][corner] = std::ldexp(double{samples[corner].changes[sources[i]][k]}, -levels[k]);
-            fit = fit_values_and_changes(values, changes);
+                functions[corner][values * (1 + k) + i] = double{sample.changes[sources[i]][k]} * shares[k];
         }
+    }
+    transform(functions, has_changes ? values * (1 + kLineAxes) : values);
+    std::array<double, kMostLeafValues> residual{};
+    for (int i = 0; i < values; ++i) {
+        const Fit fit = has_changes ? fit_value_and_changes(functions, i, values) : fit_value(functions, i);
         residual[i] = fit.residual;
         for (int t = 0; t < leaf.terms; ++t)
             leaf.coefficients[static_cast<size_t>(t) * leaf.values + i] = static_cast<float>(fit.terms[t]);

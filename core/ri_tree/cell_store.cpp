@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <new>
 #include <thread>
 
 namespace rayleaf {
@@ -28,15 +27,8 @@ CellBlock::CellBlock(uint64_t bytes) : capacity_(std::min(bytes / sizeof(CellNod
         capacity_ = 0;
         return;
     }
-    owned_.reset(new (std::nothrow) std::byte[capacity_ * sizeof(CellNode)]);
-    void* memory = owned_.get();
-    size_t space = capacity_ * sizeof(CellNode);
-    if (!memory || !std::align(sizeof(CellNode), sizeof(CellNode), memory, space)) {
-        capacity_ = 0;
-        return;
-    }
-    memory_ = static_cast<std::byte*>(memory);
-    capacity_ = space / sizeof(CellNode);
+    memory_ = large_memory(capacity_ * sizeof(CellNode), kLargePage);
+    if (!memory_) capacity_ = 0;
 }
 
 std::optional<uint64_t> CellBlock::take(uint64_t units) {
@@ -51,7 +43,7 @@ std::optional<CellRef> CellBlock::add_node() {
     const std::optional<uint64_t> unit = take(1);
     if (!unit) return std::nullopt;
     const CellRef ref = ref_of(CellVerdict::Halved, *unit);
-    auto* node = new (memory_ + *unit * sizeof(CellNode)) CellNode;
+    auto* node = new (memory_.get() + *unit * sizeof(CellNode)) CellNode;
     for (std::atomic<CellRef>& child : node->children) child.store(0, std::memory_order_relaxed);
     nodes_.fetch_add(1, std::memory_order_relaxed);
     return ref;
@@ -61,7 +53,7 @@ std::optional<CellRef> CellBlock::add_leaf(const CellLeaf& leaf) {
     const size_t bytes = leaf.stored_bytes();
     const std::optional<uint64_t> unit = take((bytes + sizeof(CellNode) - 1) / sizeof(CellNode));
     if (!unit) return std::nullopt;
-    std::memcpy(memory_ + *unit * sizeof(CellNode), &leaf, bytes);
+    std::memcpy(memory_.get() + *unit * sizeof(CellNode), &leaf, bytes);
     leaves_.fetch_add(1, std::memory_order_relaxed);
     return ref_of(CellVerdict::Interpolated, *unit);
 }

@@ -11,6 +11,7 @@
 // it makes no difference to an answer.
 #pragma once
 
+#include "base/large_memory.h"
 #include "ri_tree/cell_judge.h"
 
 #include <array>
@@ -42,10 +43,10 @@ class CellBlock {
 
     std::atomic<CellRef>& root(uint8_t direction) { return roots_[direction]; }
     CellNode& node(CellRef ref) const {
-        return *reinterpret_cast<CellNode*>(memory_ + (size_t{ref >> kVerdictBits}) * sizeof(CellNode));
+        return *reinterpret_cast<CellNode*>(memory_.get() + (size_t{ref >> kVerdictBits}) * sizeof(CellNode));
     }
     const CellLeaf& leaf(CellRef ref) const {
-        return *reinterpret_cast<const CellLeaf*>(memory_ + (size_t{ref >> kVerdictBits}) * sizeof(CellNode));
+        return *reinterpret_cast<const CellLeaf*>(memory_.get() + (size_t{ref >> kVerdictBits}) * sizeof(CellNode));
     }
     /// A node without children, or a copy of a leaf; empty if the block is full.
     std::optional<CellRef> add_node();
@@ -57,8 +58,7 @@ class CellBlock {
     uint64_t leaves() const { return leaves_.load(std::memory_order_relaxed); }
 
   private:
-    std::unique_ptr<std::byte[]> owned_;
-    std::byte* memory_ = nullptr;
+    LargeMemory memory_;
     uint64_t capacity_ = 0;  ///< in units of a node, as all that follows
     std::atomic<uint64_t> used_{0}, nodes_{0}, leaves_{0};
     std::array<std::atomic<CellRef>, kLineDirections> roots_{};

@@ -145,14 +145,7 @@ void FastTree::ask(std::span<const Ray> rays, std::span<const RaySpacing> spacin
         Search search(store_, others);
         for (size_t i = first; i < end; i += kBatchRays) {
             const int count = static_cast<int>(std::min<size_t>(kBatchRays, end - i));
-            const RaySpacing* batch_spacings = spacings.empty() ? nullptr : &spacings[i];
-            if (count == kBatchRays) {
-                ask_batch(search, &rays[i], batch_spacings, count, &answers[i]);
-            } else {
-                std::array<Ray, kBatchRays> padded;
-                std::copy_n(&rays[i], count, padded.begin());
-                ask_batch(search, padded.data(), batch_spacings, count, &answers[i]);
-            }
+            ask_batch(search, &rays[i], spacings.empty() ? nullptr : &spacings[i], count, &answers[i]);
         }
     }
 }
@@ -182,7 +175,7 @@ void FastTree::ask_batch(Search& search, const Ray* rays, const RaySpacing* spac
         const int ray = std::countr_zero(pending);
         const Found found = find(search, ray, worth[ray]);
         RaySet set = static_cast<RaySet>(1 << ray);
-        if (found.verdict != CellVerdict::Unknown) {
+        if (found.verdict != CellVerdict::Unknown && pending != set) {
             const RaySet in_cell = functions_.rays_in(batch, found.key.direction, steps_.place(found.key)) & pending;
             for (uint32_t rest = in_cell; rest != 0; rest &= rest - 1) {
                 const int other = std::countr_zero(rest);
@@ -289,19 +282,24 @@ CellVerdict FastTree::make_cell(Search& search, const CellKey& key, int step) {
         if (!seen) seen = samples[i].sample_class;
         return samples[i].sample_class != *seen;
     };
+    std::array<SampleTable::Key, kCellCorners + 1> keys;
+    for (int i = 0; i <= kCellCorners; ++i) {
+        keys[i] = SampleTable::key_of(steps_.sample_point(key, i));
+        samples_.prefetch(keys[i]);
+    }
+    for (const SampleTable::Key& each : keys) samples_.prefetch_sample(each);
     uint32_t missing = 0;
     for (int i = 0; i <= kCellCorners; ++i) {
-        if (!samples_.find(steps_.sample_point(key, i), samples[i]))
+        if (!samples_.find(keys[i], samples[i]))
             missing |= 1u << i;
         else if (differs(i))
             return CellJudge::judge_mixed(depths);
     }
     for (const int i : kSampleOrder) {
         if ((missing >> i & 1) == 0) continue;
-        const LatticePoint point = steps_.sample_point(key, i);
-        samples[i] = take_sample(tracer_, space_, point, judge_.contents());
+        samples[i] = take_sample(tracer_, space_, keys[i].point, judge_.contents());
         ++search.samples_taken;
-        samples_.put(point, samples[i]);
+        samples_.put(keys[i], samples[i]);
         if (differs(i)) return CellJudge::judge_mixed(depths);
     }
     return judge_.judge(key, depths, samples, search.own_leaf);
@@ -342,9 +340,7 @@ CellRef FastTree::store_cell(Search& search, CellVerdict verdict, std::atomic<Ce
 
 std::optional<CellKey> FastTree::final_cell(const Ray& object_ray) {
     Search search(store_, Uninterpolated::Leave);
-    std::array<Ray, kBatchRays> rays;
-    rays[0] = object_ray;
-    functions_.prepare(rays.data(), 1, frame_, search.batch);
+    functions_.prepare(&object_ray, 1, frame_, search.batch);
     if (space_.box().isEmpty() || search.batch.in_box == 0) return std::nullopt;
     return find(search, 0, steps_.deepest()).key;
 }

@@ -2,6 +2,7 @@
 
 #include "tessellation/simd.h"
 
+#include <algorithm>
 #include <bit>
 
 #undef HWY_TARGET_INCLUDE
@@ -123,11 +124,14 @@ constexpr std::array<int64_t, 8> ray_offsets() {
 }
 
 /// Rays `first` and on.
-HWY_INLINE void prepare_some(const Ray* rays, int first, uint32_t wanted, const BatchFrame& frame, LineBatch& batch) {
+HWY_INLINE void prepare_some(const Ray* rays, int first, int count, const BatchFrame& frame, LineBatch& batch) {
     const Doubles lanes;
     const hn::RebindToSigned<Doubles> indices;
     alignas(64) static constexpr std::array<int64_t, 8> kRayOffsets = ray_offsets();
-    const auto index = hn::Load(indices, kRayOffsets.data());
+    // Lanes without a ray read the last one.
+    const int last = std::min(count - first, kDoubles) - 1;
+    const auto index = hn::Min(hn::Load(indices, kRayOffsets.data()), hn::Set(indices, kRayOffsets[last]));
+    const uint32_t wanted = (uint32_t{1} << count) - 1;
     const auto load = [&](const double& member) HWY_ATTR { return hn::GatherIndex(lanes, &member, index); };
     const Ray& ray = rays[first];
     const DoubleVector shrink = hn::Set(lanes, frame.shrink);
@@ -181,8 +185,7 @@ HWY_INLINE void prepare_some(const Ray* rays, int first, uint32_t wanted, const 
 
 void prepare(const Ray* rays, int count, const BatchFrame& frame, LineBatch& batch) {
     batch.rays = batch.in_box = batch.inside = 0;
-    const uint32_t wanted = (uint32_t{1} << count) - 1;
-    for (int first = 0; first < count; first += kDoubles) prepare_some(rays, first, wanted, frame, batch);
+    for (int first = 0; first < count; first += kDoubles) prepare_some(rays, first, count, frame, batch);
 }
 
 RaySet rays_in(const LineBatch& batch, int line_direction, const CellPlace& cell) {

@@ -47,7 +47,7 @@ struct CellPlace {
 };
 
 struct BatchFunctions {
-    /// `rays` has kBatchRays entries, those from `count` on are not rays.
+    /// Of `count` rays, 1 to kBatchRays.
     void (*prepare)(const Ray* rays, int count, const BatchFrame& frame, LineBatch& batch);
     /// The rays of a direction that are in a cell.
     RaySet (*rays_in)(const LineBatch& batch, int line_direction, const CellPlace& cell);

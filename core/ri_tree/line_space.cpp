@@ -1,5 +1,7 @@
 #include "ri_tree/line_space.h"
 
+#include <bit>
+
 namespace rayleaf {
 namespace {
 
@@ -10,7 +12,7 @@ constexpr double kPaddingShare = 0x1p-10;
 constexpr double kLeastHalfExtent = 0x1p-20;
 
 /// The spread of a narrow cell's lines, as a share of the bounds.
-constexpr double kNarrowShare = 0.5;
+constexpr double kNarrowShare = 1.0;
 
 constexpr int second_axis(int axis) {
     return (axis + 1) % 3;
@@ -26,8 +28,14 @@ int dominant_axis(const Vec3d& direction) {
     return axis;
 }
 
+/// 2^-level, exactly; std::ldexp takes longer than all the rest of a corner.
+double power_of_half(int level) {
+    constexpr int kBias = 1023, kMantissaBits = 52;
+    return std::bit_cast<double>(static_cast<uint64_t>(kBias - level) << kMantissaBits);
+}
+
 double lattice_share(uint64_t numerator, int level) {
-    return std::ldexp(static_cast<double>(numerator), -level);
+    return static_cast<double>(numerator) * power_of_half(level);
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ bool advance_glass(RivalPath& path, const RivalHit& hit, const RivalMaterial& ma
     const bool from_inside = direction.dot(hit.facet_normal) > 0.0f;
     const Vec3f normal = hit.normal.dot(direction) > 0.0f ? -hit.normal : hit.normal;
     Vec3f next;
-    if (!refract(direction, normal, from_inside ? material.ior : 1.0f / material.ior, next)) next = mirrored(direction, normal);
+    if (!refract(direction, normal, from_inside ? material.ior : 1.0f / material.ior, next))
+        next = mirrored(direction, normal);
     direction = next;
     path.answer.exit_position = hit.position;
     path.answer.exit_direction = direction;

@@ -1,5 +1,7 @@
 #include "ri_tree/sample_table.h"
 
+#include "base/large_memory.h"
+
 #include <algorithm>
 #include <cstring>
 #include <new>
@@ -7,11 +9,15 @@
 namespace rayleaf {
 namespace {
 
-constexpr uint64_t kFirstSlots = 256;
+constexpr uint64_t kFirstSlots = 1024;
 /// A sample is in one of so many neighbouring slots.
 constexpr uint64_t kProbes = 4;
-/// The table grows when it is filled by more than 5/8.
-constexpr uint64_t kFullNumerator = 5, kFullDenominator = 8;
+/// From so many bytes on a table is in large pages: its samples lie scattered, and use them all.
+constexpr uint64_t kLargeTable = kLargePage;
+constexpr size_t kCacheLine = 64;
+/// The table grows when it is filled by more than 5/8, to four times its size, or where there is no room for that, to
+/// twice its size.
+constexpr uint64_t kGrowth = 4, kFullNumerator = 5, kFullDenominator = 8;
 
 uint64_t mixed(uint64_t h) {  // Stafford's variant 13 of MurmurHash3's finalizer
     h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -48,7 +54,7 @@ struct SampleTable::Table {
     uint64_t slots = 0;
     std::atomic<uint64_t> filled{0};
     std::unique_ptr<std::atomic<uint32_t>[]> marks;
-    std::unique_ptr<std::byte[]> memory;
+    LargeMemory memory;
 
     uint64_t index(uint64_t number) const { return number & (slots - 1); }
 };
@@ -79,11 +85,37 @@ void SampleTable::write(Slot& slot, const FastSample& sample) const {
     std::memcpy(slot.numbers() + values_, sample.changes.data(), changes_ * sizeof(float));
 }
 
-bool SampleTable::find(const LatticePoint& point, FastSample& sample) const {
+SampleTable::Key SampleTable::key_of(const LatticePoint& point) {
+    return {point, hash_of(point)};
+}
+
+void SampleTable::prefetch(const Key& key) const {
+    const int current = current_.load(std::memory_order_acquire);
+    if (current < 0) return;
+    const Table& table = *tables_[current];
+    __builtin_prefetch(&table.marks[table.index(key.hash)]);
+}
+
+void SampleTable::prefetch_sample(const Key& key) const {
+    const int current = current_.load(std::memory_order_acquire);
+    if (current < 0) return;
+    const Table& table = *tables_[current];
+    for (uint64_t i = 0; i < kProbes; ++i) {
+        const uint64_t index = table.index(key.hash + i);
+        const uint32_t mark = table.marks[index].load(std::memory_order_relaxed);
+        if (mark == kEmpty) return;
+        if (mark != mark_of(key.hash)) continue;
+        const std::byte* slot = table.memory.get() + index * slot_bytes_;
+        for (size_t line = 0; line < slot_bytes_; line += kCacheLine) __builtin_prefetch(slot + line);
+        return;
+    }
+}
+
+bool SampleTable::find(const Key& key, FastSample& sample) const {
     const int current = current_.load(std::memory_order_acquire);
     if (current < 0) return false;
     const Table& table = *tables_[current];
-    const uint64_t hash = hash_of(point);
+    const uint64_t hash = key.hash;
     for (uint64_t i = 0; i < kProbes; ++i) {
         const uint64_t index = table.index(hash + i);
         uint32_t mark = table.marks[index].load(std::memory_order_relaxed);
@@ -91,7 +123,7 @@ bool SampleTable::find(const LatticePoint& point, FastSample& sample) const {
         if (mark != mark_of(hash)) continue;
         if (!table.marks[index].compare_exchange_strong(mark, kBusy, std::memory_order_acquire)) continue;
         const Slot& slot = *slot_at(table, index);
-        const bool found = slot.point == point;
+        const bool found = slot.point == key.point;
         if (found) read(slot, sample);
         table.marks[index].store(mark, std::memory_order_release);
         if (found) return true;
@@ -100,8 +132,8 @@ bool SampleTable::find(const LatticePoint& point, FastSample& sample) const {
 }
 
 /// Whether the sample went into an empty slot.
-bool SampleTable::put_in(Table& table, const LatticePoint& point, const FastSample& sample) {
-    const uint64_t hash = hash_of(point);
+bool SampleTable::put_in(Table& table, const Key& key, const FastSample& sample) {
+    const uint64_t hash = key.hash;
     for (uint64_t i = 0; i <= kProbes; ++i) {
         const bool last = i == kProbes;  // all are taken: one of them, told by the hash, is forgotten
         const uint64_t index = table.index(last ? hash + (hash >> 32) % kProbes : hash + i);
@@ -109,7 +141,7 @@ bool SampleTable::put_in(Table& table, const LatticePoint& point, const FastSamp
         if (mark == kBusy || (!last && mark != kEmpty)) continue;
         if (!table.marks[index].compare_exchange_strong(mark, kBusy, std::memory_order_acquire)) continue;
         Slot& slot = *slot_at(table, index);
-        slot.point = point;
+        slot.point = key.point;
         write(slot, sample);
         table.marks[index].store(mark_of(hash), std::memory_order_release);
         return mark == kEmpty;
@@ -117,7 +149,7 @@ bool SampleTable::put_in(Table& table, const LatticePoint& point, const FastSamp
     return false;
 }
 
-void SampleTable::put(const LatticePoint& point, const FastSample& sample) {
+void SampleTable::put(const Key& key, const FastSample& sample) {
     int current = current_.load(std::memory_order_acquire);
     if (current < 0 || tables_[current]->filled.load(std::memory_order_relaxed) * kFullDenominator >
                            tables_[current]->slots * kFullNumerator) {
@@ -126,7 +158,7 @@ void SampleTable::put(const LatticePoint& point, const FastSample& sample) {
         if (current < 0) return;
     }
     Table& table = *tables_[current];
-    if (!put_in(table, point, sample)) return;
+    if (!put_in(table, key, sample)) return;
     table.filled.fetch_add(1, std::memory_order_relaxed);
     count_.fetch_add(1, std::memory_order_relaxed);
 }
@@ -141,23 +173,26 @@ uint64_t SampleTable::copy(const Table& from, Table& to) {
         if (!from.marks[i].compare_exchange_strong(mark, kBusy, std::memory_order_acquire)) continue;
         const Slot& slot = *slot_at(from, i);
         read(slot, sample);
-        filled += put_in(to, slot.point, sample) ? 1 : 0;
+        filled += put_in(to, key_of(slot.point), sample) ? 1 : 0;
         from.marks[i].store(mark, std::memory_order_release);
     }
     return filled;
 }
 
-/// A table of twice the size, with what the last one holds; unless another thread is at it, or memory is at its limit.
+/// A larger table, with what the last one holds; unless another thread is at it, or memory is at its limit.
 void SampleTable::grow() {
     if (growing_.exchange(true, std::memory_order_acquire)) return;
     const int current = current_.load(std::memory_order_relaxed);
-    const uint64_t slots = current < 0 ? kFirstSlots : 2 * tables_[current]->slots;
-    const uint64_t more = slots * (slot_bytes_ + sizeof(uint32_t));
+    uint64_t slots = current < 0 ? kFirstSlots : kGrowth * tables_[current]->slots;
+    const auto bytes_of = [&](uint64_t count) { return count * (slot_bytes_ + sizeof(uint32_t)); };
+    if (current >= 0 && bytes() + bytes_of(slots) > most_bytes_) slots = 2 * tables_[current]->slots;
+    const uint64_t more = bytes_of(slots);
     if (current + 1 < kMostTables && bytes() + more <= most_bytes_) {
         auto table = std::make_unique<Table>();
         table->slots = slots;
         table->marks.reset(new (std::nothrow) std::atomic<uint32_t>[slots]());
-        table->memory.reset(new (std::nothrow) std::byte[slots * slot_bytes_]);
+        // Small pages for what a small object needs.
+        table->memory = large_memory(slots * slot_bytes_, slots * slot_bytes_ < kLargeTable ? kLargeTable : 0);
         if (table->marks && table->memory) {
             const uint64_t filled = current < 0 ? 0 : copy(*tables_[current], *table);
             table->filled.store(filled, std::memory_order_relaxed);

@@ -20,8 +20,18 @@ class SampleTable {
     SampleTable(const SampleTable&) = delete;
     SampleTable& operator=(const SampleTable&) = delete;
 
-    bool find(const LatticePoint& point, FastSample& sample) const;
-    void put(const LatticePoint& point, const FastSample& sample);
+    /// A lattice point, and where to look for it.
+    struct Key {
+        LatticePoint point;
+        uint64_t hash = 0;
+    };
+    static Key key_of(const LatticePoint& point);
+
+    /// Says that the key's sample will be looked for soon: first of all keys, then `prefetch_sample` of all.
+    void prefetch(const Key& key) const;
+    void prefetch_sample(const Key& key) const;
+    bool find(const Key& key, FastSample& sample) const;
+    void put(const Key& key, const FastSample& sample);
 
     uint64_t count() const { return count_.load(std::memory_order_relaxed); }
     uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
@@ -30,7 +40,8 @@ class SampleTable {
     struct Slot;
     struct Table;
 
-    /// Tables double in size. Older ones are kept, for they may be in use; together they are as large as the last.
+    /// Tables at least double in size. Older ones are kept, for they may be in use; together they are at most as large
+    /// as the last.
     static constexpr int kMostTables = 32;
 
     size_t values_, changes_;
@@ -42,7 +53,7 @@ class SampleTable {
     std::atomic<uint64_t> count_{0}, bytes_{0};
 
     Slot* slot_at(const Table& table, uint64_t index) const;
-    bool put_in(Table& table, const LatticePoint& point, const FastSample& sample);
+    bool put_in(Table& table, const Key& key, const FastSample& sample);
     void read(const Slot& slot, FastSample& sample) const;
     void write(Slot& slot, const FastSample& sample) const;
     uint64_t copy(const Table& from, Table& to);

@@ -47,7 +47,7 @@ ObjectOptics optics_of_object(const Scene& scene, uint32_t instance) {
 }
 
 /// Point and normal, what a mirror needs, are enough for every material that reads no texture coordinates.
-SampleSettings samples_for(const ObjectOptics& optics, bool is_volume, bool shows_uv) {
+SampleSettings samples_for(const ObjectOptics& optics, bool is_volume, bool shows_uv, const Settings& settings) {
     SampleSettings samples;
     samples.kind = OutputKind::Mirror;
     if (is_volume) {
@@ -57,6 +57,7 @@ SampleSettings samples_for(const ObjectOptics& optics, bool is_volume, bool show
     } else if (optics.even && optics.first.surface == SurfaceOptics::Glass) {
         samples.kind = OutputKind::Glass;
         samples.ior = optics.first.glass.ior;
+        samples.most_interior_hits = most_interior_hits(settings);
     }
     return samples;
 }
@@ -122,6 +123,10 @@ bool is_occupied(const SceneDescription& description, const Tracer& tracer, uint
 
 }  // namespace
 
+int most_interior_hits(const Settings& settings) {
+    return std::clamp(std::min(settings.max_bounces, settings.glossy_bounces + 1), 1, kMostInteriorHits);
+}
+
 std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene,
                                              const Settings& settings) {
     const bool shows_uv = std::find(settings.passes.begin(), settings.passes.end(), Pass::uv) != settings.passes.end();
@@ -135,7 +140,7 @@ std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description
         const std::shared_ptr<const Shape>& shape = description.shapes[static_cast<size_t>(instance.shape)];
         const bool is_volume = scene.volume(i) != nullptr;
         const ObjectOptics optics = optics_of_object(scene, i);
-        const SampleSettings samples = samples_for(optics, is_volume, shows_uv);
+        const SampleSettings samples = samples_for(optics, is_volume, shows_uv, settings);
         const std::string obstacle = obstacle_of(*shape, optics, is_volume);
         const Key key{shape.get(), samples.kind, samples.ior, instance.ray_interpolation, obstacle};
         const auto [place, is_new] = places.try_emplace(key, plan.size());

@@ -25,6 +25,10 @@ struct PlannedRayCache {
     std::string obstacle;              ///< why there can be none; empty: there can
 };
 
+/// How many hits from inside a path through glass may have before the limits of bounces end it, wherever it came from:
+/// it entered by one bounce, and all hits but the last are reflections.
+int most_interior_hits(const Settings& settings);
+
 /// Objects whose interpolation is off are not listed. The UV pass wants texture coordinates of every surface: then
 /// there are first hits alone.
 std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene,
