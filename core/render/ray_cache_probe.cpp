@@ -1,9 +1,11 @@
 #include "render/ray_cache_probe.h"
 
 #include "base/random.h"
+#include "geometry/patch_surface.h"
 #include "integrators/dimensions.h"
 #include "integrators/path.h"
 #include "ri_tree/cached_object.h"
+#include "tessellation/split_plan.h"
 #include "trace/local_ray.h"
 
 #include <algorithm>
@@ -31,10 +33,21 @@ constexpr int kSpreadBlocks = 3;     ///< anywhere, for what is seen in mirrors
 constexpr int kMostBlocks = 12;
 constexpr int kMostSamples = 4;    ///< of a pixel
 constexpr int kPlacesTried = 512;  ///< for blocks that see an object
-/// At most this share of the frame's paths is probed; a frame for which that is not even two blocks is traced.
-constexpr double kProbedShare = 1.0 / 400.0;
+/// At most this share of the frame's paths is probed, each some eight times as costly as another; a frame for which
+/// that is not even two blocks is traced.
+constexpr double kProbedShare = 1.0 / 800.0;
 /// Fewer queries than this say nothing.
 constexpr uint64_t kLeastQueries = 32;
+/// An object is dropped from the probe as soon as so many queries cost this many times as much as tracing.
+constexpr uint64_t kTellingQueries = 256;
+constexpr double kHopeless = 1.5;
+
+/// Making the tracer of a cache, by what it is made of.
+constexpr double kSetUpSubpatch = 12.0, kSetUpTriangle = 2.0;
+/// A path, with its shading: at least two rays and what goes with them.
+constexpr double kPath = 3.0;
+/// All caches that are tried are made for at most this share of the frame.
+constexpr double kSetUpShare = 0.01;
 
 double traced_cost(OutputKind kind) {
     if (kind == OutputKind::Glass) return kTracedGlass;
@@ -83,9 +96,12 @@ Block block_at(const Vec2d& point, const Settings& settings) {
     return {place(point.x, settings.width), place(point.y, settings.height)};
 }
 
-bool sees(const Scene& scene, const Settings& settings, const Vec2d& point, const PlannedRayCache& candidate) {
+Ray ray_at(const Scene& scene, const Settings& settings, const Vec2d& point) {
     const Vec2d pixel(point.x * settings.width, point.y * settings.height);
-    const Ray ray = scene.camera().ray(pixel, Vec2f(0.5f, 0.5f)).ray;
+    return scene.camera().ray(pixel, Vec2f(0.5f, 0.5f)).ray;
+}
+
+bool meets(const Ray& ray, const Scene& scene, const PlannedRayCache& candidate) {
     return std::any_of(candidate.instances.begin(), candidate.instances.end(), [&](uint32_t instance) {
         const auto stretch = inside_box(scene.tracer().bounds(instance), ray.origin, ray.direction);
         return stretch && stretch->end > 0.0;
@@ -98,9 +114,10 @@ std::vector<Block> blocks_for(const std::vector<PlannedRayCache>& candidates, co
     std::vector<int> seen(candidates.size(), 0);
     for (int i = 0; i < kPlacesTried && blocks.size() < most; ++i) {
         const Vec2d point = even_point(i);
+        const Ray ray = ray_at(scene, settings, point);
         bool wanted = i < kSpreadBlocks;
         for (size_t c = 0; c < candidates.size(); ++c) {
-            if (seen[c] == kBlocksPerObject || !sees(scene, settings, point, candidates[c])) continue;
+            if (seen[c] == kBlocksPerObject || !meets(ray, scene, candidates[c])) continue;
             ++seen[c];
             wanted = true;
         }
@@ -123,10 +140,49 @@ void render_block(const Block& block, const Scene& scene, const Settings& settin
             }
 }
 
+double set_up_cost(const PlannedRayCache& candidate) {
+    const Shape& shape = *candidate.shape;
+    if (shape.kind() != ShapeKind::PatchSurface) return kSetUpTriangle * shape.element_count();
+    const double tolerance = candidate.samples.facet_tolerance;
+    const SplitPlan plan(static_cast<const PatchSurface&>(shape), [&](const Box3d&) { return tolerance; });
+    return kSetUpSubpatch * plan.subpatch_count();
+}
+
+/// Which objects are tried: those first that most of the camera's rays may meet for what their cache takes to make,
+/// until that is too much for the frame.
+std::vector<bool> worth_a_try(const std::vector<PlannedRayCache>& candidates, const Scene& scene,
+                              const Settings& settings, double paths) {
+    std::vector<double> cost(candidates.size()), rank(candidates.size(), 0.0);
+    for (int i = 0; i < kPlacesTried; ++i) {
+        const Ray ray = ray_at(scene, settings, even_point(i));
+        for (size_t c = 0; c < candidates.size(); ++c) rank[c] += meets(ray, scene, candidates[c]) ? 1.0 : 0.0;
+    }
+    std::vector<size_t> order(candidates.size());
+    for (size_t c = 0; c < candidates.size(); ++c) {
+        cost[c] = set_up_cost(candidates[c]);
+        rank[c] *= traced_cost(candidates[c].samples.kind) / std::max(cost[c], 1.0);
+        order[c] = c;
+    }
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return rank[a] > rank[b]; });
+    double left = kSetUpShare * kPath * paths;
+    std::vector<bool> tried(candidates.size(), false);
+    for (const size_t c : order) {
+        left -= cost[c];
+        if (left < 0.0) break;
+        tried[c] = true;
+    }
+    return tried;
+}
+
 /// `growth`: how many times as many samples of each pixel the frame has. Cells that more rays of the same pixels cross
 /// are mostly the same: new samples go with the root.
-ProbeResult judge(const Counts& counts, OutputKind kind, double growth) {
-    if (counts.queries() < kLeastQueries) return {false, "the probe met too few rays"};
+struct Judgement {
+    ProbeResult result;
+    double ratio = 0;  ///< cost of asking over that of tracing
+};
+
+Judgement judge(const Counts& counts, OutputKind kind, double growth) {
+    if (counts.queries() < kLeastQueries) return {{false, "the probe met too few rays", nullptr}, 0.0};
     const double way = traced_cost(kind), samples = counts.samples / std::sqrt(growth);
     const double tracing = static_cast<double>(counts.interpolated + counts.traced) * way +
                            static_cast<double>(counts.missed) * kTracedMiss;
@@ -140,7 +196,7 @@ ProbeResult judge(const Counts& counts, OutputKind kind, double growth) {
         "probe: %llu queries, %.0f %% interpolated, %.0f %% traced, %.2f samples a query; costs %.2f of tracing",
         static_cast<unsigned long long>(counts.queries()), percent(static_cast<double>(counts.interpolated)),
         percent(static_cast<double>(counts.traced)), samples / static_cast<double>(counts.queries()), asking / tracing);
-    return {asking < (1.0 - kLeastGain) * tracing, text};
+    return {{asking < (1.0 - kLeastGain) * tracing, text, nullptr}, asking / tracing};
 }
 
 }  // namespace
@@ -150,23 +206,42 @@ std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& ca
     if (candidates.empty()) return {};
     const int samples = std::min(settings.samples, kMostSamples);
     const double paths = static_cast<double>(settings.width) * settings.height * settings.samples;
+    const double growth = static_cast<double>(settings.samples) / samples;
     const auto affordable = static_cast<size_t>(kProbedShare * paths / (kBlockSide * kBlockSide * samples));
-    if (affordable < 2) return std::vector<ProbeResult>(candidates.size(), {false, "the picture has too few rays"});
+    std::vector<ProbeResult> results(candidates.size(), {false, "the picture has too few rays", nullptr});
+    if (affordable < 2) return results;
+    const std::vector<bool> tried = worth_a_try(candidates, scene, settings, paths);
+    std::vector<PlannedRayCache> trying;
+    std::vector<size_t> places;
     std::vector<std::shared_ptr<RayCache>> caches;
-    for (const PlannedRayCache& candidate : candidates) {
+    const auto give = [&](size_t i, const std::shared_ptr<const CachedObject>& object) {
+        for (const uint32_t instance : candidates[i].instances) scene.set_ray_cache(instance, object);
+    };
+    for (size_t i = 0; i < candidates.size(); ++i) {
+        const PlannedRayCache& candidate = candidates[i];
+        if (!tried[i]) continue;
         const RayCacheSettings& thresholds = candidate.interpolation.thresholds;
         caches.push_back(make_ray_cache(RayCacheKind::Fast, candidate.shape, candidate.samples, thresholds));
-        const auto object = std::make_shared<const CachedObject>(caches.back(), candidate.shape, candidate.samples.kind,
-                                                                 thresholds.distance_threshold, neighbour_scale);
-        for (const uint32_t instance : candidate.instances) scene.set_ray_cache(instance, object);
+        trying.push_back(candidate);
+        places.push_back(i);
+        give(i, std::make_shared<const CachedObject>(caches.back(), candidate.shape, candidate.samples.kind,
+                                                     thresholds.distance_threshold, neighbour_scale));
     }
-    for (const Block& block : blocks_for(candidates, scene, settings, std::min<size_t>(affordable, kMostBlocks)))
+    std::vector<bool> dropped(places.size(), false);
+    for (const Block& block : blocks_for(trying, scene, settings, std::min<size_t>(affordable, kMostBlocks))) {
         render_block(block, scene, settings, samples);
-    std::vector<ProbeResult> results;
-    for (size_t i = 0; i < candidates.size(); ++i) {
-        results.push_back(judge(counts_of(caches[i]->statistics()), candidates[i].samples.kind,
-                                static_cast<double>(settings.samples) / samples));
-        for (const uint32_t instance : candidates[i].instances) scene.set_ray_cache(instance, nullptr);
+        for (size_t k = 0; k < places.size(); ++k) {
+            if (dropped[k]) continue;
+            const Counts counts = counts_of(caches[k]->statistics());
+            Judgement judgement = judge(counts, trying[k].samples.kind, growth);
+            results[places[k]] = std::move(judgement.result);
+            dropped[k] = counts.queries() >= kTellingQueries && judgement.ratio > kHopeless;
+            if (dropped[k]) give(places[k], nullptr);
+        }
+    }
+    for (size_t k = 0; k < places.size(); ++k) {
+        give(places[k], nullptr);
+        if (results[places[k]].pays) results[places[k]].cache = caches[k];
     }
     return results;
 }

@@ -3,13 +3,16 @@
 // Idea: some blocks of neighbouring pixels, spread evenly over the picture, are rendered with caches that are made for
 // this alone, by one thread; what the caches count is set against tracing, in units of one traced ray. Neighbouring
 // pixels share cells as they do in the whole picture, so the samples taken per query in a block stand for the frame's.
-// Counts alone decide, never clocks, nor what other frames left in a cache: a frame looks the same alone, in a
-// sequence, or as a part of one on another machine.
+// Before that it is settled which objects are worth a try: making a cache costs time too, its tracer's facets are finer
+// than the view's. Counts alone decide, never clocks, nor what other frames left in a cache: a frame looks the same
+// alone, in a sequence, or as a part of one on another machine.
 #pragma once
 
+#include "ri_tree/ray_cache.h"
 #include "scene/ray_cache_plan.h"
 #include "scene/scene.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,7 +20,8 @@ namespace rayleaf {
 
 struct ProbeResult {
     bool pays = false;
-    std::string reason;  ///< with the figures that decided
+    std::string reason;               ///< with the figures that decided
+    std::shared_ptr<RayCache> cache;  ///< the one that was tried, if it pays
 };
 
 /// One result each. The scene is left without the caches that were tried.

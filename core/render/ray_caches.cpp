@@ -36,22 +36,24 @@ RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Se
             undecided.push_back(each.planned);
             places.push_back(frame_.size() - 1);
         } else {
-            use(each, scene, neighbour_scale, store);
+            use(each, scene, neighbour_scale, store, nullptr);
         }
     }
     const std::vector<ProbeResult> results = probe_ray_caches(undecided, scene, settings, neighbour_scale);
     for (size_t i = 0; i < results.size(); ++i) {
         FrameCache& each = frame_[places[i]];
         each.reason = results[i].reason;
-        if (results[i].pays) use(each, scene, neighbour_scale, store);
+        if (results[i].pays) use(each, scene, neighbour_scale, store, results[i].cache);
     }
 }
 
-void RayCaches::use(FrameCache& each, Scene& scene, double neighbour_scale, RayCacheStore* store) {
+void RayCaches::use(FrameCache& each, Scene& scene, double neighbour_scale, RayCacheStore* store,
+                    const std::shared_ptr<RayCache>& made) {
     const PlannedRayCache& planned = each.planned;
     const std::optional<RayCacheKey> key =
         store ? key_of(*planned.shape, planned.samples, planned.interpolation.thresholds) : std::nullopt;
-    each.cache = key ? store->find_or_make(*key, [&] { return make(planned); }) : make(planned);
+    const auto make_one = [&] { return made ? made : make(planned); };
+    each.cache = key ? store->find_or_make(*key, make_one) : make_one();
     each.before = each.cache->statistics();
     const auto object =
         std::make_shared<const CachedObject>(each.cache, planned.shape, planned.samples.kind,

@@ -41,7 +41,9 @@ class RayCaches {
     };
     std::vector<FrameCache> frame_;
 
-    void use(FrameCache& each, Scene& scene, double neighbour_scale, RayCacheStore* store);
+    /// `made` by a probe, or null.
+    void use(FrameCache& each, Scene& scene, double neighbour_scale, RayCacheStore* store,
+             const std::shared_ptr<RayCache>& made);
 };
 
 }  // namespace rayleaf
