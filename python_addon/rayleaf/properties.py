@@ -160,6 +160,13 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         max=256,
     )
 
+    use_subdivision_surfaces: BoolProperty(  # type: ignore
+        name="Exact Subdivision",
+        description="Render the limit of Subdivision Surface modifiers that are last in their stack, not Blender's"
+        " mesh",
+        default=True,
+    )
+
     tile_size: IntProperty(  # type: ignore
         name="Tile Size",
         description="Pixels along the side of what one thread renders at a time",

@@ -88,6 +88,11 @@ class RayleafObjectSettings(bpy.types.PropertyGroup):
     """What is set per object."""
 
     ray_interpolation: PointerProperty(type=RayleafObjectRayInterpolation)  # type: ignore
+    use_subdivision_surface: BoolProperty(  # type: ignore
+        name="Exact Subdivision",
+        description="Render the limit of a Subdivision Surface modifier that is last in the stack, not Blender's mesh",
+        default=True,
+    )
 
 
 class RayleafMaterialSettings(bpy.types.PropertyGroup):

@@ -157,6 +157,33 @@ class RAYLEAF_PT_curves(_Panel, bpy.types.Panel):
         detail.prop(settings, "curve_detail")
 
 
+class RAYLEAF_PT_subdivision(_Panel, bpy.types.Panel):
+    """Whether subdivided meshes are rendered as their limits."""
+
+    bl_label = "Subdivision"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Any) -> None:
+        self._column().prop(context.scene.rayleaf, "use_subdivision_surfaces")
+
+
+class RAYLEAF_PT_object_subdivision(_Panel, bpy.types.Panel):
+    """The same for one object."""
+
+    bl_label = "Subdivision"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.object is not None and context.object.type == "MESH" and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        column = self._column()
+        column.active = context.scene.rayleaf.use_subdivision_surfaces
+        column.prop(context.object.rayleaf, "use_subdivision_surface")
+
+
 class RAYLEAF_PT_performance(_Panel, bpy.types.Panel):
     """What the machine gives."""
 
@@ -291,6 +318,8 @@ PANELS = (
     RAYLEAF_PT_light_paths,
     RAYLEAF_PT_film,
     RAYLEAF_PT_curves,
+    RAYLEAF_PT_subdivision,
+    RAYLEAF_PT_object_subdivision,
     RAYLEAF_PT_performance,
     RAYLEAF_PT_passes,
     RAYLEAF_PT_light,

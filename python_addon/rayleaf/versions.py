@@ -44,6 +44,23 @@ def uv_map(layer: Any, corners: int) -> Floats:
     return values.reshape(-1, 2)
 
 
+def creases(mesh: Any) -> tuple[Floats | None, Floats | None]:
+    """The creases of edges and of vertices, 0 to 1; None where there are none."""
+
+    def read(data: Any) -> Floats:
+        values = np.empty(len(data), np.float32)
+        data.foreach_get("value", values)
+        return values
+
+    if bpy.app.version >= (4, 0, 0):
+        found = (mesh.attributes.get("crease_edge"), mesh.attributes.get("crease_vert"))
+    else:
+        of_edges, of_vertices = mesh.edge_creases, mesh.vertex_creases
+        found = (of_edges[0] if of_edges else None, of_vertices[0] if of_vertices else None)
+    edges, vertices = (None if layer is None else read(layer.data) for layer in found)
+    return edges, vertices
+
+
 def write_passes(layer: Any, pixels: dict[str, Floats]) -> None:
     """Fill the passes of a render layer; `pixels` by Blender's pass name, (height, width, channels). Others stay black."""
     if bpy.app.version >= (4, 0, 0):

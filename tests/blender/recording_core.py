@@ -67,6 +67,11 @@ class Strands:
         self.arguments = dict(name=name, points=points, radii=radii, offsets=offsets, **more)
 
 
+class SubdivisionSurface:
+    def __init__(self, name, vertices, face_sizes, corners, **more):
+        self.arguments = dict(name=name, vertices=vertices, face_sizes=face_sizes, corners=corners, **more)
+
+
 class CurveSplines:
     def __init__(self, kind, counts, points, **more):
         self.kind, self.counts, self.points, self.more = kind, counts, points, more
@@ -103,7 +108,7 @@ class SceneDescription:
     def __init__(self):
         self.meshes, self.surfaces, self.curves, self.materials, self.material_lists = [], [], [], [], []
         self.instances, self.lamps, self.images = None, [], []
-        self.ray_interpolations, self.strands = [], []
+        self.ray_interpolations, self.strands, self.cages = [], [], []
         self.world = self.camera = None
         self.attributes, self.texture_memory, self.shapes = {}, 0, []
         RECORDED.append(self)
@@ -124,6 +129,9 @@ class SceneDescription:
         return self._shape("surface", self.surfaces[-1])
 
     def add_shape(self, shape):
+        if isinstance(shape, SubdivisionSurface):
+            self.cages.append(shape.arguments)
+            return self._shape("cage", shape.arguments)
         self.strands.append(shape.arguments)
         return self._shape("strands", shape.arguments)
 
@@ -242,7 +250,7 @@ RECORDED = []
 def install():
     """Make the stand-in the core that the add-on loads."""
     module = types.ModuleType("rayleaf._core")
-    items = (InputError, Program, NurbsSpline, Strands, SceneDescription, Settings, Session)
+    items = (InputError, Program, NurbsSpline, Strands, SubdivisionSurface, SceneDescription, Settings, Session)
     curves = (CurveSplines, SweptCurve, NurbsCurve)
     for item in (*items, *curves, RayInterpolation, VolumeVisualisation, RayCacheStore):
         setattr(module, item.__name__, item)

@@ -1,5 +1,6 @@
 """Named data over a mesh by triangle corner, and over hair: UV maps, colour attributes and generic ones."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -58,20 +59,29 @@ def flat_values(attributes: Any, name: str, domain: str) -> Floats | None:
     return _flat(attribute) if attribute is not None and attribute.domain == domain else None
 
 
-def _generic(attribute: Any, triangles: Ints, loops: Ints, polygons: Ints) -> Floats | None:
-    """(m, 3, channels) of an attribute, whatever it is stored on; None for kinds that shading cannot use."""
+@dataclass
+class Corners:
+    """Corners of faces, (m, k) each: what attributes may be stored on there."""
+
+    vertices: Ints
+    loops: Ints
+    polygons: Ints
+
+
+def _generic(attribute: Any, corners: Corners) -> Floats | None:
+    """(m, k, channels) of an attribute, whatever it is stored on; None for kinds that shading cannot use."""
     values = _flat(attribute)
-    where = {"POINT": triangles, "CORNER": loops, "FACE": np.repeat(polygons[:, None], 3, axis=1)}.get(attribute.domain)
+    where = {"POINT": corners.vertices, "CORNER": corners.loops, "FACE": corners.polygons}.get(attribute.domain)
     return None if where is None or values is None else np.ascontiguousarray(values[where])
 
 
-def attribute_values(mesh: Any, name: str, triangles: Ints, loops: Ints, polygons: Ints) -> Floats | None:
-    """(m, 3, channels): an attribute at each triangle's corners, linear colours; None if the mesh has none of that name."""
+def attribute_values(mesh: Any, name: str, corners: Corners) -> Floats | None:
+    """(m, k, channels): an attribute at corners, linear colours; None if the mesh has none of that name."""
     if name == ACTIVE_COLOR:
         color = active_color(mesh)
-        return None if color is None else _generic(color, triangles, loops, polygons)
+        return None if color is None else _generic(color, corners)
     layer = active_uv(mesh) if name == ACTIVE_UV else mesh.uv_layers.get(name)
     if layer is not None:
-        return np.ascontiguousarray(versions.uv_map(layer, len(mesh.loops))[loops])
+        return np.ascontiguousarray(versions.uv_map(layer, len(mesh.loops))[corners.loops])
     attribute = mesh.attributes.get(name)
-    return None if attribute is None else _generic(attribute, triangles, loops, polygons)
+    return None if attribute is None else _generic(attribute, corners)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import versions
-from .attributes import ACTIVE_UV, attribute_values
+from .attributes import ACTIVE_UV, Corners, attribute_values
 
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
@@ -65,8 +65,9 @@ def mesh_arrays(mesh: Any, wanted: frozenset[str]) -> MeshArrays | None:
         corner_normals=_corner_normals(mesh, loops, polygons),
         material_slots=slots if slots.any() else None,
     )
+    corners = Corners(triangles, loops, np.repeat(polygons[:, None], 3, axis=1))
     for name in wanted:
-        values = attribute_values(mesh, name, triangles, loops, polygons)
+        values = attribute_values(mesh, name, corners)
         if values is not None:
             arrays.attributes[name] = values
     return arrays

@@ -8,7 +8,19 @@ from typing import Any
 import numpy as np
 
 from ..messages import Messages
-from . import ExportCancelled, camera, curves, instances, lights, meshes, ray_interpolation, strands, surfaces, world
+from . import (
+    ExportCancelled,
+    camera,
+    curves,
+    instances,
+    lights,
+    meshes,
+    ray_interpolation,
+    strands,
+    subdivision,
+    surfaces,
+    world,
+)
 from .images import ImageLibrary
 from .instances import Group, Instances
 from .materials import MaterialLibrary, slots_of
@@ -30,6 +42,7 @@ class ExportReport:
 
     exact: list[str] = field(default_factory=list)  # objects sent as splines
     strands: list[str] = field(default_factory=list)  # objects whose hair was sent
+    subdivision: list[str] = field(default_factory=list)  # objects sent as cages
     evaluated: dict[str, str] = field(default_factory=dict)  # object -> why as its evaluated mesh
     left_out: dict[str, str] = field(default_factory=dict)  # object -> why not rendered
     shapes: int = 0
@@ -160,6 +173,10 @@ class SceneExporter:
         return shape
 
     def _export_mesh(self, group: Group, wanted: frozenset[str]) -> int | None:
+        if group.from_owner and subdivision.last_subdivision(group.owner, self._depsgraph) is not None:
+            shape = self._export_cage(group.owner, wanted)
+            if shape is not None:
+                return shape
         name = group.owner.name
         arrays = meshes.mesh_arrays(group.data, wanted)
         if arrays is None:
@@ -171,6 +188,24 @@ class SceneExporter:
         except self._core.InputError as error:
             self._leave_out(name, str(error))
             return None
+
+    def _export_cage(self, owner: Any, wanted: frozenset[str]) -> int | None:
+        """The shape of a mesh that is subdivided last; None, and a line in the report, if Blender's mesh must do."""
+        name = owner.name
+        reason = subdivision.fallback_reason(owner, self._depsgraph, self._blender_scene.rayleaf)
+        if reason is None:
+            try:
+                arrays = subdivision.cage_arrays(owner, self._depsgraph, wanted)
+                if arrays is None:
+                    return None
+                shape = subdivision.add_cage(self._core, self.scene, name, arrays)
+                self.report.subdivision.append(name)
+                return shape
+            except self._core.InputError as error:
+                reason = str(error)
+                self._messages.warn(f"{reason}; Blender's mesh is rendered")
+        self.report.evaluated[name] = reason
+        return None
 
     def _note_way(self, group: Group, reasons: dict[str, str]) -> None:
         """Which way an object went: exact or as a mesh, and why."""

@@ -1,0 +1,143 @@
+"""Meshes whose last modifier subdivides them: their cages, for the core renders the limit itself."""
+
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import versions
+from .attributes import ACTIVE_UV, Corners, attribute_values
+
+Floats = NDArray[np.float32]
+Ints = NDArray[np.int32]
+
+# From Blender's creases, 0 to 1, to OpenSubdiv's sharpness (BKE_subdiv_crease_to_sharpness).
+_FULL_SHARPNESS = 10.0
+# Evaluating the modifiers once more than Blender does would disturb what these keep from frame to frame.
+_STATEFUL = {
+    *("CLOTH", "COLLISION", "DYNAMIC_PAINT", "EXPLODE", "FLUID", "PARTICLE_INSTANCE", "PARTICLE_SYSTEM"),
+    *("SOFT_BODY", "SURFACE"),
+}
+
+
+@dataclass
+class CageArrays:
+    """The arguments of the core's `SubdivisionSurface`, attributes still by name."""
+
+    vertices: Floats  # (n, 3), object space
+    face_sizes: Ints  # (m,)
+    corners: Ints  # (sum of sizes,)
+    options: dict[str, Any] = field(default_factory=dict)
+    uv_maps: dict[str, Floats] = field(default_factory=dict)  # (corners, 2)
+    attributes: dict[str, Floats] = field(default_factory=dict)  # (corners, channels)
+
+
+def _switch(depsgraph: Any) -> str:
+    """The property that says whether a modifier counts."""
+    return "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
+
+
+def _in_use(mesh_object: Any, depsgraph: Any) -> list[Any]:
+    return [modifier for modifier in mesh_object.modifiers if getattr(modifier, _switch(depsgraph))]
+
+
+def last_subdivision(mesh_object: Any, depsgraph: Any) -> Any:
+    """The Subdivision Surface modifier that ends an object's stack and does something, or None."""
+    modifiers = _in_use(mesh_object, depsgraph) if mesh_object.type == "MESH" else []
+    last = modifiers[-1] if modifiers else None
+    if last is None or last.type != "SUBSURF":
+        return None
+    levels = last.render_levels if depsgraph.mode == "RENDER" else last.levels
+    return last if levels > 0 else None
+
+
+def fallback_reason(mesh_object: Any, depsgraph: Any, settings: Any) -> str | None:
+    """Why an object that ends in a subdivision is taken as Blender's mesh; None if its cage can be sent."""
+    last = last_subdivision(mesh_object, depsgraph)
+    if not (settings.use_subdivision_surfaces and mesh_object.rayleaf.use_subdivision_surface):
+        return "exact subdivision is switched off"
+    if last.subdivision_type != "CATMULL_CLARK":
+        return f"modifier {last.name} is simple subdivision"
+    stateful = next((modifier for modifier in _in_use(mesh_object, depsgraph) if modifier.type in _STATEFUL), None)
+    return None if stateful is None else f"modifier {stateful.name}"
+
+
+def cage_arrays(mesh_object: Any, depsgraph: Any, wanted: frozenset[str]) -> CageArrays | None:
+    """The cage of an evaluated object, with the attributes that are wanted and there; None without faces.
+
+    The modifiers of the evaluated copy, not the user's, are switched for the time of one evaluation.
+    """
+    last, switch = last_subdivision(mesh_object, depsgraph), _switch(depsgraph)
+    shown = [getattr(modifier, switch) for modifier in mesh_object.modifiers]
+    without = [flag and modifier != last for flag, modifier in zip(shown, mesh_object.modifiers, strict=True)]
+    # Unlike a property set by itself, these tell nobody that the object has changed.
+    mesh_object.modifiers.foreach_set(switch, without)
+    try:
+        mesh = mesh_object.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+        try:
+            return _arrays_of(mesh, last, wanted)
+        finally:
+            mesh_object.to_mesh_clear()
+    finally:
+        mesh_object.modifiers.foreach_set(switch, shown)
+
+
+def _arrays_of(mesh: Any, modifier: Any, wanted: frozenset[str]) -> CageArrays | None:
+    def get(collection: Any, name: str, dtype: Any, width: int = 1) -> Any:
+        values = np.empty(len(collection) * width, dtype)
+        collection.foreach_get(name, values)
+        return values
+
+    if len(mesh.polygons) == 0:
+        return None
+    sizes = get(mesh.polygons, "loop_total", np.int32)
+    corners = get(mesh.loops, "vertex_index", np.int32)
+    slots = get(mesh.polygons, "material_index", np.int32)
+    arrays = CageArrays(get(mesh.vertices, "co", np.float32, 3).reshape(-1, 3), sizes, corners)
+    arrays.options = {
+        "material_slots": slots if slots.any() else None,
+        "border_corners": "SHARP" if modifier.boundary_smooth == "PRESERVE_CORNERS" else "SMOOTH",
+        "uv_smoothing": modifier.uv_smooth,
+    }
+    if modifier.use_creases:
+        arrays.options |= _creases(mesh, get)
+    faces = np.repeat(np.arange(len(sizes), dtype=np.int32), sizes)
+    where = Corners(corners[:, None], np.arange(len(corners), dtype=np.int32)[:, None], faces[:, None])
+    for name in wanted:
+        values = attribute_values(mesh, name, where)
+        if values is None:
+            continue
+        is_uv = name == ACTIVE_UV or mesh.uv_layers.get(name) is not None
+        (arrays.uv_maps if is_uv else arrays.attributes)[name] = np.ascontiguousarray(values[:, 0])
+    return arrays
+
+
+def _creases(mesh: Any, get: Any) -> dict[str, Any]:
+    edges, vertices = versions.creases(mesh)
+    result = {}
+    if edges is not None and edges.any():
+        chosen = np.flatnonzero(edges)
+        result["crease_edges"] = get(mesh.edges, "vertices", np.int32, 2).reshape(-1, 2)[chosen]
+        result["crease_sharpness"] = edges[chosen] ** 2 * np.float32(_FULL_SHARPNESS)
+    if vertices is not None and vertices.any():
+        chosen = np.flatnonzero(vertices)
+        result["crease_vertices"] = chosen.astype(np.int32)
+        result["vertex_sharpness"] = vertices[chosen] ** 2 * np.float32(_FULL_SHARPNESS)
+    return result
+
+
+def add_cage(core: ModuleType, scene: Any, name: str, arrays: CageArrays) -> int:
+    """Send a cage; the shape's index. Raises the core's InputError."""
+    shape = core.SubdivisionSurface(
+        name,
+        arrays.vertices,
+        arrays.face_sizes,
+        arrays.corners,
+        **arrays.options,
+        uv_maps={scene.attribute(key): values for key, values in arrays.uv_maps.items()},
+        uv=scene.attribute(ACTIVE_UV) if ACTIVE_UV in arrays.uv_maps else -1,
+        attributes={scene.attribute(key): values for key, values in arrays.attributes.items()},
+    )
+    return int(scene.add_shape(shape))
