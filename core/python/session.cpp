@@ -37,18 +37,12 @@ py::array_t<float> pass_pixels(const Session& session, const std::string& name) 
     return py::array_t<float>(shape, data, capsule);
 }
 
-/// What was neither allocated nor run because the scene does not need it.
-py::list left_out(const RenderStatistics& s, const Session& session) {
-    py::list names;
-    if (!s.has_textures) names.append("texture system");
-    if (s.lights == 0) names.append("light sampling");
-    if (std::none_of(s.ray_caches.begin(), s.ray_caches.end(), [](const auto& each) { return each.used; }))
-        names.append("ray caches");
-    if (s.trace.subpatches == 0) names.append("tessellation");
-    if (s.trace.triangles == 0) names.append("triangles");
-    for (const PassInfo& entry : kPasses)
-        if (!session.film().has(entry.pass)) names.append("pass " + std::string(entry.name));
-    return names;
+/// Bytes of the shapes of each kind that the scene has.
+py::dict shape_bytes(const ShapeShares& shares) {
+    py::dict result;
+    for (size_t kind = 0; kind < kShapeKinds; ++kind)
+        if (shares[kind].shapes > 0) result[shape_kind_name(static_cast<ShapeKind>(kind))] = shares[kind].bytes;
+    return result;
 }
 
 /// Hits where a patch has no normal of its own, by what answered instead.
@@ -127,7 +121,7 @@ py::dict statistics(const Session& session) {
         "memory"_a = py::dict("shapes"_a = s.shape_bytes, "grids"_a = t.geometry.bytes, "subpatches"_a = t.record_bytes,
                               "acceleration"_a = t.bvh_bytes, "lights"_a = s.light_bytes, "film"_a = s.film_bytes,
                               "irradiance"_a = s.irradiance_bytes, "textures"_a = s.textures.bytes),
-        "left_out"_a = left_out(s, session));
+        "shape_bytes"_a = shape_bytes(s.shapes_of), "left_out"_a = left_out(s, session.film()));
 }
 
 }  // namespace

@@ -159,9 +159,13 @@ void Session::gather_statistics(double build_seconds, double render_seconds) {
     statistics_.light_bytes = scene_->lights().bytes();
     statistics_.film_bytes = film_.bytes();
     statistics_.ray_caches = caches_->report();
+    statistics_.volumes = scene_->volumes().size();
     std::unordered_set<const Shape*> seen;
     for (const auto& shape : description_->shapes) {
         if (!seen.insert(shape.get()).second) continue;
+        ShapeShare& share = statistics_.shapes_of[static_cast<size_t>(shape->kind())];
+        ++share.shapes;
+        share.bytes += shape->bytes();
         statistics_.shape_bytes += shape->bytes();
         statistics_.curves.add(*shape);
     }

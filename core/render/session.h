@@ -6,6 +6,7 @@
 #include "integrators/irradiance_cache.h"
 #include "integrators/ray_counts.h"
 #include "render/curve_statistics.h"
+#include "render/left_out.h"
 #include "render/ray_caches.h"
 #include "scene/description.h"
 #include "scene/scene.h"
@@ -37,6 +38,8 @@ struct RenderStatistics {
     std::vector<RayCacheReport> ray_caches;
     CurveStatistics curves;
     size_t lights = 0, light_bytes = 0, film_bytes = 0, shape_bytes = 0;
+    ShapeShares shapes_of;
+    size_t volumes = 0;  ///< instances shown by the length of rays inside them
 };
 
 class Session {
