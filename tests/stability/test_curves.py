@@ -12,7 +12,7 @@ from stability.patch_cases import bernstein, extended
 trace = shapes.trace
 OFFSETS = (0.0, 1e3, 1e6)
 SCALES = (1e-6, 1.0, 1e6)
-RAYS = 100
+RAYS = 60
 
 # Cubic axes of about size 1.
 AXES = {
@@ -40,7 +40,7 @@ def distance_to_axis(name, places):
     """Least distance of each place to the axis, extended precision: the best of many parameters, then of closer ones."""
     middle, reach = np.full(len(places), 0.5, np.longdouble), extended(0.5)
     best = None
-    for count in (401, 65, 65, 65, 65):
+    for count in (1001, 65, 65, 65, 65):
         steps = extended(np.linspace(-1, 1, count))
         t = np.clip(middle[:, None] + reach * steps, 0, 1)
         on_axis = axis_at(name, t.ravel())[0].reshape(*t.shape, 3)
