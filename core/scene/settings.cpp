@@ -8,8 +8,10 @@
 namespace rayleaf {
 namespace {
 
-void check(const char* argument, double value, double least, double most) {
-    if (!(value >= least && value <= most))
+/// The bounds are compared as what the value is: 0.01 as a float is a little less than as a double.
+template <typename Number>
+void check(const char* argument, Number value, double least, double most) {
+    if (!(value >= static_cast<Number>(least) && value <= static_cast<Number>(most)))
         throw InputError("settings", argument, std::to_string(value),
                          "a number from " + std::to_string(least) + " to " + std::to_string(most));
 }

@@ -129,6 +129,14 @@ def cusp() -> Any:
     return points
 
 
+def hairpin() -> Any:
+    """A profile that goes there and comes back at a hundredth of its length."""
+    points = sheet(4, 2, lambda x, y: 0 * x)
+    points[:, :, 0] = [[-1.0, 1.6, 1.6, -1.0]] * 2
+    points[:, :, 2] = [[0.0, 0.0, 0.02, 0.02]] * 2
+    return points
+
+
 def near_collinear() -> Any:
     """Two rows 6e-4 apart."""
     points = sheet(4, 4, wave)
@@ -173,8 +181,9 @@ REGULAR = [
     PatchCase("folded", folded(), steepest=0.3),
     PatchCase("self-crossing", self_crossing(), [(u, 0.4) for u in (0.05, 0.3, 0.5, 0.7, 0.95)], 0.2),
     PatchCase("cusp", cusp(), [(u, 0.4) for u in (0.1, 0.3, 0.49, 0.51, 0.7)], 0.1),
+    PatchCase("hairpin", hairpin(), [(u, 0.4) for u in (0.1, 0.3, 0.45, 0.55, 0.7, 0.9)], 0.1),
     PatchCase("near-collinear rows", near_collinear()),
     PatchCase("weights from 1e-6 to 1e6", extreme_weights(), steepest=0.5),
     PatchCase("flat sheet, thickness 1e-6", stretched(1, 1, 1e-6)),
-    *(of_degree(degree) for degree in (1, 2, 5, 8, 12)),
+    *(of_degree(degree) for degree in range(1, 13)),
 ]

@@ -22,7 +22,7 @@ def rays_at_height(height, count, seed=3):
 
 
 @pytest.mark.parametrize("height", [0.0, 0.1, 0.5, 0.9, 0.99])
-@pytest.mark.parametrize("ior", [1 + 1e-6, 1.5, 10.0])
+@pytest.mark.parametrize("ior", [1 - 1e-6, 1 + 1e-6, 1.5, 10.0])
 def test_a_ball_lens_bends_rays_as_snell_says(ior, height):
     origins, directions = rays_at_height(height, 200)
     answers = ball(ior).trace(origins, directions)
@@ -122,19 +122,19 @@ def test_a_corner_cube_sends_rays_back_where_they_came_from():
 
 def test_the_error_of_a_chain_of_interior_hits_grows_as_the_angles_allow():
     """A light pipe: 64 total reflections between parallel walls keep the direction; each adds its rounding only."""
-    pipe = support.cuboid((0.05, 0.05, 4.0))
+    pipe = support.cuboid((0.05, 0.05, 5.9))
     tree = support.tree_of(pipe, "GLASS", ior=1.5)
     steep = 0.9  # from the axis, outside
     directions = np.array([[np.sin(steep), 0.0, -np.cos(steep)]])
-    origins = np.array([[-0.02, 0.01, 4.0]]) - 0.01 * directions
+    origins = np.array([[-0.02, 0.01, 5.9]]) - 0.01 * directions
     answers = tree.trace(origins, directions)
     hits = int(answers["interior_hits"][0])
-    assert answers["hit"][0] and hits >= 40, f"only {hits} hits inside"
+    assert answers["hit"][0] and hits >= 56, f"only {hits} hits inside"
     turned = np.abs(np.abs(answers["exit_direction"]) - np.abs(directions)).max()
     check_bound(f"light pipe, {hits} interior hits", "exit direction", turned, 1e-7 * hits, "rad")
 
 
-@pytest.mark.parametrize("hits", [2, 4, 8, 16])
+@pytest.mark.parametrize("hits", [2, 4, 8, 16, 32, 64])
 def test_the_growth_of_errors_in_a_ball_of_total_reflections_is_measured(hits):
     """Nearly tangent rays in a curved mirror pipe: an angle's error is carried on once a hit, so it grows by the number of
     hits and no faster. A torus of glass seen along its ring gives such chains; here a sphere's great circle, in mirrors.

@@ -37,19 +37,20 @@ def axis_at(name, t):
 
 
 def distance_to_axis(name, places):
-    """Least distance of each place to the axis, extended precision: the best of many parameters, then of closer ones."""
-    middle, reach = np.full(len(places), 0.5, np.longdouble), extended(0.5)
-    best = None
-    for count in (1001, 65, 65, 65, 65):
-        steps = extended(np.linspace(-1, 1, count))
-        t = np.clip(middle[:, None] + reach * steps, 0, 1)
+    """Least distance of each place to the axis, extended precision: in each of eight parts of it the best of many
+    parameters, then of closer and closer ones. An axis may pass the same place more than once."""
+    parts = 8
+    middle = np.tile(extended((np.arange(parts) + 0.5) / parts), (len(places), 1))
+    reach, best = extended(0.5 / parts), None
+    for count in (129, 33, 33, 33, 33, 33):
+        t = np.clip(middle[..., None] + reach * extended(np.linspace(-1, 1, count)), 0, 1)
         on_axis = axis_at(name, t.ravel())[0].reshape(*t.shape, 3)
-        squared = np.sum((on_axis - places[:, None]) ** 2, axis=2)
-        nearest = np.argmin(squared, axis=1)
-        rows = np.arange(len(places))
-        middle, best = t[rows, nearest], np.sqrt(squared[rows, nearest])
+        squared = np.sum((on_axis - places[:, None, None]) ** 2, axis=3)
+        nearest = np.argmin(squared, axis=2)[..., None]
+        middle = np.take_along_axis(t, nearest, axis=2)[..., 0]
+        best = np.sqrt(np.take_along_axis(squared, nearest, axis=2)[..., 0])
         reach = reach * 2.5 / (count - 1)
-    return best
+    return best.min(axis=1)
 
 
 def rays_at_axis(name, seed=11):

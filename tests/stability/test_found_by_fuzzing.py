@@ -54,3 +54,10 @@ def test_a_header_that_claims_any_size_is_refused_before_memory_is_taken(tmp_pat
     path.write_bytes(b"P5\n%d %d\n255\n" % (width, height) + bytes(100))
     with pytest.raises(_core.InputError, match="claims.pgm"):
         _core.shading.TextureStore(1 << 27).add_file("image", str(path), _core.shading.ColorSpace.SRGB)
+
+
+@pytest.mark.parametrize("name, least", [("tessellation_factor", 0.01), ("irradiance_error", 0.01)])
+def test_the_least_value_that_a_setting_allows_is_allowed(name, least):
+    """As a float it is a little less than the double that it was compared with."""
+    settings = _core.Settings(width=4, height=4, **{name: least})
+    assert _core.Session(_core.SceneDescription(), settings).progress()[0] == "waiting"

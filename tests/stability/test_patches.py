@@ -82,19 +82,62 @@ def test_rays_meet_stiff_patches_where_extended_precision_says(name, offset, sca
         check_bound(place, f"normal at {angle:g} rad", turned.max(), 2e-6, "rad")
 
 
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("offset", OFFSETS)
 @pytest.mark.parametrize("name", CASES)
-def test_every_kernel_gives_the_same_bits(name, any_target):
+def test_every_kernel_gives_the_same_bits(name, offset, scale, any_target):
     case = CASES[name]
     _, origins, towards = aimed_rays(case, 0.5 * case.steepest)
     results = {}
     for target in trace.simd_targets():
         assert trace.use_simd_target(target)
-        results[target] = hits_of(case, 0.0, 1.0, origins, towards)
+        results[target] = hits_of(case, offset, scale, origins, towards)
     assert len(results) >= 2, "only one instruction set: nothing to compare"
     first, *others = results.values()
     for other in others:
         for key in ("t", "u", "v", "position", "normal"):
             np.testing.assert_array_equal(first[key], other[key], err_msg=key)
+
+
+SHARP_PLACES = {
+    "corners of a cube": (shapes.cube, shapes.CUBE_VERTICES),
+    "edges of a cube": (shapes.cube, [(0.3, 1, 1), (1, -0.2, 1), (-1, 1, 0.6), (1e-6, -1, -1)]),
+    "diagonals of a cube's faces": (shapes.cube, [(0.25, 0.25, 1), (0, 0, 1), (1, 0.5, 0.5), (-0.7, 0.7, -1)]),
+    "poles of a sphere": (shapes.nurbs_sphere, [(0, 0, 1), (0, 0, -1)]),
+    "seams of a sphere": (shapes.nurbs_sphere, [(1, 0, 0), (0, 1, 0), (np.sqrt(0.5), np.sqrt(0.5), 0), (0, -0.6, 0.8)]),
+}
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("offset", OFFSETS)
+@pytest.mark.parametrize("name", SHARP_PLACES)
+def test_no_ray_slips_through_a_corner_an_edge_or_a_pole(name, offset, scale):
+    """Rays from inside, aimed exactly at where facets meet."""
+    if offset >= 1e9 * scale:
+        pytest.skip("a world position has too few digits for an object that small so far away")
+    make, places = SHARP_PLACES[name]
+    tracer = trace.Tracer([(make(), shapes.moved(offset, scale), shapes.EVERYTHING)], eye=(offset,) * 3)
+    random = np.random.default_rng(17)
+    targets = np.repeat(np.asarray(places, float), 500, axis=0)
+    origins = 0.4 * shapes.random_directions(random, len(targets))
+    hits = tracer.closest_hits(origins * scale + offset, shapes.unit(targets - origins))
+    place = f"{name}, offset {offset:g}, scale {scale:g}"
+    check_bound(place, "rays lost", int(np.sum(hits["instance"] < 0)), 0, "rays")
+    off = np.linalg.norm((hits["position"] - offset) / scale - targets, axis=1).max()
+    # The corner of a cube is met where rounding says; a sphere's facets stand off by a pixel's tenth.
+    check_bound(place, "position", off, 1e-3 + 8 * np.spacing(offset + scale) / scale, "sizes")
+
+
+def test_rays_that_run_within_a_face_or_along_an_edge_make_no_nonsense():
+    tracer = trace.Tracer([(shapes.cube(), np.eye(4), shapes.EVERYTHING)])
+    origins = np.array([[-3, 1, 1], [-3, 0.2, 1], [-3, -1, 0.5], [-3, -3, 1], [-2, 1, 1]], float)
+    directions = shapes.unit(np.array([[1, 0, 0], [1, 0, 0], [1, 0, 0], [1, 1, 0], [1, 0, 0]], float))
+    hits = tracer.closest_hits(origins, directions)
+    on = hits["instance"] >= 0
+    for key in ("position", "normal", "facet_normal"):
+        assert np.isfinite(hits[key]).all(), key
+    np.testing.assert_allclose(np.abs(hits["position"][on]).max(axis=1), 1.0, atol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(hits["normal"][on], axis=1), 1.0, atol=1e-5)
 
 
 @pytest.mark.parametrize("angle", [1e-3, 1e-5, 1e-7])
