@@ -51,7 +51,8 @@ void add_instance(SceneDescription& scene, fuzz::Bytes& bytes) {
     instance.shape = bytes.count(4) - 1;
     instance.object_to_world = matrix(bytes);
     instance.material_list = bytes.count(5) - 1;
-    instance.visibility = bytes.flag() ? kVisibleAll : bytes.byte();
+    instance.visibility = bytes.byte();
+    if (bytes.flag()) instance.visibility = kVisibleAll;
     instance.ray_interpolation = bytes.count(2) - 1;
     scene.add_instance(instance);
 }

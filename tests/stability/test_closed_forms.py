@@ -121,15 +121,15 @@ def test_a_corner_cube_sends_rays_back_where_they_came_from():
 
 
 def test_the_error_of_a_chain_of_interior_hits_grows_as_the_angles_allow():
-    """A light pipe: 64 total reflections between parallel walls keep the direction; each adds its rounding only."""
-    pipe = support.cuboid((0.05, 0.05, 5.9))
+    """A light pipe: 62 total reflections between parallel walls keep the direction; each adds its rounding only."""
+    pipe = support.cuboid((0.05, 0.05, 5.0))
     tree = support.tree_of(pipe, "GLASS", ior=1.5)
     steep = 0.9  # from the axis, outside
     directions = np.array([[np.sin(steep), 0.0, -np.cos(steep)]])
-    origins = np.array([[-0.02, 0.01, 5.9]]) - 0.01 * directions
+    origins = np.array([[-0.02, 0.01, 5.0]]) - 0.01 * directions
     answers = tree.trace(origins, directions)
     hits = int(answers["interior_hits"][0])
-    assert answers["hit"][0] and hits >= 56, f"only {hits} hits inside"
+    assert answers["hit"][0] and hits >= 60, f"only {hits} hits inside"
     turned = np.abs(np.abs(answers["exit_direction"]) - np.abs(directions)).max()
     check_bound(f"light pipe, {hits} interior hits", "exit direction", turned, 1e-7 * hits, "rad")
 
