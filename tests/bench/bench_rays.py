@@ -102,18 +102,20 @@ def measure(
     return name, bench, trees
 
 
-def run(quick: bool = False) -> list[dict[str, Any]]:
-    """Prints the tables; returns every measurement. `quick`: every part once, on a stamp; the figures mean nothing."""
+def run(quick: bool = False, small: bool = False) -> list[dict[str, Any]]:
+    """Prints the tables; returns every measurement. `quick`: every part once, on a stamp; the figures mean nothing.
+    `small`: a third of the side, so that samples are shared by fewer rays, and few values of a sweep."""
     rows, measured = [], {}
+    side, every = (200, 3) if small else (600, 1)
     settings = paper_settings(depth=12) if quick else paper_settings()
-    cases = [(mirror_sheet(), Picture(24, 24)), (gentle_glass(), Picture(8, 8, 3))] if quick else scenes(600)
+    cases = [(mirror_sheet(), Picture(24, 24)), (gentle_glass(), Picture(8, 8, 3))] if quick else scenes(side)
     for scene, picture in cases:
         large = picture.columns * picture.rows > 4 * 600 * 600
         name, bench, trees = measure(scene, picture, Effort(1, 1) if quick or large else Effort(), settings)
         measured[name] = bench, trees
         rows += rows_of(bench, trees)
     print_reach(measured, 300 if quick else SCATTERED_RAYS, settings)
-    print_pictures(8 if quick else 400)
-    table_1(24 if quick else 1200, Effort(1, 1), tuple(TREES), settings["depth_limit"])
-    table_2(16 if quick else 600, Effort(1, 1 if quick else 3), tuple(TREES), 20 if quick else 1)
+    print_pictures(8 if quick else side * 2 // 3)
+    table_1(24 if quick else 2 * side, Effort(1, 1), tuple(TREES), settings["depth_limit"])
+    rows += table_2(16 if quick else side, Effort(1, 1 if quick else 3), tuple(TREES), 20 if quick else every)
     return rows

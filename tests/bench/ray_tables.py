@@ -56,23 +56,37 @@ def table_1(side: int, effort: Effort, trees: tuple[str, ...], depth: int = 28) 
             print_line(f"{distance} {degrees}", tree, figures, bench)
 
 
-def table_2(side: int, effort: Effort, trees: tuple[str, ...], every: int = 1) -> None:
+def sweep_rows(scene: Scene, sweep: str, value: str, tree: str, own: Figures, bench: Bench) -> list[dict[str, Any]]:
+    """What the source's figures 5 to 8 show of one setting."""
+    start = f"table 2|{scene.name}|{sweep}|{value}|{tree}"
+    speed_up = own.faster_than(bench.figures["Newton"])[0]
+    return [
+        {"name": f"{start}|CPU over Newton", "unit": "times, first frame", "values": [speed_up]},
+        {"name": f"{start}|FLOP over Newton", "unit": "times, first frame", "values": [own.flops["Newton"][0]]},
+        {"name": f"{start}|error", "unit": "mean RGB distance", "values": [own.error]},
+        {"name": f"{start}|MB", "unit": "MB", "values": [own.megabytes]},
+    ]
+
+
+def table_2(side: int, effort: Effort, trees: tuple[str, ...], every: int = 1) -> list[dict[str, Any]]:
     """The paper's table 2 and its figure 8: sweeps over one parameter each; `every`: of the values, that many apart."""
+    rows: list[dict[str, Any]] = []
     scenes = (mirror_sheet(), random_volumes(), random_volumes("VOLUME"))
     for scene in scenes:
         bench = Bench(scene, Picture(side, side), effort, RIVALS)
         print(f"\nTable 2: {scene.name}, {bench.picture.text}")
         volumes = scene is not scenes[0]
-        for name, settings in sweeps(volumes):
+        swept = sweeps(volumes)
+        if scene is scenes[0]:
+            swept.append(("cache, MB", [(f"{m}", paper_settings(megabytes=m)) for m in CACHES]))
+        for name, settings in swept:
             print_head(name)
             for value, each in settings[::every]:
                 for tree in trees:
-                    print_line(value, tree, bench.measure(tree, each, 1), bench)
-        if scene is scenes[0]:
-            print_head("cache, MB")
-            for megabytes in CACHES[::every]:
-                for tree in trees:
-                    print_line(f"{megabytes}", tree, bench.measure(tree, paper_settings(megabytes=megabytes), 1), bench)
+                    own = bench.measure(tree, each, 1)
+                    print_line(value, tree, own, bench)
+                    rows += sweep_rows(scene, name, value, tree, own, bench)
+    return rows
 
 
 def scattered(scene: Scene, count: int) -> Rays:

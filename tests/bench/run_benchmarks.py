@@ -3,7 +3,7 @@
 Each benchmark is a module with `run() -> list[dict]`: it checks its answers first (an assertion that fails ends that
 benchmark), then measures, and returns rows {"name": what, "unit": of the values, "values": every single measurement}.
 The first line of its docstring says what it measures. One with PRINTS_ITSELF prints its own tables. `run` may take
-`quick`: small and once, to see that it works.
+`quick`: small and once, to see that it works; and `small`: sizes at which the ratios already hold, in minutes.
 """
 
 import argparse
@@ -66,6 +66,7 @@ def main() -> int:
     parser.add_argument("case", nargs="*", help="default: all")
     parser.add_argument("--json", type=Path, help="writes every single measurement")
     parser.add_argument("--quick", action="store_true", help="small and once, where a case knows how: no measurement")
+    parser.add_argument("--small", action="store_true", help="small sizes, where a case knows how: minutes, not hours")
     parser.add_argument("--list", action="store_true", help="names the cases")
     options = parser.parse_args()
     known = cases()
@@ -85,8 +86,8 @@ def main() -> int:
         module = load(known[name])
         print(f"\n{name}: {(module.__doc__ or '').strip().splitlines()[0]}", flush=True)
         try:
-            quick = {"quick": True} if options.quick and "quick" in inspect.signature(module.run).parameters else {}
-            rows = module.run(**quick)
+            known_sizes = [name for name in inspect.signature(module.run).parameters if getattr(options, name, False)]
+            rows = module.run(**dict.fromkeys(known_sizes, True))
         except AssertionError:
             traceback.print_exc()
             failed.append(name)

@@ -10,11 +10,12 @@ import csv
 import json
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import gallery, machine, page, plots, points, silhouettes
+from . import gallery, machine, page, plots, points, silhouettes, source_curves, source_pictures, stability
 from .measure import Measurement, measure
 from .points import Point
 from .source_figures import BY_BENCHMARK, SourceTable
@@ -33,7 +34,8 @@ class Extent:
     resolutions: tuple[int, ...]  # Resolution U/V of Blender's mesh, for silhouettes
 
 
-FULL = Extent(240, (1, 4, 16, 64), 1024, (0.02, 0.005, 0.00125), 3, 64, (1, 2, 4, 8, 16, 32, 64))
+# For all scenes, about 40 minutes on two quiet cores.
+FULL = Extent(160, (1, 4, 16, 64), 512, (0.02, 0.005, 0.00125), 3, 16, (1, 2, 4, 8, 16, 32, 64))
 QUICK = Extent(64, (1, 4), 64, (0.005,), 1, 4, (1, 4))
 
 
@@ -44,7 +46,7 @@ def tried_points(extent: Extent) -> list[Point]:
         *points.samples(list(extent.counts)),
         *points.interpolation(list(extent.errors), middle),
         *points.values("Tessellation factor", "rayleaf.tessellation_factor", [0.5, 1.0, 2.0, 4.0], middle, exact=0.5),
-        *points.values("Geometry cache, MB", "rayleaf.geometry_cache", [1.0, 30.0], middle, exact=30.0),
+        *points.values("Geometry cache, MB", "rayleaf.geometry_cache_size", [1.0, 30.0], middle, exact=30.0),
         *points.cycles(list(extent.counts)),
     ]
 
@@ -86,21 +88,60 @@ def source_table(table: SourceTable) -> str:
     return page.section(table.title, page.table(table.head, table.rows), page.paragraph(table.remark, "note"), level=3)
 
 
-def run_benchmark(root: Path, case: str, folder: Path, quick: bool) -> tuple[str, list[dict[str, Any]]]:
+def run_benchmark(root: Path, case: str, folder: Path, size: str) -> tuple[str, list[dict[str, Any]]]:
     """A benchmark's printed tables and its single measurements."""
     result = folder / f"bench_{case}.json"
-    command = [sys.executable, str(root / "tests" / "bench" / "run_benchmarks.py"), case, "--json", str(result)]
-    done = subprocess.run(command + (["--quick"] if quick else []), capture_output=True, text=True, check=False)
+    command = [sys.executable, str(root / "tests" / "bench" / "run_benchmarks.py"), case, size, "--json", str(result)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         return done.stdout + done.stderr, []
     rows: list[dict[str, Any]] = json.loads(result.read_text(encoding="utf-8"))["cases"].get(case, [])
     return done.stdout, rows
 
 
-def benchmark_section(case: str, printed: str, tables: tuple[SourceTable, ...]) -> str:
+def benchmark_section(case: str, printed: str, rows: list[dict[str, Any]], tables: tuple[SourceTable, ...]) -> str:
     """Ours, then the sources'."""
     ours = f"<div class=wide><pre>{page.text(printed)}</pre></div>"
-    return page.section(f"Benchmark: {case}", page.section("Ours", ours, level=3), *map(source_table, tables))
+    drawn = source_curves.figures(rows)
+    return page.section(f"Benchmark: {case}", page.section("Ours", ours, level=3), drawn, *map(source_table, tables))
+
+
+def guarded(title: str, make: Callable[[], str]) -> str:
+    """A part of the report, or why it could not be made: the other parts took their time and are kept."""
+    sys.stderr.write(f"rayleaf: report: {title}\n")
+    try:
+        return make()
+    except (RuntimeError, OSError, ValueError) as error:
+        sys.stderr.write(f"rayleaf: report: {title} failed: {error}\n")
+        return page.section(title, page.paragraph(f"Failed: {error}", "note"))
+
+
+def project_sections(options: argparse.Namespace, extent: Extent, plain: dict[str, Any]) -> Iterator[str]:
+    """What is about Rayleaf and not about a file: the sources' pictures, outlines, benchmarks, stability. Adds its
+    figures to `plain`."""
+    scenes, blender = options.root / "blend_scenes", options.blender
+    yield guarded(
+        "The sources' pictures", lambda: source_pictures.section(blender, scenes, extent.width, extent.counts[1])
+    )
+    yield guarded("Outlines", lambda: silhouettes.section(blender, extent.width, extent.resolutions))
+    for case, tables in BY_BENCHMARK.items():
+        sys.stderr.write(f"rayleaf: report: benchmark {case}\n")
+        printed, rows = run_benchmark(options.root, case, options.output, "--quick" if options.quick else "--small")
+        plain["benchmarks"][case] = rows
+        yield benchmark_section(case, printed, rows, tables)
+    sys.stderr.write("rayleaf: report: stability\n")
+    lines, summary = stability.measure(options.root, options.output, options.quick)
+    plain["stability"] = lines
+    yield stability.section(lines, summary)
+
+
+def file_section(options: argparse.Namespace, extent: Extent, file: Path, found: dict[str, Measurement]) -> str:
+    """One scene: measured, and its gallery. Adds the measurement to `found`."""
+    references = [points.reference(engine, extent.reference_count) for engine in ("RAYLEAF", "CYCLES")]
+    measurement = measure(options.blender, file, tried_points(extent), references, extent.width, extent.repeats)
+    found[file.stem] = measurement
+    pictures = gallery.scene_pictures(options.blender, file, extent.width, extent.gallery_samples)
+    return scene_section(file, measurement, pictures)
 
 
 def write_csv(path: Path, found: dict[str, Measurement]) -> None:
@@ -111,6 +152,15 @@ def write_csv(path: Path, found: dict[str, Measurement]) -> None:
         writer = csv.DictWriter(file, head)
         writer.writeheader()
         writer.writerows(rows)
+
+
+def write_report(folder: Path, parts: list[str], found: dict[str, Measurement], plain: dict[str, Any]) -> None:
+    """The page, and its figures as CSV and JSON."""
+    (folder / "report.html").write_text(page.page("Rayleaf: error against run time", *parts), encoding="utf-8")
+    write_csv(folder / "frontier.csv", found)
+    scenes = {name: [m.as_row() for m in each.measured] for name, each in found.items()}
+    text = json.dumps({**plain, "scenes": scenes}, indent=2) + "\n"
+    (folder / "report.json").write_text(text, encoding="utf-8")
 
 
 def introduction(described: dict[str, str], extent: Extent) -> str:
@@ -143,28 +193,19 @@ def main() -> int:
     described = machine.describe(options.root, options.blender)
     files = options.file or sorted((options.root / "blend_scenes").glob("*.blend"))
     found: dict[str, Measurement] = {}
+    plain: dict[str, Any] = {"machine": described, "benchmarks": {}}
     parts = [introduction(described, extent)]
-    references = [points.reference(engine, extent.reference_count) for engine in ("RAYLEAF", "CYCLES")]
+
+    def add(part: str) -> None:
+        """What is done is on disk, whatever happens next."""
+        parts.append(part)
+        write_report(folder, parts, found, plain)
+
     for file in files:
-        sys.stderr.write(f"rayleaf: report: {file.name}\n")
-        measurement = measure(options.blender, file, tried_points(extent), references, extent.width, extent.repeats)
-        found[file.stem] = measurement
-        pictures = gallery.scene_pictures(options.blender, file, extent.width, extent.gallery_samples)
-        parts.append(scene_section(file, measurement, pictures))
-    parts.append(silhouettes.section(options.blender, extent.width, extent.resolutions))
-    benchmarks: dict[str, list[dict[str, Any]]] = {}
-    for case, tables in BY_BENCHMARK.items() if not options.file else ():
-        sys.stderr.write(f"rayleaf: report: benchmark {case}\n")
-        printed, benchmarks[case] = run_benchmark(options.root, case, folder, options.quick)
-        parts.append(benchmark_section(case, printed, tables))
-    (folder / "report.html").write_text(page.page("Rayleaf: error against run time", *parts), encoding="utf-8")
-    write_csv(folder / "frontier.csv", found)
-    plain = {
-        "machine": described,
-        "scenes": {name: [m.as_row() for m in each.measured] for name, each in found.items()},
-        "benchmarks": benchmarks,
-    }
-    (folder / "report.json").write_text(json.dumps(plain, indent=2) + "\n", encoding="utf-8")
+        add(guarded(file.stem, lambda file=file: file_section(options, extent, file, found)))  # type: ignore[misc]
+    if not options.file:
+        for part in project_sections(options, extent, plain):
+            add(part)
     sys.stderr.write(f"rayleaf: report: {folder / 'report.html'}\n")
     return 0
 

@@ -1,0 +1,102 @@
+"""The stability part of the report: what the tests of tests/stability measured, against the bounds they must keep."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from . import page, plots
+
+_VARIABLE = "RAYLEAF_STABILITY"  # names the file that tests/stability/measured.py adds to
+
+
+@dataclass
+class Family:
+    """All checks of one kind of case and one quantity."""
+
+    case: str
+    quantity: str
+    unit: str
+    count: int = 0
+    failed: int = 0
+    worst: float = 0.0  # measured, where it came nearest to its bound or farthest beyond
+    bound: float = 0.0
+    place: str = ""  # offset, scale and other conditions of the worst
+    _share: float = -1.0
+
+    def add(self, line: dict[str, Any]) -> None:
+        measured, bound = float(line["measured"]), float(line["bound"])
+        share = measured / bound if bound > 0.0 else (0.0 if measured <= 0.0 else float("inf"))
+        self.count += 1
+        self.failed += not measured <= bound
+        if share > self._share:
+            self._share, self.worst, self.bound = share, measured, bound
+            self.place = line["case"].partition(", ")[2]
+
+    @property
+    def share(self) -> float:
+        """Of the bound that the worst takes."""
+        return max(self._share, 0.0)
+
+
+def families(lines: Iterable[dict[str, Any]]) -> list[Family]:
+    """In the order in which they were measured."""
+    found: dict[tuple[str, str], Family] = {}
+    for line in lines:
+        case, quantity = line["case"].partition(", ")[0], line["quantity"].partition(" at ")[0]
+        family = found.setdefault((case, quantity), Family(case, quantity, line["unit"]))
+        family.add(line)
+    return list(found.values())
+
+
+def measure(root: Path, folder: Path, quick: bool) -> tuple[list[dict[str, Any]], str]:
+    """Runs the tests; their lines, and pytest's last line."""
+    path = folder / "stability.jsonl"
+    path.unlink(missing_ok=True)
+    tests = root / "tests" / "stability"
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(root), "-c"]
+    command += [str(root / "pyproject.toml"), str(tests / "test_closed_forms.py" if quick else tests)]
+    environment = {**os.environ, _VARIABLE: str(path.resolve())}
+    done = subprocess.run(command, capture_output=True, text=True, cwd=root, env=environment, check=False)
+    summary = (done.stdout.strip().splitlines() or ["no tests were run"])[-1]
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return [json.loads(line) for line in lines], summary
+
+
+def growth(lines: Iterable[dict[str, Any]]) -> dict[str, list[tuple[float, float]]]:
+    """Error by the number of hits, of the chains in a mirror ball, and the bound."""
+    own, bound = [], []
+    for line in lines:
+        if line["case"].startswith("mirror ball, ") and line["quantity"] == "direction":
+            hits = float(line["case"].split()[2])
+            own.append((hits, max(float(line["measured"]), 1e-16)))
+            bound.append((hits, float(line["bound"])))
+    return {"measured": own, "bound": bound} if own else {}
+
+
+def section(lines: list[dict[str, Any]], summary: str) -> str:
+    """The page of the report."""
+    found = families(lines)
+    words = (
+        "Rays against stiff and extreme cases, at offsets 0, 10³ and 10⁶ and sizes 10⁻⁶ to 10⁶, compared with extended "
+        "precision (64 bits of significand) or with closed forms. Each row is one kind of case: the check that came "
+        "nearest to its bound. 'Of bound' above 100 % would be a failure."
+    )
+    head = ("case", "quantity", "checks", "failed", "worst", "bound", "unit", "of bound", "where")
+    rows = [
+        (f.case, f.quantity, f.count, f.failed, f.worst, f.bound, f.unit, f"{f.share:.0%}", f.place or None)
+        for f in found
+    ]
+    curves = growth(lines)
+    drawing = plots.lines("Error of a chain of hits", "hits", "direction, rad", curves) if curves else ""
+    return page.section(
+        "Numerical stability",
+        page.paragraph(words),
+        page.paragraph(f"{len(lines)} checks, {sum(f.failed for f in found)} beyond their bound. Tests: {summary}"),
+        page.plot(drawing, "A ray in a curved mirror: how its error grows") if drawing else "",
+        page.table(head, rows, (not f.failed and f.share < 1e-3 for f in found)),
+    )

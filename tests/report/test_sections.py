@@ -1,0 +1,63 @@
+"""The parts of the report that are about the project: stability, the sources' figures and pictures."""
+
+import numpy as np
+from rayleaf.report import source_curves, source_pictures, stability
+from rayleaf.report.run_report import guarded
+
+
+def check(case, measured, bound, quantity="position"):
+    return {"case": case, "quantity": quantity, "measured": measured, "bound": bound, "unit": "sizes"}
+
+
+def test_checks_of_one_kind_become_one_row_that_names_the_worst():
+    lines = [
+        check("bicubic, offset 0, scale 1", 1e-9, 1e-6),
+        check("bicubic, offset 1000, scale 1", 5e-7, 1e-6),
+        check("cusp, offset 0, scale 1", 0.0, 0.0, "rays lost at 0.5 rad"),
+    ]
+    bicubic, cusp = stability.families(lines)
+    assert (bicubic.case, bicubic.count, bicubic.failed) == ("bicubic", 2, 0)
+    assert (bicubic.worst, bicubic.place) == (5e-7, "offset 1000, scale 1") and abs(bicubic.share - 0.5) < 1e-12
+    assert (cusp.quantity, cusp.share, cusp.failed) == ("rays lost", 0.0, 0)
+
+
+def test_what_is_beyond_its_bound_is_counted_and_stands_out():
+    lines = [check("leak", 3.0, 0.0, "rays that leaked"), check("leak", 0.0, 0.0, "rays that leaked")]
+    (family,) = stability.families(lines)
+    assert family.failed == 1 and family.share == float("inf")
+    assert "1 beyond their bound" in stability.section(lines, "2 passed")
+
+
+def test_the_growth_of_errors_is_drawn_from_chains_of_hits():
+    lines = [check(f"mirror ball, {hits} hits", 1e-6 * hits, 1e-5 * hits**2, "direction") for hits in (2, 8, 64)]
+    curves = stability.growth(lines)
+    assert [x for x, _ in curves["measured"]] == [2.0, 8.0, 64.0]
+    assert "<svg" in stability.section(lines, "3 passed")
+    assert stability.growth([check("cusp", 0.0, 1.0)]) == {}
+
+
+def test_a_sweep_of_the_benchmark_becomes_the_sources_figure():
+    rows = [
+        {"name": f"table 2|sheet|distance|{x}|fast|{quantity}", "unit": "", "values": [x * 2]}
+        for x in (0.01, 0.05, 0.25)
+        for quantity in ("CPU over Newton", "error", "MB")
+    ]
+    rows.append({"name": "sheet, 600 x 600: fast, first frame", "unit": "s", "values": [1.0]})
+    assert source_curves.curves(rows)["distance", "MB"] == {"sheet, fast": [(0.01, 0.02), (0.05, 0.1), (0.25, 0.5)]}
+    drawn = source_curves.figures(rows)
+    assert "RI figure 5" in drawn and "RI figure 6" not in drawn
+    assert source_curves.figures([]) == ""
+
+
+def test_the_sources_pictures_stand_beside_their_mask_and_their_difference():
+    traced = np.full((4, 6, 4), 0.5, np.float32)
+    shown = source_pictures.figures(traced, traced, np.ones((4, 6, 3)))
+    assert shown.count("<img") == 4 and "mask" in shown
+    assert source_pictures.figures(traced, traced, None).count("<img") == 3
+
+
+def test_a_part_that_fails_says_so_and_leaves_the_others():
+    def fail():
+        raise RuntimeError("Blender ended with 11")
+
+    assert "Blender ended with 11" in guarded("scene", fail) and guarded("scene", lambda: "made") == "made"
