@@ -56,6 +56,7 @@ SweptCurveDescription curve(fuzz::Bytes& bytes) {
     drawn.start_mapping = static_cast<BevelMapping>(bytes.count(2));
     drawn.end_mapping = static_cast<BevelMapping>(bytes.count(2));
     drawn.fill_caps = bytes.flag();
+    for (int i = bytes.count(2); i > 0; --i) drawn.fill_materials.push_back(bytes.count(4) - 1);
     return drawn;
 }
 
