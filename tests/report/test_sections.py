@@ -1,7 +1,8 @@
 """The parts of the report that are about the project: stability, the sources' figures and pictures."""
 
 import numpy as np
-from rayleaf.report import source_curves, source_pictures, stability
+import pytest
+from rayleaf.report import gallery, source_curves, source_pictures, stability
 from rayleaf.report.run_report import guarded
 
 
@@ -61,3 +62,21 @@ def test_a_part_that_fails_says_so_and_leaves_the_others():
         raise RuntimeError("Blender ended with 11")
 
     assert "Blender ended with 11" in guarded("scene", fail) and guarded("scene", lambda: "made") == "made"
+
+
+def test_channels_of_a_file_come_in_the_order_that_people_mean(tmp_path):
+    """A writer may sort them by name, a reader by meaning."""
+    oiio = pytest.importorskip("OpenImageIO")
+    path = tmp_path / "layers.exr"
+    meant = {"Combined.R": 1, "Combined.G": 2, "Combined.B": 3, "Combined.A": 4, "Normal.X": 5, "Normal.Y": 6}
+    meant |= {"Normal.Z": 7, "UV.U": 8, "UV.V": 9, "UV.A": 10, "Depth.Z": 11}
+    for names in (sorted(meant), list(meant)):
+        spec = oiio.ImageSpec(2, 2, len(names), "float")
+        spec.channelnames = tuple(f"View Layer.{name}" for name in names)
+        output = oiio.ImageOutput.create(str(path))
+        assert output.open(str(path), spec)
+        output.write_image(np.broadcast_to(np.array([meant[name] for name in names], np.float32), (2, 2, len(names))))
+        output.close()
+        layers = gallery.read_layers(path)
+        found = {name: list(values[0, 0]) for name, values in layers.items()}
+        assert found == {"Combined": [1, 2, 3, 4], "Normal": [5, 6, 7], "UV": [8, 9, 10], "Depth": [11]}

@@ -11,8 +11,12 @@ from .measure import render
 from .points import Point
 
 
+_CHANNELS = "RXUGYVBZA"  # as they are to stand
+
+
 def read_layers(path: Path) -> dict[str, Any]:
-    """Pass name -> (height, width, channels), rows bottom to top; of the first view layer of Blender's file."""
+    """Pass name -> (height, width, channels), rows bottom to top, channels as R, G, B, A or X, Y, Z or U, V, A; of the
+    first view layer of Blender's file."""
     import OpenImageIO as oiio
 
     source = oiio.ImageInput.open(str(path))
@@ -28,12 +32,9 @@ def read_layers(path: Path) -> dict[str, Any]:
         parts = name.split(".")
         if len(parts) >= 3:
             found.setdefault(".".join(parts[1:-1]), []).append(index)
-    return {name: pixels[..., indices] for name, indices in found.items()}
-
-
-def _ordered(name: str, values: Any) -> Any:
-    """Colour channels in the order R, G, B: an EXR holds them by name."""
-    return values[..., [3, 2, 1]] if name == "Combined" else values[..., ::-1][..., :3]
+    # A file holds channels in the order of their names, a reader may sort them.
+    order = {index: _CHANNELS.find(names[index].split(".")[-1]) for each in found.values() for index in each}
+    return {name: pixels[..., sorted(indices, key=order.__getitem__)] for name, indices in found.items()}
 
 
 def visible(name: str, values: Any) -> Any | None:
@@ -42,10 +43,10 @@ def visible(name: str, values: Any) -> Any | None:
     if not np.any(finite[..., :3]):
         return None
     if name in ("Combined", "Rayleaf Mask Colors", "AO", "Env", "Emit") or name.endswith(("Dir", "Ind", "Col")):
-        return _ordered(name, finite) if finite.shape[-1] >= 3 else finite
+        return finite[..., :3]
     if name in ("Normal", "Position", "UV"):
         low, high = finite.min(), finite.max()
-        return (_ordered(name, finite) - low) / (high - low)
+        return (finite[..., :3] - low) / (high - low)
     largest = float(np.abs(finite).max())
     return np.abs(finite[..., :1]) / largest
 
