@@ -17,9 +17,11 @@ namespace {
 // Costs in units of one ray traced to its first hit on smooth patches, from measurements of trees and tracers on one
 // core (some 200 ns then). They are to be right within a third or so: an object whose gain is smaller is traced.
 constexpr double kTracedMiss = 0.2;         ///< a ray that enters the box and hits nothing
-constexpr double kInterpolatedQuery = 0.3;  ///< leaf found, 16 corners blended
-constexpr double kMissedQuery = 0.1;        ///< leaf found, nothing there
-constexpr double kAskedInVain = 0.15;       ///< leaf found, ray to be traced after all
+constexpr double kInterpolatedQuery = 0.3;  ///< leaf found and evaluated
+/// Queries for an interpolated hit where its neighbours are asked too (Scene::needs_differentials).
+constexpr double kWithNeighbours = 3.0;
+constexpr double kMissedQuery = 0.1;   ///< leaf found, nothing there
+constexpr double kAskedInVain = 0.15;  ///< leaf found, ray to be traced after all
 /// The way through glass or a volume, first hit included: rays of two hits, and of three.
 constexpr double kTracedGlass = 2.5, kTracedVolume = 3.0;
 /// A sample is traced with its derivatives, and its cell is judged and stored.
@@ -35,7 +37,7 @@ constexpr int kMostSamples = 4;    ///< of a pixel
 constexpr int kPlacesTried = 512;  ///< for blocks that see an object
 /// At most this share of the frame's paths is probed, each some eight times as costly as another; a frame for which
 /// that is not even two blocks is traced.
-constexpr double kProbedShare = 1.0 / 800.0;
+constexpr double kProbedShare = 1.0 / 1000.0;
 /// Fewer queries than this say nothing.
 constexpr uint64_t kLeastQueries = 32;
 /// An object is dropped from the probe as soon as so many queries cost this many times as much as tracing.
@@ -43,7 +45,7 @@ constexpr uint64_t kTellingQueries = 256;
 constexpr double kHopeless = 1.5;
 
 /// Making the tracer of a cache, by what it is made of.
-constexpr double kSetUpSubpatch = 12.0, kSetUpTriangle = 2.0;
+constexpr double kSetUpSubpatch = 10.0, kSetUpTriangle = 2.0;
 /// A path, with its shading: at least two rays and what goes with them.
 constexpr double kPath = 3.0;
 /// All caches that are tried are made for at most this share of the frame.
@@ -174,18 +176,18 @@ std::vector<bool> worth_a_try(const std::vector<PlannedRayCache>& candidates, co
     return tried;
 }
 
-/// `growth`: how many times as many samples of each pixel the frame has. Cells that more rays of the same pixels cross
-/// are mostly the same: new samples go with the root.
 struct Judgement {
     ProbeResult result;
     double ratio = 0;  ///< cost of asking over that of tracing
 };
 
-Judgement judge(const Counts& counts, OutputKind kind, double growth) {
+/// `growth`: how many times as many samples of each pixel the frame has. Cells that more rays of the same pixels cross
+/// are mostly the same: new samples go with the root.
+Judgement judge(const Counts& counts, OutputKind kind, double growth, double queries_per_hit) {
     if (counts.queries() < kLeastQueries) return {{false, "the probe met too few rays", nullptr}, 0.0};
     const double way = traced_cost(kind), samples = counts.samples / std::sqrt(growth);
-    const double tracing = static_cast<double>(counts.interpolated + counts.traced) * way +
-                           static_cast<double>(counts.missed) * kTracedMiss;
+    const double hits = static_cast<double>(counts.interpolated) / queries_per_hit + static_cast<double>(counts.traced);
+    const double tracing = hits * way + static_cast<double>(counts.missed) * kTracedMiss;
     const double asking = static_cast<double>(counts.interpolated) * kInterpolatedQuery +
                           static_cast<double>(counts.traced) * (way + kAskedInVain) +
                           static_cast<double>(counts.missed) * kMissedQuery + samples * way * kSampleFactor;
@@ -219,7 +221,10 @@ std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& ca
     };
     for (size_t i = 0; i < candidates.size(); ++i) {
         const PlannedRayCache& candidate = candidates[i];
-        if (!tried[i]) continue;
+        if (!tried[i]) {
+            results[i].reason = "the picture has too few rays for what a cache of this object takes to make";
+            continue;
+        }
         const RayCacheSettings& thresholds = candidate.interpolation.thresholds;
         caches.push_back(make_ray_cache(RayCacheKind::Fast, candidate.shape, candidate.samples, thresholds));
         trying.push_back(candidate);
@@ -227,13 +232,14 @@ std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& ca
         give(i, std::make_shared<const CachedObject>(caches.back(), candidate.shape, candidate.samples.kind,
                                                      thresholds.distance_threshold, neighbour_scale));
     }
+    const double queries_per_hit = scene.needs_differentials() ? kWithNeighbours : 1.0;
     std::vector<bool> dropped(places.size(), false);
     for (const Block& block : blocks_for(trying, scene, settings, std::min<size_t>(affordable, kMostBlocks))) {
         render_block(block, scene, settings, samples);
         for (size_t k = 0; k < places.size(); ++k) {
             if (dropped[k]) continue;
             const Counts counts = counts_of(caches[k]->statistics());
-            Judgement judgement = judge(counts, trying[k].samples.kind, growth);
+            Judgement judgement = judge(counts, trying[k].samples.kind, growth, queries_per_hit);
             results[places[k]] = std::move(judgement.result);
             dropped[k] = counts.queries() >= kTellingQueries && judgement.ratio > kHopeless;
             if (dropped[k]) give(places[k], nullptr);

@@ -163,12 +163,20 @@ void FastTree::ask_batch(Search& search, const Ray* rays, const RaySpacing* spac
     std::array<int, kBatchRays> worth;
     worth.fill(steps_.deepest());
     if (spacings) {
-        int near = steps_.deepest();
+        int near = steps_.deepest(), last = -1;
         for (uint32_t rest = pending; rest != 0; rest &= rest - 1) {
             const int ray = std::countr_zero(rest);
-            const auto direction = static_cast<uint8_t>(batch.line_direction[ray]);
-            const auto distance = static_cast<float>(spacings[ray].distance * frame_.shrink);
-            near = worth[ray] = steps_.deepest_worth(direction, {distance, spacings[ray].angle}, near);
+            const RaySpacing& spacing = spacings[ray];
+            const bool is_as_last = last >= 0 && batch.line_direction[ray] == batch.line_direction[last] &&
+                                    spacing.distance == spacings[last].distance &&
+                                    spacing.angle == spacings[last].angle;
+            if (!is_as_last) {
+                const auto distance = static_cast<float>(spacing.distance * frame_.shrink);
+                const auto direction = static_cast<uint8_t>(batch.line_direction[ray]);
+                near = steps_.deepest_worth(direction, {distance, spacing.angle}, near);
+            }
+            worth[ray] = near;
+            last = ray;
         }
     }
     while (pending != 0) {
