@@ -8,7 +8,9 @@ from scenes import CUBE_TRIANGLES, CUBE_VERTICES, emission, look_down, matrix, s
 
 
 # A whole picture that is worth a probe.
-LARGE = dict(width=256, height=256, samples=1, crop_x=0, crop_y=0, crop_width=0, crop_height=0)
+# A picture that a probe pays for, of which a part is rendered, and a part of that.
+LARGE = dict(width=1024, height=1024, samples=4, crop_x=480, crop_y=480, crop_width=96, crop_height=96)
+PART = dict(crop_x=512, crop_y=496, crop_width=40, crop_height=40)
 
 
 def reports(session):
@@ -98,7 +100,8 @@ def test_an_object_may_have_settings_of_its_own(core):
 
 
 def test_auto_says_what_it_decided_and_why(core):
-    small = render(core, ball_scene(core, "mirror"), "AUTO", **{**LARGE, "width": 64, "height": 64})
+    whole = dict(crop_x=0, crop_y=0, crop_width=0, crop_height=0)
+    small = render(core, ball_scene(core, "mirror"), "AUTO", **{**LARGE, **whole, "width": 64, "height": 64})
     assert "too few rays" in reports(small)["ball"]["reason"] and not reports(small)["ball"]["used"]
     large = [render(core, ball_scene(core, "mirror"), "AUTO", **LARGE) for _ in range(2)]
     reasons = [reports(session)["ball"]["reason"] for session in large]
@@ -109,10 +112,10 @@ def test_auto_decides_alike_whatever_a_store_holds_and_whatever_part_is_rendered
     store = core.RayCacheStore()
     render(core, ball_scene(core, "mirror"), "ON", caches=store)
     whole = render(core, ball_scene(core, "mirror"), "AUTO", caches=store, **LARGE)
-    crop = dict(crop_x=96, crop_y=96, crop_width=64, crop_height=64)
-    part = render(core, ball_scene(core, "mirror"), "AUTO", **{**LARGE, **crop})
+    part = render(core, ball_scene(core, "mirror"), "AUTO", **{**LARGE, **PART})
     assert reports(whole)["ball"]["reason"] == reports(part)["ball"]["reason"]
-    assert np.array_equal(picture(part), picture(whole)[96:160, 96:160])
+    assert "queries" in reports(whole)["ball"]["reason"]
+    assert np.array_equal(picture(part)[496:536, 512:552], picture(whole)[496:536, 512:552])
 
 
 @pytest.mark.parametrize(
