@@ -61,6 +61,16 @@ def test_pictures_are_judged_against_their_engines_reference_and_their_own_noise
     assert drawing.startswith("<svg") and on.point.label in drawing
 
 
+def test_a_little_faster_in_a_single_run_beats_nothing(tmp_path):
+    tried = points.samples([1, 4])
+    references = [points.reference("RAYLEAF", 64)]
+    times = {tried[0].name: 1.0, tried[1].name: 1.1, references[0].name: 9.0}
+    for second, beaten in ((1.1, ""), (1.5, tried[0].name)):
+        times[tried[1].name] = second
+        results = [raw(tmp_path, name, 0.5, seconds) for name, seconds in times.items()]
+        assert judge(results, tried, references).measured[1].beaten_by == beaten
+
+
 def test_every_point_has_a_name_of_its_own_and_what_it_is_compared_with_is_there():
     for extent in (FULL, QUICK):
         tried = tried_points(extent)

@@ -15,6 +15,7 @@ from .errors import PictureError, compare
 from .frontier import Cost, dominated
 from .points import Point
 
+_UNKNOWN_SPREAD = 0.1  # of a time that was measured once
 RENDER_POINTS = Path(__file__).with_name("render_points.py")
 
 
@@ -38,8 +39,9 @@ class Measured:
 
     @property
     def cost(self) -> Cost:
-        """What the frontier looks at."""
-        return Cost(min(self.seconds), max(self.seconds), self.error.rmse)
+        """What the frontier looks at. Of one run alone nobody knows the spread: a tenth up and down is assumed."""
+        spread = _UNKNOWN_SPREAD if len(self.seconds) == 1 else 0.0
+        return Cost((1 - spread) * min(self.seconds), (1 + spread) * max(self.seconds), self.error.rmse)
 
     def as_row(self) -> dict[str, Any]:
         """Plain numbers for CSV and JSON."""
