@@ -7,6 +7,7 @@ import pytest
 import strand_shapes
 import swept_support
 from core import shapes
+from core import subdivision_cages as cages
 from stability.measured import check_bound
 
 RAYS = int(float(os.environ.get("RAYLEAF_LEAK_RAYS", "2e5")))
@@ -43,6 +44,9 @@ SHELLS = {
     "bevelled knot": lambda: tube(bevel_depth=0.1),
     "thin bevelled knot": lambda: tube(bevel_depth=1e-3),
     "curve with a star's profile and caps": capped_star,
+    "subdivided torus": lambda: cages.torus().surface(),
+    "half sharp subdivided cube": lambda: cages.creased(cages.cube(), [(0, 1), (1, 3), (4, 5)], 2.5).surface(),
+    "subdivided body with poles of 64 faces": lambda: cages.double_pole(64).surface(),
     "round strand": lambda: strand("CATMULL_ROM", False),
     "closed round strand": lambda: strand("BSPLINE", True),
 }
