@@ -350,6 +350,7 @@ void bind_trace(py::module_& parent) {
              }),
              py::arg("surface"), py::arg("primitive"), py::arg("pixel_angle") = 1e-3,
              py::arg("eye") = std::array<double, 3>{0, 0, 0})
+        .def(py::init<const TriangleMesh&>(), py::arg("mesh"))
         .def_property_readonly("bytes", &EmbreeBaseline::bytes)
         .def("timed_closest", &timed<EmbreeBaseline>, py::arg("origins"), py::arg("directions"),
              py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),

@@ -70,6 +70,21 @@ EmbreeBaseline::EmbreeBaseline(const PatchSurface& surface, const DicingView& vi
     bytes_ = embree_bytes() - before;
 }
 
+EmbreeBaseline::EmbreeBaseline(const TriangleMesh& mesh) : frame_(mesh.frame()) {
+    const uint64_t before = embree_bytes();
+    RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 sizeof(Vec3f), mesh.vertices().size()));
+    std::copy(mesh.vertices().begin(), mesh.vertices().end(), vertices);
+    using Triangle = std::array<uint32_t, 3>;
+    auto* triangles = static_cast<Triangle*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), mesh.triangles().size()));
+    std::copy(mesh.triangles().begin(), mesh.triangles().end(), triangles);
+    scene_ = new_embree_scene();
+    build_embree_scene(scene_, geometry);
+    bytes_ = embree_bytes() - before;
+}
+
 float EmbreeBaseline::closest_t(const Ray& ray) const {
     const Vec3d origin = (ray.origin - frame_.center) / frame_.scale;
     RTCRayHit hit{};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geometry/patch_surface.h"
+#include "geometry/triangle_mesh.h"
 #include "rays/ray.h"
 #include "trace/embree.h"
 #include "trace/tracer.h"
@@ -17,6 +18,8 @@ enum class EmbreePrimitive : uint8_t { Grid, Triangle };
 class EmbreeBaseline {
   public:
     EmbreeBaseline(const PatchSurface& surface, const DicingView& view, EmbreePrimitive primitive);
+    /// A mesh as Embree's triangles.
+    explicit EmbreeBaseline(const TriangleMesh& mesh);
 
     /// t of the nearest hit along a ray in the object's space; infinity without one.
     float closest_t(const Ray& ray) const;

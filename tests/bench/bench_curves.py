@@ -5,8 +5,8 @@ primitive is traced one ray at a time on one thread, by processor time; memory i
 and tree. The error is the distance along the ray to the exact tube's hit, in radii, of rays that hit both; "missed" are
 rays that hit one of them alone. The report's table 3.4.1 has the first four rows as pictures of 3 to 55 minutes.
 
-Then, the swept patch against a tube of triangles of equal silhouette error, as Blender would make it; axis hits that
-each primitive loses; and de Casteljau's algorithm beside the Bernstein form, in rounding units, by degree.
+Then, the swept patch against the smallest tube of triangles of equal silhouette error, as Blender would make it, in
+Rayleaf and in Embree alone; axis hits that each primitive loses; and de Casteljau's algorithm beside the Bernstein form, in rounding units, by degree.
 """
 
 import time
@@ -17,13 +17,12 @@ import mpmath
 import numpy as np
 from numpy.typing import NDArray
 from rayleaf import _core
+from rayleaf.report.curve_primitives import RADIUS, curve
 
 Doubles = NDArray[np.float64]
 Tracer = _core.trace.Tracer
 
 PRINTS_ITSELF = True
-RADIUS = 0.03
-TURNS = 6
 # A pixel of a picture 1000 wide that shows the whole curve, from where the rays start.
 PIXEL_ANGLE = 4e-4
 EYE = (0.0, -3.0, 0.0)
@@ -31,30 +30,16 @@ DETAILS = (8, 16, 32)
 DEGREES = (1, 2, 3, 5, 8, 12, 20, 30, 40)
 
 
-def spiral(segments: int) -> tuple[Doubles, Doubles]:
-    """Points and handles of a spiral of Bezier segments that fills the unit cube."""
-    angle = np.linspace(0.0, 2.0 * np.pi * TURNS, segments + 1)
-    share = angle / angle[-1]
-    ring = 0.15 + 0.3 * share
-    points = np.stack([ring * np.cos(angle), ring * np.sin(angle), share - 0.5], axis=1)
-    slope = np.stack(
-        [
-            0.3 / angle[-1] * np.cos(angle) - ring * np.sin(angle),
-            0.3 / angle[-1] * np.sin(angle) + ring * np.cos(angle),
-            np.full(len(angle), 1.0 / angle[-1]),
-        ],
-        axis=1,
+def knot(_: int) -> Any:
+    """A closed NURBS curve that winds about a torus, thicker than the spiral, in the unit cube."""
+    t = np.arange(30) / 30 * 2 * np.pi
+    distance = 1.1 + 0.52 * np.cos(3 * t)
+    points = np.stack(
+        [distance * np.cos(2 * t), distance * np.sin(2 * t), 0.52 * np.sin(3 * t), np.full(30, 3.8)], axis=1
     )
-    reach = slope * (angle[1] / 3.0)
-    return points, np.stack([points - reach, points + reach], axis=1)
-
-
-def curve(segments: int) -> Any:
-    """The spiral as the core's description of a bevelled curve."""
-    points, handles = spiral(segments)
-    weighted = np.hstack([points, np.ones((len(points), 1))])
-    splines = _core.CurveSplines("BEZIER", np.array([len(points)], np.int32), weighted, handles=handles)
-    return _core.SweptCurve("spiral", [splines], bevel_depth=RADIUS)
+    points /= 3.8
+    splines = _core.CurveSplines("NURBS", np.array([30], np.int32), points, order=4, cyclic=True)
+    return _core.SweptCurve("knot", [splines], bevel_depth=0.27 / 3.8)
 
 
 def rays(count: int) -> tuple[Doubles, Doubles]:
@@ -130,37 +115,50 @@ def table_of_primitives(segments: int, count: int, repeats: int) -> list[dict[st
     return rows
 
 
-def table_of_silhouettes(segments: int, count: int, repeats: int) -> list[dict[str, Any]]:
-    """Prints the swept patch beside the coarsest tube of triangles whose outline is as near to the exact one: no more rays
-    hit one alone."""
+def equal_mesh(strands: Any, wanted: float, exact: Doubles, origins: Doubles, directions: Doubles) -> tuple[Any, str]:
+    """The smallest tube of triangles of which no more rays hit one alone, among some numbers of sides and rings."""
+    found: list[tuple[int, str]] = []
+    for rings_a_side in (0.25, 0.5, 1.0):
+        for sides in (8, 10, 12, 14, 16, 20, 24, 28, 32, 36, 40, 48, 56, 64, 80):
+            rings = round(sides * rings_a_side)
+            mesh = _core.strand_tubes(strands, rings, sides)
+            _, t = Tracer([(mesh, np.eye(4), 31)]).timed_closest(origins, directions)
+            if compared(t, exact)[0] <= wanted:
+                found.append((rings * sides, f"{sides} sides, {rings} rings a segment", rings, sides))
+                break
+    _, words, rings, sides = min(found)
+    return _core.strand_tubes(strands, rings, sides), words
+
+
+def table_of_silhouettes(
+    name: str, make: Callable[[int], Any], segments: int, count: int, repeats: int
+) -> list[dict[str, Any]]:
+    """Prints the swept patch beside the smallest mesh of equal silhouette error."""
     origins, directions = rays(count)
-    exact = measured(lambda: _core.strands_along(curve(segments)), origins, directions, 1)
-    swept = measured(lambda: _core.trace.SweptSurface(curve(segments)), origins, directions, repeats)
+    exact = measured(lambda: _core.strands_along(make(segments)), origins, directions, 1)
+    swept = measured(lambda: _core.trace.SweptSurface(make(segments)), origins, directions, repeats)
     wanted = compared(swept["t"], exact["t"])[0]
-    for sides in (12, 16, 24, 32, 48, 64):
-        rings = sides // 2
-        mesh = measured(
-            lambda rings=rings, sides=sides: _core.strand_tubes(exact["shape"], rings, sides),
-            origins,
-            directions,
-            repeats,
-        )
-        if compared(mesh["t"], exact["t"])[0] <= wanted:
-            break
-    print(f"\n  equal silhouette error: triangles with {sides} sides, {rings} rings a segment")
+    mesh, words = equal_mesh(exact["shape"], wanted, exact["t"], origins, directions)
+    triangles = measured(lambda: mesh, origins, directions, repeats)
+    alone = _core.trace.EmbreeBaseline(mesh)
+    bare = {
+        "memory": alone.bytes,
+        "ray": 1e9 * min(alone.timed_closest(*rays(count))[0] for _ in range(repeats + 1)) / count,
+    }
+    bare["t"] = alone.timed_closest(origins, directions)[1]
+    print(f"\n  {name}, equal silhouette error: {words}")
     rows = []
-    for name, result in (("swept patch", swept), ("triangles", mesh)):
+    for kind, result in (("swept patch", swept), ("triangles", triangles), ("triangles, Embree alone", bare)):
         missed, median, _ = compared(result["t"], exact["t"])
-        print(
-            f"  {name:24} {1e3 * result['build']:>9.2f} ms {result['memory'] / 1024:>9.0f} KiB {result['ray']:>7.0f} ns"
-            f"   missed {missed:.1e}, median error {median:.1e}"
+        ratios = (
+            f"patch over it: memory {swept['memory'] / result['memory']:.3f}, time {swept['ray'] / result['ray']:.2f}"
         )
-        rows.append({"name": f"equal silhouette: {name}", "unit": "bytes", "values": [float(result["memory"])]})
-        rows.append({"name": f"equal silhouette: {name}", "unit": "ns a ray", "values": [float(result["ray"])]})
-    print(
-        f"  the patch takes {swept['memory'] / mesh['memory']:.3f} of the memory and {swept['ray'] / mesh['ray']:.2f} of"
-        " the time a ray"
-    )
+        print(
+            f"  {kind:24} {result['memory'] / 1024:>9.0f} KiB {result['ray']:>7.0f} ns a ray, missed {missed:.1e},"
+            f" median error {median:.1e}; {ratios}"
+        )
+        for unit, value in (("bytes", result["memory"]), ("ns a ray", result["ray"])):
+            rows.append({"name": f"equal silhouette, {name}: {kind}", "unit": unit, "values": [float(value)]})
     return rows
 
 
@@ -243,7 +241,8 @@ def run(quick: bool = False) -> list[dict[str, Any]]:
     """All tables."""
     segments, count, repeats = (12, 2_000, 1) if quick else (48, 100_000, 3)
     rows = table_of_primitives(segments, count, repeats)
-    rows += table_of_silhouettes(segments, count, repeats)
+    for name, make in (("spiral", curve), ("knot", knot)):
+        rows += table_of_silhouettes(name, make, segments, count, repeats)
     rows += lost_hits(2_000 if quick else 100_000)
     rows += table_of_degrees(9 if quick else 33)
     return rows

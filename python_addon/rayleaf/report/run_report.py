@@ -15,7 +15,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import gallery, machine, page, plots, points, silhouettes, source_curves, source_pictures, stability
+from . import (
+    curve_primitives,
+    gallery,
+    machine,
+    page,
+    plots,
+    points,
+    silhouettes,
+    source_curves,
+    source_pictures,
+    stability,
+)
 from .measure import Measurement, measure
 from .points import Point
 from .source_figures import BY_BENCHMARK, SourceTable
@@ -124,6 +135,8 @@ def project_sections(options: argparse.Namespace, extent: Extent, plain: dict[st
         "The sources' pictures", lambda: source_pictures.section(blender, scenes, extent.width, extent.counts[1])
     )
     yield guarded("Outlines", lambda: silhouettes.section(blender, extent.width, extent.resolutions))
+    samples, repeats = extent.counts[-1] // 4, extent.repeats
+    yield guarded("Primitives", lambda: curve_primitives.section(extent.width, samples, repeats))
     for case, tables in BY_BENCHMARK.items():
         sys.stderr.write(f"rayleaf: report: benchmark {case}\n")
         printed, rows = run_benchmark(options.root, case, options.output, "--quick" if options.quick else "--small")
