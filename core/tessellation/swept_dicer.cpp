@@ -201,12 +201,13 @@ SweptDicer::PiecePlace SweptDicer::piece_at(uint32_t spline_index, uint32_t stat
     const SweepSpline& spline = surface_->path().splines[spline_index];
     const uint32_t total = cells_along_[spline_index];
     if (station == total)
-        return spline.closed ? PiecePlace{spline.first_piece, 0.0}
-                             : PiecePlace{spline.first_piece + spline.piece_count - 1, 1.0};
+        return spline.closed ? PiecePlace{spline.first_piece, 0.0, 1}
+                             : PiecePlace{spline.first_piece + spline.piece_count - 1, 1.0, 1};
     const auto begin = first_cell_.begin() + spline.first_piece, end = begin + spline.piece_count;
     const auto found = std::upper_bound(begin, end, station) - 1;
     const uint32_t cells = (found + 1 == end ? total : *(found + 1)) - *found;
-    return {static_cast<uint32_t>(found - first_cell_.begin()), static_cast<double>(station - *found) / cells};
+    return {static_cast<uint32_t>(found - first_cell_.begin()), static_cast<double>(station - *found) / cells,
+            cells};
 }
 
 void SweptDicer::rings(uint32_t spline, uint32_t first_station, SweepRing (&rings)[kGridVertices]) const {
@@ -329,9 +330,8 @@ ElementPlace SweptDicer::element_place(const PlaceInGrid& in_grid, const Vec3d& 
     const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
     const double along = place.local / blocks * kGridCells + in_grid.at.x;
     const uint32_t station = std::min(static_cast<uint32_t>(along), cells_along_[place.spline] - 1);
-    const PiecePlace begin = piece_at(place.spline, station), next = piece_at(place.spline, station + 1);
-    const double end = next.piece == begin.piece && next.u > begin.u ? next.u : 1.0;
-    const double u = begin.u + (end - begin.u) * std::clamp(along - station, 0.0, 1.0);
+    const PiecePlace begin = piece_at(place.spline, station);
+    const double u = std::min(begin.u + std::clamp(along - station, 0.0, 1.0) / begin.cells, 1.0);
     const double v = place.local % blocks * kGridCells + in_grid.at.y;
     return {surface_->wall_element(place.profile, begin.piece), static_cast<float>(u),
             profile_parameter(surface_->profiles()[place.profile], around.place(v))};

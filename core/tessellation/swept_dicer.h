@@ -43,6 +43,7 @@ class SweptDicer final : public Dicer {
     struct PiecePlace {
         uint32_t piece;
         double u;
+        uint32_t cells;  ///< of the piece
     };
 
     const SweptSurface* surface_;

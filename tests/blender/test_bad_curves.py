@@ -103,6 +103,15 @@ HARD = {
     "a bevel object of no size": "curve(bevel_mode='OBJECT', "
     "bevel_object=curve([(0, 0, 0), (0, 0, 0)], 'POLY', name='Bevel', bevel_depth=0))",
     "a bevel object with a bevel": "curve(bevel_mode='OBJECT', bevel_object=curve(name='Bevel', bevel_mode='ROUND', bevel_depth=0.01))",
+    "a bevel object without splines": "curve(bevel_mode='OBJECT', bevel_object="
+    "scenes.add(bpy.data.curves.new('Bevel', 'CURVE'), 'Bevel'))",
+    "itself as its bevel object": "a = curve(); a.data.bevel_mode = 'OBJECT'; a.data.bevel_object = a",
+    "itself as its taper object": "a = curve(); a.data.taper_object = a",
+    "a filled area without size": "curve([(0, 0, 0)] * 3, cyclic=True, dimensions='2D', fill_mode='BOTH')",
+    "a filled eight": "curve([(-1, -1, 0), (1, 1, 0), (1, -1, 0), (-1, 1, 0)], 'POLY', cyclic=True, dimensions='2D', "
+    "fill_mode='BOTH', bevel_depth=0, extrude=0.1)",
+    "a filled area with a bevel wider than its corners": "curve([(-1, -1, 0), (1, -1, 0), (0, -0.8, 0), (0, 1, 0)], "
+    "'POLY', cyclic=True, dimensions='2D', fill_mode='BOTH', offset=-0.3)",
     "start and end the same": "curve(bevel_factor_start=0.5, bevel_factor_end=0.5)",
     "an end before the start": "curve(bevel_factor_start=0.8, bevel_factor_end=0.3)",
     "all points the same": "curve([(0, 0, 0)] * 4)",
