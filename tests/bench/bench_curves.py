@@ -6,7 +6,8 @@ and tree. The error is the distance along the ray to the exact tube's hit, in ra
 rays that hit one of them alone. The report's table 3.4.1 has the first four rows as pictures of 3 to 55 minutes.
 
 Then, the swept patch against the smallest tube of triangles of equal silhouette error, as Blender would make it, in
-Rayleaf and in Embree alone; axis hits that each primitive loses; and de Casteljau's algorithm beside the Bernstein form, in rounding units, by degree.
+Rayleaf and in Embree alone; axis hits that each primitive loses; and de Casteljau's algorithm beside the Bernstein form, in
+rounding units, by degree.
 """
 
 import time
