@@ -65,6 +65,30 @@ void require_sound(const std::string& name, size_t index, const NurbsSpline& spl
         throw InputError(name, prefix + "material_slot", std::to_string(spline.material_slot), "0 or more");
 }
 
+/// The control points of one border of a patch.
+struct BorderPoints {
+    const Vec4d* first;
+    int stride, count;
+
+    BorderPoints(const PatchView& patch, bool along_v, bool at_end) {
+        const int columns = patch.columns();
+        first = patch.points + (at_end ? (along_v ? patch.degree_u : patch.degree_v * columns) : 0);
+        stride = along_v ? columns : 1;
+        count = along_v ? patch.rows() : columns;
+    }
+    const Vec4d& operator[](int i) const { return first[i * stride]; }
+    bool is_point() const {
+        for (int i = 1; i < count; ++i)
+            if (project((*this)[i]) != project((*this)[0])) return false;
+        return true;
+    }
+    bool operator==(const BorderPoints& other) const {
+        for (int i = 0; i < count; ++i)
+            if ((*this)[i] != other[i]) return false;
+        return true;
+    }
+};
+
 /// The span across the border nearest to `parameter`; empty where the spline ends there or has an edge.
 std::optional<size_t> span_beside(const std::vector<SplineSpan>& spans, size_t span, float parameter) {
     const size_t before = (span + spans.size() - 1) % spans.size(), after = (span + 1) % spans.size();
@@ -126,6 +150,45 @@ const SplinePatches& PatchSurface::spline_of(uint32_t patch) const {
     const auto after = std::upper_bound(splines_.begin(), splines_.end(), patch,
                                         [](uint32_t p, const SplinePatches& spline) { return p < spline.first_patch; });
     return *(after - 1);
+}
+
+BorderPlace PatchSurface::owner_place(const BorderPlace& place) const {
+    const auto on_border = [](float at) { return at == 0.0f || at == 1.0f; };
+    if (!on_border(place.parameters.x) && !on_border(place.parameters.y)) return place;
+    const SplinePatches& spline = spline_of(place.element);
+    const auto counts =
+        std::array{static_cast<uint32_t>(spline.spans_u.size()), static_cast<uint32_t>(spline.spans_v.size())};
+    const uint32_t number = place.element - spline.first_patch;
+    std::array<uint32_t, 2> span = {number % counts[0], number / counts[0]};
+    const auto index = [&](const std::array<uint32_t, 2>& of) {
+        return spline.first_patch + of[1] * counts[0] + of[0];
+    };
+    Vec2f at = place.parameters;
+    // The later patch owns a border; of the last one the first, where the spline closes there.
+    for (const int axis : {0, 1}) {
+        if (at[axis] != 1.0f) continue;
+        std::array<uint32_t, 2> next = span;
+        next[axis] = (span[axis] + 1) % counts[axis];
+        const BorderPoints here(patch(index(span)), axis == 0, true), there(patch(index(next)), axis == 0, false);
+        if (!(here == there)) continue;
+        span = next;
+        at[axis] = 0.0f;
+    }
+    // All that meets at a pole takes its first place.
+    for (const int axis : {0, 1}) {
+        if (!on_border(at[axis])) continue;
+        const auto is_pole = [&](const std::array<uint32_t, 2>& of) {
+            return BorderPoints(patch(index(of)), axis == 0, at[axis] == 1.0f).is_point();
+        };
+        const int along = 1 - axis;
+        if (!is_pole(span)) continue;
+        at[along] = 0.0f;
+        for (std::array<uint32_t, 2> before = span; before[along] > 0; span = before) {
+            --before[along];
+            if (!is_pole(before)) break;
+        }
+    }
+    return {index(span), at};
 }
 
 PatchView PatchSurface::patch(uint32_t patch) const {

@@ -54,6 +54,8 @@ class PatchSurface final : public Shape {
     const SplinePatches& spline_of(uint32_t patch) const;
     /// Local space.
     PatchView patch(uint32_t patch) const;
+    /// The same point by the patch that speaks for all that meet there: on borders within a spline, and at poles.
+    BorderPlace owner_place(const BorderPlace& place) const;
     /// How often hits so far needed a limit normal, by the stage that gave it; Regular is not counted.
     NormalCounters limit_normals() const;
 

@@ -45,7 +45,13 @@ struct ElementPoint {
     float area_factor = 0;  ///< local area per unit of parameter area: |dP/du x dP/dv|; a triangle's whole area
 };
 
-enum class ShapeKind { TriangleMesh, PatchSurface, Strands, SweptSurface, SubdivisionSurface };
+/// A place on a border, by one of the elements that meet there.
+struct BorderPlace {
+    uint32_t element = 0;
+    Vec2f parameters{0, 0};
+};
+
+enum class ShapeKind { TriangleMesh, PatchSurface, Strands, SweptSurface, SubdivisionSurface, DisplacedSurface };
 
 /// A renderable shape. Immutable after construction; all threads read it. Constructors validate and throw InputError.
 class Shape {

@@ -69,11 +69,6 @@ PatchPoint by_element(const PatchPoint& p, const Vec2d& along_u, const Vec2d& al
             second(along_v, along_v)};
 }
 
-Vec3f finite_float(const Vec3d& v) {
-    const Vec3f result(v);
-    return is_finite(result) ? result : Vec3f(0.0f);
-}
-
 ContentHash hash_of(const SubdivisionCage& cage, ContentHasher hasher) {
     const auto add = [&hasher](const auto& values) {
         hasher.add(std::vector<std::decay_t<decltype(values[0])>>(values.begin(), values.end()));
@@ -184,7 +179,7 @@ PatchPoint SubdivisionSurface::in_element(const LimitFaces& limit, const Subdivi
 /// The first element that is one patch owns what it touches; where there is none, the first of all.
 void SubdivisionSurface::find_owners() {
     const auto regular = [this](uint32_t element) { return limit_.is_regular(elements_[element].face); };
-    std::vector<uint32_t> node_owners(nodes_.size(), kNone);
+    node_owners_.assign(nodes_.size(), kNone);
     const auto better = [&](uint32_t owner, uint32_t element) {
         return owner == kNone || (!regular(owner) && regular(element));
     };
@@ -193,7 +188,7 @@ void SubdivisionSurface::find_owners() {
         SubdivisionElement& element = elements_[i];
         if (regular(i)) element.net = nets++;
         for (const uint32_t node : element.nodes)
-            if (better(node_owners[node], i)) node_owners[node] = i;
+            if (better(node_owners_[node], i)) node_owners_[node] = i;
         for (uint8_t border = 0; border < element.lines.size(); ++border) {
             SubdivisionLine& line = lines_[element.lines[border]];
             if (!better(line.owner, i)) continue;
@@ -203,13 +198,13 @@ void SubdivisionSurface::find_owners() {
         }
     }
     nets_.resize(size_t{16} * nets);
-    place_nodes(node_owners);
+    place_nodes();
 }
 
-void SubdivisionSurface::place_nodes(const std::vector<uint32_t>& node_owners) {
+void SubdivisionSurface::place_nodes() {
     tbb::parallel_for(size_t{0}, nodes_.size(), [&](size_t i) {
-        if (node_owners[i] == kNone) return;
-        const SubdivisionElement& owner = elements_[node_owners[i]];
+        if (node_owners_[i] == kNone) return;
+        const SubdivisionElement& owner = elements_[node_owners_[i]];
         const auto corner = std::find(owner.nodes.begin(), owner.nodes.end(), i) - owner.nodes.begin();
         nodes_[i] =
             in_element(limit_, owner, static_cast<double>(corner % 2), static_cast<double>(corner / 2)).position;
@@ -258,6 +253,24 @@ void SubdivisionSurface::make_nets() {
     });
 }
 
+BorderPlace SubdivisionSurface::owner_place(const BorderPlace& place) const {
+    const SubdivisionElement& element = elements_[place.element];
+    const float u = place.parameters.x, v = place.parameters.y;
+    const bool on_u = u == 0.0f || u == 1.0f, on_v = v == 0.0f || v == 1.0f;
+    if (on_u && on_v) {
+        const uint32_t node = element.nodes[static_cast<size_t>(u) + 2 * static_cast<size_t>(v)];
+        const SubdivisionElement& owner = elements_[node_owners_[node]];
+        const auto corner = std::find(owner.nodes.begin(), owner.nodes.end(), node) - owner.nodes.begin();
+        return {node_owners_[node], Vec2f(static_cast<float>(corner % 2), static_cast<float>(corner / 2))};
+    }
+    if (!on_u && !on_v) return place;
+    const int border = on_v ? (v == 0.0f ? 0 : 2) : (u == 0.0f ? 3 : 1);
+    const SubdivisionLine& line = lines_[element.lines[static_cast<size_t>(border)]];
+    const bool turned = is_reversed(element, border) != is_reversed(elements_[line.owner], line.border);
+    const double at = on_v ? u : v;
+    return {line.owner, Vec2f(border_place(line.border, turned ? 1.0 - at : at))};
+}
+
 PatchPoint SubdivisionSurface::evaluate(uint32_t index, double u, double v) const {
     const SubdivisionElement& element = elements_[index];
     return element.net == SubdivisionElement::kIrregular ? in_element(limit_, element, u, v)
@@ -300,57 +313,6 @@ LocalSurface SubdivisionSurface::surface(const LocalHit& hit) const {
     return result;
 }
 
-/// Without a map the derivatives are by the element's parameters, which tell of curvature all the same.
-void SubdivisionSurface::set_texture_coordinates(const LocalHit& hit, const PatchPoint& point,
-                                                 const LimitNormal& normal, double side, LocalSurface& result) const {
-    Vec2d by_u(1.0, 0.0), by_v(0.0, 1.0);  // of the element's parameters by the texture coordinates
-    if (active_uv_ >= 0) {
-        const LimitFaces& map = uv_maps_[static_cast<size_t>(active_uv_)].limit;
-        const PatchPoint uv = in_element(map, elements_[hit.primitive], hit.u, hit.v);
-        result.uv = Vec2f(static_cast<float>(uv.position.x), static_cast<float>(uv.position.y));
-        const double determinant = uv.du.x * uv.dv.y - uv.dv.x * uv.du.y;
-        if (determinant == 0.0) return;
-        by_u = Vec2d(uv.dv.y, -uv.du.y) / determinant;
-        by_v = Vec2d(-uv.dv.x, uv.du.x) / determinant;
-    }
-    result.dp_du = finite_float(point.du * by_u.x + point.dv * by_u.y);
-    result.dp_dv = finite_float(point.du * by_v.x + point.dv * by_v.y);
-    result.dn_du = finite_float((normal.dn_du * by_u.x + normal.dn_dv * by_u.y) * side);
-    result.dn_dv = finite_float((normal.dn_du * by_v.x + normal.dn_dv * by_v.y) * side);
-}
-
-std::optional<Vec4f> SubdivisionSurface::attribute(AttributeId id, const LocalHit& hit) const {
-    const SubdivisionElement& element = elements_[hit.primitive];
-    for (const UvMap& map : uv_maps_) {
-        if (map.id != id) continue;
-        const Vec3d uv = in_element(map.limit, element, hit.u, hit.v).position;
-        return Vec4f(static_cast<float>(uv.x), static_cast<float>(uv.y), 0.0f, 1.0f);
-    }
-    const auto found = std::find_if(attributes_.begin(), attributes_.end(),
-                                    [id](const CornerAttribute& attribute) { return attribute.id == id; });
-    if (found == attributes_.end()) return std::nullopt;
-    const uint32_t first = first_corner_[element.face], size = first_corner_[element.face + 1] - first;
-    const auto at = [&](uint32_t corner, int channel) {
-        return found->values[size_t{first + corner % size} * static_cast<size_t>(found->channels) +
-                             static_cast<size_t>(channel)];
-    };
-    const uint32_t next = element.corner + 1, previous = element.corner + size - 1;
-    Vec4f result(0, 0, 0, 1);
-    for (int c = 0; c < found->channels; ++c) {
-        const float here = at(element.corner, c);
-        float along_u = at(previous, c), along_v = at(next, c), across = at(element.corner + 2, c);
-        if (!element.whole) {
-            along_u = 0.5f * (here + along_u);
-            along_v = 0.5f * (here + along_v);
-            across = 0.0f;
-            for (uint32_t k = 0; k < size; ++k) across += at(k, c) / static_cast<float>(size);
-        }
-        result[c] =
-            (here * (1 - hit.u) + along_u * hit.u) * (1 - hit.v) + (along_v * (1 - hit.u) + across * hit.u) * hit.v;
-    }
-    return result;
-}
-
 ElementPoint SubdivisionSurface::element_point(uint32_t element, const Vec2f& parameters) const {
     const PatchPoint point = evaluate(element, parameters.x, parameters.y);
     ElementPoint result;
@@ -374,8 +336,8 @@ NormalCounters SubdivisionSurface::limit_normals() const {
 size_t SubdivisionSurface::bytes() const {
     size_t total = sizeof(*this) + elements_.capacity() * sizeof(SubdivisionElement) +
                    lines_.capacity() * sizeof(SubdivisionLine) + nodes_.capacity() * sizeof(Vec3d) +
-                   nets_.capacity() * sizeof(Vec4d) + first_corner_.capacity() * sizeof(uint32_t) +
-                   slots_.capacity() * sizeof(uint16_t);
+                   nets_.capacity() * sizeof(Vec4d) + node_owners_.capacity() * sizeof(uint32_t) +
+                   first_corner_.capacity() * sizeof(uint32_t) + slots_.capacity() * sizeof(uint16_t);
     if (!elements_.empty()) total += limit_.bytes();
     for (const UvMap& map : uv_maps_) total += map.limit.bytes();
     for (const CornerAttribute& attribute : attributes_) total += attribute.values.capacity() * sizeof(float);

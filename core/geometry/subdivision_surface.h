@@ -74,6 +74,8 @@ class SubdivisionSurface final : public Shape {
     Vec3d position(uint32_t element, double u, double v) const;
     /// The point of a border by its owner; `at` from the lower node.
     Vec3d line_position(uint32_t line, double at) const;
+    /// The same point by the element that speaks for all that meet there.
+    BorderPlace owner_place(const BorderPlace& place) const;
     /// Whether a border is run through the other way than its line.
     bool is_reversed(const SubdivisionElement& element, int border) const {
         return element.nodes[kBorderEnds[border][0]] > element.nodes[kBorderEnds[border][1]];
@@ -88,6 +90,7 @@ class SubdivisionSurface final : public Shape {
     std::vector<SubdivisionElement> elements_;
     std::vector<SubdivisionLine> lines_;
     std::vector<Vec3d> nodes_;
+    std::vector<uint32_t> node_owners_;   ///< the elements that say where they lie
     std::vector<Vec4d> nets_;             ///< 16 points each, u fastest
     LimitFaces limit_;                    ///< of irregular faces
     std::vector<uint32_t> first_corner_;  ///< of each face, and the end
@@ -100,7 +103,7 @@ class SubdivisionSurface final : public Shape {
 
     void add_elements(const CageTopology& topology, const SubdivisionCage& cage);
     void find_owners();
-    void place_nodes(const std::vector<uint32_t>& node_owners);
+    void place_nodes();
     void make_nets();
     PatchPoint in_element(const LimitFaces& limit, const SubdivisionElement& element, double u, double v) const;
     LimitNormal normal_at(uint32_t element, double u, double v, const PatchPoint& point, const Vec3d& geometric) const;

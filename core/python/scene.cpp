@@ -82,8 +82,14 @@ int add_curve(SceneDescription& scene, const SweptCurveDescription& curve) {
 }
 
 int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
-                 int pass_index, const std::optional<VolumeVisualisation>& volume) {
-    return scene.add_material({name, surface, static_cast<float>(pass_index), volume});
+                 int pass_index, const std::optional<VolumeVisualisation>& volume,
+                 const std::optional<std::tuple<std::shared_ptr<Program>, int, int>>& displacement) {
+    Material material{name, surface, static_cast<float>(pass_index), volume, {}};
+    if (displacement) {
+        const auto& [program, object, world] = *displacement;
+        material.displacement = {program, object, world};
+    }
+    return scene.add_material(std::move(material));
 }
 
 int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
@@ -193,7 +199,7 @@ void bind_scene(py::module_& module) {
             "shape"_a)
         .def("add_curve", &add_curve, "curve"_a)
         .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
-             "volume"_a = py::none())
+             "volume"_a = py::none(), "displacement"_a = py::none())
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
         .def("add_instance", &add_instance, "name"_a, "shape"_a, "matrix"_a, "material_list"_a = -1,
              "object_index"_a = 0, "random"_a = 0.0f, "visibility"_a = static_cast<int>(kVisibleAll),

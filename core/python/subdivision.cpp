@@ -1,6 +1,7 @@
 #include "geometry/subdivision_surface.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "scene/material_displacement.h"
 
 #include <map>
 
@@ -119,6 +120,13 @@ void bind_subdivision(py::module_& module) {
              "attributes"_a = Attributes())
         .def("points", &points, "elements"_a, "parameters"_a)
         .def("values", &values, "attribute"_a, "elements"_a, "parameters"_a);
+    module.def(
+        "displaced",
+        [](const std::shared_ptr<Shape>& shape, const std::shared_ptr<Program>& program, int object, int world) {
+            const py::gil_scoped_release released;
+            return displaced(shape, {program, object, world});
+        },
+        "shape"_a, "program"_a, "object"_a = -1, "world"_a = -1);
 }
 
 }  // namespace rayleaf

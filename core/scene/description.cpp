@@ -45,6 +45,13 @@ void check_strength(const Lamp& lamp) {
 
 }  // namespace
 
+void check_displacement(const std::string& owner, const MaterialDisplacement& displacement) {
+    if (!displacement.program) return;
+    for (const Register target : {displacement.object, displacement.world})
+        if (target < -1 || target >= displacement.program->register_count())
+            throw InputError(owner, "displacement", std::to_string(target), "-1 or a register of its program");
+}
+
 int SceneDescription::add_shape(std::shared_ptr<const Shape> shape) {
     shapes.push_back(std::move(shape));
     return static_cast<int>(shapes.size()) - 1;
@@ -52,6 +59,7 @@ int SceneDescription::add_shape(std::shared_ptr<const Shape> shape) {
 
 int SceneDescription::add_material(Material material) {
     if (material.volume) check_volume(material.name, *material.volume);
+    check_displacement(material.name, material.displacement);
     materials.push_back(std::move(material));
     return static_cast<int>(materials.size()) - 1;
 }

@@ -27,11 +27,21 @@ struct VolumeVisualisation {
     Color color{1, 1, 1};
 };
 
+/// How far a material moves the points of surfaces: the sum of two vectors that a program leaves in registers.
+struct MaterialDisplacement {
+    std::shared_ptr<const Program> program;  ///< null: not at all
+    Register object = -1, world = -1;        ///< in the object's space and in the world's; -1: none
+};
+
+/// Throws InputError, which names the owner, for registers that the program has not.
+void check_displacement(const std::string& owner, const MaterialDisplacement& displacement);
+
 struct Material {
     std::string name;
     std::shared_ptr<const Program> surface;  ///< null: a neutral grey diffuse
     float pass_index = 0;
     std::optional<VolumeVisualisation> volume;  ///< in place of the surface
+    MaterialDisplacement displacement;          ///< of patches and subdivision surfaces
 };
 
 struct InstanceDescription {

@@ -137,7 +137,7 @@ std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description
         const InstanceDescription& instance = description.instances[i];
         const RayInterpolation& interpolation = scene.ray_interpolation(i);
         if (interpolation.mode == RayInterpolationMode::Off) continue;
-        const std::shared_ptr<const Shape>& shape = description.shapes[static_cast<size_t>(instance.shape)];
+        const std::shared_ptr<const Shape>& shape = scene.tracer().instance(i).shape;  // displaced where it is
         const bool is_volume = scene.volume(i) != nullptr;
         const ObjectOptics optics = optics_of_object(scene, i);
         const SampleSettings samples = samples_for(optics, is_volume, shows_uv, settings);

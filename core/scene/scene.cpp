@@ -1,6 +1,7 @@
 #include "scene/scene.h"
 
 #include "base/error.h"
+#include "scene/material_displacement.h"
 #include "scene/ray_cache_plan.h"
 
 namespace rayleaf {
@@ -62,8 +63,12 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     for (const InstanceDescription& instance : description.instances) volume_visibility_.push_back(instance.visibility);
     for (uint32_t i = 0; i < instance_lists_.size(); ++i)
         if (volume(i)) volumes_.push_back(i);
-    tracer_ = std::make_unique<Tracer>(traced_instances(description, volumes_), camera_->dicing_view(), cancel,
-                                       geometry_cache_settings(settings));
+    std::vector<TracedInstance> traced = traced_instances(description, volumes_);
+    std::vector<const std::vector<int>*> lists;
+    for (uint32_t i = 0; i < traced.size(); ++i) lists.push_back(&material_list(i));
+    displace(traced, description, lists, {&camera_->info(), textures_});
+    tracer_ =
+        std::make_unique<Tracer>(std::move(traced), camera_->dicing_view(), cancel, geometry_cache_settings(settings));
     cancel.throw_if_cancelled();
     commit_lights(description);
     commit_glass(description);
@@ -73,7 +78,7 @@ Scene::~Scene() = default;
 
 void Scene::commit_materials(const SceneDescription& description) {
     const std::shared_ptr<const Program> neutral = neutral_program();
-    materials_.push_back({"neutral material", neutral, 0, std::nullopt});
+    materials_.push_back({"neutral material", neutral, 0, std::nullopt, {}});
     const int neutral_index = static_cast<int>(materials_.size()) - 1;
     for (Material& material : materials_) {
         if (!material.surface) material.surface = neutral;

@@ -68,6 +68,8 @@ class LevelDicer {
     virtual void dice_medium(uint32_t subpatch, MediumGrid& grid) const = 0;
     virtual void dice_coarse(uint32_t subpatch, CoarseGrid& grid) const = 0;
     virtual void dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const = 0;
+    /// Rays that ask for more see this.
+    virtual int finest_level() const { return kFinestLevel; }
 };
 
 }  // namespace rayleaf

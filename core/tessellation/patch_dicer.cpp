@@ -2,8 +2,8 @@
 
 namespace rayleaf {
 
-PatchDicer::PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance)
-    : Dicer(VertexFormat::Float), surface_(&surface), plan_(surface, tolerance) {
+PatchDicer::PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance, int extra_splits)
+    : Dicer(VertexFormat::Float), surface_(&surface), plan_(surface, tolerance, extra_splits) {
     for (uint32_t i = 0; i < surface.splines().size(); ++i) {
         const SplinePatches& spline = surface.splines()[i];
         const SplineSplit& split = plan_.split(i);

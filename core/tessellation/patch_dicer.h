@@ -15,8 +15,8 @@ namespace rayleaf {
 
 class PatchDicer final : public Dicer, public LevelDicer {
   public:
-    /// The surface must live as long.
-    PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance);
+    /// The surface must live as long. `extra_splits`: in each direction, beyond what the tolerance asks for.
+    PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance, int extra_splits = 0);
 
     uint32_t subpatch_count() const override { return plan_.subpatch_count(); }
     void dice(uint32_t subpatch, Grid& grid) const override;

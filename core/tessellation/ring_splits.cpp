@@ -57,7 +57,7 @@ SplineSplit wanted_split(const SubdivisionSurface& surface, uint32_t index, cons
 
 }  // namespace
 
-RingSplits::RingSplits(const SubdivisionSurface& surface, const FacetTolerance& tolerance)
+RingSplits::RingSplits(const SubdivisionSurface& surface, const FacetTolerance& tolerance, int extra_splits)
     : splits_(surface.element_count()) {
     std::vector<SplineSplit> wanted(splits_.size());
     tbb::parallel_for(size_t{0}, wanted.size(),
@@ -77,8 +77,8 @@ RingSplits::RingSplits(const SubdivisionSurface& surface, const FacetTolerance& 
         along(i, 1) = std::max(along(i, 1), static_cast<uint8_t>(wanted[i].log2_v));
     }
     for (uint32_t i = 0; i < splits_.size(); ++i) {
-        splits_[i].log2_u = along(i, 0);
-        splits_[i].log2_v = along(i, 1);
+        splits_[i].log2_u = static_cast<uint8_t>(std::min(along(i, 0) + extra_splits, kMostLog2));
+        splits_[i].log2_v = static_cast<uint8_t>(std::min(along(i, 1) + extra_splits, kMostLog2));
     }
     limit();
     number();

@@ -20,7 +20,7 @@ struct ElementCell {
 
 class RingSplits {
   public:
-    RingSplits(const SubdivisionSurface& surface, const FacetTolerance& tolerance);
+    RingSplits(const SubdivisionSurface& surface, const FacetTolerance& tolerance, int extra_splits);
 
     uint32_t subpatch_count() const { return static_cast<uint32_t>(cells_.size()); }
     const ElementCell& cell(uint32_t subpatch) const { return cells_[subpatch]; }

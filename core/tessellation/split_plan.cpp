@@ -7,9 +7,6 @@
 namespace rayleaf {
 namespace {
 
-/// A patch is split into at most 64 x 64: beyond that single precision shows before facets do.
-constexpr int kMostLog2 = 6;
-
 /// Rational bounds are loose where weights vary, and tighten with the square of the patch's size: they are taken of so
 /// many parts along each direction.
 constexpr int kRationalParts = 4;
@@ -52,7 +49,7 @@ SplineSplit split_for(const CurvatureBounds& bounds, double tolerance) {
     return split;
 }
 
-SplitPlan::SplitPlan(const PatchSurface& surface, const FacetTolerance& tolerance) {
+SplitPlan::SplitPlan(const PatchSurface& surface, const FacetTolerance& tolerance, int extra_splits) {
     const size_t count = surface.element_count();
     std::vector<SplineSplit> wanted(count);
     tbb::parallel_for(size_t{0}, count, [&](size_t i) {
@@ -65,6 +62,8 @@ SplitPlan::SplitPlan(const PatchSurface& surface, const FacetTolerance& toleranc
             split.log2_u = std::max(split.log2_u, wanted[spline.first_patch + i].log2_u);
             split.log2_v = std::max(split.log2_v, wanted[spline.first_patch + i].log2_v);
         }
+        split.log2_u = std::min(split.log2_u + extra_splits, kMostLog2);
+        split.log2_v = std::min(split.log2_v + extra_splits, kMostLog2);
         splits_.push_back(split);
     }
     limit(surface);

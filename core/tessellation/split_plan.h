@@ -18,6 +18,9 @@ namespace rayleaf {
 /// too coarse then is split when rays ask for it (tessellation/level.h).
 inline constexpr uint32_t kMostSubpatches = 1u << 18;
 
+/// A patch is split into at most 64 x 64: beyond that single precision shows before facets do.
+inline constexpr int kMostLog2 = 6;
+
 struct SplineSplit {
     uint32_t first_subpatch = 0;
     int log2_u = 0, log2_v = 0;
@@ -38,7 +41,7 @@ struct Subpatch {
 class SplitPlan {
   public:
     SplitPlan() = default;
-    SplitPlan(const PatchSurface& surface, const FacetTolerance& tolerance);
+    SplitPlan(const PatchSurface& surface, const FacetTolerance& tolerance, int extra_splits = 0);
 
     uint32_t subpatch_count() const { return static_cast<uint32_t>(subpatches_.size()); }
     const SplineSplit& split(uint32_t spline) const { return splits_[spline]; }

@@ -34,8 +34,8 @@ std::array<Vec4d, 16> frame_of(const SubdivisionSurface& surface, const Subdivis
 
 }  // namespace
 
-SubdivisionDicer::SubdivisionDicer(const SubdivisionSurface& surface, const FacetTolerance& tolerance)
-    : Dicer(VertexFormat::Float), surface_(&surface), splits_(surface, tolerance) {
+SubdivisionDicer::SubdivisionDicer(const SubdivisionSurface& surface, const FacetTolerance& tolerance, int extra_splits)
+    : Dicer(VertexFormat::Float), surface_(&surface), splits_(surface, tolerance, extra_splits) {
     for (uint32_t i = 0; i < surface.element_count(); ++i)
         for (const int log2 : {splits_.log2_u(i), splits_.log2_v(i)})
             for (int level = 0; level < kStoredLevels; ++level)

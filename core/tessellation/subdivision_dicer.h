@@ -16,8 +16,8 @@ namespace rayleaf {
 
 class SubdivisionDicer final : public Dicer, public LevelDicer {
   public:
-    /// The surface must live as long.
-    SubdivisionDicer(const SubdivisionSurface& surface, const FacetTolerance& tolerance);
+    /// The surface must live as long. `extra_splits`: in each direction, beyond what the tolerance asks for.
+    SubdivisionDicer(const SubdivisionSurface& surface, const FacetTolerance& tolerance, int extra_splits = 0);
 
     uint32_t subpatch_count() const override { return splits_.subpatch_count(); }
     void dice(uint32_t subpatch, Grid& grid) const override;

@@ -22,6 +22,14 @@ Box3f box_of(const GridRows& rows, float padding) {
     return box;
 }
 
+/// Levels up to a finest one: alike on both sides of a border, for all of a shape has the same.
+SubpatchLevels limited(SubpatchLevels levels, int finest) {
+    const auto most = static_cast<uint8_t>(finest);
+    for (uint8_t& level : levels.border) level = std::min(level, most);
+    levels.own = std::min(levels.own, most);
+    return levels;
+}
+
 }  // namespace
 
 GridScene::GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, const CancelToken& cancel)
@@ -130,7 +138,8 @@ bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
         const SnappedGrid grid(reader.fine(*dicer_, first_subpatch(), subpatch), dicer_->format());
         return offer_facets(query, grid, subpatch, {}, t_max);
     }
-    const SubpatchLevels levels = query.levels.levels(details_[subpatch], subpatch);
+    const SubpatchLevels levels =
+        limited(query.levels.levels(details_[subpatch], subpatch), dicer_->levels()->finest_level());
     switch (levels.own) {
         case kCoarse:
             return offer_facets(query, SnappedGrid(reader.coarse(*dicer_, first_subpatch(), subpatch)), subpatch,

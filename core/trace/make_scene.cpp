@@ -1,5 +1,6 @@
 #include "trace/make_scene.h"
 
+#include "tessellation/displaced_dicer.h"
 #include "tessellation/patch_dicer.h"
 #include "tessellation/subdivision_dicer.h"
 #include "tessellation/swept_dicer.h"
@@ -22,6 +23,8 @@ std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance&
     std::unique_ptr<const Dicer> dicer;
     if (shape.kind() == ShapeKind::SweptSurface)
         dicer = std::make_unique<SweptDicer>(static_cast<const SweptSurface&>(shape), tolerance);
+    else if (shape.kind() == ShapeKind::DisplacedSurface)
+        dicer = std::make_unique<DisplacedDicer>(static_cast<const DisplacedSurface&>(shape), tolerance);
     else if (shape.kind() == ShapeKind::SubdivisionSurface)
         dicer = std::make_unique<SubdivisionDicer>(static_cast<const SubdivisionSurface&>(shape), tolerance);
     else

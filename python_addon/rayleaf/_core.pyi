@@ -358,6 +358,9 @@ class SubdivisionSurface:
     def values(self, attribute: int, elements: Ints, parameters: Doubles) -> Floats:
         """(n, 4) of an attribute."""
 
+def displaced(shape: Any, program: Program, object: int = -1, world: int = -1) -> Any:
+    """A spline or subdivision surface whose points are moved by the vectors in a program's registers (-1: none)."""
+
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
 
@@ -382,9 +385,18 @@ class SceneDescription:
     def add_surface(self, name: str, splines: Sequence[NurbsSpline]) -> int: ...
     def add_curve(self, curve: SweptCurve) -> int: ...
     def add_material(
-        self, name: str, surface: Program | None, pass_index: int = 0, volume: VolumeVisualisation | None = None
+        self,
+        name: str,
+        surface: Program | None,
+        pass_index: int = 0,
+        volume: VolumeVisualisation | None = None,
+        displacement: tuple[Program, int, int] | None = None,
     ) -> int:
-        """`volume` replaces the surface: the object shows the length of rays inside it."""
+        """`volume` replaces the surface: the object shows the length of rays inside it.
+
+        `displacement` moves the points of spline and subdivision surfaces: a program, and the registers that hold the
+        vector in object space and the one in world space, -1 for none.
+        """
     def add_material_list(self, materials: Sequence[int]) -> int:
         """Materials by slot; -1 in a slot is the neutral material."""
     def add_instance(

@@ -139,8 +139,9 @@ class SceneDescription:
         self.curves.append(curve)
         return self._shape("curve", curve)
 
-    def add_material(self, name, surface, pass_index=0, volume=None):
-        self.materials.append(dict(name=name, surface=surface, pass_index=pass_index, volume=volume))
+    def add_material(self, name, surface, pass_index=0, volume=None, displacement=None):
+        made = dict(name=name, surface=surface, pass_index=pass_index, volume=volume, displacement=displacement)
+        self.materials.append(made)
         return len(self.materials) - 1
 
     def add_material_list(self, materials):

@@ -5,6 +5,7 @@ from typing import Any
 
 from ..messages import Messages
 from .nodes.compiler import Compiler, Resources
+from .nodes.displacement import compile_displacement
 from .nodes.emitter import Emitter
 from .ray_interpolation import volume_of
 
@@ -21,6 +22,11 @@ class MaterialLibrary:
         self._materials: dict[str, int] = {}
         self._lists: dict[tuple[int, ...], int] = {}
         self._holdout: int | None = None
+        self._displacing: set[int] = set()
+
+    def displaces(self, material: Any) -> bool:
+        """Whether a material moves the points of surfaces."""
+        return self.material(material) in self._displacing
 
     def material(self, material: Any) -> int:
         """The index of a material; the neutral one for None and for what the core rejects."""
@@ -40,12 +46,27 @@ class MaterialLibrary:
             else:
                 emitter.operation("diffuse", [emitter.scalar(1.0), emitter.constant(*material.diffuse_color[:3])])
             volume = volume_of(self._core, material.rayleaf)
-            return int(self._scene.add_material(material.name, emitter.program, material.pass_index, volume))
+            displacement = self._displacement(material, subject)
+            index = int(
+                self._scene.add_material(material.name, emitter.program, material.pass_index, volume, displacement)
+            )
+            if displacement is not None:
+                self._displacing.add(index)
+            return index
         except self._core.InputError as error:
             self._messages.warn(f"{subject}: {error}; rendered grey")
         except RecursionError:
             self._messages.warn(f"{subject}: its chain of nodes is too long; rendered grey")
         return _NEUTRAL
+
+    def _displacement(self, material: Any, subject: str) -> tuple[Any, int, int] | None:
+        """A program that displaces, and the registers of its vectors in object and in world space."""
+        if not material.use_nodes or material.node_tree is None:
+            return None
+        emitter = Emitter(self._core, material.name)
+        compiler = Compiler(emitter, subject, self._resources, self._messages)
+        registers = compile_displacement(compiler, material.node_tree)
+        return None if registers is None else (emitter.program, *registers)
 
     def holdout(self) -> int:
         """A material that cuts a hole into the picture."""

@@ -81,8 +81,24 @@ class SceneExporter:
         if needs_uv:
             self._resources.active_uv()
         shapes = self._export_shapes(listed)
+        self._note_undisplaced(listed.groups)
         self._export_instances(listed, shapes, material_lists)
         return self.scene
+
+    def _note_undisplaced(self, groups: list[Group]) -> None:
+        """Displacement is for surfaces that have points wherever they are asked for."""
+        for group in groups:
+            owner = group.owner
+            if group.hair is not None or owner.name in self.report.subdivision:
+                continue
+            if group.exact and owner.type == "SURFACE":
+                continue
+            slots = slots_of(owner, group.data, group.from_owner)
+            if any(slot is not None and self._materials.displaces(slot) for slot in slots):
+                self._messages.warn(
+                    f"Object '{owner.name}': displacement needs a spline surface or a Subdivision Surface modifier;"
+                    " left out"
+                )
 
     def _export_camera(self, frame: camera.Frame) -> None:
         camera_object = self._blender_scene.camera

@@ -229,10 +229,9 @@ class Compiler:
         output = tree.get_output_node("CYCLES")
         if output is None:
             return
-        for name in ("Volume", "Displacement"):
-            socket = output.inputs.get(name)
-            if socket is not None and self.link(socket) is not None:
-                self.warn(output, f"{name.lower()} is not supported; left out")
+        socket = output.inputs.get("Volume")
+        if socket is not None and self.link(socket) is not None:
+            self.warn(output, "volume is not supported; left out")
         source = self._shader_source(output.inputs["Surface"], ())
         if source is not None:
             self._write_closures(source)

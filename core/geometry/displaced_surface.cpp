@@ -1,0 +1,151 @@
+#include "geometry/displaced_surface.h"
+
+#include "base/error.h"
+#include "geometry/patch_surface.h"
+#include "geometry/subdivision_surface.h"
+#include "splines/bounds.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// Slopes are differences over this share of an element: well above rounding in single precision, which programs
+/// compute with, and below the quads that displaced elements are diced to.
+constexpr float kStep = 0x1p-10f;
+
+/// How far a displacement reaches is told by samples: about so many, at most this many along an element's side.
+constexpr double kSamples = 40'000;
+constexpr int kMostSamplesAlong = 8;
+/// The golden ratio's share: samples keep clear of lattices that textures have.
+constexpr double kShift = 0.381966;
+/// What samples may have missed, as a share of the farthest.
+constexpr double kMargin = 0.5;
+/// Single precision was laid out for local coordinates of 1; beyond this the samples said nothing about the shape.
+constexpr double kFarthest = 4.0;
+
+LocalHit hit_at(const Shape& base, uint32_t element, const Vec2f& parameters) {
+    return base.element_point(element, parameters).hit;
+}
+
+Vec3f finite_float(const Vec3d& v) {
+    const Vec3f result(v);
+    return is_finite(result) ? result : Vec3f(0.0f);
+}
+
+BorderPlace owner_place(const Shape& base, uint32_t element, const Vec2f& parameters) {
+    const BorderPlace place{element, parameters};
+    if (base.kind() == ShapeKind::PatchSurface) return static_cast<const PatchSurface&>(base).owner_place(place);
+    return static_cast<const SubdivisionSurface&>(base).owner_place(place);
+}
+
+}  // namespace
+
+DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::shared_ptr<const Displacement> displacement)
+    : Shape(ShapeKind::DisplacedSurface, base->name()), base_(std::move(base)), displacement_(std::move(displacement)) {
+    object_bounds_ = base_->object_bounds();
+    Box3d box = object_bounds_;
+    const uint32_t count = base_->element_count();
+    if (count > 0) {
+        const int along = std::clamp(static_cast<int>(std::sqrt(kSamples / count)), 1, kMostSamplesAlong);
+        double farthest = 0.0;
+        std::mutex mutex;
+        tbb::parallel_for(uint32_t{0}, count, [&](uint32_t element) {
+            Box3d here;
+            double longest = 0.0;
+            for (int i = 0; i < along * along; ++i) {
+                const Vec2d at = (Vec2d(i % along, i / along) + Vec2d(kShift)) / along;
+                const LocalHit hit = hit_at(*base_, element, Vec2f(at));
+                const LocalSurface surface = base_->surface(hit);
+                const Vec3d point = moved_in_object(hit, surface);
+                here.extendBy(point);
+                longest = std::max(longest, (point - base_->frame().to_object().point(surface.position)).length());
+            }
+            const std::scoped_lock lock(mutex);  // a box and a maximum: their order does not show
+            box.extendBy(here);
+            farthest = std::max(farthest, longest);
+        });
+        box.min -= Vec3d(farthest * kMargin);
+        box.max += Vec3d(farthest * kMargin);
+    }
+    frame_ = LocalFrame::fitting(box);
+    if (!box.isEmpty())
+        bounds_ = outward_float({(box.min - frame_.center) / frame_.scale, (box.max - frame_.center) / frame_.scale});
+}
+
+Vec3d DisplacedSurface::moved_in_object(const LocalHit& hit, const LocalSurface& surface) const {
+    const Vec3d offset = displacement_->offset(*base_, hit, surface);
+    if (!is_finite(offset) || !is_finite(Vec3f(offset)))
+        throw InputError(name(), "displacement", "not finite at some point", "finite numbers");
+    return base_->frame().to_object().point(surface.position) + offset;
+}
+
+DisplacedSurface::Moved DisplacedSurface::moved(uint32_t element, const Vec2f& parameters) const {
+    const LocalHit hit = hit_at(*base_, element, parameters);
+    Moved result;
+    result.base = base_->surface(hit);
+    result.position = (moved_in_object(hit, result.base) - frame_.center) / frame_.scale;
+    return result;
+}
+
+Vec3d DisplacedSurface::position(uint32_t element, const Vec2f& parameters) const {
+    const BorderPlace place = owner_place(*base_, element, parameters);
+    const Vec3d result = moved(place.element, place.parameters).position;
+    if (max_abs(result) > kFarthest)
+        throw InputError(name(), "displacement", "far larger at some point than at all others", "less narrow peaks");
+    return result;
+}
+
+DisplacedSurface::Slopes DisplacedSurface::slopes(uint32_t element, const Vec2f& parameters) const {
+    Slopes result;
+    result.here = moved(element, parameters);
+    for (const int axis : {0, 1}) {
+        Vec2f low = parameters, high = parameters;
+        low[axis] = std::max(parameters[axis] - kStep, 0.0f);
+        high[axis] = std::min(parameters[axis] + kStep, 1.0f);
+        const double step = double{high[axis]} - double{low[axis]};
+        const Moved before = moved(element, low), after = moved(element, high);
+        (axis == 0 ? result.du : result.dv) = (after.position - before.position) / step;
+        (axis == 0 ? result.uv_du : result.uv_dv) = Vec2d(after.base.uv - before.base.uv) / step;
+    }
+    return result;
+}
+
+/// Changes of the normal are left zero: second differences of what single precision computes say nothing.
+LocalSurface DisplacedSurface::surface(const LocalHit& hit) const {
+    const Slopes slope = slopes(hit.primitive, {hit.u, hit.v});
+    LocalSurface result;
+    result.position = slope.here.position;
+    result.uv = slope.here.base.uv;
+    const Vec3d facet_normal = normalized_or(Vec3d(hit.normal), Vec3d(0, 0, 1));
+    const Vec3d normal = normalized_or(slope.dv.cross(slope.du), facet_normal);
+    result.normal = Vec3f(normal.dot(facet_normal) < 0.0 ? -normal : normal);
+    Vec2d by_u(1.0, 0.0), by_v(0.0, 1.0);  // of the element's parameters by the texture coordinates
+    const double determinant = slope.uv_du.x * slope.uv_dv.y - slope.uv_dv.x * slope.uv_du.y;
+    if (determinant != 0.0) {
+        by_u = Vec2d(slope.uv_dv.y, -slope.uv_du.y) / determinant;
+        by_v = Vec2d(-slope.uv_dv.x, slope.uv_du.x) / determinant;
+    }
+    result.dp_du = finite_float(slope.du * by_u.x + slope.dv * by_u.y);
+    result.dp_dv = finite_float(slope.du * by_v.x + slope.dv * by_v.y);
+    return result;
+}
+
+ElementPoint DisplacedSurface::element_point(uint32_t element, const Vec2f& parameters) const {
+    const Slopes slope = slopes(element, parameters);
+    ElementPoint result;
+    result.hit.primitive = element;
+    result.hit.u = parameters.x;
+    result.hit.v = parameters.y;
+    result.hit.position = slope.here.position;
+    const Vec3d area = slope.dv.cross(slope.du);
+    result.normal = Vec3f(normalized_or(area, Vec3d(slope.here.base.normal)));
+    result.hit.normal = result.normal;
+    result.area_factor = static_cast<float>(area.length());
+    return result;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,67 @@
+// What a subdivision surface carries beside its shape: texture coordinates and attributes.
+#include "geometry/subdivision_surface.h"
+
+#include <algorithm>
+
+namespace rayleaf {
+namespace {
+
+Vec3f finite_float(const Vec3d& v) {
+    const Vec3f result(v);
+    return is_finite(result) ? result : Vec3f(0.0f);
+}
+
+}  // namespace
+
+/// Without a map the derivatives are by the element's parameters, which tell of curvature all the same.
+void SubdivisionSurface::set_texture_coordinates(const LocalHit& hit, const PatchPoint& point,
+                                                 const LimitNormal& normal, double side, LocalSurface& result) const {
+    Vec2d by_u(1.0, 0.0), by_v(0.0, 1.0);  // of the element's parameters by the texture coordinates
+    if (active_uv_ >= 0) {
+        const LimitFaces& map = uv_maps_[static_cast<size_t>(active_uv_)].limit;
+        const PatchPoint uv = in_element(map, elements_[hit.primitive], hit.u, hit.v);
+        result.uv = Vec2f(static_cast<float>(uv.position.x), static_cast<float>(uv.position.y));
+        const double determinant = uv.du.x * uv.dv.y - uv.dv.x * uv.du.y;
+        if (determinant == 0.0) return;
+        by_u = Vec2d(uv.dv.y, -uv.du.y) / determinant;
+        by_v = Vec2d(-uv.dv.x, uv.du.x) / determinant;
+    }
+    result.dp_du = finite_float(point.du * by_u.x + point.dv * by_u.y);
+    result.dp_dv = finite_float(point.du * by_v.x + point.dv * by_v.y);
+    result.dn_du = finite_float((normal.dn_du * by_u.x + normal.dn_dv * by_u.y) * side);
+    result.dn_dv = finite_float((normal.dn_du * by_v.x + normal.dn_dv * by_v.y) * side);
+}
+
+std::optional<Vec4f> SubdivisionSurface::attribute(AttributeId id, const LocalHit& hit) const {
+    const SubdivisionElement& element = elements_[hit.primitive];
+    for (const UvMap& map : uv_maps_) {
+        if (map.id != id) continue;
+        const Vec3d uv = in_element(map.limit, element, hit.u, hit.v).position;
+        return Vec4f(static_cast<float>(uv.x), static_cast<float>(uv.y), 0.0f, 1.0f);
+    }
+    const auto found = std::find_if(attributes_.begin(), attributes_.end(),
+                                    [id](const CornerAttribute& attribute) { return attribute.id == id; });
+    if (found == attributes_.end()) return std::nullopt;
+    const uint32_t first = first_corner_[element.face], size = first_corner_[element.face + 1] - first;
+    const auto at = [&](uint32_t corner, int channel) {
+        return found->values[size_t{first + corner % size} * static_cast<size_t>(found->channels) +
+                             static_cast<size_t>(channel)];
+    };
+    const uint32_t next = element.corner + 1, previous = element.corner + size - 1;
+    Vec4f result(0, 0, 0, 1);
+    for (int c = 0; c < found->channels; ++c) {
+        const float here = at(element.corner, c);
+        float along_u = at(previous, c), along_v = at(next, c), across = at(element.corner + 2, c);
+        if (!element.whole) {
+            along_u = 0.5f * (here + along_u);
+            along_v = 0.5f * (here + along_v);
+            across = 0.0f;
+            for (uint32_t k = 0; k < size; ++k) across += at(k, c) / static_cast<float>(size);
+        }
+        result[c] =
+            (here * (1 - hit.u) + along_u * hit.u) * (1 - hit.v) + (along_v * (1 - hit.u) + across * hit.u) * hit.v;
+    }
+    return result;
+}
+
+}  // namespace rayleaf

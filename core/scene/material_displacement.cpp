@@ -1,0 +1,115 @@
+#include "scene/material_displacement.h"
+
+#include "base/error.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <tuple>
+
+namespace rayleaf {
+namespace {
+
+class ByMaterial final : public Displacement {
+  public:
+    ByMaterial(std::vector<Material> slots, const InstanceInfo& instance, const DisplacementSurroundings& surroundings)
+        : slots_(std::move(slots)), instance_(instance), surroundings_(surroundings) {}
+
+    Vec3d offset(const Shape& base, const LocalHit& hit, const LocalSurface& surface) const override {
+        const size_t slot = std::min<size_t>(base.material_slot(hit), slots_.size() - 1);
+        const MaterialDisplacement& displacement = slots_[slot].displacement;
+        if (!displacement.program) return Vec3d(0.0);
+        const Affine3d map = instance_.object_to_world * base.frame().to_object();
+        SurfacePoint point;
+        point.position = point.facet_position = map.point(surface.position);
+        // A mirrored object's outside stays its outside.
+        const double side = map.determinant() < 0.0 ? -1.0 : 1.0;
+        point.normal = Vec3f(normalized_or(map.normal(Vec3d(surface.normal)) * side, Vec3d(0, 0, 1)));
+        point.facet_normal = point.normal;
+        point.dp_du = Vec3f(map.vector(Vec3d(surface.dp_du)));
+        point.dp_dv = Vec3f(map.vector(Vec3d(surface.dp_dv)));
+        point.uv = surface.uv;
+        point.shape = &base;
+        point.local = hit;
+        ShadingInputs inputs;
+        inputs.point = &point;
+        inputs.instance = &instance_;
+        inputs.camera = surroundings_.camera;
+        inputs.textures = surroundings_.textures.get();
+        inputs.outgoing = point.normal;
+        inputs.material_index = slots_[slot].pass_index;
+        const auto value = [&](Register target) {
+            if (target < 0) return Vec3d(0.0);
+            const Vec4f v = displacement.program->value(target, inputs);
+            return Vec3d(v.x, v.y, v.z);
+        };
+        const Vec3d world = value(displacement.world);
+        const Vec3d object = value(displacement.object);
+        return displacement.world < 0 ? object : object + instance_.world_to_object.vector(world);
+    }
+
+  private:
+    std::vector<Material> slots_;
+    InstanceInfo instance_;
+    DisplacementSurroundings surroundings_;
+};
+
+std::vector<Material> materials_of(const SceneDescription& description, const std::vector<int>& list) {
+    std::vector<Material> slots;
+    for (const int material : list) {
+        const bool known = material >= 0 && static_cast<size_t>(material) < description.materials.size();
+        slots.push_back(known ? description.materials[static_cast<size_t>(material)] : Material{});
+    }
+    return slots;
+}
+
+/// All that a displacement may depend on.
+using Look = std::tuple<const Shape*, const std::vector<int>*, std::array<double, 12>, float, float>;
+
+Look look_of(const Shape* shape, const std::vector<int>* list, const InstanceDescription& instance) {
+    const Affine3d& m = instance.object_to_world;
+    return {shape,
+            list,
+            {m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y, m.z.z, m.translation.x, m.translation.y,
+             m.translation.z},
+            instance.object_index,
+            instance.random};
+}
+
+}  // namespace
+
+void displace(std::vector<TracedInstance>& traced, const SceneDescription& description,
+              const std::vector<const std::vector<int>*>& lists, const DisplacementSurroundings& surroundings) {
+    const auto displaces = [&](int material) {
+        return material >= 0 && static_cast<size_t>(material) < description.materials.size() &&
+               description.materials[static_cast<size_t>(material)].displacement.program != nullptr;
+    };
+    std::map<Look, std::shared_ptr<const Shape>> known;
+    for (size_t i = 0; i < traced.size(); ++i) {
+        const std::vector<int>& list = *lists[i];
+        std::shared_ptr<const Shape>& shape = traced[i].shape;
+        if (!DisplacedSurface::can_displace(*shape) || std::none_of(list.begin(), list.end(), displaces)) continue;
+        const InstanceDescription& instance = description.instances[i];
+        std::shared_ptr<const Shape>& made = known[look_of(shape.get(), &list, instance)];
+        if (!made) {
+            const InstanceInfo info{instance.object_to_world, instance.object_to_world.inverse(), instance.object_index,
+                                    instance.random};
+            made = std::make_shared<const DisplacedSurface>(
+                shape, std::make_shared<const ByMaterial>(materials_of(description, list), info, surroundings));
+        }
+        shape = made;
+    }
+}
+
+std::shared_ptr<Shape> displaced(std::shared_ptr<const Shape> shape, const MaterialDisplacement& displacement) {
+    if (!DisplacedSurface::can_displace(*shape))
+        throw InputError(shape->name(), "shape", "neither a spline surface nor a subdivision surface", "one of these");
+    check_displacement(shape->name(), displacement);
+    Material material;
+    material.displacement = displacement;
+    return std::make_shared<DisplacedSurface>(
+        std::move(shape), std::make_shared<const ByMaterial>(std::vector<Material>{material}, InstanceInfo{},
+                                                             DisplacementSurroundings{}));
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,27 @@
+// Displacement by materials: programs that say how far points move, and the surfaces they make.
+#pragma once
+
+#include "geometry/displaced_surface.h"
+#include "scene/description.h"
+#include "trace/tracer.h"
+
+#include <memory>
+#include <vector>
+
+namespace rayleaf {
+
+/// What programs read beside the surface; must live as long as the surfaces.
+struct DisplacementSurroundings {
+    const CameraInfo* camera = nullptr;
+    std::shared_ptr<const TextureStore> textures;
+};
+
+/// Puts displaced surfaces in place of the shapes of instances whose materials displace them. `lists` are the materials
+/// of the instances by slot. Instances that look alike share one; shapes that cannot be displaced stay as they are.
+void displace(std::vector<TracedInstance>& traced, const SceneDescription& description,
+              const std::vector<const std::vector<int>*>& lists, const DisplacementSurroundings& surroundings);
+
+/// A shape displaced by one material, as an object that stands untransformed at the origin.
+std::shared_ptr<Shape> displaced(std::shared_ptr<const Shape> shape, const MaterialDisplacement& displacement);
+
+}  // namespace rayleaf

@@ -1,0 +1,96 @@
+#include "tessellation/displaced_dicer.h"
+
+#include "tessellation/dice.h"
+#include "tessellation/patch_dicer.h"
+#include "tessellation/subdivision_dicer.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// A displacement is not split for beyond this many subpatches (a million quads); the surface below may ask for more.
+constexpr uint32_t kMostDisplacedSubpatches = 1u << 12;
+/// The surface below is split at most this much more often.
+constexpr int kMostExtraSplits = 6;
+/// So many subpatches tell whether a split suffices.
+constexpr uint32_t kLooks = 64;
+
+std::unique_ptr<const Dicer> dicer_below(const DisplacedSurface& surface, const FacetTolerance& tolerance, int extra) {
+    const LocalFrame &frame = surface.frame(), &below = surface.base().frame();
+    const double scale = frame.scale / below.scale;
+    const FacetTolerance of_base = [&](const Box3d& box) {
+        const Vec3d move = below.center - frame.center;
+        return tolerance({(box.min * below.scale + move) / frame.scale, (box.max * below.scale + move) / frame.scale}) *
+               scale;
+    };
+    if (surface.base().kind() == ShapeKind::PatchSurface)
+        return std::make_unique<PatchDicer>(static_cast<const PatchSurface&>(surface.base()), of_base, extra);
+    return std::make_unique<SubdivisionDicer>(static_cast<const SubdivisionSurface&>(surface.base()), of_base, extra);
+}
+
+}  // namespace
+
+DisplacedDicer::DisplacedDicer(const DisplacedSurface& surface, const FacetTolerance& tolerance)
+    : Dicer(VertexFormat::Float), surface_(&surface), below_(dicer_below(surface, tolerance, 0)) {
+    for (int extra = 1; extra <= kMostExtraSplits && !is_fine_enough(tolerance); ++extra) {
+        std::unique_ptr<const Dicer> finer = dicer_below(surface, tolerance, extra);
+        if (finer->subpatch_count() > kMostDisplacedSubpatches) return;
+        below_ = std::move(finer);
+    }
+}
+
+bool DisplacedDicer::is_fine_enough(const FacetTolerance& tolerance) const {
+    const uint32_t count = subpatch_count(), looks = std::min(count, kLooks);
+    std::atomic<bool> fine{true};
+    tbb::parallel_for(uint32_t{0}, looks, [&](uint32_t i) {
+        GridRows rows;
+        dice_rows(static_cast<uint32_t>(uint64_t{i} * count / looks), rows);
+        Box3d box;
+        for (int k = 0; k < kGridSize; ++k)
+            box.extendBy(Vec3d(rows.vertices[0][k], rows.vertices[1][k], rows.vertices[2][k]));
+        if (fine_facet_distance(detail_of(rows)) > tolerance(box)) fine = false;
+    });
+    return fine;
+}
+
+/// Vertices at `first` + `step` k of the places in a subpatch's fine grid.
+template <typename Target>
+void DisplacedDicer::dice_at(uint32_t subpatch, const Vec2d& first, double step, int quads, Target& target) const {
+    for (int j = 0; j <= quads; ++j) {
+        for (int i = 0; i <= quads; ++i) {
+            const ElementPlace place = below_->element_place({subpatch, first + Vec2d(i, j) * step}, Vec3d(0.0));
+            const Vec3d position = surface_->position(place.element, {place.u, place.v});
+            for (int axis = 0; axis < 3; ++axis)
+                target.vertices[axis][j * (quads + 1) + i] = static_cast<float>(position[axis]);
+        }
+    }
+}
+
+void DisplacedDicer::dice(uint32_t subpatch, Grid& grid) const {
+    GridRows rows;
+    dice_rows(subpatch, rows);
+    pack(rows, grid);
+}
+
+void DisplacedDicer::dice_rows(uint32_t subpatch, GridRows& rows) const {
+    dice_at(subpatch, Vec2d(0.0), 1.0, kGridCells, rows);
+}
+
+void DisplacedDicer::dice_medium(uint32_t subpatch, MediumGrid& grid) const {
+    dice_at(subpatch, Vec2d(0.0), kBlockCells, kBlockCells, grid);
+}
+
+void DisplacedDicer::dice_coarse(uint32_t subpatch, CoarseGrid& grid) const {
+    dice_at(subpatch, Vec2d(0.0), kGridCells, 1, grid);
+}
+
+void DisplacedDicer::dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const {
+    const double step = 1.0 / part.parts_along();
+    dice_at(subpatch, Vec2d(part.u, part.v) * (kGridCells * step), step, kGridCells, rows);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,65 @@
+"""The Displacement output of a material: how far it moves the points of surfaces."""
+
+from typing import Any
+
+from .compiler import Compiler, NodeView, Path
+from .emitter import UNCONNECTED, Register
+
+
+def compile_displacement(compiler: Compiler, tree: Any) -> tuple[Register, Register] | None:
+    """Write what a tree's output displaces by; the registers of the vector in object space and of the one in world
+    space, -1 for none. None where nothing is displaced."""
+    output = tree.get_output_node("CYCLES")
+    found = None if output is None else _source(compiler, output.inputs.get("Displacement"))
+    if found is None:
+        return None
+    socket, path = found
+    node = socket.node
+    view = NodeView(compiler, node, path)
+    if node.bl_idname == "ShaderNodeDisplacement":
+        return _scalar(view)
+    if node.bl_idname == "ShaderNodeVectorDisplacement":
+        return _vector(view)
+    return UNCONNECTED, compiler.output(socket, path)  # any other vector is one of the world, as in Cycles
+
+
+def _source(compiler: Compiler, socket: Any) -> tuple[Any, Path] | None:
+    """The output that feeds an input, past everything that merely passes it on."""
+    path: Path = ()
+    for _ in range(1000):  # nodes may form a loop
+        link = None if socket is None else compiler.link(socket)
+        if link is None:
+            return None
+        forward = compiler.forward(link.from_socket, path)
+        if forward is None:
+            return link.from_socket, path
+        socket, path = forward
+    return None
+
+
+def _amount(view: NodeView, value: Register) -> Register:
+    """(value - midlevel) * scale, by components."""
+    level, scale = view.input("Midlevel"), view.input("Scale")
+    moved = view.emitter.operation("vector_math", [value, level], text="SUBTRACT")
+    return view.emitter.operation("vector_math", [moved, scale], text="MULTIPLY")
+
+
+def _scalar(view: NodeView) -> tuple[Register, Register]:
+    """Displacement node: along the normal."""
+    in_world = view.node.space == "WORLD"
+    normal = view.linked("Normal") if in_world else UNCONNECTED
+    if not in_world and view.linked("Normal") != UNCONNECTED:
+        view.warn("its normal counts in world space only; the surface's own is taken")
+    if normal == UNCONNECTED:
+        normal = view.emitter.operation("normal" if in_world else "object_normal")
+    offset = view.emitter.operation("vector_math", [normal, _amount(view, view.input("Height"))], text="MULTIPLY")
+    return (UNCONNECTED, offset) if in_world else (offset, UNCONNECTED)
+
+
+def _vector(view: NodeView) -> tuple[Register, Register] | None:
+    """Vector Displacement node."""
+    if view.node.space == "TANGENT":
+        view.warn("displacement in tangent space is not supported; left out")
+        return None
+    offset = _amount(view, view.input("Vector"))
+    return (UNCONNECTED, offset) if view.node.space == "WORLD" else (offset, UNCONNECTED)

@@ -1,0 +1,85 @@
+"""The Displacement output of materials: which program and space arrive, and what is rendered."""
+
+START = """
+import bpy, scenes, recording_core
+
+scene = scenes.empty_scene()
+
+def displacing(kind, space, value, name="Material"):
+    material, tree, output = scenes.material(name)
+    node = tree.nodes.new(kind)
+    node.space = space
+    node.inputs[0].default_value = value
+    node.inputs["Midlevel"].default_value, node.inputs["Scale"].default_value = 0.5, 2.0
+    tree.links.new(node.outputs[0], output.inputs["Displacement"])
+    return material
+"""
+
+
+def test_both_nodes_arrive_in_their_space(run_blender):
+    run = run_blender(
+        START
+        + """
+found = {}
+for kind, value in (("ShaderNodeDisplacement", 0.75), ("ShaderNodeVectorDisplacement", (1, 0, 0, 0))):
+    for space in ("OBJECT", "WORLD"):
+        item = scenes.surface(f"{kind} {space}")
+        item.data.materials.append(displacing(kind, space, value, f"{kind} {space}"))
+sent, told, messages = recording_core.export()
+for material in sent.materials:
+    program, object_space, world_space = material["displacement"]
+    found[material["name"]] = [object_space >= 0, world_space >= 0, [line["op"] for line in program.lines]]
+report(found=found, messages=messages)
+"""
+    ).report
+    found = run["found"]
+    assert run["messages"] == []
+    for kind in ("ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"):
+        assert found[f"{kind} OBJECT"][:2] == [True, False] and found[f"{kind} WORLD"][:2] == [False, True]
+    assert "object_normal" in found["ShaderNodeDisplacement OBJECT"][2]
+    assert "normal" in found["ShaderNodeDisplacement WORLD"][2]
+
+
+def test_a_mesh_without_subdivision_is_not_displaced_and_that_is_told(run_blender):
+    run = run_blender(
+        START
+        + """
+material = displacing("ShaderNodeDisplacement", "OBJECT", 1.0)
+plain, fine = scenes.quad("Plain"), scenes.quad("Fine")
+fine.modifiers.new("Subdivision", "SUBSURF").levels = 1
+for item in (plain, fine):
+    item.data.materials.append(material)
+tangent = scenes.surface("Tangent")
+tangent.data.materials.append(displacing("ShaderNodeVectorDisplacement", "TANGENT", (0, 0, 0, 0), "Tangent"))
+sent, told, messages = recording_core.export()
+report(messages=messages)
+"""
+    ).report
+    plain, tangent = sorted(run["messages"], key=lambda text: "tangent" in text)
+    assert plain.startswith("Object 'Plain': displacement needs") and "tangent space is not supported" in tangent
+
+
+def test_a_render_shows_a_sphere_grown_by_its_displacement(run_blender):
+    run = run_blender(
+        START
+        + """
+import numpy as np
+from pathlib import Path
+bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+sphere = bpy.context.object
+sphere.data.materials.append(displacing("ShaderNodeDisplacement", "OBJECT", 0.75))
+scene.camera.location = (0, 0, 10)
+scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 4
+scene.render.film_transparent = True
+scene.render.resolution_x = scene.render.resolution_y = 32
+scene.rayleaf.samples = 4
+path = Path(bpy.app.tempdir) / "picture.exr"
+scene.render.filepath, scene.render.image_settings.file_format = str(path), "OPEN_EXR"
+bpy.ops.render.render(write_still=True)
+image = bpy.data.images.load(str(path))
+alpha = np.array(image.pixels[:]).reshape(32, 32, 4)[..., 3]
+report(area=float(alpha.sum() * (4 / 32) ** 2))
+"""
+    ).report
+    # A circle of radius 1 + (0.75 - 0.5) * 2.
+    assert abs(run["area"] - 3.14159 * 1.5**2) < 0.15
