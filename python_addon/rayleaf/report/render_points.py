@@ -22,6 +22,10 @@ import bpy
 import numpy as np
 
 
+# A point that took so long is not repeated: slow frames vary little, in shares of their time.
+_ENOUGH_SECONDS = 8.0
+
+
 def assign(scene: Any, path: str, value: Any) -> None:
     """Set the property that a dotted path names. Raises AttributeError where there is none."""
     owner = scene
@@ -98,6 +102,8 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
         process_memory = importlib.import_module(f"{job['addon']}.statistics").process_memory
         at_start, seconds = process_memory()[0], []
         for _ in range(job["repeats"]):
+            if sum(seconds) > _ENOUGH_SECONDS:
+                break
             began = time.perf_counter()
             bpy.ops.render.render()
             seconds.append(time.perf_counter() - began)

@@ -179,7 +179,7 @@ def write_report(folder: Path, parts: list[str], found: dict[str, Measurement], 
 def introduction(described: dict[str, str], extent: Extent) -> str:
     """What the figures are and what they depend on."""
     words = (
-        f"Pictures {extent.width} pixels wide. Times are of whole frames, export included: the median of {extent.repeats}. "
+        f"Pictures {extent.width} pixels wide. Times are of whole frames, export included: the median of up to {extent.repeats}. "
         f"Errors are against the same engine with {extent.reference_count} samples and other random numbers, in display RGB "
         "clipped to [0, 1]: mean and largest Euclidean distance, root mean square, 99th percentile, SSIM. "
         "'Shortcut alone' compares with equal random numbers without the shortcut, so no noise is in it. "
