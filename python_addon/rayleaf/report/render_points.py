@@ -100,7 +100,8 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
             assign(scene, path, value)
         forget_peak()
         process_memory = importlib.import_module(f"{job['addon']}.statistics").process_memory
-        at_start, seconds = process_memory()[0], []
+        at_start = process_memory()[0]
+        seconds: list[float] = []
         for _ in range(job["repeats"]):
             if sum(seconds) > _ENOUGH_SECONDS:
                 break
