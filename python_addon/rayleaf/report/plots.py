@@ -1,6 +1,7 @@
 """Plots as SVG text, drawn by matplotlib without a display."""
 
 import io
+import math
 from typing import Any
 
 import matplotlib
@@ -24,9 +25,20 @@ def _as_svg(figure: Any) -> str:
     return svg[svg.index("<svg") :]
 
 
+def _apart(place: tuple[float, float], others: list[tuple[float, float]]) -> bool:
+    """Whether there is room for a label; places in decades."""
+    return all(abs(place[0] - x) > 0.12 or abs(place[1] - y) > 0.06 for x, y in others)
+
+
+def _beside(axes: Any) -> None:
+    """The legend, where it hides nothing."""
+    axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False)
+
+
 def frontier(measured: list[Measured]) -> str:
     """Error against seconds, both logarithmic; what is dominated is hollow."""
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
+    labelled: list[tuple[float, float]] = []
     for number, series in enumerate(dict.fromkeys(each.point.series for each in measured)):
         own = [each for each in measured if each.point.series == series]
         line = axes.plot(
@@ -36,8 +48,11 @@ def frontier(measured: list[Measured]) -> str:
             face = "none" if each.beaten_by else line.get_color()
             marker = _MARKERS[number % len(_MARKERS)]
             axes.plot(each.time, each.error.rmse, marker, color=line.get_color(), markerfacecolor=face)
-            axes.annotate(each.point.label, (each.time, each.error.rmse), fontsize=6, xytext=(4, 3),
-                          textcoords="offset points")  # fmt: skip
+            place = math.log10(max(each.time, 1e-9)), math.log10(max(each.error.rmse, 1e-9))
+            if _apart(place, labelled):
+                labelled.append(place)
+                axes.annotate(each.point.label, (each.time, each.error.rmse), fontsize=6, xytext=(4, 3),
+                              textcoords="offset points")  # fmt: skip
     if all(each.time > 0 for each in measured):
         axes.set_xscale("log")
     if all(each.error.rmse > 0 for each in measured):
@@ -45,7 +60,7 @@ def frontier(measured: list[Measured]) -> str:
     axes.set_xlabel("seconds (median)")
     axes.set_ylabel("root mean square error, display RGB")
     axes.grid(True, which="both", linewidth=0.3)
-    axes.legend(fontsize=7)
+    _beside(axes)
     return _as_svg(figure)
 
 
@@ -63,5 +78,5 @@ def lines(title: str, x_label: str, y_label: str, series: dict[str, list[tuple[f
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
     axes.grid(True, which="both", linewidth=0.3)
-    axes.legend(fontsize=7)
+    _beside(axes)
     return _as_svg(figure)
