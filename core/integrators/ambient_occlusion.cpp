@@ -7,7 +7,7 @@
 namespace rayleaf {
 
 Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const Vertex& vertex, const Sampler& sampler,
-                        uint32_t dimension, int rays) {
+                        uint32_t dimension, int rays, const RayWidening& widening) {
     const Vec3f normal = facing_normal(vertex);
     Vec3f tangent, bitangent;
     orthonormal_basis(normal, tangent, bitangent);
@@ -29,8 +29,9 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         ray.leaves = vertex.point.instance;
         ray.direction = normalized_or(Vec3d(direction), Vec3d(0, 0, 1));
         ray.t_max = settings.occlusion_distance;
-        const RayDifferential differential = hemisphere_differential(vertex.differential, direction, local.z, rays);
-        sum += free_share(scene, ray, differential, kVisibleDiffuse, state, settings.transparent_bounces);
+        const RayDifferential differential =
+            hemisphere_differential(vertex.differential, direction, local.z, std::max(rays, kPathSiblings));
+        sum += free_share(scene, ray, differential, kVisibleDiffuse, state, settings.transparent_bounces, widening);
     }
     return sum / static_cast<float>(rays);
 }

@@ -11,7 +11,7 @@ namespace rayleaf {
 /// The mean over `rays` rays from the viewer's side of the surface, no longer than the occlusion distance. Transparent
 /// surfaces colour it. `dimension` is the sampler's.
 Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const Vertex& vertex, const Sampler& sampler,
-                        uint32_t dimension, int rays);
+                        uint32_t dimension, int rays, const RayWidening& widening);
 
 /// Shading normal on the viewer's side.
 inline Vec3f facing_normal(const Vertex& vertex) {

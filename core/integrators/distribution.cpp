@@ -11,8 +11,7 @@ void DistributionTracer::follow_pending() {
         Branch branch = pending_.back();
         pending_.pop_back();
         ++counts_[branch.use];
-        arrive(branch,
-               scene_.tracer().closest_hit(with_width(branch.ray, branch.differential), branch.bounces.ray_kind()));
+        arrive(branch, scene_.tracer().closest_hit(ray_of(branch), branch.bounces.ray_kind()));
     }
 }
 
@@ -25,7 +24,7 @@ PixelSample DistributionTracer::trace(const Branch& camera) {
 }
 
 void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& hit) {
-    Ray ray = with_width(branch.ray, branch.differential);
+    Ray ray = ray_of(branch);
     if (hit) ray.t_max = hit->t;
     const VolumePassage passage = through_volumes(scene_, ray, branch.bounces.ray_kind());
     if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission);
@@ -34,6 +33,7 @@ void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& 
 }
 
 void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
+    if (branch.vertex == 0 && settings_.ray_passes) write_level(hit, light_.sample);
     if (!scene_.volumes().empty()) pass_volumes(branch, hit);
     add_lamps(branch, hit ? hit->t : std::numeric_limits<double>::infinity());
     if (!hit) return add_world(branch);

@@ -9,7 +9,7 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     const double reach = settings_.occlusion_distance;
     const bool carries_light =
         distribution_.indirect != IndirectLight::AmbientOcclusion && hemisphere_brings_light(frame_);
-    Ray limited = with_width(ray.ray, ray.differential);
+    Ray limited = ray_of(ray);
     if (!carries_light) limited.t_max = reach;
     ++counts_[ray.use];
     const std::optional<Hit> hit = scene_.tracer().closest_hit(limited, ray.bounces.ray_kind());
@@ -18,12 +18,12 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     limited.t_max = reach;
     if (!scene_.volumes().empty())
         result.light.free = free_share(scene_, limited, ray.differential, ray.bounces.ray_kind(), ray.bounces.at(0),
-                                       ray.bounces.transparent_left());
+                                       ray.bounces.transparent_left(), widening(ray));
     else if (!hit || hit->t > reach)
         result.light.free = Color(1.0f);
     else if (scene_.has_transparency())
         result.light.free = free_share(scene_, limited, ray.differential, ray.bounces.ray_kind(), ray.bounces.at(0),
-                                       ray.bounces.transparent_left());
+                                       ray.bounces.transparent_left(), widening(ray));
     if (carries_light) {
         Branch branch = ray;
         arrive(branch, hit);
@@ -51,7 +51,7 @@ void DistributionTracer::add_occlusion(const Branch& branch, const Vertex& verte
     counts_[RayUse::Occlusion] += static_cast<uint64_t>(count);
     light_.sample.add(Pass::ambient_occlusion,
                       ambient_occlusion(scene_, settings_, vertex, branch.sampler,
-                                        dimension(branch.vertex, PathDimension::Occlusion), count));
+                                        dimension(branch.vertex, PathDimension::Occlusion), count, widening(branch)));
 }
 
 void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Vertex& vertex,
@@ -85,11 +85,11 @@ void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Ver
 
 void DistributionTracer::add_unoccluded_world(const Branch& child) {
     ++counts_[child.use];
-    Ray ray = with_width(child.ray, child.differential);
+    Ray ray = child.ray;
     ray.t_max = settings_.occlusion_distance;
     const PathState state = child.bounces.at(0);
-    const Color free =
-        free_share(scene_, ray, child.differential, child.bounces.ray_kind(), state, child.bounces.transparent_left());
+    const Color free = free_share(scene_, ray, child.differential, child.bounces.ray_kind(), state,
+                                  child.bounces.transparent_left(), widening(child));
     if (is_black(free)) return;
     add(child, free * scene_.world(Vec3f(ray.direction), child.differential, state), Pass::environment);
 }

@@ -19,8 +19,9 @@ void DistributionTracer::add_light(const Branch& branch, const Vertex& vertex, c
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
     const int siblings = branch.spread == Spread::One ? kPathSiblings : count;
-    const Color free = shadow_transmittance(scene_, vertex.point, light,
-                                            shadow_differential(vertex.differential, light, siblings), branch.bounces);
+    const Color free =
+        shadow_transmittance(scene_, vertex.point, light, shadow_differential(vertex.differential, light, siblings),
+                             branch.bounces, settings_.widening(branch.importance(), false));
     if (is_black(free)) return;
     if (branch.bounces.count() == 0)
         light_.add_first(arriving * free, shares, branch.share * each);

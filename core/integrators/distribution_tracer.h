@@ -39,6 +39,11 @@ class DistributionTracer {
     float alpha_ = 1;
     bool surface_recorded_ = false;
 
+    RayWidening widening(const Branch& branch) const {
+        return settings_.widening(branch.importance(), branch.bounces.count() > 0);
+    }
+    /// The branch's ray as wide as it is to be.
+    Ray ray_of(const Branch& branch) const { return with_width(branch.ray, branch.differential, widening(branch)); }
     void follow_pending();
     /// What the ray meets at its end.
     void arrive(Branch& branch, const std::optional<Hit>& hit);

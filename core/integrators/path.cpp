@@ -30,10 +30,12 @@ struct Departure {
 
 class PathTracer {
   public:
-    PathTracer(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray, const Sampler& sampler)
+    PathTracer(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray, const Sampler& sampler,
+               RayCounts& counts)
         : scene_(scene),
           settings_(settings),
           sampler_(sampler),
+          counts_(counts),
           ray_(camera_ray.ray),
           differential_(camera_ray.differential),
           departure_{camera_ray.ray.origin},
@@ -46,6 +48,7 @@ class PathTracer {
     const Scene& scene_;
     const PathSettings& settings_;
     const Sampler& sampler_;
+    RayCounts& counts_;
     Ray ray_;
     RayDifferential differential_;
     Departure departure_;
@@ -56,11 +59,14 @@ class PathTracer {
     float alpha_ = 1;
     bool surface_recorded_ = false;
     int vertex_ = 0;
+    RayUse use_ = RayUse::Camera;     ///< of the ray under way
     std::optional<Hit> hit_;          ///< of the vertex
     NeighbourHits neighbours_;        ///< where it is interpolated
     uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
     static constexpr uint32_t kNowhere = RayAnchor::kNone;
 
+    float importance() const { return max_component(throughput_); }
+    RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
     void find_hit();
     void pass_volumes();
     float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
@@ -131,7 +137,8 @@ PixelSample PathTracer::trace() {
 /// What the ray under way meets. One that has left a glass body cannot meet it from inside, unless the point where it
 /// was said to leave lay a little inside: then that surface is not there.
 void PathTracer::find_hit() {
-    ray_ = with_width(ray_, differential_);
+    ++counts_[use_];
+    ray_ = with_width(ray_, differential_, widening());
     constexpr int kMostSurfaces = 4;
     ClosestHit found;
     for (int i = 0; i < kMostSurfaces; ++i) {
@@ -143,7 +150,9 @@ void PathTracer::find_hit() {
     }
     hit_ = found.hit;
     neighbours_ = {};
-    if (vertex_ == 0 && settings_.ray_passes) write_answer(found, light_.sample);
+    if (vertex_ > 0 || !settings_.ray_passes) return;
+    write_answer(found, light_.sample);
+    write_level(hit_, light_.sample);
 }
 
 void PathTracer::pass_volumes() {
@@ -209,8 +218,10 @@ void PathTracer::add_direct_light(const Vertex& vertex) {
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
     const Color arriving = throughput_ * lit.value * (light->radiance / light->density) * weight;
     if (is_black(arriving)) return;
-    const Color free = shadow_transmittance(scene_, vertex.point, *light,
-                                            shadow_differential(vertex.differential, *light, kPathSiblings), bounces_);
+    ++counts_[RayUse::Shadow];
+    const RayDifferential differential = shadow_differential(vertex.differential, *light, kPathSiblings);
+    const Color free = shadow_transmittance(scene_, vertex.point, *light, differential, bounces_,
+                                            settings_.widening(importance(), false));
     if (is_black(free)) return;
     if (first)
         light_.add_first(arriving * free, lit.shares);
@@ -225,9 +236,11 @@ void PathTracer::record_surface(const Vertex& vertex) {
     if (!settings_.surface_passes || surface_recorded_ || !is_opaque_enough(closures)) return;
     surface_recorded_ = true;
     write_surface(scene_, vertex, light_.sample);
-    if (settings_.wants(Pass::ambient_occlusion))
-        light_.sample.add(Pass::ambient_occlusion, ambient_occlusion(scene_, settings_, vertex, sampler_,
-                                                                     dimension(vertex_, PathDimension::Occlusion), 1));
+    if (!settings_.wants(Pass::ambient_occlusion)) return;
+    ++counts_[RayUse::Occlusion];
+    const uint32_t use = dimension(vertex_, PathDimension::Occlusion);
+    light_.sample.add(Pass::ambient_occlusion,
+                      ambient_occlusion(scene_, settings_, vertex, sampler_, use, 1, widening()));
 }
 
 float PathTracer::straight_probability(const Closures& closures) const {
@@ -273,6 +286,7 @@ bool PathTracer::scatter(const Vertex& vertex) {
         first_shares_ = shares_of_scattering(vertex, vertex.closures, *sample);
     throughput_ *= sample->weight;
     bounces_.scatter(*sample);
+    use_ = use_of_scattered(use_, *sample);
     if (!survives_roulette()) return false;
     const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
     differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
@@ -330,8 +344,8 @@ bool PathTracer::survives_roulette() {
 }  // namespace
 
 PixelSample trace_path(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray,
-                       const Sampler& sampler) {
-    return PathTracer(scene, settings, camera_ray, sampler).trace();
+                       const Sampler& sampler, RayCounts& counts) {
+    return PathTracer(scene, settings, camera_ray, sampler, counts).trace();
 }
 
 }  // namespace rayleaf

@@ -13,6 +13,8 @@
 
 #include "base/random.h"
 #include "film/pixel.h"
+#include "integrators/ray_counts.h"
+#include "rays/ray_differential.h"
 #include "scene/scene.h"
 #include "scene/settings.h"
 
@@ -34,12 +36,17 @@ struct PathSettings {
     bool ray_passes;      ///< any pass that tells how rays were answered
     bool surface_passes;  ///< any pass that describes the first surface
 
+    bool importance_levels;       ///< Settings'
+    float least_mirrored_spread;  ///< Settings', radians
+
+    /// For dicing what a ray meets that carries this share of a pixel's light; `scattered`: by a surface before.
+    RayWidening widening(float importance, bool scattered) const;
     bool wants(Pass pass) const { return (passes >> static_cast<uint32_t>(pass)) & 1u; }
 };
 
-/// Traces one path from the camera ray and returns what it contributes to each pass that is on. Pure: equal arguments,
-/// equal bits. Dimensions of `sampler`: integrators/dimensions.h.
+/// Traces one path from the camera ray and returns what it contributes to each pass that is on. `counts` gets its
+/// rays. Pure: equal arguments, equal bits. Dimensions of `sampler`: integrators/dimensions.h.
 PixelSample trace_path(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray,
-                       const Sampler& sampler);
+                       const Sampler& sampler, RayCounts& counts);
 
 }  // namespace rayleaf

@@ -21,8 +21,8 @@ constexpr uint32_t kLightPasses = bit(Pass::diffuse_direct) | bit(Pass::diffuse_
 constexpr uint32_t kColorPasses = bit(Pass::diffuse_color) | bit(Pass::glossy_color) | bit(Pass::transmission_color);
 constexpr uint32_t kSurfacePasses = bit(Pass::depth) | bit(Pass::position) | bit(Pass::normal) | bit(Pass::uv) |
                                     bit(Pass::object_index) | bit(Pass::material_index) | bit(Pass::ambient_occlusion);
-constexpr uint32_t kRayPasses =
-    bit(Pass::mask) | bit(Pass::mask_colors) | bit(Pass::interpolation_error) | bit(Pass::path_length);
+constexpr uint32_t kRayPasses = bit(Pass::mask) | bit(Pass::mask_colors) | bit(Pass::interpolation_error) |
+                                bit(Pass::path_length) | bit(Pass::geometry_level);
 
 }  // namespace
 
@@ -39,12 +39,24 @@ PathSettings::PathSettings(const Settings& s)
       occlusion_distance(s.occlusion_distance > 0 ? s.occlusion_distance : std::numeric_limits<double>::infinity()),
       exposure(s.exposure),
       film_transparent(s.film_transparent),
-      passes(0) {
+      passes(0),
+      importance_levels(s.importance_levels),
+      least_mirrored_spread(s.least_mirrored_spread) {
     for (const Pass pass : s.passes) passes |= bit(pass);
     light_passes = (passes & kLightPasses) != 0;
     color_passes = (passes & kColorPasses) != 0;
     ray_passes = (passes & kRayPasses) != 0;
     surface_passes = (passes & kSurfacePasses) != 0;
+}
+
+RayWidening PathSettings::widening(float importance, bool scattered) const {
+    /// A level at most: unimportant rays are many.
+    constexpr float kWidest = 4.0f;
+    RayWidening widening;
+    if (importance_levels && importance < 1.0f)
+        widening.factor = std::min(kWidest, 1.0f / std::sqrt(std::max(importance, 1.0f / (kWidest * kWidest))));
+    if (scattered) widening.least_spread = least_mirrored_spread;
+    return widening;
 }
 
 }  // namespace rayleaf

@@ -1,6 +1,8 @@
 // How many rays of each kind an integrator sent.
 #pragma once
 
+#include "shading/closures.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +20,13 @@ enum class RayUse : uint8_t {
 };
 inline constexpr std::array kRayUseNames = {"camera",   "specular", "glossy",   "hemisphere",
                                             "indirect", "shadow",   "occlusion"};
+
+/// Of the one ray that goes on from a surface that a ray of use `before` met.
+inline RayUse use_of_scattered(RayUse before, const LobeSample& sample) {
+    if (before == RayUse::Hemisphere || before == RayUse::Indirect) return RayUse::Indirect;
+    if (sample.singular) return RayUse::Specular;
+    return sample.kind == LobeKind::Diffuse ? RayUse::Hemisphere : RayUse::Glossy;
+}
 
 struct RayCounts {
     std::array<uint64_t, kRayUseNames.size()> of{};

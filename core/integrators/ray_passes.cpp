@@ -1,5 +1,7 @@
 #include "integrators/ray_passes.h"
 
+#include "tessellation/level.h"
+
 namespace rayleaf {
 namespace {
 
@@ -32,6 +34,11 @@ void write(RayAnswer answer, float error, PixelSample& sample) {
 void write_answer(const ClosestHit& found, PixelSample& sample) {
     const bool interpolated = found.hit && found.hit->is_interpolated();
     write(found.answer, interpolated ? found.hit->interpolated.error : 0.0f, sample);
+}
+
+void write_level(const std::optional<Hit>& hit, PixelSample& sample) {
+    const bool has_level = hit && !hit->is_interpolated() && hit->local.subpatch != RayAnchor::kNone;
+    sample[Pass::geometry_level].x = has_level ? static_cast<float>(own_level(hit->local.levels) + 1) : 0.0f;
 }
 
 void write_volumes(const VolumePassage& passage, PixelSample& sample) {

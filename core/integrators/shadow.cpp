@@ -39,8 +39,8 @@ Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias)
 }  // namespace
 
 Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
-                 int transparent_left) {
-    ray = with_width(ray, differential);
+                 int transparent_left, const RayWidening& widening) {
+    ray = with_width(ray, differential, widening);
     Color transmittance = through_volumes(scene, ray, kind).transmittance;
     if (!scene.has_transparency()) return scene.tracer().occluded(ray, kind) ? Color(0.0f) : transmittance;
     const Vec3f outgoing = -Vec3f(ray.direction);
@@ -62,16 +62,17 @@ Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visi
         ray.origin = origin;
         ray.start = point.anchor();
         ray.leaves = point.instance;
-        ray = with_width(ray, differential);
+        ray = with_width(ray, differential, widening);
     }
 }
 
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
-                           const RayDifferential& differential, const Bounces& bounces) {
+                           const RayDifferential& differential, const Bounces& bounces, const RayWidening& widening) {
     if (!light.casts_shadow) return Color(1.0f);
     const Ray ray = shadow_ray(point, light, scene.shadow_bias());
     if (!(ray.t_max > 0)) return Color(1.0f);
-    return free_share(scene, ray, differential, kVisibleShadow, bounces.of_shadow_ray(), bounces.transparent_left());
+    return free_share(scene, ray, differential, kVisibleShadow, bounces.of_shadow_ray(), bounces.transparent_left(),
+                      widening);
 }
 
 }  // namespace rayleaf

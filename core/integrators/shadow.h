@@ -8,11 +8,11 @@ namespace rayleaf {
 
 /// Share of the light that reaches `point`. `differential` is the shadow ray's where it leaves the point.
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
-                           const RayDifferential& differential, const Bounces& bounces);
+                           const RayDifferential& differential, const Bounces& bounces, const RayWidening& widening);
 
 /// Share of light that surfaces let straight through along `ray`, which is of the given kind and in the given state;
 /// more than `transparent_left` transparent surfaces let nothing through.
 Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
-                 int transparent_left);
+                 int transparent_left, const RayWidening& widening);
 
 }  // namespace rayleaf

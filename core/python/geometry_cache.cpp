@@ -10,11 +10,8 @@
 namespace rayleaf {
 namespace {
 
-constexpr std::pair<const char*, CacheMode> kModes[] = {
-    {"MULTI", CacheMode::Multi}, {"SINGLE", CacheMode::Single}, {"NONE", CacheMode::None}};
-
 CacheMode mode_named(const std::string& name) {
-    for (const auto& [known, mode] : kModes)
+    for (const auto& [known, mode] : kCacheModes)
         if (name == known) return mode;
     throw InputError("geometry cache", "mode", "'" + name + "'", "MULTI, SINGLE or NONE");
 }
@@ -51,11 +48,15 @@ py::dict geometry_cache_statistics(const GeometryCacheStatistics& s) {
     py::dict levels;
     for (int level = 0; level < kStoredLevels; ++level) {
         const LevelCounters& counters = s.levels[level];
-        levels[kNames[level]] = py::dict("lookups"_a = counters.lookups, "diced"_a = counters.diced,
-                                         "cold"_a = counters.cold, "bypassed"_a = counters.bypassed);
+        const auto lookups = static_cast<double>(std::max(counters.lookups - counters.cold, uint64_t{1}));
+        levels[kNames[level]] =
+            py::dict("lookups"_a = counters.lookups, "diced"_a = counters.diced, "cold"_a = counters.cold,
+                     "misses"_a = counters.recomputed(), "hit_rate"_a = 1.0 - counters.recomputed() / lookups,
+                     "vertices_recomputed"_a = counters.recomputed() * kLevelVertices[level],
+                     "bytes"_a = counters.bytes, "bypassed"_a = counters.bypassed);
     }
-    return py::dict("levels"_a = levels, "parts_diced"_a = s.parts_diced, "bytes"_a = s.bytes, "budget"_a = s.budget,
-                    "cold_counted"_a = s.cold_counted, "vertices_diced"_a = s.vertices_diced(),
+    return py::dict("levels"_a = levels, "splits"_a = s.splits, "parts_diced"_a = s.parts_diced, "bytes"_a = s.bytes,
+                    "budget"_a = s.budget, "cold_counted"_a = s.cold_counted, "vertices_diced"_a = s.vertices_diced(),
                     "vertices_recomputed"_a = s.vertices_recomputed());
 }
 

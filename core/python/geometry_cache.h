@@ -6,6 +6,9 @@
 
 namespace rayleaf {
 
+constexpr std::pair<const char*, CacheMode> kCacheModes[] = {
+    {"MULTI", CacheMode::Multi}, {"SINGLE", CacheMode::Single}, {"NONE", CacheMode::None}};
+
 py::dict geometry_cache_statistics(const GeometryCacheStatistics& statistics);
 /// Settings before the tracer that takes them, tools that take the tracer after it.
 void bind_geometry_cache_settings(py::module_& module);

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "python/bindings.h"
+#include "python/geometry_cache.h"
 
 namespace rayleaf {
 namespace {
@@ -103,8 +104,11 @@ void bind_settings(py::module_& module) {
         .def_readwrite("geometry_cache_megabytes", &Settings::geometry_cache_megabytes)
         .def_readwrite("tessellation_factor", &Settings::tessellation_factor)
         .def_readwrite("stochastic_levels", &Settings::stochastic_levels)
+        .def_readwrite("importance_levels", &Settings::importance_levels)
+        .def_readwrite("least_mirrored_spread", &Settings::least_mirrored_spread)
         .def_readwrite("ray_interpolation", &Settings::ray_interpolation)
         .def_property("passes", &pass_names, &set_passes);
+    bind_choice(settings_class, "geometry_cache_mode", &Settings::geometry_cache_mode, kCacheModes);
     bind_choice(settings_class, "filter", &Settings::filter, kFilters);
     bind_choice(settings_class, "integrator", &Settings::integrator, kIntegrators);
     bind_choice(settings_class, "indirect", &Settings::indirect, kIndirect);

@@ -28,10 +28,18 @@ struct RayDifferential {
     float angle() const { return std::sqrt(std::max(dd_dx.length2(), dd_dy.length2())); }
 };
 
+/// By how much a ray is wider for dicing than its differential says.
+struct RayWidening {
+    float factor = 1;
+    float least_spread = 0;  ///< radians
+};
+
 /// The ray with the width of its differential, for dicing and for ray caches.
-inline Ray with_width(Ray ray, const RayDifferential& differential) {
-    ray.width = ray.neighbour_distance = differential.width_across(Vec3f(ray.direction));
-    ray.spread = ray.neighbour_angle = differential.angle();
+inline Ray with_width(Ray ray, const RayDifferential& differential, const RayWidening& widening = {}) {
+    ray.neighbour_distance = differential.width_across(Vec3f(ray.direction));
+    ray.neighbour_angle = differential.angle();
+    ray.width = ray.neighbour_distance * widening.factor;
+    ray.spread = std::max(ray.neighbour_angle * widening.factor, widening.least_spread);
     return ray;
 }
 

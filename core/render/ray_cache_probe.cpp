@@ -138,7 +138,8 @@ void render_block(const Block& block, const Scene& scene, const Settings& settin
                     static_cast<uint32_t>(y) * static_cast<uint32_t>(settings.width) + static_cast<uint32_t>(x);
                 const Sampler sampler(pixel, static_cast<uint32_t>(s), settings.seed);
                 const Vec2d place = Vec2d(x + 0.5, y + 0.5) + filter.offset(sampler.get2(kFilterDimension));
-                trace_path(scene, path, scene.camera().ray(place, sampler.get2(kLensDimension)), sampler);
+                RayCounts uncounted;
+                trace_path(scene, path, scene.camera().ray(place, sampler.get2(kLensDimension)), sampler, uncounted);
             }
 }
 

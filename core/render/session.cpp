@@ -132,9 +132,12 @@ bool Session::render_pixel(int x, int y, const Frame& frame, PixelSums& sums, Ra
         const Sampler sampler(pixel, static_cast<uint32_t>(s), settings_.seed);
         const Vec2d place = Vec2d(x + 0.5, y + 0.5) + frame.filter.offset(sampler.get2(kFilterDimension));
         const CameraRay ray = scene_->camera().ray(place, sampler.get2(kLensDimension));
-        const PixelSample value = frame.integrator == IntegratorKind::Distribution
-                                      ? trace_distributed(frame.distribution, ray, sampler, counts)
-                                      : trace_path(*scene_, frame.path, ray, sampler);
+        const uint64_t misses = frame.path.wants(Pass::geometry_misses) ? scene_->tracer().thread_misses() : 0;
+        PixelSample value = frame.integrator == IntegratorKind::Distribution
+                                ? trace_distributed(frame.distribution, ray, sampler, counts)
+                                : trace_path(*scene_, frame.path, ray, sampler, counts);
+        if (frame.path.wants(Pass::geometry_misses))
+            value[Pass::geometry_misses].x = static_cast<float>(scene_->tracer().thread_misses() - misses);
         sums.add(value, settings_.passes);
     }
     return true;

@@ -47,12 +47,14 @@ void validate(const Settings& s) {
     check("exposure", s.exposure, 0, 1e10);
     check("geometry cache megabytes", s.geometry_cache_megabytes, -1e9, 1e9);
     check("tessellation factor", s.tessellation_factor, 0.01, 100);
+    check("least mirrored spread", s.least_mirrored_spread, 0, 1);
     validate("settings", s.ray_interpolation);
 }
 
 GeometryCacheSettings geometry_cache_settings(const Settings& s) {
     GeometryCacheSettings cache;
     cache.budget = budget_from_megabytes(s.geometry_cache_megabytes);
+    cache.mode = s.geometry_cache_mode;
     cache.rule.factor = s.tessellation_factor;
     cache.rule.rounding = s.stochastic_levels ? LevelRule::Rounding::Stochastic : LevelRule::Rounding::Up;
     return cache;

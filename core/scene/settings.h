@@ -53,9 +53,16 @@ struct Settings {
     RayInterpolation ray_interpolation;  ///< of objects without one of their own
     /// Memory of the geometry cache; 0 and less: tessellations are not kept.
     double geometry_cache_megabytes = 30;
+    CacheMode geometry_cache_mode = CacheMode::Multi;
     /// How long facets may be, in ray widths, where the surface is not flat enough for longer ones.
     float tessellation_factor = 1;
     bool stochastic_levels = false;  ///< round the level of each ray at random, so that none shows in an animation
+    /// Rays that bring a small share of a pixel's light are taken to be wider, so that its error counts as much as
+    /// others': by the root of that share, four times at most (Christensen et al. 2003, section 7.3, ask how).
+    bool importance_levels = false;
+    /// Rays sent on by surfaces widen at least this fast, radians. For bodies of many small flat mirrors, whose rays
+    /// are narrow and have no order (section 7.2, the disco ball); 0: as their differentials say.
+    float least_mirrored_spread = 0;
 
     std::vector<Pass> passes = {Pass::combined};
 };

@@ -48,7 +48,7 @@ struct alignas(64) GeometryCache::ThreadState {
         bool thrashes = false;
     };
     Level levels[kStoredLevels];
-    Counter parts_diced, part_bytes;
+    Counter splits, parts_diced, part_bytes;
 
     Grid& scratch(const Grid*) { return fine; }
     MediumGrid& scratch(const MediumGrid*) { return medium; }
@@ -156,14 +156,19 @@ GeometryCacheStatistics GeometryCache::statistics() const {
     GeometryCacheStatistics result;
     result.budget = settings_.budget;
     result.cold_counted = seen_ != nullptr;
-    result.bytes = sizeof(*this) + (seen_ ? seen_bytes() : 0) + coarse_->slots.tracking_bytes() +
-                   medium_->slots.tracking_bytes() + fine_->slots.tracking_bytes();
-    result.bytes += coarse_->slots.slots_in_use() * sizeof(CoarseGrid) +
-                    medium_->slots.slots_in_use() * sizeof(MediumGrid) + fine_->slots.slots_in_use() * sizeof(Grid);
+    const auto held = [](const GridSlots& slots, size_t slot_bytes) {
+        return slots.tracking_bytes() + slots.slots_in_use() * slot_bytes;
+    };
+    result.levels[kCoarse].bytes = held(coarse_->slots, sizeof(CoarseGrid));
+    result.levels[kMedium].bytes = held(medium_->slots, sizeof(MediumGrid));
+    result.levels[kFine].bytes = held(fine_->slots, sizeof(Grid));
+    result.bytes = sizeof(*this) + (seen_ ? seen_bytes() : 0);
+    for (const LevelCounters& level : result.levels) result.bytes += level.bytes;
     for (const std::atomic<ThreadState*>& each : states_) {
         const ThreadState* state = each.load(std::memory_order_acquire);
         if (!state) continue;
         result.bytes += sizeof(ThreadState) + state->part_bytes.value() * sizeof(Grid);
+        result.splits += state->splits.value();
         result.parts_diced += state->parts_diced.value();
         for (int level = 0; level < kStoredLevels; ++level) {
             const ThreadState::Level& own = state->levels[level];
@@ -216,6 +221,10 @@ const MediumGrid& GeometryCache::Reader::medium(const Dicer& dicer, uint32_t fir
 const Grid& GeometryCache::Reader::fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
     if (own_state_) return diced_alone(dicer, subpatch, state_->fine);
     return cache_->look_up(*state_, *cache_->fine_, kFine, first + subpatch, dicer, subpatch);
+}
+
+void GeometryCache::Reader::count_split() const {
+    state_->splits.add();
 }
 
 const Grid& GeometryCache::Reader::part(const Dicer& dicer, uint32_t subpatch, const GridPart& part) const {

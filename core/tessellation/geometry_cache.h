@@ -50,14 +50,16 @@ struct LevelCounters {
     uint64_t diced = 0;     ///< tessellations: lookups that found nothing
     uint64_t cold = 0;      ///< of these, the first of their subpatch and level; 0 where not counted
     uint64_t bypassed = 0;  ///< of those diced, the ones that got no slot
+    uint64_t bytes = 0;     ///< of the level's grids that are held now, and of what keeps track of them
 
     uint64_t recomputed() const { return diced - cold; }
 };
 
 struct GeometryCacheStatistics {
     std::array<LevelCounters, kStoredLevels> levels;  ///< coarse to fine
-    uint64_t parts_diced = 0;                         ///< of subpatches split on demand
-    uint64_t bytes = 0;                               ///< held now, everything
+    uint64_t splits = 0;       ///< times that a ray needed a subpatch split: finer than the finest level
+    uint64_t parts_diced = 0;  ///< grids of parts of split subpatches, which are not kept
+    uint64_t bytes = 0;        ///< held now, everything
     uint64_t budget = 0;
     bool cold_counted = true;  ///< false where even a bit for each subpatch and level is too much for the budget
 
@@ -121,6 +123,8 @@ class GeometryCache::Reader {
     const CoarseGrid& coarse(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     const Grid& fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
+    /// Counts a ray that needs a subpatch split.
+    void count_split() const;
     /// Beyond the fine level; not kept. Valid until the thread asks for another part of the same level.
     const Grid& part(const Dicer& dicer, uint32_t subpatch, const GridPart& part) const;
     const LevelRule& rule() const { return cache_->settings_.rule; }

@@ -151,6 +151,7 @@ bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
             return offer_facets(query, SnappedGrid(reader.fine(*dicer_, first_subpatch(), subpatch), levels), subpatch,
                                 levels, t_max);
         default: {
+            reader.count_split();
             const Grid& whole = reader.fine(*dicer_, first_subpatch(), subpatch);
             PartSearch search{query, whole, subpatch, levels, t_max};
             return visit_parts(search, whole, {});

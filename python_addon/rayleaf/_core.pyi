@@ -502,7 +502,10 @@ class Settings:
     irradiance_error: float
     geometry_cache_megabytes: float
     tessellation_factor: float
+    geometry_cache_mode: str
     stochastic_levels: bool
+    importance_levels: bool
+    least_mirrored_spread: float
     ray_interpolation: RayInterpolation
     passes: list[str]
 

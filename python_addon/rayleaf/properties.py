@@ -24,6 +24,11 @@ INDIRECT = (
     ("COLOR_BLEEDING", "Color Bleeding", "Light by way of one more diffuse surface as well"),
 )
 
+CACHE_MODES = (
+    ("MULTI", "Three Resolutions", "Each ray sees facets as fine as its width needs"),
+    ("SINGLE", "One Resolution", "All rays see fine facets; to compare"),
+    ("NONE", "No Cache", "Three resolutions, made anew for each ray; to compare"),
+)
 
 STRAND_SHAPES = (
     ("ROUND", "Round", "Closed tubes with round ends, exact at any distance"),
@@ -126,11 +131,14 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
     )
 
     geometry_cache_size: FloatProperty(  # type: ignore
-        name="Geometry Cache",
+        name="Cache Size (MB)",
         description="Memory for tessellated surfaces, in megabytes; the picture is the same for any",
         default=30.0,
         min=0.0,
         soft_max=4096.0,
+    )
+    geometry_cache_mode: EnumProperty(  # type: ignore
+        name="Cache", description="What is kept of tessellated surfaces", items=CACHE_MODES, default="MULTI"
     )
     tessellation_factor: FloatProperty(  # type: ignore
         name="Tessellation Factor",
@@ -144,6 +152,20 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         description="Choose between two levels of tessellation at random for each ray, so that no change of level"
         " shows in an animation",
         default=False,
+    )
+    use_importance_levels: BoolProperty(  # type: ignore
+        name="Coarser Where Dim",
+        description="Rays that bring little of a pixel's light see coarser facets: faster, where there are many such",
+        default=False,
+    )
+    least_mirrored_spread: FloatProperty(  # type: ignore
+        name="Widen Mirrored Rays",
+        description="Rays that surfaces send on open up by at least this angle, for dicing alone: faster behind bodies"
+        " of many small flat mirrors. 0: as much as they do",
+        subtype="ANGLE",
+        default=0.0,
+        min=0.0,
+        max=1.0,
     )
 
     strand_shape: EnumProperty(name="Shape", description="What hair is", items=STRAND_SHAPES)  # type: ignore

@@ -141,6 +141,19 @@ class RayleafViewLayerSettings(bpy.types.PropertyGroup):
         default=False,
         update=_update_passes,
     )
+    use_pass_level: BoolProperty(  # type: ignore
+        name="Level",
+        description="How finely the surface was diced that each pixel's ray hit: 1, 2, 3 for 1, 4, 16 quads along a "
+        "part's side, more where parts were split on demand; 0 elsewhere",
+        default=False,
+        update=_update_passes,
+    )
+    use_pass_cache_misses: BoolProperty(  # type: ignore
+        name="Cache Misses",
+        description="How many tessellations each sample had to make, which the geometry cache did not hold",
+        default=False,
+        update=_update_passes,
+    )
 
 
 CLASSES = (

@@ -49,5 +49,8 @@ def core_settings(
         geometry_cache_megabytes=own.geometry_cache_size,
         tessellation_factor=own.tessellation_factor,
         stochastic_levels=own.use_stochastic_levels,
+        geometry_cache_mode=own.geometry_cache_mode,
+        importance_levels=own.use_importance_levels,
+        least_mirrored_spread=own.least_mirrored_spread,
         passes=[entry.identifier for entry in passes],
     )

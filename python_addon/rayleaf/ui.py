@@ -197,10 +197,27 @@ class RAYLEAF_PT_performance(_Panel, bpy.types.Panel):
         threads.enabled = render.threads_mode == "FIXED"
         threads.prop(render, "threads")
         column.prop(context.scene.rayleaf, "tile_size")
-        column.prop(context.scene.rayleaf, "geometry_cache_size")
-        column.prop(context.scene.rayleaf, "tessellation_factor")
-        column.prop(context.scene.rayleaf, "use_stochastic_levels")
         column.prop(context.scene.rayleaf, "texture_memory")
+
+
+class RAYLEAF_PT_tessellation(_Panel, bpy.types.Panel):
+    """How finely surfaces are diced, and what is kept of it."""
+
+    bl_label = "Tessellation"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Any) -> None:
+        column, settings = self._column(), context.scene.rayleaf
+        column.prop(settings, "geometry_cache_mode")
+        size = column.row()
+        size.active = settings.geometry_cache_mode != "NONE"
+        size.prop(settings, "geometry_cache_size")
+        levels = column.column()
+        levels.active = settings.geometry_cache_mode != "SINGLE"
+        levels.prop(settings, "tessellation_factor", text="Factor")
+        levels.prop(settings, "use_stochastic_levels")
+        levels.prop(settings, "use_importance_levels")
+        levels.prop(settings, "least_mirrored_spread")
 
 
 class RAYLEAF_PT_passes(_Panel, bpy.types.Panel):

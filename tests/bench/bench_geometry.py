@@ -128,8 +128,8 @@ class Reach:
         self.rows.append({"name": name, "unit": f"({sign} {wanted:g})", "values": [got]})
 
 
-def embree(surface: Any, rays: Rays) -> tuple[float, float, float] | None:
-    """Mrays/s, bytes and seconds to build of Embree's full grid; None where memory does not allow it."""
+def embree(surface: Any, rays: Rays) -> tuple[float, float, float]:
+    """Mrays/s, bytes and seconds to build of Embree's full grid."""
     begin = time.perf_counter()
     grid = _core.trace.EmbreeBaseline(surface, "GRID", eye=list(bench_trace.EYE))
     build = time.perf_counter() - begin
@@ -142,15 +142,14 @@ def embree(surface: Any, rays: Rays) -> tuple[float, float, float] | None:
 def compare_fitting(reach: Reach, width: int) -> None:
     """A scene that fits: is it slower for having the cache?"""
     surface = bench_trace.scene(FITTING_RESOLUTION)
-    rays = mixed_rays(made(surface, DEFAULT_BUDGET, "MULTI")[0], width)
+    rays = {mode: mixed_rays(made(surface, 1000, mode)[0], width) for mode in ("MULTI", "SINGLE")}
     speeds = {}
     for mode in ("SINGLE", "MULTI", "SINGLE", "MULTI"):
-        speed = measured(made(surface, 1000, mode)[0], rays, mode, 1000)[0].speed
+        speed = measured(made(surface, 1000, mode)[0], rays[mode], mode, 1000)[0].speed
         speeds[mode] = max(speeds.get(mode, 0.0), speed)
-    grid = embree(surface, rays)
-    assert grid is not None
+    grid = embree(surface, rays["SINGLE"])
     print(
-        f"\nA scene that fits, {len(rays['origins'])} rays: multi {speeds['MULTI']:.3f} Mrays/s, all fine and kept",
+        f"\nA scene that fits, {len(rays['MULTI']['origins'])} rays: multi {speeds['MULTI']:.3f} Mrays/s, all fine and kept",
         end=" ",
     )
     print(f"{speeds['SINGLE']:.3f}, Embree's grid {grid[0]:.3f}")
@@ -162,15 +161,18 @@ def run(quick: bool = False) -> list[Row]:
     """Prints the tables; `quick`: 10^4 subpatches, to see that it works."""
     surface = bench_trace.scene(QUICK_RESOLUTION if quick else RESOLUTION)
     reference, build = made(surface, DEFAULT_BUDGET, "MULTI")
-    rays = mixed_rays(reference, QUICK_WIDTH if quick else WIDTH)
+    width = QUICK_WIDTH if quick else WIDTH
+    # Rays that leave a surface start on the facets of the mode.
+    rays = {"MULTI": mixed_rays(reference, width), "SINGLE": mixed_rays(made(surface, 1000, "SINGLE")[0], width)}
+    rays["NONE"] = rays["MULTI"]
     subpatches = reference.statistics()["subpatches"]
     full = 12 * 289 * subpatches / 1e6
     print(
-        f"{subpatches} subpatches, {full:.0f} MB if all were diced, {len(rays['origins'])} rays; built in {build:.2f} s"
+        f"{subpatches} subpatches, {full:.0f} MB if all were diced, {len(rays['MULTI']['origins'])} rays; built in {build:.2f} s"
     )
-    multi, single = (sweep(surface, rays, mode) for mode in ("MULTI", "SINGLE"))
+    multi, single = (sweep(surface, rays[mode], mode) for mode in ("MULTI", "SINGLE"))
     at = {(figures.mode, figures.megabytes): figures for figures in multi + single}
-    nothing = {mode: measured(made(surface, 0, mode)[0], rays, mode, 0)[0] for mode in ("NONE", "SINGLE")}
+    nothing = {mode: measured(made(surface, 0, mode)[0], rays[mode], mode, 0)[0] for mode in ("NONE", "SINGLE")}
     print("\nnothing is kept")
     for mode, name in (("NONE", "three levels"), ("SINGLE", "fine alone")):
         vertices = nothing[mode].counters["vertices_diced"] / 1e6
@@ -184,7 +186,7 @@ def run(quick: bool = False) -> list[Row]:
         end="",
     )
     print(f", Embree's tree {held['bvh_bytes'] / 1e6:.0f} MB")
-    grid = embree(surface, rays) if free_bytes() > 1.5 * EMBREE_BYTES_PER_SUBPATCH * subpatches else None
+    grid = embree(surface, rays["SINGLE"]) if free_bytes() > 1.5 * EMBREE_BYTES_PER_SUBPATCH * subpatches else None
     reach = Reach()
     if grid:
         print(f"Embree's full grid: {grid[0]:.3f} Mrays/s, {grid[1] / 1e6:.0f} MB, built in {grid[2]:.1f} s")
@@ -201,7 +203,7 @@ def run(quick: bool = False) -> list[Row]:
     reach.add("vertices computed again, 100 MB single over 1 MB multi", again["SINGLE", 100] / again["MULTI", 1], 10)
     reach.add("speed over a single resolution", default.speed / at["SINGLE", DEFAULT_BUDGET].speed, 1.0)
     reach.add("speed over no cache", default.speed / nothing["NONE"].speed, 1.0)
-    compare_fitting(reach, QUICK_WIDTH if quick else WIDTH)
+    compare_fitting(reach, width)
     count = QUICK_SHELL_RAYS if quick else SHELL_RAYS
     reach.add(f"parity errors of {count} rays through a shell of mixed levels", cracks_in_shells(count), 0, most=True)
     speeds = [{"name": f"{each.name}: speed", "unit": "Mrays/s", "values": [each.speed]} for each in at.values()]

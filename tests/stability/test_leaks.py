@@ -50,6 +50,7 @@ SHELLS = {
     "round strand": lambda: strand("CATMULL_ROM", False),
     "closed round strand": lambda: strand("BSPLINE", True),
 }
+SPLINE_SHELLS = list(SHELLS)[:3]  # those that have levels
 PLACES = {"at the origin": (0.0, 1.0), "at 1e3": (1e3, 1.0), "at 1e6": (1e6, 1.0), "tiny": (1.0, 1e-6),
           "huge": (0.0, 1e6)}  # fmt: skip
 
@@ -86,3 +87,28 @@ def test_as_many_rays_leave_a_closed_shell_as_enter_it(name, place):
         wrong += parity_errors(tracer, origins * scale + offset, directions)
     # A ray through a sharp edge of a mesh may meet one of its two faces only: its direction is parallel to the other.
     check_bound(f"{name} {place}, {count} rays", "rays that leaked", wrong, 0, "rays")
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("name", SPLINE_SHELLS)
+def test_rays_of_all_widths_cross_a_shell_of_mixed_levels_as_often_inwards_as_outwards(name, place):
+    offset, scale = PLACES[place]
+    tracer = shapes.trace.Tracer([(SHELLS[name](), shapes.moved(offset, scale), shapes.EVERYTHING)])
+    random = np.random.default_rng(22)
+    count = max(1, RAYS // (len(SPLINE_SHELLS) * len(PLACES)))
+    wrong = 0
+    for begin in range(0, count, BATCH):
+        number = min(BATCH, count - begin)
+        origins = 4.0 * shapes.random_directions(random, number)
+        directions = shapes.unit(random.uniform(-1, 1, (number, 3)) - origins)
+        width, spread = (10 ** random.uniform(-6, 0, number) for _ in range(2))
+        wrong += shapes.trace.cracks(
+            tracer,
+            origins * scale + offset,
+            directions,
+            (width * scale).astype(np.float32),
+            spread.astype(np.float32),
+            inside=False,
+            merge=1e-6 * scale,
+        ).sum()
+    check_bound(f"{name} {place}, {count} rays of all widths", "parity errors", int(wrong), 0, "rays")

@@ -1,0 +1,197 @@
+"""The geometry cache under whole renders: levels, settings, passes, statistics, what a wrong setting says."""
+
+import numpy as np
+import pytest
+from path_scenes import material, render
+from scenes import background, emission, look_down, matrix, quad, sphere_spline
+
+LEVELS = ("coarse", "medium", "fine")
+CACHE_PASSES = ["combined", "geometry_level", "geometry_misses", "object_index"]
+
+
+def balls_scene(core):
+    """A mirror and diffuse balls of splines over a mesh, under a lamp and a world."""
+    scene = core.SceneDescription()
+    ball = scene.add_surface("ball", [sphere_spline(core)])
+    grey = material(core, scene, ("diffuse", 1.0, 0.7), name="grey")
+    chrome = material(core, scene, ("glossy", 1.0, 0.9, 0.0, "SHARP"), name="chrome")
+    scene.add_instance("chrome", ball, matrix((-0.9, 0, 0), 0.8), chrome, object_index=1)
+    scene.add_instance("near", ball, matrix((0.9, 0, 0.2), 0.8), grey, object_index=1)
+    scene.add_instance("small", ball, matrix((0.1, 1.2, -0.5), 0.3), grey, object_index=1)
+    scene.add_instance("floor", quad(scene, "floor", 5.0, -1.0), matrix(), grey, object_index=2)
+    scene.add_lamp("key", "POINT", matrix((2, -3, 4)), (300, 280, 250), radius=0.5)
+    scene.set_world(background(core, (0.2, 0.3, 0.4)), 0)
+    look_down(scene, 6.0, 0.5)
+    return scene
+
+
+def cache_of(session):
+    return session.statistics()["geometry_cache"]
+
+
+def share_of_lookups(session, *levels):
+    counters = cache_of(session)["levels"]
+    return sum(counters[name]["lookups"] for name in levels) / sum(counters[name]["lookups"] for name in LEVELS)
+
+
+@pytest.mark.parametrize("integrator", ["PATH", "DISTRIBUTION"])
+def test_neither_budget_nor_threads_nor_having_no_cache_change_a_picture(core, integrator):
+    scene = balls_scene(core)
+    ways = [dict(geometry_cache_megabytes=size) for size in (30.0, 0.3, 1e-6, 0.0, -5.0)]
+    ways += [dict(geometry_cache_mode="NONE"), dict(threads=1), dict(threads=3, tile_size=7)]
+    for levels in (dict(), dict(stochastic_levels=True, importance_levels=True, least_mirrored_spread=0.05)):
+        pictures = [
+            render(core, scene, size=20, samples=2, integrator=integrator, **levels, **way).pass_pixels("combined")
+            for way in ways
+        ]
+        for way, picture in zip(ways, pictures):
+            np.testing.assert_array_equal(picture, pictures[0], err_msg=f"{integrator}, {levels}, {way}")
+
+
+def test_a_single_resolution_is_fine_for_all_rays_and_looks_the_same(core):
+    scene = balls_scene(core)
+    sessions = {
+        mode: render(core, scene, size=48, samples=16, geometry_cache_mode=mode, passes=CACHE_PASSES)
+        for mode in ("MULTI", "SINGLE")
+    }
+    assert share_of_lookups(sessions["SINGLE"], "fine") == 1.0
+    assert share_of_lookups(sessions["MULTI"], "coarse", "medium") > 0.5
+    on_patches = sessions["SINGLE"].pass_pixels("geometry_level")[..., 0] > 0
+    assert set(np.unique(sessions["SINGLE"].pass_pixels("geometry_level"))) == {0.0, 3.0} and on_patches.any()
+    several, single = (sessions[mode].pass_pixels("combined")[..., :3] for mode in ("MULTI", "SINGLE"))
+    assert several.mean() == pytest.approx(single.mean(), rel=2e-3)
+    # Of a tenth of a pixel a silhouette shows a tenth of its contrast.
+    assert np.sqrt(np.mean((several - single) ** 2)) < 0.02
+
+
+def test_the_pass_of_levels_tells_patches_from_the_rest_and_wide_pixels_from_narrow(core):
+    means = []
+    for size in (8, 64):
+        session = render(core, balls_scene(core), size=size, samples=1, passes=CACHE_PASSES)
+        level, index = session.pass_pixels("geometry_level"), session.pass_pixels("object_index")
+        assert ((level > 0) == (index == 1)).all()
+        assert set(np.unique(level)) <= {0, 1, 2, 3, 4, 5, 6}
+        means.append(level[index == 1].mean())
+    assert means[0] <= means[1]
+
+
+@pytest.mark.parametrize("integrator", ["PATH", "DISTRIBUTION"])
+def test_the_pass_of_misses_adds_up_to_all_tessellations(core, integrator):
+    settings = dict(size=24, samples=4, integrator=integrator, passes=CACHE_PASSES)
+    for megabytes in (30.0, 0.3, 0.0):
+        session = render(core, balls_scene(core), geometry_cache_megabytes=megabytes, **settings)
+        statistics = cache_of(session)
+        all_diced = sum(statistics["levels"][name]["diced"] for name in LEVELS) + statistics["parts_diced"]
+        assert 4 * session.pass_pixels("geometry_misses").sum(dtype=np.float64) == pytest.approx(all_diced, rel=1e-6)
+
+
+def test_the_statistics_count_rays_by_kind_and_tell_each_level(core):
+    for integrator in ("PATH", "DISTRIBUTION"):
+        session = render(
+            core, balls_scene(core), size=16, samples=4, integrator=integrator, geometry_cache_megabytes=0.35
+        )
+        statistics = session.statistics()
+        rays = statistics["rays"]
+        assert rays["camera"] >= rays["paths"] == 4 * 256 and min(rays[kind] for kind in ("specular", "shadow")) > 0
+        assert rays["hemisphere"] > 0, integrator
+        cache, vertices = statistics["geometry_cache"], {"coarse": 4, "medium": 25, "fine": 289}
+        assert cache["bytes"] >= sum(cache["levels"][name]["bytes"] for name in LEVELS) > 0
+        assert cache["vertices_recomputed"] == sum(cache["levels"][name]["vertices_recomputed"] for name in LEVELS)
+        for name in LEVELS:
+            level = cache["levels"][name]
+            assert level["misses"] == level["diced"] - level["cold"] >= 0 and level["bypassed"] <= level["diced"]
+            assert level["vertices_recomputed"] == vertices[name] * level["misses"]
+            found = level["lookups"] - level["diced"]
+            assert level["hit_rate"] == pytest.approx(found / max(level["lookups"] - level["cold"], 1)) or found == 0
+
+
+def test_dim_rays_see_coarser_facets_on_demand(core):
+    sessions = [
+        render(core, balls_scene(core), size=48, samples=8, importance_levels=on, integrator="DISTRIBUTION")
+        for on in (False, True)
+    ]
+    assert share_of_lookups(sessions[1], "coarse") > share_of_lookups(sessions[0], "coarse")
+    bright, dim = (session.pass_pixels("combined")[..., :3].mean() for session in sessions)
+    assert dim == pytest.approx(bright, rel=0.01)
+
+
+def test_mirrored_rays_widen_on_demand(core):
+    """The disco ball: many flat mirrors, whose rays are narrow and go everywhere."""
+    random = np.random.default_rng(1)
+    facets = random.normal(size=(400, 3, 3)) * 0.03 + random.normal(size=(400, 1, 3)) * 0.4
+    scene = core.SceneDescription()
+    chrome = material(core, scene, ("glossy", 1.0, 1.0, 0.0, "SHARP"), name="chrome")
+    triangles = np.arange(1200, dtype=np.int32).reshape(-1, 3)
+    disco = scene.add_mesh("disco", facets.reshape(-1, 3).astype(np.float32), triangles)
+    scene.add_instance("disco", disco, matrix(), chrome)
+    glow = scene.add_material_list([scene.add_material("glow", emission(core))])
+    ball = scene.add_surface("ball", [sphere_spline(core)])
+    for x, y in ((-3, 0), (3, 0), (0, 3), (0, -3)):
+        scene.add_instance(f"ball {x} {y}", ball, matrix((x, y, 1)), glow)
+    look_down(scene, 6.0, 0.25)
+    narrow, wide = (
+        render(core, scene, size=96, samples=1, least_mirrored_spread=spread) for spread in (0.0, np.radians(10.0))
+    )
+    assert share_of_lookups(wide, "coarse") > share_of_lookups(narrow, "coarse") + 0.2
+    means = [session.pass_pixels("combined")[..., :3].mean() for session in (narrow, wide)]
+    assert means[1] == pytest.approx(means[0], rel=0.05)
+
+
+def test_what_a_magnifying_glass_shows_is_split_beyond_the_finest_level(core):
+    def picture(**settings):
+        scene = core.SceneDescription()
+        ball = scene.add_surface("ball", [sphere_spline(core)])
+        lens = material(core, scene, ("refraction", 1.0, 1.0, 0.0, 1.5, "SHARP"), name="lens")
+        glow = scene.add_material_list([scene.add_material("glow", emission(core))])
+        scene.add_instance("lens", ball, matrix(), lens)
+        # Behind the ball's focus, three halves of its radius from its middle; tiny, and not in the picture's middle.
+        scene.add_instance("speck", ball, matrix((0.005, 0.002, -1.53), 0.02), glow)
+        look_down(scene, 20.0, 0.04)
+        session = render(core, scene, size=64, samples=9, **settings)
+        return session.pass_pixels("combined")[..., 0].astype(float), cache_of(session)
+
+    (several, counters), (single, _), (finer, _) = (
+        picture(),
+        picture(geometry_cache_mode="SINGLE"),
+        picture(tessellation_factor=0.05),
+    )
+    assert counters["splits"] > 0 and counters["parts_diced"] > 0
+    off, single_off = (np.sqrt(np.mean((image - finer) ** 2)) for image in (several, single))
+    assert 0.02 < finer.mean() < 0.98
+    assert off < 0.5 * single_off, (off, single_off)
+
+
+@pytest.mark.parametrize("integrator, rays", [("PATH", 1), ("DISTRIBUTION", 64)])
+def test_the_error_of_occlusion_is_at_most_two_thousandths(core, integrator, rays):
+    scene = balls_scene(core)
+    settings = dict(size=32, samples=256 // rays, integrator=integrator, hemisphere_rays=rays)
+    several, single = (
+        render(core, scene, geometry_cache_mode=mode, passes=["ambient_occlusion"], **settings)
+        .pass_pixels("ambient_occlusion")[..., 0]
+        .astype(float)
+        for mode in ("MULTI", "SINGLE")
+    )
+    # Equal random numbers: the noise is the same, but where the camera's ray meets another facet.
+    assert 0.3 < several.mean() < 0.95
+    assert np.sqrt(np.mean((several - single) ** 2)) <= 0.002
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("geometry_cache_megabytes", float("nan")),
+        ("geometry_cache_megabytes", float("inf")),
+        ("tessellation_factor", 0.0),
+        ("tessellation_factor", float("nan")),
+        ("least_mirrored_spread", -0.1),
+        ("least_mirrored_spread", float("nan")),
+    ],
+)
+def test_a_setting_out_of_its_range_is_named(core, name, value):
+    with pytest.raises(core.InputError, match=name.replace("_", " ")):
+        render(core, balls_scene(core), **{name: value})
+
+
+def test_an_unknown_cache_is_refused_with_those_there_are(core):
+    with pytest.raises(core.InputError, match="MULTI, SINGLE, NONE"):
+        core.Settings(geometry_cache_mode="HUGE")
