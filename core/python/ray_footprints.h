@@ -20,8 +20,10 @@ struct RayArrays {
         ray.direction = {d[0], d[1], d[2]};
         ray.t_min = t_min.data()[t_min.size() == 1 ? 0 : i];
         ray.t_max = t_max.data()[t_max.size() == 1 ? 0 : i];
-        if (width.size() > 0) ray.width = width.data()[width.size() == 1 ? 0 : i];
-        if (spread.size() > 0) ray.spread = spread.data()[spread.size() == 1 ? 0 : i];
+        const auto one = [i](const Array<float>& of) {
+            return of.size() == 0 ? 0.0f : of.data()[of.size() == 1 ? 0 : i];
+        };
+        ray.beam = RayBeam::cone(one(width), one(spread));
         if (starts.size() > 0) {
             const uint32_t* start = starts.data() + 3 * i;
             ray.start = {start[0], start[1], start[2]};

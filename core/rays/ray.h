@@ -19,16 +19,33 @@ struct RayAnchor {
     uint32_t levels = 0;    ///< tessellation/level.h: SubpatchLevels::packed
 };
 
+/// How wide what a ray stands for is, by the distance t along it (Christensen et al. 2003, section 4): the distances to
+/// the two rays that its differential tells of, across the ray. Their squares are polynomials, so a beam that narrows
+/// towards a focus is narrow there and wide again behind it.
+struct RayBeam {
+    /// Squared distance: a + b t + c t².
+    struct Side {
+        float a = 0, b = 0, c = 0;
+    };
+    Side sides[2];
+
+    /// `width` at the origin, `spread` radians more of it along the ray; less, if negative.
+    static RayBeam cone(float width, float spread) {
+        const Side side{width * width, 2 * width * spread, spread * spread};
+        return {{side, side}};
+    }
+    /// False for a ray that stands for itself alone.
+    bool has_width() const { return sides[0].a > 0.0f || sides[0].c > 0.0f || sides[1].a > 0.0f || sides[1].c > 0.0f; }
+};
+
 struct Ray {
     Vec3d origin{0, 0, 0};                                   ///< world units
     Vec3d direction{0, 0, 1};                                ///< unit length, points away from the origin
     double t_min = 0.0;                                      ///< hits nearer than this are ignored, world units
     double t_max = std::numeric_limits<double>::infinity();  ///< and those beyond this
 
-    /// What the ray stands for is `width + spread t` wide (Christensen et al. 2003, section 4): surfaces are diced as
-    /// finely as that needs. Both zero: as finely as the view asks for.
-    float width = 0.0f;   ///< at the origin, world units
-    float spread = 0.0f;  ///< radians
+    /// Surfaces are diced as finely as this needs; without a width, as finely as the view asks for. World units.
+    RayBeam beam;
     RayAnchor start, end;
 
     /// For ray caches: the instance that the ray leaves, if any, and how far the rays of this picture beside it are.

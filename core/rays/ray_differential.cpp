@@ -49,11 +49,26 @@ float share_width(float density, int rays) {
     return shares > 1.0f / (kWidest * kWidest) ? 1.0f / std::sqrt(shares) : kWidest;
 }
 
+RayBeam RayDifferential::beam(const Vec3f& direction, const RayWidening& widening) const {
+    const auto side = [&](const Vec3f& dp, const Vec3f& dd) {
+        const Vec3f across = dp - direction * dp.dot(direction);
+        const float squared = widening.factor * widening.factor;
+        RayBeam::Side result{across.length2() * squared, 2 * across.dot(dd) * squared, dd.length2() * squared};
+        const float least = widening.least_spread;
+        if (result.c < least * least) result = {result.a, 2 * std::sqrt(result.a) * least, least * least};
+        return result;
+    };
+    return {{side(dp_dx, dd_dx), side(dp_dy, dd_dy)}};
+}
+
 RayDifferential widened(const RayDifferential& in, const Vec3f& new_direction, float angle) {
     Vec3f tangent, bitangent;
     orthonormal_basis(new_direction, tangent, bitangent);
+    const Vec3f across = in.dp_dx - new_direction * in.dp_dx.dot(new_direction);
+    tangent = normalized_or(across, tangent);
+    bitangent = new_direction.cross(tangent);
     const float wide = std::max(in.angle(), angle);
-    return {in.dp_dx, in.dp_dy, tangent * wide, bitangent * wide};
+    return {in.dp_dx, in.dp_dy, tangent * wide, bitangent * std::copysign(wide, in.dp_dy.dot(bitangent))};
 }
 
 }  // namespace rayleaf

@@ -7,6 +7,12 @@
 
 namespace rayleaf {
 
+/// By how much a ray is wider for dicing than its differential says.
+struct RayWidening {
+    float factor = 1;
+    float least_spread = 0;  ///< radians
+};
+
 struct RayDifferential {
     Vec3f dp_dx{0, 0, 0}, dp_dy{0, 0, 0};  ///< change of the origin per pixel step, world units
     Vec3f dd_dx{0, 0, 0}, dd_dy{0, 0, 0};  ///< change of the unit direction per pixel step, radians
@@ -24,22 +30,17 @@ struct RayDifferential {
         };
         return std::sqrt(std::max(squared(dp_dx), squared(dp_dy)));
     }
+    /// Of a ray along the unit `direction`.
+    RayBeam beam(const Vec3f& direction, const RayWidening& widening) const;
     /// Length of the larger of the two direction vectors: how fast the ray widens, radians.
     float angle() const { return std::sqrt(std::max(dd_dx.length2(), dd_dy.length2())); }
-};
-
-/// By how much a ray is wider for dicing than its differential says.
-struct RayWidening {
-    float factor = 1;
-    float least_spread = 0;  ///< radians
 };
 
 /// The ray with the width of its differential, for dicing and for ray caches.
 inline Ray with_width(Ray ray, const RayDifferential& differential, const RayWidening& widening = {}) {
     ray.neighbour_distance = differential.width_across(Vec3f(ray.direction));
     ray.neighbour_angle = differential.angle();
-    ray.width = ray.neighbour_distance * widening.factor;
-    ray.spread = std::max(ray.neighbour_angle * widening.factor, widening.least_spread);
+    ray.beam = differential.beam(Vec3f(ray.direction), widening);
     return ray;
 }
 
@@ -58,7 +59,8 @@ RayDifferential refracted(const RayDifferential& incoming, const Vec3f& directio
 /// linear change of direction means nothing (Christensen et al. 2003, sections 4.4 to 4.6).
 float share_width(float density, int rays);
 
-/// Differential after a scatter over a wide lobe: directions open up to at least `angle` radians. Distribution ray
+/// Differential after a scatter over a wide lobe: directions open up to at least `angle` radians, so that the beam only
+/// grows. Distribution ray
 /// tracing's rule for a fraction of the hemisphere (Christensen et al. 2003, section 4.2).
 RayDifferential widened(const RayDifferential& incoming, const Vec3f& new_direction, float angle);
 

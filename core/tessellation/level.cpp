@@ -188,15 +188,32 @@ float fine_facet_distance(const SubpatchDetail& detail) {
     return DetailCode::length(detail.inner_bend) / static_cast<float>(kGridCells * kGridCells);
 }
 
-LevelChooser::LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, float width,
-                           float spread)
-    : fixed_(rule.resolution == LevelRule::Resolution::Single || !(width > 0.0f || spread > 0.0f)),
-      distance_(rule.distance) {
+LevelChooser::LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, const RayBeam& beam,
+                           float stretch)
+    : fixed_(rule.resolution == LevelRule::Resolution::Single || !beam.has_width()),
+      distance_(rule.distance),
+      stretch_(stretch) {
     for (int axis = 0; axis < 3; ++axis) origin_[axis] = static_cast<float>(origin[axis]);
     // A level up is sixteen times as many quads: a share of it at random rounds down with the share's probability.
     if (rule.rounding == LevelRule::Rounding::Stochastic) rounding_ = std::exp2(-4.0f * ray_random(origin, direction));
-    width_ = width * rule.factor;
-    spread_ = spread * rule.factor;
+    const float squared = rule.factor * rule.factor;
+    for (int i = 0; i < 2; ++i) {
+        const RayBeam::Side& side = beam.sides[i];
+        beam_.sides[i] = {side.a * squared, side.b * squared, side.c * squared};
+        narrowest_[i] = side.b < 0.0f && side.c > 0.0f ? -0.5f * side.b / side.c : 0.0f;
+    }
+}
+
+/// The least width between two distances: the geometric mean of the two sides, for of a beam that is wide one way and
+/// narrow the other, neither is what its facets should be.
+float LevelChooser::width(float near, float far) const {
+    float product = 1.0f;
+    for (int i = 0; i < 2; ++i) {
+        const float t = std::min(std::max(narrowest_[i], near), far);
+        const RayBeam::Side& side = beam_.sides[i];
+        product *= std::max(side.a + t * (side.b + t * side.c), 0.0f);
+    }
+    return std::sqrt(std::sqrt(product));
 }
 
 void LevelChooser::anchor(const SubpatchDetail& detail, uint32_t subpatch, uint32_t packed_levels) {
@@ -216,11 +233,11 @@ SubpatchLevels LevelChooser::chosen(const SubpatchDetail& detail, uint32_t subpa
         for (int i = 0; i < kBorders; ++i) {
             const float dx = detail.x[i] - origin_[0], dy = detail.y[i] - origin_[1], dz = detail.z[i] - origin_[2];
             const float border = kCoded.value[detail.length[i]], half = 0.5f * border;
-            const float away = std::max(std::sqrt(dx * dx + dy * dy + dz * dz) - half, kNearestShare * half);
-            const float width = width_ + spread_ * away;
-            finest_width = std::min(finest_width, width);
-            const float quads = border / std::max(width, kSmallestQuad);
-            const float bent = kCoded.value[detail.bend[i]] / std::max(distance_ * width, kSmallestDistance);
+            const float away = std::sqrt(dx * dx + dy * dy + dz * dz);
+            const float wide = width(std::max(away - half, kNearestShare * half), (away + half) * stretch_);
+            finest_width = std::min(finest_width, wide);
+            const float quads = border / std::max(wide, kSmallestQuad);
+            const float bent = kCoded.value[detail.bend[i]] / std::max(distance_ * wide, kSmallestDistance);
             levels.border[i] = static_cast<uint8_t>(level_for(std::min(quads * quads, bent) * rounding_));
         }
         const float quads = kCoded.value[detail.inner_length] / std::max(finest_width, kSmallestQuad);

@@ -95,8 +95,9 @@ struct LevelRule {
 class LevelChooser {
   public:
     LevelChooser() = default;
-    /// All are local.
-    LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, float width, float spread);
+    /// All are local. Places at a distance d from the origin are met at a `t` of the beam from d to `stretch` d.
+    LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, const RayBeam& beam,
+                 float stretch);
 
     /// The ray sees fine grids, as one without a width.
     void see_fine() { fixed_ = true; }
@@ -113,11 +114,14 @@ class LevelChooser {
         SubpatchLevels levels;
     };
     bool fixed_ = true;  ///< the ray has no width: fine
-    float distance_ = 0, origin_[3] = {0, 0, 0}, width_ = 0, spread_ = 0;
-    float rounding_ = 1;  ///< the wanted number of quads is multiplied by this
+    float distance_ = 0, origin_[3] = {0, 0, 0}, stretch_ = 1;
+    RayBeam beam_;          ///< times the rule's factor
+    float narrowest_[2]{};  ///< t at which a side of the beam is
+    float rounding_ = 1;    ///< the wanted number of quads is multiplied by this
     int anchors_ = 0;
     std::array<Anchor, 2> anchor_{};
 
+    float width(float near, float far) const;
     SubpatchLevels chosen(const SubpatchDetail& detail, uint32_t subpatch) const;
 };
 

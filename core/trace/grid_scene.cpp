@@ -78,7 +78,7 @@ void GridScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
 void GridScene::prepare(ShapeQuery& query) const {
     if (details_.empty()) return;
     const LocalRay& ray = *query.ray;
-    query.levels = LevelChooser(query.reader->rule(), ray.origin, ray.direction, ray.width, ray.spread);
+    query.levels = LevelChooser(query.reader->rule(), ray.origin, ray.direction, ray.beam, ray.stretch);
     for (const RayAnchor& anchor : ray.anchors) {
         if (anchor.instance == RayAnchor::kNone) continue;
         if (anchor.subpatch == RayAnchor::kNoFacet) query.levels.see_fine();

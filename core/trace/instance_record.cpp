@@ -65,8 +65,11 @@ std::optional<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& wor
     std::optional<LocalRay> local = clipped_ray(scene->box(), point_to_local(world_ray.origin),
                                                 vector_to_local(world_ray.direction), world_ray.t_min, t_max);
     if (!local) return local;
-    local->width = world_ray.width * shrink;
-    local->spread = world_ray.spread * widening;
+    for (int i = 0; i < 2; ++i) {
+        const RayBeam::Side& world = world_ray.beam.sides[i];
+        local->beam.sides[i] = {world.a * shrink * shrink, world.b * shrink * widening, world.c * widening * widening};
+    }
+    local->stretch = 1.0f / widening;
     if (world_ray.start.instance == index) local->anchors[0] = world_ray.start;
     if (world_ray.end.instance == index) local->anchors[1] = world_ray.end;
     return local;

@@ -30,8 +30,9 @@ struct LocalRay {
     Vec3d direction{0, 0, 1};     ///< local units per world unit, not unit length: t is the world ray's
     double t_min = 0, t_max = 0;  ///< world units
 
-    float width = 0, spread = 0;                    ///< Ray's, local
-    RayAnchor anchors[2];                           ///< Ray's start and end where they lie on this instance; else none
+    RayBeam beam;          ///< Ray's, local; a unit of t in it is the shortest that the instance makes of a local unit
+    float stretch = 1;     ///< the longest over that
+    RayAnchor anchors[2];  ///< Ray's start and end where they lie on this instance; else none
     const GeometryCache::Reader* reader = nullptr;  ///< of this thread; null: the shape gets one
 
     double start = 0;                ///< t of the float ray's origin

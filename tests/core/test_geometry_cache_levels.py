@@ -153,3 +153,31 @@ def test_stochastic_rounding_is_the_same_for_the_same_ray_and_coarser_for_some()
     rounded = own_level(first["anchors"])
     # Where two levels touch, a ray may hit another subpatch than before; up to a level coarser is all that may happen.
     assert 0.1 < (rounded < up).mean() < 0.9 and (rounded > up).mean() < 0.01
+
+
+def test_a_beam_that_narrows_sees_finer_facets_near_its_focus_than_before_and_behind_it():
+    random = np.random.default_rng(9)
+    tracer = tracer_of("lumpy_torus")
+    origins = 4 * shapes.random_directions(random, 20_000)
+    directions = shapes.unit(SHELLS["lumpy_torus"](random, 20_000) - origins)
+    away = np.linalg.norm(SHELLS["lumpy_torus"](random, 1)[0] - origins, axis=1)
+    means = []
+    for focus in (0.3, 1.0, 3.0):  # of the way, about
+        hits = tracer.closest_hits(
+            origins, directions, width=np.float32(0.2), spread=(-0.2 / (focus * away)).astype(np.float32)
+        )
+        means.append(own_level(hits["anchors"])[hits["instance"] >= 0].mean())
+    assert means[1] > means[0] + 0.3 and means[1] > means[2] + 0.3, means
+
+
+def test_wide_rays_in_a_stretched_instance_see_what_they_see_in_the_shape_itself():
+    random = np.random.default_rng(10)
+    scale = 1e3
+    origins, directions = SHELLS["lumpy_torus"](random, 5000), shapes.random_directions(random, 5000)
+    width, spread = any_widths(random, 5000)
+    alone = tracer_of("lumpy_torus").closest_hits(origins, directions, width=width, spread=spread)
+    large = tracer_of("lumpy_torus", np.diag([scale, scale, scale, 1.0])).closest_hits(
+        origins * scale, directions, width=width * np.float32(scale), spread=spread
+    )
+    # The levels are chosen in single precision; a width at the border of two may fall to either side.
+    assert (own_level(alone["anchors"]) == own_level(large["anchors"])).mean() > 0.99
