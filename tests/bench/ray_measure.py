@@ -19,8 +19,9 @@ RIVALS = ("tracing", "triangles", "packets", "Newton")
 class Effort:
     """How much is measured."""
 
-    repeats: int = 3
+    repeats: int = 2
     orbit_frames: int = 10
+    rival_orbit_frames: int = 3  # rivals keep nothing from frame to frame
 
 
 def paper_settings(
@@ -100,11 +101,11 @@ class Bench:
                     self.figures[name].frame = frame
                     self.figures[name].error = error(frame.image, self.truth.image)
         for name, method in made.items():
-            self.figures[name].orbit = self.orbit(method)
+            self.figures[name].orbit = self.orbit(method, self.effort.rival_orbit_frames)
 
-    def orbit(self, method: Method) -> float:
-        """Mean seconds of a frame while the camera moves by one degree each."""
-        frames = [render(self.scene, method, self.picture, 1.0 + i) for i in range(self.effort.orbit_frames)]
+    def orbit(self, method: Method, count: int) -> float:
+        """Mean seconds of so many frames while the camera moves by one degree each."""
+        frames = [render(self.scene, method, self.picture, 1.0 + i) for i in range(count)]
         return sum(frame.seconds for frame in frames) / len(frames)
 
     def measure(self, tree: str, settings: dict[str, Any], repeats: int | None = None) -> Figures:
@@ -121,7 +122,7 @@ class Bench:
             figures.repeated.append(render(self.scene, trees, self.picture).seconds)
         self.count_flops(trees, figures, tree == "fast")
         before = trees.total("samples_taken")
-        figures.orbit = self.orbit(trees)
+        figures.orbit = self.orbit(trees, self.effort.orbit_frames)
         figures.orbit_samples = (trees.total("samples_taken") - before) / self.effort.orbit_frames
         return figures
 

@@ -14,6 +14,7 @@ from rayleaf import _core
 
 MODES = ("OFF", "AUTO", "ON")
 SAMPLES = 4
+SEEDS = 3
 
 
 def world() -> Any:
@@ -63,13 +64,14 @@ def description(scene: Scene, picture: Picture) -> Any:
     return made
 
 
-def seconds(scene: Scene, picture: Picture, mode: str, store: Any) -> tuple[float, dict[str, Any], Any]:
+def seconds(scene: Scene, picture: Picture, mode: str, store: Any, seed: int = 0) -> tuple[float, dict[str, Any], Any]:
     """A picture's processor time, statistics and pixels."""
     settings = _core.Settings(
         width=picture.width,
         height=picture.height,
         samples=SAMPLES,
         threads=1,
+        seed=seed,
         passes=["combined"],
         ray_interpolation=_core.RayInterpolation(mode=mode),
     )
@@ -93,19 +95,26 @@ def print_pictures(side: int) -> None:
         random_volumes("VOLUME"),
         tomatoes(),
     ):
-        off = [0.0, 0.0]
+        times: dict[str, list[list[float]]] = {mode: [] for mode in MODES}
         truth: Any = None
+        shown: dict[str, tuple[int, float]] = {}
+        for seed in range(SEEDS):
+            for mode in MODES:  # by turns, so that a busy machine slows all
+                store, spent = _core.RayCacheStore(), []
+                for _ in range(2):
+                    taken, statistics, pixels = seconds(scene, Picture(side, side), mode, store, seed)
+                    spent.append(taken)
+                times[mode].append(spent)
+                if seed > 0:
+                    continue
+                truth = pixels if mode == "OFF" else truth
+                used = sum(bool(each["used"]) for each in statistics.get("ray_caches", []))
+                shown[mode] = used, float(np.abs(pixels - truth).mean() / truth.mean())
+        off = float(np.median(times["OFF"]))
         for mode in MODES:
-            store, times = _core.RayCacheStore(), []
-            for _ in range(2):
-                spent, statistics, pixels = seconds(scene, Picture(side, side), mode, store)
-                times.append(spent)
-            if mode == "OFF":
-                off, truth = times, pixels
-            used = sum(bool(each["used"]) for each in statistics.get("ray_caches", []))
-            change = float(np.abs(pixels - truth).mean() / truth.mean())
+            first, again = (float(np.median(column)) for column in zip(*times[mode]))
             print(
-                f"  {scene.name:<30}{mode:<6}{times[0]:>8.2f}{times[1]:>8.2f}{off[0] / times[0]:>9.2f}{off[1] / times[1]:>9.2f}"
-                f"{used:>6}{change:>12.2%}",
+                f"  {scene.name:<30}{mode:<6}{first:>8.2f}{again:>8.2f}{off / first:>9.2f}{off / again:>9.2f}"
+                f"{shown[mode][0]:>6}{shown[mode][1]:>12.2%}",
                 flush=True,
             )
