@@ -69,7 +69,7 @@ class LineSpace {
     bool in_upper_half(const CellKey& cell, const Line& line) const;
     /// Whether a cell's lines lie close together against the shape: at any depth of the box, they spread over no
     /// more than the bounds along both other axes. Only then do misses at its corners and centre say that nothing is
-    /// hit. A cube's cells are narrow after some 10 halvings, those of needles never.
+    /// hit. A cube's cells are narrow after some 9 halvings, those of needles never.
     bool is_narrow(const CellKey& cell) const;
     /// Where a line lies in a cell, 0 to 1 along each axis.
     std::array<double, kLineAxes> position_in(const CellKey& cell, const Line& line) const;
