@@ -57,7 +57,8 @@ DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::share
             Box3d here;
             double longest = 0.0;
             for (int i = 0; i < along * along; ++i) {
-                const Vec2d at = (Vec2d(i % along, i / along) + Vec2d(kShift)) / along;
+                const int row = i / along;
+                const Vec2d at = (Vec2d(i % along, row) + Vec2d(kShift)) / along;
                 const LocalHit hit = hit_at(*base_, element, Vec2f(at));
                 const LocalSurface surface = base_->surface(hit);
                 const Vec3d point = moved_in_object(hit, surface);

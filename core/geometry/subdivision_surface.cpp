@@ -40,6 +40,11 @@ Vec2d border_place(int border, double at) {
     }
 }
 
+/// Parameters of an element's node.
+Vec2d corner_parameters(std::ptrdiff_t node) {
+    return {node % 2 == 1 ? 1.0 : 0.0, node >= 2 ? 1.0 : 0.0};
+}
+
 /// Numbers of the nodes and lines of a cage: vertices, middles of edges, and middles of faces; edges or their first
 /// halves, second halves, and the lines inside faces.
 struct CageNumbers {
@@ -189,11 +194,11 @@ void SubdivisionSurface::find_owners() {
         if (regular(i)) element.net = nets++;
         for (const uint32_t node : element.nodes)
             if (better(node_owners_[node], i)) node_owners_[node] = i;
-        for (uint8_t border = 0; border < element.lines.size(); ++border) {
+        for (size_t border = 0; border < element.lines.size(); ++border) {
             SubdivisionLine& line = lines_[element.lines[border]];
             if (!better(line.owner, i)) continue;
             line.owner = i;
-            line.border = border;
+            line.border = static_cast<uint8_t>(border);
             line.cubic = regular(i);
         }
     }
@@ -206,8 +211,7 @@ void SubdivisionSurface::place_nodes() {
         if (node_owners_[i] == kNone) return;
         const SubdivisionElement& owner = elements_[node_owners_[i]];
         const auto corner = std::find(owner.nodes.begin(), owner.nodes.end(), i) - owner.nodes.begin();
-        nodes_[i] =
-            in_element(limit_, owner, static_cast<double>(corner % 2), static_cast<double>(corner / 2)).position;
+        nodes_[i] = in_element(limit_, owner, corner_parameters(corner).x, corner_parameters(corner).y).position;
     });
 }
 
@@ -261,7 +265,7 @@ BorderPlace SubdivisionSurface::owner_place(const BorderPlace& place) const {
         const uint32_t node = element.nodes[static_cast<size_t>(u) + 2 * static_cast<size_t>(v)];
         const SubdivisionElement& owner = elements_[node_owners_[node]];
         const auto corner = std::find(owner.nodes.begin(), owner.nodes.end(), node) - owner.nodes.begin();
-        return {node_owners_[node], Vec2f(static_cast<float>(corner % 2), static_cast<float>(corner / 2))};
+        return {node_owners_[node], Vec2f(corner_parameters(corner))};
     }
     if (!on_u && !on_v) return place;
     const int border = on_v ? (v == 0.0f ? 0 : 2) : (u == 0.0f ? 3 : 1);
