@@ -206,8 +206,7 @@ SweptDicer::PiecePlace SweptDicer::piece_at(uint32_t spline_index, uint32_t stat
     const auto begin = first_cell_.begin() + spline.first_piece, end = begin + spline.piece_count;
     const auto found = std::upper_bound(begin, end, station) - 1;
     const uint32_t cells = (found + 1 == end ? total : *(found + 1)) - *found;
-    return {static_cast<uint32_t>(found - first_cell_.begin()), static_cast<double>(station - *found) / cells,
-            cells};
+    return {static_cast<uint32_t>(found - first_cell_.begin()), static_cast<double>(station - *found) / cells, cells};
 }
 
 void SweptDicer::rings(uint32_t spline, uint32_t first_station, SweepRing (&rings)[kGridVertices]) const {
@@ -328,7 +327,8 @@ ElementPlace SweptDicer::element_place(const PlaceInGrid& in_grid, const Vec3d& 
         return {surface_->cap_element(place.profile, place.spline, end), parameters.x, parameters.y};
     }
     const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
-    const double along = place.local / blocks * kGridCells + in_grid.at.x;
+    const uint32_t first_station = place.local / blocks * kGridCells;
+    const double along = first_station + in_grid.at.x;
     const uint32_t station = std::min(static_cast<uint32_t>(along), cells_along_[place.spline] - 1);
     const PiecePlace begin = piece_at(place.spline, station);
     const double u = std::min(begin.u + std::clamp(along - station, 0.0, 1.0) / begin.cells, 1.0);
