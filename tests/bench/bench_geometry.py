@@ -19,8 +19,8 @@ from geometry_rays import Doubles, Rays, cracks_in_shells, mixed_rays
 from rayleaf import _core
 
 PRINTS_ITSELF = True
-RESOLUTION, QUICK_RESOLUTION = 250, 25  # patches around a torus; some 16 n² in all
-WIDTH, QUICK_WIDTH = 1024, 256  # pixels
+RESOLUTION, SMALL_RESOLUTION, QUICK_RESOLUTION = 250, 80, 25  # patches around a torus; some 16 n² in all
+WIDTH, SMALL_WIDTH, QUICK_WIDTH = 1024, 360, 256  # pixels
 BUDGETS = (100, 30, 10, 3, 1)  # MB
 DEFAULT_BUDGET = 30
 SHELL_RAYS, QUICK_SHELL_RAYS = 10_000_000, 100_000
@@ -157,11 +157,11 @@ def compare_fitting(reach: Reach, width: int) -> None:
     reach.add("a scene that fits: speed over Embree's grid", speeds["MULTI"] / grid[0], 1.0)
 
 
-def run(quick: bool = False) -> list[Row]:
-    """Prints the tables; `quick`: 10^4 subpatches, to see that it works."""
-    surface = bench_trace.scene(QUICK_RESOLUTION if quick else RESOLUTION)
+def run(quick: bool = False, small: bool = False) -> list[Row]:
+    """Prints the tables; `quick`: 10^4 subpatches, to see that it works; `small`: 10^5, an eighth of the rays."""
+    surface = bench_trace.scene(QUICK_RESOLUTION if quick else SMALL_RESOLUTION if small else RESOLUTION)
     reference, build = made(surface, DEFAULT_BUDGET, "MULTI")
-    width = QUICK_WIDTH if quick else WIDTH
+    width = QUICK_WIDTH if quick else SMALL_WIDTH if small else WIDTH
     # Rays that leave a surface start on the facets of the mode.
     rays = {"MULTI": mixed_rays(reference, width), "SINGLE": mixed_rays(made(surface, 1000, "SINGLE")[0], width)}
     rays["NONE"] = rays["MULTI"]
@@ -204,7 +204,7 @@ def run(quick: bool = False) -> list[Row]:
     reach.add("speed over a single resolution", default.speed / at["SINGLE", DEFAULT_BUDGET].speed, 1.0)
     reach.add("speed over no cache", default.speed / nothing["NONE"].speed, 1.0)
     compare_fitting(reach, width)
-    count = QUICK_SHELL_RAYS if quick else SHELL_RAYS
+    count = QUICK_SHELL_RAYS if quick or small else SHELL_RAYS
     reach.add(f"parity errors of {count} rays through a shell of mixed levels", cracks_in_shells(count), 0, most=True)
     speeds = [{"name": f"{each.name}: speed", "unit": "Mrays/s", "values": [each.speed]} for each in at.values()]
     return reach.rows + speeds

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import strand_shapes
 import swept_support
+import test_displacement
 from core import shapes
 from core import subdivision_cages as cages
 from stability.measured import check_bound
@@ -29,6 +30,11 @@ def capped_star():
     return swept_support.surface("NURBS", points, order=4, endpoint=True, profile=star_profile, fill_caps=True)
 
 
+def displaced(shape):
+    """By noise, from half its radius inwards to half outwards."""
+    return test_displacement.displaced(shape, test_displacement.noise(3.0, 1.0))
+
+
 def strand(basis, cyclic):
     radii = 0.06 + 0.04 * np.cos(np.arange(len(KNOT)))
     closed = np.array([int(cyclic)], np.uint8)
@@ -47,6 +53,7 @@ SHELLS = {
     "subdivided torus": lambda: cages.torus().surface(),
     "half sharp subdivided cube": lambda: cages.creased(cages.cube(), [(0, 1), (1, 3), (4, 5)], 2.5).surface(),
     "subdivided body with poles of 64 faces": lambda: cages.double_pole(64).surface(),
+    "sphere displaced by as much as its size": lambda: displaced(shapes.nurbs_sphere()),
     "round strand": lambda: strand("CATMULL_ROM", False),
     "closed round strand": lambda: strand("BSPLINE", True),
 }
