@@ -23,6 +23,7 @@ from scene_tools import (  # noqa: E402
     arguments,
     color_ramp,
     link,
+    matte,
     save,
     start_empty,
 )
@@ -46,16 +47,9 @@ COLORS = {
 PAINTS = ((0.6, 0.06, 0.05), (0.1, 0.25, 0.55), (0.8, 0.72, 0.3), (0.75, 0.75, 0.72), (0.15, 0.35, 0.3))
 
 
-def matte(name: str, color: tuple[float, float, float]) -> Any:
-    """The material of a name, made once."""
-    made = bpy.data.materials.get(name)
-    if made is None:
-        made = bpy.data.materials.new(name)
-        tree = NodeTree(made)
-        shader = tree.add("ShaderNodeBsdfDiffuse", {"Color": (*color, 1)})
-        tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
-        made.diffuse_color = (*color, 1)
-    return made
+def look(name: str, color: tuple[float, float, float]) -> Any:
+    """The matte material of a name, made once."""
+    return bpy.data.materials.get(name) or matte(name, color)
 
 
 def place(name: str, parts: Parts, location: tuple[float, float, float], turn: float, **looks: Any) -> None:
@@ -64,7 +58,7 @@ def place(name: str, parts: Parts, location: tuple[float, float, float], turn: f
         if made:
             thing = add_parts(f"{name} {kind}", made, location, resolution=1)
             thing.rotation_euler = (0, 0, turn)
-            thing.data.materials.append(looks.get(kind) or matte(kind, COLORS[kind]))
+            thing.data.materials.append(looks.get(kind) or look(kind, COLORS[kind]))
 
 
 def leafy(name: str, random: np.random.Generator, location: tuple[float, float, float], size: float) -> None:
@@ -77,7 +71,7 @@ def leafy(name: str, random: np.random.Generator, location: tuple[float, float, 
     cage.to_mesh(mesh)
     cage.free()
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
-    mesh.materials.append(matte("leaves", COLORS["leaves"]))
+    mesh.materials.append(look("leaves", COLORS["leaves"]))
     crown = link(name, mesh, location)
     modifier = crown.modifiers.new("subdivision", "SUBSURF")
     modifier.levels = modifier.render_levels = 3
@@ -101,9 +95,9 @@ def side_of_street(random: np.random.Generator, houses: int, facing: int) -> Non
         name, wall = f"house {facing} {index}", WALLS[int(random.integers(len(WALLS)))]
         made = house(random, width, int(random.integers(2, 5)), windows)
         middle = (x + width / 2, facing * (ROAD + WALK), 0.15)
-        place(name, made, middle, turn, wall=matte(f"wall {WALLS.index(wall)}", wall))
+        place(name, made, middle, turn, wall=look(f"wall {WALLS.index(wall)}", wall))
         if index % 2:
-            cloth = matte(f"cloth {index % 3}", PAINTS[index % 3])
+            cloth = look(f"cloth {index % 3}", PAINTS[index % 3])
             place(f"awning {name}", {"cloth": [awning(width * 0.8)]}, (middle[0], middle[1], 3.3), turn, cloth=cloth)
         x += width
     walk = pavement(x + 30, WALK + 8)
@@ -126,14 +120,14 @@ def cars(random: np.random.Generator, length: float) -> None:
             car(),
             location,
             0.0 if facing < 0 else np.pi,
-            paint=matte(f"paint {index % len(PAINTS)}", paint),
+            paint=look(f"paint {index % len(PAINTS)}", paint),
         )
 
 
 def end_of_street(random: np.random.Generator, x: float) -> None:
     """Two houses across."""
     for index, y in enumerate((-5.0, 5.0)):
-        wall = matte(f"wall {index}", WALLS[index])
+        wall = look(f"wall {index}", WALLS[index])
         place(f"end {index}", house(random, 10.0, 3 + index, 4), (x, y, 0.15), -np.pi / 2, wall=wall)
 
 
