@@ -16,12 +16,10 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     HemisphereRay result;
     if (hit) result.inverse_distance = static_cast<float>(1.0 / hit->t);
     limited.t_max = reach;
-    if (!scene_.volumes().empty())
-        result.light.free = free_share(scene_, limited, ray.differential, ray.bounces.ray_kind(), ray.bounces.at(0),
-                                       ray.bounces.transparent_left(), widening(ray));
-    else if (!hit || hit->t > reach)
+    const bool nothing_near = !hit || hit->t > reach;
+    if (nothing_near && scene_.volumes().empty())
         result.light.free = Color(1.0f);
-    else if (scene_.has_transparency())
+    else if (scene_.has_transparency() || !scene_.volumes().empty())
         result.light.free = free_share(scene_, limited, ray.differential, ray.bounces.ray_kind(), ray.bounces.at(0),
                                        ray.bounces.transparent_left(), widening(ray));
     if (carries_light) {

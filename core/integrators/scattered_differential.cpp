@@ -52,14 +52,14 @@ Vec3f aim_change(const Vec3f& direction, double distance, const Vec3f& dp) {
 RayDifferential scattered_differential(const RayDifferential& differential, const Vec3f& direction,
                                        const SurfacePoint& point, const LobeSample& sample) {
     if (sample.kind == LobeKind::Diffuse) return widened(differential, sample.direction, kWidestLobe);
-    const RayDifferential mirrored = curved(differential, direction, point, sample);
+    RayDifferential mirrored = curved(differential, direction, point, sample);
     if (sample.roughness <= 0.0f) return mirrored;
     return widened(mirrored, sample.direction, kWidestLobe * sample.roughness);
 }
 
 RayDifferential glossy_differential(const RayDifferential& differential, const Vec3f& direction,
                                     const SurfacePoint& point, const LobeSample& sample, int rays) {
-    const RayDifferential mirrored = curved(differential, direction, point, sample);
+    RayDifferential mirrored = curved(differential, direction, point, sample);
     if (sample.singular) return mirrored;
     const float width = share_width(sample.density, rays);
     return width > mirrored.angle() ? widened(mirrored, sample.direction, width) : mirrored;

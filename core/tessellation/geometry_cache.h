@@ -89,15 +89,16 @@ class GeometryCache {
         GridSlots slots;
         std::unique_ptr<GridType[]> grids;
     };
-    GeometryCacheSettings settings_;
-    uint32_t subpatch_count_;
+    // In an order that leaves no holes: the epochs fill whole lines of cache.
     mutable ReaderEpochs epochs_;
-    mutable std::array<std::atomic<ThreadState*>, kMostReaders> states_{};
     mutable std::unique_ptr<Pool<CoarseGrid>> coarse_;
     mutable std::unique_ptr<Pool<MediumGrid>> medium_;
     mutable std::unique_ptr<Pool<Grid>> fine_;
     /// A bit for each (subpatch, level) diced so far.
     mutable std::unique_ptr<std::atomic<uint64_t>[]> seen_;
+    GeometryCacheSettings settings_;
+    mutable std::array<std::atomic<ThreadState*>, kMostReaders> states_{};
+    uint32_t subpatch_count_;
 
     ThreadState* state_of(int reader) const;
     uint64_t seen_bytes() const;
