@@ -65,7 +65,9 @@ def primitives() -> dict[str, Callable[[], Any]]:
     bevelled = curve(SEGMENTS)
 
     def tube(facets: str) -> Any:
-        return _core.strand_tubes(_core.strands_along(bevelled, "ROUND"), DETAIL // 2, DETAIL, facets)
+        strands = _core.strands_along(bevelled, "ROUND")
+        assert strands is not None, "the spiral's bevel is round"
+        return _core.strand_tubes(strands, DETAIL // 2, DETAIL, facets)
 
     return {
         "exact tube": lambda: _core.strands_along(bevelled, "ROUND"),
@@ -93,9 +95,9 @@ def _scene(shape: Any | None) -> Any:
     """The curve above a ground, under a lamp; without a shape, what stays."""
     scene = _core.SceneDescription()
 
-    def matte(name: str, *color: float) -> int:
+    def matte(name: str, red: float, green: float, blue: float) -> int:
         program = _core.Program(name)
-        program.operation("diffuse", [program.constant(1, 1, 1, 1), program.constant(*color, 1)])
+        program.operation("diffuse", [program.constant(1, 1, 1, 1), program.constant(red, green, blue, 1)])
         return int(scene.add_material_list([scene.add_material(name, program)]))
 
     corners = np.array([(-4, -4, -0.6), (4, -4, -0.6), (4, 4, -0.6), (-4, 4, -0.6)], np.float32)
