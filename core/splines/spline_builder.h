@@ -42,6 +42,7 @@ class SplineBuilder {
     Vec3d tangent_{0, 0, 1}, normal_{1, 0, 0};
     Vec3d begin_normal_{1, 0, 0};
     size_t first_segment_ = 0;        ///< of this spline in the path
+    size_t most_pieces_ = 0;          ///< of the path, once the curved segment under way is divided
     double side_ = 1;                 ///< of the binormal, for tangent twist
     std::optional<RingFrame> last_;   ///< the ring at which a ruled piece goes on
     std::optional<uint32_t> stored_;  ///< where it is, if it was stored

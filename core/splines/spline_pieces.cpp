@@ -119,7 +119,13 @@ void SplineBuilder::divide(size_t i, double begin, double end, int slow_splits) 
         jump(i, begin, end);
         return;
     }
-    if (fit && (!slow || slow_splits >= kMostSlowSplits)) {
+    const bool too_many = path_.pieces.size() >= most_pieces_;
+    if (too_many && !fit) {
+        piece.twist = {};
+        end_tangent = end_of(i, end).tangent;
+        end_normal = perpendicular(carried(tangent_, end_tangent, normal_), end_tangent);
+    }
+    if (too_many || (fit && (!slow || slow_splits >= kMostSlowSplits))) {
         path_.pieces.push_back(piece);
         tangent_ = end_tangent;
         normal_ = end_normal;

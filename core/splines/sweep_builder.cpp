@@ -95,6 +95,8 @@ void SplineBuilder::ruled_to(const RingFrame& frame) {
 
 void SplineBuilder::add_curved(size_t i, double begin, double end) {
     const size_t pieces = path_.pieces.size(), rings = path_.rings.size(), frames = ring_frames_.size();
+    constexpr size_t kMostPieces = 4096;  // of one segment: what asks for more is noise
+    most_pieces_ = path_.pieces.size() + kMostPieces;
     divide(i, begin, end, 0);
     const SweepSegment& s = segment(i);
     const double middle = s.share_begin + (s.share_end - s.share_begin) * 0.5 * (begin + end);

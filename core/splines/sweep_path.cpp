@@ -27,6 +27,10 @@ struct SegmentBasis {
     }
 };
 
+/// A bend below this share of the second derivative, or of the segment's size, is rounding: straight segments whose
+/// handles lie on the line would have a new binormal at every look.
+constexpr double kNoBend = 1e-10;
+
 /// The unit direction of the first of the vectors that has one, without z in the plane.
 struct Direction {
     Vec3d tangent{0, 0, 0}, change{0, 0, 0};
@@ -77,7 +81,6 @@ SegmentPoint SweepPath::point(const SweepSegment& segment, double t) const {
     SegmentPoint result;
     result.position = d.position;
     result.first = d.first;
-    result.second = d.second;
     const auto scalars = basis.sums<Vec3d>([](const SweepControl& c) { return Vec3d(c.radius, c.tilt, c.point.w); });
     result.radius = scalars[0].x;
     result.radius_change = scalars[1].x;
@@ -99,6 +102,7 @@ SegmentPoint SweepPath::point(const SweepSegment& segment, double t) const {
     }
     if (!direction.found) direction.tangent = space == SweepSpace::Planar ? Vec3d(1, 0, 0) : Vec3d(0, 0, 1);
     result.tangent = direction.tangent;
+    if (max_abs(d.second.cross(result.tangent)) > kNoBend * std::max(max_abs(d.second), size)) result.second = d.second;
     result.tangent_change = direction.change;
     return result;
 }

@@ -77,6 +77,7 @@ class SweepTaper {
 enum class SweepSpace : uint8_t { Planar, Spatial };
 
 /// A point of a segment: position, unit direction, their derivatives by the segment's parameter, radius and tilt.
+/// `second` is zero where the segment does not bend.
 struct SegmentPoint {
     Vec3d position{0, 0, 0}, first{0, 0, 0}, second{0, 0, 0}, tangent{0, 0, 1}, tangent_change{0, 0, 0};
     double radius = 1, radius_change = 0, tilt = 0, tilt_change = 0;

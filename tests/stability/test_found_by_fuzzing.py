@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import strand_shapes
+import swept_support
 from core import shapes
 from rayleaf import _core
 
@@ -61,3 +62,32 @@ def test_the_least_value_that_a_setting_allows_is_allowed(name, least):
     """As a float it is a little less than the double that it was compared with."""
     settings = _core.Settings(width=4, height=4, **{name: least})
     assert _core.Session(_core.SceneDescription(), settings).progress()[0] == "waiting"
+
+
+@pytest.mark.parametrize("ends", ["first handle on its point", "last handle on its point", "both", "thirds"])
+def test_a_straight_segment_under_tangent_twist_is_one_piece(ends):
+    """Handles that lie on the line leave no direction to bend about; rounding gave one, another at every look, and the
+    segment was cut for hours."""
+    first, last = np.array([-5.75, -5.75, -5.75]), np.array([-0.6875, -1.6875, -1.9375])
+    third, two_thirds = first + (last - first) / 3, last - (last - first) / 3
+    inner = {
+        "first handle on its point": (first, last),
+        "last handle on its point": (third, last),
+        "both": (first, last),
+        "thirds": (third, two_thirds),
+    }[ends]
+    near = first if ends == "first handle on its point" else inner[1]
+    handles = np.array([[first, inner[0]], [near, last]])
+    tube = swept_support.surface("BEZIER", np.array([first, last]), handles, bevel_depth=0.1, twist="TANGENT")
+    assert tube.element_count <= 16
+
+
+def test_a_curve_whose_binormal_turns_wildly_has_bounded_pieces():
+    """Nearly straight, by a little more than rounding."""
+    random = np.random.default_rng(4)
+    line = np.linspace(0, 1, 4)[:, None] * np.array([[3.0, 2.0, 1.0]])
+    for size in (1e-15, 1e-12, 1e-9, 1e-6):
+        points = line + size * random.normal(size=line.shape)
+        handles = np.array([[points[0], points[1]], [points[2], points[3]]])
+        tube = swept_support.surface("BEZIER", points[[0, 3]], handles, bevel_depth=0.1, twist="TANGENT")
+        assert tube.element_count <= 3 * 4096
