@@ -50,7 +50,7 @@ inline Material plain(const std::string& closure, std::initializer_list<float> o
     std::vector<Register> read = {program->constant(Vec4f(1, 1, 1, 1)), program->constant(Vec4f(0.8f, 0.7f, 0.6f, 1))};
     for (const float value : operands) read.push_back(program->constant(Vec4f(value, value, value, value)));
     program->operation(closure, read, {}, {}, text);
-    return {closure, program, 0, std::nullopt};
+    return {closure, program, 0, std::nullopt, {}};
 }
 
 /// Adds an object at a height, with one material.
