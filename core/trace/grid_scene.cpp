@@ -100,7 +100,8 @@ bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_
         const SnappedGrid::Facet facet = grid.facet(triangle);
         if (!query.offer({subpatch, triangle}, facet.corners)) continue;
         query.best.area = area_vector(facet.corners);
-        query.best.place = facet.place(query.best.point.u, query.best.point.v) * (kGridCells / grid.cells());
+        const int cells_apart = kGridCells / grid.cells();
+        query.best.place = facet.place(query.best.point.u, query.best.point.v) * cells_apart;
         query.best.levels = levels.packed();
         found = true;
         if (grid.format() == VertexFormat::Float) return true;
