@@ -50,6 +50,12 @@ bool is_finite(const Imath::Vec3<T>& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// As a vector of floats; zero where a component does not fit, for derivatives that nobody could use.
+inline Vec3f float_or_zero(const Vec3d& v) {
+    const Vec3f result(v);
+    return is_finite(result) ? result : Vec3f(0.0f);
+}
+
 /// The unit vector along `v`, or `otherwise` where `v` is zero, not finite, or too short to have a direction.
 template <typename T>
 Imath::Vec3<T> normalized_or(const Imath::Vec3<T>& v, const Imath::Vec3<T>& otherwise) {

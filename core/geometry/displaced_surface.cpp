@@ -1,6 +1,7 @@
 #include "geometry/displaced_surface.h"
 
 #include "base/error.h"
+#include "geometry/parameter_slopes.h"
 #include "geometry/patch_surface.h"
 #include "geometry/subdivision_surface.h"
 #include "splines/bounds.h"
@@ -29,11 +30,6 @@ constexpr double kFarthest = 4.0;
 
 LocalHit hit_at(const Shape& base, uint32_t element, const Vec2f& parameters) {
     return base.element_point(element, parameters).hit;
-}
-
-Vec3f finite_float(const Vec3d& v) {
-    const Vec3f result(v);
-    return is_finite(result) ? result : Vec3f(0.0f);
 }
 
 BorderPlace owner_place(const Shape& base, uint32_t element, const Vec2f& parameters) {
@@ -124,14 +120,9 @@ LocalSurface DisplacedSurface::surface(const LocalHit& hit) const {
     const Vec3d facet_normal = normalized_or(Vec3d(hit.normal), Vec3d(0, 0, 1));
     const Vec3d normal = normalized_or(slope.dv.cross(slope.du), facet_normal);
     result.normal = Vec3f(normal.dot(facet_normal) < 0.0 ? -normal : normal);
-    Vec2d by_u(1.0, 0.0), by_v(0.0, 1.0);  // of the element's parameters by the texture coordinates
-    const double determinant = slope.uv_du.x * slope.uv_dv.y - slope.uv_dv.x * slope.uv_du.y;
-    if (determinant != 0.0) {
-        by_u = Vec2d(slope.uv_dv.y, -slope.uv_du.y) / determinant;
-        by_v = Vec2d(-slope.uv_dv.x, slope.uv_du.x) / determinant;
-    }
-    result.dp_du = finite_float(slope.du * by_u.x + slope.dv * by_u.y);
-    result.dp_dv = finite_float(slope.du * by_v.x + slope.dv * by_v.y);
+    const auto [by_u, by_v] = parameter_slopes(slope.uv_du, slope.uv_dv).value_or(ParameterSlopes{});
+    result.dp_du = float_or_zero(slope.du * by_u.x + slope.dv * by_u.y);
+    result.dp_dv = float_or_zero(slope.du * by_v.x + slope.dv * by_v.y);
     return result;
 }
 

@@ -52,6 +52,7 @@ struct BorderPlace {
 };
 
 enum class ShapeKind { TriangleMesh, PatchSurface, Strands, SweptSurface, SubdivisionSurface, DisplacedSurface };
+inline constexpr size_t kShapeKinds = static_cast<size_t>(ShapeKind::DisplacedSurface) + 1;
 
 /// A renderable shape. Immutable after construction; all threads read it. Constructors validate and throw InputError.
 class Shape {

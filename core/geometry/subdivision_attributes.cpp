@@ -1,35 +1,27 @@
 // What a subdivision surface carries beside its shape: texture coordinates and attributes.
+#include "geometry/parameter_slopes.h"
 #include "geometry/subdivision_surface.h"
 
 #include <algorithm>
 
 namespace rayleaf {
-namespace {
-
-Vec3f finite_float(const Vec3d& v) {
-    const Vec3f result(v);
-    return is_finite(result) ? result : Vec3f(0.0f);
-}
-
-}  // namespace
 
 /// Without a map the derivatives are by the element's parameters, which tell of curvature all the same.
 void SubdivisionSurface::set_texture_coordinates(const LocalHit& hit, const PatchPoint& point,
                                                  const LimitNormal& normal, double side, LocalSurface& result) const {
-    Vec2d by_u(1.0, 0.0), by_v(0.0, 1.0);  // of the element's parameters by the texture coordinates
+    std::optional<ParameterSlopes> slopes(ParameterSlopes{});
     if (active_uv_ >= 0) {
         const LimitFaces& map = uv_maps_[static_cast<size_t>(active_uv_)].limit;
         const PatchPoint uv = in_element(map, elements_[hit.primitive], hit.u, hit.v);
         result.uv = Vec2f(static_cast<float>(uv.position.x), static_cast<float>(uv.position.y));
-        const double determinant = uv.du.x * uv.dv.y - uv.dv.x * uv.du.y;
-        if (determinant == 0.0) return;
-        by_u = Vec2d(uv.dv.y, -uv.du.y) / determinant;
-        by_v = Vec2d(-uv.dv.x, uv.du.x) / determinant;
+        slopes = parameter_slopes(Vec2d(uv.du.x, uv.du.y), Vec2d(uv.dv.x, uv.dv.y));
+        if (!slopes) return;
     }
-    result.dp_du = finite_float(point.du * by_u.x + point.dv * by_u.y);
-    result.dp_dv = finite_float(point.du * by_v.x + point.dv * by_v.y);
-    result.dn_du = finite_float((normal.dn_du * by_u.x + normal.dn_dv * by_u.y) * side);
-    result.dn_dv = finite_float((normal.dn_du * by_v.x + normal.dn_dv * by_v.y) * side);
+    const auto [by_u, by_v] = *slopes;
+    result.dp_du = float_or_zero(point.du * by_u.x + point.dv * by_u.y);
+    result.dp_dv = float_or_zero(point.du * by_v.x + point.dv * by_v.y);
+    result.dn_du = float_or_zero((normal.dn_du * by_u.x + normal.dn_dv * by_u.y) * side);
+    result.dn_dv = float_or_zero((normal.dn_du * by_v.x + normal.dn_dv * by_v.y) * side);
 }
 
 std::optional<Vec4f> SubdivisionSurface::attribute(AttributeId id, const LocalHit& hit) const {

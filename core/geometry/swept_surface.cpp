@@ -50,11 +50,6 @@ SweepPath::TaperUse taper_use(const SweptCurveDescription& curve) {
     }
 }
 
-Vec3f float_or_zero(const Vec3d& v) {
-    const Vec3f result(v);
-    return is_finite(result) ? result : Vec3f(0.0f);
-}
-
 }  // namespace
 
 SweptSurface::SweptSurface(const SweptCurveDescription& curve) : Shape(ShapeKind::SweptSurface, curve.name) {

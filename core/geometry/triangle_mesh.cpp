@@ -1,6 +1,7 @@
 #include "geometry/triangle_mesh.h"
 
 #include "base/error.h"
+#include "geometry/parameter_slopes.h"
 
 #include <algorithm>
 
@@ -26,23 +27,9 @@ void require_multiple_of_three(const std::string& name, const char* argument, si
 }
 
 /// How the weights of vertices 1 and 2 change with the texture coordinates; zero where those do not span the triangle.
-struct WeightDerivatives {
-    Vec2d by_u{0, 0}, by_v{0, 0};
-};
-
-WeightDerivatives weight_derivatives(const Vec2f& uv0, const Vec2f& uv1, const Vec2f& uv2) {
-    const Vec2d a = Vec2d(uv1) - Vec2d(uv0), b = Vec2d(uv2) - Vec2d(uv0);
-    const double determinant = a.x * b.y - a.y * b.x;
-    if (determinant == 0.0) return {};
-    const WeightDerivatives result{Vec2d(b.y, -a.y) / determinant, Vec2d(-b.x, a.x) / determinant};
-    const bool usable = std::isfinite(result.by_u.x + result.by_u.y + result.by_v.x + result.by_v.y);
-    return usable ? result : WeightDerivatives{};
-}
-
-/// As a vector of floats; one that does not fit is no derivative anyone can use.
-Vec3f float_or_zero(const Vec3d& v) {
-    const Vec3f result(v);
-    return is_finite(result) ? result : Vec3f(0.0f);
+ParameterSlopes weight_slopes(const Vec2f& uv0, const Vec2f& uv1, const Vec2f& uv2) {
+    constexpr Vec2d kNone(0.0, 0.0);
+    return parameter_slopes(Vec2d(uv1) - Vec2d(uv0), Vec2d(uv2) - Vec2d(uv0)).value_or(ParameterSlopes{kNone, kNone});
 }
 
 }  // namespace
@@ -133,12 +120,12 @@ LocalSurface TriangleMesh::surface(const LocalHit& hit) const {
     const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
     result.normal = facet_normal;
     const FacetCorners p = corners(hit.primitive);
-    WeightDerivatives weights;
+    ParameterSlopes weights{{0, 0}, {0, 0}};
     if (active_uv_ >= 0) {
         const Vec2f uv0 = corner_uv(hit.primitive, 0), uv1 = corner_uv(hit.primitive, 1);
         const Vec2f uv2 = corner_uv(hit.primitive, 2);
         result.uv = uv0 + (uv1 - uv0) * hit.u + (uv2 - uv0) * hit.v;
-        weights = weight_derivatives(uv0, uv1, uv2);
+        weights = weight_slopes(uv0, uv1, uv2);
         const Vec3d edge1 = p[1] - p[0], edge2 = p[2] - p[0];
         result.dp_du = float_or_zero(edge1 * weights.by_u.x + edge2 * weights.by_u.y);
         result.dp_dv = float_or_zero(edge1 * weights.by_v.x + edge2 * weights.by_v.y);

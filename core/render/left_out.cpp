@@ -7,8 +7,9 @@
 namespace rayleaf {
 namespace {
 
-constexpr std::array<const char*, kShapeKinds> kKindNames = {"triangles", "spline_surfaces", "strands",
-                                                             "bevelled_curves", "subdivision_surfaces"};
+constexpr auto kKindNames = std::to_array<const char*>(
+    {"triangles", "spline_surfaces", "strands", "bevelled_curves", "subdivision_surfaces", "displaced_surfaces"});
+static_assert(kKindNames.size() == kShapeKinds);
 
 std::string spaced(std::string name) {
     std::replace(name.begin(), name.end(), '_', ' ');

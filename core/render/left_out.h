@@ -13,8 +13,6 @@ namespace rayleaf {
 
 struct RenderStatistics;
 
-inline constexpr size_t kShapeKinds = 5;
-
 /// The shapes of one kind; each counts once, however many instances it has.
 struct ShapeShare {
     size_t shapes = 0, bytes = 0;

@@ -1,6 +1,7 @@
 #include "render/session.h"
 
 #include "base/random.h"
+#include "geometry/displaced_surface.h"
 #include "integrators/dimensions.h"
 #include "integrators/distribution.h"
 #include "integrators/irradiance_fill.h"
@@ -163,14 +164,25 @@ void Session::gather_statistics(double build_seconds, double render_seconds) {
     statistics_.film_bytes = film_.bytes();
     statistics_.ray_caches = caches_->report();
     statistics_.volumes = scene_->volumes().size();
+    count_shapes();
+}
+
+void Session::count_shapes() {
     std::unordered_set<const Shape*> seen;
-    for (const auto& shape : description_->shapes) {
-        if (!seen.insert(shape.get()).second) continue;
-        ShapeShare& share = statistics_.shapes_of[static_cast<size_t>(shape->kind())];
+    const auto count = [&](const Shape& shape, size_t bytes) {
+        if (!seen.insert(&shape).second) return;
+        ShapeShare& share = statistics_.shapes_of[static_cast<size_t>(shape.kind())];
         ++share.shapes;
-        share.bytes += shape->bytes();
-        statistics_.shape_bytes += shape->bytes();
-        statistics_.curves.add(*shape);
+        share.bytes += bytes;
+        statistics_.shape_bytes += bytes;
+        statistics_.curves.add(shape);
+    };
+    for (const auto& shape : description_->shapes) count(*shape, shape->bytes());
+    const Tracer& tracer = scene_->tracer();
+    for (uint32_t i = 0; i < description_->instances.size();
+         ++i) {  // what materials displaced stands above one of those
+        const Shape& shape = *tracer.instance(i).shape;
+        if (shape.kind() == ShapeKind::DisplacedSurface) count(shape, sizeof(DisplacedSurface));
     }
 }
 

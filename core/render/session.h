@@ -81,6 +81,7 @@ class Session {
     bool render_pixel(int x, int y, const Frame& frame, PixelSums& sums, RayCounts& counts) const;
     void add_counts(const RayCounts& counts);
     void gather_statistics(double build_seconds, double render_seconds);
+    void count_shapes();
 };
 
 }  // namespace rayleaf

@@ -151,19 +151,30 @@ float layer_weight(LayerWeightVariant variant, const ShadingInputs& inputs, floa
     return 1.0f - std::pow(facing, b < 0.5f ? 2.0f * b : 0.5f / (1.0f - b));
 }
 
-/// The axes a tangent-space normal map stands on, world space, on the side of the winding.
+/// The axes a tangent-space vector stands on, unit, on the side of the winding.
 struct TangentFrame {
     Vec3f tangent, bitangent, normal;
 };
 
-TangentFrame tangent_frame(const SurfacePoint& point) {
+TangentFrame tangent_frame(const Vec3f& normal, const Vec3f& dp_du, const Vec3f& dp_dv) {
     Vec3f fallback_t, fallback_b;
-    orthonormal_basis(point.normal, fallback_t, fallback_b);
-    const Vec3f along = point.dp_du - point.normal * point.normal.dot(point.dp_du);
+    orthonormal_basis(normal, fallback_t, fallback_b);
+    const Vec3f along = dp_du - normal * normal.dot(dp_du);
     const Vec3f t = normalized_or(along, fallback_t);
-    Vec3f b = point.normal.cross(t);
-    if (b.dot(point.dp_dv) < 0.0f) b = -b;  // mirrored UVs
-    return {t, b, point.normal};
+    Vec3f b = normal.cross(t);
+    if (b.dot(dp_dv) < 0.0f) b = -b;  // mirrored UVs
+    return {t, b, normal};
+}
+
+/// Cycles' order: the second component counts along the normal.
+Vec3f from_tangent_space(const ShadingInputs& inputs, const Vec3f& v) {
+    if (inputs.point == nullptr) return v;
+    const auto in_object = [&](const Vec3f& world) {
+        return inputs.instance == nullptr ? world : Vec3f(inputs.instance->world_to_object.vector(Vec3d(world)));
+    };
+    const TangentFrame frame =
+        tangent_frame(object_normal(inputs), in_object(inputs.point->dp_du), in_object(inputs.point->dp_dv));
+    return frame.tangent * v.x + frame.normal * v.y + frame.bitangent * v.z;
 }
 
 Vec3f normal_map(NormalMapVariant variant, const ShadingInputs& inputs, float strength, const Vec3f& color) {
@@ -171,7 +182,7 @@ Vec3f normal_map(NormalMapVariant variant, const ShadingInputs& inputs, float st
     const Vec3f smooth = inputs.point->normal;
     Vec3f coordinates = color * 2.0f - Vec3f(1.0f);
     if (variant == NormalMapVariant::TANGENT) {
-        const TangentFrame frame = tangent_frame(*inputs.point);
+        const TangentFrame frame = tangent_frame(smooth, inputs.point->dp_du, inputs.point->dp_dv);
         coordinates = frame.tangent * coordinates.x + frame.bitangent * coordinates.y + frame.normal * coordinates.z;
     } else if (variant == NormalMapVariant::OBJECT && inputs.instance != nullptr) {
         coordinates = Vec3f(inputs.instance->object_to_world.normal(Vec3d(coordinates)));
@@ -201,6 +212,8 @@ Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands
             return extended(facing_facet_normal(inputs));
         case Operation::tangent:
             return extended(tangent(inputs));
+        case Operation::from_tangent_space:
+            return extended(from_tangent_space(inputs, operands.vector(0)));
         case Operation::incoming:
             return extended(inputs.outgoing);
         case Operation::parametric:

@@ -155,6 +155,7 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::uv:
         case Operation::attribute:
         case Operation::tangent:
+        case Operation::from_tangent_space:
         case Operation::parametric:
         case Operation::normal_map:
             reads_element_ = true;

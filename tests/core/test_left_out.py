@@ -11,6 +11,7 @@ import pytest
 import scenes
 import strand_shapes
 import swept_support
+from core import subdivision_cages as cages
 from path_scenes import material
 
 UNNEEDED = {
@@ -23,6 +24,7 @@ UNNEEDED = {
     "strands",
     "bevelled curves",
     "subdivision surfaces",
+    "displaced surfaces",
 }
 
 
@@ -81,6 +83,23 @@ def add_volume(core, scene):
     scene.add_instance("mist", cube, scenes.matrix((0, 0, 1)), shown)
 
 
+def displacement(core):
+    program = core.Program("displacement")
+    return program, program.constant(0, 0, 0.25, 1)
+
+
+def add_displaced_material(core, scene):
+    moved = scene.add_material("moved", scenes.diffuse(core), displacement=(*displacement(core), -1))
+    surface = scene.add_surface("ball", [scenes.sphere_spline(core)])
+    scene.add_instance("ball", surface, scenes.matrix(), scene.add_material_list([moved]))
+
+
+def add_displaced_shape(core, scene):
+    program, up = displacement(core)
+    shape = scene.add_shape(core.displaced(cages.cube().surface(), program, object=up))
+    scene.add_instance("cube", shape, scenes.matrix(), scenes_material(core, scene))
+
+
 # What is added -> what is no longer left out.
 ADDED = {
     add_spline_surface: {"spline surfaces", "tessellation"},
@@ -88,6 +107,8 @@ ADDED = {
     add_strand: {"strands"},
     add_texture: {"texture system"},
     add_volume: {"volume visualisation"},
+    add_displaced_material: {"spline surfaces", "displaced surfaces", "tessellation"},
+    add_displaced_shape: {"displaced surfaces", "tessellation"},
 }
 
 

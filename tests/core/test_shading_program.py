@@ -195,6 +195,18 @@ def test_the_objects_normal_undoes_a_stretched_and_turned_matrix():
     np.testing.assert_allclose(place.values(program, local)[0, :3], in_object, atol=1e-6)
 
 
+def test_a_vector_in_tangent_space_stands_on_the_objects_own_axes():
+    matrix = np.eye(4)
+    matrix[:3, :3] = [[0, -2, 0], [2, 0, 0], [0, 0, 3]]
+    along = lambda *v: np.float32(matrix[:3, :3] @ np.array(v, float))[None]  # noqa: E731
+    up = np.float32([[0, 0, 1]])
+    program = _core.Program("Tangent")
+    moved = program.operation("from_tangent_space", [program.constant(2, 3, 5, 1)])
+    for dp_dv, bitangent in (((0, 1, 0), 1), ((0, -1, 0), -1)):  # mirrored texture coordinates turn it
+        place = points(normal=up, outgoing=up, dp_du=along(4, 0, 0.5), dp_dv=along(*dp_dv), object_to_world=matrix)
+        np.testing.assert_allclose(place.values(program, moved)[0, :3], (2, 5 * bitangent, 3), atol=1e-6)
+
+
 def test_a_program_says_what_it_may_do():
     plain = program_with("diffuse", [1.0, 1.0])
     assert not plain.emits and not plain.may_be_transparent and not plain.is_constant

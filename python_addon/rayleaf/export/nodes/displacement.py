@@ -56,10 +56,9 @@ def _scalar(view: NodeView) -> tuple[Register, Register]:
     return (UNCONNECTED, offset) if in_world else (offset, UNCONNECTED)
 
 
-def _vector(view: NodeView) -> tuple[Register, Register] | None:
-    """Vector Displacement node."""
-    if view.node.space == "TANGENT":
-        view.warn("displacement in tangent space is not supported; left out")
-        return None
+def _vector(view: NodeView) -> tuple[Register, Register]:
+    """Vector Displacement node. In tangent space X runs along U, Y along the normal and Z along V, as in Cycles."""
     offset = _amount(view, view.input("Vector"))
+    if view.node.space == "TANGENT":
+        offset = view.emitter.operation("from_tangent_space", [offset])
     return (UNCONNECTED, offset) if view.node.space == "WORLD" else (offset, UNCONNECTED)
