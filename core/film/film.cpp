@@ -12,6 +12,7 @@ PassRuleInfo rule(Pass pass) {
         case Pass::object_index:
         case Pass::material_index:
         case Pass::mask:
+        case Pass::tree_index:
         case Pass::geometry_level:
             return {PassRule::FirstSample, pass};
         case Pass::diffuse_direct:

@@ -22,7 +22,7 @@ struct SurfacePoint {
     const Shape* shape = nullptr;
     LocalHit local;
     uint32_t instance = 0;
-    bool interpolated = false;  ///< not on a facet: no derivatives by `uv`, and only an approximate point
+    bool interpolated = false;  ///< not on a facet, and only approximate; derivatives are by the picture's x and y
 
     /// What a ray that starts or ends here holds on to.
     RayAnchor anchor() const {
@@ -34,6 +34,20 @@ struct SurfacePoint {
     Vec3d ray_origin(const Vec3f& direction) const {
         const double side = direction.dot(facet_normal) < 0.0f ? -start_offset : start_offset;
         return facet_position + Vec3d(facet_normal) * side;
+    }
+    /// Makes a ray towards `direction` (unit) one that leaves the surface here.
+    void release(Ray& ray, const Vec3f& direction) const {
+        ray.origin = ray_origin(direction);
+        ray.start = anchor();
+        ray.leaves = instance;
+    }
+    /// What is left of a ray that goes straight on.
+    Ray behind(Ray ray) const {
+        const Vec3d before = ray.origin;
+        release(ray, Vec3f(ray.direction));
+        ray.t_max -= (ray.origin - before).dot(ray.direction);
+        ray.t_min = 0;
+        return ray;
     }
 };
 

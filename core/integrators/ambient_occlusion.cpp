@@ -24,9 +24,7 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         // A shading normal bent from the facet has part of its hemisphere inside the surface.
         if (direction.dot(vertex.point.facet_normal) * vertex.outgoing.dot(vertex.point.facet_normal) <= 0.0f) continue;
         Ray ray;
-        ray.origin = vertex.point.ray_origin(direction);
-        ray.start = vertex.point.anchor();
-        ray.leaves = vertex.point.instance;
+        vertex.point.release(ray, direction);
         ray.direction = normalized_or(Vec3d(direction), Vec3d(0, 0, 1));
         ray.t_max = settings.occlusion_distance;
         const RayDifferential differential =

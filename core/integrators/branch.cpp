@@ -14,9 +14,7 @@ constexpr float kLeastSurvival = 0.05f;
 Branch Branch::scattered(const Vertex& from, const Closures& closures, const LobeSample& sample, int count) const {
     Branch child = *this;
     child.ray = Ray{};
-    child.ray.origin = from.point.ray_origin(sample.direction);
-    child.ray.start = from.point.anchor();
-    child.ray.leaves = from.point.instance;
+    from.point.release(child.ray, sample.direction);
     child.ray.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
     child.departure = {};
     child.departure.position = from.point.position;
@@ -30,12 +28,7 @@ Branch Branch::scattered(const Vertex& from, const Closures& closures, const Lob
 
 Branch Branch::straight_on(const Vertex& from) const {
     Branch child = *this;
-    const Vec3d origin = from.point.ray_origin(Vec3f(ray.direction));
-    child.ray.t_max -= (origin - ray.origin).dot(ray.direction);
-    child.ray.t_min = 0;
-    child.ray.origin = origin;
-    child.ray.start = from.point.anchor();
-    child.ray.leaves = from.point.instance;
+    child.ray = from.point.behind(ray);
     child.differential = from.differential;
     child.throughput *= from.closures.transparency;
     child.bounces.pass_through(from.point.t);

@@ -12,33 +12,31 @@ constexpr double kExitErrors = 4.0;
 
 }  // namespace
 
-std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const NeighbourHits& neighbours,
-                                           const RayDifferential& differential) {
+std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const RayDifferential& differential) {
     if (!hit.is_interpolated() || hit.interpolated.way == GlassWay::Unknown) return std::nullopt;
     const Affine3d& to_world = scene.tracer().local_to_world(hit.instance);
     const InterpolatedHit& way = hit.interpolated;
-    const auto position_of = [&](const InterpolatedHit& each) { return to_world.point(each.exit_position); };
-    const auto direction_of = [&](const InterpolatedHit& each) {
-        return normalized_or(to_world.vector(each.exit_direction), Vec3d(0, 0, 1));
-    };
     GlassExit exit;
     exit.is_cut_off = way.way == GlassWay::CutOff;
     if (exit.is_cut_off) return exit;
-    exit.ray.direction = direction_of(way);
-    exit.ray.origin = position_of(way) + exit.ray.direction * (kExitErrors * way.position_error * to_world.x.length());
+    const Vec3d direction = to_world.vector(way.exit_direction);
+    exit.ray.direction = normalized_or(direction, Vec3d(0, 0, 1));
+    exit.ray.origin = to_world.point(way.exit_position) +
+                      exit.ray.direction * (kExitErrors * way.position_error * to_world.x.length());
     exit.ray.leaves = hit.instance;
     exit.ray.start = {hit.instance, RayAnchor::kNoFacet, 0};
     exit.total_reflections = way.total_reflections;
     exit.crossings = way.interior_hits - way.total_reflections;
     exit.differential = differential;
-    const auto change = [&](size_t i, Vec3f& position, Vec3f& direction) {
-        if (!neighbours.hits[i]) return;
-        const InterpolatedHit& other = neighbours.hits[i]->interpolated;
-        position = Vec3f(position_of(other) - position_of(way));
-        direction = Vec3f(direction_of(other) - exit.ray.direction);
+    if (!way.changes.are_known) return exit;
+    const auto position_change = [&](size_t i) {
+        return Vec3f(to_world.vector(Vec3d(way.changes.steps[i].exit_position)));
     };
-    change(0, exit.differential.dp_dx, exit.differential.dd_dx);
-    change(1, exit.differential.dp_dy, exit.differential.dd_dy);
+    // The map scales evenly: what is at right angles to the direction stays so.
+    const auto direction_change = [&](size_t i) {
+        return Vec3f(to_world.vector(Vec3d(way.changes.steps[i].exit_direction)) / direction.length());
+    };
+    exit.differential = {position_change(0), position_change(1), direction_change(0), direction_change(1)};
     return exit;
 }
 
@@ -66,9 +64,8 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
         exit.differential = scattered_differential(exit.differential.transferred(incoming, hit->t, point.facet_normal),
                                                    incoming, point, sample);
         ++(through ? exit.crossings : exit.total_reflections);
-        ray.origin = point.ray_origin(sample.direction);
+        point.release(ray, sample.direction);
         ray.direction = direction;
-        ray.start = point.anchor();
         // Where the ray goes by the facet is where it is: a shading normal may differ from it.
         if (direction.dot(facet) >= 0.0) return exit;
     }

@@ -4,7 +4,7 @@
 // picture does not show which it was.
 #pragma once
 
-#include "integrators/neighbour_hits.h"
+#include "integrators/vertex.h"
 #include "scene/scene.h"
 
 #include <optional>
@@ -19,9 +19,8 @@ struct GlassExit {
 };
 
 /// What the hit's ray cache tells of the way; empty where it tells nothing. `differential`: of the ray that enters,
-/// where it hits. `neighbours` may be empty: the differential is not wanted then.
-std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const NeighbourHits& neighbours,
-                                           const RayDifferential& differential);
+/// where it hits; so is the one that leaves, unless the cache was asked how the way changes.
+std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const RayDifferential& differential);
 
 /// The way from `entered`, a ray that just passed the surface of `instance`, of at most so many hits from inside. Empty
 /// where it finds no end.

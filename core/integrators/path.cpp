@@ -61,7 +61,6 @@ class PathTracer {
     int vertex_ = 0;
     RayUse use_ = RayUse::Camera;     ///< of the ray under way
     std::optional<Hit> hit_;          ///< of the vertex
-    NeighbourHits neighbours_;        ///< where it is interpolated
     uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
     static constexpr uint32_t kNowhere = RayAnchor::kNone;
 
@@ -117,9 +116,9 @@ PixelSample PathTracer::trace() {
         const Vec3f direction(ray_.direction);
         vertex.outgoing = -direction;
         vertex.differential = differential_.transferred(direction, hit->t, vertex.point.facet_normal);
-        if (hit->is_interpolated() && scene_.needs_differentials()) {
-            neighbours_ = neighbour_hits(scene_, ray_, *hit, vertex.differential);
-            set_derivatives(scene_, neighbours_, vertex.differential, vertex.point);
+        if (hit->is_interpolated()) {
+            vertex.point.dp_du = vertex.differential.dp_dx;
+            vertex.point.dp_dv = vertex.differential.dp_dy;
         }
         scene_.shade(vertex.point, vertex.outgoing, footprint_on(*hit, vertex.differential), bounces_.at(hit->t),
                      vertex.closures);
@@ -140,18 +139,18 @@ void PathTracer::find_hit() {
     ++counts_[use_];
     ray_ = with_width(ray_, differential_, widening());
     constexpr int kMostSurfaces = 4;
+    const RayDifferential* differential = scene_.needs_differentials() ? &differential_ : nullptr;
     ClosestHit found;
     for (int i = 0; i < kMostSurfaces; ++i) {
-        found = scene_.tracer().closest(ray_, bounces_.ray_kind());
+        found = scene_.tracer().closest(ray_, bounces_.ray_kind(), differential);
         if (!found.hit || found.hit->instance != outside_of_) break;
         const SurfacePoint point = scene_.tracer().surface_point(ray_, *found.hit);
         if (point.facet_normal.dot(Vec3f(ray_.direction)) <= 0.0f) break;
         ray_.t_min = found.hit->t + point.start_offset;
     }
     hit_ = found.hit;
-    neighbours_ = {};
     if (vertex_ > 0 || !settings_.ray_passes) return;
-    write_answer(found, light_.sample);
+    write_answer(scene_.tracer(), found, light_.sample);
     write_level(hit_, light_.sample);
 }
 
@@ -265,14 +264,8 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     throughput_ *= vertex.closures.transparency / probability;
     if (!is_finite(throughput_)) return false;
     bounces_.pass_through(vertex.point.t);
-    const Vec3f direction(ray_.direction);
-    const Vec3d origin = vertex.point.ray_origin(direction);
-    ray_.t_max -= (origin - ray_.origin).dot(ray_.direction);
-    ray_.t_min = 0;
-    ray_.origin = origin;
-    ray_.leaves = vertex.point.instance;
+    ray_ = vertex.point.behind(ray_);
     outside_of_ = kNowhere;
-    ray_.start = vertex.point.anchor();
     differential_ = vertex.differential;
     return true;
 }
@@ -292,10 +285,8 @@ bool PathTracer::scatter(const Vertex& vertex) {
     differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
     departure_ = {vertex.point.position, sample->singular ? 0.0f : sample->density};
     ray_ = Ray{};
-    ray_.origin = vertex.point.ray_origin(sample->direction);
+    vertex.point.release(ray_, sample->direction);
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
-    ray_.leaves = vertex.point.instance;
-    ray_.start = vertex.point.anchor();
     outside_of_ = kNowhere;
     const GlassBody* body = enters ? scene_.glass_body(vertex.point.instance) : nullptr;
     return !body || cross_glass(*body, vertex);
@@ -303,7 +294,7 @@ bool PathTracer::scatter(const Vertex& vertex) {
 
 /// Goes on from where the ray that has just entered a glass body leaves it; false if the path ends inside.
 bool PathTracer::cross_glass(const GlassBody& body, const Vertex& vertex) {
-    std::optional<GlassExit> exit = interpolated_exit(scene_, *hit_, neighbours_, vertex.differential);
+    std::optional<GlassExit> exit = interpolated_exit(scene_, *hit_, vertex.differential);
     if (!exit)
         exit = traced_exit(scene_, body, vertex.point.instance, ray_, differential_, settings_.most_interior_hits);
     if (!exit) return true;  // on, surface by surface

@@ -21,8 +21,8 @@ constexpr uint32_t kLightPasses = bit(Pass::diffuse_direct) | bit(Pass::diffuse_
 constexpr uint32_t kColorPasses = bit(Pass::diffuse_color) | bit(Pass::glossy_color) | bit(Pass::transmission_color);
 constexpr uint32_t kSurfacePasses = bit(Pass::depth) | bit(Pass::position) | bit(Pass::normal) | bit(Pass::uv) |
                                     bit(Pass::object_index) | bit(Pass::material_index) | bit(Pass::ambient_occlusion);
-constexpr uint32_t kRayPasses = bit(Pass::mask) | bit(Pass::mask_colors) | bit(Pass::interpolation_error) |
-                                bit(Pass::path_length) | bit(Pass::geometry_level);
+constexpr uint32_t kRayPasses = bit(Pass::mask) | bit(Pass::tree_index) | bit(Pass::mask_colors) |
+                                bit(Pass::interpolation_error) | bit(Pass::path_length) | bit(Pass::geometry_level);
 
 }  // namespace
 

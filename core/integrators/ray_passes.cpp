@@ -31,9 +31,11 @@ void write(RayAnswer answer, float error, PixelSample& sample) {
 
 }  // namespace
 
-void write_answer(const ClosestHit& found, PixelSample& sample) {
+void write_answer(const Tracer& tracer, const ClosestHit& found, PixelSample& sample) {
     const bool interpolated = found.hit && found.hit->is_interpolated();
     write(found.answer, interpolated ? found.hit->interpolated.error : 0.0f, sample);
+    const ObjectCache* cache = found.hit ? tracer.cache(found.hit->instance) : nullptr;
+    if (cache) sample[Pass::tree_index].x = static_cast<float>(cache->number());
 }
 
 void write_level(const std::optional<Hit>& hit, PixelSample& sample) {
@@ -45,6 +47,7 @@ void write_volumes(const VolumePassage& passage, PixelSample& sample) {
     const auto surface = static_cast<RayAnswer>(static_cast<int>(sample[Pass::mask].x));
     const float error = std::max(sample[Pass::interpolation_error].x, passage.error);
     write(more_telling(surface, passage.answer), error, sample);
+    if (sample[Pass::tree_index].x == 0.0f) sample[Pass::tree_index].x = static_cast<float>(passage.tree);
     sample[Pass::path_length].x = static_cast<float>(passage.length);
 }
 

@@ -7,8 +7,8 @@
 
 namespace rayleaf {
 
-/// Writes Rayleaf Mask, its colours and Rayleaf Error.
-void write_answer(const ClosestHit& found, PixelSample& sample);
+/// Writes Rayleaf Mask, its colours, Rayleaf Error and Rayleaf Tree.
+void write_answer(const Tracer& tracer, const ClosestHit& found, PixelSample& sample);
 /// Writes Rayleaf Level.
 void write_level(const std::optional<Hit>& hit, PixelSample& sample);
 /// Writes Path Length, and in the others what volume objects say where it tells more.

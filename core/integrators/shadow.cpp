@@ -22,9 +22,8 @@ Vec3d shadow_origin(const SurfacePoint& point, const Vec3f& direction) {
 Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias) {
     Ray ray;
     ray.t_min = bias;
-    ray.leaves = point.instance;
+    point.release(ray, light.direction);
     ray.origin = shadow_origin(point, light.direction);
-    ray.start = point.anchor();
     ray.end = light.target_anchor;
     ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
     if (!std::isfinite(light.distance)) return ray;
@@ -56,13 +55,7 @@ Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visi
         transmittance *= closures.transparency;
         if (!(max_component(transmittance) > 0.0f)) return Color(0.0f);
         ++state.transparent_depth;
-        const Vec3d origin = point.ray_origin(Vec3f(ray.direction));
-        ray.t_min = 0;
-        ray.t_max -= (origin - ray.origin).dot(ray.direction);
-        ray.origin = origin;
-        ray.start = point.anchor();
-        ray.leaves = point.instance;
-        ray = with_width(ray, differential, widening);
+        ray = with_width(point.behind(ray), differential, widening);
     }
 }
 

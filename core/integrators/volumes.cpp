@@ -55,6 +55,8 @@ VolumePassage through_volumes(const Scene& scene, const Ray& ray, Visibility kin
         passage.length += answer.length;
         passage.answer = more_telling(passage.answer, answer.answer);
         passage.error = std::max(passage.error, answer.error);
+        const ObjectCache* cache = scene.tracer().cache(entry.instance);
+        if (cache && passage.tree == 0 && answer.length > 0.0) passage.tree = cache->number();
     }
     return passage;
 }

@@ -173,6 +173,37 @@ py::dict samples(const FastTree& tree, int direction, const Array<uint32_t>& pla
     return result;
 }
 
+/// How interpolated answers change with steps (n, 2, 3) of origins and directions.
+py::dict changes(FastTree& tree, const Array<double>& origins, const Array<double>& directions,
+                 const Array<float>& origin_steps, const Array<float>& direction_steps) {
+    const std::vector<Ray> rays = rays_from(origins, directions);
+    const auto count = static_cast<py::ssize_t>(rays.size());
+    check_shape("changes", "origin_steps", origin_steps, {count, 2, 3});
+    check_shape("changes", "direction_steps", direction_steps, {count, 2, 3});
+    std::vector<RayDifferential> differentials(rays.size());
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const auto step = [i](const Array<float>& all, size_t which) {
+            const float* v = all.data() + (2 * i + which) * 3;
+            return Vec3f(v[0], v[1], v[2]);
+        };
+        differentials[i] = {step(origin_steps, 0), step(origin_steps, 1), step(direction_steps, 0),
+                            step(direction_steps, 1)};
+    }
+    std::vector<CachedAnswer> answers(rays.size());
+    std::vector<HitChanges> found(rays.size());
+    tree.ask({rays, {}, Uninterpolated::Leave, differentials}, answers, found);
+    py::dict result;
+    result["known"] = column<bool>(rays.size(), 0, [&](size_t i) { return found[i].are_known; });
+    const auto steps = [&](Vec3f HitChanges::Step::*member) {
+        return column<double>(2 * rays.size(), 3, [&](size_t i) { return Vec3d(found[i / 2].steps[i % 2].*member); })
+            .reshape({count, py::ssize_t{2}, py::ssize_t{3}});
+    };
+    result["normal"] = steps(&HitChanges::Step::normal);
+    result["exit_position"] = steps(&HitChanges::Step::exit_position);
+    result["exit_direction"] = steps(&HitChanges::Step::exit_direction);
+    return result;
+}
+
 template <typename Tree>
 py::class_<Tree, RayCache> bind_tree(py::module_& module, const char* name, const char* description) {
     const SampleSettings samples;
@@ -188,8 +219,7 @@ py::class_<Tree, RayCache> bind_tree(py::module_& module, const char* name, cons
              py::arg("mixed_depth_limit") = settings.mixed_depth_limit,
              py::arg("most_interior_hits") = samples.most_interior_hits,
              "kind: SIMPLE, MIRROR, GLASS or VOLUME. Thresholds: a share of the box's half extent, and radians. Paths "
-             "in "
-             "glass of more than most_interior_hits hits from inside are cut off.")
+             "in glass of more than most_interior_hits hits from inside are cut off.")
         .def("final_cells", &final_cells<Tree>, py::arg("origins"), py::arg("directions"),
              "(direction, depth, indices) of the cells that answer, None for rays that miss the box.")
         .def("corner_rays", &corner_rays<Tree>, py::arg("cell"), "Origins and directions (16, 3), local space.")
@@ -230,6 +260,11 @@ void bind_ri_tree(py::module_& parent) {
         .def("statistics", &statistics);
     bind_tree<ReferenceTree>(module, "ReferenceTree", "The ray interpolant tree as published. One thread at a time.");
     bind_tree<FastTree>(module, "FastTree", "The ray cache that renders. Any number of threads.")
+        .def("changes", &changes, py::arg("origins"), py::arg("directions"), py::arg("origin_steps"),
+             py::arg("direction_steps"),
+             "How interpolated answers change with two steps of each ray, arrays (n, 2, 3): known, normal, "
+             "exit_position, "
+             "exit_direction.")
         .def("samples", &samples, py::arg("direction"), py::arg("places"),
              "Samples at lattice points (n, 4), shares times 2^31: values (n, k), changes by the line's coordinates as "
              "shares of the root cell's half sides (n, k, 4), and what happened on the way.");

@@ -4,6 +4,7 @@
 #include "base/vector.h"
 #include "rays/ray.h"
 
+#include <array>
 #include <cstdint>
 
 namespace rayleaf {
@@ -24,6 +25,16 @@ enum class RayAnswer : uint8_t { NotAsked, Traced, Interpolated, TwoClass, Misse
 /// What is known of the way through a glass body. Cut off: it has more hits than any path may.
 enum class GlassWay : uint8_t { Unknown, Leaves, CutOff };
 
+/// How an interpolated answer changes with the picture's x and y.
+struct HitChanges {
+    struct Step {
+        Vec3f normal{0, 0, 0};
+        Vec3f exit_position{0, 0, 0}, exit_direction{0, 0, 0};  ///< Glass
+    };
+    bool are_known = false;  ///< else all are zero
+    std::array<Step, 2> steps;
+};
+
 /// What an interpolated first hit knows, beside the point: local space of the shape.
 struct InterpolatedHit {
     Vec2f uv{0, 0};
@@ -35,6 +46,7 @@ struct InterpolatedHit {
     Vec3d exit_position{0, 0, 0};
     Vec3d exit_direction{0, 0, 1};  ///< unit
     int interior_hits = 0, total_reflections = 0;
+    HitChanges changes;  ///< of the normal and the ray that leaves
 };
 
 /// A hit in the scene.

@@ -230,7 +230,7 @@ std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& ca
         caches.push_back(make_ray_cache(RayCacheKind::Fast, candidate.shape, candidate.samples, thresholds));
         trying.push_back(candidate);
         places.push_back(i);
-        give(i, std::make_shared<const CachedObject>(caches.back(), candidate.shape, candidate.samples.kind,
+        give(i, std::make_shared<const CachedObject>(0, caches.back(), candidate.shape, candidate.samples.kind,
                                                      thresholds.distance_threshold, neighbour_scale));
     }
     const double queries_per_hit = scene.needs_differentials() ? kWithNeighbours : 1.0;

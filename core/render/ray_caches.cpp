@@ -55,8 +55,9 @@ void RayCaches::use(FrameCache& each, Scene& scene, double neighbour_scale, RayC
     const auto make_one = [&] { return made ? made : make(planned); };
     each.cache = key ? store->find_or_make(*key, make_one) : make_one();
     each.before = each.cache->statistics();
+    const auto number = static_cast<uint32_t>(&each - frame_.data()) + 1;
     const auto object =
-        std::make_shared<const CachedObject>(each.cache, planned.shape, planned.samples.kind,
+        std::make_shared<const CachedObject>(number, each.cache, planned.shape, planned.samples.kind,
                                              planned.interpolation.thresholds.distance_threshold, neighbour_scale);
     for (const uint32_t instance : planned.instances) scene.set_ray_cache(instance, object);
 }

@@ -36,9 +36,10 @@ GlassWay way_of(PathEnding ending) {
 
 }  // namespace
 
-CachedObject::CachedObject(std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape, OutputKind kind,
-                           double distance_threshold, double neighbour_scale)
-    : cache_(std::move(cache)),
+CachedObject::CachedObject(uint32_t number, std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape,
+                           OutputKind kind, double distance_threshold, double neighbour_scale)
+    : ObjectCache(number),
+      cache_(std::move(cache)),
       shape_(std::move(shape)),
       kind_(kind),
       assumed_error_(distance_threshold),
@@ -62,7 +63,8 @@ void CachedObject::list_elements() {
         if (classes.of_element(element) != kFacetedClass) element_of_class_[classes.of_element(element)] = element;
 }
 
-CachedAnswer CachedObject::answer(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const {
+CachedAnswer CachedObject::answer(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours,
+                                  HitChanges& changes) const {
     const LocalFrame& frame = shape_->frame();
     Ray ray;
     ray.origin = origin * frame.scale + frame.center;
@@ -70,13 +72,23 @@ CachedAnswer CachedObject::answer(const Vec3d& origin, const Vec3d& direction, c
     const RaySpacing spacing{static_cast<float>(neighbours.distance * frame.scale * neighbour_scale_),
                              static_cast<float>(neighbours.angle * neighbour_scale_)};
     CachedAnswer result;
-    cache_->ask({&ray, 1}, {&spacing, 1}, {&result, 1}, Uninterpolated::Leave);
+    RayQuestions question{{&ray, 1}, {&spacing, 1}, Uninterpolated::Leave, {}};
+    if (!neighbours.differential) {
+        cache_->ask(question, {&result, 1}, {});
+        return result;
+    }
+    RayDifferential differential = *neighbours.differential;
+    differential.dp_dx *= static_cast<float>(frame.scale);
+    differential.dp_dy *= static_cast<float>(frame.scale);
+    question.differentials = {&differential, 1};
+    cache_->ask(question, {&result, 1}, {&changes, 1});
+    for (HitChanges::Step& step : changes.steps) step.exit_position /= static_cast<float>(frame.scale);
     return result;
 }
 
 ObjectAnswer CachedObject::ask(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const {
-    const CachedAnswer found = answer(origin, direction, neighbours);
     ObjectAnswer result;
+    const CachedAnswer found = answer(origin, direction, neighbours, result.hit.changes);
     result.answer = kind_of(found.by);
     if (result.answer == RayAnswer::Traced || result.answer == RayAnswer::Missed) return result;
     const OutputRay& output = found.output;
@@ -105,7 +117,8 @@ ObjectAnswer CachedObject::ask(const Vec3d& origin, const Vec3d& direction, cons
 
 LengthAnswer CachedObject::ask_length(const Vec3d& origin, const Vec3d& direction,
                                       const RayNeighbours& neighbours) const {
-    const CachedAnswer found = answer(origin, direction, neighbours);
+    HitChanges unwanted;
+    const CachedAnswer found = answer(origin, direction, neighbours, unwanted);
     const RayAnswer kind = kind_of(found.by);
     return {kind, kind == RayAnswer::Missed ? 0.0 : found.output.length / shape_->frame().scale,
             static_cast<float>(found.error)};

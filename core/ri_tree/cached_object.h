@@ -15,7 +15,7 @@ class CachedObject final : public ObjectCache {
     /// `distance_threshold`: what error to assume where the cache tells none, a share of the half extent.
     /// `neighbour_scale`: how far apart a picture's rays are against what their differentials say. Those are of one
     /// sample a pixel; with n samples rays lie closer by the root of n.
-    CachedObject(std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape, OutputKind kind,
+    CachedObject(uint32_t number, std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape, OutputKind kind,
                  double distance_threshold, double neighbour_scale);
 
     ObjectAnswer ask(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const override;
@@ -34,7 +34,8 @@ class CachedObject final : public ObjectCache {
     /// By class, an element that has it: whose material is the class's. Empty where one material is on everything.
     std::vector<uint32_t> element_of_class_;
 
-    CachedAnswer answer(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const;
+    CachedAnswer answer(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours,
+                        HitChanges& changes) const;
     void list_elements();
 };
 

@@ -34,8 +34,7 @@ class FastTree final : public RayCache {
     ~FastTree() override;
 
     /// Thread-safe.
-    void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers,
-             Uninterpolated others) override;
+    void ask(const RayQuestions& questions, std::span<CachedAnswer> answers, std::span<HitChanges> changes) override;
     using RayCache::ask;
     OutputRay trace(const Ray& object_ray) const override;
     RayCacheStatistics statistics() const override;
@@ -48,6 +47,7 @@ class FastTree final : public RayCache {
     const SampleTracer& tracer() const { return tracer_; }
 
   private:
+    struct Batch;
     struct Search;
     struct Found;
 
@@ -65,10 +65,13 @@ class FastTree final : public RayCache {
     Ray to_local(const Ray& object_ray) const;
     void move_to_object(OutputRay& local) const;
 
-    void ask_batch(Search& search, const Ray* rays, const RaySpacing* spacings, int count, CachedAnswer* answers);
-    void answer_cell(Search& search, const Found& found, RaySet set, const Ray* rays, CachedAnswer* answers);
-    void interpolate(const Search& search, const Found& found, int ray, const Ray& given, const float* values,
-                     size_t stride, CachedAnswer& answer) const;
+    void ask_batch(Search& search, const Batch& asked);
+    std::array<int, kBatchRays> deepest_worth(const Search& search, const Batch& asked, RaySet pending) const;
+    void answer_cell(Search& search, const Found& found, RaySet set, const Batch& asked);
+    void interpolate(const Search& search, const Found& found, int ray, const Batch& asked, const float* values,
+                     size_t stride) const;
+    HitChanges changes_of(const Search& search, const Found& found, int ray, const Batch& asked,
+                          const LineGeometry& line) const;
     void answer_plainly(const Search& search, const Ray& object_ray, AnsweredBy by, CachedAnswer& answer) const;
 
     Found find(Search& search, int ray, int deepest_worth);

@@ -258,13 +258,16 @@ void evaluate(const LineBatch& batch, const CellPlace& cell, const CellLeaf& lea
     }
 }
 
+HWY_INLINE float place_in_cell(const LineBatch& batch, int ray, const CellPlace& cell, int k) {
+    return static_cast<float>(batch.place[k][ray] - cell.first[k]) * place_scale(cell.bits[k]) - 1.0f;
+}
+
 void evaluate_one(const LineBatch& batch, int ray, const CellPlace& cell, const CellLeaf& leaf, float* values) {
     const hn::CappedTag<float, kLeafPadding> lanes;
     using Vector = hn::Vec<decltype(lanes)>;
     constexpr int kWidth = static_cast<int>(hn::MaxLanes(lanes));
     float u[kLineAxes], terms[kCubicTerms];
-    for (int k = 0; k < kLineAxes; ++k)
-        u[k] = static_cast<float>(batch.place[k][ray] - cell.first[k]) * place_scale(cell.bits[k]) - 1.0f;
+    for (int k = 0; k < kLineAxes; ++k) u[k] = place_in_cell(batch, ray, cell, k);
     const auto multiply = [](float a, float b) { return a * b; };
     const auto subtract = [](float a, float b) { return a - b; };
     make_terms(u, 1.0f, leaf.terms, multiply, subtract, terms);
@@ -279,6 +282,34 @@ void evaluate_one(const LineBatch& batch, int ray, const CellPlace& cell, const 
     }
 }
 
+/// A number, and how it changes.
+struct Changing {
+    float value = 0, change = 0;
+};
+
+void differentiate(const LineBatch& batch, int ray, const CellPlace& cell, const CellLeaf& leaf,
+                   const float (&step)[kLineAxes], float* changes) {
+    const hn::CappedTag<float, kLeafPadding> lanes;
+    using Vector = hn::Vec<decltype(lanes)>;
+    constexpr int kWidth = static_cast<int>(hn::MaxLanes(lanes));
+    Changing u[kLineAxes], terms[kCubicTerms];
+    for (int k = 0; k < kLineAxes; ++k) u[k] = {place_in_cell(batch, ray, cell, k), step[k]};
+    const auto multiply = [](const Changing& a, const Changing& b) {
+        return Changing{a.value * b.value, a.value * b.change + a.change * b.value};
+    };
+    const auto subtract = [](const Changing& a, const Changing& b) {
+        return Changing{a.value - b.value, a.change - b.change};
+    };
+    make_terms(u, Changing{1.0f, 0.0f}, leaf.terms, multiply, subtract, terms);
+    for (int first = 0; first < leaf.values; first += kWidth) {
+        const float* coefficients = leaf.coefficients.data() + first;
+        Vector sum = hn::Zero(lanes);
+        for (int t = 0; t < leaf.terms; ++t, coefficients += leaf.values)
+            sum = hn::Add(sum, hn::Mul(hn::LoadU(lanes, coefficients), hn::Set(lanes, terms[t].change)));
+        hn::StoreU(sum, lanes, changes + first);
+    }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace rayleaf
 HWY_AFTER_NAMESPACE();
@@ -290,12 +321,13 @@ HWY_EXPORT(prepare);
 HWY_EXPORT(rays_in);
 HWY_EXPORT(evaluate);
 HWY_EXPORT(evaluate_one);
+HWY_EXPORT(differentiate);
 
 BatchFunctions batch_functions() {
     // The first call through the table chooses; the pointers must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return {&HWY_DYNAMIC_DISPATCH(prepare), &HWY_DYNAMIC_DISPATCH(rays_in), &HWY_DYNAMIC_DISPATCH(evaluate),
-            &HWY_DYNAMIC_DISPATCH(evaluate_one)};
+            &HWY_DYNAMIC_DISPATCH(evaluate_one), &HWY_DYNAMIC_DISPATCH(differentiate)};
 }
 
 }  // namespace rayleaf

@@ -55,6 +55,9 @@ struct BatchFunctions {
     void (*evaluate)(const LineBatch& batch, const CellPlace& cell, const CellLeaf& leaf, float (*values)[kBatchRays]);
     /// For one ray; `values` has room for kLeafPadding.
     void (*evaluate_one)(const LineBatch& batch, int ray, const CellPlace& cell, const CellLeaf& leaf, float* values);
+    /// How the values of one ray change with a step of the cell's coordinates; `changes` has room for kLeafPadding.
+    void (*differentiate)(const LineBatch& batch, int ray, const CellPlace& cell, const CellLeaf& leaf,
+                          const float (&step)[kLineAxes], float* changes);
 };
 /// The versions for this machine's processor.
 BatchFunctions batch_functions();

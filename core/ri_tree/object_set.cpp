@@ -21,10 +21,11 @@ double entry(const Box3d& box, const Ray& ray) {
 
 }  // namespace
 
-void TracedObject::ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers,
-                       Uninterpolated others) {
-    for (size_t i = 0; i < rays.size(); ++i) {
-        answers[i].output = others == Uninterpolated::Trace ? cache_->trace(rays[i]) : OutputRay{};
+void TracedObject::ask(const RayQuestions& questions, std::span<CachedAnswer> answers, std::span<HitChanges> changes) {
+    std::fill(changes.begin(), changes.end(), HitChanges{});
+    const bool traces = questions.others == Uninterpolated::Trace;
+    for (size_t i = 0; i < questions.rays.size(); ++i) {
+        answers[i].output = traces ? cache_->trace(questions.rays[i]) : OutputRay{};
         answers[i].by = AnsweredBy::TracedManyClasses;
     }
 }

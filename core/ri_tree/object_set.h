@@ -17,8 +17,7 @@ class TracedObject final : public RayCache {
   public:
     explicit TracedObject(const RayCache& cache) : cache_(&cache) {}
     using RayCache::ask;
-    void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers,
-             Uninterpolated others) override;
+    void ask(const RayQuestions& questions, std::span<CachedAnswer> answers, std::span<HitChanges> changes) override;
     OutputRay trace(const Ray& object_ray) const override { return cache_->trace(object_ray); }
     RayCacheStatistics statistics() const override { return {}; }
 

@@ -1,12 +1,12 @@
 #include "ri_tree/patch_classes.h"
 
+#include "base/joined_sets.h"
 #include "geometry/patch_surface.h"
 #include "geometry/triangle_mesh.h"
 #include "ri_tree/output_ray.h"
 
 #include <array>
 #include <map>
-#include <numeric>
 
 namespace rayleaf {
 namespace {
@@ -18,26 +18,6 @@ constexpr float kSmoothCosine = 1.0f - 0.5e-6f;
 constexpr float kUvTolerance = 1e-5f;
 /// Where along a border the normals of two patches are compared.
 constexpr std::array<float, 5> kBorderParameters = {0.05f, 0.25f, 0.5f, 0.75f, 0.95f};
-
-/// Sets of elements that join (union-find).
-class JoinedElements {
-  public:
-    explicit JoinedElements(uint32_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-
-    uint32_t root(uint32_t element) {
-        while (parent_[element] != element) element = parent_[element] = parent_[parent_[element]];
-        return element;
-    }
-    /// The lower number stays the root, so that classes do not depend on the order of joins.
-    void join(uint32_t a, uint32_t b) {
-        a = root(a);
-        b = root(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-  private:
-    std::vector<uint32_t> parent_;
-};
 
 /// The side of a patch at the end, or at the start, of a direction.
 Vec2f border_point(PatchDirection across, float end, float along) {
@@ -56,7 +36,7 @@ bool smooth_border(const PatchSurface& surface, uint32_t before, uint32_t after,
 /// Joins the neighbours along one direction of a spline; patch (i, j) is `first + i * step + j * other_step`.
 void join_along(const PatchSurface& surface, PatchDirection across, const std::vector<SplineSpan>& spans,
                 uint32_t first, uint32_t step, uint32_t other_count, uint32_t other_step, TextureSeams seams,
-                JoinedElements& joined) {
+                JoinedSets& joined) {
     const auto count = static_cast<uint32_t>(spans.size());
     for (uint32_t i = 0; i < count; ++i) {
         const bool seam = i + 1 == count;
@@ -69,7 +49,7 @@ void join_along(const PatchSurface& surface, PatchDirection across, const std::v
     }
 }
 
-void join_patches(const PatchSurface& surface, TextureSeams seams, JoinedElements& joined) {
+void join_patches(const PatchSurface& surface, TextureSeams seams, JoinedSets& joined) {
     for (const SplinePatches& spline : surface.splines()) {
         if (!spline.smooth) continue;
         const auto count_u = static_cast<uint32_t>(spline.spans_u.size());
@@ -112,7 +92,7 @@ bool smooth_edge(const TriangleMesh& mesh, const EdgeSide& a, const EdgeSide& b,
            agree(at_corner(mesh, a.triangle, a.high_corner), at_corner(mesh, b.triangle, b.high_corner), seams);
 }
 
-void join_triangles(const TriangleMesh& mesh, TextureSeams seams, JoinedElements& joined) {
+void join_triangles(const TriangleMesh& mesh, TextureSeams seams, JoinedSets& joined) {
     std::map<std::pair<uint32_t, uint32_t>, EdgeSide> first_at_edge;
     const std::vector<std::array<uint32_t, 3>>& triangles = mesh.triangles();
     for (uint32_t i = 0; i < triangles.size(); ++i) {
@@ -133,7 +113,7 @@ PatchClasses::PatchClasses(const Shape& shape, TextureSeams seams) : class_of_(s
     // Strands are too thin for rays to be interpolated between; rays against other surfaces are traced too.
     const bool is_mesh = shape.kind() == ShapeKind::TriangleMesh;
     if (!is_mesh && shape.kind() != ShapeKind::PatchSurface) return;
-    JoinedElements joined(shape.element_count());
+    JoinedSets joined(shape.element_count());
     if (is_mesh)
         join_triangles(static_cast<const TriangleMesh&>(shape), seams, joined);
     else

@@ -11,7 +11,9 @@
 // and a ray that leaves a convex object need not.
 #pragma once
 
+#include "rays/hit.h"
 #include "rays/ray.h"
+#include "rays/ray_differential.h"
 #include "ri_tree/output_ray.h"
 #include "ri_tree/sample_tracer.h"
 
@@ -118,17 +120,26 @@ enum class Uninterpolated : uint8_t {
     Leave   ///< said to be traced, and left to the caller: the output is that of a miss
 };
 
+/// Rays in object space; `t_min` and `t_max` are not looked at: answers are for everything beyond the origin.
+struct RayQuestions {
+    std::span<const Ray> rays;
+    std::span<const RaySpacing> spacings;  ///< one a ray, or none: zeros
+    Uninterpolated others = Uninterpolated::Trace;
+    /// How the rays change with a picture's x and y, object space: one a ray, or none, where nobody asks how answers
+    /// do.
+    std::span<const RayDifferential> differentials;
+};
+
 class RayCache {
   public:
     virtual ~RayCache() = default;
 
-    /// Answers rays in object space; `t_min` and `t_max` are not looked at: answers are for everything beyond the
-    /// origin. What is answered depends on ray, spacing, shape, material and settings alone: not on rays asked before,
-    /// nor on the cache size. `spacings` has one entry a ray, or none: zeros.
-    virtual void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers,
-                     Uninterpolated others) = 0;
+    /// What is answered depends on ray, spacing, shape, material and settings alone: not on rays asked before, nor on
+    /// the cache size. `changes`, object space, has one entry a differential; only of what the fast tree interpolates
+    /// they are known.
+    virtual void ask(const RayQuestions& questions, std::span<CachedAnswer> answers, std::span<HitChanges> changes) = 0;
     void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers) {
-        ask(rays, spacings, answers, Uninterpolated::Trace);
+        ask({rays, spacings, Uninterpolated::Trace, {}}, answers, {});
     }
     /// The same question answered by tracing alone. Thread-safe.
     virtual OutputRay trace(const Ray& object_ray) const = 0;

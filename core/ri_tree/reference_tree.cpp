@@ -51,11 +51,12 @@ ReferenceTree::ReferenceTree(std::shared_ptr<const Shape> shape, const SampleSet
 
 ReferenceTree::~ReferenceTree() = default;
 
-void ReferenceTree::ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers,
-                        Uninterpolated others) {
+void ReferenceTree::ask(const RayQuestions& questions, std::span<CachedAnswer> answers, std::span<HitChanges> changes) {
     const FloatEnvironment environment;
-    for (size_t i = 0; i < rays.size(); ++i) {
-        answers[i] = is_ray(rays[i]) ? answer(to_local(rays[i]), others) : CachedAnswer{};
+    std::fill(changes.begin(), changes.end(), HitChanges{});
+    for (size_t i = 0; i < questions.rays.size(); ++i) {
+        const Ray& ray = questions.rays[i];
+        answers[i] = is_ray(ray) ? answer(to_local(ray), questions.others) : CachedAnswer{};
         ++statistics_.answers[static_cast<size_t>(answers[i].by)];
         answers[i].output = to_object(answers[i].output);
         prune();

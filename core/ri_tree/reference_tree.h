@@ -39,8 +39,7 @@ class ReferenceTree final : public RayCache {
     ~ReferenceTree() override;
 
     /// Spacings are not looked at: the paper buys every cell.
-    void ask(std::span<const Ray> rays, std::span<const RaySpacing>, std::span<CachedAnswer> answers,
-             Uninterpolated others) override;
+    void ask(const RayQuestions& questions, std::span<CachedAnswer> answers, std::span<HitChanges> changes) override;
     using RayCache::ask;
     OutputRay trace(const Ray& object_ray) const override;
     RayCacheStatistics statistics() const override;

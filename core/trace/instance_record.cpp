@@ -46,9 +46,30 @@ double InstanceRecord::start_offset(const Vec3d& position, const Vec3d& normal, 
     return float_error + kUnit * (shear * world + lengths[0] + lengths[1] + lengths[2]);
 }
 
-ObjectAnswer InstanceRecord::ask(const Ray& world_ray, const LocalRay& ray) const {
-    return cache->ask(ray.origin + ray.direction * world_ray.t_min, ray.direction / ray.speed,
-                      neighbours_of(world_ray, ray.start, ray.speed));
+ObjectAnswer InstanceRecord::ask(const Ray& world_ray, const LocalRay& ray, const RayDifferential* differential) const {
+    RayNeighbours neighbours = neighbours_of(world_ray, ray.start, ray.speed);
+    RayDifferential local;
+    if (differential) {
+        local = local_differential(world_ray, ray, *differential);
+        neighbours.differential = &local;
+    }
+    return cache->ask(ray.origin + ray.direction * world_ray.t_min, ray.direction / ray.speed, neighbours);
+}
+
+/// Where the ray asked begins, at t_min of the world ray.
+RayDifferential InstanceRecord::local_differential(const Ray& world_ray, const LocalRay& ray,
+                                                   const RayDifferential& differential) const {
+    const Vec3d unit = ray.direction / ray.speed;
+    const auto position = [&](const Vec3f& dp, const Vec3f& dd) {
+        return Vec3f(vector_to_local(Vec3d(dp) + Vec3d(dd) * world_ray.t_min));
+    };
+    const auto direction = [&](const Vec3f& dd) {
+        const Vec3d change = vector_to_local(Vec3d(dd));
+        return Vec3f((change - unit * unit.dot(change)) / ray.speed);
+    };
+    const RayDifferential& world = differential;
+    return {position(world.dp_dx, world.dd_dx), position(world.dp_dy, world.dd_dy), direction(world.dd_dx),
+            direction(world.dd_dy)};
 }
 
 LocalHit InstanceRecord::interpolated_local(const Ray& world_ray, double t, const ObjectAnswer& answer) const {
@@ -82,18 +103,6 @@ std::optional<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray)
     return Hit{hit->point.t, index, scene->local_hit(*hit), RayAnswer::NotAsked, {}};
 }
 
-std::optional<Hit> InstanceRecord::interpolated(uint32_t index, const Ray& world_ray) const {
-    if (!cache || scene->box().isEmpty()) return std::nullopt;
-    const auto local = clipped_ray(scene->box(), point_to_local(world_ray.origin), vector_to_local(world_ray.direction),
-                                   world_ray.t_min, world_ray.t_max);
-    if (!local) return std::nullopt;
-    const ObjectAnswer answer = ask(world_ray, *local);
-    Hit hit{world_ray.t_min + answer.distance / local->speed, index, {}, answer.answer, answer.hit};
-    if (!hit.is_interpolated()) return std::nullopt;
-    hit.local = interpolated_local(world_ray, hit.t, answer);
-    return hit;
-}
-
 LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
     if (scene->box().isEmpty()) return {RayAnswer::NotAsked};
     const Vec3d origin = point_to_local(world_ray.origin), direction = vector_to_local(world_ray.direction);
@@ -118,10 +127,13 @@ SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, 
         return Vec3f(normalized_or(map.normal(Vec3d(n)) * turned, Vec3d(n)));
     };
     LocalSurface local{hit.position, hit.normal};
-    if (interpolated)
+    if (interpolated) {
         local.uv = interpolated->uv;
-    else
+        local.dn_du = interpolated->changes.steps[0].normal;
+        local.dn_dv = interpolated->changes.steps[1].normal;
+    } else {
         local = scene->shape().surface(hit);
+    }
 
     SurfacePoint point;
     point.shape = &scene->shape();

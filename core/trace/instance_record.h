@@ -38,8 +38,11 @@ struct InstanceRecord {
     SurfacePoint surface_point(uint32_t index, const LocalHit& hit, double size,
                                const InterpolatedHit* interpolated) const;
 
-    /// The cache's answer to a world ray from its t_min on; `ray` is the same, clipped.
-    ObjectAnswer ask(const Ray& world_ray, const LocalRay& ray) const;
+    /// The cache's answer to a world ray from its t_min on; `ray` is the same, clipped. `differential`, the world
+    /// ray's, may be null.
+    ObjectAnswer ask(const Ray& world_ray, const LocalRay& ray, const RayDifferential* differential) const;
+    RayDifferential local_differential(const Ray& world_ray, const LocalRay& ray,
+                                       const RayDifferential& differential) const;
     /// An interpolated answer as a hit at `t` of a world ray.
     LocalHit interpolated_local(const Ray& world_ray, double t, const ObjectAnswer& answer) const;
 
@@ -49,8 +52,6 @@ struct InstanceRecord {
 
     /// By tracing alone; `index` is the instance's.
     std::optional<Hit> closest(uint32_t index, const Ray& world_ray) const;
-    /// By the cache alone.
-    std::optional<Hit> interpolated(uint32_t index, const Ray& world_ray) const;
     LengthAnswer length_inside(const Ray& world_ray) const;
 };
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "rays/hit.h"
+#include "rays/ray_differential.h"
 
 namespace rayleaf {
 
@@ -12,6 +13,8 @@ namespace rayleaf {
 struct RayNeighbours {
     float distance = 0;  ///< local units
     float angle = 0;     ///< radians
+    /// How the ray changes with the picture's x and y; null: nobody asks how the answer does.
+    const RayDifferential* differential = nullptr;
 };
 
 struct ObjectAnswer {
@@ -32,8 +35,9 @@ struct LengthAnswer {
 /// Thread-safe; answers are pure functions of the arguments.
 class ObjectCache {
   public:
+    /// `number` is what the pass Rayleaf Tree shows.
+    explicit ObjectCache(uint32_t number) : number_(number) {}
     virtual ~ObjectCache() = default;
-    ObjectCache() = default;
     ObjectCache(const ObjectCache&) = delete;
     ObjectCache& operator=(const ObjectCache&) = delete;
 
@@ -42,6 +46,10 @@ class ObjectCache {
     /// How much of the ray lies inside.
     virtual LengthAnswer ask_length(const Vec3d& origin, const Vec3d& direction,
                                     const RayNeighbours& neighbours) const = 0;
+    uint32_t number() const { return number_; }
+
+  private:
+    uint32_t number_;
 };
 
 }  // namespace rayleaf

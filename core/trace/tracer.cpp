@@ -41,6 +41,7 @@ struct Tracer::Implementation {
         const Implementation* tracer = nullptr;
         const GeometryCache::Reader* reader = nullptr;
         const Ray* ray = nullptr;
+        const RayDifferential* differential = nullptr;  ///< of `ray`; null: nobody wants to know how hits change
         Visibility kind = kVisibleAll;
         LocalRay scene_ray;  ///< in the space above the instances
         ShapeHit best;
@@ -172,7 +173,7 @@ void Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
     if (!ray) return;
     RayAnswer by = RayAnswer::NotAsked;
     if (records[index].cache && query.ray->leaves != index) {
-        const ObjectAnswer answer = records[index].ask(*query.ray, *ray);
+        const ObjectAnswer answer = records[index].ask(*query.ray, *ray, query.differential);
         by = answer.answer;
         if (by != RayAnswer::Traced && (by == RayAnswer::Missed || !take_interpolated(query, index, *ray, answer))) {
             query.missed = query.missed == RayAnswer::Traced ? query.missed : RayAnswer::Missed;
@@ -197,7 +198,7 @@ void Tracer::Implementation::visit_any(Query& query, uint32_t index) const {
     const std::optional<LocalRay> ray = local_ray(query, index);
     if (!ray) return;
     if (records[index].cache && query.ray->leaves != index) {
-        const ObjectAnswer answer = records[index].ask(*query.ray, *ray);
+        const ObjectAnswer answer = records[index].ask(*query.ray, *ray, query.differential);
         if (answer.answer != RayAnswer::Traced) {
             query.found |= answer.answer != RayAnswer::Missed && take_interpolated(query, index, *ray, answer);
             return;
@@ -268,10 +269,11 @@ std::optional<Hit> Tracer::closest_hit(const Ray& ray, Visibility kind) const {
     return closest(ray, kind).hit;
 }
 
-ClosestHit Tracer::closest(const Ray& ray, Visibility kind) const {
+ClosestHit Tracer::closest(const Ray& ray, Visibility kind, const RayDifferential* differential) const {
     const FloatEnvironment environment;
     const Implementation& self = *implementation_;
     Implementation::Query query;
+    query.differential = differential;
     if (!self.start(query, ray, kind)) return {};
     std::optional<GeometryCache::Reader> reader;
     if (self.cache) query.reader = &reader.emplace(*self.cache);
@@ -288,10 +290,6 @@ ClosestHit Tracer::closest(const Ray& ray, Visibility kind) const {
 std::optional<Hit> Tracer::closest_on(uint32_t instance, const Ray& ray) const {
     const FloatEnvironment environment;
     return is_traceable(ray) ? implementation_->records[instance].closest(instance, ray) : std::nullopt;
-}
-
-std::optional<Hit> Tracer::interpolated_on(uint32_t instance, const Ray& ray) const {
-    return is_traceable(ray) ? implementation_->records[instance].interpolated(instance, ray) : std::nullopt;
 }
 
 LengthAnswer Tracer::length_inside(uint32_t instance, const Ray& ray) const {

@@ -77,11 +77,10 @@ class Tracer {
     /// The nearest hit in [t_min, t_max]; ties go to the lower instance, then primitive. Thread-safe; a ray that is not
     /// finite or has a zero direction hits nothing.
     std::optional<Hit> closest_hit(const Ray& ray, Visibility kind) const;
-    ClosestHit closest(const Ray& ray, Visibility kind) const;
+    /// With `differential`, the ray's, an interpolated hit knows how it changes.
+    ClosestHit closest(const Ray& ray, Visibility kind, const RayDifferential* differential = nullptr) const;
     /// The nearest hit on one instance, by tracing alone.
     std::optional<Hit> closest_on(uint32_t instance, const Ray& ray) const;
-    /// What the instance's ray cache alone tells of the nearest hit; empty where it has none or has to trace.
-    std::optional<Hit> interpolated_on(uint32_t instance, const Ray& ray) const;
     /// How much of [t_min, t_max] lies inside an instance, world units, whoever sees it.
     LengthAnswer length_inside(uint32_t instance, const Ray& ray) const;
     /// Whether anything lies in [t_min, t_max].

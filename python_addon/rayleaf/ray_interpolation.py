@@ -135,6 +135,13 @@ class RayleafViewLayerSettings(bpy.types.PropertyGroup):
         default=False,
         update=_update_passes,
     )
+    use_pass_tree: BoolProperty(  # type: ignore
+        name="Tree",
+        description="The number of the tree that answers for the object in each pixel, as the statistics list them, "
+        "from 1; objects that share a tree share the number; 0 without a tree",
+        default=False,
+        update=_update_passes,
+    )
     use_pass_path_length: BoolProperty(  # type: ignore
         name="Path Length",
         description="The length of rays inside objects with Volume Visualisation",

@@ -52,6 +52,36 @@ report(caches=caches())
     assert run["caches"][0]["kind"] == "mirror" and run["caches"][0]["used"]
 
 
+def test_the_tree_pass_tells_by_which_tree_of_the_statistics_each_object_is_answered(run_blender, tmp_path):
+    """The ball, a copy that shares its tree, and one of another shape."""
+    script = """
+bpy.context.view_layer.rayleaf.use_pass_tree = True
+bpy.context.view_layer.use_pass_object_index = True
+rays.mode = "ON"
+ball.scale = (0.4, 0.4, 0.4)
+ball.pass_index = 1
+copy = ball.copy()
+scene.collection.objects.link(copy)
+copy.location.x, copy.pass_index = 2.0, 2
+bpy.ops.surface.primitive_nurbs_surface_torus_add(location=(-2.0, 0.0, 0.0))
+torus = bpy.context.object
+torus.data.materials.append(mirror)
+torus.pass_index = 3
+write_layers()
+report(caches=[cache["objects"] for cache in caches()], names=[each.name for each in (ball, copy, torus)])
+"""
+    path = tmp_path / "trees.exr"
+    run = run_blender(SETUP + script, path).report
+    picture = plain_exr.read(path)
+    tree, index = picture["ViewLayer.Rayleaf Tree.X"], picture["ViewLayer.IndexOB.X"]
+    assert (tree[index == 0] == 0).all()
+    for i, name in enumerate(run["names"]):
+        numbers = np.unique(tree[index == i + 1])
+        assert len(numbers) == 1, (name, numbers)
+        assert name in run["caches"][int(numbers[0]) - 1], (name, numbers, run["caches"])
+    assert tree[index == 1].max() == tree[index == 2].max() != tree[index == 3].max()
+
+
 def test_path_length_of_a_volume_comes_back(run_blender, tmp_path):
     script = """
 bpy.context.view_layer.rayleaf.use_pass_path_length = True

@@ -36,7 +36,7 @@ QUADRATIC_ARC, QUADRATIC_CLOSED = (3, False, True, True), (3, True, True, True)
 CUBIC_CLOSED = (4, True, False, False)
 
 
-def nurbs_sphere(smooth: bool = True) -> Any:
+def nurbs_sphere(smooth: bool = True, scale: float = 1.0, center: Any = (0, 0, 0)) -> Any:
     """Blender's NURBS sphere: five points along a half circle, turned by eight."""
     half_circle = np.array([[0, -1], [1, -1], [1, 0], [1, 1], [0, 1]], float)
     half_weights = np.array([1, HALF, 1, HALF, 1])
@@ -44,6 +44,7 @@ def nurbs_sphere(smooth: bool = True) -> Any:
     counter_clockwise = np.roll(CIRCLE[::-1], 1, axis=0)
     points[..., :2] = counter_clockwise[:, None, :] * half_circle[None, :, :1]
     points[..., 2] = half_circle[None, :, 1]
+    points[..., :3] = scale * points[..., :3] + np.asarray(center, float)
     points[..., 3] = CIRCLE_WEIGHTS[:, None] * half_weights[None, :]
     return trace.PatchSurface("sphere", [(points, QUADRATIC_ARC, QUADRATIC_CLOSED, smooth, 0)])
 

@@ -61,3 +61,51 @@ def test_the_error_is_of_fourth_order_in_the_cells_sides(kind):
     assert all(max(before) < min(after) for before, after in zip(depths, depths[1:])), depths
     ratios = np.array(errors[:-1]) / errors[1:]
     assert (ratios > 8).all(), (errors, ratios, depths)
+
+
+def turned(directions, steps):
+    """Unit directions, moved."""
+    return support.shapes.unit(directions + steps)
+
+
+@pytest.mark.parametrize("kind", ["SIMPLE", "MIRROR", "GLASS"])
+@pytest.mark.parametrize("scale, center", [(1.0, (0, 0, 0)), (50.0, (300, -200, 1000))])
+def test_changes_of_interpolated_answers_agree_with_finite_differences(kind, scale, center):
+    """In two directions of the four-dimensional space of lines at once, beginning away from the box."""
+    tree = fast_tree(shapes.nurbs_sphere(scale=scale, center=center), kind, ior=1.2, cache_bytes=10**9)
+    origins, directions = support.rays_towards(np.array([0.1, -0.2, 0.1]), 0.6, 300)
+    origins = scale * origins + np.asarray(center, float)
+    random = np.random.default_rng(5)
+    across = random.normal(size=(2, len(origins), 2, 3))
+    across -= np.sum(across * directions[:, None], axis=-1)[..., None] * directions[:, None]
+    by_origin, by_direction = across * np.array([scale, 1.0]).reshape(2, 1, 1, 1)
+    got = tree.changes(origins, directions, by_origin.astype(np.float32), by_direction.astype(np.float32))
+    answers = tree.ask(origins, directions)
+    assert (got["known"] == (answers["answered_by"] == support.INTERPOLATED)).all() and got["known"].mean() > 0.8
+    step = 1e-6
+    for i in range(2):
+        sides = []
+        for sign in (1, -1):
+            moved = origins + sign * step * by_origin[:, i]
+            sides.append(tree.ask(moved, turned(directions, sign * step * by_direction[:, i])))
+        # Both in the same cell: between cells the answers may jump.
+        cells = [tree.final_cells(origins + s * by_origin[:, i], turned(directions, s * by_direction[:, i]))
+                 for s in (step, -step)]  # fmt: skip
+        same = got["known"] & np.array([a == b for a, b in zip(*cells)])
+        assert same.mean() > 0.7
+        for name, unit in (("normal", 1.0), ("exit_position", scale), ("exit_direction", 1.0)):
+            if kind != "GLASS" and name != "normal":
+                continue
+            slope = (sides[0][name] - sides[1][name]) / (2 * step)
+            off = np.abs(slope - got[name][:, i])[same] / unit
+            # Values are made of floats: a step of 1e-6 may be off by 2^-24 / 1e-6, some per cent.
+            assert off.max() < 0.3 and np.median(off) < 0.03, (name, np.sort(off.max(axis=1))[-5:])
+
+
+def test_changes_of_what_is_traced_or_missed_are_not_known():
+    tree = fast_tree(shapes.nurbs_sphere(), "MIRROR", distance_threshold=0.0)
+    origins, directions = support.scattered_rays(100)
+    origins[0], directions[1] = np.nan, 0
+    zeros = np.zeros((100, 2, 3), np.float32)
+    got = tree.changes(origins, directions, zeros, zeros)
+    assert not got["known"].any() and not got["normal"].any()

@@ -190,8 +190,7 @@ session.render()
 UNUSED = ("splines/", "tessellation/", "textures/", "ri_tree/", "geometry/patch_surface", "geometry/swept_",
           "geometry/strand", "geometry/curve_fits", "geometry/subdivision", "trace/grid_scene", "trace/strand_scene",
           "trace/embree_strand_scene", "trace/inside_length", "trace/subdivision", "integrators/irradiance",
-          "integrators/distribution", "integrators/volumes", "integrators/glass_path",
-          "integrators/neighbour_hits")  # fmt: skip
+          "integrators/distribution", "integrators/volumes", "integrators/glass_path")  # fmt: skip
 # Names of a table, for the bindings; thresholds that settings have by default; a few settings, copied once a render.
 ASKED = ("rayleaf::answer_names(", "rayleaf::quality_settings(", "rayleaf::DistributionSettings::DistributionSettings(")
 
