@@ -59,7 +59,7 @@ Value named(const std::string& object, const char* argument, const std::string& 
         if (name == text) return value;
         wanted += (wanted.empty() ? "" : ", ") + std::string(text);
     }
-    throw InputError(object, argument, "'" + name + "'", wanted);
+    throw InputError(object, argument, "'" + name + "'", "one of " + wanted);
 }
 
 }  // namespace rayleaf

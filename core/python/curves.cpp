@@ -10,18 +10,6 @@
 namespace rayleaf {
 namespace {
 
-/// The value of a name; an unknown name throws with all that there are.
-template <typename Value, size_t Count>
-Value value_of(const std::string& object, const char* argument, const std::string& name,
-               const std::pair<const char*, Value> (&table)[Count]) {
-    std::string wanted;
-    for (const auto& [text, value] : table) {
-        if (name == text) return value;
-        wanted += (wanted.empty() ? "" : ", ") + std::string(text);
-    }
-    throw InputError(object, argument, "'" + name + "'", "one of " + wanted);
-}
-
 constexpr std::pair<const char*, CurveSplineType> kTypes[] = {
     {"BEZIER", CurveSplineType::Bezier}, {"NURBS", CurveSplineType::Nurbs}, {"POLY", CurveSplineType::Poly}};
 constexpr std::pair<const char*, PointInterpolation> kInterpolations[] = {{"LINEAR", PointInterpolation::Linear},
@@ -60,7 +48,7 @@ CurveSplines make_splines(const std::string& type, const Array<int32_t>& counts,
     check_shape(kSplines, "points", points, {-1, 4});
     const py::ssize_t count = points.shape(0);
     CurveSplines splines;
-    splines.type = value_of(kSplines, "type", type, kTypes);
+    splines.type = named(kSplines, "type", type, kTypes);
     splines.nurbs = {order, cyclic, endpoint, bezier};
     for (const int32_t each : span_of(counts)) {
         if (each < 0) throw InputError(kSplines, "counts", std::to_string(each), "0 or more");
@@ -78,8 +66,8 @@ CurveSplines make_splines(const std::string& type, const Array<int32_t>& counts,
     splines.radii = numbers<double>("radii", radii, count);
     splines.tilts = numbers<double>("tilts", tilts, count);
     splines.straight = numbers<uint8_t>("straight", straight, count);
-    splines.radius_interpolation = value_of(kSplines, "radius_interpolation", radius_interpolation, kInterpolations);
-    splines.tilt_interpolation = value_of(kSplines, "tilt_interpolation", tilt_interpolation, kInterpolations);
+    splines.radius_interpolation = named(kSplines, "radius_interpolation", radius_interpolation, kInterpolations);
+    splines.tilt_interpolation = named(kSplines, "tilt_interpolation", tilt_interpolation, kInterpolations);
     splines.resolution = resolution;
     splines.material_slot = material_slot;
     splines.smooth = smooth;
@@ -101,22 +89,22 @@ SweptCurveDescription make_curve(const std::string& name, const std::vector<Curv
     SweptCurveDescription curve;
     curve.name = name;
     curve.splines = splines;
-    curve.dimensions = value_of(name, "dimensions", dimensions, kDimensions);
-    curve.twist = value_of(name, "twist", twist, kTwists);
-    curve.closed_twist = value_of(name, "closed_twist", closed_twist, kClosedTwists);
+    curve.dimensions = named(name, "dimensions", dimensions, kDimensions);
+    curve.twist = named(name, "twist", twist, kTwists);
+    curve.closed_twist = named(name, "closed_twist", closed_twist, kClosedTwists);
     curve.bevel_depth = bevel_depth;
     curve.extrude = extrude;
     curve.offset = offset;
-    curve.fill = value_of(name, "fill", fill, kFills);
+    curve.fill = named(name, "fill", fill, kFills);
     curve.bevel_resolution = bevel_resolution;
     curve.profile = profile;
     curve.taper = taper;
-    curve.taper_radius = value_of(name, "taper_radius", taper_radius, kTapers);
+    curve.taper_radius = named(name, "taper_radius", taper_radius, kTapers);
     curve.taper_fits_bevel = taper_fits_bevel;
     curve.bevel_start = bevel_start;
     curve.bevel_end = bevel_end;
-    curve.start_mapping = value_of(name, "start_mapping", start_mapping, kMappings);
-    curve.end_mapping = value_of(name, "end_mapping", end_mapping, kMappings);
+    curve.start_mapping = named(name, "start_mapping", start_mapping, kMappings);
+    curve.end_mapping = named(name, "end_mapping", end_mapping, kMappings);
     curve.fill_caps = fill_caps;
     curve.fill_materials = fill_materials;
     if (const auto problem = find_problem(curve))

@@ -1,6 +1,7 @@
 #include "python/geometry_cache.h"
 
 #include "base/error.h"
+#include "python/arrays.h"
 #include "python/ray_footprints.h"
 #include "trace/shell_check.h"
 #include "trace/tracer.h"
@@ -10,17 +11,11 @@
 namespace rayleaf {
 namespace {
 
-CacheMode mode_named(const std::string& name) {
-    for (const auto& [known, mode] : kCacheModes)
-        if (name == known) return mode;
-    throw InputError("geometry cache", "mode", "'" + name + "'", "MULTI, SINGLE or NONE");
-}
-
 GeometryCacheSettings make_settings(double megabytes, const std::string& mode, float factor, float distance,
                                     bool stochastic) {
     GeometryCacheSettings settings;
     settings.budget = budget_from_megabytes(megabytes);
-    settings.mode = mode_named(mode);
+    settings.mode = named("geometry cache", "mode", mode, kCacheModes);
     settings.rule.factor = factor;
     settings.rule.distance = distance;
     settings.rule.rounding = stochastic ? LevelRule::Rounding::Stochastic : LevelRule::Rounding::Up;

@@ -40,13 +40,10 @@ py::array_t<T> column(size_t count, size_t width, const Value& value) {
     return result;
 }
 
-inline OutputKind kind_named(const std::string& object, const std::string& kind) {
-    if (kind == "SIMPLE") return OutputKind::Simple;
-    if (kind == "MIRROR") return OutputKind::Mirror;
-    if (kind == "GLASS") return OutputKind::Glass;
-    if (kind == "VOLUME") return OutputKind::Volume;
-    throw InputError(object, "kind", kind, "SIMPLE, MIRROR, GLASS or VOLUME");
-}
+constexpr std::pair<const char*, OutputKind> kOutputKinds[] = {{"SIMPLE", OutputKind::Simple},
+                                                               {"MIRROR", OutputKind::Mirror},
+                                                               {"GLASS", OutputKind::Glass},
+                                                               {"VOLUME", OutputKind::Volume}};
 
 /// Rays are asked in blocks of so many, as a renderer asks tiles: what comes and goes stays in the processor's cache.
 inline constexpr size_t kBlockRays = 1024;

@@ -32,7 +32,8 @@ std::unique_ptr<Tree> make_tree(std::shared_ptr<Shape> shape, const std::string&
                                 double distance_threshold, double angle_threshold, int depth_limit,
                                 uint64_t cache_bytes, double pruned_share, double facet_tolerance,
                                 double direction_threshold, int mixed_depth_limit, int most_interior_hits) {
-    const SampleSettings samples{kind_named(shape->name(), kind), ior, most_interior_hits, facet_tolerance};
+    const SampleSettings samples{named(shape->name(), "kind", kind, kOutputKinds), ior, most_interior_hits,
+                                 facet_tolerance};
     return std::make_unique<Tree>(std::move(shape), samples,
                                   RayCacheSettings{distance_threshold, angle_threshold, depth_limit, cache_bytes,
                                                    pruned_share, direction_threshold, mixed_depth_limit});

@@ -32,7 +32,7 @@ std::unique_ptr<RivalTracer> make_tracer(const std::vector<RivalObject>& objects
     std::vector<RivalMaterial> materials;
     for (const auto& [surface, kind, ior] : objects) {
         surfaces.push_back(surface);
-        materials.push_back({kind_named(surface->name(), kind), ior, most_interior_hits});
+        materials.push_back({named(surface->name(), "kind", kind, kOutputKinds), ior, most_interior_hits});
     }
     return std::make_unique<RivalTracer>(surfaces, std::move(materials),
                                          method == "NEWTON" ? RivalMethod::Newton : RivalMethod::Triangles);
@@ -73,7 +73,7 @@ struct BoundPlane {
 
 std::unique_ptr<BoundPlane> make_plane(std::shared_ptr<Shape> shape, const std::string& kind, double ior,
                                        double angle_threshold, double distance_threshold, int most_interior_hits) {
-    const SampleSettings samples{kind_named(shape->name(), kind), ior, most_interior_hits};
+    const SampleSettings samples{named(shape->name(), "kind", kind, kOutputKinds), ior, most_interior_hits};
     auto made = std::make_unique<BoundPlane>();
     made->tracer = std::make_shared<SampleTracer>(std::move(shape), samples);
     made->settings = {angle_threshold, distance_threshold};

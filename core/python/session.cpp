@@ -95,15 +95,18 @@ py::list ray_caches(const RenderStatistics& statistics) {
 }
 
 /// Bevelled curves and hair, where there are any.
-py::dict curves(const CurveStatistics& c) {
+py::dict curves(const RenderStatistics& s) {
     using namespace py::literals;
+    const CurveStatistics& c = s.curves;
+    const ShapeShare &swept = s.shapes_of[static_cast<size_t>(ShapeKind::SweptSurface)],
+                     &hair = s.shapes_of[static_cast<size_t>(ShapeKind::Strands)];
     py::dict result;
-    if (c.swept_surfaces > 0)
-        result["swept"] = py::dict("surfaces"_a = c.swept_surfaces, "splines"_a = c.splines, "pieces"_a = c.pieces,
-                                   "bytes"_a = c.swept_bytes);
-    if (c.strand_objects > 0)
-        result["hair"] = py::dict("objects"_a = c.strand_objects, "strands"_a = c.strands, "segments"_a = c.segments,
-                                  "bytes"_a = c.strand_bytes);
+    if (swept.shapes > 0)
+        result["swept"] = py::dict("surfaces"_a = swept.shapes, "splines"_a = c.splines, "pieces"_a = c.pieces,
+                                   "bytes"_a = swept.bytes);
+    if (hair.shapes > 0)
+        result["hair"] = py::dict("objects"_a = hair.shapes, "strands"_a = c.strands, "segments"_a = c.segments,
+                                  "bytes"_a = hair.bytes);
     return result;
 }
 
@@ -116,8 +119,8 @@ py::dict statistics(const Session& session) {
         "rays"_a = rays(s), "hemispheres"_a = hemispheres(s),
         "geometry"_a = py::dict("shapes"_a = t.shapes, "instances"_a = t.instances, "triangles"_a = t.triangles,
                                 "subpatches"_a = t.subpatches, "limit_normals"_a = limit_normals(t.limit_normals)),
-        "curves"_a = curves(s.curves), "geometry_cache"_a = geometry_cache_statistics(t.geometry),
-        "lights"_a = s.lights, "ray_caches"_a = ray_caches(s),
+        "curves"_a = curves(s), "geometry_cache"_a = geometry_cache_statistics(t.geometry), "lights"_a = s.lights,
+        "ray_caches"_a = ray_caches(s),
         "memory"_a = py::dict("shapes"_a = s.shape_bytes, "grids"_a = t.geometry.bytes, "subpatches"_a = t.record_bytes,
                               "acceleration"_a = t.bvh_bytes, "lights"_a = s.light_bytes, "film"_a = s.film_bytes,
                               "irradiance"_a = s.irradiance_bytes, "textures"_a = s.textures.bytes),

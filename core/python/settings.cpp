@@ -1,6 +1,7 @@
 #include "scene/settings.h"
 
 #include "base/error.h"
+#include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/geometry_cache.h"
 
@@ -29,15 +30,7 @@ void bind_choice(py::class_<Settings>& settings, const char* name, Enum Settings
             return std::string();
         },
         [name, member, &table](Settings& s, const std::string& wanted) {
-            std::string known;
-            for (const auto& [text, value] : table) {
-                if (wanted == text) {
-                    s.*member = value;
-                    return;
-                }
-                known += (known.empty() ? "" : ", ") + std::string(text);
-            }
-            throw InputError("settings", name, "'" + wanted + "'", "one of " + known);
+            s.*member = named("settings", name, wanted, table);
         });
 }
 

@@ -74,6 +74,7 @@ class SplineBuilder {
     void jump(size_t i, double begin, double end);
     void divide(size_t i, double begin, double end, int slow_splits);
     bool fits(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tangent, Vec3d& end_normal) const;
+    bool keeps_direction(size_t i, const Vec3d& direction) const;
     std::array<Vec3d, kPieceLooks> true_normals(size_t i, const SweepPiece& piece,
                                                 const std::array<SegmentPoint, kPieceLooks + 1>& looks) const;
 };

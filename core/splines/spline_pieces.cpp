@@ -1,3 +1,4 @@
+#include "splines/bernstein.h"
 #include "splines/spline_builder.h"
 #include "splines/sweep_frames.h"
 
@@ -19,6 +20,19 @@ constexpr int kMostSlowSplits = 6;
 constexpr int kSubsteps = 2;
 
 }  // namespace
+
+/// Whether the whole segment runs within kMostTurn of a direction: its derivative lies in the cone that holds the legs
+/// of its control polygon. However slow it is anywhere, no turn is hidden there.
+bool SplineBuilder::keeps_direction(size_t i, const Vec3d& direction) const {
+    const SweepSegment& s = segment(i);
+    if (s.rational) return false;
+    const SweepControl* controls = &path_.controls[s.first_control];
+    for (int k = 0; k < s.degree; ++k) {
+        const Vec3d leg = spatial_part(controls[k + 1].point) - spatial_part(controls[k].point);
+        if (!(leg.dot(direction) >= kMostTurn * leg.length())) return false;
+    }
+    return true;
+}
 
 /// The normals that the twist method asks for at the looks after the first.
 std::array<Vec3d, kPieceLooks> SplineBuilder::true_normals(
@@ -59,7 +73,7 @@ bool SplineBuilder::fits(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tan
         slowest = std::min(slowest, speed);
     }
     looks[0].tangent = tangent_;
-    slow = slowest < kSlow * fastest;
+    slow = slowest < kSlow * fastest && !keeps_direction(i, tangent_);
     for (int k = 1; k <= kPieceLooks; ++k)
         if (!(looks[k].tangent.dot(tangent_) > kMostTurn)) return false;
     end_tangent = looks[kPieceLooks].tangent;

@@ -148,11 +148,12 @@ def surface_distances(item, depsgraph):
     from rayleaf.export import curves
 
     evaluated = item.evaluated_get(depsgraph)
-    if not curves.makes_faces(evaluated.data) or curves.fallback_reason(core, evaluated, evaluated.data) is not None:
+    judged = curves.judge(core, evaluated, evaluated.data)
+    if judged.curve is None:
         return None
     vertices, normals, middles = faces_by_vertices(evaluated.to_mesh())
     evaluated.to_mesh_clear()
-    shape = core.trace.SweptSurface(curves.describe(core, evaluated, evaluated.data))
+    shape = core.trace.SweptSurface(judged.curve)
     eye = tuple(vertices.mean(axis=0) + (0, 0, 1))
     tracer = core.trace.Tracer([(shape, np.eye(4), 31)], pixel_angle=PIXEL, eye=eye)
     result = np.full((len(vertices), 2), np.inf)

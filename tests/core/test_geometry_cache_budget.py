@@ -104,5 +104,5 @@ def test_a_thrashing_cache_gives_the_same_hits(megabytes):
 
 
 def test_an_unknown_mode_is_named():
-    with pytest.raises(Exception, match="mode.*'BOTH'.*MULTI, SINGLE or NONE"):
+    with pytest.raises(Exception, match="mode.*'BOTH'.*one of MULTI, SINGLE, NONE"):
         trace.GeometryCacheSettings(mode="BOTH")

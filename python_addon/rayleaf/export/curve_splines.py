@@ -71,14 +71,20 @@ def _settings(curve: Any) -> NDArray[np.int32]:
     modes = {name: place for place, name in enumerate(_INTERPOLATIONS)}
     count = len(splines)
     # Enumerations cannot be read together: Blender's foreach_get gives their bytes with what lies beside them.
+    kind, radius_modes, tilt_modes = np.zeros((3, count), np.int32)
+    for number, spline in enumerate(splines):
+        kind[number] = kinds[spline.type]
+        if kind[number] == kinds["BEZIER"]:
+            radius_modes[number] = modes[spline.radius_interpolation]
+            tilt_modes[number] = modes[spline.tilt_interpolation]
     columns = [
-        np.fromiter((kinds[spline.type] for spline in splines), np.int32, count),
+        kind,
         _column(splines, "use_cyclic_u", bool),
         _column(splines, "order_u", np.int32),
         _column(splines, "use_endpoint_u", bool),
         _column(splines, "use_bezier_u", bool),
-        np.fromiter((modes[spline.radius_interpolation] for spline in splines), np.int32, count),
-        np.fromiter((modes[spline.tilt_interpolation] for spline in splines), np.int32, count),
+        radius_modes,
+        tilt_modes,
         _column(splines, "resolution_u", np.int32),
         _column(splines, "material_index", np.int32),
         _column(splines, "use_smooth", bool),
@@ -88,16 +94,8 @@ def _settings(curve: Any) -> NDArray[np.int32]:
     if curve.render_resolution_u > 0:
         settings[:, RESOLUTION] = curve.render_resolution_u
     # What does not count must not part splines that could go together.
-    is_nurbs = settings[:, KIND] == kinds["NURBS"]
-    settings[np.ix_(~is_nurbs, (ORDER, ENDPOINT, BEZIER))] = (4, 0, 0)
-    settings[np.ix_(settings[:, KIND] != kinds["BEZIER"], (RADIUS, TILT))] = 0
+    settings[np.ix_(kind != kinds["NURBS"], (ORDER, ENDPOINT, BEZIER))] = (4, 0, 0)
     return settings
-
-
-def _straight_segments(points: Any, count: int) -> NDArray[np.bool_]:
-    left = np.fromiter((point.handle_left_type == "VECTOR" for point in points), bool, count)
-    right = np.fromiter((point.handle_right_type == "VECTOR" for point in points), bool, count)
-    return right & np.roll(left, -1)
 
 
 def read_table(curve: Any, keys: ShapeKeys | None) -> SplineTable:
@@ -117,8 +115,13 @@ def read_table(curve: Any, keys: ShapeKeys | None) -> SplineTable:
         handles.astype(np.float64),
         read["radii"].astype(np.float64),
         read["tilts"].astype(np.float64),
-        read["straight"],
+        np.zeros(len(of_bezier), bool),
     )
+    # The first of the points that follow each within its spline: where the last one's segment ends.
+    following = np.arange(1, len(of_bezier) + 1)
+    some = counts > 0
+    following[(table.firsts + counts - 1)[some]] = table.firsts[some]
+    table.straight[:] = read["right_is_vector"] & read["left_is_vector"][following]
     if keys is not None:
         keys.apply(table.points, table.handles, table.radii, table.tilts)
         keys.resolve_handles(curve, table)
@@ -129,7 +132,7 @@ def _read_points(splines: Any, kinds: list[int], counts: list[int], total: int) 
     """All that points have, flat and end to end. What a spline's kind has not stays zero."""
     widths = {"points": 4, "positions": 3, "left": 3, "right": 3, "radii": 1, "tilts": 1}
     arrays: dict[str, Any] = {name: np.zeros(total * width, np.float32) for name, width in widths.items()}
-    arrays["straight"] = np.zeros(total, bool)
+    left_is_vector, right_is_vector = arrays["left_is_vector"], arrays["right_is_vector"] = np.zeros((2, total), bool)
     points, positions, left, right, radii, tilts = (arrays[name] for name in widths)
     bezier = _KINDS.index("BEZIER")
     first = 0
@@ -140,7 +143,8 @@ def _read_points(splines: Any, kinds: list[int], counts: list[int], total: int) 
             own.foreach_get("co", positions[3 * first : 3 * end])
             own.foreach_get("handle_left", left[3 * first : 3 * end])
             own.foreach_get("handle_right", right[3 * first : 3 * end])
-            arrays["straight"][first:end] = _straight_segments(own, count)
+            left_is_vector[first:end] = [point.handle_left_type == "VECTOR" for point in own]
+            right_is_vector[first:end] = [point.handle_right_type == "VECTOR" for point in own]
         else:
             own = spline.points
             own.foreach_get("co", points[4 * first : 4 * end])

@@ -5,6 +5,7 @@ What Blender makes of each setting is told, and checked against Blender, by test
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
@@ -15,7 +16,7 @@ from ..messages import Messages
 from . import curve_fills, curve_splines
 from .curve_keys import ShapeKeys, has_aligned_handles
 from .curve_outlines import orient
-from .curve_splines import CYCLIC, KIND, SplineTable
+from .curve_splines import CYCLIC, KIND, SMOOTH, SplineTable
 from .strands import CurveSettings
 
 # Blender's fill modes of 2D curves, as the round bevel counts them.
@@ -49,17 +50,43 @@ def _has_splines(bevel: Any) -> bool:
     return bevel.type == "CURVE" and data.extrude == 0.0 and data.bevel_depth == 0.0 and len(data.splines) > 0
 
 
-def fallback_reason(core: ModuleType, curve_object: Any, curve: Any) -> str | None:
-    """Why an object must be taken as Blender's evaluated mesh; None if it can be sent as splines, which `curve` holds."""
+@dataclass
+class Judged:
+    """What a CURVE or FONT object is rendered as."""
+
+    has_faces: bool  # False: a thread, of which nothing is seen
+    reason: str | None = None  # why as Blender's evaluated mesh
+    curve: Any | None = None  # the core's SweptCurve of one that is exact
+    problem: str | None = None  # why an exact one cannot be rendered
+
+
+def judge(core: ModuleType, curve_object: Any, curve: Any) -> Judged:
+    """Find out what an object is rendered as, and describe it to the core; `curve` holds its splines."""
+    if not makes_faces(curve):
+        return Judged(False)
+    reason = _reason_by_settings(curve_object, curve)
+    if reason is not None:
+        return Judged(True, reason)
+    table = _table(curve_object, curve)
+    filled = curve_fills.is_filled(curve)
+    reason = _reason_by_splines(curve, table) or (curve_fills.fallback_reason(curve, table) if filled else None)
+    if reason is not None:
+        return Judged(True, reason)
+    try:
+        described = _describe(core, curve_object, curve, table)
+        if filled and described.borders_cross():
+            return Judged(True, "filled area whose outlines cross")
+        return Judged(True, curve=described)
+    except core.InputError as error:
+        return Judged(True, problem=str(error))
+
+
+def _reason_by_settings(curve_object: Any, curve: Any) -> str | None:
     reason = _deformed(curve_object)
     if reason is not None:
         return reason
-    if any(not spline.use_smooth for spline in curve.splines):
-        return "flat shading"
     if curve.bevel_mode == "PROFILE" and curve.bevel_depth != 0.0:
         return "custom bevel profile"
-    if curve.dimensions == "3D" and curve.twist_mode == "TANGENT" and _has_undefined_tangents(curve):
-        return "tangent twist, which Blender leaves undefined on straight segments and NURBS"
     if curve.dimensions == "3D" and curve.twist_mode != "MINIMUM" and curve.twist_smooth > 0.0:
         return "smoothed twist, which depends on the resolution"
     if curve.bevel_mode == "OBJECT" and (_deformed(curve.bevel_object) or curve.bevel_object.data.offset != 0.0):
@@ -67,17 +94,15 @@ def fallback_reason(core: ModuleType, curve_object: Any, curve: Any) -> str | No
     taper = curve.taper_object
     if taper is not None and taper.type == "CURVE" and (_deformed(taper) or not _is_thread(taper.data)):
         return "taper object with a modifier, faces or absolute shape keys"
-    return _fill_reason(core, curve_object, curve) if curve_fills.is_filled(curve) else None
+    return None
 
 
-def _fill_reason(core: ModuleType, curve_object: Any, curve: Any) -> str | None:
-    reason = curve_fills.fallback_reason(curve, _table(curve_object, curve))
-    if reason is not None:
-        return reason
-    try:
-        return "filled area whose outlines cross" if describe(core, curve_object, curve).borders_cross() else None
-    except core.InputError:
-        return None  # will be told when it is sent
+def _reason_by_splines(curve: Any, table: SplineTable) -> str | None:
+    if not table.settings[:, SMOOTH].all():
+        return "flat shading"
+    if curve.dimensions == "3D" and curve.twist_mode == "TANGENT" and _has_undefined_tangents(table):
+        return "tangent twist, which Blender leaves undefined on straight segments and NURBS"
+    return None
 
 
 def _deformed(curve_object: Any) -> str | None:
@@ -99,8 +124,7 @@ def _is_thread(curve: Any) -> bool:
     return not (closed or curve.extrude or curve.bevel_depth or curve.bevel_object or curve.offset)
 
 
-def _has_undefined_tangents(curve: Any) -> bool:
-    table = curve_splines.read_table(curve, None)
+def _has_undefined_tangents(table: SplineTable) -> bool:
     if (table.settings[:, KIND] != 0).any():
         return True
     straight = table.straight.copy()
@@ -157,9 +181,8 @@ def _radius_without_taper(table: SplineTable, mode: str) -> None:
         table.radii += 1.0
 
 
-def describe(core: ModuleType, curve_object: Any, curve: Any) -> Any:
-    """The core's SweptCurve of an object without fallback reason. Raises the core's InputError."""
-    table = _table(curve_object, curve)
+def _describe(core: ModuleType, curve_object: Any, curve: Any, table: SplineTable) -> Any:
+    """The core's SweptCurve of an object that is exact. Raises the core's InputError."""
     if curve.dimensions == "2D":
         orient(core, table)
     fills = curve_fills.group_fills(table, curve) if curve_fills.is_filled(curve) else []
@@ -194,14 +217,15 @@ def describe(core: ModuleType, curve_object: Any, curve: Any) -> Any:
 
 
 def add_curve(
-    core: ModuleType, scene: Any, curve_object: Any, messages: Messages, settings: CurveSettings, depsgraph: Any
+    core: ModuleType, scene: Any, name: str, judged: Judged, messages: Messages, settings: CurveSettings
 ) -> int | None:
-    """Send a CURVE or FONT object; the shape's index, or None if nothing of it can be rendered."""
+    """Send an exact CURVE or FONT object; the shape's index, or None if nothing of it can be rendered."""
     try:
-        with splines_of(curve_object, depsgraph) as splines:
-            curve = describe(core, curve_object, splines)
-        other = settings.of_curve(core, curve)
-        return int(scene.add_curve(curve) if other is None else scene.add_shape(other))
+        if judged.problem is None:
+            other = settings.of_curve(core, judged.curve)
+            return int(scene.add_curve(judged.curve) if other is None else scene.add_shape(other))
+        problem = judged.problem
     except core.InputError as error:
-        messages.warn(f"Object '{curve_object.name}': {error}; left out")
-        return None
+        problem = str(error)
+    messages.warn(f"Object '{name}': {problem}; left out")
+    return None

@@ -44,9 +44,13 @@ class Group:
             return (self.owner.as_pointer(), self.hair)
         if not self.exact:
             return self.data.as_pointer()
-        # Shape keys can be pinned per object.
-        pinned = self.owner.as_pointer() if self.data.shape_keys is not None else None
-        return (self.data.original.as_pointer(), pinned)
+        return _exact_shape_key(self.owner, self.data)
+
+
+def _exact_shape_key(owner: Any, data: Any) -> tuple[int, int | None]:
+    # Shape keys can be pinned per object.
+    pinned = owner.as_pointer() if data.shape_keys is not None else None
+    return (data.original.as_pointer(), pinned)
 
 
 @dataclass
@@ -60,6 +64,7 @@ class Instances:
     skipped: dict[str, str]  # object name -> why it is not rendered
     without_faces: list[Any]  # curves, texts and the like of which Blender makes no mesh
     reasons: dict[str, str]  # object name -> why not from control points
+    curves: dict[Any, curves.Judged]  # by the shape key of a group: what is known of a CURVE or FONT
 
 
 class _ExactForms:
@@ -67,6 +72,7 @@ class _ExactForms:
 
     def __init__(self, core: ModuleType, depsgraph: Any) -> None:
         self.reasons: dict[str, str] = {}
+        self.curves: dict[Any, curves.Judged] = {}
         self._core, self._depsgraph = core, depsgraph
         self._known: dict[int, bool] = {}
 
@@ -74,16 +80,23 @@ class _ExactForms:
         """Whether an object of a type with an exact form is."""
         pointer = owner.as_pointer()
         if pointer not in self._known:
-            reason = surfaces.fallback_reason(owner) if owner.type == "SURFACE" else None
-            faces = True
-            if owner.type != "SURFACE":
-                with curves.splines_of(owner, self._depsgraph) as splines:
-                    faces = curves.makes_faces(splines)
-                    reason = curves.fallback_reason(self._core, owner, splines) if faces else None
+            judged = None if owner.type == "SURFACE" else self._judged(owner)
+            reason = judged.reason if judged else surfaces.fallback_reason(owner)
             if reason is not None:
                 self.reasons[owner.name] = reason
-            self._known[pointer] = faces and reason is None
+            self._known[pointer] = reason is None and (judged is None or judged.has_faces)
         return self._known[pointer]
+
+    def _judged(self, owner: Any) -> curves.Judged:
+        """Objects that can share a shape are judged once; one with modifiers is never exact."""
+        key = _exact_shape_key(owner, owner.data)
+        if len(owner.modifiers) == 0 and key in self.curves:
+            return self.curves[key]
+        with curves.splines_of(owner, self._depsgraph) as splines:
+            judged = curves.judge(self._core, owner, splines)
+        if judged.has_faces and judged.reason is None:
+            self.curves[key] = judged
+        return judged
 
 
 def collect(core: ModuleType, depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
@@ -91,7 +104,7 @@ def collect(core: ModuleType, depsgraph: Any, should_stop: Callable[[], bool]) -
     with its evaluated mesh: of the two exactly one is taken."""
     listed = depsgraph.object_instances
     count = len(listed)
-    result = Instances([], [], _matrices(listed, count), _randoms(listed, count), {}, [], {})
+    result = Instances([], [], _matrices(listed, count), _randoms(listed, count), {}, [], {}, {})
     shown, with_particles = _flags(listed, "show_self", count), _flags(listed, "show_particles", count)
 
     groups: dict[tuple[int, int], Group | None] = {}
@@ -126,7 +139,7 @@ def collect(core: ModuleType, depsgraph: Any, should_stop: Callable[[], bool]) -
         elif item.type == "LIGHT":
             result.lamps.append((owner if is_instance else item, place))
     with_faces = {group.owner.as_pointer() for group in result.groups}
-    result.reasons = exact.reasons
+    result.reasons, result.curves = exact.reasons, exact.curves
     result.without_faces = [owner for owner in result.without_faces if owner.as_pointer() not in with_faces]
     return result
 

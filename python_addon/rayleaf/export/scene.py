@@ -146,16 +146,16 @@ class SceneExporter:
             self._check_cancel()
             key = group.shape_key
             if key not in known:
-                known[key] = self._export_shape(group, wanted)
+                known[key] = self._export_shape(group, wanted, listed.curves)
             result.append(known[key])
             self._note_way(group, listed.reasons)
         self.report.shapes = sum(shape is not None for shape in known.values())
         return result
 
-    def _export_shape(self, group: Group, wanted: frozenset[str]) -> int | None:
+    def _export_shape(self, group: Group, wanted: frozenset[str], judged: dict[Any, curves.Judged]) -> int | None:
         if group.hair is not None or group.owner.type == "CURVES":
             return self._export_strands(group, wanted)
-        return self._export_surface(group) if group.exact else self._export_mesh(group, wanted)
+        return self._export_surface(group, judged) if group.exact else self._export_mesh(group, wanted)
 
     def _export_strands(self, group: Group, wanted: frozenset[str]) -> int | None:
         name = group.owner.name
@@ -177,15 +177,17 @@ class SceneExporter:
             self._leave_out(name, str(error))
             return None
 
-    def _export_surface(self, group: Group) -> int | None:
-        given = (self._core, self.scene, group.owner, self._messages)
+    def _export_surface(self, group: Group, judged: dict[Any, curves.Judged]) -> int | None:
+        name = group.owner.name
         if group.owner.type == "SURFACE":
-            shape = surfaces.add_surface(*given)
+            shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages)
         else:
             settings = strands.curve_settings(self._blender_scene.rayleaf)
-            shape = curves.add_curve(*given, settings, self._depsgraph)
+            # Once is enough: groups with the same key share the shape, and a million splines take memory.
+            found = judged.pop(group.shape_key)
+            shape = curves.add_curve(self._core, self.scene, name, found, self._messages, settings)
         if shape is None:
-            self.report.left_out.setdefault(group.owner.name, "no spline that can be rendered")
+            self.report.left_out.setdefault(name, "no spline that can be rendered")
         return shape
 
     def _export_mesh(self, group: Group, wanted: frozenset[str]) -> int | None:
