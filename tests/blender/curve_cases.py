@@ -137,6 +137,22 @@ def profile_cases(rng):
             yield _case(f"profile {name}, {kind}", {**settings, "twist_mode": "MINIMUM"}, spline)
 
 
+# Profile widgets: places of the points between (1, 0) and (0, 1), and the handles of all.
+WIDGETS = {
+    "straight": ([], ["AUTO", "AUTO"]),
+    "wavy": ([(0.8, 0.5), (0.3, 0.6), (0.2, 0.9)], ["AUTO"] * 5),
+    "edged": ([(1.0, 0.4), (0.5, 0.4), (0.5, 0.8)], ["VECTOR", "VECTOR", "VECTOR", "AUTO", "AUTO"]),
+}
+
+
+def widget_cases(rng):
+    """Bevels by the profile widget, every fill mode, with and without extrusion."""
+    for name, fill, extrude in itertools.product(WIDGETS, ("FULL", "HALF", "FRONT", "BACK"), (0.0, 0.3)):
+        settings = {"bevel_mode": "PROFILE", "bevel_depth": 0.2, "bevel_resolution": 23, "twist_mode": "MINIMUM"}
+        settings |= {"extrude": extrude, "fill_mode": fill, "offset": 0.1}
+        yield _case(f"widget {name}, {fill}, extruded by {extrude}", settings, bezier(rng), widget=WIDGETS[name])
+
+
 def helper_cases(rng):
     """Bevel and taper objects."""
     square = {
@@ -228,6 +244,7 @@ def all_cases():
         frame_cases,
         interpolation_cases,
         profile_cases,
+        widget_cases,
         bevel_object_cases,
         range_cases,
         flat_range_cases,

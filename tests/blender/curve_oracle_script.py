@@ -39,6 +39,15 @@ def add_spline(curve, wanted):
     set_all(spline, wanted.get("settings", {}))
 
 
+def add_widget(profile, places, handles):
+    """Give the profile widget its points."""
+    for x, y in places:
+        profile.points.add(x, y)
+    for point, handle in zip(profile.points, handles, strict=True):
+        point.handle_type_1 = point.handle_type_2 = handle
+    profile.update()
+
+
 def add_object(name, data):
     item = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(item)
@@ -54,6 +63,8 @@ def make_curve(case, helpers):
         if settings.get(key):
             settings[key] = helpers[settings[key]]
     set_all(curve, settings)
+    if "widget" in case:
+        add_widget(curve.bevel_profile, *case["widget"])
     for wanted in case["splines"]:
         add_spline(curve, wanted)
     item = add_object(case["name"], curve)
@@ -179,6 +190,9 @@ def main():
     for case, item in zip(cases, items):
         case["splines"] = [described(spline) for spline in item.data.splines]
         case["mesh"] = evaluated(item, depsgraph)
+        if "widget" in case:  # the samples that Blender's mesh was made of
+            samples = item.evaluated_get(depsgraph).data.bevel_profile.segments
+            case["widget"] = [list(sample.location) for sample in samples]
         distances = surface_distances(item, depsgraph)
         case["distances"] = None if distances is None else packed(distances)
         case["settings"]["offset"] = item.data.offset

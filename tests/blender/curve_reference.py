@@ -121,8 +121,8 @@ def rings(position, frames, radius, profile, offset):
     return position[:, None] + radius[:, None, None] * (y * frames[:, None, 0] + z * frames[:, None, 1])
 
 
-def profile_of(settings):
-    """(polygon (m, 2), closed): Blender's own points of a round bevel, or of an extrusion without one."""
+def profile_of(settings, widget=None):
+    """(polygon (m, 2), closed): Blender's own points of a bevel, or of an extrusion without one; `widget`: of a quarter."""
     depth, extrude, steps = (
         settings.get("bevel_depth", 0),
         settings.get("extrude", 0),
@@ -131,11 +131,11 @@ def profile_of(settings):
     fill = settings.get("fill_mode", "FULL")
     if depth == 0:
         return np.array([[0, -extrude], [0, extrude]]), False
-    if fill in ("FULL", "NONE") and extrude == 0:
+    if fill in ("FULL", "NONE") and extrude == 0 and widget is None:
         angle = np.arange(1, 2 * steps + 3) * np.pi / (steps + 1)
         return depth * np.stack([np.cos(angle), np.sin(angle)], axis=1), True
     angle = np.arange(steps) * np.pi / 2 / steps
-    quarter = depth * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    quarter = depth * (np.stack([np.cos(angle), np.sin(angle)], axis=1) if widget is None else np.asarray(widget))
     up = np.array([0, extrude])
     back = [[(0, -extrude - depth)], quarter[::-1] * (1, -1) - up]
     front = [quarter + up, [(0, extrude + depth)]]

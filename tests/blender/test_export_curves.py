@@ -101,13 +101,12 @@ sent, told, _ = recording_core.export()
 report(exact=told.exact, evaluated=told.evaluated, names=sorted(sent.instances["names"]))
 """
     ).report
-    assert sorted(run["exact"]) == ["Exact", "Filled", "Outline", "Tangent"]
+    assert sorted(run["exact"]) == ["Exact", "Filled", "Outline", "Profile", "Tangent"]
     assert run["evaluated"] == {
         "Modified": "modifier Bend",
         "Flat": "flat shading",
         "Uneven": "filled area that is not flat, for the radius changes",
         "Crossed": "filled area whose outlines cross",
-        "Profile": "custom bevel profile",
         "Corners": "tangent twist, which Blender leaves undefined on straight segments and NURBS",
         "Absolute": "absolute shape keys",
         "Aligned": "shape keys with aligned handles",

@@ -73,6 +73,7 @@ def make():
         flower("NURBS", RING, "NURBS", fill_mode="BOTH", extrude=0.2),
         flower("lip", RING, fill_mode="BOTH", bevel_mode="OBJECT", bevel_object=lip),
         flower("tube", RING, fill_mode="BOTH", bevel_mode="OBJECT", bevel_object=tube),
+        flower("widget", RING, fill_mode="BOTH", bevel_mode="PROFILE", bevel_depth=0.1, extrude=0.1),
         text("text", "g&8", size=1.6, align_x="CENTER"),
         text("solid text", "Bo%", extrude=0.1, bevel_depth=0.02, align_x="CENTER"),
         text("close text", "AVAT", extrude=0.1, space_character=0.8, align_x="CENTER"), text("no text", " "),

@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import versions
 from ..messages import Messages
-from . import curve_fills, curve_splines
+from . import curve_fills, curve_profiles, curve_splines
 from .curve_keys import ShapeKeys, has_aligned_handles
 from .curve_outlines import orient
 from .curve_splines import CYCLIC, KIND, SMOOTH, SplineTable
@@ -74,6 +74,8 @@ def judge(core: ModuleType, curve_object: Any, curve: Any) -> Judged:
         return Judged(True, reason)
     try:
         described = _describe(core, curve_object, curve, table)
+        if described is None:
+            return Judged(True, "profile widget that is no chain of cubics")
         if filled and described.borders_cross():
             return Judged(True, "filled area whose outlines cross")
         return Judged(True, curve=described)
@@ -85,8 +87,6 @@ def _reason_by_settings(curve_object: Any, curve: Any) -> str | None:
     reason = _deformed(curve_object)
     if reason is not None:
         return reason
-    if curve.bevel_mode == "PROFILE" and curve.bevel_depth != 0.0:
-        return "custom bevel profile"
     if curve.dimensions == "3D" and curve.twist_mode != "MINIMUM" and curve.twist_smooth > 0.0:
         return "smoothed twist, which depends on the resolution"
     if curve.bevel_mode == "OBJECT" and (_deformed(curve.bevel_object) or curve.bevel_object.data.offset != 0.0):
@@ -181,8 +181,8 @@ def _radius_without_taper(table: SplineTable, mode: str) -> None:
         table.radii += 1.0
 
 
-def _describe(core: ModuleType, curve_object: Any, curve: Any, table: SplineTable) -> Any:
-    """The core's SweptCurve of an object that is exact. Raises the core's InputError."""
+def _describe(core: ModuleType, curve_object: Any, curve: Any, table: SplineTable) -> Any | None:
+    """The core's SweptCurve of an object; None if the profile widget cannot be told. Raises the core's InputError."""
     if curve.dimensions == "2D":
         orient(core, table)
     fills = curve_fills.group_fills(table, curve) if curve_fills.is_filled(curve) else []
@@ -192,6 +192,12 @@ def _describe(core: ModuleType, curve_object: Any, curve: Any, table: SplineTabl
         if taper is None:
             _radius_without_taper(table, curve.taper_radius_mode)
     own_profile = curve.bevel_mode == "OBJECT"
+    fill = _FILLS.get(curve.fill_mode, curve.fill_mode)
+    profile = _profile(core, curve.bevel_object) if own_profile else None
+    if curve.bevel_mode == "PROFILE" and curve.bevel_depth != 0.0:
+        profile = curve_profiles.profile_splines(core, curve, fill)
+        if profile is None:
+            return None
     return core.SweptCurve(
         curve_object.name,
         curve_splines.send(core, table),
@@ -201,9 +207,9 @@ def _describe(core: ModuleType, curve_object: Any, curve: Any, table: SplineTabl
         bevel_depth=0.0 if own_profile else curve.bevel_depth,
         extrude=0.0 if own_profile else curve.extrude,
         offset=curve.offset,
-        fill=_FILLS.get(curve.fill_mode, curve.fill_mode),
+        fill=fill,
         bevel_resolution=curve.bevel_resolution,
-        profile=_profile(core, curve.bevel_object) if own_profile else None,
+        profile=profile,
         taper=taper,
         taper_radius=curve.taper_radius_mode,
         taper_fits_bevel=curve.use_map_taper,
