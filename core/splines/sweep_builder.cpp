@@ -130,11 +130,16 @@ void SplineBuilder::add_element(size_t i) {
     stored_.reset();
 }
 
-/// The direction of the ring between two segments; in the plane it is widened.
+/// The direction of the ring between two segments; in the plane it is widened. Where the path turns straight back there
+/// is nothing to widen, and the profile's x runs on the way it came.
 Vec3d SplineBuilder::node_direction(const Vec3d& arrives, const Vec3d& leaves, RingFrame& ring) const {
-    /// Of the cosine of half the angle: walls at hairpins go a million times as far out, no further.
-    constexpr double kNarrowest = 1e-12;
-    if (planar()) ring.widening = 1.0 / std::sqrt(std::max(0.5 * (1.0 + arrives.dot(leaves)), kNarrowest));
+    // Of the square of the cosine of half the angle: what single precision, in which Blender computes it, cannot tell
+    // from a turn straight back.
+    constexpr double kNarrowest = 0x1p-25;
+    if (!planar()) return half_way(arrives, leaves);
+    const double narrowness = 0.5 * (1.0 + arrives.dot(leaves));
+    if (narrowness < kNarrowest) return {arrives.y, -arrives.x, 0.0};
+    ring.widening = 1.0 / std::sqrt(narrowness);
     return half_way(arrives, leaves);
 }
 

@@ -29,6 +29,11 @@ def curve(points=LINE, kind="BEZIER", handles="AUTO", cyclic=False, radii=None, 
     add(data, points, kind, handles, cyclic, radii)
     return scenes.add(data, name)
 
+def loop(points, fill):
+    "Without an area, seen from aside."
+    scene.camera.location, scene.camera.rotation_euler = (1, -2.5, 4), (0.5585, 0, 0.2)
+    return curve(points, "POLY", cyclic=True, dimensions="2D", fill_mode=fill)
+
 def add(data, points, kind="BEZIER", handles="AUTO", cyclic=False, radii=None):
     spline = data.splines.new(kind)
     own = spline.bezier_points if kind == "BEZIER" else spline.points
@@ -108,6 +113,10 @@ HARD = {
     "itself as its bevel object": "a = curve(); a.data.bevel_mode = 'OBJECT'; a.data.bevel_object = a",
     "itself as its taper object": "a = curve(); a.data.taper_object = a",
     "a filled area without size": "curve([(0, 0, 0)] * 3, cyclic=True, dimensions='2D', fill_mode='BOTH')",
+    "a closed loop of two points in the plane": "loop([(-1, 0, 0), (1, 0, 0)], 'NONE')",
+    "a closed loop that runs there and back": "loop([(-1, 0, 0), (1, 0, 0), (0.3, 0, 0)], 'NONE')",
+    "a closed half loop of two points": "loop([(-1, 0, 0), (1, 0, 0)], 'BOTH')",
+    "a closed half loop that runs there and back": "loop([(-1, 0, 0), (0, 0, 0), (1, 0, 0), (0, 0, 0)], 'BOTH')",
     "a filled eight": "curve([(-1, -1, 0), (1, 1, 0), (1, -1, 0), (-1, 1, 0)], 'POLY', cyclic=True, dimensions='2D', "
     "fill_mode='BOTH', bevel_depth=0, extrude=0.1)",
     "a filled area with a bevel wider than its corners": "curve([(-1, -1, 0), (1, -1, 0), (0, -0.8, 0), (0, 1, 0)], "

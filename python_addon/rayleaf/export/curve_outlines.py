@@ -22,7 +22,7 @@ def _bezier_outline(points: Doubles, handles: Doubles, resolution: int) -> Doubl
 
 
 def outline(core: ModuleType, table: SplineTable, number: int) -> Doubles | None:
-    """(n, 2): a closed spline as a polygon, about as fine as Blender's; None if it has no area to speak of."""
+    """(n, 2): a closed spline as a polygon, about as fine as Blender's; None if Blender draws nothing of it."""
     part, settings = table.part(number), table.settings[number]
     points = table.points[part]
     if len(points) < 2:
@@ -38,7 +38,7 @@ def outline(core: ModuleType, table: SplineTable, number: int) -> Doubles | None
         result = curve.to_bezier().positions(np.arange(count) / count)[:, :2]
     else:
         result = points[:, :2]
-    return result if len(result) > 2 else None
+    return result if len(result) > 1 else None
 
 
 def _turns_left(polygon: Doubles) -> bool:
