@@ -67,6 +67,10 @@ Sdc::Options options_of(const SubdivisionCage& cage) {
     return options;
 }
 
+Sdc::SchemeType scheme_of(const SubdivisionCage& cage) {
+    return cage.scheme == SubdivisionScheme::Bilinear ? Sdc::SCHEME_BILINEAR : Sdc::SCHEME_CATMARK;
+}
+
 std::vector<float> limited_sharpness(std::span<const float> values) {
     std::vector<float> result(values.begin(), values.end());
     for (float& value : result) value = std::min(value, kInfiniteSharpness);
@@ -238,7 +242,7 @@ CageTopology::CageTopology(const SubdivisionCage& cage) : refiner_(std::make_uni
 
     using RefinerFactory = Far::TopologyRefinerFactory<Descriptor>;
     refiner_->refiner.reset(
-        RefinerFactory::Create(descriptor, RefinerFactory::Options(Sdc::SCHEME_CATMARK, options_of(cage))));
+        RefinerFactory::Create(descriptor, RefinerFactory::Options(scheme_of(cage), options_of(cage))));
     if (!refiner_->refiner)
         throw InputError(cage.name, "corners", "faces that OpenSubdiv cannot connect", "another topology");
 }
@@ -277,7 +281,7 @@ LimitFaces CageTopology::uv_limit(size_t map) const {
 }
 
 FaceSquare CageTopology::corner_square(int face_size, int corner) {
-    const Bfr::Parameterization parameters(Sdc::SCHEME_CATMARK, face_size);
+    const Bfr::Parameterization parameters(Sdc::SCHEME_CATMARK, face_size);  // the bilinear scheme has the same
     const auto vertex = [&](int index) {
         double uv[2];
         parameters.GetVertexCoord(index % face_size, uv);

@@ -111,6 +111,8 @@ void validate(const SubdivisionCage& cage) {
         check.size("material_slots", cage.material_slots.size(), cage.face_sizes.size());
         check.indices("material_slots", cage.material_slots, kLargestMaterialSlot + 1, "a slot");
     }
+    if (!cage.corner_normals.empty()) check.size("corner_normals", cage.corner_normals.size(), 3 * cage.corners.size());
+    check.finite("corner_normals", cage.corner_normals);
     check_attributes(check, "uv_maps", cage.uv_maps, cage.corners.size(), 2);
     check_attributes(check, "attributes", cage.attributes, cage.corners.size(), 1);
 }

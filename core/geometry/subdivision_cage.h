@@ -1,4 +1,5 @@
-// The polygon mesh whose limit is a subdivision surface (Catmull and Clark 1978), as it comes from outside.
+// The polygon mesh whose limit is a subdivision surface (Catmull and Clark 1978), as it comes from outside. The limit
+// of the bilinear scheme is the mesh itself: quads ruled, other faces ruled between their middles.
 //
 // A corner is one vertex of one face; corners are numbered face by face, counter-clockwise seen from the outside.
 #pragma once
@@ -17,6 +18,8 @@ inline constexpr float kInfiniteSharpness = 10.0f;
 
 /// Larger faces and vertices of more faces are refused: every face at such a vertex depends on all of them.
 inline constexpr int kMostAtVertex = 1024;
+
+enum class SubdivisionScheme : uint8_t { CatmullClark, Bilinear };
 
 /// What becomes of vertices of the border that belong to one face alone.
 enum class BorderCorners : uint8_t { Sharp, Smooth };
@@ -42,6 +45,8 @@ struct SubdivisionCage {
     std::span<const int32_t> crease_vertices;
     std::span<const float> vertex_sharpness;  ///< one for each of these
     std::span<const int32_t> material_slots;  ///< one a face; empty: slot 0 everywhere
+    std::span<const float> corner_normals;    ///< x,y,z each, unit, to the outside: counts as the normal; or empty
+    SubdivisionScheme scheme = SubdivisionScheme::CatmullClark;
     BorderCorners border_corners = BorderCorners::Smooth;
     UvSmoothing uv_smoothing = UvSmoothing::KeepBoundaries;
     std::vector<CornerAttribute> uv_maps;     ///< two channels, smoothed with the surface; one value a corner

@@ -86,6 +86,8 @@ ContentHash hash_of(const SubdivisionCage& cage, ContentHasher hasher) {
     add(cage.crease_vertices);
     add(cage.vertex_sharpness);
     add(cage.material_slots);
+    add(cage.corner_normals);
+    hasher.add(static_cast<int>(cage.scheme));
     hasher.add(static_cast<int>(cage.border_corners));
     hasher.add(static_cast<int>(cage.uv_smoothing));
     hasher.add(cage.active_uv);
@@ -133,6 +135,7 @@ SubdivisionSurface::SubdivisionSurface(const SubdivisionCage& cage) : Shape(Shap
         uv_maps_.push_back({cage.uv_maps[i].id, topology.uv_limit(i)});
     }
     attributes_ = cage.attributes;
+    corner_normals_ = {kNoAttribute, 3, {cage.corner_normals.begin(), cage.corner_normals.end()}};
 }
 
 void SubdivisionSurface::add_elements(const CageTopology& topology, const SubdivisionCage& cage) {
@@ -312,7 +315,7 @@ LocalSurface SubdivisionSurface::surface(const LocalHit& hit) const {
     result.position = point.position;
     // Where a coarse facet and the exact surface face opposite sides, the facet that was hit decides.
     const double side = Vec3f(limit.normal).dot(facet_normal) > 0.0f ? 1.0 : -1.0;
-    result.normal = Vec3f(limit.normal * side);
+    result.normal = shading_normal(hit, Vec3f(limit.normal * side), facet_normal);
     set_texture_coordinates(hit, point, limit, side, result);
     return result;
 }
@@ -345,6 +348,7 @@ size_t SubdivisionSurface::bytes() const {
     if (!elements_.empty()) total += limit_.bytes();
     for (const UvMap& map : uv_maps_) total += map.limit.bytes();
     for (const CornerAttribute& attribute : attributes_) total += attribute.values.capacity() * sizeof(float);
+    total += corner_normals_.values.capacity() * sizeof(float);
     return total;
 }
 

@@ -97,7 +97,8 @@ class SubdivisionSurface final : public Shape {
     std::vector<uint16_t> slots_;
     std::vector<UvMap> uv_maps_;
     std::vector<CornerAttribute> attributes_;
-    int active_uv_ = -1;  ///< index into uv_maps_
+    CornerAttribute corner_normals_;  ///< without values where the limit's own normal counts
+    int active_uv_ = -1;              ///< index into uv_maps_
     ContentHash hash_{};
     mutable std::array<std::atomic<uint64_t>, kNormalStageCount> limit_normals_{};
 
@@ -107,6 +108,10 @@ class SubdivisionSurface final : public Shape {
     void make_nets();
     PatchPoint in_element(const LimitFaces& limit, const SubdivisionElement& element, double u, double v) const;
     LimitNormal normal_at(uint32_t element, double u, double v, const PatchPoint& point, const Vec3d& geometric) const;
+    /// The normal that counts, on the side of `facet_normal` (unit).
+    Vec3f shading_normal(const LocalHit& hit, const Vec3f& of_limit, const Vec3f& facet_normal) const;
+    /// An attribute's value, bilinear within the face; missing channels 0, alpha 1.
+    Vec4f interpolated(const CornerAttribute& attribute, const LocalHit& hit) const;
     void set_texture_coordinates(const LocalHit& hit, const PatchPoint& point, const LimitNormal& normal, double side,
                                  LocalSurface& result) const;
 };

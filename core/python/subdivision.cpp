@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::pair<const char*, BorderCorners> kBorderCorners[] = {{"SMOOTH", BorderCorners::Smooth},
                                                                     {"SHARP", BorderCorners::Sharp}};
+constexpr std::pair<const char*, SubdivisionScheme> kSchemes[] = {{"CATMULL_CLARK", SubdivisionScheme::CatmullClark},
+                                                                  {"BILINEAR", SubdivisionScheme::Bilinear}};
 constexpr std::pair<const char*, UvSmoothing> kUvSmoothings[] = {
     {"NONE", UvSmoothing::None},
     {"PRESERVE_CORNERS", UvSmoothing::KeepCorners},
@@ -42,7 +44,8 @@ std::shared_ptr<SubdivisionSurface> make_subdivision(
     const Array<int32_t>& corners, const Optional<int32_t>& crease_edges, const Optional<float>& crease_sharpness,
     const Optional<int32_t>& crease_vertices, const Optional<float>& vertex_sharpness,
     const Optional<int32_t>& material_slots, const std::string& border_corners, const std::string& uv_smoothing,
-    const Attributes& uv_maps, int uv, const Attributes& attributes) {
+    const Attributes& uv_maps, int uv, const Attributes& attributes, const Optional<float>& corner_normals,
+    const std::string& scheme) {
     check_shape(name, "vertices", vertices, {-1, 3});
     check_shape(name, "face_sizes", face_sizes, {-1});
     check_shape(name, "corners", corners, {-1});
@@ -57,6 +60,9 @@ std::shared_ptr<SubdivisionSurface> make_subdivision(
     cage.crease_vertices = optional_span(crease_vertices);
     cage.vertex_sharpness = optional_span(vertex_sharpness);
     cage.material_slots = optional_span(material_slots);
+    if (corner_normals) check_shape(name, "corner_normals", *corner_normals, {corners.shape(0), 3});
+    cage.corner_normals = optional_span(corner_normals);
+    cage.scheme = named(name, "scheme", scheme, kSchemes);
     cage.border_corners = named(name, "border_corners", border_corners, kBorderCorners);
     cage.uv_smoothing = named(name, "uv_smoothing", uv_smoothing, kUvSmoothings);
     cage.uv_maps = attributes_of(name, "uv_maps", uv_maps);
@@ -117,7 +123,7 @@ void bind_subdivision(py::module_& module) {
              "crease_edges"_a = py::none(), "crease_sharpness"_a = py::none(), "crease_vertices"_a = py::none(),
              "vertex_sharpness"_a = py::none(), "material_slots"_a = py::none(), "border_corners"_a = "SMOOTH",
              "uv_smoothing"_a = "PRESERVE_BOUNDARIES", "uv_maps"_a = Attributes(), "uv"_a = -1,
-             "attributes"_a = Attributes())
+             "attributes"_a = Attributes(), "corner_normals"_a = py::none(), "scheme"_a = "CATMULL_CLARK")
         .def("points", &points, "elements"_a, "parameters"_a)
         .def("values", &values, "attribute"_a, "elements"_a, "parameters"_a);
     module.def(

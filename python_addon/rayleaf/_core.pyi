@@ -328,12 +328,13 @@ def strands_along(curve: SweptCurve, form: str = "ROUND", spheres_per_segment: i
     """The strands along a bevelled curve's axes; None unless its profile is one full circle."""
 
 class SubdivisionSurface:
-    """The Catmull-Clark limit of a polygon mesh; see core/geometry/subdivision_cage.h. A corner is a vertex of a face.
+    """The limit of a polygon mesh; see core/geometry/subdivision_cage.h. A corner is a vertex of a face.
 
     vertices (n, 3), face_sizes (m,), corners (sum of sizes,): vertex indices, counter-clockwise. Sharpness: 0 is smooth,
     10 and more sharp for ever; crease_edges (k, 2). border_corners: SMOOTH, SHARP. uv_smoothing: NONE, PRESERVE_CORNERS,
     PRESERVE_CORNERS_AND_JUNCTIONS, PRESERVE_CORNERS_JUNCTIONS_AND_CONCAVE, PRESERVE_BOUNDARIES, SMOOTH_ALL. uv_maps: id
     -> (corners, 2), smoothed; `uv` is the id of the active one; attributes: id -> (corners, channels), linear.
+    corner_normals (corners, 3) count as the normals. scheme: CATMULL_CLARK, BILINEAR (the mesh as it is).
     """
 
     def __init__(
@@ -352,6 +353,8 @@ class SubdivisionSurface:
         uv_maps: dict[int, Floats] = {},
         uv: int = -1,
         attributes: dict[int, Floats] = {},
+        corner_normals: Floats | None = None,
+        scheme: str = "CATMULL_CLARK",
     ) -> None: ...
     def points(self, elements: Ints, parameters: Doubles) -> Doubles:
         """Position and derivatives by u, v, uu, uv, vv, (n, 6, 3) in local space, at parameters (n, 2) of elements."""

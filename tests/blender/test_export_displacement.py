@@ -42,21 +42,28 @@ report(found=found, messages=messages)
     assert "normal" in found["ShaderNodeDisplacement WORLD"][2]
 
 
-def test_a_mesh_without_subdivision_is_not_displaced_and_that_is_told(run_blender):
+def test_every_surface_is_displaced_and_of_a_curve_it_is_told_that_it_is_not(run_blender):
     run = run_blender(
         START
         + """
 material = displacing("ShaderNodeDisplacement", "OBJECT", 1.0)
-plain, fine = scenes.quad("Plain"), scenes.quad("Fine")
+plain, fine, simple, still = (scenes.quad(name) for name in ("Plain", "Fine", "Simple", "Still"))
 fine.modifiers.new("Subdivision", "SUBSURF").levels = 1
-for item in (plain, fine):
+simple.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
+bpy.ops.curve.primitive_bezier_circle_add()
+wire = bpy.context.object
+wire.name, wire.data.bevel_depth = "Wire", 0.1
+for item in (plain, fine, simple, wire):
     item.data.materials.append(material)
 sent, told, messages = recording_core.export()
-report(messages=messages)
+schemes = {cage["name"]: cage.get("scheme", "CATMULL_CLARK") for cage in sent.cages}
+report(messages=messages, schemes=schemes, meshes=[mesh["name"] for mesh in sent.meshes])
 """
     ).report
     (message,) = run["messages"]
-    assert message.startswith("Object 'Plain': displacement needs")
+    assert message == "Object 'Wire': curves and hair are not displaced; left out"
+    assert run["schemes"] == {"Plain": "BILINEAR", "Simple": "BILINEAR", "Fine": "CATMULL_CLARK"}
+    assert run["meshes"] == ["Still"]
 
 
 def test_a_render_shows_a_sphere_grown_by_its_displacement(run_blender):

@@ -35,6 +35,9 @@ BAD = {
         dict(crease_edges=np.array([[0, 1]], np.int32), crease_sharpness=np.full(1, -1, np.float32)),
         "crease_sharpness",
     ),
+    "a corner without a normal": (dict(corner_normals=np.ones((3, 3), np.float32)), "corner_normals"),
+    "a normal of NaN": (dict(corner_normals=np.full((4, 3), np.nan, np.float32)), "corner_normals"),
+    "an unknown scheme": (dict(scheme="LOOP"), "scheme"),
     "an unknown option": (dict(uv_smoothing="SOME"), "uv_smoothing"),
     "a short UV map": (dict(uv_maps={3: np.zeros((3, 2), np.float32)}), "uv_maps"),
     "an attribute of five channels": (dict(attributes={3: np.zeros((4, 5), np.float32)}), "attributes"),
@@ -76,24 +79,25 @@ def three_wings():
 
 
 ODD = {
-    "an edge of three faces": lambda: surface(*three_wings()),
-    "two faces that touch in a vertex": lambda: surface(
+    "an edge of three faces": lambda **o: surface(*three_wings(), **o),
+    "two faces that touch in a vertex": lambda **o: surface(
         np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-1, 0, 0], [-1, -1, 0], [0, -1, 0]], np.float32),
         (4, 4),
         (0, 1, 2, 3, 0, 4, 5, 6),
+        **o,
     ),
-    "the same face twice": lambda: surface(sizes=(4, 4), corners=(0, 1, 2, 3, 0, 1, 2, 3)),
-    "a face and its back": lambda: surface(sizes=(4, 4), corners=(0, 1, 2, 3, 3, 2, 1, 0)),
-    "neighbours wound against each other": lambda: surface(
-        np.concatenate([QUAD, QUAD[1:3] + [1, 0, 0]]).astype(np.float32), (4, 4), (0, 1, 2, 3, 1, 2, 5, 4)
+    "the same face twice": lambda **o: surface(sizes=(4, 4), corners=(0, 1, 2, 3, 0, 1, 2, 3), **o),
+    "a face and its back": lambda **o: surface(sizes=(4, 4), corners=(0, 1, 2, 3, 3, 2, 1, 0), **o),
+    "neighbours wound against each other": lambda **o: surface(
+        np.concatenate([QUAD, QUAD[1:3] + [1, 0, 0]]).astype(np.float32), (4, 4), (0, 1, 2, 3, 1, 2, 5, 4), **o
     ),
-    "a face that crosses itself": lambda: surface(corners=(0, 2, 1, 3)),
-    "faces far apart": lambda: surface(np.concatenate([QUAD, QUAD + 1e6]), (4, 4), range(8)),
-    "a Moebius strip": lambda: moebius(),
+    "a face that crosses itself": lambda **o: surface(corners=(0, 2, 1, 3), **o),
+    "faces far apart": lambda **o: surface(np.concatenate([QUAD, QUAD + 1e6]), (4, 4), range(8), **o),
+    "a Moebius strip": lambda **o: moebius(**o),
 }
 
 
-def moebius(count=9):
+def moebius(count=9, **options):
     angle = np.arange(count) * 2 * np.pi / count
     points = []
     for a in angle:
@@ -105,12 +109,13 @@ def moebius(count=9):
         a, b = 2 * i, 2 * i + 1
         c, d = (2 * i + 3, 2 * i + 2) if i + 1 < count else (0, 1)
         corners += [a, b, c, d]
-    return surface(np.array(points, np.float32), [4] * count, corners)
+    return surface(np.array(points, np.float32), [4] * count, corners, **options)
 
 
+@pytest.mark.parametrize("scheme", ["CATMULL_CLARK", "BILINEAR"])
 @pytest.mark.parametrize("name", ODD)
-def test_an_odd_cage_is_rendered(name):
-    assert rays_answer(ODD[name]()) > 0
+def test_an_odd_cage_is_rendered(name, scheme):
+    assert rays_answer(ODD[name](scheme=scheme)) > 0
 
 
 FLAT = {

@@ -61,6 +61,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         cage.active_uv = bytes.count(2) - 1;
         cage.border_corners = static_cast<BorderCorners>(bytes.count(1));
         cage.uv_smoothing = static_cast<UvSmoothing>(bytes.count(5));
+        cage.scheme = static_cast<SubdivisionScheme>(bytes.count(1));
+        std::vector<float> normals;
+        if (bytes.flag()) normals = bytes.floats(3 * drawn.corners.size() + bytes.odd_length());
+        cage.corner_normals = normals;
         fuzz::trace_drawn_rays(std::make_shared<SubdivisionSurface>(cage), bytes);
     });
     return 0;

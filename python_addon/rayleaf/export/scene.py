@@ -86,19 +86,11 @@ class SceneExporter:
         return self.scene
 
     def _note_undisplaced(self, groups: list[Group]) -> None:
-        """Displacement is for surfaces that have points wherever they are asked for."""
+        """Exact curves and hair stay as they are."""
         for group in groups:
-            owner = group.owner
-            if group.hair is not None or owner.name in self.report.subdivision:
-                continue
-            if group.exact and owner.type == "SURFACE":
-                continue
-            slots = slots_of(owner, group.data, group.from_owner)
-            if any(slot is not None and self._materials.displaces(slot) for slot in slots):
-                self._messages.warn(
-                    f"Object '{owner.name}': displacement needs a spline surface or a Subdivision Surface modifier;"
-                    " left out"
-                )
+            is_curve = group.exact and group.owner.type != "SURFACE"
+            if (is_curve or group.hair is not None or group.owner.type == "CURVES") and self._is_displaced(group):
+                self._messages.warn(f"Object '{group.owner.name}': curves and hair are not displaced; left out")
 
     def _export_camera(self, frame: camera.Frame) -> None:
         camera_object = self._blender_scene.camera
@@ -108,12 +100,17 @@ class SceneExporter:
         matrix = np.array(camera_object.matrix_world, np.float64)
         self.scene.set_camera(**camera.describe(camera_object, matrix, frame))
 
-    def _material_list(self, group: Group) -> int:
+    def _slots(self, group: Group) -> list[Any]:
+        """The materials of a group, None for empty slots."""
         override = self._depsgraph.view_layer_eval.material_override
         slots = slots_of(group.owner, group.data, group.from_owner)
-        if override is not None:
-            slots = [override] * max(len(slots), 1)
-        return self._materials.slot_list(slots, instances.is_holdout(group.owner, self._view_layer))
+        return slots if override is None else [override] * max(len(slots), 1)
+
+    def _material_list(self, group: Group) -> int:
+        return self._materials.slot_list(self._slots(group), instances.is_holdout(group.owner, self._view_layer))
+
+    def _is_displaced(self, group: Group) -> bool:
+        return any(slot is not None and self._materials.displaces(slot) for slot in self._slots(group))
 
     def _export_world(self) -> None:
         blender_world = self._blender_scene.world
@@ -144,7 +141,7 @@ class SceneExporter:
         result = []
         for group in listed.groups:
             self._check_cancel()
-            key = group.shape_key
+            key = group.shape_key, self._is_displaced(group)
             if key not in known:
                 known[key] = self._export_shape(group, wanted, listed.curves)
             result.append(known[key])
@@ -195,6 +192,10 @@ class SceneExporter:
             shape = self._export_cage(group.owner, wanted)
             if shape is not None:
                 return shape
+        if self._is_displaced(group):
+            shape = self._export_polygons(group, wanted)
+            if shape is not None:
+                return shape
         name = group.owner.name
         arrays = meshes.mesh_arrays(group.data, wanted)
         if arrays is None:
@@ -224,6 +225,15 @@ class SceneExporter:
                 self._messages.warn(f"{reason}; Blender's mesh is rendered")
         self.report.evaluated[name] = reason
         return None
+
+    def _export_polygons(self, group: Group, wanted: frozenset[str]) -> int | None:
+        """The shape of a mesh that has points wherever displacement asks for them; None, and a warning, without."""
+        try:
+            arrays = subdivision.polygon_arrays(group.data, wanted)
+            return None if arrays is None else subdivision.add_cage(self._core, self.scene, group.owner.name, arrays)
+        except self._core.InputError as error:
+            self._messages.warn(f"{error}; its displacement is left out")
+            return None
 
     def _note_way(self, group: Group, reasons: dict[str, str]) -> None:
         """Which way an object went: exact or as a mesh, and why."""

@@ -1,5 +1,6 @@
-"""Meshes whose last modifier subdivides them: their cages, for the core renders the limit itself."""
+"""Meshes as cages whose limit the core renders: those that a modifier subdivides last, and those that are displaced."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
@@ -77,32 +78,45 @@ def cage_arrays(mesh_object: Any, depsgraph: Any, wanted: frozenset[str]) -> Cag
     try:
         mesh = mesh_object.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
         try:
-            return _arrays_of(mesh, last, wanted)
+            return _arrays_of(mesh, wanted, lambda: _options_of(mesh, last))
         finally:
             mesh_object.to_mesh_clear()
     finally:
         mesh_object.modifiers.foreach_set(switch, shown)
 
 
-def _arrays_of(mesh: Any, modifier: Any, wanted: frozenset[str]) -> CageArrays | None:
-    def get(collection: Any, name: str, dtype: Any, width: int = 1) -> Any:
-        values = np.empty(len(collection) * width, dtype)
-        collection.foreach_get(name, values)
-        return values
+def polygon_arrays(mesh: Any, wanted: frozenset[str]) -> CageArrays | None:
+    """A mesh as a cage that is its own limit, with the normals that it is shaded with; None without faces."""
+    return _arrays_of(
+        mesh,
+        wanted,
+        lambda: {"scheme": "BILINEAR", "uv_smoothing": "NONE", "corner_normals": versions.corner_normals(mesh)},
+    )
 
-    if len(mesh.polygons) == 0:
-        return None
-    sizes = get(mesh.polygons, "loop_total", np.int32)
-    corners = get(mesh.loops, "vertex_index", np.int32)
-    slots = get(mesh.polygons, "material_index", np.int32)
-    arrays = CageArrays(get(mesh.vertices, "co", np.float32, 3).reshape(-1, 3), sizes, corners)
-    arrays.options = {
-        "material_slots": slots if slots.any() else None,
+
+def _get(collection: Any, name: str, dtype: Any, width: int = 1) -> Any:
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(name, values)
+    return values
+
+
+def _options_of(mesh: Any, modifier: Any) -> dict[str, Any]:
+    """What a Subdivision Surface modifier says of the limit."""
+    options = {
         "border_corners": "SHARP" if modifier.boundary_smooth == "PRESERVE_CORNERS" else "SMOOTH",
         "uv_smoothing": modifier.uv_smooth,
     }
-    if modifier.use_creases:
-        arrays.options |= _creases(mesh, get)
+    return options | _creases(mesh) if modifier.use_creases else options
+
+
+def _arrays_of(mesh: Any, wanted: frozenset[str], options: Callable[[], dict[str, Any]]) -> CageArrays | None:
+    if len(mesh.polygons) == 0:
+        return None
+    sizes = _get(mesh.polygons, "loop_total", np.int32)
+    corners = _get(mesh.loops, "vertex_index", np.int32)
+    slots = _get(mesh.polygons, "material_index", np.int32)
+    arrays = CageArrays(_get(mesh.vertices, "co", np.float32, 3).reshape(-1, 3), sizes, corners)
+    arrays.options = options() | {"material_slots": slots if slots.any() else None}
     faces = np.repeat(np.arange(len(sizes), dtype=np.int32), sizes)
     where = Corners(corners[:, None], np.arange(len(corners), dtype=np.int32)[:, None], faces[:, None])
     for name in wanted:
@@ -114,12 +128,12 @@ def _arrays_of(mesh: Any, modifier: Any, wanted: frozenset[str]) -> CageArrays |
     return arrays
 
 
-def _creases(mesh: Any, get: Any) -> dict[str, Any]:
+def _creases(mesh: Any) -> dict[str, Any]:
     edges, vertices = versions.creases(mesh)
     result = {}
     if edges is not None and edges.any():
         chosen = np.flatnonzero(edges)
-        result["crease_edges"] = get(mesh.edges, "vertices", np.int32, 2).reshape(-1, 2)[chosen]
+        result["crease_edges"] = _get(mesh.edges, "vertices", np.int32, 2).reshape(-1, 2)[chosen]
         result["crease_sharpness"] = edges[chosen] ** 2 * np.float32(_FULL_SHARPNESS)
     if vertices is not None and vertices.any():
         chosen = np.flatnonzero(vertices)
