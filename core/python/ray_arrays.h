@@ -5,6 +5,7 @@
 #include "ri_tree/ray_cache.h"
 #include "trace/baselines.h"
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -27,7 +28,9 @@ inline std::vector<Ray> rays_from(const Array<double>& origins, const Array<doub
 /// One array an attribute: `value(i)` of each output, `width` numbers or, for 0, a single one.
 template <typename T, typename Value>
 py::array_t<T> column(size_t count, size_t width, const Value& value) {
-    py::array_t<T> result(width == 0 ? std::vector<size_t>{count} : std::vector<size_t>{count, width});
+    const py::array::ShapeContainer rows{static_cast<py::ssize_t>(count),
+                                         static_cast<py::ssize_t>(std::max<size_t>(width, 1))};
+    py::array_t<T> result(rows);
     T* out = result.mutable_data();
     for (size_t i = 0; i < count; ++i) {
         if constexpr (requires { value(i).x; }) {
@@ -37,7 +40,8 @@ py::array_t<T> column(size_t count, size_t width, const Value& value) {
             out[i] = static_cast<T>(value(i));
         }
     }
-    return result;
+    if (width > 0) return result;
+    return result.reshape({static_cast<py::ssize_t>(count)});
 }
 
 constexpr std::pair<const char*, OutputKind> kOutputKinds[] = {{"SIMPLE", OutputKind::Simple},
