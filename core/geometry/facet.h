@@ -17,6 +17,10 @@ struct FacetHit {
     Vec3d position{0, 0, 0};  ///< on the facet to double precision
 };
 
+/// The ends of the borders v = 0, u = 1, v = 1, u = 0 of a quad, by its corners (0,0), (1,0), (0,1), (1,1); u or v
+/// grows from the first to the second.
+inline constexpr std::array<std::array<int, 2>, 4> kBorderEnds = {{{0, 1}, {1, 3}, {2, 3}, {0, 2}}};
+
 /// Twice the facet's area along its normal by the winding.
 inline Vec3d area_vector(const FacetCorners& corners) {
     return (corners[1] - corners[0]).cross(corners[2] - corners[0]);

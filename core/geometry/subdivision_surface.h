@@ -9,6 +9,7 @@
 // such; the others are evaluated by OpenSubdiv, and a line between two of these by the element that owns it.
 #pragma once
 
+#include "geometry/facet.h"
 #include "geometry/limit_faces.h"
 #include "geometry/shape.h"
 #include "geometry/subdivision_cage.h"
@@ -41,9 +42,6 @@ struct SubdivisionLine {
     bool cubic = false;                                  ///< the inner points describe it
     std::array<Vec3d, 2> inner{Vec3d(0.0), Vec3d(0.0)};  ///< from the lower node
 };
-
-/// The ends of a border of an element, as indices into its nodes; u or v grows from the first to the second.
-inline constexpr std::array<std::array<int, 2>, 4> kBorderEnds = {{{0, 1}, {1, 3}, {2, 3}, {0, 2}}};
 
 class SubdivisionSurface final : public Shape {
   public:

@@ -32,7 +32,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// How 16, 4 or 1 cells along a side go into vectors.
+/// How 16 or 4 cells along a side go into vectors.
 template <int kCells>
 struct Row {
     using Lanes = hn::CappedTag<float, kCells>;
@@ -123,10 +123,8 @@ HWY_INLINE void evaluate_grid(const DiceTask& task) {
 void evaluate(const DiceTask& task, int cells) {
     if (cells == kGridCells)
         evaluate_grid<kGridCells>(task);
-    else if (cells == kBlockCells)
-        evaluate_grid<kBlockCells>(task);
     else
-        evaluate_grid<1>(task);
+        evaluate_grid<kBlockCells>(task);
 }
 
 /// Smallest or largest (by `pick`) of each group of four lanes, in all four of them; a single lane stays as it is.
@@ -222,51 +220,33 @@ bool is_point(const PatchView& patch, const Border& border) {
     return true;
 }
 
-/// The grid that a task fills: how many cells along a side, and where.
-struct Target {
-    int cells;
-    float* out[3];
-};
-
 /// Sets the vertices of the borders that are points.
-void set_collapsed_borders(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, const Target& target) {
-    const int vertices = target.cells + 1, last_row = target.cells * vertices;
+void set_collapsed_borders(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, const VertexRows& target) {
+    const int vertices = target.quads + 1, last_row = target.quads * vertices;
     const auto fix = [&](const Border& border, int first, int stride) {
         if (!is_point(patch, border)) return;
         const Vec3f point = float_position(patch, border.i, border.j);
         for (int k = 0; k < vertices; ++k)
-            for (int axis = 0; axis < 3; ++axis) target.out[axis][first + k * stride] = point[axis];
+            for (int axis = 0; axis < 3; ++axis) target.axes[axis][first + k * stride] = point[axis];
     };
     if (u.at_begin) fix({0, 0, 0, 1, patch.rows()}, 0, vertices);
-    if (u.at_end) fix({patch.degree_u, 0, 0, 1, patch.rows()}, target.cells, vertices);
+    if (u.at_end) fix({patch.degree_u, 0, 0, 1, patch.rows()}, target.quads, vertices);
     if (v.at_begin) fix({0, 0, 1, 0, patch.columns()}, 0, 1);
     if (v.at_end) fix({0, patch.degree_v, 1, 0, patch.columns()}, last_row, 1);
 }
 
-void dice_into(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, const Target& target) {
+}  // namespace
+
+void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, const VertexRows& target) {
     DiceTask task;
     prepare(patch, task);
     task.basis_u = u.basis;
     task.basis_v = v.basis;
     task.first_u = u.first;
     task.first_v = v.first;
-    std::copy_n(target.out, 3, task.out);
-    HWY_DYNAMIC_DISPATCH(evaluate)(task, target.cells);
+    std::copy_n(target.axes, 3, task.out);
+    HWY_DYNAMIC_DISPATCH(evaluate)(task, target.quads);
     set_collapsed_borders(patch, u, v, target);
-}
-
-}  // namespace
-
-void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, GridRows& rows) {
-    dice_into(patch, u, v, {kGridCells, {rows.vertices[0], rows.vertices[1], rows.vertices[2]}});
-}
-
-void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, MediumGrid& grid) {
-    dice_into(patch, u, v, {kBlockCells, {grid.vertices[0], grid.vertices[1], grid.vertices[2]}});
-}
-
-void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, CoarseGrid& grid) {
-    dice_into(patch, u, v, {1, {grid.vertices[0], grid.vertices[1], grid.vertices[2]}});
 }
 
 void pack(const GridRows& rows, Grid& grid) {

@@ -22,11 +22,8 @@ struct DiceAxis {
     bool at_begin = false, at_end = false;  ///< whether the first, the last vertex lies on the patch's border
 };
 
-/// 17 x 17 vertices.
-void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, GridRows& rows);
-/// 5 x 5 and 2 x 2: the bases have a fourth and a sixteenth as many intervals.
-void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, MediumGrid& grid);
-void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, CoarseGrid& grid);
+/// 17 x 17 vertices, or 5 x 5: then the bases have a fourth as many intervals.
+void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, const VertexRows& target);
 
 /// Rows as blocks with boxes.
 void pack(const GridRows& rows, Grid& grid);

@@ -60,16 +60,24 @@ class Dicer {
     VertexFormat format_;
 };
 
-/// Dices at several levels (tessellation/level.h), in floats.
-class LevelDicer {
+/// Dices at several levels (tessellation/level.h), in floats. A surface says how the vertices of one level and of a
+/// part are computed; grids are made of them here.
+class LevelDicer : public Dicer {
   public:
-    virtual ~LevelDicer() = default;
-    virtual void dice_rows(uint32_t subpatch, GridRows& rows) const = 0;
-    virtual void dice_medium(uint32_t subpatch, MediumGrid& grid) const = 0;
-    virtual void dice_coarse(uint32_t subpatch, CoarseGrid& grid) const = 0;
-    virtual void dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const = 0;
+    LevelDicer() : Dicer(VertexFormat::Float) {}
+    const LevelDicer* levels() const final { return this; }
+
+    void dice(uint32_t subpatch, Grid& grid) const final;
+    void dice_rows(uint32_t subpatch, GridRows& rows) const { dice_level(subpatch, kFine, rows.target()); }
+    void dice_medium(uint32_t subpatch, MediumGrid& grid) const { dice_level(subpatch, kMedium, grid.target()); }
+    void dice_part(uint32_t subpatch, const GridPart& part, Grid& grid) const;
     /// Rays that ask for more see this.
     virtual int finest_level() const { return kFinestLevel; }
+
+  private:
+    /// The fine or the medium level.
+    virtual void dice_level(uint32_t subpatch, int level, const VertexRows& target) const = 0;
+    virtual void dice_part_rows(uint32_t subpatch, const GridPart& part, const VertexRows& target) const = 0;
 };
 
 }  // namespace rayleaf

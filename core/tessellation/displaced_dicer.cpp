@@ -35,7 +35,7 @@ std::unique_ptr<const Dicer> dicer_below(const DisplacedSurface& surface, const 
 }  // namespace
 
 DisplacedDicer::DisplacedDicer(const DisplacedSurface& surface, const FacetTolerance& tolerance)
-    : Dicer(VertexFormat::Float), surface_(&surface), below_(dicer_below(surface, tolerance, 0)) {
+    : surface_(&surface), below_(dicer_below(surface, tolerance, 0)) {
     for (int extra = 1; extra <= kMostExtraSplits && !is_fine_enough(tolerance); ++extra) {
         std::unique_ptr<const Dicer> finer = dicer_below(surface, tolerance, extra);
         if (finer->subpatch_count() > kMostDisplacedSubpatches) return;
@@ -58,39 +58,24 @@ bool DisplacedDicer::is_fine_enough(const FacetTolerance& tolerance) const {
 }
 
 /// Vertices at `first` + `step` k of the places in a subpatch's fine grid.
-template <typename Target>
-void DisplacedDicer::dice_at(uint32_t subpatch, const Vec2d& first, double step, int quads, Target& target) const {
-    for (int j = 0; j <= quads; ++j) {
-        for (int i = 0; i <= quads; ++i) {
+void DisplacedDicer::dice_from(uint32_t subpatch, const Vec2d& first, double step, const VertexRows& target) const {
+    for (int j = 0; j <= target.quads; ++j) {
+        for (int i = 0; i <= target.quads; ++i) {
             const ElementPlace place = below_->element_place({subpatch, first + Vec2d(i, j) * step}, Vec3d(0.0));
             const Vec3d position = surface_->position(place.element, {place.u, place.v});
             for (int axis = 0; axis < 3; ++axis)
-                target.vertices[axis][j * (quads + 1) + i] = static_cast<float>(position[axis]);
+                target.axes[axis][j * (target.quads + 1) + i] = static_cast<float>(position[axis]);
         }
     }
 }
 
-void DisplacedDicer::dice(uint32_t subpatch, Grid& grid) const {
-    GridRows rows;
-    dice_rows(subpatch, rows);
-    pack(rows, grid);
+void DisplacedDicer::dice_level(uint32_t subpatch, int level, const VertexRows& target) const {
+    dice_from(subpatch, Vec2d(0.0), quads_along(kFine - level), target);
 }
 
-void DisplacedDicer::dice_rows(uint32_t subpatch, GridRows& rows) const {
-    dice_at(subpatch, Vec2d(0.0), 1.0, kGridCells, rows);
-}
-
-void DisplacedDicer::dice_medium(uint32_t subpatch, MediumGrid& grid) const {
-    dice_at(subpatch, Vec2d(0.0), kBlockCells, kBlockCells, grid);
-}
-
-void DisplacedDicer::dice_coarse(uint32_t subpatch, CoarseGrid& grid) const {
-    dice_at(subpatch, Vec2d(0.0), kGridCells, 1, grid);
-}
-
-void DisplacedDicer::dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const {
+void DisplacedDicer::dice_part_rows(uint32_t subpatch, const GridPart& part, const VertexRows& target) const {
     const double step = 1.0 / part.parts_along();
-    dice_at(subpatch, Vec2d(part.u, part.v) * (kGridCells * step), step, kGridCells, rows);
+    dice_from(subpatch, Vec2d(part.u, part.v) * (kGridCells * step), step, target);
 }
 
 }  // namespace rayleaf

@@ -11,13 +11,12 @@
 
 namespace rayleaf {
 
-class DisplacedDicer final : public Dicer, public LevelDicer {
+class DisplacedDicer final : public LevelDicer {
   public:
     /// The surface must live as long.
     DisplacedDicer(const DisplacedSurface& surface, const FacetTolerance& tolerance);
 
     uint32_t subpatch_count() const override { return below_->subpatch_count(); }
-    void dice(uint32_t subpatch, Grid& grid) const override;
     ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override {
         return below_->element_place(place, position);
     }
@@ -25,12 +24,6 @@ class DisplacedDicer final : public Dicer, public LevelDicer {
         return below_->place_in_grid(place);
     }
     size_t bytes() const override { return sizeof(*this) + below_->bytes(); }
-    const LevelDicer* levels() const override { return this; }
-
-    void dice_rows(uint32_t subpatch, GridRows& rows) const override;
-    void dice_medium(uint32_t subpatch, MediumGrid& grid) const override;
-    void dice_coarse(uint32_t subpatch, CoarseGrid& grid) const override;
-    void dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const override;
     int finest_level() const override { return kFine; }
 
   private:
@@ -38,8 +31,9 @@ class DisplacedDicer final : public Dicer, public LevelDicer {
     std::unique_ptr<const Dicer> below_;
 
     bool is_fine_enough(const FacetTolerance& tolerance) const;
-    template <typename Target>
-    void dice_at(uint32_t subpatch, const Vec2d& first, double step, int quads, Target& target) const;
+    void dice_level(uint32_t subpatch, int level, const VertexRows& target) const override;
+    void dice_part_rows(uint32_t subpatch, const GridPart& part, const VertexRows& target) const override;
+    void dice_from(uint32_t subpatch, const Vec2d& first, double step, const VertexRows& target) const;
 };
 
 }  // namespace rayleaf

@@ -7,6 +7,18 @@
 namespace rayleaf {
 namespace {
 
+using Kind = GridArena::Kind;
+
+/// What a level's grids are called.
+template <typename GridType>
+constexpr int kLevelOf = kFine;
+template <>
+constexpr int kLevelOf<MediumGrid> = kMedium;
+template <typename GridType>
+constexpr Kind kKindOf = Kind::Fine;
+template <>
+constexpr Kind kKindOf<MediumGrid> = Kind::Medium;
+
 /// A level thrashes if this share of a thread's last so many lookups found nothing.
 constexpr uint32_t kWindow = 1024, kThrashingMisses = kWindow / 4;
 
@@ -29,9 +41,6 @@ void dice_grid(const Dicer& dicer, uint32_t subpatch, Grid& grid) {
 void dice_grid(const Dicer& dicer, uint32_t subpatch, MediumGrid& grid) {
     dicer.levels()->dice_medium(subpatch, grid);
 }
-void dice_grid(const Dicer& dicer, uint32_t subpatch, CoarseGrid& grid) {
-    dicer.levels()->dice_coarse(subpatch, grid);
-}
 
 }  // namespace
 
@@ -39,11 +48,10 @@ void dice_grid(const Dicer& dicer, uint32_t subpatch, CoarseGrid& grid) {
 struct alignas(64) GeometryCache::ThreadState {
     Grid fine;
     MediumGrid medium;
-    CoarseGrid coarse;
     std::unique_ptr<Grid> parts[kFinestLevel - kFine];
     struct Level {
         Counter lookups, diced, cold, bypassed;
-        uint32_t spare = GridIndex::kNone;  ///< a slot that no one sees
+        uint32_t spare = GridArena::kNone;  ///< a slot that no one sees
         uint32_t window_lookups = 0, window_misses = 0;
         bool thrashes = false;
     };
@@ -52,7 +60,6 @@ struct alignas(64) GeometryCache::ThreadState {
 
     Grid& scratch(const Grid*) { return fine; }
     MediumGrid& scratch(const MediumGrid*) { return medium; }
-    CoarseGrid& scratch(const CoarseGrid*) { return coarse; }
 };
 
 uint64_t GeometryCacheStatistics::vertices_diced() const {
@@ -67,26 +74,19 @@ uint64_t GeometryCacheStatistics::vertices_recomputed() const {
     return sum;
 }
 
-template <typename GridType>
-GeometryCache::Pool<GridType>::Pool(uint64_t budget, uint32_t keys)
-    : slots(budget, sizeof(GridType), keys), grids(std::make_unique_for_overwrite<GridType[]>(slots.capacity())) {}
-
 GeometryCache::GeometryCache(const GeometryCacheSettings& settings, uint32_t subpatch_count)
     : settings_(settings), subpatch_count_(subpatch_count) {
     if (settings.mode == CacheMode::Single) settings_.rule.resolution = LevelRule::Resolution::Single;
     // Workers, and the thread that waits for them and works too.
     const uint64_t threads = uint64_t{std::thread::hardware_concurrency()} + 1;
-    const uint64_t fixed =
-        sizeof(*this) + threads * (sizeof(ThreadState) + sizeof(ThreadState::parts) / sizeof(void*) * sizeof(Grid));
+    const uint64_t fixed = sizeof(*this) + sizeof(GridArena) +
+                           threads * (sizeof(ThreadState) + sizeof(ThreadState::parts) / sizeof(void*) * sizeof(Grid));
     uint64_t left = settings.mode == CacheMode::None ? 0 : settings.budget - std::min(settings.budget, fixed);
     if (seen_bytes() <= settings.budget / kSeenShare) {
         seen_ = std::make_unique<std::atomic<uint64_t>[]>(seen_bytes() / sizeof(uint64_t));
         left -= std::min(left, seen_bytes());
     }
-    const uint64_t third = settings.mode == CacheMode::Multi ? left / kStoredLevels : 0;
-    coarse_ = std::make_unique<Pool<CoarseGrid>>(third, subpatch_count);
-    medium_ = std::make_unique<Pool<MediumGrid>>(third, subpatch_count);
-    fine_ = std::make_unique<Pool<Grid>>(settings.mode == CacheMode::Multi ? third : left, subpatch_count);
+    arena_ = std::make_unique<GridArena>(left, subpatch_count);
 }
 
 GeometryCache::~GeometryCache() {
@@ -106,43 +106,46 @@ GeometryCache::ThreadState* GeometryCache::state_of(int reader) const {
 }
 
 template <typename GridType>
-const GridType& GeometryCache::look_up(ThreadState& state, Pool<GridType>& pool, int level, uint32_t key,
-                                       const Dicer& dicer, uint32_t subpatch) const {
-    ThreadState::Level& own = state.levels[level];
+const GridType& GeometryCache::look_up(ThreadState& state, uint32_t first, const Dicer& dicer,
+                                       uint32_t subpatch) const {
+    ThreadState::Level& own = state.levels[kLevelOf<GridType>];
     own.lookups.add();
     if (++own.window_lookups == kWindow) {
         own.thrashes = own.window_misses >= kThrashingMisses;
         own.window_lookups = own.window_misses = 0;
     }
-    const uint32_t slot = pool.slots.find(key);
-    if (slot != GridIndex::kNone) return pool.grids[slot];
-    return dice_missing(state, pool, level, key, dicer, subpatch);
+    const uint32_t key = first + subpatch, slot = arena_->find(kKindOf<GridType>, key);
+    if (slot == GridArena::kNone) return dice_missing<GridType>(state, key, dicer, subpatch);
+    GridType* grid = nullptr;
+    arena_->grid(slot, grid);
+    return *grid;
 }
 
 template <typename GridType>
-const GridType& GeometryCache::dice_missing(ThreadState& state, Pool<GridType>& pool, int level, uint32_t key,
-                                            const Dicer& dicer, uint32_t subpatch) const {
-    ThreadState::Level& own = state.levels[level];
+const GridType& GeometryCache::dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer,
+                                            uint32_t subpatch) const {
+    constexpr Kind kKind = kKindOf<GridType>;
+    ThreadState::Level& own = state.levels[kLevelOf<GridType>];
     ++own.window_misses;
     own.diced.add();
-    count_cold(state, level, key);
-    const bool not_worth_it =
-        pool.slots.capacity() == 0 || (own.thrashes && pool.slots.full() && !pool.slots.missed_lately(key));
-    if (!not_worth_it && own.spare == GridIndex::kNone)
-        own.spare = pool.slots.acquire(epochs_).value_or(GridIndex::kNone);
-    if (not_worth_it || own.spare == GridIndex::kNone) {
+    count_cold(state, kLevelOf<GridType>, key);
+    const bool not_worth_it = arena_->empty() || (own.thrashes && arena_->full() && !arena_->missed_lately(kKind, key));
+    if (!not_worth_it && own.spare == GridArena::kNone)
+        own.spare = arena_->acquire(kKind, epochs_).value_or(GridArena::kNone);
+    if (not_worth_it || own.spare == GridArena::kNone) {
         own.bypassed.add();
         GridType& grid = state.scratch(static_cast<GridType*>(nullptr));
         dice_grid(dicer, subpatch, grid);
         return grid;
     }
-    GridType& grid = pool.grids[own.spare];
-    dice_grid(dicer, subpatch, grid);
-    if (pool.slots.publish(key, own.spare, epochs_))
-        own.spare = GridIndex::kNone;
+    GridType* grid = nullptr;
+    arena_->grid(own.spare, grid);
+    dice_grid(dicer, subpatch, *grid);
+    if (arena_->publish(kKind, key, own.spare, epochs_))
+        own.spare = GridArena::kNone;
     else
         own.bypassed.add();
-    return grid;
+    return *grid;
 }
 
 void GeometryCache::count_cold(ThreadState& state, int level, uint32_t key) const {
@@ -156,14 +159,9 @@ GeometryCacheStatistics GeometryCache::statistics() const {
     GeometryCacheStatistics result;
     result.budget = settings_.budget;
     result.cold_counted = seen_ != nullptr;
-    const auto held = [](const GridSlots& slots, size_t slot_bytes) {
-        return slots.tracking_bytes() + slots.slots_in_use() * slot_bytes;
-    };
-    result.levels[kCoarse].bytes = held(coarse_->slots, sizeof(CoarseGrid));
-    result.levels[kMedium].bytes = held(medium_->slots, sizeof(MediumGrid));
-    result.levels[kFine].bytes = held(fine_->slots, sizeof(Grid));
-    result.bytes = sizeof(*this) + (seen_ ? seen_bytes() : 0);
-    for (const LevelCounters& level : result.levels) result.bytes += level.bytes;
+    result.levels[kMedium].bytes = arena_->bytes(Kind::Medium);
+    result.levels[kFine].bytes = arena_->bytes(Kind::Fine);
+    result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) + arena_->bytes();
     for (const std::atomic<ThreadState*>& each : states_) {
         const ThreadState* state = each.load(std::memory_order_acquire);
         if (!state) continue;
@@ -188,8 +186,11 @@ GeometryCache::Reader::Reader(const GeometryCache& cache) : cache_(&cache), numb
         return;
     }
     state_ = cache.state_of(number_);
-    if (cache.epochs_.is_inside(number_)) return;
-    cache.epochs_.enter(number_);
+}
+
+void GeometryCache::Reader::enter() const {
+    if (entered_ || cache_->epochs_.is_inside(number_)) return;
+    cache_->epochs_.enter(number_);
     entered_ = true;
 }
 
@@ -208,19 +209,20 @@ const GridType& diced_alone(const Dicer& dicer, uint32_t subpatch, GridType& gri
 
 }  // namespace
 
-const CoarseGrid& GeometryCache::Reader::coarse(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
-    if (own_state_) return diced_alone(dicer, subpatch, state_->coarse);
-    return cache_->look_up(*state_, *cache_->coarse_, kCoarse, first + subpatch, dicer, subpatch);
+void GeometryCache::Reader::count_coarse() const {
+    state_->levels[kCoarse].lookups.add();
 }
 
 const MediumGrid& GeometryCache::Reader::medium(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
     if (own_state_) return diced_alone(dicer, subpatch, state_->medium);
-    return cache_->look_up(*state_, *cache_->medium_, kMedium, first + subpatch, dicer, subpatch);
+    enter();
+    return cache_->look_up<MediumGrid>(*state_, first, dicer, subpatch);
 }
 
 const Grid& GeometryCache::Reader::fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
     if (own_state_) return diced_alone(dicer, subpatch, state_->fine);
-    return cache_->look_up(*state_, *cache_->fine_, kFine, first + subpatch, dicer, subpatch);
+    enter();
+    return cache_->look_up<Grid>(*state_, first, dicer, subpatch);
 }
 
 void GeometryCache::Reader::count_split() const {
@@ -233,9 +235,7 @@ const Grid& GeometryCache::Reader::part(const Dicer& dicer, uint32_t subpatch, c
         grid = std::make_unique<Grid>();
         state_->part_bytes.add();
     }
-    GridRows rows;
-    dicer.levels()->dice_part(subpatch, part, rows);
-    pack(rows, *grid);
+    dicer.levels()->dice_part(subpatch, part, *grid);
     state_->parts_diced.add();
     return *grid;
 }

@@ -6,13 +6,15 @@
 // is diced again. Looking up never waits. A thread that finds nothing dices into a free slot, or where there is none
 // now, into a grid of its own.
 //
-// Departures from the paper: a clock instead of a list of the least recently used, which does as well without a lock;
-// all that it takes to keep track of the grids counts within the budget; when a level is too small for what rays want,
-// a subpatch must miss twice before it gets a slot.
+// Departures from the paper: the coarse level is four corners that lie in the record that the choice of a level reads
+// anyway (tessellation/level.h), so it is never looked up, missed or diced again; medium and fine grids share one
+// budget, and memory goes where rays are, instead of equal thirds; a clock instead of a list of the least recently
+// used, which does as well without a lock; all that it takes to keep track of the grids counts within the budget; when
+// memory is too small for what rays want, a grid must be missed twice before it gets a slot.
 #pragma once
 
 #include "tessellation/dicer.h"
-#include "tessellation/grid_pool.h"
+#include "tessellation/grid_arena.h"
 #include "tessellation/level.h"
 #include "tessellation/readers.h"
 
@@ -25,7 +27,7 @@
 namespace rayleaf {
 
 enum class CacheMode : uint8_t {
-    Multi,   ///< three levels, a third of the budget each
+    Multi,   ///< three levels
     Single,  ///< fine grids only: the single-resolution cache that the paper compares with
     None     ///< nothing is kept
 };
@@ -50,7 +52,7 @@ struct LevelCounters {
     uint64_t diced = 0;     ///< tessellations: lookups that found nothing
     uint64_t cold = 0;      ///< of these, the first of their subpatch and level; 0 where not counted
     uint64_t bypassed = 0;  ///< of those diced, the ones that got no slot
-    uint64_t bytes = 0;     ///< of the level's grids that are held now, and of what keeps track of them
+    uint64_t bytes = 0;     ///< of the units of memory that hold the level's grids now
 
     uint64_t recomputed() const { return diced - cold; }
 };
@@ -83,17 +85,9 @@ class GeometryCache {
 
   private:
     struct ThreadState;
-    template <typename GridType>
-    struct Pool {
-        Pool(uint64_t budget, uint32_t keys);
-        GridSlots slots;
-        std::unique_ptr<GridType[]> grids;
-    };
     // In an order that leaves no holes: the epochs fill whole lines of cache.
     mutable ReaderEpochs epochs_;
-    mutable std::unique_ptr<Pool<CoarseGrid>> coarse_;
-    mutable std::unique_ptr<Pool<MediumGrid>> medium_;
-    mutable std::unique_ptr<Pool<Grid>> fine_;
+    mutable std::unique_ptr<GridArena> arena_;
     /// A bit for each (subpatch, level) diced so far.
     mutable std::unique_ptr<std::atomic<uint64_t>[]> seen_;
     GeometryCacheSettings settings_;
@@ -103,16 +97,14 @@ class GeometryCache {
     ThreadState* state_of(int reader) const;
     uint64_t seen_bytes() const;
     template <typename GridType>
-    const GridType& look_up(ThreadState& state, Pool<GridType>& pool, int level, uint32_t key, const Dicer& dicer,
-                            uint32_t subpatch) const;
+    const GridType& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch) const;
     template <typename GridType>
-    const GridType& dice_missing(ThreadState& state, Pool<GridType>& pool, int level, uint32_t key, const Dicer& dicer,
-                                 uint32_t subpatch) const;
+    const GridType& dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer, uint32_t subpatch) const;
     void count_cold(ThreadState& state, int level, uint32_t key) const;
 };
 
-/// One thread's access for the time of a ray. Grids are valid until it ends, or until the same thread has asked for
-/// another of the same level.
+/// One thread's access for the time of a ray; announced when it asks for the first grid. Grids are valid until it ends,
+/// or until the same thread has asked for another of the same level.
 class GeometryCache::Reader {
   public:
     explicit Reader(const GeometryCache& cache);
@@ -121,7 +113,8 @@ class GeometryCache::Reader {
     Reader& operator=(const Reader&) = delete;
 
     /// `first` is the number of the dicer's first subpatch in the cache.
-    const CoarseGrid& coarse(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
+    /// Counts a ray that sees a subpatch by its corners alone.
+    void count_coarse() const;
     const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     const Grid& fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     /// Counts a ray that needs a subpatch split.
@@ -137,7 +130,9 @@ class GeometryCache::Reader {
     int number_;
     ThreadState* state_;
     std::unique_ptr<ThreadState> own_state_;  ///< of a thread that got no number
-    bool entered_ = false;
+    mutable bool entered_ = false;
+
+    void enter() const;
 };
 
 }  // namespace rayleaf

@@ -33,9 +33,17 @@ inline constexpr int kBlockSize = kBlockVertices * kBlockVertices;
 enum class VertexFormat : uint8_t { Float, Fixed };
 inline constexpr double kFixedStep = 0x1p-30;
 
+/// Where vertices are diced to, row by row: by axis, vertex (i, j) at j * (quads + 1) + i.
+struct VertexRows {
+    int quads = 0;  ///< along a side
+    float* axes[3] = {};
+};
+
 /// Vertices row by row, as they are diced: vertex (i, j) is at j * 17 + i.
 struct GridRows {
     float vertices[3][kGridSize];  ///< by axis
+
+    VertexRows target() { return {kGridCells, {vertices[0], vertices[1], vertices[2]}}; }
 };
 
 struct alignas(64) Grid {
@@ -72,12 +80,12 @@ inline FacetCorners Grid::corners(uint32_t triangle, VertexFormat format) const 
 /// The same surface by 4 x 4 cells: every fourth vertex of the fine grid, (i, j) at j * 5 + i.
 struct alignas(64) MediumGrid {
     float vertices[3][kBlockSize];
+
+    VertexRows target() { return {kBlockCells, {vertices[0], vertices[1], vertices[2]}}; }
 };
 
-/// And by one cell: its corners, (i, j) at j * 2 + i.
-struct alignas(64) CoarseGrid {
-    float vertices[3][4];
-};
+/// By one cell: the corners of the fine grid, (i, j) at j * 2 + i.
+inline constexpr int kCorners = 4;
 
 /// Where in a grid a point of a triangle lies: i + fraction, j + fraction.
 Vec2d grid_parameters(uint32_t triangle, double weight1, double weight2);

@@ -188,29 +188,6 @@ struct CellTest {
     }
 };
 
-/// One cell: the same operations as in a lane, for its borders are its neighbours'. `vertices` is [3][4].
-void test_cell(const float* vertices, const GridRay& ray, float t_max, GridCandidates& candidates) {
-    struct Point {
-        float x, y, z;
-    } p[4];
-    for (int k = 0; k < 4; ++k) {
-        const float dz = vertices[ray.axis_z * 4 + k] - ray.origin[ray.axis_z];
-        p[k] = {(vertices[ray.axis_x * 4 + k] - ray.origin[ray.axis_x]) - ray.shear_x * dz,
-                (vertices[ray.axis_y * 4 + k] - ray.origin[ray.axis_y]) - ray.shear_y * dz, dz};
-    }
-    const auto side = [&](int i, int j) { return p[i].x * p[j].y - p[i].y * p[j].x; };
-    const auto test = [&](int a, int b, int c, uint32_t triangle) {
-        const float ab = side(a, b), bc = side(b, c), ca = side(c, a);
-        if (!(ab >= 0.0f && bc >= 0.0f && ca >= 0.0f) && !(ab <= 0.0f && bc <= 0.0f && ca <= 0.0f)) return;
-        const float area = (bc + ca) + ab;
-        if (area == 0.0f) return;
-        const float t = ((bc * p[a].z + ca * p[b].z) + ab * p[c].z) / area * ray.scale_z;
-        if (t >= 0.0f && t <= t_max) candidates.add({t, triangle});
-    };
-    test(0, 1, 3, 0);
-    test(0, 3, 2, 1);
-}
-
 template <class Cells>
 HWY_INLINE void add_all(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
     using Test = CellTest<Cells>;
@@ -235,10 +212,7 @@ HWY_INLINE void add_all(const SnappedGrid& grid, const GridRay& ray, float t_max
 }
 
 void add_candidates(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
-    if (grid.cells() == 1)
-        test_cell(grid.block_vertices(0), ray, t_max, candidates);
-    else
-        add_all<FloatCells>(grid, ray, t_max, candidates);
+    add_all<FloatCells>(grid, ray, t_max, candidates);
 }
 
 /// Borders of fixed numbers stay as they are.
@@ -263,6 +237,25 @@ GridKernels grid_kernels(VertexFormat format) {
     return {format == VertexFormat::Fixed ? &HWY_DYNAMIC_DISPATCH(add_fixed_candidates)
                                           : &HWY_DYNAMIC_DISPATCH(add_candidates),
             &HWY_DYNAMIC_DISPATCH(find_blocks)};
+}
+
+/// The same operations as in a lane of the kernel, for its borders are its neighbours'.
+void add_quad_candidates(const SubpatchDetail& detail, const GridRay& ray, float t_max, GridCandidates& candidates) {
+    const Float4 z = load4(detail.corners[ray.axis_z]) - ray.origin[ray.axis_z];
+    const Float4 x = (load4(detail.corners[ray.axis_x]) - ray.origin[ray.axis_x]) - ray.shear_x * z;
+    const Float4 y = (load4(detail.corners[ray.axis_y]) - ray.origin[ray.axis_y]) - ray.shear_y * z;
+    // Around: 0 1, 1 3, 2 0, 3 2. And across, 3 0.
+    const Float4 around = x * shuffled<1, 3, 0, 2>(y) - y * shuffled<1, 3, 0, 2>(x);
+    const float across = x[3] * y[0] - y[3] * x[0];
+    const auto test = [&](float ab, float bc, float ca, const Vec3f& depth, uint32_t triangle) {
+        if (!(ab >= 0.0f && bc >= 0.0f && ca >= 0.0f) && !(ab <= 0.0f && bc <= 0.0f && ca <= 0.0f)) return;
+        const float area = (bc + ca) + ab;
+        if (area == 0.0f) return;
+        const float t = ((bc * depth.x + ca * depth.y) + ab * depth.z) / area * ray.scale_z;
+        if (t >= 0.0f && t <= t_max) candidates.add({t, triangle});
+    };
+    test(around[0], around[1], across, {z[0], z[1], z[3]}, 0);
+    test(-across, around[3], around[2], {z[0], z[3], z[2]}, 1);
 }
 
 void GridRay::set_fixed(const Vec3d& ray_origin, const Vec3d& direction) {

@@ -71,6 +71,9 @@ using AddCandidates = void (*)(const SnappedGrid& grid, const GridRay& ray, floa
 /// The blocks of a fine grid whose boxes, enlarged by `padding`, the ray meets up to t_max; one bit each.
 using FindBlocks = uint32_t (*)(const Grid& grid, const GridRay& ray, float t_max, float padding);
 
+/// The same for the coarse level.
+void add_quad_candidates(const SubpatchDetail& detail, const GridRay& ray, float t_max, GridCandidates& candidates);
+
 struct GridKernels {
     AddCandidates add_candidates;
     FindBlocks find_blocks;

@@ -114,9 +114,17 @@ double inner_bend(const GridRows& rows) {
     return (value(uu) + 2.0 * value(uv) + value(vv)) * kBendPerDifference;
 }
 
+/// Whether two borders have the same ends, in either direction, and the same lengths: then they are given the same
+/// levels.
 bool same_border(const SubpatchDetail& a, int i, const SubpatchDetail& b, int j) {
-    return a.x[i] == b.x[j] && a.y[i] == b.y[j] && a.z[i] == b.z[j] && a.length[i] == b.length[j] &&
-           a.bend[i] == b.bend[j];
+    if (a.length[i] != b.length[j] || a.bend[i] != b.bend[j]) return false;
+    const auto same_end = [&](int end, int other) {
+        const int at = kBorderEnds[static_cast<size_t>(i)][static_cast<size_t>(end)];
+        const int there = kBorderEnds[static_cast<size_t>(j)][static_cast<size_t>(other)];
+        return a.corners[0][at] == b.corners[0][there] && a.corners[1][at] == b.corners[1][there] &&
+               a.corners[2][at] == b.corners[2][there];
+    };
+    return (same_end(0, 0) && same_end(1, 1)) || (same_end(0, 1) && same_end(1, 0));
 }
 
 /// Gives the borders of a subpatch that are also borders of an anchored one the anchored levels.
@@ -125,10 +133,6 @@ void take_shared(const SubpatchDetail& detail, const SubpatchDetail& anchored, c
     for (int i = 0; i < kBorders; ++i)
         for (int j = 0; j < kBorders; ++j)
             if (same_border(detail, i, anchored, j)) levels.border[i] = anchored_levels.border[j];
-}
-
-void raise_own(SubpatchLevels& levels) {
-    for (const uint8_t level : levels.border) levels.own = std::max(levels.own, level);
 }
 
 /// A number in [0,1) of the ray alone, for stochastic rounding.
@@ -167,12 +171,11 @@ float DetailCode::length(uint8_t code) {
 
 SubpatchDetail detail_of(const GridRows& rows) {
     SubpatchDetail detail{};
+    for (int axis = 0; axis < 3; ++axis)
+        for (int k = 0; k < kCorners; ++k)
+            detail.corners[axis][k] = rows.vertices[axis][(k / 2 * kGridVertices + k % 2) * kLast];
     double longest = 0.0;
     for (int i = 0; i < kBorders; ++i) {
-        const int middle = kBorderLines[i](kLast / 2);
-        detail.x[i] = rows.vertices[0][middle];
-        detail.y[i] = rows.vertices[1][middle];
-        detail.z[i] = rows.vertices[2][middle];
         const double here = length(rows, kBorderLines[i]);
         longest = std::max(longest, here);
         detail.length[i] = DetailCode::of(here);
@@ -202,18 +205,20 @@ LevelChooser::LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec
         beam_.sides[i] = {side.a * squared, side.b * squared, side.c * squared};
         narrowest_[i] = side.b < 0.0f && side.c > 0.0f ? -0.5f * side.b / side.c : 0.0f;
     }
+    same_sides_ =
+        beam.sides[0].a == beam.sides[1].a && beam.sides[0].b == beam.sides[1].b && beam.sides[0].c == beam.sides[1].c;
 }
 
-/// The least width between two distances: the geometric mean of the two sides, for of a beam that is wide one way and
+/// The least widths between distances: the geometric mean of the two sides, for of a beam that is wide one way and
 /// narrow the other, neither is what its facets should be.
-float LevelChooser::width(float near, float far) const {
-    float product = 1.0f;
-    for (int i = 0; i < 2; ++i) {
-        const float t = std::min(std::max(narrowest_[i], near), far);
+Float4 LevelChooser::widths(Float4 near, Float4 far) const {
+    const auto squared = [&](int i) {
+        const Float4 t = min4(max4(all4(narrowest_[i]), near), far);
         const RayBeam::Side& side = beam_.sides[i];
-        product *= std::max(side.a + t * (side.b + t * side.c), 0.0f);
-    }
-    return std::sqrt(std::sqrt(product));
+        return max4(side.a + t * (side.b + t * side.c), Float4{});
+    };
+    const Float4 first = squared(0);
+    return same_sides_ ? sqrt4(first) : sqrt4(sqrt4(first * squared(1)));
 }
 
 void LevelChooser::anchor(const SubpatchDetail& detail, uint32_t subpatch, uint32_t packed_levels) {
@@ -222,33 +227,45 @@ void LevelChooser::anchor(const SubpatchDetail& detail, uint32_t subpatch, uint3
         if (anchor_[i].subpatch == subpatch) return;  // the first one holds
         take_shared(detail, *anchor_[i].detail, anchor_[i].levels, levels);
     }
-    raise_own(levels);
+    levels.raise_own();
     anchor_[anchors_++] = {&detail, subpatch, levels};
 }
 
-SubpatchLevels LevelChooser::chosen(const SubpatchDetail& detail, uint32_t subpatch) const {
+/// All four borders at once; the own level is that of the inside alone. No point of a border is farther from the middle
+/// between its ends than half its length.
+SubpatchLevels LevelChooser::by_width(const SubpatchDetail& detail) const {
+    Float4 from[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const Float4 corners = load4(detail.corners[axis]);
+        const Float4 ends = shuffled<0, 1, 2, 0>(corners) + shuffled<1, 3, 3, 2>(corners);  // as kBorderEnds has them
+        from[axis] = 0.5f * ends - origin_[axis];
+    }
+    const Float4 away = sqrt4(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
+    const auto coded = [](const uint8_t* codes) {
+        return Float4{kCoded.value[codes[0]], kCoded.value[codes[1]], kCoded.value[codes[2]], kCoded.value[codes[3]]};
+    };
+    const Float4 border = coded(detail.length), half = 0.5f * border;
+    const Float4 wide = widths(max4(away - half, kNearestShare * half), (away + half) * stretch_);
+    const Float4 quads = border / max4(wide, all4(kSmallestQuad));
+    const Float4 bent = coded(detail.bend) / max4(distance_ * wide, all4(kSmallestDistance));
+    const Float4 wanted = min4(quads * quads, bent) * rounding_;
+    const float finest_width = least_of(wide);
+    const float inner_quads = kCoded.value[detail.inner_length] / std::max(finest_width, kSmallestQuad);
+    const float inner_bent = kCoded.value[detail.inner_bend] / std::max(distance_ * finest_width, kSmallestDistance);
+    const float inner = std::min(inner_quads * inner_quads, inner_bent) * rounding_;
+    if (largest_of(wanted) <= 1.0f && inner <= 1.0f) return {{kCoarse, kCoarse, kCoarse, kCoarse}, kCoarse};
     SubpatchLevels levels;
-    if (!fixed_) {
-        float finest_width = std::numeric_limits<float>::infinity();
-        for (int i = 0; i < kBorders; ++i) {
-            const float dx = detail.x[i] - origin_[0], dy = detail.y[i] - origin_[1], dz = detail.z[i] - origin_[2];
-            const float border = kCoded.value[detail.length[i]], half = 0.5f * border;
-            const float away = std::sqrt(dx * dx + dy * dy + dz * dz);
-            const float wide = width(std::max(away - half, kNearestShare * half), (away + half) * stretch_);
-            finest_width = std::min(finest_width, wide);
-            const float quads = border / std::max(wide, kSmallestQuad);
-            const float bent = kCoded.value[detail.bend[i]] / std::max(distance_ * wide, kSmallestDistance);
-            levels.border[i] = static_cast<uint8_t>(level_for(std::min(quads * quads, bent) * rounding_));
-        }
-        const float quads = kCoded.value[detail.inner_length] / std::max(finest_width, kSmallestQuad);
-        const float bent = kCoded.value[detail.inner_bend] / std::max(distance_ * finest_width, kSmallestDistance);
-        levels.own = static_cast<uint8_t>(level_for(std::min(quads * quads, bent) * rounding_));
-    }
-    for (int i = 0; i < anchors_; ++i) {
+    for (int i = 0; i < kBorders; ++i) levels.border[i] = static_cast<uint8_t>(level_for(wanted[i]));
+    levels.own = static_cast<uint8_t>(level_for(inner));
+    return levels;
+}
+
+SubpatchLevels LevelChooser::with_anchors(const SubpatchDetail& detail, uint32_t subpatch) const {
+    for (int i = 0; i < anchors_; ++i)
         if (anchor_[i].subpatch == subpatch) return anchor_[i].levels;
-        take_shared(detail, *anchor_[i].detail, anchor_[i].levels, levels);
-    }
-    raise_own(levels);
+    SubpatchLevels levels = fixed_ ? SubpatchLevels{} : by_width(detail);
+    for (int i = 0; i < anchors_; ++i) take_shared(detail, *anchor_[i].detail, anchor_[i].levels, levels);
+    levels.raise_own();
     return levels;
 }
 

@@ -10,6 +10,7 @@
 // meets it (tessellation/snapped_grid.h).
 #pragma once
 
+#include "base/float4.h"
 #include "base/vector.h"
 #include "rays/ray.h"
 #include "tessellation/grid.h"
@@ -47,6 +48,10 @@ struct SubpatchLevels {
         for (int i = 0; i < kBorders; ++i) levels.border[i] = bits >> (4 * (i + 1)) & 15u;
         return levels;
     }
+    /// A subpatch is diced no coarser than any of its borders.
+    void raise_own() {
+        for (const uint8_t level : border) own = level > own ? level : own;
+    }
     bool operator==(const SubpatchLevels&) const = default;
 };
 
@@ -55,11 +60,11 @@ inline int own_level(uint32_t packed) {
     return static_cast<int>(packed & 15u);
 }
 
-/// What the choice of levels asks of a subpatch: one cache line. Lengths are in local space, rounded up to the next
-/// eighth of a power of two (DetailCode).
+/// What the choice of levels asks of a subpatch, and with it the coarse level itself: one cache line. Lengths are in
+/// local space, rounded up to the next eighth of a power of two (DetailCode).
 struct alignas(64) SubpatchDetail {
-    float x[kBorders], y[kBorders], z[kBorders];  ///< the borders' middles
-    uint8_t length[kBorders];                     ///< of a border
+    float corners[3][kCorners];  ///< by axis, the corner (i, j) at j * 2 + i
+    uint8_t length[kBorders];    ///< of a border
     /// 256 times how far a border may lie from its 16 segments: n segments lie within this over n².
     uint8_t bend[kBorders];
     uint8_t inner_length, inner_bend;  ///< the same for the whole subpatch: of its longest line, of its facets
@@ -104,7 +109,10 @@ class LevelChooser {
     /// Adds a subpatch that is seen at given levels.
     void anchor(const SubpatchDetail& detail, uint32_t subpatch, uint32_t packed_levels);
     SubpatchLevels levels(const SubpatchDetail& detail, uint32_t subpatch) const {
-        return fixed_ && anchors_ == 0 ? SubpatchLevels{} : chosen(detail, subpatch);
+        if (anchors_ != 0) return with_anchors(detail, subpatch);
+        SubpatchLevels levels = fixed_ ? SubpatchLevels{} : by_width(detail);
+        levels.raise_own();
+        return levels;
     }
 
   private:
@@ -115,14 +123,16 @@ class LevelChooser {
     };
     bool fixed_ = true;  ///< the ray has no width: fine
     float distance_ = 0, origin_[3] = {0, 0, 0}, stretch_ = 1;
-    RayBeam beam_;          ///< times the rule's factor
-    float narrowest_[2]{};  ///< t at which a side of the beam is
-    float rounding_ = 1;    ///< the wanted number of quads is multiplied by this
+    RayBeam beam_;            ///< times the rule's factor
+    float narrowest_[2]{};    ///< t at which a side of the beam is
+    bool same_sides_ = true;  ///< of the beam
+    float rounding_ = 1;      ///< the wanted number of quads is multiplied by this
     int anchors_ = 0;
     std::array<Anchor, 2> anchor_{};
 
-    float width(float near, float far) const;
-    SubpatchLevels chosen(const SubpatchDetail& detail, uint32_t subpatch) const;
+    Float4 widths(Float4 near, Float4 far) const;
+    SubpatchLevels by_width(const SubpatchDetail& detail) const;
+    SubpatchLevels with_anchors(const SubpatchDetail& detail, uint32_t subpatch) const;
 };
 
 }  // namespace rayleaf

@@ -3,7 +3,7 @@
 namespace rayleaf {
 
 PatchDicer::PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance, int extra_splits)
-    : Dicer(VertexFormat::Float), surface_(&surface), plan_(surface, tolerance, extra_splits) {
+    : surface_(&surface), plan_(surface, tolerance, extra_splits) {
     for (uint32_t i = 0; i < surface.splines().size(); ++i) {
         const SplinePatches& spline = surface.splines()[i];
         const SplineSplit& split = plan_.split(i);
@@ -13,15 +13,14 @@ PatchDicer::PatchDicer(const PatchSurface& surface, const FacetTolerance& tolera
 
 PatchDicer::LevelBases PatchDicer::level_bases(int degree, int log2) {
     LevelBases result{};
-    for (int level = 0; level < kStoredLevels; ++level) {
+    for (int level = kMedium; level < kStoredLevels; ++level) {
         const int intervals = quads_along(level) << log2;
         result[level] = &bases_.try_emplace({degree, intervals}, degree, intervals).first->second;
     }
     return result;
 }
 
-template <typename Target>
-void PatchDicer::dice_at(int level, uint32_t index, Target& target) const {
+void PatchDicer::dice_level(uint32_t index, int level, const VertexRows& target) const {
     const Subpatch& subpatch = plan_.subpatch(index);
     const SplineSplit& split = plan_.split(subpatch.spline);
     const SplineBases& bases = of_spline_[subpatch.spline];
@@ -33,25 +32,7 @@ void PatchDicer::dice_at(int level, uint32_t index, Target& target) const {
                   axis(bases.v[level], subpatch.v, split.log2_v), target);
 }
 
-void PatchDicer::dice(uint32_t subpatch, Grid& grid) const {
-    GridRows rows;
-    dice_at(kFine, subpatch, rows);
-    pack(rows, grid);
-}
-
-void PatchDicer::dice_rows(uint32_t subpatch, GridRows& rows) const {
-    dice_at(kFine, subpatch, rows);
-}
-
-void PatchDicer::dice_medium(uint32_t subpatch, MediumGrid& grid) const {
-    dice_at(kMedium, subpatch, grid);
-}
-
-void PatchDicer::dice_coarse(uint32_t subpatch, CoarseGrid& grid) const {
-    dice_at(kCoarse, subpatch, grid);
-}
-
-void PatchDicer::dice_part(uint32_t index, const GridPart& part, GridRows& rows) const {
+void PatchDicer::dice_part_rows(uint32_t index, const GridPart& part, const VertexRows& target) const {
     const Subpatch& subpatch = plan_.subpatch(index);
     const SplineSplit& split = plan_.split(subpatch.spline);
     const SplinePatches& spline = surface_->splines()[subpatch.spline];
@@ -66,7 +47,7 @@ void PatchDicer::dice_part(uint32_t index, const GridPart& part, GridRows& rows)
     const DyadicBasis basis_u = basis(spline.degree_u, subpatch.u, split.log2_u, part.u);
     const DyadicBasis basis_v = basis(spline.degree_v, subpatch.v, split.log2_v, part.v);
     rayleaf::dice(surface_->patch(subpatch.patch), axis(basis_u, subpatch.u, split.log2_u, part.u),
-                  axis(basis_v, subpatch.v, split.log2_v, part.v), rows);
+                  axis(basis_v, subpatch.v, split.log2_v, part.v), target);
 }
 
 ElementPlace PatchDicer::element_place(const PlaceInGrid& place, const Vec3d&) const {

@@ -13,25 +13,18 @@
 
 namespace rayleaf {
 
-class PatchDicer final : public Dicer, public LevelDicer {
+class PatchDicer final : public LevelDicer {
   public:
     /// The surface must live as long. `extra_splits`: in each direction, beyond what the tolerance asks for.
     PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance, int extra_splits = 0);
 
     uint32_t subpatch_count() const override { return plan_.subpatch_count(); }
-    void dice(uint32_t subpatch, Grid& grid) const override;
     ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override;
     std::optional<PlaceInGrid> place_in_grid(const ElementPlace& place) const override;
     size_t bytes() const override;
-    const LevelDicer* levels() const override { return this; }
-
-    void dice_rows(uint32_t subpatch, GridRows& rows) const override;
-    void dice_medium(uint32_t subpatch, MediumGrid& grid) const override;
-    void dice_coarse(uint32_t subpatch, CoarseGrid& grid) const override;
-    void dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const override;
 
   private:
-    /// By level, coarse to fine.
+    /// By level; none for the coarse one.
     using LevelBases = std::array<const DyadicBasis*, kStoredLevels>;
     struct SplineBases {
         LevelBases u{}, v{};
@@ -43,8 +36,8 @@ class PatchDicer final : public Dicer, public LevelDicer {
     std::vector<SplineBases> of_spline_;
 
     LevelBases level_bases(int degree, int log2);
-    template <typename Target>
-    void dice_at(int level, uint32_t index, Target& target) const;
+    void dice_level(uint32_t subpatch, int level, const VertexRows& target) const override;
+    void dice_part_rows(uint32_t subpatch, const GridPart& part, const VertexRows& target) const override;
 };
 
 }  // namespace rayleaf

@@ -32,7 +32,8 @@ class SnappedGrid {
     SnappedGrid(const Grid& grid, VertexFormat format)
         : vertices_(&grid.vertices[0][0][0]), fine_(&grid), cells_(kGridCells), format_(format) {}
     SnappedGrid(const MediumGrid& grid, const SubpatchLevels& levels);
-    explicit SnappedGrid(const CoarseGrid& grid) : vertices_(&grid.vertices[0][0]), cells_(1) {}
+    /// The one quad of the coarse level.
+    explicit SnappedGrid(const SubpatchDetail& detail) : vertices_(&detail.corners[0][0]), cells_(1) {}
     /// A part of a subpatch; `whole` is the subpatch's fine grid.
     SnappedGrid(const Grid& part, const GridPart& place, const Grid& whole, const SubpatchLevels& levels);
 

@@ -35,15 +35,14 @@ std::array<Vec4d, 16> frame_of(const SubdivisionSurface& surface, const Subdivis
 }  // namespace
 
 SubdivisionDicer::SubdivisionDicer(const SubdivisionSurface& surface, const FacetTolerance& tolerance, int extra_splits)
-    : Dicer(VertexFormat::Float), surface_(&surface), splits_(surface, tolerance, extra_splits) {
+    : surface_(&surface), splits_(surface, tolerance, extra_splits) {
     for (uint32_t i = 0; i < surface.element_count(); ++i)
         for (const int log2 : {splits_.log2_u(i), splits_.log2_v(i)})
-            for (int level = 0; level < kStoredLevels; ++level)
+            for (int level = kMedium; level < kStoredLevels; ++level)
                 bases_.try_emplace(quads_along(level) << log2, kDegree, quads_along(level) << log2);
 }
 
-template <typename Target>
-void SubdivisionDicer::dice_at(int level, uint32_t subpatch, Target& target) const {
+void SubdivisionDicer::dice_level(uint32_t subpatch, int level, const VertexRows& target) const {
     const ElementCell& cell = splits_.cell(subpatch);
     const int quads = quads_along(level);
     const auto span = [quads](int number, int log2) { return Span{number * quads, quads << log2}; };
@@ -51,12 +50,11 @@ void SubdivisionDicer::dice_at(int level, uint32_t subpatch, Target& target) con
     const auto axis = [&](const Span& along) {
         return DiceAxis{&bases_.at(along.intervals), along.first, along.at_begin(0), along.at_end(quads)};
     };
-    dice_spans(cell.element, u, v, axis(u), axis(v), quads, target);
+    dice_spans(cell.element, u, v, axis(u), axis(v), target);
 }
 
-template <typename Target>
 void SubdivisionDicer::dice_spans(uint32_t index, const Span& u, const Span& v, const DiceAxis& axis_u,
-                                  const DiceAxis& axis_v, int quads, Target& target) const {
+                                  const DiceAxis& axis_v, const VertexRows& target) const {
     const SubdivisionElement& element = surface_->element(index);
     if (element.net != SubdivisionElement::kIrregular) {
         rayleaf::dice(surface_->net(element), axis_u, axis_v, target);
@@ -64,13 +62,12 @@ void SubdivisionDicer::dice_spans(uint32_t index, const Span& u, const Span& v, 
     }
     const std::array<Vec4d, 16> frame = frame_of(*surface_, element);
     rayleaf::dice({kDegree, kDegree, false, frame.data()}, axis_u, axis_v, target);
-    evaluate_irregular(index, u, v, quads, target);
+    evaluate_irregular(index, u, v, target);
 }
 
 /// All vertices but those of the corners and of cubic borders.
-template <typename Target>
-void SubdivisionDicer::evaluate_irregular(uint32_t index, const Span& u, const Span& v, int quads,
-                                          Target& target) const {
+void SubdivisionDicer::evaluate_irregular(uint32_t index, const Span& u, const Span& v,
+                                          const VertexRows& target) const {
     const SubdivisionElement& element = surface_->element(index);
     const auto border_position = [&](int border, double at) -> std::optional<Vec3d> {
         const uint32_t line = element.lines[static_cast<size_t>(border)];
@@ -84,35 +81,17 @@ void SubdivisionDicer::evaluate_irregular(uint32_t index, const Span& u, const S
         if (on_u) return border_position(u.at_begin(i) ? 3 : 1, v.at(j));
         return surface_->position(index, u.at(i), v.at(j));
     };
-    for (int j = 0; j <= quads; ++j) {
-        for (int i = 0; i <= quads; ++i) {
+    for (int j = 0; j <= target.quads; ++j) {
+        for (int i = 0; i <= target.quads; ++i) {
             const std::optional<Vec3d> p = position(i, j);
             if (!p) continue;
             for (int axis = 0; axis < 3; ++axis)
-                target.vertices[axis][j * (quads + 1) + i] = static_cast<float>((*p)[axis]);
+                target.axes[axis][j * (target.quads + 1) + i] = static_cast<float>((*p)[axis]);
         }
     }
 }
 
-void SubdivisionDicer::dice(uint32_t subpatch, Grid& grid) const {
-    GridRows rows;
-    dice_at(kFine, subpatch, rows);
-    pack(rows, grid);
-}
-
-void SubdivisionDicer::dice_rows(uint32_t subpatch, GridRows& rows) const {
-    dice_at(kFine, subpatch, rows);
-}
-
-void SubdivisionDicer::dice_medium(uint32_t subpatch, MediumGrid& grid) const {
-    dice_at(kMedium, subpatch, grid);
-}
-
-void SubdivisionDicer::dice_coarse(uint32_t subpatch, CoarseGrid& grid) const {
-    dice_at(kCoarse, subpatch, grid);
-}
-
-void SubdivisionDicer::dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const {
+void SubdivisionDicer::dice_part_rows(uint32_t subpatch, const GridPart& part, const VertexRows& target) const {
     const ElementCell& cell = splits_.cell(subpatch);
     const int parts = part.parts_along();
     const auto span = [parts](int number, int of_part, int log2) {
@@ -126,7 +105,7 @@ void SubdivisionDicer::dice_part(uint32_t subpatch, const GridPart& part, GridRo
     const auto axis = [](const DyadicBasis& basis, const Span& along) {
         return DiceAxis{&basis, 0, along.at_begin(0), along.at_end(kGridCells)};
     };
-    dice_spans(cell.element, u, v, axis(basis_u, u), axis(basis_v, v), kGridCells, rows);
+    dice_spans(cell.element, u, v, axis(basis_u, u), axis(basis_v, v), target);
 }
 
 ElementPlace SubdivisionDicer::element_place(const PlaceInGrid& place, const Vec3d&) const {

@@ -14,22 +14,15 @@
 
 namespace rayleaf {
 
-class SubdivisionDicer final : public Dicer, public LevelDicer {
+class SubdivisionDicer final : public LevelDicer {
   public:
     /// The surface must live as long. `extra_splits`: in each direction, beyond what the tolerance asks for.
     SubdivisionDicer(const SubdivisionSurface& surface, const FacetTolerance& tolerance, int extra_splits = 0);
 
     uint32_t subpatch_count() const override { return splits_.subpatch_count(); }
-    void dice(uint32_t subpatch, Grid& grid) const override;
     ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override;
     std::optional<PlaceInGrid> place_in_grid(const ElementPlace& place) const override;
     size_t bytes() const override;
-    const LevelDicer* levels() const override { return this; }
-
-    void dice_rows(uint32_t subpatch, GridRows& rows) const override;
-    void dice_medium(uint32_t subpatch, MediumGrid& grid) const override;
-    void dice_coarse(uint32_t subpatch, CoarseGrid& grid) const override;
-    void dice_part(uint32_t subpatch, const GridPart& part, GridRows& rows) const override;
 
   private:
     const SubdivisionSurface* surface_;
@@ -44,13 +37,11 @@ class SubdivisionDicer final : public Dicer, public LevelDicer {
         bool at_begin(int k) const { return first + k == 0; }
         bool at_end(int k) const { return first + k == intervals; }
     };
-    template <typename Target>
-    void dice_at(int level, uint32_t subpatch, Target& target) const;
-    template <typename Target>
+    void dice_level(uint32_t subpatch, int level, const VertexRows& target) const override;
+    void dice_part_rows(uint32_t subpatch, const GridPart& part, const VertexRows& target) const override;
     void dice_spans(uint32_t element, const Span& u, const Span& v, const DiceAxis& axis_u, const DiceAxis& axis_v,
-                    int quads, Target& target) const;
-    template <typename Target>
-    void evaluate_irregular(uint32_t element, const Span& u, const Span& v, int quads, Target& target) const;
+                    const VertexRows& target) const;
+    void evaluate_irregular(uint32_t element, const Span& u, const Span& v, const VertexRows& target) const;
 };
 
 }  // namespace rayleaf

@@ -92,7 +92,10 @@ void GridScene::prepare(ShapeQuery& query) const {
 bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_t subpatch,
                              const SubpatchLevels& levels, float t_max) const {
     GridCandidates candidates;
-    kernels_.add_candidates(grid, query.grid_ray, t_max, candidates);
+    if (grid.cells() == 1)
+        add_quad_candidates(details_[subpatch], query.grid_ray, t_max, candidates);
+    else
+        kernels_.add_candidates(grid, query.grid_ray, t_max, candidates);
     bool found = false;
     while (!candidates.empty()) {
         const auto [t, triangle] = candidates.take_nearest();
@@ -143,8 +146,8 @@ bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
         limited(query.levels.levels(details_[subpatch], subpatch), dicer_->levels()->finest_level());
     switch (levels.own) {
         case kCoarse:
-            return offer_facets(query, SnappedGrid(reader.coarse(*dicer_, first_subpatch(), subpatch)), subpatch,
-                                levels, t_max);
+            reader.count_coarse();
+            return offer_facets(query, SnappedGrid(details_[subpatch]), subpatch, levels, t_max);
         case kMedium:
             return offer_facets(query, SnappedGrid(reader.medium(*dicer_, first_subpatch(), subpatch), levels),
                                 subpatch, levels, t_max);

@@ -123,9 +123,9 @@ void Tracer::Implementation::build_scene(const CancelToken& cancel) {
 void Tracer::Implementation::build_cache(const GeometryCacheSettings& settings) {
     uint64_t subpatches = 0;
     for (const std::unique_ptr<ShapeScene>& shape : shapes) subpatches += shape->subpatch_count();
-    if (subpatches >= GridIndex::kNone)
+    if (subpatches >= GridArena::kMostSubpatches)
         throw InputError("scene", "subpatches", std::to_string(subpatches),
-                         "fewer than " + std::to_string(GridIndex::kNone));
+                         "fewer than " + std::to_string(GridArena::kMostSubpatches));
     if (subpatches == 0) return;
     cache = std::make_unique<GeometryCache>(settings, static_cast<uint32_t>(subpatches));
     uint32_t first = 0;

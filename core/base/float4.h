@@ -1,0 +1,41 @@
+// Four floats on which the processor computes at once: plain IEEE operations of each, so results are those of one by
+// one.
+#pragma once
+
+#include <cmath>
+
+namespace rayleaf {
+
+using Float4 = float __attribute__((vector_size(16)));
+
+inline Float4 load4(const float* from) {
+    return Float4{from[0], from[1], from[2], from[3]};
+}
+inline Float4 all4(float value) {
+    return Float4{value, value, value, value};
+}
+/// As std::min and std::max: the first where either is no number.
+inline Float4 min4(Float4 a, Float4 b) {
+    return b < a ? b : a;
+}
+inline Float4 max4(Float4 a, Float4 b) {
+    return a < b ? b : a;
+}
+inline Float4 sqrt4(Float4 a) {
+    return Float4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+}
+/// Each number where the indices say.
+template <int i, int j, int k, int l>
+Float4 shuffled(Float4 a) {
+    return __builtin_shufflevector(a, a, i, j, k, l);
+}
+inline float least_of(Float4 a) {
+    const Float4 pairs = min4(a, shuffled<2, 3, 0, 1>(a));
+    return pairs[1] < pairs[0] ? pairs[1] : pairs[0];
+}
+inline float largest_of(Float4 a) {
+    const Float4 pairs = max4(a, shuffled<2, 3, 0, 1>(a));
+    return pairs[0] < pairs[1] ? pairs[1] : pairs[0];
+}
+
+}  // namespace rayleaf

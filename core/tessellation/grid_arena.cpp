@@ -1,0 +1,196 @@
+#include "tessellation/grid_arena.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace rayleaf {
+namespace {
+
+/// So many units are free or on their way out at a time, at most a share of all: each needs the rays under way to end.
+constexpr size_t kMostOnTheWayOut = 16, kLeastShareOnTheWayOut = 8;
+
+/// A table may take this share of the budget.
+constexpr uint64_t kTableShare = 4;
+
+/// Late misses that are remembered, for each unit.
+constexpr uint32_t kMissesPerUnit = 4;
+
+/// A unit with fewer grids in use is emptied: what is used is worth less than the unit.
+constexpr int kLeastUsed = GridArena::kSlots / 4;
+
+}  // namespace
+
+uint64_t GridArena::tracking_per_unit() {
+    return kSlots * (sizeof(uint8_t) + sizeof(uint32_t)) + sizeof(Unit) + (3 + kMissesPerUnit) * sizeof(uint32_t);
+}
+
+GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
+    const uint64_t table = GridIndex::table_bytes(2 * subpatches);
+    const bool as_table = table <= budget / kTableShare;
+    const uint64_t sets = as_table ? 0 : kSlots * GridIndex::kSetBytesPerSlot;
+    const uint64_t for_units = as_table ? budget - table : budget - std::min(budget, uint64_t{64});
+    // More would never be used, but for those on the way out and those that threads hold.
+    const uint64_t most = uint64_t{subpatches} + subpatches / kSlots + kMostOnTheWayOut + 2 * kMostReaders;
+    constexpr uint64_t kNumbered = (uint64_t{1} << 32) / kSlots - 1;
+    const uint64_t fitting = for_units / (sizeof(Memory) + tracking_per_unit() + sets);
+    unit_count_ = static_cast<uint32_t>(std::min({fitting, most, kNumbered}));
+    if (unit_count_ == 0) return;
+    const uint32_t slots = unit_count_ * kSlots;
+    index_ = GridIndex(slots, 2 * subpatches, as_table);
+    memory_ = std::make_unique_for_overwrite<Memory[]>(unit_count_);
+    marks_ = std::make_unique<std::atomic<uint8_t>[]>(slots);
+    missed_ = std::make_unique<std::atomic<uint32_t>[]>(unit_count_ * kMissesPerUnit);
+    owners_.resize(slots);
+    units_.resize(unit_count_);
+}
+
+/// A unit for grids of a kind, all of it free.
+std::optional<uint32_t> GridArena::take_unit(Kind kind) {
+    const uint32_t used = used_.load(std::memory_order_relaxed);
+    uint32_t unit = used;
+    if (!free_.empty()) {
+        unit = free_.back();
+        free_.pop_back();
+    } else if (used < unit_count_) {
+        used_.store(used + 1, std::memory_order_relaxed);
+    } else {
+        return std::nullopt;
+    }
+    units_[unit].kind = kind;
+    units_of_[static_cast<int>(kind)].fetch_add(1, std::memory_order_relaxed);
+    return unit;
+}
+
+std::optional<uint32_t> GridArena::take_medium() {
+    for (; !with_room_.empty(); with_room_.pop_back()) {
+        const uint32_t number = with_room_.back();
+        Unit& unit = units_[number];
+        if (unit.free == 0) {
+            unit.listed = false;
+            continue;
+        }
+        const auto slot = static_cast<uint32_t>(std::countr_zero(unit.free));
+        unit.free &= unit.free - 1;
+        return number * kSlots + slot;
+    }
+    const std::optional<uint32_t> taken = take_unit(Kind::Medium);
+    if (!taken) return std::nullopt;
+    Unit& unit = units_[*taken];
+    unit.free = kAll & ~1u;
+    if (!unit.listed) with_room_.push_back(*taken);
+    unit.listed = true;
+    return *taken * kSlots;
+}
+
+std::optional<uint32_t> GridArena::take(Kind kind) {
+    if (kind == Kind::Medium) return take_medium();
+    const std::optional<uint32_t> unit = take_unit(Kind::Fine);
+    if (!unit) return std::nullopt;
+    return *unit * kSlots;
+}
+
+std::optional<uint32_t> GridArena::acquire(Kind kind, ReaderEpochs& epochs) {
+    if (unit_count_ == 0) return std::nullopt;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return std::nullopt;
+    if (const std::optional<uint32_t> slot = take(kind)) return slot;
+    make_room(epochs);
+    reclaim(epochs);
+    return take(kind);
+}
+
+bool GridArena::publish(Kind kind, uint32_t subpatch, uint32_t slot, ReaderEpochs& epochs) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return false;
+    const uint32_t wanted = key(kind, subpatch);
+    if (index_.find(wanted) != kNone) return false;  // another thread was faster
+    marks_[slot].store(0, std::memory_order_relaxed);
+    owners_[slot] = wanted + 1;
+    if (const std::optional<uint32_t> out = index_.insert(wanted, slot)) {
+        owners_[*out] = 0;
+        const uint32_t unit = *out / kSlots;
+        retire(unit, units_[unit].kind == Kind::Fine ? kAll : 1u << *out % kSlots, epochs);
+    }
+    if (full()) make_room(epochs);
+    return true;
+}
+
+void GridArena::retire(uint32_t unit, uint32_t slots, ReaderEpochs& epochs) {
+    Unit& leaving = units_[unit];
+    if (leaving.leaving == 0) leaving_.push_back(unit);
+    leaving.leaving |= slots;
+    leaving.stamp = epochs.advance();
+}
+
+/// What the clock's hand takes of a unit, which it passes: grids without marks, or all where few have one.
+uint32_t GridArena::unused_slots(uint32_t unit) {
+    uint32_t held = 0, unused = 0;
+    int used = 0;
+    const bool fine = units_[unit].kind == Kind::Fine;
+    for (uint32_t i = 0; i < (fine ? 1 : kSlots); ++i) {
+        const uint32_t slot = unit * kSlots + i;
+        if (owners_[slot] == 0) continue;
+        held |= 1u << i;
+        if (marks_[slot].load(std::memory_order_relaxed) == 0)
+            unused |= 1u << i;
+        else
+            ++used;
+        marks_[slot].store(0, std::memory_order_relaxed);
+    }
+    if (fine) return unused != 0 ? kAll : 0;
+    return used < kLeastUsed ? held : unused;
+}
+
+/// Sends grids on the way out until there are enough.
+void GridArena::make_room(ReaderEpochs& epochs) {
+    const size_t wanted = std::min(kMostOnTheWayOut, std::max(size_t{1}, unit_count_ / kLeastShareOnTheWayOut));
+    for (uint32_t steps = 2 * unit_count_; leaving_.size() + free_.size() < wanted && steps > 0; --steps) {
+        const uint32_t number = hand_;
+        hand_ = hand_ + 1 < unit_count_ ? hand_ + 1 : 0;
+        if (units_[number].leaving != 0) continue;
+        const uint32_t out = unused_slots(number);
+        if (out == 0) continue;
+        for (uint32_t i = 0; i < kSlots; ++i) {
+            uint32_t& owner = owners_[number * kSlots + i];
+            if ((out >> i & 1u) == 0 || owner == 0) continue;
+            index_.remove(owner - 1, number * kSlots + i);
+            owner = 0;
+        }
+        retire(number, out, epochs);
+    }
+}
+
+/// Takes back what no reader can see any more.
+void GridArena::reclaim(const ReaderEpochs& epochs) {
+    if (leaving_.empty()) return;
+    const uint64_t oldest = epochs.oldest();
+    for (; !leaving_.empty() && units_[leaving_.front()].stamp < oldest; leaving_.pop_front()) {
+        const uint32_t number = leaving_.front();
+        Unit& unit = units_[number];
+        unit.free |= unit.leaving;
+        unit.leaving = 0;
+        if (unit.free == kAll) {
+            unit.free = 0;
+            free_.push_back(number);
+            units_of_[static_cast<int>(unit.kind)].fetch_sub(1, std::memory_order_relaxed);
+        } else if (!unit.listed) {
+            unit.listed = true;
+            with_room_.push_back(number);
+        }
+    }
+}
+
+bool GridArena::missed_lately(Kind kind, uint32_t subpatch) {
+    const uint32_t wanted = key(kind, subpatch) + 1, places = unit_count_ * kMissesPerUnit;
+    const auto place = static_cast<uint32_t>(uint64_t{wanted * 2654435769u} * places >> 32);
+    if (missed_[place].load(std::memory_order_relaxed) == wanted) return true;
+    missed_[place].store(wanted, std::memory_order_relaxed);
+    return false;
+}
+
+uint64_t GridArena::bytes() const {
+    if (unit_count_ == 0) return 0;
+    return index_.bytes() + unit_count_ * tracking_per_unit() + used_.load(std::memory_order_relaxed) * sizeof(Memory);
+}
+
+}  // namespace rayleaf

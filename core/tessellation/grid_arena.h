@@ -1,0 +1,102 @@
+// The memory of the geometry cache: units that hold one fine grid or sixteen medium ones, whatever rays ask for.
+//
+// Looking up takes no lock (tessellation/grid_index.h). Changes are made under a lock that is never waited for: who
+// finds it taken does without. What has to go is found by a clock: a hand goes round the units of both kinds and takes
+// the grids that no one asked for since it last came by. A medium grid has as many bytes to a vertex as a fine one, or
+// a few more, so the same clock is fair to both, and memory goes where rays are.
+#pragma once
+
+#include "tessellation/grid.h"
+#include "tessellation/grid_index.h"
+#include "tessellation/readers.h"
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace rayleaf {
+
+class GridArena {
+  public:
+    static constexpr uint32_t kNone = GridIndex::kNone;
+    static constexpr uint32_t kSlots = sizeof(Grid) / sizeof(MediumGrid);  ///< medium grids in a unit
+    /// Subpatches are numbered below this.
+    static constexpr uint32_t kMostSubpatches = 1u << 31;
+    enum class Kind : uint8_t { Medium, Fine };
+
+    /// As many units as fit `budget` with all that is needed to keep track of them.
+    GridArena(uint64_t budget, uint32_t subpatches);
+
+    bool empty() const { return unit_count_ == 0; }
+    /// Whether all memory is in use.
+    bool full() const { return used_.load(std::memory_order_relaxed) >= unit_count_; }
+    /// The slot of a subpatch's grid, which it marks as used; kNone if there is none.
+    uint32_t find(Kind kind, uint32_t subpatch) const {
+        if (unit_count_ == 0) return kNone;
+        const uint32_t slot = index_.find(key(kind, subpatch));
+        if (slot != kNone && marks_[slot].load(std::memory_order_relaxed) == 0)
+            marks_[slot].store(1, std::memory_order_relaxed);
+        return slot;
+    }
+    void grid(uint32_t slot, Grid*& found) const { found = &memory_[slot / kSlots].fine; }
+    void grid(uint32_t slot, MediumGrid*& found) const { found = &memory_[slot / kSlots].medium[slot % kSlots]; }
+
+    /// A slot that no one sees, for the caller to fill; empty if none is free now.
+    std::optional<uint32_t> acquire(Kind kind, ReaderEpochs& epochs);
+    /// Makes a filled slot visible. False if that cannot be now: the slot stays the caller's.
+    bool publish(Kind kind, uint32_t subpatch, uint32_t slot, ReaderEpochs& epochs);
+    /// While slots run out all the time: whether a grid was missed before, not long ago; only those are worth a slot.
+    bool missed_lately(Kind kind, uint32_t subpatch);
+
+    uint64_t bytes(Kind kind) const {
+        return units_of_[static_cast<int>(kind)].load(std::memory_order_relaxed) * sizeof(Memory);
+    }
+    /// Of both kinds, free ones, and what keeps track of them.
+    uint64_t bytes() const;
+
+  private:
+    union alignas(64) Memory {
+        Grid fine;
+        MediumGrid medium[kSlots];
+    };
+    static constexpr uint32_t kAll = (1u << kSlots) - 1;
+    /// A bit for each medium grid; a fine one has all bits alike.
+    struct Unit {
+        uint64_t stamp = 0;    ///< of what is leaving
+        uint32_t free = 0;     ///< slots that may be handed out
+        uint32_t leaving = 0;  ///< slots that readers may still see; the unit waits in `leaving_` then
+        Kind kind = Kind::Medium;
+        bool listed = false;  ///< in `with_room_`
+    };
+
+    uint32_t unit_count_ = 0;
+    GridIndex index_;
+    std::unique_ptr<Memory[]> memory_;
+    std::unique_ptr<std::atomic<uint8_t>[]> marks_;    ///< by slot
+    std::unique_ptr<std::atomic<uint32_t>[]> missed_;  ///< key + 1 of late misses, by hash
+    std::vector<uint32_t> owners_;                     ///< by slot: key + 1 of those that are visible, else 0
+    std::vector<Unit> units_;
+    std::deque<uint32_t> leaving_;     ///< units, in the order of their stamps
+    std::vector<uint32_t> free_;       ///< units that hold nothing
+    std::vector<uint32_t> with_room_;  ///< units of medium grids, some without room
+    std::atomic<uint32_t> used_{0};    ///< units handed out for the first time so far
+    std::atomic<uint32_t> units_of_[2]{};
+    uint32_t hand_ = 0;
+    std::mutex mutex_;
+
+    static uint32_t key(Kind kind, uint32_t subpatch) { return 2 * subpatch + (kind == Kind::Fine ? 1 : 0); }
+    static uint64_t tracking_per_unit();
+    std::optional<uint32_t> take_unit(Kind kind);
+    std::optional<uint32_t> take_medium();
+    std::optional<uint32_t> take(Kind kind);
+    uint32_t unused_slots(uint32_t unit);
+    void retire(uint32_t unit, uint32_t slots, ReaderEpochs& epochs);
+    void make_room(ReaderEpochs& epochs);
+    void reclaim(const ReaderEpochs& epochs);
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,56 @@
+// From keys to slots of the geometry cache, without a lock for who asks.
+//
+// Where a number for each key takes little of the budget the index is a table of them, else sets of eight (key, slot)
+// pairs, each set a cache line.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+namespace rayleaf {
+
+class GridIndex {
+  public:
+    static constexpr uint32_t kNone = ~0u;
+
+    GridIndex() = default;
+    /// `capacity` slots for keys below `keys`; as a table, if that may be.
+    GridIndex(uint32_t capacity, uint32_t keys, bool as_table);
+
+    uint32_t find(uint32_t key) const {
+        if (table_) return table_[key].load(std::memory_order_seq_cst) - 1;
+        const std::atomic<uint64_t>* set = set_of(key);
+        for (int way = 0; way < kWays; ++way) {
+            const uint64_t entry = set[way].load(std::memory_order_seq_cst);
+            if (static_cast<uint32_t>(entry >> 32) == key + 1) return static_cast<uint32_t>(entry);
+        }
+        return kNone;
+    }
+    /// Changes are the lock holder's. Returns the slot that lost its place in a full set, if one did.
+    std::optional<uint32_t> insert(uint32_t key, uint32_t slot);
+    void remove(uint32_t key, uint32_t slot);
+    uint64_t bytes() const;
+
+    static uint64_t table_bytes(uint32_t keys) { return sizeof(std::atomic<uint32_t>) * uint64_t{keys}; }
+    /// Of a slot in sets: they are full when all slots are in use.
+    static constexpr uint64_t kSetBytesPerSlot = sizeof(std::atomic<uint64_t>);
+
+  private:
+    static constexpr int kWays = 8;
+    struct alignas(64) Set {
+        std::atomic<uint64_t> entries[kWays];  ///< key + 1 above, slot below; 0: free
+    };
+    std::unique_ptr<std::atomic<uint32_t>[]> table_;  ///< slot + 1; 0: none
+    std::unique_ptr<Set[]> sets_;
+    uint32_t keys_ = 0, set_count_ = 0, next_way_ = 0;
+
+    /// Keys of neighbours go to different sets (Knuth's multiplicative hash).
+    std::atomic<uint64_t>* set_of(uint32_t key) const {
+        const uint32_t hash = key * 2654435769u;
+        return sets_[static_cast<uint32_t>(uint64_t{hash} * set_count_ >> 32)].entries;
+    }
+};
+
+}  // namespace rayleaf
