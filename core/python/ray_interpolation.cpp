@@ -25,12 +25,14 @@ const char* name_of(RayInterpolationMode wanted) {
 
 RayInterpolation make(const std::string& mode, double error, std::optional<double> distance_threshold,
                       std::optional<double> angle_threshold, std::optional<int> depth_limit,
-                      std::optional<uint64_t> cache_bytes) {
+                      std::optional<uint64_t> cache_bytes, std::optional<double> rays_per_cell) {
     RayInterpolation result{mode_of(mode), thresholds_for(error)};
     RayCacheSettings& thresholds = result.thresholds;
     thresholds.distance_threshold = distance_threshold.value_or(thresholds.distance_threshold);
     thresholds.angle_threshold = angle_threshold.value_or(thresholds.angle_threshold);
     thresholds.depth_limit = depth_limit.value_or(thresholds.depth_limit);
+    thresholds.mixed_depth_limit = depth_limit.value_or(thresholds.mixed_depth_limit);
+    thresholds.rays_per_cell = rays_per_cell.value_or(thresholds.rays_per_cell);
     thresholds.cache_bytes = cache_bytes.value_or(thresholds.cache_bytes);
     validate("ray interpolation", result);
     return result;
@@ -57,13 +59,15 @@ void bind_ray_interpolation(py::module_& module) {
     py::class_<RayInterpolation>(module, "RayInterpolation",
                                  "How rays against an object are interpolated; see core/scene/ray_interpolation.h.")
         .def(py::init(&make), "mode"_a = "OFF", "error"_a = kDefaultRayError, "distance_threshold"_a = py::none(),
-             "angle_threshold"_a = py::none(), "depth_limit"_a = py::none(), "cache_bytes"_a = py::none())
+             "angle_threshold"_a = py::none(), "depth_limit"_a = py::none(), "cache_bytes"_a = py::none(),
+             "rays_per_cell"_a = py::none())
         .def("__eq__", [](const RayInterpolation& a, const RayInterpolation& b) { return a == b; })
         .def_property_readonly("mode", [](const RayInterpolation& each) { return name_of(each.mode); })
         .def_property_readonly("distance_threshold", threshold<&RayCacheSettings::distance_threshold>())
         .def_property_readonly("angle_threshold", threshold<&RayCacheSettings::angle_threshold>())
         .def_property_readonly("depth_limit", threshold<&RayCacheSettings::depth_limit>())
-        .def_property_readonly("cache_bytes", threshold<&RayCacheSettings::cache_bytes>());
+        .def_property_readonly("cache_bytes", threshold<&RayCacheSettings::cache_bytes>())
+        .def_property_readonly("rays_per_cell", threshold<&RayCacheSettings::rays_per_cell>());
     py::class_<VolumeVisualisation>(module, "VolumeVisualisation",
                                     "A material that shows the length of rays inside an object.")
         .def(py::init(&make_volume), "kind"_a = "EMISSION", "density"_a = 1.0f,

@@ -31,12 +31,14 @@ template <typename Tree>
 std::unique_ptr<Tree> make_tree(std::shared_ptr<Shape> shape, const std::string& kind, double ior,
                                 double distance_threshold, double angle_threshold, int depth_limit,
                                 uint64_t cache_bytes, double pruned_share, double facet_tolerance,
-                                double direction_threshold, int mixed_depth_limit, int most_interior_hits) {
+                                double direction_threshold, int mixed_depth_limit, int most_interior_hits,
+                                double rays_per_cell) {
     const SampleSettings samples{named(shape->name(), "kind", kind, kOutputKinds), ior, most_interior_hits,
                                  facet_tolerance};
-    return std::make_unique<Tree>(std::move(shape), samples,
-                                  RayCacheSettings{distance_threshold, angle_threshold, depth_limit, cache_bytes,
-                                                   pruned_share, direction_threshold, mixed_depth_limit});
+    return std::make_unique<Tree>(
+        std::move(shape), samples,
+        RayCacheSettings{distance_threshold, angle_threshold, depth_limit, cache_bytes, pruned_share,
+                         direction_threshold, mixed_depth_limit, rays_per_cell});
 }
 
 py::dict ask(RayCache& cache, const Array<double>& origins, const Array<double>& directions,
@@ -219,6 +221,7 @@ py::class_<Tree, RayCache> bind_tree(py::module_& module, const char* name, cons
              py::arg("direction_threshold") = settings.direction_threshold,
              py::arg("mixed_depth_limit") = settings.mixed_depth_limit,
              py::arg("most_interior_hits") = samples.most_interior_hits,
+             py::arg("rays_per_cell") = settings.rays_per_cell,
              "kind: SIMPLE, MIRROR, GLASS or VOLUME. Thresholds: a share of the box's half extent, and radians. Paths "
              "in glass of more than most_interior_hits hits from inside are cut off.")
         .def("final_cells", &final_cells<Tree>, py::arg("origins"), py::arg("directions"),
@@ -249,6 +252,7 @@ void bind_ri_tree(py::module_& parent) {
             result["angle_threshold"] = s.angle_threshold;
             result["depth_limit"] = s.depth_limit;
             result["mixed_depth_limit"] = s.mixed_depth_limit;
+            result["rays_per_cell"] = s.rays_per_cell;
             return result;
         },
         py::arg("error"), "The thresholds that keep the mean error of RGB values near `error`, as a tree's arguments.");

@@ -18,10 +18,9 @@ namespace {
 // core (some 200 ns then). They are to be right within a third or so: an object whose gain is smaller is traced.
 constexpr double kTracedMiss = 0.2;         ///< a ray that enters the box and hits nothing
 constexpr double kInterpolatedQuery = 0.3;  ///< leaf found and evaluated
-/// Queries for an interpolated hit where its neighbours are asked too (Scene::needs_differentials).
-constexpr double kWithNeighbours = 3.0;
-constexpr double kMissedQuery = 0.1;   ///< leaf found, nothing there
-constexpr double kAskedInVain = 0.15;  ///< leaf found, ray to be traced after all
+constexpr double kDerivatives = 0.12;       ///< and differentiated (Scene::needs_differentials)
+constexpr double kMissedQuery = 0.1;        ///< leaf found, nothing there
+constexpr double kAskedInVain = 0.15;       ///< leaf found, ray to be traced after all
 /// The way through glass or a volume, first hit included: rays of two hits, and of three.
 constexpr double kTracedGlass = 2.5, kTracedVolume = 3.0;
 /// A sample is traced with its derivatives, and its cell is judged and stored.
@@ -184,12 +183,12 @@ struct Judgement {
 
 /// `growth`: how many times as many samples of each pixel the frame has. Cells that more rays of the same pixels cross
 /// are mostly the same: new samples go with the root.
-Judgement judge(const Counts& counts, OutputKind kind, double growth, double queries_per_hit) {
+Judgement judge(const Counts& counts, OutputKind kind, double growth, double interpolated_query) {
     if (counts.queries() < kLeastQueries) return {{false, "the probe met too few rays", nullptr}, 0.0};
     const double way = traced_cost(kind), samples = counts.samples / std::sqrt(growth);
-    const double hits = static_cast<double>(counts.interpolated) / queries_per_hit + static_cast<double>(counts.traced);
+    const double hits = static_cast<double>(counts.interpolated) + static_cast<double>(counts.traced);
     const double tracing = hits * way + static_cast<double>(counts.missed) * kTracedMiss;
-    const double asking = static_cast<double>(counts.interpolated) * kInterpolatedQuery +
+    const double asking = static_cast<double>(counts.interpolated) * interpolated_query +
                           static_cast<double>(counts.traced) * (way + kAskedInVain) +
                           static_cast<double>(counts.missed) * kMissedQuery + samples * way * kSampleFactor;
     const auto percent = [&](double part) { return 100.0 * part / static_cast<double>(counts.queries()); };
@@ -233,14 +232,14 @@ std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& ca
         give(i, std::make_shared<const CachedObject>(0, caches.back(), candidate.shape, candidate.samples.kind,
                                                      thresholds.distance_threshold, neighbour_scale));
     }
-    const double queries_per_hit = scene.needs_differentials() ? kWithNeighbours : 1.0;
+    const double interpolated_query = kInterpolatedQuery + (scene.needs_differentials() ? kDerivatives : 0.0);
     std::vector<bool> dropped(places.size(), false);
     for (const Block& block : blocks_for(trying, scene, settings, std::min<size_t>(affordable, kMostBlocks))) {
         render_block(block, scene, settings, samples);
         for (size_t k = 0; k < places.size(); ++k) {
             if (dropped[k]) continue;
             const Counts counts = counts_of(caches[k]->statistics());
-            Judgement judgement = judge(counts, trying[k].samples.kind, growth, queries_per_hit);
+            Judgement judgement = judge(counts, trying[k].samples.kind, growth, interpolated_query);
             results[places[k]] = std::move(judgement.result);
             dropped[k] = counts.queries() >= kTellingQueries && judgement.ratio > kHopeless;
             if (dropped[k]) give(places[k], nullptr);

@@ -3,17 +3,8 @@
 #include <algorithm>
 
 namespace rayleaf {
-namespace {
-
-/// So many of a frame's rays must cross a cell for its samples to pay. A new cell takes 5 to 10 samples, each 1.3 to 2
-/// times the time of a traced ray. First, repeated and orbit's frame, faster than tracing, on the mirror sheet and on
-/// six bodies of glass; with 4: 3.0 7.3 4.5, 1.1 2.4 1.5; with 8: 3.2 7.6 5.0, 1.2 2.1 1.7; with
-/// 16: 3.4 6.0 4.7, 1.3 2.0 1.7.
-constexpr float kWorthRays = 8.0f;
-
-}  // namespace
-
-CellSteps::CellSteps(const LineSpace& space, const RayCacheSettings& settings) {
+CellSteps::CellSteps(const LineSpace& space, const RayCacheSettings& settings)
+    : rays_per_cell_(static_cast<float>(settings.rays_per_cell)) {
     if (space.box().isEmpty()) return;
     deepest_ = settings.depth_limit / kStepDepths;
     for (int axis = 0; axis < 3; ++axis) {
@@ -47,7 +38,7 @@ int CellSteps::deepest_worth(uint8_t direction, const RaySpacing& spacing, int n
         const std::array<float, kLineAxes>& inverse = steps_[direction / 2][step].inverse_sides;
         const float b = distance * inverse[0] + angle * inverse[2];
         const float c = distance * inverse[1] + angle * inverse[3];
-        return b * c * kWorthRays <= 1.0f;
+        return b * c * rays_per_cell_ <= 1.0f;
     };
     int step = std::max(near, 0);
     while (step >= 0 && !is_worth(step)) --step;

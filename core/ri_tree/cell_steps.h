@@ -47,6 +47,7 @@ class CellSteps {
 
     std::array<std::array<Step, kGreatestCellDepth / kStepDepths + 1>, 3> steps_;  ///< by dominant axis
     int deepest_ = 0, deepest_mixed_ = 0;
+    float rays_per_cell_;
 
     const Step& step_of(const CellKey& key) const { return steps_[key.direction / 2][key.depth / kStepDepths]; }
 };

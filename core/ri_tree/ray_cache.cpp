@@ -43,6 +43,7 @@ const RayCacheSettings& checked(const std::string& name, const RayCacheSettings&
             settings.depth_limit, "0 to 60");
     require(settings.mixed_depth_limit >= 0 && settings.mixed_depth_limit <= kGreatestCellDepth, name,
             "mixed_depth_limit", settings.mixed_depth_limit, "0 to 60");
+    require(settings.rays_per_cell >= 0.0, name, "rays_per_cell", settings.rays_per_cell, "0 or more");
     require(settings.pruned_share > 0.0 && settings.pruned_share <= 1.0, name, "pruned_share", settings.pruned_share,
             "above 0, at most 1");
     return settings;

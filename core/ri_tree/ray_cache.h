@@ -85,6 +85,15 @@ struct RayCacheSettings {
     double direction_threshold = kPi / 180.0;
     /// A cell of several classes of this depth is final: its lines are traced. The fast tree's alone.
     int mixed_depth_limit = 28;
+    /// So many of a frame's rays must cross a cell for it to be sampled; 0: all cells are. The fast tree's alone. A new
+    /// cell takes 5 to 10 samples, each 1.3 to 2 times the time of a traced ray; where many frames see the same,
+    /// fewer rays pay in the end. First, repeated and orbit's frame, faster than tracing, depth 36, on six bodies of
+    /// glass and a gentle one with 9 samples:
+    ///     8    1.2  2.1  1.6    1.8  2.9  2.2
+    ///     4    1.1  2.4  1.4    1.5  3.5  1.6
+    ///     2    0.8  2.5  1.1    1.5  3.5  1.6
+    ///     1    0.6  2.9  0.9    0.9  4.5  0.9
+    double rays_per_cell = 8.0;
 
     bool operator==(const RayCacheSettings&) const = default;
 };

@@ -15,6 +15,7 @@ std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samp
     key.angle_threshold = settings.angle_threshold;
     key.direction_threshold = settings.direction_threshold;
     key.pruned_share = settings.pruned_share;
+    key.rays_per_cell = settings.rays_per_cell;
     key.depth_limit = settings.depth_limit;
     key.mixed_depth_limit = settings.mixed_depth_limit;
     key.cache_bytes = settings.cache_bytes;

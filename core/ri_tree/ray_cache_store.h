@@ -26,6 +26,7 @@ struct RayCacheKey {
     int most_interior_hits = 0;
     double ior = 0, facet_tolerance = 0;
     double distance_threshold = 0, angle_threshold = 0, direction_threshold = 0, pruned_share = 0;
+    double rays_per_cell = 0;
     int depth_limit = 0, mixed_depth_limit = 0;
     uint64_t cache_bytes = 0;  ///< changes no answer, but what a cache may hold
 

@@ -28,6 +28,7 @@ void validate(const std::string& object, const RayInterpolation& interpolation) 
     check(object, "angle threshold", t.angle_threshold, 0, kAny);
     check(object, "direction threshold", t.direction_threshold, 0, kAny);
     check(object, "depth limit", t.depth_limit, 0, 60);
+    check(object, "rays per cell", t.rays_per_cell, 0, kAny);
     check(object, "pruned share", t.pruned_share, 0x1p-20, 1);
 }
 

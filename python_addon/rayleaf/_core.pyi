@@ -267,8 +267,10 @@ class RayInterpolation:
         angle_threshold: float | None = None,
         depth_limit: int | None = None,
         cache_bytes: int | None = None,
+        rays_per_cell: float | None = None,
     ) -> None:
-        """mode: OFF, AUTO, ON. error: a share of the object's half extent. Angles in radians, bytes an object."""
+        """mode: OFF, AUTO, ON. error: a share of the object's half extent. Angles in radians, bytes an object. Rays per cell:
+        so many of a frame's rays must cross a cell of rays for it to be sampled."""
     @property
     def mode(self) -> str: ...
     @property
@@ -279,6 +281,8 @@ class RayInterpolation:
     def depth_limit(self) -> int: ...
     @property
     def cache_bytes(self) -> int: ...
+    @property
+    def rays_per_cell(self) -> float: ...
 
 class VolumeVisualisation:
     """A material that shows the length of rays inside an object; such objects should not intersect others."""

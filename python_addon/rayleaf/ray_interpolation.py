@@ -38,7 +38,7 @@ class _Thresholds:
         step=0.1,
     )
     use_advanced: BoolProperty(  # type: ignore
-        name="Advanced", description="Set distance, angle, depth and cache size one by one", default=False
+        name="Advanced", description="Set distance, angle, depth, rays per cell and cache size one by one", default=False
     )
     distance: FloatProperty(  # type: ignore
         name="Distance",
@@ -59,6 +59,16 @@ class _Thresholds:
     )
     depth: IntProperty(  # type: ignore
         name="Depth", description="How often a cell of rays may be halved", default=28, min=0, max=60
+    )
+    rays_per_cell: FloatProperty(  # type: ignore
+        name="Rays per Cell",
+        description="How many of a frame's rays must cross a cell of rays to be worth its samples. Fewer make the first "
+        "frame slower, and frames faster that see again what it saw: 1 or 2 for long animations with a still camera",
+        default=8.0,
+        min=0.0,
+        max=1e6,
+        soft_min=1.0,
+        soft_max=64.0,
     )
     cache_size: FloatProperty(  # type: ignore
         name="Cache Size",

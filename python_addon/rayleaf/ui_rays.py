@@ -19,6 +19,7 @@ def _draw_thresholds(column: Any, settings: Any) -> None:
         advanced.prop(settings, "distance")
         advanced.prop(settings, "angle")
         advanced.prop(settings, "depth")
+        advanced.prop(settings, "rays_per_cell")
         advanced.prop(settings, "cache_size", text="Cache Size (MB)")
 
 

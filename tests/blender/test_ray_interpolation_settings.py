@@ -31,11 +31,12 @@ def test_interpolation_is_off_unless_asked_for(run_blender):
 def test_the_panel_of_the_scene_reaches_the_core(run_blender):
     run = run_blender(SETUP + "rays.mode, rays.error = 'AUTO', 0.01" + RENDER).report
     assert run["scene"] == {"mode": "AUTO", "error": 0.01, "cache_bytes": None}
-    advanced = "rays.mode, rays.use_advanced, rays.distance, rays.angle, rays.depth, rays.cache_size = "
-    run = run_blender(SETUP + advanced + "'ON', True, 0.02, 0.25, 24, 2.0" + RENDER).report
+    advanced = "rays.mode, rays.use_advanced, rays.distance, rays.angle, rays.depth, rays.cache_size, rays.rays_per_cell = "
+    run = run_blender(SETUP + advanced + "'ON', True, 0.02, 0.25, 24, 2.0, 1.5" + RENDER).report
     assert run["scene"]["mode"] == "ON"
     assert run["scene"]["distance_threshold"] == 0.02 and run["scene"]["angle_threshold"] == pytest.approx(0.25)
     assert run["scene"]["depth_limit"] == 24 and run["scene"]["cache_bytes"] == 2_000_000
+    assert run["scene"]["rays_per_cell"] == 1.5
 
 
 def test_an_object_overrides_the_mode_and_keeps_the_scenes_thresholds(run_blender):

@@ -93,6 +93,22 @@ def test_rays_with_wide_spacing_are_traced_and_with_none_interpolated():
         np.testing.assert_array_equal(half["exit_direction"][first::2], expected["exit_direction"][first::2])
 
 
+def test_fewer_rays_per_cell_buy_more_samples_and_change_what_is_traced_alone():
+    rays = support.rays_towards(np.zeros(3), 0.6, 600)
+    spacing = {"distances": np.full(600, 0.02, np.float32), "angles": np.full(600, 0.005, np.float32)}
+    shares = []
+    for rays_per_cell in (0.0, 1.0, 8.0, 64.0, np.inf):
+        tree = fast_tree(shapes.nurbs_sphere(), "MIRROR", rays_per_cell=rays_per_cell)
+        got, truth = tree.ask(*rays, **spacing), tree.trace(*rays)
+        traced = got["answered_by"] == support.NOT_WORTH_IT
+        shares.append(traced.mean())
+        np.testing.assert_array_equal(got["exit_direction"][traced], truth["exit_direction"][traced])
+        if rays_per_cell == 0.0:
+            support.check_same_answers(got, tree.ask(*rays))
+    assert shares[0] == 0.0 and shares[-1] == 1.0 and (np.diff(shares) >= 0).all(), shares
+    assert 0.0 < shares[3], shares
+
+
 def test_rays_from_inside_the_box_are_not_told_what_lies_behind_them():
     random = np.random.default_rng(9)
     origins = random.uniform([-1, -1, -0.25], [1, 1, 0.25], (3000, 3))

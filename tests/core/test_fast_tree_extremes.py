@@ -124,7 +124,8 @@ def test_a_path_inside_glass_ends_after_64_hits():
 
 @pytest.mark.parametrize(
     "argument,value",
-    [("direction_threshold", np.nan), ("direction_threshold", -1.0), ("mixed_depth_limit", 61), ("depth_limit", -1)],
+    [("direction_threshold", np.nan), ("direction_threshold", -1.0), ("mixed_depth_limit", 61), ("depth_limit", -1),
+     ("rays_per_cell", np.nan), ("rays_per_cell", -1.0)],  # fmt: skip
 )
 def test_settings_without_meaning_are_named(argument, value):
     with pytest.raises(_core.InputError, match=f"cube.*{argument}"):

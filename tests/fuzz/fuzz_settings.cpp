@@ -23,7 +23,8 @@ RayInterpolation interpolation(fuzz::Bytes& bytes) {
     RayInterpolation drawn;
     drawn.mode = static_cast<RayInterpolationMode>(bytes.count(2));
     RayCacheSettings& t = drawn.thresholds;
-    for (double* value : {&t.distance_threshold, &t.angle_threshold, &t.pruned_share, &t.direction_threshold})
+    for (double* value :
+         {&t.distance_threshold, &t.angle_threshold, &t.pruned_share, &t.direction_threshold, &t.rays_per_cell})
         if (bytes.flag()) *value = bytes.number();
     for (int* value : {&t.depth_limit, &t.mixed_depth_limit})
         if (bytes.flag()) *value = drawn_int(bytes);

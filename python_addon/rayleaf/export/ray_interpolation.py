@@ -22,6 +22,7 @@ def _thresholds(settings: Any) -> dict[str, Any]:
             angle_threshold=settings.angle,
             depth_limit=settings.depth,
             cache_bytes=int(settings.cache_size * _BYTES_PER_MEGABYTE),
+            rays_per_cell=settings.rays_per_cell,
         )
     return values
 
