@@ -24,8 +24,8 @@ inline constexpr float kNearFactor = 1.0f - 0x1p-21f, kFarFactor = 1.0f + 0x1p-2
 struct GridRay {
     GridRay() = default;
     GridRay(const Vec3f& ray_origin, const Vec3f& direction);
-    /// For grids of fixed numbers: the same ray in double.
-    void set_fixed(const Vec3d& ray_origin, const Vec3d& direction);
+    /// For grids of fixed numbers: the same ray in double; `direction` has the length `speed`.
+    void set_fixed(const Vec3d& ray_origin, const Vec3d& direction, double speed);
 
     float origin[3];                  ///< by axis
     int near_side[3];                 ///< of a box, by axis: 0 where the ray runs towards higher coordinates, else 1

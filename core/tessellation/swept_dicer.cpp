@@ -95,11 +95,16 @@ SweptDicer::SweptDicer(const SweptSurface& surface, const FacetTolerance& tolera
     for (const SweepProfile& profile : surface.profiles()) profiles_.push_back(profile_cells(profile));
     plan(tolerance);
     const size_t splines = surface.path().splines.size();
-    for (size_t profile = 0; surface.has_caps() && profile < profiles_.size(); ++profile) {
+    for (size_t profile = 0; profile < profiles_.size(); ++profile) {
         std::vector<bool> used(profiles_[profile].size());
         for (size_t s = 0; s < splines; ++s) used[tubes_[profile * splines + s].level] = true;
-        for (size_t level = 0; level < used.size(); ++level)
-            if (used[level]) add_cap(profiles_[profile][level], surface.profiles()[profile]);
+        for (size_t level = 0; level < used.size(); ++level) {
+            ProfileCells& cells = profiles_[profile][level];
+            if (!used[level])
+                cells = {};
+            else if (surface.has_caps())
+                add_cap(cells, surface.profiles()[profile]);
+        }
     }
     number();
     for (const SweptFill& fill : surface.fills()) {
@@ -204,7 +209,13 @@ SweptDicer::PiecePlace SweptDicer::piece_at(uint32_t spline_index, uint32_t stat
         return spline.closed ? PiecePlace{spline.first_piece, 0.0, 1}
                              : PiecePlace{spline.first_piece + spline.piece_count - 1, 1.0, 1};
     const auto begin = first_cell_.begin() + spline.first_piece, end = begin + spline.piece_count;
-    const auto found = std::upper_bound(begin, end, station) - 1;
+    // Mostly the pieces have about as many cells each, and it is at the first look.
+    const auto guess = begin + static_cast<std::ptrdiff_t>(uint64_t{station} * spline.piece_count / total);
+    auto found = guess;
+    if (!(*guess <= station && (guess + 1 == end || station < guess[1])))
+        found = (*guess <= station ? std::upper_bound(guess + 1, end, station)
+                                   : std::upper_bound(begin, guess, station)) -
+                1;
     const uint32_t cells = (found + 1 == end ? total : *(found + 1)) - *found;
     return {static_cast<uint32_t>(found - first_cell_.begin()), static_cast<double>(station - *found) / cells, cells};
 }

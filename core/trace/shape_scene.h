@@ -59,7 +59,7 @@ struct ShapeQuery {
         if (kind != FacetKind::Grids && kind != FacetKind::FixedGrids) return;
         grid_ray = GridRay(local.float_origin, local.float_direction);
         if (kind == FacetKind::FixedGrids)
-            grid_ray.set_fixed(local.origin + local.direction * local.start, local.direction / local.speed);
+            grid_ray.set_fixed(local.origin + local.direction * local.start, local.direction, local.speed);
     }
     static ShapeQuery& of(EmbreeContext* context) { return *reinterpret_cast<ShapeQuery*>(context); }
 
