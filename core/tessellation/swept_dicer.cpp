@@ -213,9 +213,9 @@ SweptDicer::PiecePlace SweptDicer::piece_at(uint32_t spline_index, uint32_t stat
     const auto guess = begin + static_cast<std::ptrdiff_t>(uint64_t{station} * spline.piece_count / total);
     auto found = guess;
     if (!(*guess <= station && (guess + 1 == end || station < guess[1])))
-        found = (*guess <= station ? std::upper_bound(guess + 1, end, station)
-                                   : std::upper_bound(begin, guess, station)) -
-                1;
+        found =
+            (*guess <= station ? std::upper_bound(guess + 1, end, station) : std::upper_bound(begin, guess, station)) -
+            1;
     const uint32_t cells = (found + 1 == end ? total : *(found + 1)) - *found;
     return {static_cast<uint32_t>(found - first_cell_.begin()), static_cast<double>(station - *found) / cells, cells};
 }

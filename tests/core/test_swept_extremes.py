@@ -96,13 +96,14 @@ def test_a_doubled_point_changes_nothing():
     np.testing.assert_allclose(hits[0]["t"], hits[1]["t"], atol=1e-7)
 
 
-def test_many_splines_are_one_object_of_bounded_size():
-    count = 20_000
+@pytest.mark.slow
+def test_a_million_splines_are_one_object_of_bounded_size():
+    count = 1_000_000
     random = np.random.default_rng(43)
     roots = random.uniform(-1, 1, (count, 1, 3))
     points = np.concatenate([roots, roots + random.normal(0, 0.02, (count, 1, 3))], axis=1).reshape(-1, 3)
     splines = swept.splines("POLY", points, counts=np.full(count, 2), material_slot=3)
-    shape = _core.trace.SweptSurface(_core.SweptCurve("many", [splines], bevel_depth=1e-3, fill_caps=True))
+    shape = _core.trace.SweptSurface(_core.SweptCurve("many", [splines], bevel_depth=1e-3))
     assert shape.bytes < 500 * count
     tracer = tracer_of(shape)
     chosen = random.integers(0, count, 2000)
@@ -111,8 +112,9 @@ def test_many_splines_are_one_object_of_bounded_size():
     assert tracer.occluded(ends.mean(axis=1) + 1e-2 * across, -across, t_max=np.array([1e-2])).all()
 
 
-def test_one_spline_of_many_points_is_found_everywhere():
-    count = 50_000
+@pytest.mark.slow
+def test_one_spline_of_a_million_points_is_found_everywhere():
+    count = 1_000_000
     angle = np.linspace(0, 200 * np.pi, count)
     points = np.stack([np.cos(angle), np.sin(angle), angle / 300], axis=1)
     shape = swept.surface("POLY", points, bevel_depth=1e-3)
@@ -123,6 +125,14 @@ def test_one_spline_of_many_points_is_found_everywhere():
     outwards = targets * [1, 1, 0]
     hits = tracer.closest_hits(targets + outwards, -outwards)
     np.testing.assert_allclose(hits["t"], 1 - 1e-3, atol=1e-4)
+
+
+@pytest.mark.parametrize("degenerate", ["handles on the points", "handles on the line"])
+def test_a_straight_bezier_segment_is_one_piece_however_slowly_it_begins(degenerate):
+    ends = np.array([[0.0, 0, 0], [1, 1, 0.5]])
+    step = (ends[1] - ends[0]) * (0.0 if degenerate == "handles on the points" else 0.01)
+    handles = np.stack([ends - step, ends + step], axis=1)
+    assert swept.surface("BEZIER", ends, handles, bevel_depth=0.1).element_count == 1
 
 
 def test_each_spline_has_its_material_and_flat_ones_the_normals_of_facets():
