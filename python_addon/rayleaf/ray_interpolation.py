@@ -38,7 +38,9 @@ class _Thresholds:
         step=0.1,
     )
     use_advanced: BoolProperty(  # type: ignore
-        name="Advanced", description="Set distance, angle, depth, rays per cell and cache size one by one", default=False
+        name="Advanced",
+        description="Set distance, angle, depth, rays per cell and cache size one by one",
+        default=False,
     )
     distance: FloatProperty(  # type: ignore
         name="Distance",

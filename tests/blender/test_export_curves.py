@@ -86,6 +86,10 @@ uneven.data.splines[0].bezier_points[1].radius = 2.0
 curve("Crossed", "POLY", [(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0)], cyclic=True, dimensions="2D", fill_mode="BOTH")
 curve("Outline", dimensions="2D", fill_mode="NONE", cyclic=True, points=square, **tube)
 curve("Profile", bevel_mode="PROFILE", **tube)
+for count in (150, 400):
+    round_widget = curve(f"Profile of {count} points", bevel_mode="PROFILE", **tube).data.bevel_profile
+    for angle in np.linspace(0, np.pi / 2, count)[1:-1]:
+        round_widget.points.add(np.cos(angle), np.sin(angle))
 curve("Tangent", twist_mode="TANGENT", **tube)
 curve("Corners", twist_mode="TANGENT", handles="VECTOR", **tube)
 keyed = curve("Absolute", **tube)
@@ -101,12 +105,13 @@ sent, told, _ = recording_core.export()
 report(exact=told.exact, evaluated=told.evaluated, names=sorted(sent.instances["names"]))
 """
     ).report
-    assert sorted(run["exact"]) == ["Exact", "Filled", "Outline", "Profile", "Tangent"]
+    assert sorted(run["exact"]) == ["Exact", "Filled", "Outline", "Profile", "Profile of 150 points", "Tangent"]
     assert run["evaluated"] == {
         "Modified": "modifier Bend",
         "Flat": "flat shading",
         "Uneven": "filled area that is not flat, for the radius changes",
         "Crossed": "filled area whose outlines cross",
+        "Profile of 400 points": "profile widget of too many points",
         "Corners": "tangent twist, which Blender leaves undefined on straight segments and NURBS",
         "Absolute": "absolute shape keys",
         "Aligned": "shape keys with aligned handles",

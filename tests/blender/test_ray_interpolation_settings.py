@@ -31,7 +31,9 @@ def test_interpolation_is_off_unless_asked_for(run_blender):
 def test_the_panel_of_the_scene_reaches_the_core(run_blender):
     run = run_blender(SETUP + "rays.mode, rays.error = 'AUTO', 0.01" + RENDER).report
     assert run["scene"] == {"mode": "AUTO", "error": 0.01, "cache_bytes": None}
-    advanced = "rays.mode, rays.use_advanced, rays.distance, rays.angle, rays.depth, rays.cache_size, rays.rays_per_cell = "
+    advanced = (
+        "rays.mode, rays.use_advanced, rays.distance, rays.angle, rays.depth, rays.cache_size, rays.rays_per_cell = "
+    )
     run = run_blender(SETUP + advanced + "'ON', True, 0.02, 0.25, 24, 2.0, 1.5" + RENDER).report
     assert run["scene"]["mode"] == "ON"
     assert run["scene"]["distance_threshold"] == 0.02 and run["scene"]["angle_threshold"] == pytest.approx(0.25)

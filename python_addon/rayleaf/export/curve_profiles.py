@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from .curve_splines import Doubles
 
-# Samples of a segment. Four determine a cubic; more tell whether it is one.
-_SAMPLES = 9
+# Samples of a segment. Its end and three determine a cubic; more tell whether it is one.
+_SAMPLES, _FEWEST_SAMPLES = 9, 4
+# Blender gives no more than this in all.
+_MOST_SAMPLES = 1000
 # How far samples may lie from their cubic: they are single precision numbers of the order of 1.
 _FIT = 1e-5
 
@@ -53,19 +55,22 @@ def _joined(parts: list[Outline]) -> Outline:
 
 
 @cache
-def _inner_weights() -> Doubles:
+def _inner_weights(samples: int) -> Doubles:
     """(2, samples + 1): what the samples count for in the two inner points of a cubic with given ends."""
-    t = np.linspace(0.0, 1.0, _SAMPLES + 1)
+    t = np.linspace(0.0, 1.0, samples + 1)
     return np.asarray(np.linalg.pinv(np.stack([3 * t * (1 - t) ** 2, 3 * t * t * (1 - t)], axis=1)))
 
 
-def _samples(widget: Any, segments: int) -> Doubles:
-    """(segments, samples + 1, 2) of an evaluated widget, which is left as it was."""
+def _samples(widget: Any, segments: int) -> Doubles | None:
+    """(segments, samples + 1, 2) of an evaluated widget, which is left as it was; None if there are too few."""
+    each = min(_SAMPLES, _MOST_SAMPLES // segments)
+    if each < _FEWEST_SAMPLES:
+        return None
     flags, before = (widget.use_sample_even_lengths, widget.use_sample_straight_edges), len(widget.segments)
     try:
         widget.use_sample_even_lengths, widget.use_sample_straight_edges = False, True
-        widget.initialize(segments * _SAMPLES)
-        inner = np.array([point.location[:] for point in widget.segments], np.float64).reshape(segments, _SAMPLES, 2)
+        widget.initialize(segments * each)
+        inner = np.array([point.location[:] for point in widget.segments], np.float64).reshape(segments, each, 2)
     finally:
         widget.use_sample_even_lengths, widget.use_sample_straight_edges = flags
         widget.initialize(max(before, 1))
@@ -75,13 +80,16 @@ def _samples(widget: Any, segments: int) -> Doubles:
 
 
 def quarter(widget: Any) -> Outline | None:
-    """From the widget's first point (1, 0) to its last (0, 1); None if its samples lie on no cubics."""
+    """From the widget's first point (1, 0) to its last (0, 1); None if its samples lie on no cubics, or are too few."""
     points = list(widget.points)
     samples = _samples(widget, len(points) - 1)
-    t = np.linspace(0.0, 1.0, _SAMPLES + 1)[None, :, None]
+    if samples is None:
+        return None
+    each = samples.shape[1] - 1
+    t = np.linspace(0.0, 1.0, each + 1)[None, :, None]
     begins, ends = samples[:, :1], samples[:, -1:]
     off = samples - (begins * (1 - t) ** 2 * (1 + 2 * t) + ends * t * t * (3 - 2 * t))
-    inner = _inner_weights() @ off + np.concatenate([begins, ends], axis=1)
+    inner = _inner_weights(each) @ off + np.concatenate([begins, ends], axis=1)
     cubics = np.concatenate([begins, inner, ends], axis=1)
     back = off - 3 * t * (1 - t) ** 2 * (inner[:, :1] - begins) - 3 * t * t * (1 - t) * (inner[:, 1:] - ends)
     if not np.abs(back).max() < _FIT:

@@ -75,7 +75,7 @@ def judge(core: ModuleType, curve_object: Any, curve: Any) -> Judged:
     try:
         described = _describe(core, curve_object, curve, table)
         if described is None:
-            return Judged(True, "profile widget that is no chain of cubics")
+            return Judged(True, "profile widget of too many points")
         if filled and described.borders_cross():
             return Judged(True, "filled area whose outlines cross")
         return Judged(True, curve=described)
