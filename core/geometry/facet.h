@@ -26,6 +26,10 @@ inline Vec3d area_vector(const FacetCorners& corners) {
     return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
 }
 
+/// How far the point of a ray that a test in single precision puts inside a facet may lie beside it, along the ray,
+/// local units: sixteen times what rounding moves a ray aside, for rays down to a sixteenth of a radian to the facet.
+inline constexpr double kBorderReach = 0x1p-17;
+
 /// The hit of a ray that a test in single precision has found inside the facet. That test decides about inside, since
 /// it agrees with the neighbours' along shared edges; here the point is only made exact, so weights that leave the
 /// facet are drawn back to its border. Empty where the ray lies in the facet's plane, or the facet has no area.
@@ -47,8 +51,12 @@ inline std::optional<FacetHit> exact_facet_hit(const FacetCorners& corners, cons
     hit.u = std::clamp(u_raw, 0.0, 1.0);
     hit.v = std::clamp(v_raw, 0.0, 1.0 - hit.u);
     hit.position = corners[0] + edge1 * hit.u + edge2 * hit.v;
-    const bool moved = hit.u != u_raw || hit.v != v_raw;
-    hit.t = moved ? (hit.position - origin).dot(direction) / direction.dot(direction) : t_raw;
+    hit.t = t_raw;
+    if (hit.u == u_raw && hit.v == v_raw) return hit;
+    // Beside the point that was drawn back. But where the ray starts on this facet's border or on its neighbour, only
+    // the plane tells that it lies behind: the point has moved along the border by more than that.
+    const double speed = direction.length(), beside = (hit.position - origin).dot(direction) / (speed * speed);
+    hit.t = std::clamp(t_raw, beside - kBorderReach / speed, beside + kBorderReach / speed);
     return hit;
 }
 

@@ -22,6 +22,7 @@ struct SurfacePoint {
     const Shape* shape = nullptr;
     LocalHit local;
     uint32_t instance = 0;
+    RaySight sight;             ///< of the ray whose width decided how finely the surface was diced here
     bool interpolated = false;  ///< not on a facet, and only approximate; derivatives are by the picture's x and y
 
     /// What a ray that starts or ends here holds on to.
@@ -38,7 +39,7 @@ struct SurfacePoint {
     /// Makes a ray towards `direction` (unit) one that leaves the surface here.
     void release(Ray& ray, const Vec3f& direction) const {
         ray.origin = ray_origin(direction);
-        ray.start = anchor();
+        ray.start = {anchor(), sight};
         ray.leaves = instance;
     }
     /// What is left of a ray that goes straight on.

@@ -11,7 +11,8 @@ void DistributionTracer::follow_pending() {
         Branch branch = pending_.back();
         pending_.pop_back();
         ++counts_[branch.use];
-        arrive(branch, scene_.tracer().closest_hit(ray_of(branch), branch.bounces.ray_kind()));
+        branch.ray = ray_of(branch);
+        arrive(branch, scene_.tracer().closest_hit(branch.ray, branch.bounces.ray_kind()));
     }
 }
 

@@ -9,7 +9,8 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     const double reach = settings_.occlusion_distance;
     const bool carries_light =
         distribution_.indirect != IndirectLight::AmbientOcclusion && hemisphere_brings_light(frame_);
-    Ray limited = ray_of(ray);
+    const Ray whole = ray_of(ray);
+    Ray limited = whole;
     if (!carries_light) limited.t_max = reach;
     ++counts_[ray.use];
     const std::optional<Hit> hit = scene_.tracer().closest_hit(limited, ray.bounces.ray_kind());
@@ -24,6 +25,7 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
                                        ray.bounces.transparent_left(), widening(ray));
     if (carries_light) {
         Branch branch = ray;
+        branch.ray = whole;
         arrive(branch, hit);
         follow_pending();
         const auto color = [&](Pass pass) {

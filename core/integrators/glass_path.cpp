@@ -24,7 +24,7 @@ std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, c
     exit.ray.origin = to_world.point(way.exit_position) +
                       exit.ray.direction * (kExitErrors * way.position_error * to_world.x.length());
     exit.ray.leaves = hit.instance;
-    exit.ray.start = {hit.instance, RayAnchor::kNoFacet, 0};
+    exit.ray.start = {{hit.instance, RayAnchor::kNoFacet, 0}, {}};
     exit.total_reflections = way.total_reflections;
     exit.crossings = way.interior_hits - way.total_reflections;
     exit.differential = differential;
@@ -45,7 +45,8 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
     GlassExit exit{entered, differential, 0, 0};
     Ray& ray = exit.ray;
     for (int hits = 0; hits < most_hits; ++hits) {
-        const std::optional<Hit> hit = scene.tracer().closest_on(instance, with_width(ray, exit.differential));
+        ray = with_width(ray, exit.differential);
+        const std::optional<Hit> hit = scene.tracer().closest_on(instance, ray);
         if (!hit) return std::nullopt;
         const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
         const Vec3d facet(point.facet_normal);

@@ -80,11 +80,11 @@ std::vector<OpenPoint> PointFinder::find(const CameraRay& camera_ray, const Samp
 
 void PointFinder::look(const Branch& branch) {
     const Tracer& tracer = frame_.scene.tracer();
-    const std::optional<Hit> hit =
-        tracer.closest_hit(with_width(branch.ray, branch.differential), branch.bounces.ray_kind());
+    const Ray ray = with_width(branch.ray, branch.differential);
+    const std::optional<Hit> hit = tracer.closest_hit(ray, branch.bounces.ray_kind());
     if (!hit || branch.bounces.is_spent()) return;
     Vertex vertex;
-    vertex.point = tracer.surface_point(branch.ray, *hit);
+    vertex.point = tracer.surface_point(ray, *hit);
     const Vec3f direction(branch.ray.direction);
     vertex.outgoing = -direction;
     vertex.differential = branch.differential.transferred(direction, hit->t, vertex.point.facet_normal);

@@ -26,7 +26,7 @@ struct RayArrays {
         ray.beam = RayBeam::cone(one(width), one(spread));
         if (starts.size() > 0) {
             const uint32_t* start = starts.data() + 3 * i;
-            ray.start = {start[0], start[1], start[2]};
+            ray.start = {{start[0], start[1], start[2]}, {}};
         }
         return ray;
     }

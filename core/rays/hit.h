@@ -9,6 +9,10 @@
 
 namespace rayleaf {
 
+/// Whose width decided how finely the subpatch that was hit was diced: the ray's own, or that of the ray that found its
+/// start (RaySight).
+enum class SeenBy : uint8_t { Itself, RayBefore };
+
 /// A hit in the local space of its shape (geometry/shape.h: centred, scaled to about [-1, 1]).
 struct LocalHit {
     uint32_t primitive = 0;   ///< element of the shape: triangle, or Bezier patch before any splitting
@@ -17,6 +21,8 @@ struct LocalHit {
     Vec3f normal{0, 0, 1};    ///< of that facet by its winding; not unit, never zero
     /// The subpatch that was hit, and how finely it was diced for the ray (RayAnchor); none for triangles.
     uint32_t subpatch = RayAnchor::kNone, levels = 0;
+    SeenBy seen_by = SeenBy::Itself;
+    float subpatch_length = 0;  ///< the longest line of the subpatch
 };
 
 /// How an object with a ray cache answered a ray. The numbers are the codes of the mask pass (film/passes.def).

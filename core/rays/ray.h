@@ -38,6 +38,19 @@ struct RayBeam {
     bool has_width() const { return sides[0].a > 0.0f || sides[0].c > 0.0f || sides[1].a > 0.0f || sides[1].c > 0.0f; }
 };
 
+/// The ray that found the point where another one starts. Within `reach` of that point the other one sees surfaces as
+/// finely as this one did: of a thin wall, the side behind could else be diced more finely than the side in front, and
+/// its facets lie before those.
+struct RaySight {
+    Vec3d origin{0, 0, 0}, direction{0, 0, 1};  ///< world space
+    RayBeam beam;
+    float reach = 0;  ///< world units; 0: there was no such ray
+};
+
+struct RayStart : RayAnchor {
+    RaySight sight;
+};
+
 struct Ray {
     Vec3d origin{0, 0, 0};                                   ///< world units
     Vec3d direction{0, 0, 1};                                ///< unit length, points away from the origin
@@ -46,7 +59,8 @@ struct Ray {
 
     /// Surfaces are diced as finely as this needs; without a width, as finely as the view asks for. World units.
     RayBeam beam;
-    RayAnchor start, end;
+    RayStart start;
+    RayAnchor end;
 
     /// For ray caches: the instance that the ray leaves, if any, and how far the rays of this picture beside it are.
     /// Both zero: as close as can be.

@@ -135,6 +135,17 @@ void take_shared(const SubpatchDetail& detail, const SubpatchDetail& anchored, c
             if (same_border(detail, i, anchored, j)) levels.border[i] = anchored_levels.border[j];
 }
 
+/// From a place to the middles between the ends of the borders.
+Float4 squared_distances(const SubpatchDetail& detail, const float (&place)[3]) {
+    Float4 from[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const Float4 corners = load4(detail.corners[axis]);
+        const Float4 ends = shuffled<0, 1, 2, 0>(corners) + shuffled<1, 3, 3, 2>(corners);  // as kBorderEnds has them
+        from[axis] = 0.5f * ends - place[axis];
+    }
+    return from[0] * from[0] + from[1] * from[1] + from[2] * from[2];
+}
+
 /// A number in [0,1) of the ray alone, for stochastic rounding.
 float ray_random(const Vec3d& origin, const Vec3d& direction) {
     uint64_t state = 0;
@@ -191,8 +202,12 @@ float fine_facet_distance(const SubpatchDetail& detail) {
     return DetailCode::length(detail.inner_bend) / static_cast<float>(kGridCells * kGridCells);
 }
 
-LevelChooser::LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, const RayBeam& beam,
-                           float stretch)
+float longest_line(const SubpatchDetail& detail) {
+    return DetailCode::length(detail.inner_length);
+}
+
+LevelSight::LevelSight(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, const RayBeam& beam,
+                       float stretch)
     : fixed_(rule.resolution == LevelRule::Resolution::Single || !beam.has_width()),
       distance_(rule.distance),
       stretch_(stretch) {
@@ -211,7 +226,7 @@ LevelChooser::LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec
 
 /// The least widths between distances: the geometric mean of the two sides, for of a beam that is wide one way and
 /// narrow the other, neither is what its facets should be.
-Float4 LevelChooser::widths(Float4 near, Float4 far) const {
+Float4 LevelSight::widths(Float4 near, Float4 far) const {
     const auto squared = [&](int i) {
         const Float4 t = min4(max4(all4(narrowest_[i]), near), far);
         const RayBeam::Side& side = beam_.sides[i];
@@ -231,16 +246,9 @@ void LevelChooser::anchor(const SubpatchDetail& detail, uint32_t subpatch, uint3
     anchor_[anchors_++] = {&detail, subpatch, levels};
 }
 
-/// All four borders at once; the own level is that of the inside alone. No point of a border is farther from the middle
-/// between its ends than half its length.
-SubpatchLevels LevelChooser::by_width(const SubpatchDetail& detail) const {
-    Float4 from[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        const Float4 corners = load4(detail.corners[axis]);
-        const Float4 ends = shuffled<0, 1, 2, 0>(corners) + shuffled<1, 3, 3, 2>(corners);  // as kBorderEnds has them
-        from[axis] = 0.5f * ends - origin_[axis];
-    }
-    const Float4 away = sqrt4(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
+/// All four borders at once. No point of a border is farther from the middle between its ends than half its length.
+SubpatchLevels LevelSight::by_width(const SubpatchDetail& detail) const {
+    const Float4 away = sqrt4(squared_distances(detail, origin_));
     const auto coded = [](const uint8_t* codes) {
         return Float4{kCoded.value[codes[0]], kCoded.value[codes[1]], kCoded.value[codes[2]], kCoded.value[codes[3]]};
     };
@@ -260,10 +268,36 @@ SubpatchLevels LevelChooser::by_width(const SubpatchDetail& detail) const {
     return levels;
 }
 
+void LevelChooser::see_nearby(const LevelSight& before, const Vec3d& place, float reach) {
+    before_ = before;
+    for (int axis = 0; axis < 3; ++axis) place_[axis] = static_cast<float>(place[axis]);
+    reach_squared_ = reach * reach;
+}
+
+/// A bit each.
+uint32_t LevelChooser::nearby_borders(const SubpatchDetail& detail) const {
+    const Float4 squared = squared_distances(detail, place_);
+    uint32_t bits = 0;
+    for (int i = 0; i < kBorders; ++i) bits |= (squared[i] <= reach_squared_ ? 1u : 0u) << i;
+    return bits;
+}
+
+SubpatchLevels LevelChooser::seen_by_two(const SubpatchDetail& detail) const {
+    const uint32_t nearby = nearby_borders(detail);
+    if (nearby == 0) return own_.levels(detail);
+    const SubpatchLevels before = before_.levels(detail);
+    if (nearby == kAllBorders) return before;
+    SubpatchLevels levels = own_.levels(detail);
+    levels.own = std::max(levels.own, before.own);
+    for (int i = 0; i < kBorders; ++i)
+        if ((nearby >> i & 1u) != 0) levels.border[i] = before.border[i];
+    return levels;
+}
+
 SubpatchLevels LevelChooser::with_anchors(const SubpatchDetail& detail, uint32_t subpatch) const {
     for (int i = 0; i < anchors_; ++i)
         if (anchor_[i].subpatch == subpatch) return anchor_[i].levels;
-    SubpatchLevels levels = fixed_ ? SubpatchLevels{} : by_width(detail);
+    SubpatchLevels levels = seen(detail);
     for (int i = 0; i < anchors_; ++i) take_shared(detail, *anchor_[i].detail, anchor_[i].levels, levels);
     levels.raise_own();
     return levels;

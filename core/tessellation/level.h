@@ -12,6 +12,7 @@
 
 #include "base/float4.h"
 #include "base/vector.h"
+#include "rays/hit.h"
 #include "rays/ray.h"
 #include "tessellation/grid.h"
 
@@ -78,6 +79,8 @@ class DetailCode {
     static float length(uint8_t code);
 };
 
+/// Longest line of a subpatch, local units.
+float longest_line(const SubpatchDetail& detail);
 /// Of a diced subpatch. The borders' numbers do not depend on the direction in which a border is run through.
 SubpatchDetail detail_of(const GridRows& rows);
 /// How far the surface may lie from fine facets, local units.
@@ -96,23 +99,53 @@ struct LevelRule {
     enum class Resolution : uint8_t { Multiple, Single } resolution = Resolution::Multiple;
 };
 
+/// How finely one ray sees subpatches, in one shape's local space.
+class LevelSight {
+  public:
+    /// Sees fine grids, as a ray without a width.
+    LevelSight() = default;
+    /// All are local. Places at a distance d from the origin are met at a `t` of the beam from d to `stretch` d.
+    LevelSight(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, const RayBeam& beam, float stretch);
+
+    /// The own level is that of the inside alone.
+    SubpatchLevels levels(const SubpatchDetail& detail) const { return fixed_ ? SubpatchLevels{} : by_width(detail); }
+
+  private:
+    bool fixed_ = true;  ///< the ray has no width: fine
+    float distance_ = 0, origin_[3] = {0, 0, 0}, stretch_ = 1;
+    RayBeam beam_;            ///< times the rule's factor
+    float narrowest_[2]{};    ///< t at which a side of the beam is
+    bool same_sides_ = true;  ///< of the beam
+    float rounding_ = 1;      ///< the wanted number of quads is multiplied by this
+
+    Float4 widths(Float4 near, Float4 far) const;
+    SubpatchLevels by_width(const SubpatchDetail& detail) const;
+};
+
 /// Chooses levels for one ray in one shape's local space.
 class LevelChooser {
   public:
     LevelChooser() = default;
-    /// All are local. Places at a distance d from the origin are met at a `t` of the beam from d to `stretch` d.
-    LevelChooser(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, const RayBeam& beam,
-                 float stretch);
+    explicit LevelChooser(const LevelSight& own) : own_(own) {}
 
     /// The ray sees fine grids, as one without a width.
-    void see_fine() { fixed_ = true; }
+    void see_fine() {
+        own_ = {};
+        reach_squared_ = -1.0f;
+    }
+    /// Borders whose middles are that near to a place are seen by another ray's width.
+    void see_nearby(const LevelSight& before, const Vec3d& place, float reach);
     /// Adds a subpatch that is seen at given levels.
     void anchor(const SubpatchDetail& detail, uint32_t subpatch, uint32_t packed_levels);
     SubpatchLevels levels(const SubpatchDetail& detail, uint32_t subpatch) const {
         if (anchors_ != 0) return with_anchors(detail, subpatch);
-        SubpatchLevels levels = fixed_ ? SubpatchLevels{} : by_width(detail);
+        SubpatchLevels levels = seen(detail);
         levels.raise_own();
         return levels;
+    }
+    /// Whose width decided about all of a subpatch.
+    SeenBy seen_by(const SubpatchDetail& detail) const {
+        return reach_squared_ >= 0.0f && nearby_borders(detail) == kAllBorders ? SeenBy::RayBefore : SeenBy::Itself;
     }
 
   private:
@@ -121,17 +154,17 @@ class LevelChooser {
         uint32_t subpatch;
         SubpatchLevels levels;
     };
-    bool fixed_ = true;  ///< the ray has no width: fine
-    float distance_ = 0, origin_[3] = {0, 0, 0}, stretch_ = 1;
-    RayBeam beam_;            ///< times the rule's factor
-    float narrowest_[2]{};    ///< t at which a side of the beam is
-    bool same_sides_ = true;  ///< of the beam
-    float rounding_ = 1;      ///< the wanted number of quads is multiplied by this
+    static constexpr uint32_t kAllBorders = (1u << kBorders) - 1;
+    LevelSight own_, before_;
+    float place_[3] = {0, 0, 0}, reach_squared_ = -1;  ///< where `before_` holds; nowhere if negative
     int anchors_ = 0;
     std::array<Anchor, 2> anchor_{};
 
-    Float4 widths(Float4 near, Float4 far) const;
-    SubpatchLevels by_width(const SubpatchDetail& detail) const;
+    SubpatchLevels seen(const SubpatchDetail& detail) const {
+        return reach_squared_ < 0.0f ? own_.levels(detail) : seen_by_two(detail);
+    }
+    SubpatchLevels seen_by_two(const SubpatchDetail& detail) const;
+    uint32_t nearby_borders(const SubpatchDetail& detail) const;
     SubpatchLevels with_anchors(const SubpatchDetail& detail, uint32_t subpatch) const;
 };
 

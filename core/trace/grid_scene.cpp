@@ -78,7 +78,11 @@ void GridScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
 void GridScene::prepare(ShapeQuery& query) const {
     if (details_.empty()) return;
     const LocalRay& ray = *query.ray;
-    query.levels = LevelChooser(query.reader->rule(), ray.origin, ray.direction, ray.beam, ray.stretch);
+    const LevelRule& rule = query.reader->rule();
+    query.levels = LevelChooser({rule, ray.origin, ray.direction, ray.beam, ray.stretch});
+    if (const LocalSight& before = ray.before; before.reach > 0.0f)
+        query.levels.see_nearby({rule, before.origin, before.direction, before.beam, ray.stretch}, ray.origin,
+                                before.reach);
     for (const RayAnchor& anchor : ray.anchors) {
         if (anchor.instance == RayAnchor::kNone) continue;
         if (anchor.subpatch == RayAnchor::kNoFacet) query.levels.see_fine();
@@ -106,6 +110,7 @@ bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_
         const int cells_apart = kGridCells / grid.cells();
         query.best.place = facet.place(query.best.point.u, query.best.point.v) * cells_apart;
         query.best.levels = levels.packed();
+        if (!details_.empty()) query.best.seen_by = query.levels.seen_by(details_[subpatch]);
         found = true;
         if (grid.format() == VertexFormat::Float) return true;
     }
@@ -216,6 +221,8 @@ LocalHit GridScene::local_hit(const ShapeHit& hit) const {
     local.normal = Vec3f(hit.area / max_abs(hit.area));  // never zero: the facet was hit
     local.subpatch = hit.facet.primitive;
     local.levels = hit.levels;
+    local.seen_by = hit.seen_by;
+    if (!details_.empty()) local.subpatch_length = longest_line(details_[hit.facet.primitive]);
     return local;
 }
 

@@ -81,16 +81,26 @@ LocalHit InstanceRecord::interpolated_local(const Ray& world_ray, double t, cons
     return hit;
 }
 
+RayBeam InstanceRecord::local_beam(const RayBeam& beam) const {
+    RayBeam local;
+    for (int i = 0; i < 2; ++i) {
+        const RayBeam::Side& world = beam.sides[i];
+        local.sides[i] = {world.a * shrink * shrink, world.b * shrink * widening, world.c * widening * widening};
+    }
+    return local;
+}
+
 std::optional<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& world_ray, double t_max) const {
     if (scene->box().isEmpty()) return std::nullopt;
     std::optional<LocalRay> local = clipped_ray(scene->box(), point_to_local(world_ray.origin),
                                                 vector_to_local(world_ray.direction), world_ray.t_min, t_max);
     if (!local) return local;
-    for (int i = 0; i < 2; ++i) {
-        const RayBeam::Side& world = world_ray.beam.sides[i];
-        local->beam.sides[i] = {world.a * shrink * shrink, world.b * shrink * widening, world.c * widening * widening};
-    }
+    local->beam = local_beam(world_ray.beam);
     local->stretch = 1.0f / widening;
+    const RaySight& before = world_ray.start.sight;
+    if (before.reach > 0.0f)
+        local->before = {point_to_local(before.origin), vector_to_local(before.direction), local_beam(before.beam),
+                         before.reach * shrink};
     if (world_ray.start.instance == index) local->anchors[0] = world_ray.start;
     if (world_ray.end.instance == index) local->anchors[1] = world_ray.end;
     return local;

@@ -46,6 +46,7 @@ struct InstanceRecord {
     /// An interpolated answer as a hit at `t` of a world ray.
     LocalHit interpolated_local(const Ray& world_ray, double t, const ObjectAnswer& answer) const;
 
+    RayBeam local_beam(const RayBeam& beam) const;
     /// A world ray up to t_max in local space; empty where it misses
     /// the shape's box. `index` is the instance's.
     std::optional<LocalRay> local_ray(uint32_t index, const Ray& world_ray, double t_max) const;

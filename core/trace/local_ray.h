@@ -25,6 +25,13 @@ inline constexpr double kBackstep = 0x1p-12;
 /// Embree does not state for user geometry.
 inline constexpr double kBoxPadding = 0x1p-19;
 
+/// RaySight in local space; its beam is to be read as LocalRay's.
+struct LocalSight {
+    Vec3d origin{0, 0, 0}, direction{0, 0, 1};
+    RayBeam beam;
+    float reach = 0;  ///< from the ray's origin
+};
+
 struct LocalRay {
     Vec3d origin{0, 0, 0};
     Vec3d direction{0, 0, 1};     ///< local units per world unit, not unit length: t is the world ray's
@@ -33,6 +40,7 @@ struct LocalRay {
     RayBeam beam;          ///< Ray's, local; a unit of t in it is the shortest that the instance makes of a local unit
     float stretch = 1;     ///< the longest over that
     RayAnchor anchors[2];  ///< Ray's start and end where they lie on this instance; else none
+    LocalSight before;     ///< of the ray that found the start
     const GeometryCache::Reader* reader = nullptr;  ///< of this thread; null: the shape gets one
 
     double start = 0;                ///< t of the float ray's origin

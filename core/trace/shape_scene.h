@@ -37,6 +37,7 @@ struct ShapeHit {
     Vec3d area{0, 0, 0};  ///< area vector of the facet
     Vec2d place{0, 0};    ///< in the fine grid: i + fraction, j + fraction
     uint32_t levels = 0;  ///< SubpatchLevels::packed
+    SeenBy seen_by = SeenBy::Itself;
 };
 
 /// What a shape's facets are held in.

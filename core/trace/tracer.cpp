@@ -67,6 +67,7 @@ struct Tracer::Implementation {
     void visit_any(Query& query, uint32_t index) const;
     bool start(Query& query, const Ray& ray, Visibility kind) const;
     Hit hit_of(const Query& query) const;
+    RaySight sight_from(const Ray& ray, const Hit& hit) const;
 
     static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
     static void closest_callback(const RTCIntersectFunctionNArguments* arguments);
@@ -265,6 +266,17 @@ Hit Tracer::Implementation::hit_of(const Query& query) const {
     return hit;
 }
 
+/// What a ray that starts at a hit is told of the ray that found it.
+RaySight Tracer::Implementation::sight_from(const Ray& ray, const Hit& hit) const {
+    /// In longest lines of the subpatch that was hit: from anywhere on it, the middles of the borders of another one
+    /// of its size right behind it are nearer.
+    constexpr float kReach = 2.0f;
+    RaySight sight =
+        hit.local.seen_by == SeenBy::RayBefore ? ray.start.sight : RaySight{ray.origin, ray.direction, ray.beam, 0.0f};
+    sight.reach = kReach * hit.local.subpatch_length / records[hit.instance].shrink;
+    return sight;
+}
+
 std::optional<Hit> Tracer::closest_hit(const Ray& ray, Visibility kind) const {
     return closest(ray, kind).hit;
 }
@@ -319,6 +331,7 @@ SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit) const {
     SurfacePoint point = implementation_->records[hit.instance].surface_point(
         hit.instance, hit.local, size, hit.is_interpolated() ? &hit.interpolated : nullptr);
     point.t = hit.t;
+    if (hit.local.subpatch_length > 0.0f) point.sight = implementation_->sight_from(ray, hit);
     return point;
 }
 

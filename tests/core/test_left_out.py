@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import scenes
 import strand_shapes
+import subdivision_cages as cages
 import swept_support
 from core import subdivision_cages as cages
 from path_scenes import material
@@ -67,6 +68,11 @@ def add_strand(core, scene):
     scene.add_instance("hair", scene.add_shape(hair), scenes.matrix(), scenes_material(core, scene))
 
 
+def add_subdivision_surface(core, scene):
+    body = cages.cube().surface()
+    scene.add_instance("body", scene.add_shape(body), scenes.matrix(), scenes_material(core, scene))
+
+
 def add_texture(core, scene):
     image = scene.add_image_pixels("image", np.ones((2, 2, 3), np.float32), "LINEAR")
     program = core.Program("textured")
@@ -105,6 +111,7 @@ ADDED = {
     add_spline_surface: {"spline surfaces", "tessellation"},
     add_bevelled_curve: {"bevelled curves", "tessellation"},
     add_strand: {"strands"},
+    add_subdivision_surface: {"subdivision surfaces", "tessellation"},
     add_texture: {"texture system"},
     add_volume: {"volume visualisation"},
     add_displaced_material: {"spline surfaces", "displaced surfaces", "tessellation"},

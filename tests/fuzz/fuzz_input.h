@@ -65,6 +65,12 @@ class Bytes {
         return values;
     }
 
+    /// Of a wanted length, seldom one more.
+    std::vector<float> ill_fitting_floats(size_t size) { return floats(size + odd_length()); }
+    std::vector<int32_t> ill_fitting_indices(size_t size, int most) { return indices(size + odd_length(), most); }
+    /// A material slot for each of so many, or none at all.
+    std::vector<int32_t> slots(size_t size) { return flag() ? ill_fitting_indices(size, 4) : std::vector<int32_t>(); }
+
   private:
     std::span<const uint8_t> left_;
     bool tame_ = false;

@@ -7,13 +7,11 @@ using namespace rayleaf;
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     fuzz::Bytes bytes(data, size);
     const int vertices = bytes.count(12), triangles = bytes.count(12);
-    const std::vector<float> places = bytes.floats(3 * static_cast<size_t>(vertices) + bytes.odd_length());
-    const std::vector<int32_t> corners =
-        bytes.indices(3 * static_cast<size_t>(triangles) + bytes.odd_length(), vertices);
+    const std::vector<float> places = bytes.ill_fitting_floats(3 * static_cast<size_t>(vertices));
+    const std::vector<int32_t> corners = bytes.ill_fitting_indices(3 * static_cast<size_t>(triangles), vertices);
     const std::vector<float> normals =
-        bytes.flag() ? bytes.floats(9 * static_cast<size_t>(triangles) + bytes.odd_length()) : std::vector<float>();
-    const std::vector<int32_t> slots =
-        bytes.flag() ? bytes.indices(static_cast<size_t>(triangles) + bytes.odd_length(), 4) : std::vector<int32_t>();
+        bytes.flag() ? bytes.ill_fitting_floats(9 * static_cast<size_t>(triangles)) : std::vector<float>();
+    const std::vector<int32_t> slots = bytes.slots(static_cast<size_t>(triangles));
     fuzz::refusing([&] {
         TriangleMeshArrays arrays;
         arrays.name = "drawn";
@@ -25,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             const int channels = bytes.count(5);
             arrays.active_uv = bytes.count(1);
             arrays.attributes.push_back(
-                {0, channels, bytes.floats(static_cast<size_t>(3 * triangles * channels) + bytes.odd_length())});
+                {0, channels, bytes.ill_fitting_floats(static_cast<size_t>(3 * triangles * channels))});
         }
         fuzz::trace_drawn_rays(std::make_shared<TriangleMesh>(std::move(arrays)), bytes);
     });

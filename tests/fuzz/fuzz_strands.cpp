@@ -13,12 +13,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (bytes.odd_length() != 0) offsets[bytes.byte() % offsets.size()] = static_cast<int8_t>(bytes.byte());
     std::vector<double> points(3 * count);
     for (double& value : points) value = bytes.number();
-    const std::vector<float> radii = bytes.floats(count + bytes.odd_length());
+    const std::vector<float> radii = bytes.ill_fitting_floats(count);
     std::vector<uint8_t> cyclic;
     if (bytes.flag())
         for (size_t i = 0; i < strands + bytes.odd_length(); ++i) cyclic.push_back(bytes.flag() ? 1 : 0);
-    const std::vector<int32_t> slots =
-        bytes.flag() ? bytes.indices(strands + bytes.odd_length(), 4) : std::vector<int32_t>();
+    const std::vector<int32_t> slots = bytes.slots(strands);
     fuzz::refusing([&] {
         StrandArrays arrays;
         arrays.name = "drawn";
@@ -35,7 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             const StrandDomain domain = bytes.flag() ? StrandDomain::Point : StrandDomain::Strand;
             const size_t values = domain == StrandDomain::Point ? count : strands;
             arrays.attributes.push_back(
-                {0, channels, domain, bytes.floats(values * static_cast<size_t>(channels) + bytes.odd_length())});
+                {0, channels, domain, bytes.ill_fitting_floats(values * static_cast<size_t>(channels))});
             arrays.active_uv = bytes.count(1);
         }
         if (bytes.flag()) arrays.info = {1, 2, 3, 4};

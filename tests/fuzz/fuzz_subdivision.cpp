@@ -17,13 +17,12 @@ struct Drawn {
 };
 
 CornerAttribute Drawn::map(fuzz::Bytes& bytes, int channels) const {
-    return {bytes.count(2), channels,
-            bytes.floats(corners.size() * static_cast<size_t>(channels) + bytes.odd_length())};
+    return {bytes.count(2), channels, bytes.ill_fitting_floats(corners.size() * static_cast<size_t>(channels))};
 }
 
 Drawn::Drawn(fuzz::Bytes& bytes) {
     const int count = bytes.count(10);
-    vertices = bytes.floats(3 * static_cast<size_t>(count) + bytes.odd_length());
+    vertices = bytes.ill_fitting_floats(3 * static_cast<size_t>(count));
     size_t corner_count = bytes.odd_length();
     for (int i = bytes.count(6); i > 0; --i) {
         face_sizes.push_back(bytes.odd_length() != 0 ? static_cast<int8_t>(bytes.byte()) : 3 + bytes.count(3));
@@ -31,11 +30,11 @@ Drawn::Drawn(fuzz::Bytes& bytes) {
     }
     corners = bytes.indices(corner_count, count);
     const auto creases = static_cast<size_t>(bytes.count(4)), sharp = static_cast<size_t>(bytes.count(3));
-    crease_edges = bytes.indices(2 * creases + bytes.odd_length(), count);
-    crease_sharpness = bytes.floats(creases + bytes.odd_length());
+    crease_edges = bytes.ill_fitting_indices(2 * creases, count);
+    crease_sharpness = bytes.ill_fitting_floats(creases);
     crease_vertices = bytes.indices(sharp, count);
-    vertex_sharpness = bytes.floats(sharp + bytes.odd_length());
-    if (bytes.flag()) material_slots = bytes.indices(face_sizes.size() + bytes.odd_length(), 4);
+    vertex_sharpness = bytes.ill_fitting_floats(sharp);
+    material_slots = bytes.slots(face_sizes.size());
     if (bytes.flag()) uv_maps.push_back(map(bytes, bytes.odd_length() != 0 ? bytes.count(5) : 2));
     if (bytes.flag()) attributes.push_back(map(bytes, bytes.count(5)));
 }

@@ -38,7 +38,7 @@ void look_up(const TextureStore& store, TextureId id, fuzz::Bytes& bytes) {
 
 TextureId add_pixels(TextureStore& store, fuzz::Bytes& bytes, ColorSpace space) {
     const int width = bytes.count(9), height = bytes.count(9), channels = bytes.count(5);
-    const std::vector<float> pixels = bytes.floats(static_cast<size_t>(width * height * channels) + bytes.odd_length());
+    const std::vector<float> pixels = bytes.ill_fitting_floats(static_cast<size_t>(width * height * channels));
     return store.add_pixels("drawn", pixels, width, height, channels, space);
 }
 
