@@ -108,9 +108,10 @@ def test_bodies_of_glass_that_touch_lose_no_light(core, gap):
 
 # Facets keep a tenth of a pixel from the surface, 4e-3 here: of thinner walls the facets of one side would lie before
 # those of the other, were a ray to see these coarser; and some of its paths would never come out.
-@pytest.mark.parametrize("integrator", ["PATH", "DISTRIBUTION"])
+# Distribution ray tracing ends dim rays by chance, at a hundredth of the light of a pixel, and others count for them.
+@pytest.mark.parametrize("integrator, excess", [("PATH", 1e-4), ("DISTRIBUTION", 1e-2)])
 @pytest.mark.parametrize("thickness", [1e-2, 1e-3, 1e-4, 1e-6])
-def test_a_hollow_ball_of_dense_glass_is_invisible_in_an_even_world(core, thickness, integrator):
+def test_a_hollow_ball_of_dense_glass_is_invisible_in_an_even_world(core, thickness, integrator, excess):
     scene = core.SceneDescription()
     glass = material(core, scene, ("glass", 1.0, 1.0, 0.0, 1.5, "GGX"))
     ball = scene.add_surface("ball", [scenes.sphere_spline(core)])
@@ -123,7 +124,7 @@ def test_a_hollow_ball_of_dense_glass_is_invisible_in_an_even_world(core, thickn
     deep = dict(max_bounces=64, transmission_bounces=64, glossy_bounces=64, roulette_start=64)
     light = passes_of(core, scene, integrator=integrator, **deep)["combined"][..., :3]
     place = f"glass shell, {thickness:g} thick, {integrator.lower()}"
-    check_bound(place, "light above the world's", light.max() - 1, 1e-4, "of the world's")
+    check_bound(place, "light above the world's", light.max() - 1, excess, "of the world's")
     # At the rim a ray crosses the wall too many times for 64 bounces: one path in some thousands.
     check_bound(place, "light lost", 1 - light.mean(), 1e-3, "of the world's")
 
