@@ -82,3 +82,11 @@ def test_every_point_has_a_name_of_its_own_and_what_it_is_compared_with_is_there
 def test_every_row_of_a_sources_table_is_as_long_as_its_head():
     tables = [table for each in BY_BENCHMARK.values() for table in each]
     assert tables and all(len(row) == len(table.head) for table in tables for row in table.rows)
+
+
+def test_the_contents_lead_to_every_section():
+    text = page.page("Title", "introduction", page.section("A & B", "<p>first</p>"), page.section("Part", level=3))
+    assert text.index("introduction") < text.index("<nav>") < text.index("<p>first")
+    assert text.count("<a href=") == 1 and "<h2 id='" in text
+    link = text.split("<a href='#")[1].split("'")[0]
+    assert f"<h2 id='{link}'>" in text

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from rayleaf.report import gallery, source_curves, source_pictures, stability
 from rayleaf.report.run_report import guarded
+from rayleaf.report.source_figures import RI_TABLE_2_DISTANCE
 
 
 def check(case, measured, bound, quantity="position"):
@@ -31,10 +32,12 @@ def test_what_is_beyond_its_bound_is_counted_and_stands_out():
 
 def test_the_growth_of_errors_is_drawn_from_chains_of_hits():
     lines = [check(f"mirror ball, {hits} hits", 1e-6 * hits, 1e-5 * hits**2, "direction") for hits in (2, 8, 64)]
-    curves = stability.growth(lines)
-    assert [x for x, _ in curves["measured"]] == [2.0, 8.0, 64.0]
+    lines.append(check("glass rod, 4 interior hits", 0.0, 1e-3, "exit direction"))
+    curves, bounds = stability.growth(lines)
+    assert [x for x, _ in curves["mirror ball"]] == [2.0, 8.0, 64.0] and curves["glass rod"] == [(4.0, 1e-16)]
+    assert bounds["glass rod, bound"] == [(4.0, 1e-3)]
     assert "<svg" in stability.section(lines, "3 passed")
-    assert stability.growth([check("cusp", 0.0, 1.0)]) == {}
+    assert stability.growth([check("cusp", 0.0, 1.0)]) == ({}, {})
 
 
 def test_a_sweep_of_the_benchmark_becomes_the_sources_figure():
@@ -47,6 +50,8 @@ def test_a_sweep_of_the_benchmark_becomes_the_sources_figure():
     assert source_curves.curves(rows)["distance", "MB"] == {"sheet, fast": [(0.01, 0.02), (0.05, 0.1), (0.25, 0.5)]}
     drawn = source_curves.figures(rows)
     assert "RI figure 5" in drawn and "RI figure 6" not in drawn
+    theirs = source_curves.printed(RI_TABLE_2_DISTANCE, "MB")["Bezier surface, as printed"]
+    assert theirs[0] == (0.01, 2.925) and "Bezier surface, as printed" in drawn
     assert source_curves.figures([]) == ""
 
 

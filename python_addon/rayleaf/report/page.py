@@ -3,6 +3,7 @@
 import base64
 import html
 import io
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -18,6 +19,7 @@ h1, h2, h3 { line-height: 1.2; } h2 { margin-top: 3rem; border-bottom: 1px solid
 table { border-collapse: collapse; font-size: 13px; } th, td { padding: .15rem .6rem; text-align: right; }
 th { border-bottom: 1px solid #888; vertical-align: bottom; } td:first-child, th:first-child { text-align: left; }
 tr:nth-child(even) td { background: #8881; } tr.dominated td { opacity: .55; }
+nav ul { columns: 14rem; padding: 0; list-style: none; }
 .wide { overflow-x: auto; } figure { margin: 1rem 0; } figcaption, .note { font-size: 13px; opacity: .8; }
 svg, img { max-width: 100%; height: auto; } svg { background: #fff; }
 .pictures { display: flex; flex-wrap: wrap; gap: .8rem; } .pictures figure { flex: 1 1 15rem; max-width: 26rem; margin: 0; }
@@ -53,9 +55,21 @@ def paragraph(words: str, kind: str = "") -> str:
     return f"<p{f' class={kind}' if kind else ''}>{html.escape(words)}</p>"
 
 
+def anchor(title: str) -> str:
+    """What a link to a section is named."""
+    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
+
+
 def section(title: str, *parts: str, level: int = 2) -> str:
-    """A heading and what belongs to it."""
-    return f"<h{level}>{html.escape(title)}</h{level}>" + "".join(parts)
+    """A heading and what belongs to it. Those of level 2 are in the list of contents."""
+    return f"<h{level} id='{anchor(title)}'>{html.escape(title)}</h{level}>" + "".join(parts)
+
+
+def contents(body: str) -> str:
+    """Links to the sections of level 2."""
+    found = re.findall(r"<h2 id='([^']*)'>(.*?)</h2>", body)
+    links = "".join(f"<li><a href='#{place}'>{title}</a></li>" for place, title in found)
+    return f"<nav><ul>{links}</ul></nav>" if found else ""
 
 
 def png(pixels: Any) -> bytes:
@@ -87,8 +101,10 @@ def plot(svg: str, caption: str) -> str:
 
 
 def page(title: str, *parts: str) -> str:
-    """The whole document."""
+    """The whole document. The first part stands before the list of contents."""
+    introduction, body = "".join(parts[:1]), "".join(parts[1:])
     return (
         f"<!DOCTYPE html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
-        f"<title>{html.escape(title)}</title><style>{_STYLE}</style><h1>{html.escape(title)}</h1>{''.join(parts)}</html>\n"
+        f"<title>{html.escape(title)}</title><style>{_STYLE}</style><h1>{html.escape(title)}</h1>"
+        f"{introduction}{contents(body)}{body}</html>\n"
     )

@@ -64,15 +64,26 @@ def frontier(measured: list[Measured]) -> str:
     return _as_svg(figure)
 
 
-def lines(title: str, x_label: str, y_label: str, series: dict[str, list[tuple[float, float]]]) -> str:
-    """Curves over a logarithmic x where all x are positive; used for tables of one parameter."""
+def lines(
+    title: str,
+    x_label: str,
+    y_label: str,
+    series: dict[str, list[tuple[float, float]]],
+    others: dict[str, list[tuple[float, float]]] | None = None,
+) -> str:
+    """Curves over a logarithmic x where all x are positive; used for tables of one parameter. Those of `others` are
+    dashed and grey."""
     figure, axes = pyplot.subplots(figsize=(5.2, 3.4))
     for number, (name, points) in enumerate(series.items()):
-        ordered = sorted(points)
-        axes.plot(*zip(*ordered, strict=True), _MARKERS[number % len(_MARKERS)] + "-", linewidth=0.9, label=name)
-    if all(x > 0 for points in series.values() for x, _ in points):
+        style = _MARKERS[number % len(_MARKERS)] + "-"
+        axes.plot(*zip(*sorted(points), strict=True), style, linewidth=0.9, label=name)
+    for number, (name, points) in enumerate((others or {}).items()):
+        style = _MARKERS[number % len(_MARKERS)] + "--"
+        axes.plot(*zip(*sorted(points), strict=True), style, color="0.55", linewidth=0.7, markersize=4, label=name)
+    drawn = [place for points in [*series.values(), *(others or {}).values()] for place in points]
+    if all(x > 0 for x, _ in drawn):
         axes.set_xscale("log")
-    if all(y > 0 for points in series.values() for _, y in points):
+    if all(y > 0 for _, y in drawn):
         axes.set_yscale("log")
     axes.set_title(title, fontsize=9)
     axes.set_xlabel(x_label)

@@ -10,8 +10,10 @@ import csv
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -43,11 +45,12 @@ class Extent:
     repeats: int
     gallery_samples: int
     resolutions: tuple[int, ...]  # Resolution U/V of Blender's mesh, for silhouettes
+    primitive_count: int  # samples, of the comparison of primitives
+    bench_size: str  # how `rayleaf bench` is told
 
 
-# For all scenes, about 40 minutes on two quiet cores.
-FULL = Extent(160, (1, 4, 16, 64), 512, (0.02, 0.005, 0.00125), 3, 16, (1, 2, 4, 8, 16, 32, 64))
-QUICK = Extent(64, (1, 4), 64, (0.005,), 1, 4, (1, 4))
+FULL = Extent(160, (1, 4, 16, 64), 512, (0.02, 0.005, 0.00125), 3, 16, (1, 2, 4, 8, 16, 32, 64), 16, "--small")
+QUICK = Extent(64, (1, 4), 64, (0.005,), 1, 4, (1, 4), 1, "--quick")
 
 
 def tried_points(extent: Extent) -> list[Point]:
@@ -110,11 +113,29 @@ def run_benchmark(root: Path, case: str, folder: Path, size: str) -> tuple[str, 
     return done.stdout, rows
 
 
-def benchmark_section(case: str, printed: str, rows: list[dict[str, Any]], tables: tuple[SourceTable, ...]) -> str:
-    """Ours, then the sources'."""
+def benchmark_section(root: Path, case: str, folder: Path, size: str, plain: dict[str, Any]) -> str:
+    """Ours, then the sources'. Adds the single measurements to `plain`."""
+    printed, rows = run_benchmark(root, case, folder, size)
+    plain["benchmarks"][case] = rows
     ours = f"<div class=wide><pre>{page.text(printed)}</pre></div>"
-    drawn = source_curves.figures(rows)
-    return page.section(f"Benchmark: {case}", page.section("Ours", ours, level=3), drawn, *map(source_table, tables))
+    theirs = map(source_table, BY_BENCHMARK[case])
+    return page.section(f"Benchmark: {case}", page.section("Ours", ours, level=3), source_curves.figures(rows), *theirs)
+
+
+def stability_section(root: Path, folder: Path, quick: bool, plain: dict[str, Any]) -> str:
+    """What the tests of stability measure. Adds it to `plain`."""
+    lines, summary = stability.measure(root, folder, quick)
+    plain["stability"] = lines
+    return stability.section(lines, summary)
+
+
+def file_section(options: argparse.Namespace, extent: Extent, file: Path, found: dict[str, Measurement]) -> str:
+    """One scene: measured, and its gallery. Adds the measurement to `found`."""
+    references = [points.reference(engine, extent.reference_count) for engine in ("RAYLEAF", "CYCLES")]
+    measurement = measure(options.blender, file, tried_points(extent), references, extent.width, extent.repeats)
+    found[file.stem] = measurement
+    pictures = gallery.scene_pictures(options.blender, file, extent.width, extent.gallery_samples)
+    return scene_section(file, measurement, pictures)
 
 
 def guarded(title: str, make: Callable[[], str]) -> str:
@@ -127,36 +148,6 @@ def guarded(title: str, make: Callable[[], str]) -> str:
         return page.section(title, page.paragraph(f"Failed: {error}", "note"))
 
 
-def project_sections(options: argparse.Namespace, extent: Extent, plain: dict[str, Any]) -> Iterator[str]:
-    """What is about Rayleaf and not about a file: the sources' pictures, outlines, benchmarks, stability. Adds its
-    figures to `plain`."""
-    scenes, blender = options.root / "blend_scenes", options.blender
-    yield guarded(
-        "The sources' pictures", lambda: source_pictures.section(blender, scenes, extent.width, extent.counts[1])
-    )
-    yield guarded("Outlines", lambda: silhouettes.section(blender, extent.width, extent.resolutions))
-    samples, repeats = extent.counts[-1] // 4, extent.repeats
-    yield guarded("Primitives", lambda: curve_primitives.section(extent.width, samples, repeats))
-    for case, tables in BY_BENCHMARK.items():
-        sys.stderr.write(f"rayleaf: report: benchmark {case}\n")
-        printed, rows = run_benchmark(options.root, case, options.output, "--quick" if options.quick else "--small")
-        plain["benchmarks"][case] = rows
-        yield benchmark_section(case, printed, rows, tables)
-    sys.stderr.write("rayleaf: report: stability\n")
-    lines, summary = stability.measure(options.root, options.output, options.quick)
-    plain["stability"] = lines
-    yield stability.section(lines, summary)
-
-
-def file_section(options: argparse.Namespace, extent: Extent, file: Path, found: dict[str, Measurement]) -> str:
-    """One scene: measured, and its gallery. Adds the measurement to `found`."""
-    references = [points.reference(engine, extent.reference_count) for engine in ("RAYLEAF", "CYCLES")]
-    measurement = measure(options.blender, file, tried_points(extent), references, extent.width, extent.repeats)
-    found[file.stem] = measurement
-    pictures = gallery.scene_pictures(options.blender, file, extent.width, extent.gallery_samples)
-    return scene_section(file, measurement, pictures)
-
-
 def write_csv(path: Path, found: dict[str, Measurement]) -> None:
     """All points of all scenes."""
     rows = [{"scene": name, **m.as_row()} for name, measurement in found.items() for m in measurement.measured]
@@ -167,13 +158,37 @@ def write_csv(path: Path, found: dict[str, Measurement]) -> None:
         writer.writerows(rows)
 
 
-def write_report(folder: Path, parts: list[str], found: dict[str, Measurement], plain: dict[str, Any]) -> None:
-    """The page, and its figures as CSV and JSON."""
-    (folder / "report.html").write_text(page.page("Rayleaf: error against run time", *parts), encoding="utf-8")
-    write_csv(folder / "frontier.csv", found)
-    scenes = {name: [m.as_row() for m in each.measured] for name, each in found.items()}
-    text = json.dumps({**plain, "scenes": scenes}, indent=2) + "\n"
-    (folder / "report.json").write_text(text, encoding="utf-8")
+@dataclass
+class Report:
+    """The page as far as it is made, and its figures."""
+
+    folder: Path
+    introduction: str
+    plain: dict[str, Any]  # what report.json holds beside the scenes
+    found: dict[str, Measurement] = field(default_factory=dict)
+    parts: list[str] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)  # that each part took
+
+    def add(self, title: str, make: Callable[[], str]) -> None:
+        """One part more. What is done is on disk, whatever happens next."""
+        began = time.monotonic()
+        self.parts.append(guarded(title, make))
+        self.seconds[title] = time.monotonic() - began
+        self.write()
+
+    def duration(self) -> str:
+        """How long the parts took."""
+        rows = [*self.seconds.items(), ("together", sum(self.seconds.values()))]
+        return page.section("How long this report took", page.table(("part", "seconds"), rows))
+
+    def write(self) -> None:
+        """The page, and its figures as CSV and JSON."""
+        html = page.page("Rayleaf: error against run time", self.introduction, *self.parts, self.duration())
+        (self.folder / "report.html").write_text(html, encoding="utf-8")
+        write_csv(self.folder / "frontier.csv", self.found)
+        scenes = {name: [m.as_row() for m in each.measured] for name, each in self.found.items()}
+        text = json.dumps({**self.plain, "seconds": self.seconds, "scenes": scenes}, indent=2) + "\n"
+        (self.folder / "report.json").write_text(text, encoding="utf-8")
 
 
 def introduction(described: dict[str, str], extent: Extent) -> str:
@@ -198,28 +213,33 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
+def add_project(report: Report, options: argparse.Namespace, extent: Extent) -> None:
+    """What is about Rayleaf and not about a file: the sources' pictures, outlines, benchmarks, stability."""
+    blender, scenes, folder = options.blender, options.root / "blend_scenes", options.output
+    report.add(
+        "The sources' pictures",
+        partial(source_pictures.section, blender, scenes, extent.width, extent.counts[1]),
+    )
+    report.add("Outlines", partial(silhouettes.section, blender, extent.width, extent.resolutions))
+    report.add("Primitives", partial(curve_primitives.section, extent.width, extent.primitive_count, extent.repeats))
+    for case in BY_BENCHMARK:
+        make = partial(benchmark_section, options.root, case, folder, extent.bench_size, report.plain)
+        report.add(f"Benchmark {case}", make)
+    report.add("Stability", partial(stability_section, options.root, folder, options.quick, report.plain))
+
+
 def main() -> int:
     options = arguments()
     extent = QUICK if options.quick else FULL
-    folder: Path = options.output
-    folder.mkdir(parents=True, exist_ok=True)
+    options.output.mkdir(parents=True, exist_ok=True)
     described = machine.describe(options.root, options.blender)
-    files = options.file or sorted((options.root / "blend_scenes").glob("*.blend"))
-    found: dict[str, Measurement] = {}
     plain: dict[str, Any] = {"machine": described, "benchmarks": {}}
-    parts = [introduction(described, extent)]
-
-    def add(part: str) -> None:
-        """What is done is on disk, whatever happens next."""
-        parts.append(part)
-        write_report(folder, parts, found, plain)
-
-    for file in files:
-        add(guarded(file.stem, lambda file=file: file_section(options, extent, file, found)))  # type: ignore[misc]
+    report = Report(options.output, introduction(described, extent), plain)
+    for file in options.file or sorted((options.root / "blend_scenes").glob("*.blend")):
+        report.add(file.stem, partial(file_section, options, extent, file, report.found))
     if not options.file:
-        for part in project_sections(options, extent, plain):
-            add(part)
-    sys.stderr.write(f"rayleaf: report: {folder / 'report.html'}\n")
+        add_project(report, options, extent)
+    sys.stderr.write(f"rayleaf: report: {options.output / 'report.html'}\n")
     return 0
 
 

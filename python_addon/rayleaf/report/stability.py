@@ -2,8 +2,10 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,15 +69,23 @@ def measure(root: Path, folder: Path, quick: bool) -> tuple[list[dict[str, Any]]
     return [json.loads(line) for line in lines], summary
 
 
-def growth(lines: Iterable[dict[str, Any]]) -> dict[str, list[tuple[float, float]]]:
-    """Error by the number of hits, of the chains in a mirror ball, and the bound."""
-    own, bound = [], []
+Curves = dict[str, list[tuple[float, float]]]
+_CHAIN = re.compile(r"(.*), (\d+) (?:interior )?hits")
+_SMALLEST = 1e-16  # of an error, for a logarithmic axis
+
+
+def growth(lines: Iterable[dict[str, Any]]) -> tuple[Curves, Curves]:
+    """Errors of directions by the number of hits of chains, and their bounds."""
+    measured: Curves = defaultdict(list)
+    bounds: Curves = defaultdict(list)
     for line in lines:
-        if line["case"].startswith("mirror ball, ") and line["quantity"] == "direction":
-            hits = float(line["case"].split()[2])
-            own.append((hits, max(float(line["measured"]), 1e-16)))
-            bound.append((hits, float(line["bound"])))
-    return {"measured": own, "bound": bound} if own else {}
+        chain = _CHAIN.fullmatch(line["case"])
+        if not chain or not line["quantity"].endswith("direction"):
+            continue
+        name, hits = chain[1], float(chain[2])
+        measured[name].append((hits, max(float(line["measured"]), _SMALLEST)))
+        bounds[f"{name}, bound"].append((hits, float(line["bound"])))
+    return measured, bounds
 
 
 def section(lines: list[dict[str, Any]], summary: str) -> str:
@@ -91,12 +101,14 @@ def section(lines: list[dict[str, Any]], summary: str) -> str:
         (f.case, f.quantity, f.count, f.failed, f.worst, f.bound, f.unit, f"{f.share:.0%}", f.place or None)
         for f in found
     ]
-    curves = growth(lines)
-    drawing = plots.lines("Error of a chain of hits", "hits", "direction, rad", curves) if curves else ""
+    curves, bounds = growth(lines)
+    drawing = plots.lines("Error of a chain of hits", "hits", "direction, rad", curves, bounds) if curves else ""
     return page.section(
         "Numerical stability",
         page.paragraph(words),
         page.paragraph(f"{len(lines)} checks, {sum(f.failed for f in found)} beyond their bound. Tests: {summary}"),
-        page.plot(drawing, "A ray in a curved mirror: how its error grows") if drawing else "",
+        page.plot(drawing, "A ray between walls, in a curved mirror, in a round rod of glass: how its error grows")
+        if drawing
+        else "",
         page.table(head, rows, (not f.failed and f.share < 1e-3 for f in found)),
     )
