@@ -18,9 +18,10 @@ namespace {
 // core (some 200 ns then). They are to be right within a third or so: an object whose gain is smaller is traced.
 constexpr double kTracedMiss = 0.2;         ///< a ray that enters the box and hits nothing
 constexpr double kInterpolatedQuery = 0.3;  ///< leaf found and evaluated
-constexpr double kDerivatives = 0.12;       ///< and differentiated (Scene::needs_differentials)
-constexpr double kMissedQuery = 0.1;        ///< leaf found, nothing there
-constexpr double kAskedInVain = 0.15;       ///< leaf found, ray to be traced after all
+/// And differentiated, with what paths do of it (Scene::needs_differentials): a mirror's hit gains nothing then.
+constexpr double kDerivatives = 0.6;
+constexpr double kMissedQuery = 0.1;   ///< leaf found, nothing there
+constexpr double kAskedInVain = 0.15;  ///< leaf found, ray to be traced after all
 /// The way through glass or a volume, first hit included: rays of two hits, and of three.
 constexpr double kTracedGlass = 2.5, kTracedVolume = 3.0;
 /// A sample is traced with its derivatives, and its cell is judged and stored.

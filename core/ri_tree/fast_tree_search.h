@@ -18,10 +18,10 @@ struct FastTree::Batch {
 /// What a thread needs while it answers.
 struct FastTree::Search {
     LineBatch batch;
-    CellLeaf own_leaf;  ///< of a cell that there was no room for
     CellStore::Reader reader;
     std::array<uint64_t, kAnswerKinds> answers{};
     uint64_t samples_taken = 0;
+    CellLeaf own_leaf;  ///< of a cell that there was no room for
     Uninterpolated others;
 
     Search(CellStore& store, Uninterpolated uninterpolated) : reader(store), others(uninterpolated) {}

@@ -101,11 +101,12 @@ struct RayCacheSettings {
 /// The fast tree's thresholds in terms of one number: the mean distance of RGB values, in [0, 1], that a mirror or
 /// glass may be off by in surroundings of some detail. Throws InputError unless it is above 0 and finite.
 ///
-/// Measured (tests/bench, mirror sheet and gentle glass, 600 x 600, first frames), error and speed-up over tracing:
-///     0.0025    0.0007  2.4    0.0002  1.3
-///     0.005     0.0019  3.2    0.0006  1.5
-///     0.01      0.0050  3.8    0.0012  1.6
-///     0.02      0.012   4.0    0.0024  1.6
+/// Measured (tests/bench, mirror sheet and gentle glass, 600 x 600), error and speed-up of first and repeated frames
+/// over tracing:
+///     0.0025    0.0007  2.7  7.5    0.0003  1.3  2.4
+///     0.005     0.0019  3.4  8.0    0.0006  1.4  2.6
+///     0.01      0.0050  3.8  8.1    0.0014  1.5  2.6
+///     0.02      0.012   3.8  8.0    0.0026  1.5  2.6
 RayCacheSettings quality_settings(double error);
 
 /// Whether a ray is finite and has a direction.
