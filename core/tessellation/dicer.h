@@ -30,6 +30,18 @@ struct ElementPlace {
     float u = 0, v = 0;
 };
 
+/// What a subpatch lies in, local space: a box enlarged by kBlockPadding, and a ball that moves along a chain of lines,
+/// which is much tighter around thin parts that do not run along an axis. A negative radius: there is none.
+struct SubpatchBounds {
+    static constexpr int kLines = 4;
+    struct alignas(64) Tube {
+        float points[3][kLines + 1] = {};  ///< by axis
+        float radius = -1;
+    };
+    Box3f box;
+    Tube tube;
+};
+
 class Dicer {
   public:
     explicit Dicer(VertexFormat format) : format_(format) {}
@@ -40,11 +52,11 @@ class Dicer {
     VertexFormat format() const { return format_; }
     virtual uint32_t subpatch_count() const = 0;
     virtual void dice(uint32_t subpatch, Grid& grid) const = 0;
-    /// A box around a subpatch's facets, enlarged by kBlockPadding; by default the grid's own.
-    virtual Box3f box(uint32_t subpatch) const {
+    /// By default the grid's own box.
+    virtual SubpatchBounds bounds(uint32_t subpatch) const {
         Grid grid;
         dice(subpatch, grid);
-        return grid.box();
+        return {grid.box(), {}};
     }
     /// The shape's element and its parameters at a place in a grid; `position` is the point on the facet, local space.
     virtual ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const = 0;

@@ -68,6 +68,32 @@ PieceNeed need_of(const SweepPath& path, const SweepPiece& piece, double extent,
     return need;
 }
 
+/// The most by which a ring stretches a vector of its profile's plane: its larger singular value.
+double largest_stretch(const SweepRing& ring) {
+    const double a = ring.across.dot(ring.across), b = ring.up.dot(ring.up), c = ring.across.dot(ring.up);
+    return std::sqrt(0.5 * (a + b + std::sqrt((a - b) * (a - b) + 4.0 * c * c)));
+}
+
+/// Around everything within `reach` of a place of the profile, at all rings.
+SubpatchBounds::Tube tube_around(const SweepRing (&rings)[kGridVertices], const Vec2d& middle, double reach) {
+    SubpatchBounds::Tube tube;
+    constexpr int kStep = kGridCells / SubpatchBounds::kLines;
+    double radius = 0.0;
+    for (int k = 0; k < kGridVertices; ++k) {
+        const int line = std::min(k / kStep, SubpatchBounds::kLines - 1);
+        const Vec3d begin = rings[line * kStep].at(middle), way = rings[(line + 1) * kStep].at(middle) - begin;
+        const Vec3d from = rings[k].at(middle) - begin;
+        const double squared = way.dot(way);
+        const double share = squared > 0.0 ? std::clamp(from.dot(way) / squared, 0.0, 1.0) : 0.0;
+        radius = std::max(radius, (from - way * share).length() + reach * largest_stretch(rings[k]));
+        for (int axis = 0; k % kStep == 0 && axis < 3; ++axis)
+            tube.points[axis][k / kStep] = static_cast<float>(begin[axis] + (k == kGridCells ? way[axis] : 0.0));
+    }
+    // The points in floats are less than a block's padding away, and so are the vertices in fixed numbers.
+    tube.radius = static_cast<float>(radius) * (1.0f + 0x1p-20f) + 2.0f * kBlockPadding;
+    return tube;
+}
+
 /// Packs vertices, [j][i], into a grid of fixed numbers.
 void pack(const Vec3d (&vertices)[kGridVertices][kGridVertices], Grid& grid) {
     for (int block = 0; block < kBlocks; ++block) {
@@ -288,35 +314,36 @@ void SweptDicer::dice_cap(const TubePlace& place, Grid& grid) const {
     pack(vertices, grid);
 }
 
-Box3f SweptDicer::box(uint32_t subpatch) const {
-    if (fill_of(subpatch)) return Dicer::box(subpatch);
+SubpatchBounds SweptDicer::bounds(uint32_t subpatch) const {
+    if (fill_of(subpatch)) return Dicer::bounds(subpatch);
     const TubePlace place = tube_place(subpatch);
-    if (place.local >= walls(place)) return Dicer::box(subpatch);
+    if (place.local >= walls(place)) return Dicer::bounds(subpatch);
     const ProfileCells& around = cells(place);
     const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
     SweepRing along[kGridVertices];
     rings(place.spline, place.local / blocks * kGridCells, along);
+    const Vec2d* corners = &around.corners[place.local % blocks * kGridCells];
     Imath::Box2d profile;
-    double extent = 0.0;
+    double extent = 0.0, reach = 0.0;
     for (int j = 0; j < kGridVertices; ++j) {
-        const Vec2d& corner = around.corners[place.local % blocks * kGridCells + static_cast<uint32_t>(j)];
-        profile.extendBy(corner);
-        extent = std::max(extent, corner.length());
+        profile.extendBy(corners[j]);
+        extent = std::max(extent, corners[j].length());
     }
     const Vec2d middle = (profile.min + profile.max) * 0.5, half = (profile.max - profile.min) * 0.5;
+    for (int j = 0; j < kGridVertices; ++j) reach = std::max(reach, (corners[j] - middle).length());
     Box3d box;
     for (const SweepRing& ring : along) {
         const Vec3d center = ring.at(middle);
         Box3d square = box_of(ring, extent);
         for (int axis = 0; axis < 3; ++axis) {
-            const double reach = std::abs(ring.across[axis]) * half.x + std::abs(ring.up[axis]) * half.y;
-            square.min[axis] = std::max(square.min[axis], center[axis] - reach);
-            square.max[axis] = std::min(square.max[axis], center[axis] + reach);
+            const double side = std::abs(ring.across[axis]) * half.x + std::abs(ring.up[axis]) * half.y;
+            square.min[axis] = std::max(square.min[axis], center[axis] - side);
+            square.max[axis] = std::min(square.max[axis], center[axis] + side);
         }
         box.extendBy(square);
     }
     const Vec3f padding(2.0f * kBlockPadding);  // once for rounding to fixed and float numbers
-    return {Vec3f(box.min) - padding, Vec3f(box.max) + padding};
+    return {{Vec3f(box.min) - padding, Vec3f(box.max) + padding}, tube_around(along, middle, reach)};
 }
 
 ElementPlace SweptDicer::element_place(const PlaceInGrid& in_grid, const Vec3d& position) const {

@@ -25,7 +25,7 @@ class SweptDicer final : public Dicer {
 
     uint32_t subpatch_count() const override { return subpatch_count_; }
     void dice(uint32_t subpatch, Grid& grid) const override;
-    Box3f box(uint32_t subpatch) const override;
+    SubpatchBounds bounds(uint32_t subpatch) const override;
     ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override;
     std::optional<PlaceInGrid> place_in_grid(const ElementPlace& place) const override;
     size_t bytes() const override;

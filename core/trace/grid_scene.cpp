@@ -12,6 +12,9 @@ namespace {
 /// neighbouring vertices, between which a second derivative may rise a little.
 constexpr float kPartDistance = 2.0f;
 
+/// What a tube is enlarged by: four times the rounding of its test.
+constexpr float kTubePadding = 0x1p-17f;
+
 Box3f box_of(const GridRows& rows, float padding) {
     Box3f box;
     for (int axis = 0; axis < 3; ++axis) {
@@ -20,6 +23,32 @@ Box3f box_of(const GridRows& rows, float padding) {
         box.max[axis] = *high + padding;
     }
     return box;
+}
+
+/// Whether the line of a float ray misses a tube. The tube is looked at along the ray: its points are moved to the
+/// plane across the ray through its origin. With coordinates up to 1, an origin on the box and a unit direction, each
+/// of these is off by less than 2^-19, twice of what the box's padding allows for. All lines of the tube at once.
+bool passes_beside(const SubpatchBounds::Tube& tube, const Vec3f& origin, const Vec3f& direction) {
+    if (tube.radius < 0.0f) return false;
+    struct Points {
+        Float4 x, y, z;
+
+        Float4 dot(const Points& other) const { return x * other.x + y * other.y + z * other.z; }
+    };
+    const auto across = [&](int first) {
+        const Points from{load4(tube.points[0] + first) - origin.x, load4(tube.points[1] + first) - origin.y,
+                          load4(tube.points[2] + first) - origin.z};
+        const Float4 along = from.x * direction.x + from.y * direction.y + from.z * direction.z;
+        return Points{from.x - along * direction.x, from.y - along * direction.y, from.z - along * direction.z};
+    };
+    const Points begin = across(0), end = across(1);
+    const Points way{end.x - begin.x, end.y - begin.y, end.z - begin.z};
+    constexpr float kSmallest = 1e-30f;  // of squares: lines that are points
+    const Float4 raw = -begin.dot(way) / max4(way.dot(way), all4(kSmallest));
+    const Float4 share = min4(max4(raw, Float4{}), all4(1.0f));
+    const Points nearest{begin.x + way.x * share, begin.y + way.y * share, begin.z + way.z * share};
+    const float reach = tube.radius + kTubePadding;
+    return least_of(nearest.dot(nearest)) > reach * reach;
 }
 
 /// Levels up to a finest one: alike on both sides of a border, for all of a shape has the same.
@@ -51,11 +80,14 @@ void GridScene::measure(const CancelToken& cancel) {
     const uint32_t count = dicer_->subpatch_count();
     const LevelDicer* levels = dicer_->levels();
     boxes_.resize(count);
+    std::vector<SubpatchBounds::Tube> tubes(levels ? 0 : count);
     if (levels) details_.resize(count);
     tbb::parallel_for(uint32_t{0}, count, [&](uint32_t i) {
         cancel.throw_if_cancelled();
         if (!levels) {
-            boxes_[i] = dicer_->box(i);
+            const SubpatchBounds bounds = dicer_->bounds(i);
+            boxes_[i] = bounds.box;
+            tubes[i] = bounds.tube;
             return;
         }
         GridRows rows;
@@ -63,10 +95,24 @@ void GridScene::measure(const CancelToken& cancel) {
         details_[i] = detail_of(rows);
         boxes_[i] = box_of(rows, kBlockPadding + kPartDistance * fine_facet_distance(details_[i]));
     });
+    if (!levels) keep_tubes(std::move(tubes));
+}
+
+/// Where few subpatches are thin, boxes do: a table that no one needs is not kept.
+void GridScene::keep_tubes(std::vector<SubpatchBounds::Tube> tubes) {
+    const auto is_thin = [](const SubpatchBounds::Tube& tube) {
+        float squared = 0.0f;
+        for (const float(&along)[SubpatchBounds::kLines + 1] : tube.points)
+            squared += (along[SubpatchBounds::kLines] - along[0]) * (along[SubpatchBounds::kLines] - along[0]);
+        return tube.radius >= 0.0f && squared > 4.0f * tube.radius * tube.radius;
+    };
+    const auto thin = std::count_if(tubes.begin(), tubes.end(), is_thin);
+    if (2 * static_cast<size_t>(thin) > tubes.size()) tubes_ = std::move(tubes);
 }
 
 uint64_t GridScene::record_bytes() const {
-    return details_.capacity() * sizeof(SubpatchDetail) + dicer_->bytes();
+    return details_.capacity() * sizeof(SubpatchDetail) + tubes_.capacity() * sizeof(SubpatchBounds::Tube) +
+           dicer_->bytes();
 }
 
 void GridScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
@@ -144,6 +190,8 @@ struct GridScene::PartSearch {
 bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
     const GeometryCache::Reader& reader = *query.reader;
     if (details_.empty()) {
+        if (!tubes_.empty() && passes_beside(tubes_[subpatch], query.ray->float_origin, query.ray->float_direction))
+            return false;
         const SnappedGrid grid(reader.fine(*dicer_, first_subpatch(), subpatch), dicer_->format());
         return offer_facets(query, grid, subpatch, {}, t_max);
     }

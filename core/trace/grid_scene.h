@@ -29,11 +29,14 @@ class GridScene final : public ShapeScene {
     std::unique_ptr<const Dicer> dicer_;
     GridKernels kernels_;
     std::vector<SubpatchDetail> details_;  ///< none where the dicer has no levels
-    std::vector<Box3f> boxes_;             ///< while the scene is built
+    /// Of subpatches without levels, where it pays to ask before a grid is looked up.
+    std::vector<SubpatchBounds::Tube> tubes_;
+    std::vector<Box3f> boxes_;  ///< while the scene is built
 
     struct PartSearch;
     void measure(const CancelToken& cancel);
     void prepare(ShapeQuery& query) const override;
+    void keep_tubes(std::vector<SubpatchBounds::Tube> tubes);
     bool visit(ShapeQuery& query, uint32_t subpatch, float t_max) const;
     bool offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_t subpatch, const SubpatchLevels& levels,
                       float t_max) const;

@@ -56,13 +56,29 @@ def mixed_rays(tracer: Any, width: int) -> Rays:
     return joined([camera, mirror, around])
 
 
-def cracks_in_shells(count: int) -> int:
+def hills(surface: Any, scale: float, height: float) -> Any:
+    """The surface displaced along its normal by noise: what a vertex costs then is the material's program."""
+    program = _core.Program("displacement")
+
+    def number(value: float) -> Any:
+        return program.constant(value, value, value, value)
+
+    operands = [program.operation("object_coordinates"), number(0), number(scale), number(1), number(0.5), number(0)]
+    level = program.operation("component", [program.operation("noise", operands, ints=[3])], ints=[3])
+    middle = program.operation("math", [level, number(0.5)], ints=[0], text="SUBTRACT")
+    amount = program.operation("math", [middle, number(height)], ints=[0], text="MULTIPLY")
+    normal = program.operation("object_normal")
+    return _core.displaced(surface, program, object=program.operation("vector_math", [normal, amount], text="MULTIPLY"))
+
+
+def cracks_in_shells(count: int, displaced: bool) -> int:
     """How many of so many rays of all widths find crossings that no closed shell has."""
     random = np.random.default_rng(5)
     torus = bench_trace.torus(np.zeros(3), 0.7, 16, 24, random)
     closed = bench_trace.CUBIC_CLOSED
     surface = _core.trace.PatchSurface("shell", [(torus, closed, closed, True, 0)])
-    tracer = _core.trace.Tracer([(surface, np.eye(4), 31)])
+    shell = hills(surface, 6.0, 0.08) if displaced else surface
+    tracer = _core.trace.Tracer([(shell, np.eye(4), 31)])
     found, block = 0, 100_000
     for _ in range(count // block):
         origins = 5 * bench_trace.unit(random.normal(size=(block, 3)))

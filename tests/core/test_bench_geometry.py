@@ -11,5 +11,5 @@ def test_the_benchmark_of_the_geometry_cache_prints_its_tables(root, addons, tmp
         assert title in printed, printed
     rows = {row["name"]: row["values"][0] for row in measured}
     assert rows["vertices computed again, single over multi"] > 300
-    assert rows["parity errors of 100000 rays through a shell of mixed levels"] == 0
+    assert all(value == 0 for name, value in rows.items() if name.startswith("parity errors"))
     assert min(value for name, value in rows.items() if name.endswith("speed")) > 0

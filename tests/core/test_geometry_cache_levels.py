@@ -170,6 +170,31 @@ def test_a_beam_that_narrows_sees_finer_facets_near_its_focus_than_before_and_be
     assert means[1] > means[0] + 0.3 and means[1] > means[2] + 0.3, means
 
 
+def test_a_concave_mirror_that_looks_at_a_large_patch_gets_facets_as_fine_as_its_rays_are_narrow():
+    random = np.random.default_rng(11)
+    count, focal_length, width = 20_000, 3.0, 0.02
+    # A view that asks for nothing: the sphere is few large patches. Its lowest point lies near the mirror's focus.
+    ball = [(shapes.nurbs_sphere(), np.eye(4), shapes.EVERYTHING)]
+    tracer = trace.Tracer(ball, pixel_angle=1.0, cache=trace.GeometryCacheSettings())
+    focus = np.array([0.0, 0.0, -1.0])
+    places = 0.5 * random.uniform(-1, 1, (count, 2))
+    # Parallel rays come down on a mirror that looks up, a paraboloid, and leave it towards the focus.
+    height = np.sum(places**2, axis=1) / (4 * focal_length) - focal_length - 1.0
+    origins = np.concatenate([places, height[:, None]], axis=1)
+    directions = shapes.unit(focus + random.normal(0, 2e-3, (count, 3)) - origins)
+    reach = np.linalg.norm(focus - origins, axis=1)
+    mirrored, plain = (
+        tracer.closest_hits(origins, directions, width=np.float32(width), spread=spread)
+        for spread in ((-width / reach * 0.98).astype(np.float32), np.float32(0.0))
+    )
+    at_hit = width * (1 - 0.98 * mirrored["t"] / reach)
+    off = np.abs(np.sum(mirrored["normal"] * (mirrored["facet_position"] - mirrored["position"]), axis=1))
+    assert (at_hit < 0.05 * width).all() and (mirrored["instance"] == 0).all()
+    assert (off < 0.15 * at_hit).all(), (off / at_hit).max()
+    assert (own_level(mirrored["anchors"]) > own_level(plain["anchors"])).all()
+    assert (own_level(mirrored["anchors"]) > FINE).all()
+
+
 def test_wide_rays_in_a_stretched_instance_see_what_they_see_in_the_shape_itself():
     random = np.random.default_rng(10)
     scale = 1e3
