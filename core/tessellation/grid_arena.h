@@ -23,7 +23,8 @@ namespace rayleaf {
 class GridArena {
   public:
     static constexpr uint32_t kNone = GridIndex::kNone;
-    static constexpr uint32_t kSlots = sizeof(Grid) / sizeof(MediumGrid);  ///< medium grids in a unit
+    static constexpr uint32_t kSlots = 16;  ///< medium grids in a unit
+    static_assert(kSlots * sizeof(MediumGrid) <= sizeof(Grid) && (kSlots + 1) * sizeof(MediumGrid) > sizeof(Grid));
     /// Subpatches are numbered below this.
     static constexpr uint32_t kMostSubpatches = 1u << 31;
     enum class Kind : uint8_t { Medium, Fine };
