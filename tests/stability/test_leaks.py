@@ -109,7 +109,7 @@ def test_as_many_rays_leave_a_closed_shell_as_enter_it(name, place):
     tracer = placed(name, place)
     wrong = sum(parity_errors(tracer, *rays) for _, *rays in batches(place, SHELLS, 21))
     # A ray through a sharp edge of a mesh may meet one of its two faces only: its direction is parallel to the other.
-    check_bound(f"{name} {place}, {rays_for(SHELLS)} rays", "rays that leaked", wrong, 0, "rays")
+    check_bound(f"{name}, {place}, {rays_for(SHELLS)} rays", "rays that leaked", wrong, 0, "rays")
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -121,4 +121,4 @@ def test_rays_of_all_widths_cross_a_shell_of_mixed_levels_as_often_inwards_as_ou
         found = shapes.trace.cracks(tracer, origins, directions, (width * scale).astype(np.float32),
                                     spread.astype(np.float32), inside=False, merge=1e-6 * scale)  # fmt: skip
         wrong += int(found.sum())
-    check_bound(f"{name} {place}, {rays_for(SPLINE_SHELLS)} rays of all widths", "parity errors", wrong, 0, "rays")
+    check_bound(f"{name}, {place}, {rays_for(SPLINE_SHELLS)} rays of all widths", "parity errors", wrong, 0, "rays")

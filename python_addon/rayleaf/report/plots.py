@@ -30,9 +30,9 @@ def _apart(place: tuple[float, float], others: list[tuple[float, float]]) -> boo
     return all(abs(place[0] - x) > 0.12 or abs(place[1] - y) > 0.06 for x, y in others)
 
 
-def _beside(axes: Any) -> None:
-    """The legend, where it hides nothing."""
-    axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False)
+def _below(axes: Any) -> None:
+    """The legend, where it hides nothing and takes no width: a phone has little."""
+    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.16), frameon=False, ncol=2)
 
 
 def frontier(measured: list[Measured]) -> str:
@@ -60,7 +60,7 @@ def frontier(measured: list[Measured]) -> str:
     axes.set_xlabel("seconds (median)")
     axes.set_ylabel("root mean square error, display RGB")
     axes.grid(True, which="both", linewidth=0.3)
-    _beside(axes)
+    _below(axes)
     return _as_svg(figure)
 
 
@@ -89,5 +89,5 @@ def lines(
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
     axes.grid(True, which="both", linewidth=0.3)
-    _beside(axes)
+    _below(axes)
     return _as_svg(figure)
