@@ -22,7 +22,9 @@ tr:nth-child(even) td { background: #8881; } tr.dominated td { opacity: .55; }
 nav ul { columns: 14rem; padding: 0; list-style: none; }
 .wide { overflow-x: auto; } figure { margin: 1rem 0; } figcaption, .note { font-size: 13px; opacity: .8; }
 svg, img { max-width: 100%; height: auto; } svg { background: #fff; }
-.pictures { display: flex; flex-wrap: wrap; gap: .8rem; } .pictures figure { flex: 1 1 15rem; max-width: 26rem; margin: 0; }
+.pictures { display: grid; gap: .8rem; grid-template-columns: repeat(auto-fill, minmax(10rem, 1fr)); }
+.pictures figure { margin: 0; } .pictures img { width: 100%; image-rendering: pixelated; } .pictures .plot { grid-column: span 2; }
+td:first-child { min-width: 8rem; } .plot svg { width: 34rem; }
 @media print { body { max-width: none; font-size: 11px; } h2 { break-before: page; } figure, table { break-inside: avoid; } }
 """
 
@@ -97,7 +99,7 @@ def pictures(*figures: str) -> str:
 
 def plot(svg: str, caption: str) -> str:
     """A plot with a line of text."""
-    return f"<figure>{svg}<figcaption>{html.escape(caption)}</figcaption></figure>"
+    return f"<figure class=plot>{svg}<figcaption>{html.escape(caption)}</figcaption></figure>"
 
 
 def page(title: str, *parts: str) -> str:
