@@ -23,9 +23,18 @@ nav ul { columns: 14rem; padding: 0; list-style: none; }
 .wide { overflow-x: auto; } figure { margin: 1rem 0; } figcaption, .note { font-size: 13px; opacity: .8; }
 svg, img { max-width: 100%; height: auto; } svg { background: #fff; }
 .pictures { display: grid; gap: .8rem; grid-template-columns: repeat(auto-fill, minmax(10rem, 1fr)); }
-.pictures figure { margin: 0; } .pictures img { width: 100%; image-rendering: pixelated; } .pictures .plot { grid-column: span 2; }
+.pictures figure { margin: 0; } .pictures .plot { grid-column: span 2; } .wide { margin-bottom: 1rem; }
+.pictures img { width: 100%; image-rendering: pixelated; }
 td:first-child { min-width: 8rem; } .plot svg { width: 34rem; }
-@media print { body { max-width: none; font-size: 11px; } h2 { break-before: page; } figure, table { break-inside: avoid; } }
+pre { font-size: 12px; }
+@page { size: A4 landscape; margin: 12mm; }
+@media print {
+  body { max-width: none; padding: 0; font-size: 11px; } h2 { break-before: page; } h3, h2 { break-after: avoid; }
+  figure, tr { break-inside: avoid; } .wide { overflow: visible; } .plot svg { width: 24rem; }
+  table { font-size: 9px; } th, td { padding: .1rem .4rem; } pre { font-size: 6.5px; white-space: pre-wrap; }
+  .pictures { grid-template-columns: repeat(7, 1fr); }
+  .plot, .wide { display: inline-block; vertical-align: top; }
+}
 """
 
 

@@ -31,12 +31,16 @@ class Point:
         return {"name": self.name, "engine": self.engine, "assign": self.assign}
 
 
+def _counted(count: int) -> str:
+    return f"{count} sample" + ("s" if count > 1 else "")
+
+
 def samples(counts: list[int]) -> list[Point]:
     """Paths per pixel, everything traced."""
     return [
         Point(
             "Samples",
-            f"{count} samples",
+            _counted(count),
             assign={"rayleaf.samples": count, "rayleaf.ray_interpolation.mode": "OFF"},
         )
         for count in counts
@@ -78,7 +82,7 @@ def values(series: str, path: str, tried: list[Any], count: int, exact: Any = No
 def cycles(counts: list[int]) -> list[Point]:
     """The same file in Cycles."""
     return [
-        Point("Cycles", f"{count} samples", "CYCLES", {**CYCLES_PLAIN, "cycles.samples": count}) for count in counts
+        Point("Cycles", _counted(count), "CYCLES", {**CYCLES_PLAIN, "cycles.samples": count}) for count in counts
     ]
 
 
