@@ -81,9 +81,7 @@ def values(series: str, path: str, tried: list[Any], count: int, exact: Any = No
 
 def cycles(counts: list[int]) -> list[Point]:
     """The same file in Cycles."""
-    return [
-        Point("Cycles", _counted(count), "CYCLES", {**CYCLES_PLAIN, "cycles.samples": count}) for count in counts
-    ]
+    return [Point("Cycles", _counted(count), "CYCLES", {**CYCLES_PLAIN, "cycles.samples": count}) for count in counts]
 
 
 def reference(engine: str, count: int) -> Point:
