@@ -30,7 +30,7 @@ struct RayCacheKey {
     int depth_limit = 0, mixed_depth_limit = 0;
     uint64_t cache_bytes = 0;  ///< changes no answer, but what a cache may hold
 
-    auto operator<=>(const RayCacheKey&) const = default;
+    auto operator<=>(const RayCacheKey&) const = default;  // NOLINT(modernize-use-nullptr): it has no pointers
 };
 /// Empty for a shape without a content hash.
 std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samples, const RayCacheSettings& settings);

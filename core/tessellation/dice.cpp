@@ -89,6 +89,7 @@ HWY_INLINE void evaluate_along_u(const DiceTask& task, int degree_u, const Curve
             const auto component = [&](int c) HWY_ATTR {
                 return symmetric_sum(degree_u, [&](int i) HWY_ATTR {
                     return hn::Mul(hn::LoadU(lanes, task.basis_u->values(i, task.first_u + start)),
+                                   // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): evaluate_along_v filled it
                                    hn::Set(lanes, curves.rows[c][i][row]));
                 });
             };
