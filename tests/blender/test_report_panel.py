@@ -28,10 +28,10 @@ def test_the_button_lists_error_and_time_and_apply_sets_the_fastest_within_the_w
     found = run.report["found"]
     by_name = {name: error for name, _, error in found}
     assert [seconds for _, seconds, _ in found] == sorted(seconds for _, seconds, _ in found)
-    assert by_name["Samples: 64 samples"] < by_name["Samples: 1 samples"]
+    assert by_name["Samples: 64 samples"] < by_name["Samples: 1 sample"]
     assert any("interpolation" in name for name in by_name)
     name, samples, mode = run.report["fastest"]
-    assert f"{samples} samples" in name and (mode == "OFF" or "interpolation" in name)
+    assert f"{samples} sample" in name and (mode == "OFF" or "interpolation" in name)
     assert not run.report["none"], "nothing is closer than the noise of the reference, so nothing can be applied"
     assert run.report["state"] == f"{len(found)} settings measured"
 

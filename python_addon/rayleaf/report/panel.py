@@ -26,7 +26,7 @@ def tried_points() -> list[Point]:
     tried = points.samples(list(_SAMPLES))
     for count in _SAMPLES[1:]:
         for point in points.interpolation(list(_ERRORS), count)[1:]:
-            tried.append(Point(f"{count} samples, interpolation", point.label, assign=point.assign))
+            tried.append(Point(f"{points.counted(count)}, interpolation", point.label, assign=point.assign))
     return tried
 
 

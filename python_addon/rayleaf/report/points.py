@@ -31,7 +31,8 @@ class Point:
         return {"name": self.name, "engine": self.engine, "assign": self.assign}
 
 
-def _counted(count: int) -> str:
+def counted(count: int) -> str:
+    """A number of samples in words."""
     return f"{count} sample" + ("s" if count > 1 else "")
 
 
@@ -40,7 +41,7 @@ def samples(counts: list[int]) -> list[Point]:
     return [
         Point(
             "Samples",
-            _counted(count),
+            counted(count),
             assign={"rayleaf.samples": count, "rayleaf.ray_interpolation.mode": "OFF"},
         )
         for count in counts
@@ -81,7 +82,7 @@ def values(series: str, path: str, tried: list[Any], count: int, exact: Any = No
 
 def cycles(counts: list[int]) -> list[Point]:
     """The same file in Cycles."""
-    return [Point("Cycles", _counted(count), "CYCLES", {**CYCLES_PLAIN, "cycles.samples": count}) for count in counts]
+    return [Point("Cycles", counted(count), "CYCLES", {**CYCLES_PLAIN, "cycles.samples": count}) for count in counts]
 
 
 def reference(engine: str, count: int) -> Point:
