@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 namespace rayleaf {
 
@@ -36,6 +37,11 @@ inline float least_of(Float4 a) {
 inline float largest_of(Float4 a) {
     const Float4 pairs = max4(a, shuffled<2, 3, 0, 1>(a));
     return pairs[0] < pairs[1] ? pairs[1] : pairs[0];
+}
+/// A bit for each number that is at most `limit`.
+inline uint32_t at_most(Float4 a, float limit) {
+    const auto bit = [limit](float number, uint32_t value) { return number <= limit ? value : 0u; };
+    return bit(a[0], 1u) | bit(a[1], 2u) | bit(a[2], 4u) | bit(a[3], 8u);
 }
 
 }  // namespace rayleaf

@@ -276,10 +276,7 @@ void LevelChooser::see_nearby(const LevelSight& before, const Vec3d& place, floa
 
 /// A bit each.
 uint32_t LevelChooser::nearby_borders(const SubpatchDetail& detail) const {
-    const Float4 squared = squared_distances(detail, place_);
-    uint32_t bits = 0;
-    for (int i = 0; i < kBorders; ++i) bits |= (squared[i] <= reach_squared_ ? 1u : 0u) << i;
-    return bits;
+    return at_most(squared_distances(detail, place_), reach_squared_);
 }
 
 SubpatchLevels LevelChooser::seen_by_two(const SubpatchDetail& detail) const {
