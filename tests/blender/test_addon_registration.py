@@ -18,8 +18,41 @@ report(engine=scene.render.engine, loaded="rayleaf._core" in sys.modules, sample
     assert run == {"engine": "RAYLEAF", "loaded": False, "samples": 64}
 
 
+OPENED = """
+import sys, time
+import addon_utils, bpy
+
+assert not any(name.startswith("rayleaf") for name in sys.modules), "the add-on was there before it was enabled"
+began = time.process_time()
+addon_utils.enable("rayleaf")
+seconds = time.process_time() - began
+assert hasattr(bpy.types.Scene, "rayleaf") and "rayleaf._core" not in sys.modules
+print("\\nSECONDS", seconds)
+"""
+
+
+def test_opening_blender_with_the_add_on_takes_less_than_a_tenth_of_a_second_more(run_blender):
+    """Processor time of the process around the enabling, which is all that opening has to do more: other programs do not
+    count, and 0.023 s when measured leaves four times as much. The best of three, for the first compiles the files."""
+    run = run_blender(
+        f"""
+import subprocess, bpy
+
+command = [bpy.app.binary_path, "--background", "--factory-startup", "--python-exit-code", "1"]
+seconds = []
+for _ in range(3):
+    done = subprocess.run([*command, "--python-expr", {OPENED!r}], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    seconds += [float(line.split()[1]) for line in done.stdout.splitlines() if line.startswith("SECONDS")]
+report(seconds=seconds)
+"""
+    ).report
+    assert len(run["seconds"]) == 3
+    assert min(run["seconds"]) < 0.1, run["seconds"]
+
+
 def test_enabling_the_add_on_loads_itself_and_a_little_of_pythons_library(run_blender):
-    """Opening Blender must not become slower: 0.02 s of processor time when measured, of which imports are all."""
+    """Opening Blender must not become slower, and imports are all that it takes."""
     run = run_blender(
         """
 import sys

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from rayleaf.report import gallery, source_curves, source_pictures, stability
-from rayleaf.report.run_report import guarded
 from rayleaf.report.source_figures import RI_TABLE_2_DISTANCE
 
 
@@ -60,13 +59,6 @@ def test_the_sources_pictures_stand_beside_their_mask_and_their_difference():
     shown = source_pictures.figures(traced, traced, np.ones((4, 6, 3)))
     assert shown.count("<img") == 4 and "mask" in shown
     assert source_pictures.figures(traced, traced, None).count("<img") == 3
-
-
-def test_a_part_that_fails_says_so_and_leaves_the_others():
-    def fail():
-        raise RuntimeError("Blender ended with 11")
-
-    assert "Blender ended with 11" in guarded("scene", fail) and guarded("scene", lambda: "made") == "made"
 
 
 def test_channels_of_a_file_come_in_the_order_that_people_mean(tmp_path):

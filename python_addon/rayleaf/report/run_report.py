@@ -1,18 +1,21 @@
 """Makes the report; `rayleaf report` starts it outside Blender.
 
-    python3 -m rayleaf.report.run_report [FILE.blend ...] [--quick] [-o FOLDER] --root PROJECT --blender BLENDER
+    python3 -m rayleaf.report.run_report [FILE.blend ...] [--quick] [--only PART] [--again] [-o FOLDER]
+        --root PROJECT --blender BLENDER
 
-Writes FOLDER/report.html, and the same figures as report.json and frontier.csv.
+Writes FOLDER/report.html, and the same figures as report.json and frontier.csv. Each part is kept in FOLDER/parts once it
+is made, so that a report that was stopped goes on where it was.
 """
 
 import argparse
 import csv
 import json
+import os
 import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -30,6 +33,7 @@ from . import (
     stability,
 )
 from .measure import Measurement, measure
+from .parts import KeptParts, Part, mark, now, state
 from .points import Point
 from .source_figures import BY_BENCHMARK, SourceTable
 
@@ -103,59 +107,57 @@ def source_table(table: SourceTable) -> str:
 
 
 def run_benchmark(root: Path, case: str, folder: Path, size: str) -> tuple[str, list[dict[str, Any]]]:
-    """A benchmark's printed tables and its single measurements."""
+    """A benchmark's printed tables and its single measurements. Raises RuntimeError where its answers are wrong."""
     result = folder / f"bench_{case}.json"
     command = [sys.executable, str(root / "tests" / "bench" / "run_benchmarks.py"), case, size, "--json", str(result)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        return done.stdout + done.stderr, []
+        raise RuntimeError("\n".join((done.stdout + done.stderr).splitlines()[-15:]))
     rows: list[dict[str, Any]] = json.loads(result.read_text(encoding="utf-8"))["cases"].get(case, [])
     return done.stdout, rows
 
 
-def benchmark_section(root: Path, case: str, folder: Path, size: str, plain: dict[str, Any]) -> str:
-    """Ours, then the sources'. Adds the single measurements to `plain`."""
+def benchmark_part(root: Path, case: str, folder: Path, size: str) -> Part:
+    """Ours, then the sources'."""
     printed, rows = run_benchmark(root, case, folder, size)
-    plain["benchmarks"][case] = rows
     ours = f"<div class=wide><pre>{page.text(printed)}</pre></div>"
     theirs = map(source_table, BY_BENCHMARK[case])
-    return page.section(f"Benchmark: {case}", page.section("Ours", ours, level=3), source_curves.figures(rows), *theirs)
+    html = page.section(f"Benchmark: {case}", page.section("Ours", ours, level=3), source_curves.figures(rows), *theirs)
+    return Part(html, {"benchmarks": {case: rows}})
 
 
-def stability_section(root: Path, folder: Path, quick: bool, plain: dict[str, Any]) -> str:
-    """What the tests of stability measure. Adds it to `plain`."""
+def stability_part(root: Path, folder: Path, quick: bool) -> Part:
+    """What the tests of stability measure."""
     lines, summary = stability.measure(root, folder, quick)
-    plain["stability"] = lines
-    return stability.section(lines, summary)
+    return Part(stability.section(lines, summary), {"stability": {"summary": summary, "checks": lines}})
 
 
-def file_section(options: argparse.Namespace, extent: Extent, file: Path, found: dict[str, Measurement]) -> str:
-    """One scene: measured, and its gallery. Adds the measurement to `found`."""
+def file_part(options: argparse.Namespace, extent: Extent, file: Path) -> Part:
+    """One scene: measured, and its gallery."""
     references = [points.reference(engine, extent.reference_count) for engine in ("RAYLEAF", "CYCLES")]
     measurement = measure(options.blender, file, tried_points(extent), references, extent.width, extent.repeats)
-    found[file.stem] = measurement
     pictures = gallery.scene_pictures(options.blender, file, extent.width, extent.gallery_samples)
-    return scene_section(file, measurement, pictures)
+    rows = [each.as_row() for each in measurement.measured]
+    return Part(scene_section(file, measurement, pictures), {"scenes": {file.stem: rows}})
 
 
-def guarded(title: str, make: Callable[[], str]) -> str:
-    """A part of the report, or why it could not be made: the other parts took their time and are kept."""
-    sys.stderr.write(f"rayleaf: report: {title}\n")
-    try:
-        return make()
-    except (RuntimeError, OSError, ValueError) as error:
-        sys.stderr.write(f"rayleaf: report: {title} failed: {error}\n")
-        return page.section(title, page.paragraph(f"Failed: {error}", "note"))
-
-
-def write_csv(path: Path, found: dict[str, Measurement]) -> None:
+def write_csv(path: Path, scenes: dict[str, list[dict[str, Any]]]) -> None:
     """All points of all scenes."""
-    rows = [{"scene": name, **m.as_row()} for name, measurement in found.items() for m in measurement.measured]
+    rows = [{"scene": name, **row} for name, points_of_scene in scenes.items() for row in points_of_scene]
     head = list(dict.fromkeys(key for row in rows for key in row))
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, head)
         writer.writeheader()
         writer.writerows(rows)
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A part to make."""
+
+    title: str
+    make: Callable[[], Part]
+    depends_on: Path | None = None  # a file, beside what all parts depend on
 
 
 @dataclass
@@ -164,31 +166,70 @@ class Report:
 
     folder: Path
     introduction: str
-    plain: dict[str, Any]  # what report.json holds beside the scenes
-    found: dict[str, Measurement] = field(default_factory=dict)
-    parts: list[str] = field(default_factory=list)
-    seconds: dict[str, float] = field(default_factory=dict)  # that each part took
+    described: dict[str, str]  # the machine
+    circumstances: str | None  # what all parts depend on; None: nobody knows, so nothing is kept
+    only: list[str] = field(default_factory=list)  # anchors of parts to make, again if they are there; empty: all
+    again: bool = False  # nothing that was kept is taken
+    parts: dict[str, Part] = field(default_factory=dict)
+    failed: dict[str, str] = field(default_factory=dict)  # title -> why
 
-    def add(self, title: str, make: Callable[[], str]) -> None:
+    def add(self, planned: Planned) -> None:
         """One part more. What is done is on disk, whatever happens next."""
-        began = time.monotonic()
-        self.parts.append(guarded(title, make))
-        self.seconds[title] = time.monotonic() - began
+        name, kept = page.anchor(planned.title), KeptParts(self.folder)
+        circumstances = mark(self.circumstances, planned.title, planned.depends_on)
+        wanted = not self.only or name in self.only
+        part = None
+        if self.circumstances is not None and not (wanted and (self.again or self.only)):
+            part = kept.find(name, circumstances)
+        if part is None and wanted:
+            part = self.made(planned)
+            if part is not None and self.circumstances is not None:
+                kept.keep(name, circumstances, part)
+        if part is not None:
+            self.parts[planned.title] = part
         self.write()
 
+    def made(self, planned: Planned) -> Part | None:
+        """A part; None if it could not be made: the other parts took their time and are kept."""
+        sys.stderr.write(f"rayleaf: report: {planned.title}\n")
+        load, began = os.getloadavg()[0], time.monotonic()
+        try:
+            part = planned.make()
+        except (RuntimeError, OSError, ValueError) as error:
+            sys.stderr.write(f"rayleaf: report: {planned.title} failed: {error}\n")
+            self.failed[planned.title] = str(error)
+            return None
+        part.seconds, part.made, part.load = time.monotonic() - began, now(), load
+        return part
+
     def duration(self) -> str:
-        """How long the parts took."""
-        rows = [*self.seconds.items(), ("together", sum(self.seconds.values()))]
-        return page.section("How long this report took", page.table(("part", "seconds"), rows))
+        """How long the parts took, and when."""
+        rows: list[tuple[Any, ...]] = [
+            (title, part.seconds, part.load, part.made) for title, part in self.parts.items()
+        ]
+        rows.append(("together", sum(part.seconds for part in self.parts.values()), None, None))
+        return page.section("How long this report took", page.table(("part", "seconds", "load before", "made"), rows))
+
+    def figures(self, kind: str) -> dict[str, Any]:
+        """Of one kind, of all parts."""
+        return {name: rows for part in self.parts.values() for name, rows in part.figures.get(kind, {}).items()}
 
     def write(self) -> None:
         """The page, and its figures as CSV and JSON."""
-        html = page.page("Rayleaf: error against run time", self.introduction, *self.parts, self.duration())
+        broken = [page.section(title, page.paragraph(f"Failed: {why}", "note")) for title, why in self.failed.items()]
+        made = (part.html for part in self.parts.values())
+        html = page.page("Rayleaf: error against run time", self.introduction, *made, *broken, self.duration())
         (self.folder / "report.html").write_text(html, encoding="utf-8")
-        write_csv(self.folder / "frontier.csv", self.found)
-        scenes = {name: [m.as_row() for m in each.measured] for name, each in self.found.items()}
-        text = json.dumps({**self.plain, "seconds": self.seconds, "scenes": scenes}, indent=2) + "\n"
-        (self.folder / "report.json").write_text(text, encoding="utf-8")
+        scenes = self.figures("scenes")
+        write_csv(self.folder / "frontier.csv", scenes)
+        plain = {
+            "machine": self.described,
+            "seconds": {title: part.seconds for title, part in self.parts.items()},
+            "benchmarks": self.figures("benchmarks"),
+            "stability": self.figures("stability"),
+            "scenes": scenes,
+        }
+        (self.folder / "report.json").write_text(json.dumps(plain, indent=2) + "\n", encoding="utf-8")
 
 
 def introduction(described: dict[str, str], extent: Extent) -> str:
@@ -207,25 +248,41 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="rayleaf report")
     parser.add_argument("file", nargs="*", type=Path, help="scenes; default: all of blend_scenes")
     parser.add_argument("--quick", action="store_true", help="tiny pictures, one repeat: to see that it works")
+    parser.add_argument("--only", action="append", default=[], metavar="PART", help="makes that part alone, again")
+    parser.add_argument("--again", action="store_true", help="makes parts again that are there")
     parser.add_argument("-o", "--output", type=Path, default=Path("out/report"))
     parser.add_argument("--root", type=Path, required=True, help=argparse.SUPPRESS)
     parser.add_argument("--blender", required=True, help=argparse.SUPPRESS)
     return parser.parse_args()
 
 
-def add_project(report: Report, options: argparse.Namespace, extent: Extent) -> None:
-    """What is about Rayleaf and not about a file: the sources' pictures, outlines, benchmarks, stability."""
+def planned_parts(options: argparse.Namespace, extent: Extent) -> list[Planned]:
+    """The scenes; without files, also what is about Rayleaf and not about a file: the sources' pictures, outlines,
+    benchmarks, stability."""
     blender, scenes, folder = options.blender, options.root / "blend_scenes", options.output
-    report.add(
-        "The sources' pictures",
-        partial(source_pictures.section, blender, scenes, extent.width, extent.counts[1]),
-    )
-    report.add("Outlines", partial(silhouettes.section, blender, extent.width, extent.resolutions))
-    report.add("Primitives", partial(curve_primitives.section, extent.width, extent.primitive_count, extent.repeats))
+    files = options.file or sorted(scenes.glob("*.blend"))
+    found = [Planned(file.stem, partial(file_part, options, extent, file), file) for file in files]
+    if options.file:
+        return found
+    width, repeats = extent.width, extent.repeats
+    own: dict[str, Callable[[], str]] = {
+        "The sources' pictures": lambda: source_pictures.section(blender, scenes, width, extent.counts[1]),
+        "Outlines": lambda: silhouettes.section(blender, width, extent.resolutions),
+        "Primitives": lambda: curve_primitives.section(width, extent.primitive_count, repeats),
+    }
+    found += [Planned(title, partial(lambda section: Part(section()), section)) for title, section in own.items()]
     for case in BY_BENCHMARK:
-        make = partial(benchmark_section, options.root, case, folder, extent.bench_size, report.plain)
-        report.add(f"Benchmark {case}", make)
-    report.add("Stability", partial(stability_section, options.root, folder, options.quick, report.plain))
+        make = partial(benchmark_part, options.root, case, folder, extent.bench_size)
+        found.append(Planned(f"Benchmark {case}", make))
+    found.append(Planned("Stability", partial(stability_part, options.root, folder, options.quick)))
+    return found
+
+
+def circumstances(root: Path, described: dict[str, str], extent: Extent) -> str | None:
+    """What every part's figures depend on: sources, machine, Blender, extent."""
+    sources = state(root)
+    machine_alone = {key: value for key, value in described.items() if key not in ("load before", "commit")}
+    return None if sources is None else mark(sources, machine_alone, asdict(extent))
 
 
 def main() -> int:
@@ -233,14 +290,18 @@ def main() -> int:
     extent = QUICK if options.quick else FULL
     options.output.mkdir(parents=True, exist_ok=True)
     described = machine.describe(options.root, options.blender)
-    plain: dict[str, Any] = {"machine": described, "benchmarks": {}}
-    report = Report(options.output, introduction(described, extent), plain)
-    for file in options.file or sorted((options.root / "blend_scenes").glob("*.blend")):
-        report.add(file.stem, partial(file_section, options, extent, file, report.found))
-    if not options.file:
-        add_project(report, options, extent)
+    same = circumstances(options.root, described, extent)
+    planned = planned_parts(options, extent)
+    names = [page.anchor(each.title) for each in planned]
+    only = [page.anchor(name) for name in options.only]
+    if unknown := [name for name in only if name not in names]:
+        sys.stderr.write(f"rayleaf: report: there is no part {', '.join(unknown)}; there are: {', '.join(names)}\n")
+        return 2
+    report = Report(options.output, introduction(described, extent), described, same, only, options.again)
+    for each in planned:
+        report.add(each)
     sys.stderr.write(f"rayleaf: report: {options.output / 'report.html'}\n")
-    return 0
+    return 1 if report.failed else 0
 
 
 if __name__ == "__main__":
