@@ -3,6 +3,7 @@
 import importlib
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -46,3 +47,10 @@ def addons() -> Path:
 def core() -> ModuleType:
     """The extension module rayleaf._core."""
     return importlib.import_module("rayleaf._core")
+
+
+@pytest.fixture
+def any_target(core: ModuleType) -> Iterator[None]:
+    """Lets a test choose the kernels' instruction set; afterwards the machine's best is used again."""
+    yield
+    core.trace.use_simd_target("")

@@ -268,8 +268,7 @@ void bind_ri_tree(py::module_& parent) {
         .def("changes", &changes, py::arg("origins"), py::arg("directions"), py::arg("origin_steps"),
              py::arg("direction_steps"),
              "How interpolated answers change with two steps of each ray, arrays (n, 2, 3): known, normal, "
-             "exit_position, "
-             "exit_direction.")
+             "exit_position, exit_direction.")
         .def("samples", &samples, py::arg("direction"), py::arg("places"),
              "Samples at lattice points (n, 4), shares times 2^31: values (n, k), changes by the line's coordinates as "
              "shares of the root cell's half sides (n, k, 4), and what happened on the way.");

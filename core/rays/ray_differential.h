@@ -60,8 +60,7 @@ RayDifferential refracted(const RayDifferential& incoming, const Vec3f& directio
 float share_width(float density, int rays);
 
 /// Differential after a scatter over a wide lobe: directions open up to at least `angle` radians, so that the beam only
-/// grows. Distribution
-/// ray tracing's rule for a fraction of the hemisphere (Christensen et al. 2003, section 4.2).
+/// grows. Distribution ray tracing's rule for a fraction of the hemisphere (Christensen et al. 2003, section 4.2).
 RayDifferential widened(const RayDifferential& incoming, const Vec3f& new_direction, float angle);
 
 }  // namespace rayleaf

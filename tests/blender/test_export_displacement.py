@@ -66,6 +66,27 @@ report(messages=messages, schemes=schemes, meshes=[mesh["name"] for mesh in sent
     assert run["meshes"] == ["Still"]
 
 
+def test_two_objects_share_a_curve_of_which_one_has_a_displacing_material(run_blender):
+    run = run_blender(
+        START
+        + """
+bpy.ops.curve.primitive_bezier_circle_add()
+wire = bpy.context.object
+wire.name, wire.data.bevel_depth = "Wire", 0.1
+twin = bpy.data.objects.new("Twin", wire.data)
+bpy.context.collection.objects.link(twin)
+wire.data.materials.append(scenes.material("Matte")[0])
+twin.material_slots[0].link = "OBJECT"
+twin.material_slots[0].material = displacing("ShaderNodeDisplacement", "OBJECT", 1.0)
+sent, told, messages = recording_core.export()
+report(messages=messages, exact=sorted(told.exact), shapes=told.shapes, instances=told.instances, meshes=len(sent.meshes))
+"""
+    ).report
+    assert run["messages"] == ["Object 'Twin': curves and hair are not displaced; left out"]
+    assert run["exact"] == ["Twin", "Wire"] and run["meshes"] == 0
+    assert run["shapes"] == 1 and run["instances"] == 2
+
+
 def test_a_render_shows_a_sphere_grown_by_its_displacement(run_blender):
     run = run_blender(
         START

@@ -8,12 +8,6 @@ trace = shapes.trace
 F = np.float32
 
 
-@pytest.fixture
-def any_target():
-    yield
-    trace.use_simd_target("")
-
-
 def bernstein(degree, count):
     """The basis at k / count in float, rounded once from double: (degree + 1, count + 1)."""
     t = np.arange(count + 1) / count

@@ -4,6 +4,7 @@ every kernel."""
 import numpy as np
 import pytest
 from core import shapes
+from stability.kernels import check_same_bits
 from stability.measured import check_bound
 from stability.patch_cases import REGULAR, PatchCase, extended
 
@@ -14,12 +15,6 @@ CASES = {case.name: case for case in REGULAR}
 DISTANCE = 3.0  # of the eye, in sizes of the patch
 PIXEL_ANGLE = 1e-4
 FACET_TOLERANCE = 0.1 * PIXEL_ANGLE * DISTANCE  # of facets to surface, in sizes of the patch
-
-
-@pytest.fixture
-def any_target():
-    yield
-    trace.use_simd_target("")
 
 
 def aimed_rays(case: PatchCase, angle: float):
@@ -88,15 +83,7 @@ def test_rays_meet_stiff_patches_where_extended_precision_says(name, offset, sca
 def test_every_kernel_gives_the_same_bits(name, offset, scale, any_target):
     case = CASES[name]
     _, origins, towards = aimed_rays(case, 0.5 * case.steepest)
-    results = {}
-    for target in trace.simd_targets():
-        assert trace.use_simd_target(target)
-        results[target] = hits_of(case, offset, scale, origins, towards)
-    assert len(results) >= 2, "only one instruction set: nothing to compare"
-    first, *others = results.values()
-    for other in others:
-        for key in ("t", "u", "v", "position", "normal"):
-            np.testing.assert_array_equal(first[key], other[key], err_msg=key)
+    check_same_bits(lambda: hits_of(case, offset, scale, origins, towards))
 
 
 SHARP_PLACES = {

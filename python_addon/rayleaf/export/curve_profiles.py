@@ -131,12 +131,14 @@ def profile_splines(core: ModuleType, curve: Any, fill: str) -> list[Any] | None
     whole = _section(edge, curve.extrude, fill)
     closed = fill == "FULL"
     starts, ends = whole.segments[:, 0], whole.segments[:, 3]
-    flat = np.concatenate([starts, ends[-1:]]) if not closed else starts
-    leaving = np.concatenate([whole.segments[:, 1], ends[-1:]]) if not closed else whole.segments[:, 1]
-    arriving = np.concatenate([starts[:1], whole.segments[:, 2]]) if not closed else np.roll(whole.segments[:, 2], 1, 0)
-    straight = np.append(whole.straight, False) if not closed else whole.straight
+    leaving, arriving = whole.segments[:, 1], whole.segments[:, 2]
     if closed:  # the core runs through a closed Bezier spline from its last point
-        flat, leaving, arriving, straight = (np.roll(each, -1, axis=0) for each in (flat, leaving, arriving, straight))
+        flat, leaving, straight = (np.roll(each, -1, axis=0) for each in (starts, leaving, whole.straight))
+    else:
+        flat = np.concatenate([starts, ends[-1:]])
+        leaving = np.concatenate([leaving, ends[-1:]])
+        arriving = np.concatenate([starts[:1], arriving])
+        straight = np.append(whole.straight, False)
     count = len(flat)
     points = np.concatenate([flat, np.zeros((count, 1)), np.ones((count, 1))], axis=1)
     handles = np.concatenate([np.stack([arriving, leaving], axis=1), np.zeros((count, 2, 1))], axis=2)

@@ -50,6 +50,12 @@ class ExportReport:
     lamps: int = 0
 
 
+def _is_thread(group: Group) -> bool:
+    """Whether a group is an exact curve or hair, which displacement leaves as it is."""
+    is_curve = group.exact and group.owner.type != "SURFACE"
+    return is_curve or group.hair is not None or group.owner.type == "CURVES"
+
+
 class SceneExporter:
     """Exports one view layer once."""
 
@@ -88,8 +94,7 @@ class SceneExporter:
     def _note_undisplaced(self, groups: list[Group]) -> None:
         """Exact curves and hair stay as they are."""
         for group in groups:
-            is_curve = group.exact and group.owner.type != "SURFACE"
-            if (is_curve or group.hair is not None or group.owner.type == "CURVES") and self._is_displaced(group):
+            if _is_thread(group) and self._is_displaced(group):
                 self._messages.warn(f"Object '{group.owner.name}': curves and hair are not displaced; left out")
 
     def _export_camera(self, frame: camera.Frame) -> None:
@@ -141,7 +146,8 @@ class SceneExporter:
         result = []
         for group in listed.groups:
             self._check_cancel()
-            key = group.shape_key, self._is_displaced(group)
+            # An object's own material may displace what another object shows smooth.
+            key = group.shape_key, not _is_thread(group) and self._is_displaced(group)
             if key not in known:
                 known[key] = self._export_shape(group, wanted, listed.curves)
             result.append(known[key])

@@ -1,6 +1,5 @@
 """Meshes as cages whose limit the core renders: those that a modifier subdivides last, and those that are displaced."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
@@ -78,7 +77,7 @@ def cage_arrays(mesh_object: Any, depsgraph: Any, wanted: frozenset[str]) -> Cag
     try:
         mesh = mesh_object.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
         try:
-            return _arrays_of(mesh, wanted, lambda: _options_of(mesh, last))
+            return _arrays_of(mesh, wanted, _options_of(mesh, last))
         finally:
             mesh_object.to_mesh_clear()
     finally:
@@ -87,11 +86,8 @@ def cage_arrays(mesh_object: Any, depsgraph: Any, wanted: frozenset[str]) -> Cag
 
 def polygon_arrays(mesh: Any, wanted: frozenset[str]) -> CageArrays | None:
     """A mesh as a cage that is its own limit, with the normals that it is shaded with; None without faces."""
-    return _arrays_of(
-        mesh,
-        wanted,
-        lambda: {"scheme": "BILINEAR", "uv_smoothing": "NONE", "corner_normals": versions.corner_normals(mesh)},
-    )
+    options = {"scheme": "BILINEAR", "uv_smoothing": "NONE", "corner_normals": versions.corner_normals(mesh)}
+    return _arrays_of(mesh, wanted, options)
 
 
 def _get(collection: Any, name: str, dtype: Any, width: int = 1) -> Any:
@@ -109,14 +105,14 @@ def _options_of(mesh: Any, modifier: Any) -> dict[str, Any]:
     return options | _creases(mesh) if modifier.use_creases else options
 
 
-def _arrays_of(mesh: Any, wanted: frozenset[str], options: Callable[[], dict[str, Any]]) -> CageArrays | None:
+def _arrays_of(mesh: Any, wanted: frozenset[str], options: dict[str, Any]) -> CageArrays | None:
     if len(mesh.polygons) == 0:
         return None
     sizes = _get(mesh.polygons, "loop_total", np.int32)
     corners = _get(mesh.loops, "vertex_index", np.int32)
     slots = _get(mesh.polygons, "material_index", np.int32)
     arrays = CageArrays(_get(mesh.vertices, "co", np.float32, 3).reshape(-1, 3), sizes, corners)
-    arrays.options = options() | {"material_slots": slots if slots.any() else None}
+    arrays.options = options | {"material_slots": slots if slots.any() else None}
     faces = np.repeat(np.arange(len(sizes), dtype=np.int32), sizes)
     where = Corners(corners[:, None], np.arange(len(corners), dtype=np.int32)[:, None], faces[:, None])
     for name in wanted:
