@@ -19,7 +19,14 @@ double rounding_share(int terms) {
 
 Box3d hull_box(const Vec4d* points, int count, bool rational, double share) {
     Box3d box;
-    for (int i = 0; i < count; ++i) box.extendBy(position_of(points[i], rational));
+    if (count > 0) box.min = box.max = position_of(points[0], rational);
+    for (int i = 1; i < count; ++i) {
+        const Vec3d here = position_of(points[i], rational);
+        for (int axis = 0; axis < 3; ++axis) {
+            box.min[axis] = std::min(box.min[axis], here[axis]);
+            box.max[axis] = std::max(box.max[axis], here[axis]);
+        }
+    }
     for (int axis = 0; axis < 3; ++axis) {
         const double margin = share * std::max(std::abs(box.min[axis]), std::abs(box.max[axis]));
         box.min[axis] -= margin;
@@ -38,24 +45,32 @@ float float_not_below(double x) {
     return -float_not_above(-x);
 }
 
-/// Largest lengths over a control net: of the spatial part and of the weight.
-struct Largest {
+struct Lengths {
     double space = 0, weight = 0;
+};
 
+/// Largest lengths over a control net: of the spatial part and of the weight.
+class Largest {
+  public:
     void add(const Vec4d& difference) {
-        space = std::max(space, spatial_part(difference).length());
-        weight = std::max(weight, std::abs(difference.w));
+        squared_ = std::max(squared_, spatial_part(difference).length2());
+        weight_ = std::max(weight_, std::abs(difference.w));
     }
-    Largest scaled(double factor) const { return {space * factor, weight * factor}; }
+    Lengths scaled(double factor) const { return {std::sqrt(squared_) * factor, weight_ * factor}; }
+
+  private:
+    double squared_ = 0, weight_ = 0;
 };
 
 /// The derivatives' control nets of a homogeneous patch, by their largest elements.
 struct DerivativeNets {
-    Largest du, dv, duu, duv, dvv;
+    Lengths du, dv, duu, duv, dvv;
 };
 
 DerivativeNets derivative_nets(const PatchView& p) {
-    DerivativeNets nets;
+    struct {
+        Largest du, dv, duu, duv, dvv;
+    } nets;
     const int n = p.degree_u, m = p.degree_v;
     for (int j = 0; j <= m; ++j) {
         for (int i = 0; i <= n; ++i) {

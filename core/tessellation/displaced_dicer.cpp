@@ -49,10 +49,10 @@ bool DisplacedDicer::is_fine_enough(const FacetTolerance& tolerance) const {
     tbb::parallel_for(uint32_t{0}, looks, [&](uint32_t i) {
         GridRows rows;
         dice_rows(static_cast<uint32_t>(uint64_t{i} * count / looks), rows);
-        Box3d box;
-        for (int k = 0; k < kGridSize; ++k)
-            box.extendBy(Vec3d(rows.vertices[0][k], rows.vertices[1][k], rows.vertices[2][k]));
-        if (fine_facet_distance(detail_of(rows)) > tolerance(box)) fine = false;
+        const GridMeasure measure = measure_grid(rows);
+        const auto &low = measure.low, &high = measure.high;
+        const Box3d box(Vec3d(low[0], low[1], low[2]), Vec3d(high[0], high[1], high[2]));
+        if (fine_facet_distance(detail_of(rows, measure)) > tolerance(box)) fine = false;
     });
     return fine;
 }

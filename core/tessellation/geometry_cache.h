@@ -112,9 +112,9 @@ class GeometryCache::Reader {
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
 
-    /// `first` is the number of the dicer's first subpatch in the cache.
     /// Counts a ray that sees a subpatch by its corners alone.
     void count_coarse() const;
+    /// `first` is the number of the dicer's first subpatch in the cache.
     const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     const Grid& fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     /// Counts a ray that needs a subpatch split.

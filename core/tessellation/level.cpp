@@ -56,63 +56,14 @@ double length(const GridRows& rows, const Line& line) {
     return (middle - begin).length() + (end - middle).length();
 }
 
-/// The largest |p(i - offset) + p(i + offset) - 2 p(i)| over a range of vertices; symmetric, so direction is nothing.
-class SecondDifference {
-  public:
-    void add(const GridRows& rows, int before, int here, int after) {
-        float squared = 0.0f;
-        for (int axis = 0; axis < 3; ++axis) {
-            const float* p = rows.vertices[axis];
-            const float difference = (p[before] + p[after]) - 2.0f * p[here];
-            squared += difference * difference;
-        }
-        largest_ = squared > largest_ ? squared : largest_;
-    }
-    /// Less what rounding alone makes of a straight line: three sums of coordinates up to 1.
-    double value() const { return std::max(0.0, std::sqrt(double{largest_}) - 0x1p-22); }
-
-  private:
-    float largest_ = 0.0f;
-};
+/// Of the largest squared second difference, less what rounding alone makes of a straight line: three sums of
+/// coordinates up to 1.
+double second_difference(float squared) {
+    return std::max(0.0, std::sqrt(double{squared}) - 0x1p-22);
+}
 
 /// A parabola lies an eighth of its second difference off its chord; 16² makes it one segment.
 constexpr double kBendPerDifference = 256.0 / 8.0;
-
-double border_bend(const GridRows& rows, const Line& line) {
-    SecondDifference difference;
-    for (int k = 1; k < kLast; ++k) difference.add(rows, line(k - 1), line(k), line(k + 1));
-    return difference.value() * kBendPerDifference;
-}
-
-/// The largest squared difference `a + b - c - d` of vertices at fixed offsets from those of a row.
-float largest_in_row(const GridRows& rows, int first, int count, const std::array<int, 4>& offset) {
-    float largest = 0.0f;
-    for (int i = first; i < first + count; ++i) {
-        float squared = 0.0f;
-        for (int axis = 0; axis < 3; ++axis) {
-            const float* p = rows.vertices[axis] + i;
-            const float difference = (p[offset[0]] + p[offset[1]]) - (p[offset[2]] + p[offset[3]]);
-            squared += difference * difference;
-        }
-        largest = std::max(largest, squared);
-    }
-    return largest;
-}
-
-/// Of facets from the second derivatives, as splines/bounds.h has it: (uu + 2 uv + vv) / 8.
-double inner_bend(const GridRows& rows) {
-    float uu = 0.0f, vv = 0.0f, uv = 0.0f;
-    for (int j = 0; j < kGridVertices; ++j) {
-        const int first = j * kGridVertices;
-        uu = std::max(uu, largest_in_row(rows, first + 1, kGridCells - 1, {-1, 1, 0, 0}));
-        if (j < kGridCells)
-            uv = std::max(uv, largest_in_row(rows, first, kGridCells, {0, kGridVertices + 1, 1, kGridVertices}));
-        if (j > 0 && j < kGridCells)
-            vv = std::max(vv, largest_in_row(rows, first, kGridVertices, {-kGridVertices, kGridVertices, 0, 0}));
-    }
-    const auto value = [](float squared) { return std::max(0.0, std::sqrt(double{squared}) - 0x1p-22); };
-    return (value(uu) + 2.0 * value(uv) + value(vv)) * kBendPerDifference;
-}
 
 /// Whether two borders have the same ends, in either direction, and the same lengths: then they are given the same
 /// levels.
@@ -180,7 +131,7 @@ float DetailCode::length(uint8_t code) {
     return kCoded.value[code];
 }
 
-SubpatchDetail detail_of(const GridRows& rows) {
+SubpatchDetail detail_of(const GridRows& rows, const GridMeasure& measure) {
     SubpatchDetail detail{};
     for (int axis = 0; axis < 3; ++axis)
         for (int k = 0; k < kCorners; ++k)
@@ -190,11 +141,14 @@ SubpatchDetail detail_of(const GridRows& rows) {
         const double here = length(rows, kBorderLines[i]);
         longest = std::max(longest, here);
         detail.length[i] = DetailCode::of(here);
-        detail.bend[i] = DetailCode::of(border_bend(rows, kBorderLines[i]));
+        detail.bend[i] = DetailCode::of(second_difference(measure.border[i]) * kBendPerDifference);
     }
     for (const Line& line : kMiddleLines) longest = std::max(longest, length(rows, line));
     detail.inner_length = DetailCode::of(longest);
-    detail.inner_bend = DetailCode::of(inner_bend(rows));
+    // Of facets from the second derivatives, as splines/bounds.h has it: (uu + 2 uv + vv) / 8.
+    const double inner =
+        second_difference(measure.uu) + 2.0 * second_difference(measure.uv) + second_difference(measure.vv);
+    detail.inner_bend = DetailCode::of(inner * kBendPerDifference);
     return detail;
 }
 

@@ -15,6 +15,7 @@
 #include "rays/hit.h"
 #include "rays/ray.h"
 #include "tessellation/grid.h"
+#include "tessellation/grid_measure.h"
 
 #include <array>
 #include <cstdint>
@@ -25,9 +26,6 @@ inline constexpr int kCoarse = 0, kMedium = 1, kFine = 2;
 inline constexpr int kStoredLevels = 3;
 /// 1024 quads along a side of a subpatch. Single precision shows before that.
 inline constexpr int kFinestLevel = 5;
-
-/// Borders of a subpatch: v = 0, u = 1, v = 1, u = 0.
-inline constexpr int kBorders = 4;
 
 /// 4^level.
 constexpr int quads_along(int level) {
@@ -82,7 +80,7 @@ class DetailCode {
 /// Longest line of a subpatch, local units.
 float longest_line(const SubpatchDetail& detail);
 /// Of a diced subpatch. The borders' numbers do not depend on the direction in which a border is run through.
-SubpatchDetail detail_of(const GridRows& rows);
+SubpatchDetail detail_of(const GridRows& rows, const GridMeasure& measure);
 /// How far the surface may lie from fine facets, local units.
 float fine_facet_distance(const SubpatchDetail& detail);
 

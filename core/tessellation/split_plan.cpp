@@ -70,15 +70,16 @@ SplitPlan::SplitPlan(const PatchSurface& surface, const FacetTolerance& toleranc
     number(surface);
 }
 
+uint64_t SplitPlan::subpatches_wanted(const PatchSurface& surface) const {
+    uint64_t sum = 0;
+    for (size_t i = 0; i < splits_.size(); ++i)
+        sum += uint64_t{surface.splines()[i].patch_count()} << (splits_[i].log2_u + splits_[i].log2_v);
+    return sum;
+}
+
 /// Takes back the finest splits until there are no more subpatches than allowed.
 void SplitPlan::limit(const PatchSurface& surface) {
-    const auto total = [&] {
-        uint64_t sum = 0;
-        for (size_t i = 0; i < splits_.size(); ++i)
-            sum += uint64_t{surface.splines()[i].patch_count()} << (splits_[i].log2_u + splits_[i].log2_v);
-        return sum;
-    };
-    while (total() > kMostSubpatches) {
+    while (subpatches_wanted(surface) > kMostSubpatches) {
         const auto finest = std::max_element(splits_.begin(), splits_.end(), [](const auto& a, const auto& b) {
             return a.log2_u + a.log2_v < b.log2_u + b.log2_v;
         });
@@ -89,6 +90,7 @@ void SplitPlan::limit(const PatchSurface& surface) {
 }
 
 void SplitPlan::number(const PatchSurface& surface) {
+    subpatches_.reserve(subpatches_wanted(surface));
     for (uint32_t spline = 0; spline < splits_.size(); ++spline) {
         SplineSplit& split = splits_[spline];
         split.first_subpatch = subpatch_count();

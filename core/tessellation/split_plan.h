@@ -58,6 +58,7 @@ class SplitPlan {
 
     void number(const PatchSurface& surface);
     void limit(const PatchSurface& surface);
+    uint64_t subpatches_wanted(const PatchSurface& surface) const;
 };
 
 }  // namespace rayleaf

@@ -15,12 +15,11 @@ constexpr float kPartDistance = 2.0f;
 /// What a tube is enlarged by: four times the rounding of its test.
 constexpr float kTubePadding = 0x1p-17f;
 
-Box3f box_of(const GridRows& rows, float padding) {
+Box3f box_of(const GridMeasure& measure, float padding) {
     Box3f box;
     for (int axis = 0; axis < 3; ++axis) {
-        const auto [low, high] = std::minmax_element(rows.vertices[axis], rows.vertices[axis] + kGridSize);
-        box.min[axis] = *low - padding;
-        box.max[axis] = *high + padding;
+        box.min[axis] = measure.low[axis] - padding;
+        box.max[axis] = measure.high[axis] + padding;
     }
     return box;
 }
@@ -92,8 +91,9 @@ void GridScene::measure(const CancelToken& cancel) {
         }
         GridRows rows;
         levels->dice_rows(i, rows);
-        details_[i] = detail_of(rows);
-        boxes_[i] = box_of(rows, kBlockPadding + kPartDistance * fine_facet_distance(details_[i]));
+        const GridMeasure measure = measure_grid(rows);
+        details_[i] = detail_of(rows, measure);
+        boxes_[i] = box_of(measure, kBlockPadding + kPartDistance * fine_facet_distance(details_[i]));
     });
     if (!levels) keep_tubes(std::move(tubes));
 }
