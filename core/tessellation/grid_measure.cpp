@@ -20,9 +20,7 @@ using Vector = hn::Vec<Lanes>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
 
 HWY_INLINE float largest_lane(Vector v) {
-    HWY_ALIGN float values[kWidth];
-    hn::Store(v, Lanes(), values);
-    return *std::max_element(values, values + kWidth);
+    return hn::GetLane(hn::MaxOfLanes(Lanes(), v));
 }
 
 HWY_INLINE void measure_box(const GridRows& rows, GridMeasure& out) {
@@ -84,35 +82,37 @@ struct Differences {
     }
 };
 
-/// Of one border, along which it is a line of so many vertices.
-HWY_INLINE float border_difference(const GridRows& rows, int first, int step) {
-    using Few = hn::CappedTag<float, 8>;
-    const Few few;
-    constexpr int kFew = static_cast<int>(hn::MaxLanes(Few()));
-    float line[3][kGridVertices];
+/// Of the four borders side by side: vertex k of border b is at 4 k + b.
+HWY_INLINE void measure_borders(const GridRows& rows, float (&largest)[kBorders]) {
+    constexpr int kUp = kGridVertices, kLast = kGridCells * kGridVertices;
+    constexpr int kFirst[kBorders] = {0, kGridCells, kLast, 0}, kStep[kBorders] = {1, kUp, 1, kUp};
+    constexpr int kInside = kBorders * (kGridVertices - 2);
+    const Lanes lanes;
+    float lines[3][kBorders * kGridVertices];
     for (int axis = 0; axis < 3; ++axis)
-        for (int k = 0; k < kGridVertices; ++k) line[axis][k] = rows.vertices[axis][first + k * step];
-    HWY_ALIGN float squares[kGridVertices] = {};
-    for (int k = 1; k < kGridCells; k += kFew) {
-        const int here = std::min(k, kGridCells - kFew);
-        auto squared = hn::Zero(few);
-        for (const float(&p)[kGridVertices] : line) {
-            const auto middle = hn::LoadU(few, p + here);
-            const auto difference =
-                hn::Sub(hn::Add(hn::LoadU(few, p + here - 1), hn::LoadU(few, p + here + 1)), hn::Add(middle, middle));
-            squared = hn::Add(squared, hn::Mul(difference, difference));
+        for (int k = 0; k < kGridVertices; ++k)
+            for (int b = 0; b < kBorders; ++b)
+                lines[axis][kBorders * k + b] = rows.vertices[axis][kFirst[b] + k * kStep[b]];
+    float squares[kInside];
+    for (int k = 0; k < kInside; k += kWidth) {
+        const int here = std::min(k, kInside - kWidth);
+        auto squared = hn::Zero(lanes);
+        for (const float(&line)[kBorders * kGridVertices] : lines) {
+            const float* p = line + here;
+            const auto middle = hn::LoadU(lanes, p + kBorders);
+            const auto sides = hn::Add(hn::LoadU(lanes, p), hn::LoadU(lanes, p + 2 * kBorders));
+            squared = plus_square(squared, hn::Sub(sides, hn::Add(middle, middle)));
         }
-        hn::StoreU(squared, few, squares + here);
+        hn::StoreU(squared, lanes, squares + here);
     }
-    return *std::max_element(squares, squares + kGridVertices);
+    std::copy_n(squares, kBorders, largest);
+    for (int k = kBorders; k < kInside; k += kBorders)
+        for (int b = 0; b < kBorders; ++b) largest[b] = std::max(largest[b], squares[k + b]);
 }
 
 void measure(const GridRows& rows, GridMeasure& out) {
     measure_box(rows, out);
-    constexpr int kUp = kGridVertices, kLast = kGridCells * kGridVertices;
-    constexpr int kFirst[kBorders] = {0, kGridCells, kLast, 0}, kStep[kBorders] = {1, kUp, 1, kUp};
-    for (int border = 0; border < kBorders; ++border)
-        out.border[border] = border_difference(rows, kFirst[border], kStep[border]);
+    measure_borders(rows, out.border);
     const Lanes lanes;
     Differences inner{hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes)};
     for (int start = 0; start < kGridCells; start += kWidth) inner.add_columns(rows, start);

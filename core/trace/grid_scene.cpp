@@ -3,7 +3,8 @@
 #include "geometry/patch_surface.h"
 #include "geometry/subdivision_surface.h"
 
-#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_reduce.h>
 
 namespace rayleaf {
 namespace {
@@ -66,36 +67,50 @@ GridScene::GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, con
       kernels_(grid_kernels(dicer_->format())) {
     const uint32_t count = dicer_->subpatch_count();
     if (count == 0) return;
-    measure(cancel);
+    const Box3f box = measure(cancel);
     EmbreeScene scene = new_embree_scene(cancel);
     build_embree_scene(scene, new_user_geometry(this, count, {bounds_callback, closest_callback, any_callback}));
-    Box3f box;
-    for (const Box3f& each : boxes_) box.extendBy(each);
     set_scene(std::move(scene), box);
     boxes_ = {};
 }
 
-void GridScene::measure(const CancelToken& cancel) {
-    const uint32_t count = dicer_->subpatch_count();
+Box3f GridScene::measure_subpatch(uint32_t subpatch, SubpatchBounds::Tube* tube) {
     const LevelDicer* levels = dicer_->levels();
+    if (!levels) {
+        const SubpatchBounds bounds = dicer_->bounds(subpatch);
+        *tube = bounds.tube;
+        return bounds.box;
+    }
+    GridRows rows;
+    levels->dice_rows(subpatch, rows);
+    const GridMeasure measure = measure_grid(rows);
+    SubpatchDetail& detail = details_[subpatch] = detail_of(rows, measure);
+    return box_of(measure, kBlockPadding + kPartDistance * fine_facet_distance(detail));
+}
+
+/// Fills what is known of each subpatch. The box of all.
+Box3f GridScene::measure(const CancelToken& cancel) {
+    const uint32_t count = dicer_->subpatch_count();
+    const bool has_levels = dicer_->levels() != nullptr;
     boxes_.resize(count);
-    std::vector<SubpatchBounds::Tube> tubes(levels ? 0 : count);
-    if (levels) details_.resize(count);
-    tbb::parallel_for(uint32_t{0}, count, [&](uint32_t i) {
-        cancel.throw_if_cancelled();
-        if (!levels) {
-            const SubpatchBounds bounds = dicer_->bounds(i);
-            boxes_[i] = bounds.box;
-            tubes[i] = bounds.tube;
-            return;
-        }
-        GridRows rows;
-        levels->dice_rows(i, rows);
-        const GridMeasure measure = measure_grid(rows);
-        details_[i] = detail_of(rows, measure);
-        boxes_[i] = box_of(measure, kBlockPadding + kPartDistance * fine_facet_distance(details_[i]));
-    });
-    if (!levels) keep_tubes(std::move(tubes));
+    std::vector<SubpatchBounds::Tube> tubes(has_levels ? 0 : count);
+    if (has_levels) details_.resize(count);
+    const Box3f all = tbb::parallel_reduce(
+        tbb::blocked_range<uint32_t>(0, count), Box3f(),
+        [&](const tbb::blocked_range<uint32_t>& range, Box3f box) {
+            for (uint32_t i = range.begin(); i < range.end(); ++i) {
+                cancel.throw_if_cancelled();
+                boxes_[i] = measure_subpatch(i, has_levels ? nullptr : &tubes[i]);
+                box.extendBy(boxes_[i]);
+            }
+            return box;
+        },
+        [](Box3f a, const Box3f& b) {
+            a.extendBy(b);
+            return a;
+        });
+    if (!has_levels) keep_tubes(std::move(tubes));
+    return all;
 }
 
 /// Where few subpatches are thin, boxes do: a table that no one needs is not kept.

@@ -34,7 +34,8 @@ class GridScene final : public ShapeScene {
     std::vector<Box3f> boxes_;  ///< while the scene is built
 
     struct PartSearch;
-    void measure(const CancelToken& cancel);
+    Box3f measure(const CancelToken& cancel);
+    Box3f measure_subpatch(uint32_t subpatch, SubpatchBounds::Tube* tube);
     void prepare(ShapeQuery& query) const override;
     void keep_tubes(std::vector<SubpatchBounds::Tube> tubes);
     bool visit(ShapeQuery& query, uint32_t subpatch, float t_max) const;
