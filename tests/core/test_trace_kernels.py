@@ -108,7 +108,8 @@ def test_the_grid_kernel_equals_its_numpy_twin(target, any_target):
     np.testing.assert_array_equal(t, expected_t.astype(F))
 
 
-def test_all_instruction_sets_give_the_same_bits(any_target):
+@pytest.mark.parametrize("width", [0.0, 0.02], ids=["fine", "levels"])
+def test_all_instruction_sets_give_the_same_bits(width, any_target):
     random = np.random.default_rng(42)
     origins = 2 * shapes.random_directions(random, 5000)
     directions = shapes.unit(0.9 * shapes.random_directions(random, 5000) - origins)
@@ -116,7 +117,8 @@ def test_all_instruction_sets_give_the_same_bits(any_target):
     for target in trace.simd_targets():
         assert trace.use_simd_target(target)
         tracer = trace.Tracer([(shapes.nurbs_torus(), np.eye(4), 31), (shapes.lumpy_torus(), np.eye(4), 31)])
-        results.append(tracer.closest_hits(origins, directions))
+        wide = np.full(len(origins), width, np.float32)
+        results.append(tracer.closest_hits(origins, directions, width=wide, spread=wide))
     for other in results[1:]:
         for key, value in results[0].items():
             np.testing.assert_array_equal(value, other[key], err_msg=key)
