@@ -262,6 +262,7 @@ void bind_ri_tree(py::module_& parent) {
              "Outputs of rays (n, 3) in object space as arrays; answered_by indexes ANSWERS; processor seconds. "
              "distances and angles (n,): the rays' spacing. Other threads may run meanwhile.")
         .def("trace", &trace_alone, py::arg("origins"), py::arg("directions"), "The same by tracing alone.")
+        .def("next_frame", &RayCache::next_frame)
         .def("statistics", &statistics);
     bind_tree<ReferenceTree>(module, "ReferenceTree", "The ray interpolant tree as published. One thread at a time.");
     bind_tree<FastTree>(module, "FastTree", "The ray cache that renders. Any number of threads.")

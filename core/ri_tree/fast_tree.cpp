@@ -174,10 +174,11 @@ void FastTree::ask_batch(Search& search, const Batch& asked) {
             const RaySet in_cell = functions_.rays_in(batch, found.key.direction, steps_.place(found.key)) & pending;
             for (uint32_t rest = in_cell; rest != 0; rest &= rest - 1) {
                 const int other = std::countr_zero(rest);
-                if (worth[other] >= found.step) set = static_cast<RaySet>(set | 1 << other);
+                if (worth[other] >= std::min(found.step, worth[ray])) set = static_cast<RaySet>(set | 1 << other);
             }
         }
         pending = static_cast<RaySet>(pending & ~set);
+        if (found.step > worth[ray]) count_crossings(batch, set, worth, found.step);
         const bool is_held = found.leaf && found.leaf != &search.own_leaf;
         if (is_held && pending != 0) {
             prefetch(*found.leaf);

@@ -5,15 +5,17 @@
 //   Leaves are polynomials of degree 3 (cell_leaf.h), so they are few.
 //   Cells are tested at every fourth depth; corners and centres are shared through a table (sample_table.h).
 //   Cells are only sampled if enough of the frame's rays cross them to pay for the samples. That is told from the rays'
-//   spacing and the cell alone: a ray that asks for too little is traced even where others have paid already.
+//   spacing and the cell alone: a ray that asks for too little is traced even where others have paid already. Where a
+//   tree is kept, rays of earlier frames that crossed a cell pay for it too (crossing_counts.h).
 //   What makes a cell final differs from the paper's: cell_judge.h. How cells are held: cell_store.h.
 //
-// An answer is a pure function of ray, spacing, shape, material and settings.
+// An answer is a pure function of ray, spacing, shape, material, settings, and what crossed cells in earlier frames.
 #pragma once
 
 #include "ri_tree/cell_judge.h"
 #include "ri_tree/cell_steps.h"
 #include "ri_tree/cell_store.h"
+#include "ri_tree/crossing_counts.h"
 #include "ri_tree/line_batch.h"
 #include "ri_tree/line_space.h"
 #include "ri_tree/ray_cache.h"
@@ -38,6 +40,7 @@ class FastTree final : public RayCache {
     using RayCache::ask;
     OutputRay trace(const Ray& object_ray) const override;
     RayCacheStatistics statistics() const override;
+    void next_frame() override { crossings_.finish_frame(); }
 
     /// The final cell that answers a ray, whether or not it is held; empty for a ray that is none or misses the box.
     std::optional<CellKey> final_cell(const Ray& object_ray);
@@ -60,6 +63,7 @@ class FastTree final : public RayCache {
     BatchFunctions functions_;
     SampleTable samples_;
     CellStore store_;
+    CrossingCounts crossings_;
 
     void prepare_frame();
     Ray to_local(const Ray& object_ray) const;
@@ -75,6 +79,8 @@ class FastTree final : public RayCache {
     void answer_plainly(const Search& search, const Ray& object_ray, AnsweredBy by, CachedAnswer& answer) const;
 
     Found find(Search& search, int ray, int deepest_worth);
+    bool paid_before(const CellKey& key) const;
+    void count_crossings(const LineBatch& batch, RaySet set, const std::array<int, kBatchRays>& worth, int last);
     CellVerdict make_cell(Search& search, const CellKey& key, int step);
     CellVerdict copy_older(Search& search, const CellKey& key, int step) const;
     static CellRef store_cell(Search& search, CellVerdict verdict, std::atomic<CellRef>& place);

@@ -2,6 +2,8 @@
 #include "ri_tree/fast_tree.h"
 #include "ri_tree/fast_tree_search.h"
 
+#include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace rayleaf {
@@ -12,6 +14,11 @@ static_assert(1 << kStepDepths == kNodeChildren);
 /// The centre, then pairs of opposite corners: what is likely to differ comes early.
 constexpr std::array<int, kCellCorners + 1> kSampleOrder = {
     kCenterSample, 0, 15, 3, 12, 5, 10, 6, 9, 1, 14, 2, 13, 4, 11, 7, 8};
+
+/// A cell is bought once the rays that crossed it in earlier frames are this share of those that one frame must have:
+/// what was crossed before will be again. With 1 as much is paid until all is bought, and it takes twice as many
+/// frames.
+constexpr double kPriceShare = 0.5;
 
 }  // namespace
 
@@ -25,7 +32,11 @@ FastTree::Found FastTree::find(Search& search, int ray, int deepest_worth) {
     for (int k = 0; k < kLineAxes; ++k) places[k] = static_cast<uint32_t>(batch.place[k][ray]);
     CellBlock* block = search.reader.current();
     std::atomic<CellRef>* place = block ? &block->root(direction) : nullptr;
-    for (; found.step <= deepest_worth; ++found.step) {
+    const auto goes_on = [&] {
+        return found.step <= deepest_worth ||
+               (found.step <= steps_.deepest() && paid_before(steps_.key(direction, found.step, places)));
+    };
+    for (; goes_on(); ++found.step) {
         CellRef ref = place ? place->load(std::memory_order_acquire) : 0;
         found.verdict = verdict_of(ref);
         if (found.verdict == CellVerdict::Unknown) {
@@ -44,6 +55,23 @@ FastTree::Found FastTree::find(Search& search, int ray, int deepest_worth) {
     }
     found.verdict = CellVerdict::Unknown;
     return found;
+}
+
+/// Whether a cell that the frame's rays do not pay for is paid for by those of earlier frames.
+bool FastTree::paid_before(const CellKey& key) const {
+    return static_cast<double>(crossings_.before(key)) >= kPriceShare * settings_.rays_per_cell;
+}
+
+/// Counts rays in the cells down to step `last` that they do not pay for.
+void FastTree::count_crossings(const LineBatch& batch, RaySet set, const std::array<int, kBatchRays>& worth, int last) {
+    for (uint32_t rest = set; rest != 0; rest &= rest - 1) {
+        const int ray = std::countr_zero(rest);
+        LinePlaces places{};
+        for (int k = 0; k < kLineAxes; ++k) places[k] = static_cast<uint32_t>(batch.place[k][ray]);
+        const auto direction = static_cast<uint8_t>(batch.line_direction[ray]);
+        for (int step = worth[ray] + 1; step <= std::min(last, steps_.deepest()); ++step)
+            crossings_.add(steps_.key(direction, step, places));
+    }
 }
 
 /// Samples a cell and judges it. Its leaf, if it has one, is the search's own. Two samples of different classes decide,

@@ -7,12 +7,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Where a ray enters a box, or 0 inside it; infinity beside it.
-double entry(const Box3d& box, const Ray& ray) {
+/// Where a ray enters a box, or 0 inside it; infinity beside it. `inverse`: 1 over its direction.
+double entry(const Box3d& box, const Ray& ray, const Vec3d& inverse) {
     double begin = 0.0, end = kInfinity;
     for (int axis = 0; axis < 3; ++axis) {
-        const double inverse = 1.0 / ray.direction[axis];
-        const double a = (box.min[axis] - ray.origin[axis]) * inverse, b = (box.max[axis] - ray.origin[axis]) * inverse;
+        const double a = (box.min[axis] - ray.origin[axis]) * inverse[axis];
+        const double b = (box.max[axis] - ray.origin[axis]) * inverse[axis];
         begin = std::max(begin, std::min(a, b));
         end = std::min(end, std::max(a, b));
     }
@@ -30,13 +30,19 @@ void TracedObject::ask(const RayQuestions& questions, std::span<CachedAnswer> an
     }
 }
 
+ObjectSet::ObjectSet(std::vector<SetMember> members, SetAnswer wanted) : members_(std::move(members)), wanted_(wanted) {
+    for (const SetMember& member : members_) boxes_.push_back(member.shape->object_bounds());
+}
+
 void ObjectSet::find_entries(const Ray& ray, int32_t left, std::vector<Entry>& entries) const {
     entries.clear();
+    const Vec3d inverse(1.0 / ray.direction.x, 1.0 / ray.direction.y, 1.0 / ray.direction.z);
     for (size_t i = 0; i < members_.size(); ++i) {
         if (static_cast<int32_t>(i) == left) continue;
-        const double begin = entry(members_[i].shape->object_bounds(), ray);
+        const double begin = entry(boxes_[i], ray, inverse);
         if (begin < kInfinity) entries.push_back({static_cast<float>(begin), static_cast<int32_t>(i)});
     }
+    if (entries.size() < 2) return;
     std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.begin < b.begin; });
 }
 

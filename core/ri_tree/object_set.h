@@ -44,7 +44,7 @@ enum class SetAnswer : uint8_t { Nearest, SumOfLengths };
 
 class ObjectSet {
   public:
-    ObjectSet(std::vector<SetMember> members, SetAnswer wanted) : members_(std::move(members)), wanted_(wanted) {}
+    ObjectSet(std::vector<SetMember> members, SetAnswer wanted);
 
     void ask(const SetQuery& query, std::span<PathAnswer> answers);
 
@@ -56,6 +56,7 @@ class ObjectSet {
     };
 
     std::vector<SetMember> members_;
+    std::vector<Box3d> boxes_;  ///< theirs
     SetAnswer wanted_;
     // Kept from batch to batch.
     std::vector<std::vector<Entry>> entries_;

@@ -19,9 +19,10 @@ const char* const kAnswerNames[kAnswerKinds] = {
     "two classes, missed", "traced: classes",  "traced: few corners", "traced: angle", "traced: origin in the box",
     "traced: large cell",  "traced: few rays", "traced: error"};
 
-/// The error for which the thresholds below hold as they are, and the depth limit then.
+/// The error for which the thresholds below hold as they are, and the depth limit then: so deep that what rays pay for
+/// decides.
 constexpr double kUsualError = 0.005;
-constexpr int kUsualDepth = 28;
+constexpr int kUsualDepth = 36;
 /// Centres are off by most; rays in between by a tenth of that, on average.
 constexpr double kDistancePerError = 10.0;
 constexpr double kUsualDirection = kPi / 180.0, kUsualAngle = kPi / 6.0;

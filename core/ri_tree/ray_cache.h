@@ -85,14 +85,9 @@ struct RayCacheSettings {
     double direction_threshold = kPi / 180.0;
     /// A cell of several classes of this depth is final: its lines are traced. The fast tree's alone.
     int mixed_depth_limit = 28;
-    /// So many of a frame's rays must cross a cell for it to be sampled; 0: all cells are. The fast tree's alone. A new
-    /// cell takes 5 to 10 samples, each 1.3 to 2 times the time of a traced ray; where many frames see the same,
-    /// fewer rays pay in the end. First, repeated and orbit's frame, faster than tracing, depth 36, on six bodies of
-    /// glass and a gentle one with 9 samples:
-    ///     8    1.2  2.1  1.6    1.8  2.9  2.2
-    ///     4    1.1  2.4  1.4    1.5  3.5  1.6
-    ///     2    0.8  2.5  1.1    1.5  3.5  1.6
-    ///     1    0.6  2.9  0.9    0.9  4.5  0.9
+    /// So many of a frame's rays must cross a cell for it to be sampled, or half as many in all earlier frames; 0: all
+    /// cells are. The fast tree's alone. A new cell takes 5 to 10 samples, each 1.3 to 2 times the time of a traced
+    /// ray.
     double rays_per_cell = 8.0;
 
     bool operator==(const RayCacheSettings&) const = default;
@@ -144,9 +139,9 @@ class RayCache {
   public:
     virtual ~RayCache() = default;
 
-    /// What is answered depends on ray, spacing, shape, material and settings alone: not on rays asked before, nor on
-    /// the cache size. `changes`, object space, has one entry a differential; only of what the fast tree interpolates
-    /// they are known.
+    /// What is answered depends on ray, spacing, shape, material and settings, and on which cells the rays of earlier
+    /// frames crossed (`next_frame`): not on rays asked before in this frame, nor on the cache size. `changes`, object
+    /// space, has one entry a differential; only of what the fast tree interpolates they are known.
     virtual void ask(const RayQuestions& questions, std::span<CachedAnswer> answers, std::span<HitChanges> changes) = 0;
     void ask(std::span<const Ray> rays, std::span<const RaySpacing> spacings, std::span<CachedAnswer> answers) {
         ask({rays, spacings, Uninterpolated::Trace, {}}, answers, {});
@@ -154,6 +149,8 @@ class RayCache {
     /// The same question answered by tracing alone. Thread-safe.
     virtual OutputRay trace(const Ray& object_ray) const = 0;
     virtual RayCacheStatistics statistics() const = 0;
+    /// Tells that a frame is complete, and that the cache is kept for another. No other thread asks meanwhile.
+    virtual void next_frame() {}
 };
 
 enum class RayCacheKind : uint8_t {

@@ -42,7 +42,10 @@ std::shared_ptr<RayCache> RayCacheStore::find_or_make(const RayCacheKey& key,
 void RayCacheStore::next_frame() {
     const std::scoped_lock lock(mutex_);
     std::erase_if(entries_, [](const auto& item) { return !item.second.used; });
-    for (auto& [key, entry] : entries_) entry.used = false;
+    for (auto& [key, entry] : entries_) {
+        entry.used = false;
+        entry.cache->next_frame();
+    }
 }
 
 size_t RayCacheStore::count() const {

@@ -3,7 +3,7 @@
 //
 // Idea: a cache depends on the content of its shape, on what a sample is, and on its thresholds, so these are its key.
 // An object that moves keeps its cache; one that changes shape gets a new one, and the old one goes at the next frame.
-// Answers are pure functions of the key, so a picture does not depend on what a store holds.
+// A kept cache interpolates more from frame to frame (RayCache::next_frame), within the same error.
 #pragma once
 
 #include "base/content_hash.h"
@@ -41,7 +41,7 @@ class RayCacheStore {
     /// The cache of that key, made where there is none.
     std::shared_ptr<RayCache> find_or_make(const RayCacheKey& key,
                                            const std::function<std::shared_ptr<RayCache>()>& make);
-    /// Drops the caches that were not asked for since the last call. Call it between frames.
+    /// Drops the caches that were not asked for since the last call, and tells the others. Call it between frames.
     void next_frame();
     size_t count() const;
     uint64_t bytes() const;

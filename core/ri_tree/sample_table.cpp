@@ -1,7 +1,5 @@
 #include "ri_tree/sample_table.h"
 
-#include "base/large_memory.h"
-
 #include <algorithm>
 #include <cstring>
 #include <new>
@@ -9,27 +7,19 @@
 namespace rayleaf {
 namespace {
 
-constexpr uint64_t kFirstSlots = 1024;
-/// A sample is in one of so many neighbouring slots.
+constexpr uint64_t kFirstPlaces = 1024;
+/// A sample is told by one of so many neighbouring places.
 constexpr uint64_t kProbes = 4;
-/// From so many bytes on a table is in large pages: its samples lie scattered, and use them all.
-constexpr uint64_t kLargeTable = kLargePage;
 constexpr size_t kCacheLine = 64;
-/// The table grows when it is filled by more than 5/8, to four times its size, or where there is no room for that, to
-/// twice its size.
+/// The table grows when it is filled by more than 5/8, to four times its size.
 constexpr uint64_t kGrowth = 4, kFullNumerator = 5, kFullDenominator = 8;
+/// A chunk has at least so many samples.
+constexpr uint64_t kLeastChunkSlots = 128;
 
 uint64_t mixed(uint64_t h) {  // Stafford's variant 13 of MurmurHash3's finalizer
     h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
     h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
     return h ^ (h >> 31);
-}
-
-/// Marks of slots. All others: upper bits of the hash of what is there.
-constexpr uint32_t kEmpty = 0, kBusy = 1;
-
-uint32_t mark_of(uint64_t hash) {
-    return std::max(static_cast<uint32_t>(hash >> 32), kBusy + 1);
 }
 
 uint64_t hash_of(const LatticePoint& point) {
@@ -38,37 +28,76 @@ uint64_t hash_of(const LatticePoint& point) {
     return mixed(mixed(low + point.direction) ^ high);
 }
 
+constexpr int kNumberBits = 32;
+
+uint32_t mark_of(uint64_t entry) {
+    return static_cast<uint32_t>(entry >> kNumberBits);
+}
+
+uint64_t number_of(uint64_t entry) {
+    return static_cast<uint32_t>(entry);
+}
+
 }  // namespace
 
 /// Followed by the values, then their changes.
 struct SampleTable::Slot {
-    LatticePoint point;
+    mutable std::atomic<bool> busy{true};
     SampleClass sample_class;
+    LatticePoint point;
 
     float* numbers() { return reinterpret_cast<float*>(this + 1); }
     const float* numbers() const { return reinterpret_cast<const float*>(this + 1); }
+    bool begin() const { return !busy.exchange(true, std::memory_order_acquire); }
+    void end() const { busy.store(false, std::memory_order_release); }
 };
 
-/// What is in a slot is told by its mark, in an array of their own: most searches are over after looking there.
 struct SampleTable::Table {
-    uint64_t slots = 0;
+    uint64_t size;  ///< a power of two
     std::atomic<uint64_t> filled{0};
-    std::unique_ptr<std::atomic<uint32_t>[]> marks;
-    LargeMemory memory;
+    std::unique_ptr<std::atomic<Entry>[]> places;
 
-    uint64_t index(uint64_t number) const { return number & (slots - 1); }
+    std::atomic<Entry>& place(uint64_t number) const { return places[number & (size - 1)]; }
+    /// Empty: all places of the mark are taken.
+    bool put(uint32_t mark, uint64_t number) {
+        for (uint64_t i = 0; i < kProbes; ++i) {
+            Entry before = 0;
+            const Entry entry = Entry{mark} << kNumberBits | number;
+            if (!place(mark + i).compare_exchange_strong(before, entry, std::memory_order_release)) continue;
+            filled.fetch_add(1, std::memory_order_relaxed);
+            return true;
+        }
+        return false;
+    }
+    bool has_room(uint32_t mark) const {
+        for (uint64_t i = 0; i < kProbes; ++i)
+            if (place(mark + i).load(std::memory_order_relaxed) == 0) return true;
+        return false;
+    }
+    bool is_full() const { return filled.load(std::memory_order_relaxed) * kFullDenominator > size * kFullNumerator; }
 };
 
 SampleTable::SampleTable(OutputKind kind, SampleContents contents, uint64_t most_bytes)
     : values_(static_cast<size_t>(sample_value_count(kind))),
       changes_(contents == SampleContents::Values ? 0 : values_ * kLineAxes),
-      slot_bytes_(sizeof(Slot) + (values_ + changes_) * sizeof(float)),
-      most_bytes_(most_bytes) {}
+      slot_bytes_((sizeof(Slot) + (values_ + changes_) * sizeof(float) + alignof(Slot) - 1) / alignof(Slot) *
+                  alignof(Slot)),
+      most_bytes_(most_bytes),
+      chunk_slots_(std::max(kLeastChunkSlots, most_bytes / kMostChunks / slot_bytes_ + 1)),
+      chunks_(new std::atomic<std::byte*>[kMostChunks]()) {}
 
-SampleTable::~SampleTable() = default;
+SampleTable::~SampleTable() {
+    for (uint64_t i = 0; i < kMostChunks; ++i) delete[] chunks_[i].load(std::memory_order_relaxed);
+}
 
-SampleTable::Slot* SampleTable::slot_at(const Table& table, uint64_t index) const {
-    return std::launder(reinterpret_cast<Slot*>(table.memory.get() + index * slot_bytes_));
+const SampleTable::Table* SampleTable::current() const {
+    const int current = current_.load(std::memory_order_acquire);
+    return current < 0 ? nullptr : tables_[current].get();
+}
+
+SampleTable::Slot* SampleTable::slot_at(uint64_t number) const {
+    std::byte* chunk = chunks_[number / chunk_slots_].load(std::memory_order_acquire);
+    return std::launder(reinterpret_cast<Slot*>(chunk + number % chunk_slots_ * slot_bytes_));
 }
 
 void SampleTable::read(const Slot& slot, FastSample& sample) const {
@@ -78,7 +107,8 @@ void SampleTable::read(const Slot& slot, FastSample& sample) const {
     std::memcpy(sample.changes.data(), slot.numbers() + values_, changes_ * sizeof(float));
 }
 
-void SampleTable::write(Slot& slot, const FastSample& sample) const {
+void SampleTable::write(Slot& slot, const Key& key, const FastSample& sample) const {
+    slot.point = key.point;
     slot.sample_class = sample.sample_class;
     if (sample.sample_class.is_miss()) return;
     std::memcpy(slot.numbers(), sample.values.data(), values_ * sizeof(float));
@@ -86,117 +116,120 @@ void SampleTable::write(Slot& slot, const FastSample& sample) const {
 }
 
 SampleTable::Key SampleTable::key_of(const LatticePoint& point) {
-    return {point, hash_of(point)};
+    return {point, std::max(mark_of(hash_of(point)), 1u)};
 }
 
 void SampleTable::prefetch(const Key& key) const {
-    const int current = current_.load(std::memory_order_acquire);
-    if (current < 0) return;
-    const Table& table = *tables_[current];
-    __builtin_prefetch(&table.marks[table.index(key.hash)]);
+    if (const Table* table = current()) __builtin_prefetch(&table->place(key.mark));
 }
 
 void SampleTable::prefetch_sample(const Key& key) const {
-    const int current = current_.load(std::memory_order_acquire);
-    if (current < 0) return;
-    const Table& table = *tables_[current];
+    const Table* table = current();
+    if (!table) return;
     for (uint64_t i = 0; i < kProbes; ++i) {
-        const uint64_t index = table.index(key.hash + i);
-        const uint32_t mark = table.marks[index].load(std::memory_order_relaxed);
-        if (mark == kEmpty) return;
-        if (mark != mark_of(key.hash)) continue;
-        const std::byte* slot = table.memory.get() + index * slot_bytes_;
+        const Entry entry = table->place(key.mark + i).load(std::memory_order_acquire);
+        if (entry == 0) return;
+        if (mark_of(entry) != key.mark) continue;
+        const auto* slot = reinterpret_cast<const std::byte*>(slot_at(number_of(entry)));
         for (size_t line = 0; line < slot_bytes_; line += kCacheLine) __builtin_prefetch(slot + line);
         return;
     }
 }
 
 bool SampleTable::find(const Key& key, FastSample& sample) const {
-    const int current = current_.load(std::memory_order_acquire);
-    if (current < 0) return false;
-    const Table& table = *tables_[current];
-    const uint64_t hash = key.hash;
+    const Table* table = current();
+    if (!table) return false;
     for (uint64_t i = 0; i < kProbes; ++i) {
-        const uint64_t index = table.index(hash + i);
-        uint32_t mark = table.marks[index].load(std::memory_order_relaxed);
-        if (mark == kEmpty) return false;
-        if (mark != mark_of(hash)) continue;
-        if (!table.marks[index].compare_exchange_strong(mark, kBusy, std::memory_order_acquire)) continue;
-        const Slot& slot = *slot_at(table, index);
+        const Entry entry = table->place(key.mark + i).load(std::memory_order_acquire);
+        if (entry == 0) return false;
+        if (mark_of(entry) != key.mark) continue;
+        const Slot& slot = *slot_at(number_of(entry));
+        if (!slot.begin()) continue;
         const bool found = slot.point == key.point;
         if (found) read(slot, sample);
-        table.marks[index].store(mark, std::memory_order_release);
+        slot.end();
         if (found) return true;
     }
     return false;
 }
 
-/// Whether the sample went into an empty slot.
-bool SampleTable::put_in(Table& table, const Key& key, const FastSample& sample) {
-    const uint64_t hash = key.hash;
-    for (uint64_t i = 0; i <= kProbes; ++i) {
-        const bool last = i == kProbes;  // all are taken: one of them, told by the hash, is forgotten
-        const uint64_t index = table.index(last ? hash + (hash >> 32) % kProbes : hash + i);
-        uint32_t mark = table.marks[index].load(std::memory_order_relaxed);
-        if (mark == kBusy || (!last && mark != kEmpty)) continue;
-        if (!table.marks[index].compare_exchange_strong(mark, kBusy, std::memory_order_acquire)) continue;
-        Slot& slot = *slot_at(table, index);
-        slot.point = key.point;
-        write(slot, sample);
-        table.marks[index].store(mark_of(hash), std::memory_order_release);
-        return mark == kEmpty;
+bool SampleTable::make_chunk(uint64_t chunk) {
+    if (chunks_[chunk].load(std::memory_order_acquire)) return true;
+    const uint64_t more = chunk_slots_ * slot_bytes_;
+    if (bytes_.fetch_add(more, std::memory_order_relaxed) + more <= most_bytes_) {
+        std::unique_ptr<std::byte[]> made(new (std::nothrow) std::byte[more]);
+        std::byte* before = nullptr;
+        if (made && chunks_[chunk].compare_exchange_strong(before, made.get(), std::memory_order_acq_rel)) {
+            made.release();
+            return true;
+        }
+        bytes_.fetch_sub(more, std::memory_order_relaxed);
+        return before != nullptr;
     }
+    bytes_.fetch_sub(more, std::memory_order_relaxed);
     return false;
 }
 
-void SampleTable::put(const Key& key, const FastSample& sample) {
-    int current = current_.load(std::memory_order_acquire);
-    if (current < 0 || tables_[current]->filled.load(std::memory_order_relaxed) * kFullDenominator >
-                           tables_[current]->slots * kFullNumerator) {
-        grow();
-        current = current_.load(std::memory_order_acquire);
-        if (current < 0) return;
+/// A new place for a sample, busy; empty if there is no memory.
+std::optional<uint64_t> SampleTable::take_slot() {
+    if (full_.load(std::memory_order_relaxed)) return std::nullopt;
+    const uint64_t number = next_.fetch_add(1, std::memory_order_relaxed), chunk = number / chunk_slots_;
+    if (chunk >= kMostChunks || !make_chunk(chunk)) {
+        full_.store(true, std::memory_order_relaxed);
+        return std::nullopt;
     }
-    Table& table = *tables_[current];
-    if (!put_in(table, key, sample)) return;
-    table.filled.fetch_add(1, std::memory_order_relaxed);
-    count_.fetch_add(1, std::memory_order_relaxed);
+    new (static_cast<void*>(slot_at(number))) Slot;
+    return number;
 }
 
-/// Returns how many there are.
-uint64_t SampleTable::copy(const Table& from, Table& to) {
-    uint64_t filled = 0;
-    FastSample sample;
-    for (uint64_t i = 0; i < from.slots; ++i) {
-        uint32_t mark = from.marks[i].load(std::memory_order_relaxed);
-        if (mark == kEmpty || mark == kBusy) continue;
-        if (!from.marks[i].compare_exchange_strong(mark, kBusy, std::memory_order_acquire)) continue;
-        const Slot& slot = *slot_at(from, i);
-        read(slot, sample);
-        filled += put_in(to, key_of(slot.point), sample) ? 1 : 0;
-        from.marks[i].store(mark, std::memory_order_release);
+/// A sample takes the place of another.
+void SampleTable::forget(std::atomic<Entry>& place, const Key& key, const FastSample& sample) {
+    Entry entry = place.load(std::memory_order_acquire);
+    if (entry == 0) return;
+    Slot& slot = *slot_at(number_of(entry));
+    if (!slot.begin()) return;
+    const Entry next = Entry{key.mark} << kNumberBits | number_of(entry);
+    if (place.compare_exchange_strong(entry, next, std::memory_order_acq_rel)) write(slot, key, sample);
+    slot.end();
+}
+
+void SampleTable::put(const Key& key, const FastSample& sample) {
+    const Table* table = current();
+    if (!table || table->is_full()) {
+        grow();
+        table = current();
+        if (!table) return;
     }
-    return filled;
+    std::optional<uint64_t> number;
+    if (table->has_room(key.mark)) number = take_slot();
+    if (!number) {
+        // One of them, told by the point.
+        forget(table->place(key.mark + key.point.place[0] % kProbes), key, sample);
+        return;
+    }
+    Slot& slot = *slot_at(*number);
+    write(slot, key, sample);
+    slot.end();
+    // Where others took the last room meanwhile, the slot is lost.
+    if (tables_[current_.load(std::memory_order_acquire)]->put(key.mark, *number))
+        count_.fetch_add(1, std::memory_order_relaxed);
 }
 
 /// A larger table, with what the last one holds; unless another thread is at it, or memory is at its limit.
 void SampleTable::grow() {
     if (growing_.exchange(true, std::memory_order_acquire)) return;
     const int current = current_.load(std::memory_order_relaxed);
-    uint64_t slots = current < 0 ? kFirstSlots : kGrowth * tables_[current]->slots;
-    const auto bytes_of = [&](uint64_t count) { return count * (slot_bytes_ + sizeof(uint32_t)); };
-    if (current >= 0 && bytes() + bytes_of(slots) > most_bytes_) slots = 2 * tables_[current]->slots;
-    const uint64_t more = bytes_of(slots);
+    const uint64_t size = current < 0 ? kFirstPlaces : kGrowth * tables_[current]->size;
+    const uint64_t more = size * sizeof(Entry);
     if (current + 1 < kMostTables && bytes() + more <= most_bytes_) {
         auto table = std::make_unique<Table>();
-        table->slots = slots;
-        table->marks.reset(new (std::nothrow) std::atomic<uint32_t>[slots]());
-        // Small pages for what a small object needs.
-        table->memory = large_memory(slots * slot_bytes_, slots * slot_bytes_ < kLargeTable ? kLargeTable : 0);
-        if (table->marks && table->memory) {
-            const uint64_t filled = current < 0 ? 0 : copy(*tables_[current], *table);
-            table->filled.store(filled, std::memory_order_relaxed);
-            count_.store(filled, std::memory_order_relaxed);
+        table->size = size;
+        table->places.reset(new (std::nothrow) std::atomic<Entry>[size]());
+        if (table->places) {
+            for (uint64_t i = 0; current >= 0 && i < tables_[current]->size; ++i) {
+                const Entry entry = tables_[current]->places[i].load(std::memory_order_acquire);
+                if (entry != 0) table->put(mark_of(entry), number_of(entry));
+            }
             bytes_.fetch_add(more, std::memory_order_relaxed);
             tables_[current + 1] = std::move(table);
             current_.store(current + 1, std::memory_order_release);

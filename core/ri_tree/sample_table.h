@@ -1,14 +1,18 @@
 // Samples shared by the cells that meet in a lattice point: a table that may forget.
 //
-// Samples are pure functions of their points, so one that was dropped, or that another thread is just writing, is
-// traced again. Nobody waits: a place that is busy counts as one without the sample.
+// Samples are pure functions of their points, so one that was dropped, or that another thread is just reading or
+// writing, is traced again. Nobody waits: a sample that is busy counts as none.
+//
+// Samples lie in chunks, in the order in which they came; a table of places tells where. Only that one grows.
 #pragma once
 
 #include "ri_tree/fast_sample.h"
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 namespace rayleaf {
 
@@ -23,7 +27,7 @@ class SampleTable {
     /// A lattice point, and where to look for it.
     struct Key {
         LatticePoint point;
-        uint64_t hash = 0;
+        uint32_t mark = 0;
     };
     static Key key_of(const LatticePoint& point);
 
@@ -39,24 +43,31 @@ class SampleTable {
   private:
     struct Slot;
     struct Table;
+    /// A key's mark above the number of its sample; 0: none.
+    using Entry = uint64_t;
 
     /// Tables at least double in size. Older ones are kept, for they may be in use; together they are at most as large
     /// as the last.
     static constexpr int kMostTables = 32;
+    static constexpr uint64_t kMostChunks = 4096;
 
     size_t values_, changes_;
     size_t slot_bytes_;
     uint64_t most_bytes_;
+    uint64_t chunk_slots_;
     std::unique_ptr<Table> tables_[kMostTables];
+    std::unique_ptr<std::atomic<std::byte*>[]> chunks_;
     std::atomic<int> current_{-1};
-    std::atomic<bool> growing_{false};
-    std::atomic<uint64_t> count_{0}, bytes_{0};
+    std::atomic<bool> growing_{false}, full_{false};
+    std::atomic<uint64_t> next_{0}, count_{0}, bytes_{0};
 
-    Slot* slot_at(const Table& table, uint64_t index) const;
-    bool put_in(Table& table, const Key& key, const FastSample& sample);
+    const Table* current() const;
+    Slot* slot_at(uint64_t number) const;
+    std::optional<uint64_t> take_slot();
+    bool make_chunk(uint64_t chunk);
+    void forget(std::atomic<Entry>& place, const Key& key, const FastSample& sample);
     void read(const Slot& slot, FastSample& sample) const;
-    void write(Slot& slot, const FastSample& sample) const;
-    uint64_t copy(const Table& from, Table& to);
+    void write(Slot& slot, const Key& key, const FastSample& sample) const;
     void grow();
 };
 

@@ -291,11 +291,11 @@ class VolumeVisualisation:
         """kind: EMISSION adds color * density * length, ABSORPTION multiplies by color ** (density * length)."""
 
 class RayCacheStore:
-    """Ray caches that the caller keeps between renders. Pictures do not depend on what it holds."""
+    """Ray caches that the caller keeps between renders. From frame to frame they interpolate more."""
 
     def __init__(self) -> None: ...
     def next_frame(self) -> None:
-        """Drops what no render asked for since the last call."""
+        """Drops what no render asked for since the last call; what rays crossed until now counts from here on."""
     def count(self) -> int: ...
     def bytes(self) -> int: ...
 

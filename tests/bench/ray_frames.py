@@ -136,7 +136,11 @@ class Trees:
                 tracing.ask(rays.origins, rays.directions)
 
     def begin(self, camera: Camera) -> None:
-        """What the trees hold stays."""
+        """What the trees hold stays; rays that crossed cells in the last frame pay for them now."""
+        for tree in self.trees:
+            tree.next_frame()
+        for tree in self.trees:
+            tree.next_frame()
 
     def ask(self, rays: Rays) -> Answers:
         """By the trees."""

@@ -20,6 +20,7 @@ class Effort:
     """How much is measured."""
 
     repeats: int = 2
+    kept_frames: int = 12  # of the same rays, the first included: the last one is the repeated frame
     orbit_frames: int = 10
     rival_orbit_frames: int = 3  # rivals keep nothing from frame to frame
 
@@ -41,9 +42,11 @@ class Figures:
     """Of one method on one scene; times in seconds, every single measurement."""
 
     first: list[float] = field(default_factory=list)
+    second: list[float] = field(default_factory=list)
+    kept: list[float] = field(default_factory=list)  # mean of all frames of the same rays
     repeated: list[float] = field(default_factory=list)
     orbit: float = 0.0
-    error: float = 0.0
+    error: float = 0.0  # the larger one of the first and the repeated frame's
     frame: Frame = field(default_factory=Frame)
     samples: int = 0
     orbit_samples: float = 0.0
@@ -119,7 +122,13 @@ class Bench:
                 figures.frame, figures.error = frame, error(frame.image, self.truth.image)
                 figures.samples, figures.megabytes = trees.total("samples_taken"), trees.total("bytes") / 1e6
                 figures.prunes = trees.total("prunes")
-            figures.repeated.append(render(self.scene, trees, self.picture).seconds)
+            wants_image, last = repeat == 0, self.effort.kept_frames - 2
+            again = [render(self.scene, trees, self.picture, 0.0, wants_image and i == last) for i in range(last + 1)]
+            figures.second.append(again[0].seconds)
+            figures.repeated.append(again[-1].seconds)
+            figures.kept.append((frame.seconds + sum(each.seconds for each in again)) / self.effort.kept_frames)
+            if wants_image:
+                figures.error = max(figures.error, error(again[-1].image, self.truth.image))
         self.count_flops(trees, figures, tree == "fast")
         before = trees.total("samples_taken")
         figures.orbit = self.orbit(trees, self.effort.orbit_frames)
@@ -154,12 +163,15 @@ def print_scene(bench: Bench, trees: dict[str, Figures]) -> None:
     print(f"\n  {bench.scene.name}, {bench.picture.text}")
     print(
         f"  {'':<12}{'ms: first':>10}{'again':>8}{'orbit':>8}   {'faster than triangles':<20}   {'than tracing':<20}   "
-        f"{'FLOP: triangles':<15}{'Newton':<13}{'error':>8}{'interp.':>9}{'traced':>8}{'samples':>9}{'orbit':>8}{'MB':>7}"
+        f"{'2nd, mean':<14}{'FLOP: triangles':<15}{'Newton':<13}{'error':>8}{'interp.':>9}{'traced':>8}{'samples':>9}"
+        f"{'orbit':>8}{'MB':>7}"
     )
     for name, own in {**bench.figures, **trees}.items():
         times = "".join(f"{1e3 * seconds:>{width}.1f}" for seconds, width in zip(own.times, (10, 8, 8)))
         line = f"  {name:<12}{times}   {numbers(own.faster_than(bench.figures['triangles']))}"
         line += f"   {numbers(own.faster_than(bench.figures['tracing']))}   "
+        kept = [statistics.median(each) for each in (own.second, own.kept) if each]
+        line += f"{numbers([bench.figures['tracing'].times[0] / seconds for seconds in kept]):<14}"
         flops = [numbers(list(own.flops[tracer])) if own.flops else "" for tracer in ("triangles", "Newton")]
         line += f"{flops[0]:<15}{flops[1]:<13}{own.error:>8.5f}"
         if name not in RIVALS:

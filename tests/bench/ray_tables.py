@@ -35,7 +35,7 @@ def print_head(first: str) -> None:
 
 
 def print_line(value: str, tree: str, own: Figures, bench: Bench) -> None:
-    """One setting; each speed-up: first, repeated, orbit frame."""
+    """One setting; each speed-up: first, second, orbit frame."""
     ratios = [numbers(own.faster_than(bench.figures[name])) for name in ("triangles", "Newton", "tracing")]
     print(
         f"  {value:<10}{tree:<11}{numbers(list(own.flops['triangles'])):<15}{numbers(list(own.flops['Newton'])):<13}   "

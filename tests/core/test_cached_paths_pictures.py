@@ -73,6 +73,21 @@ def test_threads_cache_size_and_kept_caches_change_no_bit(core, kind):
     assert used(again)[0]["samples_taken"] == 0
 
 
+def test_frames_of_a_kept_cache_show_the_same_for_any_threads_and_differ_by_little(core):
+    def frames(**settings):
+        store, shown = core.RayCacheStore(), []
+        for _ in range(4):
+            shown.append(picture(render(core, ball_scene(core, "glass"), caches=store, **settings)))
+            store.next_frame()
+        return shown
+
+    one, many = frames(threads=1), frames(threads=4, tile_size=8)
+    for i, (a, b) in enumerate(zip(one, many)):
+        assert np.array_equal(a, b), i
+    # Later frames interpolate more; by what the setting's error allows.
+    assert np.abs(one[-1] - one[0]).mean() < 0.005
+
+
 def test_a_store_forgets_what_the_last_frame_did_not_use(core):
     store = core.RayCacheStore()
     render(core, ball_scene(core, "mirror"), caches=store)

@@ -109,6 +109,47 @@ def test_fewer_rays_per_cell_buy_more_samples_and_change_what_is_traced_alone():
     assert 0.0 < shares[3], shares
 
 
+def spaced_frames(tree, rays, count, **company):
+    """The same rays in one frame after the other: their answers, and the share of them that was not worth samples."""
+    spacing = {"distances": np.full(len(rays[0]), 0.02, np.float32), "angles": np.full(len(rays[0]), 0.005, np.float32)}
+    frames = []
+    for _ in range(count):
+        order = np.arange(len(rays[0])) if not company else company["random"].permutation(len(rays[0]))
+        frames.append(in_parts(tree, rays, order, company.get("size", 64), company.get("threads", 1), **spacing))
+        tree.next_frame()
+    return frames, [float((frame["answered_by"] == support.NOT_WORTH_IT).mean()) for frame in frames]
+
+
+def test_what_many_frames_cross_is_bought_in_the_end_for_any_threads_and_cache_size():
+    rays = support.rays_towards(np.zeros(3), 0.6, 800)
+    shape, settings = shapes.nurbs_torus(), {"rays_per_cell": 6.0, "depth_limit": 24, "mixed_depth_limit": 24}
+    kept = fast_tree(shape, "GLASS", **settings)
+    expected, shares = spaced_frames(kept, rays, 8)
+    assert shares[0] > shares[-1] + 0.05 and (np.diff(shares) <= 0).all(), shares
+    truth = kept.trace(*rays)
+    used = expected[-1]["answered_by"] == INTERPOLATED
+    assert used.sum() > (expected[0]["answered_by"] == INTERPOLATED).sum()
+    # The thresholds hold for cells bought late too: 1 degree where they are tested, at centres.
+    late = used & (expected[0]["answered_by"] != INTERPOLATED) & truth["hit"]
+    error = support.angles(expected[-1]["exit_direction"], truth["exit_direction"])[late]
+    assert late.any() and np.median(error) < np.radians(1.0), (late.sum(), np.median(error))
+    random = np.random.default_rng(5)
+    for cache_bytes, size, threads in ((10**8, 7, 4), (200_000, 33, 3), (0, 100, 2)):
+        tree = fast_tree(shape, "GLASS", cache_bytes=cache_bytes, **settings)
+        got, _ = spaced_frames(tree, rays, 4, random=random, size=size, threads=threads)
+        for frame, wanted in zip(got, expected):
+            support.check_same_answers(wanted, frame)
+
+
+def test_a_tree_of_which_no_frame_ends_buys_nothing_more():
+    rays = support.rays_towards(np.zeros(3), 0.6, 300)
+    spacing = {"distances": np.full(300, 0.02, np.float32), "angles": np.full(300, 0.005, np.float32)}
+    tree = fast_tree(shapes.nurbs_torus(), "GLASS")
+    first = tree.ask(*rays, **spacing)
+    for _ in range(20):
+        support.check_same_answers(first, tree.ask(*rays, **spacing))
+
+
 def test_rays_from_inside_the_box_are_not_told_what_lies_behind_them():
     random = np.random.default_rng(9)
     origins = random.uniform([-1, -1, -0.25], [1, 1, 0.25], (3000, 3))
