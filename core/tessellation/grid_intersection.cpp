@@ -72,6 +72,7 @@ HWY_INLINE hn::Vec<D> load_cells(D lanes, const T* first) {
 
 /// Vertices in single precision.
 struct FloatCells {
+    static constexpr bool kIsExact = false;
     using Lanes = hn::CappedTag<float, 8>;
     using Number = float;
     using Stored = float;
@@ -86,6 +87,7 @@ struct FloatCells {
 
 /// Fixed numbers, in double precision.
 struct FixedCells {
+    static constexpr bool kIsExact = true;
     using Lanes = hn::CappedTag<double, 8>;
     using Number = double;
     using Stored = int32_t;
@@ -122,10 +124,10 @@ struct CellTest {
     struct Triangles {
         V pq, qr, rp, pz, qz, rz;
 
-        HWY_INLINE M inside() const {
-            const V zero = hn::Zero(D());
+        /// `error` is how far edge functions may be off.
+        HWY_INLINE M inside(V error) const {
             const V smallest = hn::Min(pq, hn::Min(qr, rp)), largest = hn::Max(pq, hn::Max(qr, rp));
-            return hn::Or(hn::Ge(smallest, zero), hn::Le(largest, zero));
+            return hn::Or(hn::Ge(smallest, hn::Neg(error)), hn::Le(largest, error));
         }
     };
 
@@ -152,16 +154,37 @@ struct CellTest {
         return {hn::Sub(dx, hn::Mul(shear_x, dz)), hn::Sub(dy, hn::Mul(shear_y, dz)), dz};
     }
     static HWY_INLINE V edge(const Corner& p, const Corner& q) { return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x)); }
+    static HWY_INLINE V size(const Corner& p) { return hn::Add(hn::Abs(p.x), hn::Abs(p.y)); }
+    /// How far the edge functions of a cell may be off: px qy - py qx by the error times all four numbers.
+    static HWY_INLINE V error(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
+        const D lanes;
+        if constexpr (Cells::kIsExact) return hn::Zero(lanes);
+        const V sizes = hn::Add(hn::Add(size(a), size(b)), hn::Add(size(c), size(d)));
+        return hn::Mul(hn::Add(sizes, hn::Set(lanes, kCornerError)), hn::Set(lanes, kCornerError));
+    }
+    /// The stretch of the ray within which it meets the triangles, unless it passes them, from `near` to `far`.
+    HWY_INLINE void depths(const Triangles& hit, V& near, V& far) const {
+        const V p = hn::Mul(hit.pz, scale_z), q = hn::Mul(hit.qz, scale_z), r = hn::Mul(hit.rz, scale_z);
+        near = hn::Min(p, hn::Min(q, r));
+        far = hn::Max(p, hn::Max(q, r));
+    }
     /// Adds the lanes that are hit within the ray's stretch. `first` is the triangle of the first lane.
     HWY_INLINE void add_hits(const Triangles& hit, M inside, uint32_t first, GridCandidates& candidates) const {
         const D lanes;
-        const V area = hn::Add(hn::Add(hit.qr, hit.rp), hit.pq), zero = hn::Zero(lanes);
-        const V sum = hn::Add(hn::Add(hn::Mul(hit.qr, hit.pz), hn::Mul(hit.rp, hit.qz)), hn::Mul(hit.pq, hit.rz));
-        const V t = hn::Mul(hn::Div(sum, area), scale_z);
-        const M within = hn::And(hn::Ge(t, zero), hn::Le(t, farthest));
-        uint32_t bits = mask_bits(lanes, hn::And(hn::And(inside, hn::Ne(area, zero)), within));
+        const V zero = hn::Zero(lanes);
+        V near, far;
+        if constexpr (Cells::kIsExact) {
+            const V area = hn::Add(hn::Add(hit.qr, hit.rp), hit.pq);
+            const V sum = hn::Add(hn::Add(hn::Mul(hit.qr, hit.pz), hn::Mul(hit.rp, hit.qz)), hn::Mul(hit.pq, hit.rz));
+            near = far = hn::Mul(hn::Div(sum, area), scale_z);
+            inside = hn::And(inside, hn::Ne(area, zero));
+        } else {
+            depths(hit, near, far);
+        }
+        const M within = hn::And(hn::Ge(far, zero), hn::Le(near, farthest));
+        uint32_t bits = mask_bits(lanes, hn::And(inside, within));
         HWY_ALIGN typename Cells::Number distances[kLaneCount];
-        hn::Store(t, lanes, distances);
+        hn::Store(near, lanes, distances);
         for (; bits != 0; bits &= bits - 1) {
             const int lane = __builtin_ctz(bits), row = lane / kColumns, column = lane % kColumns;
             candidates.add(
@@ -180,7 +203,8 @@ struct CellTest {
         const V ac = edge(a, c);
         const Triangles lower{edge(a, b), edge(b, c), hn::Neg(ac), a.z, b.z, c.z};
         const Triangles upper{ac, edge(c, d), edge(d, a), a.z, c.z, d.z};
-        const M in_lower = lower.inside(), in_upper = upper.inside();
+        const V off = error(a, b, c, d);
+        const M in_lower = lower.inside(off), in_upper = upper.inside(off);
         if (hn::AllFalse(lanes, hn::Or(in_lower, in_upper))) return;
         const auto first = static_cast<uint32_t>(2 * (first_cell + row * cells + column));
         if (!hn::AllFalse(lanes, in_lower)) add_hits(lower, in_lower, first, candidates);
@@ -247,12 +271,14 @@ void add_quad_candidates(const SubpatchDetail& detail, const GridRay& ray, float
     // Around: 0 1, 1 3, 2 0, 3 2. And across, 3 0.
     const Float4 around = x * shuffled<1, 3, 0, 2>(y) - y * shuffled<1, 3, 0, 2>(x);
     const float across = x[3] * y[0] - y[3] * x[0];
+    const Float4 sizes = max4(x, -x) + max4(y, -y);
+    const float off = (((sizes[0] + sizes[1]) + (sizes[3] + sizes[2])) + kCornerError) * kCornerError;
     const auto test = [&](float ab, float bc, float ca, const Vec3f& depth, uint32_t triangle) {
-        if (!(ab >= 0.0f && bc >= 0.0f && ca >= 0.0f) && !(ab <= 0.0f && bc <= 0.0f && ca <= 0.0f)) return;
-        const float area = (bc + ca) + ab;
-        if (area == 0.0f) return;
-        const float t = ((bc * depth.x + ca * depth.y) + ab * depth.z) / area * ray.scale_z;
-        if (t >= 0.0f && t <= t_max) candidates.add({t, triangle});
+        const float smallest = std::min({ab, bc, ca}), largest = std::max({ab, bc, ca});
+        if (smallest < -off && largest > off) return;
+        const Vec3f t = depth * ray.scale_z;
+        const float near = std::min({t.x, t.y, t.z}), far = std::max({t.x, t.y, t.z});
+        if (far >= 0.0f && near <= t_max) candidates.add({near, triangle});
     };
     test(around[0], around[1], across, {z[0], z[1], z[3]}, 0);
     test(-across, around[3], around[2], {z[0], z[3], z[2]}, 1);

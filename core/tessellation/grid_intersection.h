@@ -1,11 +1,14 @@
-// A ray against the facets of a grid: SIMD over blocks of 4 x 4 cells, in single precision.
+// A ray against the facets of a grid: SIMD over blocks of 4 x 4 cells.
 //
 // As in Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection" (JCGT 2013): vertices are moved to the ray's origin
 // and sheared so that the ray is the z axis; what side of an edge p q the ray passes is the sign of px qy - py qx.
 // Rounding is monotonic, so without fused multiply-add fl(px qy) and fl(py qx) never compare the wrong way round: the
 // computed sign is the exact one or zero. Zero counts as inside for the facets on both sides. So with the same sheared
-// vertices no ray passes between facets that share an edge or a vertex, and the paper's fallback to double precision
-// is not needed; a ray through an edge may find both facets.
+// vertices no ray passes between facets that share an edge or a vertex; a ray through an edge may find both facets.
+//
+// Grids of fixed numbers are tested so in double precision. Those of floats are tested in single precision, which moves
+// a ray aside by more than ridges of small facets are high: the test is widened by that, finds all facets that the true
+// ray may hit, and FacetRay (geometry/facet.h) decides, by the same steps in double precision.
 #pragma once
 
 #include "base/vector.h"
@@ -37,9 +40,13 @@ struct GridRay {
     double fixed_origin[3], fixed_shear_x, fixed_shear_y, fixed_scale_z;
 };
 
-/// A facet that the ray hits, as far as single precision can tell.
+/// How far single precision may move a corner aside in the ray's space, local units: as far as a ray's points beside a
+/// box (kBlockPadding), the rounding of the shear included.
+inline constexpr float kCornerError = 0x1p-19f;
+
+/// A facet that the ray may hit.
 struct GridCandidate {
-    float t;  ///< along the unit direction
+    float t;  ///< along the unit direction, and for floats that of the nearest corner
     uint32_t triangle;
 };
 

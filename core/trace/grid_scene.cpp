@@ -152,10 +152,11 @@ void GridScene::prepare(ShapeQuery& query) const {
     }
 }
 
-/// Offers the facets that the ray meets, nearest first, until one counts. Facets closer together than single precision
-/// tells apart, as those of a thin strand, come in no order; all of them are offered, for the exact hit decides.
+/// Offers the facets that the ray may meet, nearest first, until the others lie behind one that counts. Facets closer
+/// together than single precision tells apart come in no order: the exact hit decides.
 bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_t subpatch,
                              const SubpatchLevels& levels, float t_max) const {
+    const bool is_exact = grid.format() == VertexFormat::Fixed;
     GridCandidates candidates;
     if (grid.cells() == 1)
         add_quad_candidates(details_[subpatch], query.grid_ray, t_max, candidates);
@@ -166,14 +167,14 @@ bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_
         const auto [t, triangle] = candidates.take_nearest();
         if (found && t > query.ray->float_distance(query.farthest)) break;
         const SnappedGrid::Facet facet = grid.facet(triangle);
-        if (!query.offer({subpatch, triangle}, facet.corners)) continue;
+        const FacetId id{subpatch, triangle};
+        if (!(is_exact ? query.offer(id, facet.corners) : query.offer_uncertain(id, facet.corners))) continue;
         query.best.area = area_vector(facet.corners);
         const int cells_apart = kGridCells / grid.cells();
         query.best.place = facet.place(query.best.point.u, query.best.point.v) * cells_apart;
         query.best.levels = levels.packed();
         if (!details_.empty()) query.best.seen_by = query.levels.seen_by(details_[subpatch]);
         found = true;
-        if (grid.format() == VertexFormat::Float) return true;
     }
     return found;
 }

@@ -18,10 +18,8 @@ class GridScene final : public ShapeScene {
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override;
     uint32_t subpatch_count() const override { return dicer_->subpatch_count(); }
-    /// Fixed numbers are tested in double: rounded as often as in single precision, and a few times more in the test.
-    double float_error() const override {
-        return dicer_->format() == VertexFormat::Fixed ? 0x1p-49 : ShapeScene::float_error();
-    }
+    /// Double precision decides: rounded as often as in single precision, and a few times more in the test.
+    double float_error() const override { return 0x1p-49; }
     NormalCounters limit_normals() const override;
     uint64_t record_bytes() const override;
 

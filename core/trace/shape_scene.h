@@ -1,9 +1,10 @@
 // One shape ready to be traced in its local space: an Embree scene and what turns a candidate into a hit.
 //
-// Which facets a ray may hit is found in single precision, watertight along shared edges. Each candidate's t is then
-// computed in double from the facet's corners, and only that decides: whether it lies in [t_min, t_max], and which of
-// two is nearer, the lower facet if they are equal. So results depend neither on the order in which Embree visits nodes
-// nor on how the rays' origins round.
+// Which facets a ray may hit is found in single precision. Each candidate's t is then computed in double from the
+// facet's corners, and only that decides: whether it lies in [t_min, t_max], and which of two is nearer, the lower
+// facet if they are equal. So results depend neither on the order in which Embree visits nodes nor on how the rays'
+// origins round. Of triangles Embree decides which are hit, in single precision, watertight along shared edges; of
+// grids it finds all that come into question, and double precision decides.
 #pragma once
 
 #include "geometry/facet.h"
@@ -53,6 +54,7 @@ struct ShapeQuery {
     ShapeHit best;
     double farthest = 0;  ///< t of the best hit, or the ray's t_max
     bool found = false;
+    std::optional<FacetRay> facet_ray;  ///< once there was something to test
 
     ShapeQuery(const LocalRay& local, FacetKind kind, const GeometryCache::Reader* cache)
         : ray(&local), reader(cache), farthest(local.t_max) {
@@ -66,7 +68,16 @@ struct ShapeQuery {
 
     /// Takes the facet if its exact hit is the nearest so far.
     bool offer(const FacetId& facet, const FacetCorners& corners) {
-        const std::optional<FacetHit> hit = exact_facet_hit(corners, ray->origin, ray->direction);
+        return take(facet, exact_facet_hit(corners, ray->origin, ray->direction, ray->speed));
+    }
+    /// The same of a facet that may be hit.
+    bool offer_uncertain(const FacetId& facet, const FacetCorners& corners) {
+        if (!facet_ray) facet_ray.emplace(ray->origin, ray->direction, ray->start);
+        return take(facet, facet_ray->meet(corners));
+    }
+
+    /// Takes a hit if it is the nearest so far.
+    bool take(const FacetId& facet, const std::optional<FacetHit>& hit) {
         if (!hit || !(hit->t >= ray->t_min && hit->t <= farthest)) return false;
         if (found && hit->t == best.point.t && best.facet < facet) return false;
         best.facet = facet;

@@ -57,8 +57,12 @@ def test_dicing_equals_its_numpy_twin_bit_by_bit(degrees, rational, target, any_
     np.testing.assert_array_equal(trace.diced_patch(surface, 0), expected)
 
 
+CORNER_ERROR = F(2.0**-19)  # how far single precision may move a corner aside
+
+
 def first_candidates(grid, origins, directions):
-    """All 512 facets, one after the other, in float: (t, triangle)."""
+    """All 512 facets, one after the other, in float: (t of the nearest corner, triangle) of the first that the true ray
+    may hit."""
     results = []
     for origin, direction in zip(origins.astype(F), directions.astype(F)):
         z = int(np.argmax(np.abs(direction)))
@@ -71,14 +75,16 @@ def first_candidates(grid, origins, directions):
         corner = lambda i, j: (px[j : 16 + j, i : 16 + i], py[j : 16 + j, i : 16 + i], depth[j : 16 + j, i : 16 + i])
         edge = lambda p, q: p[0] * q[1] - p[1] * q[0]
         a, b, c, d = corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)
+        size = lambda p: np.abs(p[0]) + np.abs(p[1])
+        error = (((size(a) + size(b)) + (size(c) + size(d))) + CORNER_ERROR) * CORNER_ERROR
         best = (np.inf, -1)
         for half, (p, q, r) in enumerate(((a, b, c), (a, c, d))):
             pq, qr, rp = edge(p, q), edge(q, r), edge(r, p)
-            inside = ((pq >= 0) & (qr >= 0) & (rp >= 0)) | ((pq <= 0) & (qr <= 0) & (rp <= 0))
-            area = (qr + rp) + pq
-            with np.errstate(divide="ignore", invalid="ignore"):
-                t = ((qr * p[2] + rp * q[2]) + pq * r[2]) / area * scale
-            for j, i in np.argwhere(inside & (area != 0) & (t >= 0)):
+            edges = np.stack([pq, qr, rp])
+            inside = (edges.min(axis=0) >= -error) | (edges.max(axis=0) <= error)
+            depths = np.stack([p[2], q[2], r[2]]) * scale
+            t = depths.min(axis=0)
+            for j, i in np.argwhere(inside & (depths.max(axis=0) >= 0)):
                 best = min(best, (float(t[j, i]), 2 * (16 * int(j) + int(i)) + half))
         results.append(best)
     return np.array([t for t, _ in results]), np.array([k for _, k in results])

@@ -23,6 +23,22 @@ def test_the_length_of_a_direction_does_not_matter(shape, length):
     np.testing.assert_allclose(scaled["position"], plain["position"], atol=1e-6)
 
 
+@pytest.mark.parametrize("length", [1e-300, 1e-170, 1e170])
+def test_a_hit_beside_the_edge_of_a_facet_has_a_distance_whatever_the_direction_is_long(length):
+    """A hit that single precision sees inside a facet and double precision beside it was as far away as infinity."""
+    tracer = trace.Tracer([(shapes.lumpy_mesh(), np.eye(4), shapes.EVERYTHING)])
+    random = np.random.default_rng(8)
+    steps = np.arange(1, 32) * np.pi / 32
+    heights = 1 + 0.1 * np.sin(4 * steps)  # of the vertices above the x axis: rays meet the edges between them
+    share, first = random.uniform(0, 1, 3000), random.integers(0, 30, 3000)
+    ends = np.column_stack([heights * np.sin(steps), 0 * steps, heights * np.cos(steps)]).astype(np.float32).astype(float)
+    targets = ends[first] * (1 - share)[:, None] + ends[first + 1] * share[:, None]
+    origins = 2 * shapes.random_directions(random, 3000) + [3, 0, 0]
+    directions = shapes.unit(targets - origins)
+    plain, scaled = (tracer.closest_hits(origins, directions * each)["t"] for each in (1.0, length))
+    np.testing.assert_allclose(scaled * length, plain, rtol=1e-9)
+
+
 @pytest.mark.parametrize("distance", [1e17, 1e19, 1e30, 1e300])
 def test_origins_beyond_all_bounds_are_hits_or_misses(distance):
     """After rounding, the point where such a ray enters a box may be beyond what Embree takes."""

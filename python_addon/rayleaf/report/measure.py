@@ -108,7 +108,7 @@ def render(
 
 def judge(results: list[Any], points: list[Point], references: list[Point]) -> Measurement:
     """Errors and frontier of rendered points; `results` holds points and references in this order."""
-    pictures = {raw["name"]: np.load(raw["picture"]) for raw in results if "problem" not in raw}
+    pictures = {raw["name"]: np.load(raw["picture"]) for raw in results if "picture" in raw}
     problems = [f"{raw['name']}: {raw['problem']}" for raw in results if "problem" in raw]
     by_engine = {each.engine: pictures[each.name] for each in references if each.name in pictures}
     measured = []

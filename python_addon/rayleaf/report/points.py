@@ -21,6 +21,7 @@ class Point:
     engine: str = "RAYLEAF"
     assign: dict[str, Any] = field(default_factory=dict)  # property path from the scene -> value
     same_noise_as: str | None = None  # label of the point of the series with equal random numbers and no shortcut
+    needs: str = ""  # a kind of shape, as the statistics name it: scenes without one are not rendered so
 
     @property
     def name(self) -> str:
@@ -28,7 +29,7 @@ class Point:
 
     def as_job(self) -> dict[str, Any]:
         """What `render_points` reads."""
-        return {"name": self.name, "engine": self.engine, "assign": self.assign}
+        return {"name": self.name, "engine": self.engine, "assign": self.assign, "needs": self.needs}
 
 
 def counted(count: int) -> str:
@@ -77,6 +78,28 @@ def values(series: str, path: str, tried: list[Any], count: int, exact: Any = No
             same_noise_as=None if exact is None or value == exact else _label(exact),
         )
         for value in tried
+    ]
+
+
+# What hair and bevelled curves are rendered as, the exact first; and how finely, where that is by a detail: a hundred
+# thousand tubes of hair must fit into memory.
+PRIMITIVES = ("EXACT", "RIBBON", "SPHERES", "TRIANGLES", "QUADS", "EMBREE_ROUND")
+PRIMITIVE_DETAIL = {"strands": 3, "bevelled_curves": 16}
+
+
+def primitives(kind: str, count: int) -> list[Point]:
+    """Every primitive for one kind of shape, with `count` samples and the same random numbers."""
+    series = f"Primitive of {kind.replace('_', ' ')}"
+    common = {"rayleaf.samples": count, "rayleaf.curve_detail": PRIMITIVE_DETAIL[kind]}
+    return [
+        Point(
+            series,
+            _label(primitive),
+            assign={**common, "rayleaf.curve_primitive": primitive},
+            same_noise_as=None if primitive == PRIMITIVES[0] else _label(PRIMITIVES[0]),
+            needs=kind,
+        )
+        for primitive in PRIMITIVES
     ]
 
 

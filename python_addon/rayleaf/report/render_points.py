@@ -3,11 +3,12 @@
     blender -b FILE --addons rayleaf --python render_points.py -- JOB.json RESULT.json
 
 The job: {"width": pixels, "repeats": n, "folder": path, "addon": its module, "all_passes": bool, "points":
-[{"name", "engine", "assign": {path: value}}]}. The
+[{"name", "engine", "assign": {path: value}, "needs": a kind of shape, or ""}]}. The
 result, a list in the same order: {"name", "seconds": [each repeat], "memory_mb": peak above what was there before,
 "picture": NPY file of (height, width, 4), scene-linear, rows bottom to top, "statistics": the add-on's, or {},
 "layers": with all passes, a multilayer EXR}.
-A point whose property this version does not have is left out of the pictures and says so: {"name", "problem"}.
+A point whose property this version does not have is left out of the pictures and says so: {"name", "problem"}. One that
+needs shapes that the scene does not hold is {"name"} alone.
 """
 
 import gc
@@ -138,6 +139,11 @@ def warm_up(point: dict[str, Any], job: dict[str, Any]) -> None:
     render.resolution_x, render.resolution_y = size
 
 
+def shapes_of_scene(job: dict[str, Any]) -> set[str]:
+    """The kinds of shapes in the last picture of the add-on."""
+    return set(getattr(sys.modules.get(job["addon"]), "last_statistics", {}).get("shape_bytes", {}))
+
+
 def main() -> None:
     job_path, result_path = (Path(argument) for argument in sys.argv[sys.argv.index("--") + 1 :][:2])
     job = json.loads(job_path.read_text(encoding="utf-8"))
@@ -153,8 +159,10 @@ def main() -> None:
     for engine in sorted({point["engine"] for point in job["points"]}):
         warm_up(next(point for point in job["points"] if point["engine"] == engine), job)
     results: list[dict[str, Any]] = []
+    held = shapes_of_scene(job)
     for number, point in enumerate(job["points"]):
-        results.append(render_point(point, job, number))
+        needed = not point["needs"] or point["needs"] in held
+        results.append(render_point(point, job, number) if needed else {"name": point["name"]})
         result_path.write_text(json.dumps(results), encoding="utf-8")
 
 
