@@ -76,4 +76,4 @@ def test_a_surface_displaced_by_its_own_size_is_met_where_extended_precision_say
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_every_kernel_meets_displaced_surfaces_in_the_same_bits(name, any_target):
-    check_same_bits(lambda: hits_at(name, 1e3, 1.0)[0])
+    check_same_bits(f"{name} displaced by its size", lambda: hits_at(name, 1e3, 1.0)[0])

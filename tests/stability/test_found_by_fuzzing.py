@@ -31,7 +31,9 @@ def test_a_hit_beside_the_edge_of_a_facet_has_a_distance_whatever_the_direction_
     steps = np.arange(1, 32) * np.pi / 32
     heights = 1 + 0.1 * np.sin(4 * steps)  # of the vertices above the x axis: rays meet the edges between them
     share, first = random.uniform(0, 1, 3000), random.integers(0, 30, 3000)
-    ends = np.column_stack([heights * np.sin(steps), 0 * steps, heights * np.cos(steps)]).astype(np.float32).astype(float)
+    ends = (
+        np.column_stack([heights * np.sin(steps), 0 * steps, heights * np.cos(steps)]).astype(np.float32).astype(float)
+    )
     targets = ends[first] * (1 - share)[:, None] + ends[first + 1] * share[:, None]
     origins = 2 * shapes.random_directions(random, 3000) + [3, 0, 0]
     directions = shapes.unit(targets - origins)

@@ -83,7 +83,8 @@ def test_rays_meet_stiff_patches_where_extended_precision_says(name, offset, sca
 def test_every_kernel_gives_the_same_bits(name, offset, scale, any_target):
     case = CASES[name]
     _, origins, towards = aimed_rays(case, 0.5 * case.steepest)
-    check_same_bits(lambda: hits_of(case, offset, scale, origins, towards))
+    place = f"{name}, offset {offset:g}, scale {scale:g}"
+    check_same_bits(place, lambda: hits_of(case, offset, scale, origins, towards))
 
 
 SHARP_PLACES = {

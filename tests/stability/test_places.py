@@ -17,11 +17,7 @@ PLACES = [(offset, scale) for offset in (0.0, 1e3, 1e6) for scale in SCALES if o
 EVERY_PLACE = pytest.mark.parametrize("offset, scale", PLACES)
 EVERY_KERNEL = pytest.mark.parametrize("kernel", trace.simd_targets())
 
-
-@pytest.fixture(autouse=True)
-def any_kernel():
-    yield
-    trace.use_simd_target("")
+pytestmark = pytest.mark.usefixtures("any_target")
 
 
 def rounding(offset, scale):

@@ -14,7 +14,7 @@ from .errors import displayed, to_srgb
 
 _STYLE = """
 :root { color-scheme: light dark; }
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: auto; padding: 0 1rem 4rem; }
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 76rem; margin: auto; padding: 0 1rem 4rem; }
 h1, h2, h3 { line-height: 1.2; } h2 { margin-top: 3rem; border-bottom: 1px solid #8888; }
 table { border-collapse: collapse; font-size: 13px; } th, td { padding: .15rem .6rem; text-align: right; }
 th { border-bottom: 1px solid #888; vertical-align: bottom; } td:first-child, th:first-child { text-align: left; }
@@ -25,7 +25,8 @@ svg, img { max-width: 100%; height: auto; } svg { background: #fff; }
 .pictures { display: grid; gap: .8rem; grid-template-columns: repeat(auto-fill, minmax(10rem, 1fr)); }
 .pictures figure { margin: 0; } .pictures .plot { grid-column: span 2; } .wide { margin-bottom: 1rem; }
 .pictures img { width: 100%; image-rendering: pixelated; }
-td:first-child { min-width: 8rem; } .plot svg { width: 34rem; }
+p { max-width: 62rem; } td:first-child { min-width: 9rem; }
+td:last-child, th:last-child { min-width: 5rem; } tr.dominated td:last-child { font-size: 11px; line-height: 1.2; } .plot svg { width: 34rem; }
 pre { font-size: 12px; }
 @page { size: A4 landscape; margin: 12mm; }
 @media print {

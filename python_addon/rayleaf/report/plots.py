@@ -41,13 +41,13 @@ def frontier(measured: list[Measured]) -> str:
     labelled: list[tuple[float, float]] = []
     for number, series in enumerate(dict.fromkeys(each.point.series for each in measured)):
         own = [each for each in measured if each.point.series == series]
-        line = axes.plot(
-            [each.time for each in own], [each.error.rmse for each in own], "-", linewidth=0.8, label=series
-        )[0]
+        marker = _MARKERS[number % len(_MARKERS)]
+        line = axes.plot([each.time for each in own], [each.error.rmse for each in own], "-", linewidth=0.8)[0]
+        color = line.get_color()
+        axes.plot([], [], marker + "-", color=color, linewidth=0.8, label=series)  # for the legend
         for each in own:
-            face = "none" if each.beaten_by else line.get_color()
-            marker = _MARKERS[number % len(_MARKERS)]
-            axes.plot(each.time, each.error.rmse, marker, color=line.get_color(), markerfacecolor=face)
+            face = "none" if each.beaten_by else color
+            axes.plot(each.time, each.error.rmse, marker, color=color, markerfacecolor=face)
             place = math.log10(max(each.time, 1e-9)), math.log10(max(each.error.rmse, 1e-9))
             if _apart(place, labelled):
                 labelled.append(place)
