@@ -112,6 +112,17 @@ def test_as_many_rays_leave_a_closed_shell_as_enter_it(name, place):
     check_bound(f"{name}, {place}, {rays_for(SHELLS)} rays", "rays that leaked", wrong, 0, "rays")
 
 
+@pytest.mark.parametrize("radius", [1e-3, 1e-5])
+def test_no_ray_that_grazes_the_ridges_at_a_pole_is_lost(radius):
+    """They are lower there than single precision tells apart: it may see a ray below a ridge that passes above it."""
+    tracer, random = placed("subdivided body with poles of 64 faces", "at the origin"), np.random.default_rng(1)
+    pole = tracer.closest_hits(np.array([[0, 0, 4.0]]), np.array([[0, 0, -1.0]]))["position"][0]
+    targets = pole + radius * random.normal(size=(20_000, 3)) * [1, 1, 0.02]
+    directions = shapes.unit(random.normal(size=targets.shape) * [1, 1, 0.1])
+    wrong = parity_errors(tracer, targets - 4 * directions, directions)
+    check_bound(f"ridges at a pole, within {radius:g}", "rays that leaked", wrong, 0, "rays")
+
+
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("name", SPLINE_SHELLS)
 def test_rays_of_all_widths_cross_a_shell_of_mixed_levels_as_often_inwards_as_outwards(name, place):
