@@ -26,7 +26,8 @@ svg, img { max-width: 100%; height: auto; } svg { background: #fff; }
 .pictures figure { margin: 0; } .pictures .plot { grid-column: span 2; } .wide { margin-bottom: 1rem; }
 .pictures img { width: 100%; image-rendering: pixelated; }
 p { max-width: 62rem; } td:first-child { min-width: 9rem; }
-td:last-child, th:last-child { min-width: 5rem; } tr.dominated td:last-child { font-size: 11px; line-height: 1.2; } .plot svg { width: 34rem; }
+td:last-child, th:last-child { min-width: 5rem; }
+tr.dominated td:last-child { font-size: 11px; line-height: 1.2; } .plot svg { width: 34rem; }
 pre { font-size: 12px; }
 @page { size: A4 landscape; margin: 12mm; }
 @media print {
