@@ -1,6 +1,7 @@
 #include "tessellation/geometry_cache.h"
 
 #include "tessellation/dice.h"
+#include "tessellation/grid_arena.h"
 
 #include <thread>
 
@@ -8,16 +9,6 @@ namespace rayleaf {
 namespace {
 
 using Kind = GridArena::Kind;
-
-/// What a level's grids are called.
-template <typename GridType>
-constexpr int kLevelOf = kFine;
-template <>
-constexpr int kLevelOf<MediumGrid> = kMedium;
-template <typename GridType>
-constexpr Kind kKindOf = Kind::Fine;
-template <>
-constexpr Kind kKindOf<MediumGrid> = Kind::Medium;
 
 /// A level thrashes if this share of a thread's last so many lookups found nothing.
 constexpr uint32_t kWindow = 1024, kThrashingMisses = kWindow / 4;
@@ -35,13 +26,6 @@ class Counter {
     std::atomic<uint64_t> value_{0};
 };
 
-void dice_grid(const Dicer& dicer, uint32_t subpatch, Grid& grid) {
-    dicer.dice(subpatch, grid);
-}
-void dice_grid(const Dicer& dicer, uint32_t subpatch, MediumGrid& grid) {
-    dicer.levels()->dice_medium(subpatch, grid);
-}
-
 }  // namespace
 
 /// What a thread has of its own: room to dice without the cache, and its counters.
@@ -51,15 +35,20 @@ struct alignas(64) GeometryCache::ThreadState {
     std::unique_ptr<Grid> parts[kFinestLevel - kFine];
     struct Level {
         Counter lookups, diced, cold, bypassed;
-        uint32_t spare = GridArena::kNone;  ///< a slot that no one sees
         uint32_t window_lookups = 0, window_misses = 0;
         bool thrashes = false;
     };
     Level levels[kStoredLevels];
+    /// By kind, slots that no one sees.
+    std::array<uint32_t, GridArena::kKinds> spares{GridArena::kNone, GridArena::kNone, GridArena::kNone};
     Counter splits, parts_diced, part_bytes;
 
-    Grid& scratch(const Grid*) { return fine; }
-    MediumGrid& scratch(const MediumGrid*) { return medium; }
+    /// A slot that no one sees for a grid of a kind; kNone if there is none now.
+    uint32_t spare(Kind kind, GridArena& arena, ReaderEpochs& epochs) {
+        uint32_t& slot = spares[static_cast<size_t>(kind)];
+        if (slot == GridArena::kNone) slot = arena.acquire(kind, epochs).value_or(GridArena::kNone);
+        return slot;
+    }
 };
 
 uint64_t GeometryCacheStatistics::vertices_diced() const {
@@ -105,47 +94,76 @@ GeometryCache::ThreadState* GeometryCache::state_of(int reader) const {
     return state;
 }
 
-template <typename GridType>
-const GridType& GeometryCache::look_up(ThreadState& state, uint32_t first, const Dicer& dicer,
-                                       uint32_t subpatch) const {
-    ThreadState::Level& own = state.levels[kLevelOf<GridType>];
+void GeometryCache::count_lookup(ThreadState& state, int level) const {
+    ThreadState::Level& own = state.levels[level];
     own.lookups.add();
-    if (++own.window_lookups == kWindow) {
-        own.thrashes = own.window_misses >= kThrashingMisses;
-        own.window_lookups = own.window_misses = 0;
-    }
-    const uint32_t key = first + subpatch, slot = arena_->find(kKindOf<GridType>, key);
-    if (slot == GridArena::kNone) return dice_missing<GridType>(state, key, dicer, subpatch);
-    GridType* grid = nullptr;
-    arena_->grid(slot, grid);
-    return *grid;
+    if (++own.window_lookups < kWindow) return;
+    own.thrashes = own.window_misses >= kThrashingMisses;
+    own.window_lookups = own.window_misses = 0;
 }
 
-template <typename GridType>
-const GridType& GeometryCache::dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer,
-                                            uint32_t subpatch) const {
-    constexpr Kind kKind = kKindOf<GridType>;
-    ThreadState::Level& own = state.levels[kLevelOf<GridType>];
+/// Of a grid that was missed: counts it, and says whether to keep it.
+bool GeometryCache::deserves_slot(ThreadState& state, int level, uint32_t key) const {
+    ThreadState::Level& own = state.levels[level];
     ++own.window_misses;
     own.diced.add();
-    count_cold(state, kLevelOf<GridType>, key);
-    const bool not_worth_it = arena_->empty() || (own.thrashes && arena_->full() && !arena_->missed_lately(kKind, key));
-    if (!not_worth_it && own.spare == GridArena::kNone)
-        own.spare = arena_->acquire(kKind, epochs_).value_or(GridArena::kNone);
-    if (not_worth_it || own.spare == GridArena::kNone) {
-        own.bypassed.add();
-        GridType& grid = state.scratch(static_cast<GridType*>(nullptr));
-        dice_grid(dicer, subpatch, grid);
-        return grid;
-    }
-    GridType* grid = nullptr;
-    arena_->grid(own.spare, grid);
-    dice_grid(dicer, subpatch, *grid);
-    if (arena_->publish(kKind, key, own.spare, epochs_))
-        own.spare = GridArena::kNone;
+    count_cold(state, level, key);
+    if (arena_->empty()) return false;
+    return !own.thrashes || !arena_->full() || arena_->missed_lately(level == kFine ? Kind::Fine : Kind::Medium, key);
+}
+
+const Grid& GeometryCache::look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch) const {
+    count_lookup(state, kFine);
+    const uint32_t key = first + subpatch, slot = arena_->find(Kind::Fine, key);
+    return slot == GridArena::kNone ? dice_missing(state, key, dicer, subpatch) : arena_->fine(slot);
+}
+
+const Grid& GeometryCache::dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer, uint32_t subpatch) const {
+    const uint32_t spare =
+        deserves_slot(state, kFine, key) ? state.spare(Kind::Fine, *arena_, epochs_) : GridArena::kNone;
+    Grid& grid = spare == GridArena::kNone ? state.fine : arena_->fine(spare);
+    dicer.dice(subpatch, grid);
+    if (spare != GridArena::kNone && arena_->publish(Kind::Fine, key, spare, epochs_))
+        state.spares[static_cast<size_t>(Kind::Fine)] = GridArena::kNone;
     else
-        own.bypassed.add();
-    return *grid;
+        state.levels[kFine].bypassed.add();
+    return grid;
+}
+
+const MediumGrid& GeometryCache::look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
+                                         const SubpatchDetail& detail) const {
+    count_lookup(state, kMedium);
+    const uint32_t key = first + subpatch, slot = arena_->find(Kind::Medium, key);
+    if (slot == GridArena::kNone) {
+        const bool keep = deserves_slot(state, kMedium, key);
+        dicer.levels()->dice_medium(subpatch, state.medium);
+        if (keep)
+            keep_medium(state, key, detail);
+        else
+            state.levels[kMedium].bypassed.add();
+        return state.medium;
+    }
+    if (arena_->kind(slot) == Kind::Medium) return arena_->medium(slot);
+    unpack(arena_->packed(slot), detail, state.medium);
+    return state.medium;
+}
+
+/// Puts the thread's medium grid into the cache, packed if that may be.
+void GeometryCache::keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const {
+    PackedGrid packed;
+    const Kind kind = pack(state.medium, detail, packed) ? Kind::Packed : Kind::Medium;
+    const uint32_t spare = state.spare(kind, *arena_, epochs_);
+    if (spare != GridArena::kNone) {
+        if (kind == Kind::Packed)
+            arena_->packed(spare) = packed;
+        else
+            arena_->medium(spare) = state.medium;
+        if (arena_->publish(kind, key, spare, epochs_)) {
+            state.spares[static_cast<size_t>(kind)] = GridArena::kNone;
+            return;
+        }
+    }
+    state.levels[kMedium].bypassed.add();
 }
 
 void GeometryCache::count_cold(ThreadState& state, int level, uint32_t key) const {
@@ -159,7 +177,7 @@ GeometryCacheStatistics GeometryCache::statistics() const {
     GeometryCacheStatistics result;
     result.budget = settings_.budget;
     result.cold_counted = seen_ != nullptr;
-    result.levels[kMedium].bytes = arena_->bytes(Kind::Medium);
+    result.levels[kMedium].bytes = arena_->bytes(Kind::Medium) + arena_->bytes(Kind::Packed);
     result.levels[kFine].bytes = arena_->bytes(Kind::Fine);
     result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) + arena_->bytes();
     for (const std::atomic<ThreadState*>& each : states_) {
@@ -198,31 +216,27 @@ GeometryCache::Reader::~Reader() {
     if (entered_) cache_->epochs_.leave(number_);
 }
 
-namespace {
-
-/// For threads without a number: diced, and not looked for.
-template <typename GridType>
-const GridType& diced_alone(const Dicer& dicer, uint32_t subpatch, GridType& grid) {
-    dice_grid(dicer, subpatch, grid);
-    return grid;
-}
-
-}  // namespace
-
 void GeometryCache::Reader::count_coarse() const {
     state_->levels[kCoarse].lookups.add();
 }
 
-const MediumGrid& GeometryCache::Reader::medium(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
-    if (own_state_) return diced_alone(dicer, subpatch, state_->medium);
+const MediumGrid& GeometryCache::Reader::medium(const Dicer& dicer, uint32_t first, uint32_t subpatch,
+                                                const SubpatchDetail& detail) const {
+    if (own_state_) {
+        dicer.levels()->dice_medium(subpatch, state_->medium);
+        return state_->medium;
+    }
     enter();
-    return cache_->look_up<MediumGrid>(*state_, first, dicer, subpatch);
+    return cache_->look_up(*state_, first, dicer, subpatch, detail);
 }
 
 const Grid& GeometryCache::Reader::fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
-    if (own_state_) return diced_alone(dicer, subpatch, state_->fine);
+    if (own_state_) {
+        dicer.dice(subpatch, state_->fine);
+        return state_->fine;
+    }
     enter();
-    return cache_->look_up<Grid>(*state_, first, dicer, subpatch);
+    return cache_->look_up(*state_, first, dicer, subpatch);
 }
 
 void GeometryCache::Reader::count_split() const {

@@ -10,11 +10,11 @@
 // anyway (tessellation/level.h), so it is never looked up, missed or diced again; medium and fine grids share one
 // budget, and memory goes where rays are, instead of equal thirds; a clock instead of a list of the least recently
 // used, which does as well without a lock; all that it takes to keep track of the grids counts within the budget; when
-// memory is too small for what rays want, a grid must be missed twice before it gets a slot.
+// memory is too small for what rays want, a grid must be missed twice before it gets a slot; medium grids of smooth
+// surfaces are kept packed (tessellation/packed_grid.h).
 #pragma once
 
 #include "tessellation/dicer.h"
-#include "tessellation/grid_arena.h"
 #include "tessellation/level.h"
 #include "tessellation/readers.h"
 
@@ -25,6 +25,8 @@
 #include <memory>
 
 namespace rayleaf {
+
+class GridArena;
 
 enum class CacheMode : uint8_t {
     Multi,   ///< three levels
@@ -96,10 +98,13 @@ class GeometryCache {
 
     ThreadState* state_of(int reader) const;
     uint64_t seen_bytes() const;
-    template <typename GridType>
-    const GridType& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch) const;
-    template <typename GridType>
-    const GridType& dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer, uint32_t subpatch) const;
+    void count_lookup(ThreadState& state, int level) const;
+    const Grid& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch) const;
+    const Grid& dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer, uint32_t subpatch) const;
+    const MediumGrid& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
+                              const SubpatchDetail& detail) const;
+    void keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const;
+    bool deserves_slot(ThreadState& state, int level, uint32_t key) const;
     void count_cold(ThreadState& state, int level, uint32_t key) const;
 };
 
@@ -115,7 +120,7 @@ class GeometryCache::Reader {
     /// Counts a ray that sees a subpatch by its corners alone.
     void count_coarse() const;
     /// `first` is the number of the dicer's first subpatch in the cache.
-    const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
+    const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch, const SubpatchDetail& detail) const;
     const Grid& fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     /// Counts a ray that needs a subpatch split.
     void count_split() const;

@@ -15,19 +15,20 @@ constexpr uint64_t kTableShare = 4;
 /// Late misses that are remembered, for each unit.
 constexpr uint32_t kMissesPerUnit = 4;
 
-/// A unit with fewer grids in use is emptied: what is used is worth less than the unit.
-constexpr int kLeastUsed = GridArena::kSlots / 4;
+/// A unit with a smaller share of grids in use is emptied: what is used is worth less than the unit.
+constexpr uint32_t kLeastShareUsed = 4;
 
 }  // namespace
 
 uint64_t GridArena::tracking_per_unit() {
-    return kSlots * (sizeof(uint8_t) + sizeof(uint32_t)) + sizeof(Unit) + (3 + kMissesPerUnit) * sizeof(uint32_t);
+    return kSlots * (sizeof(uint8_t) + sizeof(uint32_t)) + sizeof(Unit) + sizeof(Kind) +
+           (2 + kKinds + kMissesPerUnit) * sizeof(uint32_t);
 }
 
 GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     const uint64_t table = GridIndex::table_bytes(2 * subpatches);
     const bool as_table = table <= budget / kTableShare;
-    const uint64_t sets = as_table ? 0 : kSlots * GridIndex::kSetBytesPerSlot;
+    const uint64_t sets = as_table ? 0 : GridIndex::set_bytes(kSlots);
     const uint64_t for_units = as_table ? budget - table : budget - std::min(budget, uint64_t{64});
     // More would never be used, but for those on the way out and those that threads hold.
     const uint64_t most = uint64_t{subpatches} + subpatches / kSlots + kMostOnTheWayOut + 2 * kMostReaders;
@@ -36,8 +37,11 @@ GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     unit_count_ = static_cast<uint32_t>(std::min({fitting, most, kNumbered}));
     if (unit_count_ == 0) return;
     const uint32_t slots = unit_count_ * kSlots;
+    // A few grids should not take a large page.
+    memory_ = large_memory(unit_count_ * sizeof(Memory), kLargePage);
+    if (!memory_) throw std::bad_alloc();
     index_ = GridIndex(slots, 2 * subpatches, as_table);
-    memory_ = std::make_unique_for_overwrite<Memory[]>(unit_count_);
+    kinds_ = std::make_unique<std::atomic<Kind>[]>(unit_count_);
     marks_ = std::make_unique<std::atomic<uint8_t>[]>(slots);
     missed_ = std::make_unique<std::atomic<uint32_t>[]>(unit_count_ * kMissesPerUnit);
     owners_.resize(slots);
@@ -56,37 +60,39 @@ std::optional<uint32_t> GridArena::take_unit(Kind kind) {
     } else {
         return std::nullopt;
     }
-    units_[unit].kind = kind;
+    kinds_[unit].store(kind, std::memory_order_relaxed);
     units_of_[static_cast<int>(kind)].fetch_add(1, std::memory_order_relaxed);
     return unit;
 }
 
-std::optional<uint32_t> GridArena::take_medium() {
-    for (; !with_room_.empty(); with_room_.pop_back()) {
-        const uint32_t number = with_room_.back();
+/// Remembers that a unit has free slots.
+void GridArena::list(uint32_t number) {
+    const Kind kind = kind_of(number);
+    Unit& unit = units_[number];
+    if (unit.free == 0 || (unit.listed & bit_of(kind)) != 0) return;
+    unit.listed |= bit_of(kind);
+    with_room_[static_cast<int>(kind)].push_back(number);
+}
+
+std::optional<uint32_t> GridArena::take(Kind kind) {
+    std::vector<uint32_t>& with_room = with_room_[static_cast<int>(kind)];
+    for (; !with_room.empty(); with_room.pop_back()) {
+        const uint32_t number = with_room.back();
         Unit& unit = units_[number];
-        if (unit.free == 0) {
-            unit.listed = false;
+        if (unit.free == 0 || kind_of(number) != kind) {
+            unit.listed &= static_cast<uint8_t>(~bit_of(kind));
             continue;
         }
         const auto slot = static_cast<uint32_t>(std::countr_zero(unit.free));
         unit.free &= unit.free - 1;
         return number * kSlots + slot;
     }
-    const std::optional<uint32_t> taken = take_unit(Kind::Medium);
+    const std::optional<uint32_t> taken = take_unit(kind);
     if (!taken) return std::nullopt;
     Unit& unit = units_[*taken];
-    unit.free = kAll & ~1u;
-    if (!unit.listed) with_room_.push_back(*taken);
-    unit.listed = true;
+    unit.free = all_of(kind) & ~uint64_t{1};
+    list(*taken);
     return *taken * kSlots;
-}
-
-std::optional<uint32_t> GridArena::take(Kind kind) {
-    if (kind == Kind::Medium) return take_medium();
-    const std::optional<uint32_t> unit = take_unit(Kind::Fine);
-    if (!unit) return std::nullopt;
-    return *unit * kSlots;
 }
 
 std::optional<uint32_t> GridArena::acquire(Kind kind, ReaderEpochs& epochs) {
@@ -109,13 +115,13 @@ bool GridArena::publish(Kind kind, uint32_t subpatch, uint32_t slot, ReaderEpoch
     if (const std::optional<uint32_t> out = index_.insert(wanted, slot)) {
         owners_[*out] = 0;
         const uint32_t unit = *out / kSlots;
-        retire(unit, units_[unit].kind == Kind::Fine ? kAll : 1u << *out % kSlots, epochs);
+        retire(unit, uint64_t{1} << *out % kSlots, epochs);
     }
     if (full()) make_room(epochs);
     return true;
 }
 
-void GridArena::retire(uint32_t unit, uint32_t slots, ReaderEpochs& epochs) {
+void GridArena::retire(uint32_t unit, uint64_t slots, ReaderEpochs& epochs) {
     Unit& leaving = units_[unit];
     if (leaving.leaving == 0) leaving_.push_back(unit);
     leaving.leaving |= slots;
@@ -123,22 +129,21 @@ void GridArena::retire(uint32_t unit, uint32_t slots, ReaderEpochs& epochs) {
 }
 
 /// What the clock's hand takes of a unit, which it passes: grids without marks, or all where few have one.
-uint32_t GridArena::unused_slots(uint32_t unit) {
-    uint32_t held = 0, unused = 0;
-    int used = 0;
-    const bool fine = units_[unit].kind == Kind::Fine;
-    for (uint32_t i = 0; i < (fine ? 1 : kSlots); ++i) {
+uint64_t GridArena::unused_slots(uint32_t unit) {
+    uint64_t held = 0, unused = 0;
+    uint32_t used = 0;
+    const uint32_t count = slots_of(kind_of(unit));
+    for (uint32_t i = 0; i < count; ++i) {
         const uint32_t slot = unit * kSlots + i;
         if (owners_[slot] == 0) continue;
-        held |= 1u << i;
+        held |= uint64_t{1} << i;
         if (marks_[slot].load(std::memory_order_relaxed) == 0)
-            unused |= 1u << i;
+            unused |= uint64_t{1} << i;
         else
             ++used;
         marks_[slot].store(0, std::memory_order_relaxed);
     }
-    if (fine) return unused != 0 ? kAll : 0;
-    return used < kLeastUsed ? held : unused;
+    return used < count / kLeastShareUsed ? held : unused;
 }
 
 /// Sends grids on the way out until there are enough.
@@ -148,9 +153,9 @@ void GridArena::make_room(ReaderEpochs& epochs) {
         const uint32_t number = hand_;
         hand_ = hand_ + 1 < unit_count_ ? hand_ + 1 : 0;
         if (units_[number].leaving != 0) continue;
-        const uint32_t out = unused_slots(number);
+        const uint64_t out = unused_slots(number);
         if (out == 0) continue;
-        for (uint32_t i = 0; i < kSlots; ++i) {
+        for (uint32_t i = 0; i < slots_of(kind_of(number)); ++i) {
             uint32_t& owner = owners_[number * kSlots + i];
             if ((out >> i & 1u) == 0 || owner == 0) continue;
             index_.remove(owner - 1, number * kSlots + i);
@@ -169,13 +174,13 @@ void GridArena::reclaim(const ReaderEpochs& epochs) {
         Unit& unit = units_[number];
         unit.free |= unit.leaving;
         unit.leaving = 0;
-        if (unit.free == kAll) {
+        const Kind kind = kind_of(number);
+        if (unit.free == all_of(kind)) {
             unit.free = 0;
             free_.push_back(number);
-            units_of_[static_cast<int>(unit.kind)].fetch_sub(1, std::memory_order_relaxed);
-        } else if (!unit.listed) {
-            unit.listed = true;
-            with_room_.push_back(number);
+            units_of_[static_cast<int>(kind)].fetch_sub(1, std::memory_order_relaxed);
+        } else {
+            list(number);
         }
     }
 }

@@ -1,13 +1,16 @@
-// The memory of the geometry cache: units that hold one fine grid or sixteen medium ones, whatever rays ask for.
+// The memory of the geometry cache: units that hold one fine grid, or sixteen medium ones, or forty packed medium ones,
+// whatever rays ask for.
 //
 // Looking up takes no lock (tessellation/grid_index.h). Changes are made under a lock that is never waited for: who
 // finds it taken does without. What has to go is found by a clock: a hand goes round the units of both kinds and takes
-// the grids that no one asked for since it last came by. A medium grid has as many bytes to a vertex as a fine one, or
-// a few more, so the same clock is fair to both, and memory goes where rays are.
+// the grids that no one asked for since it last came by. A medium grid has no more bytes to a vertex than a fine one,
+// or a few more, so the same clock is fair to both, and memory goes where rays are.
 #pragma once
 
+#include "base/large_memory.h"
 #include "tessellation/grid.h"
 #include "tessellation/grid_index.h"
+#include "tessellation/packed_grid.h"
 #include "tessellation/readers.h"
 
 #include <atomic>
@@ -23,11 +26,18 @@ namespace rayleaf {
 class GridArena {
   public:
     static constexpr uint32_t kNone = GridIndex::kNone;
-    static constexpr uint32_t kSlots = 16;  ///< medium grids in a unit
-    static_assert(kSlots * sizeof(MediumGrid) <= sizeof(Grid) && (kSlots + 1) * sizeof(MediumGrid) > sizeof(Grid));
+    enum class Kind : uint8_t { Packed, Medium, Fine };
+    static constexpr int kKinds = 3;
+    /// Grids of a kind in a unit.
+    static constexpr uint32_t kMediumSlots = sizeof(Grid) / sizeof(MediumGrid);
+    static constexpr uint32_t kPackedSlots = sizeof(Grid) / sizeof(PackedGrid);
+    static constexpr uint32_t slots_of(Kind kind) {
+        return kind == Kind::Fine ? 1 : kind == Kind::Medium ? kMediumSlots : kPackedSlots;
+    }
+    /// Slots of a unit are numbered for the smallest grids.
+    static constexpr uint32_t kSlots = kPackedSlots;
     /// Subpatches are numbered below this.
     static constexpr uint32_t kMostSubpatches = 1u << 31;
-    enum class Kind : uint8_t { Medium, Fine };
 
     /// As many units as fit `budget` with all that is needed to keep track of them.
     GridArena(uint64_t budget, uint32_t subpatches);
@@ -35,7 +45,8 @@ class GridArena {
     bool empty() const { return unit_count_ == 0; }
     /// Whether all memory is in use.
     bool full() const { return used_.load(std::memory_order_relaxed) >= unit_count_; }
-    /// The slot of a subpatch's grid, which it marks as used; kNone if there is none.
+    /// The slot of a subpatch's grid, fine or else medium of either kind, which it marks as used; kNone if there is
+    /// none.
     uint32_t find(Kind kind, uint32_t subpatch) const {
         if (unit_count_ == 0) return kNone;
         const uint32_t slot = index_.find(key(kind, subpatch));
@@ -43,8 +54,11 @@ class GridArena {
             marks_[slot].store(1, std::memory_order_relaxed);
         return slot;
     }
-    void grid(uint32_t slot, Grid*& found) const { found = &memory_[slot / kSlots].fine; }
-    void grid(uint32_t slot, MediumGrid*& found) const { found = &memory_[slot / kSlots].medium[slot % kSlots]; }
+    /// Of the grid that was found in a slot.
+    Kind kind(uint32_t slot) const { return kind_of(slot / kSlots); }
+    Grid& fine(uint32_t slot) const { return memory(slot).fine; }
+    MediumGrid& medium(uint32_t slot) const { return memory(slot).medium[slot % kSlots]; }
+    PackedGrid& packed(uint32_t slot) const { return memory(slot).packed[slot % kSlots]; }
 
     /// A slot that no one sees, for the caller to fill; empty if none is free now.
     std::optional<uint32_t> acquire(Kind kind, ReaderEpochs& epochs);
@@ -62,40 +76,45 @@ class GridArena {
   private:
     union alignas(64) Memory {
         Grid fine;
-        MediumGrid medium[kSlots];
+        MediumGrid medium[kMediumSlots];
+        PackedGrid packed[kPackedSlots];
     };
-    static constexpr uint32_t kAll = (1u << kSlots) - 1;
-    /// A bit for each medium grid; a fine one has all bits alike.
+    static_assert(sizeof(Memory) == sizeof(Grid));
+    /// All grids of a unit, a bit each.
+    static constexpr uint64_t all_of(Kind kind) { return (uint64_t{1} << slots_of(kind)) - 1; }
     struct Unit {
         uint64_t stamp = 0;    ///< of what is leaving
-        uint32_t free = 0;     ///< slots that may be handed out
-        uint32_t leaving = 0;  ///< slots that readers may still see; the unit waits in `leaving_` then
-        Kind kind = Kind::Medium;
-        bool listed = false;  ///< in `with_room_`
+        uint64_t free = 0;     ///< slots that may be handed out
+        uint64_t leaving = 0;  ///< slots that readers may still see; the unit waits in `leaving_` then
+        uint8_t listed = 0;    ///< a bit for each kind in whose `with_room_` it is
     };
 
     uint32_t unit_count_ = 0;
     GridIndex index_;
-    std::unique_ptr<Memory[]> memory_;
+    LargeMemory memory_;
+    std::unique_ptr<std::atomic<Kind>[]> kinds_;       ///< by unit
     std::unique_ptr<std::atomic<uint8_t>[]> marks_;    ///< by slot
     std::unique_ptr<std::atomic<uint32_t>[]> missed_;  ///< key + 1 of late misses, by hash
     std::vector<uint32_t> owners_;                     ///< by slot: key + 1 of those that are visible, else 0
     std::vector<Unit> units_;
-    std::deque<uint32_t> leaving_;     ///< units, in the order of their stamps
-    std::vector<uint32_t> free_;       ///< units that hold nothing
-    std::vector<uint32_t> with_room_;  ///< units of medium grids, some without room
-    std::atomic<uint32_t> used_{0};    ///< units handed out for the first time so far
-    std::atomic<uint32_t> units_of_[2]{};
+    std::deque<uint32_t> leaving_;             ///< units, in the order of their stamps
+    std::vector<uint32_t> free_;               ///< units that hold nothing
+    std::vector<uint32_t> with_room_[kKinds];  ///< units that hold grids of a kind, some without room
+    std::atomic<uint32_t> used_{0};            ///< units handed out for the first time so far
+    std::atomic<uint32_t> units_of_[kKinds]{};
     uint32_t hand_ = 0;
     std::mutex mutex_;
 
+    Memory& memory(uint32_t slot) const { return reinterpret_cast<Memory*>(memory_.get())[slot / kSlots]; }
     static uint32_t key(Kind kind, uint32_t subpatch) { return 2 * subpatch + (kind == Kind::Fine ? 1 : 0); }
     static uint64_t tracking_per_unit();
     std::optional<uint32_t> take_unit(Kind kind);
-    std::optional<uint32_t> take_medium();
     std::optional<uint32_t> take(Kind kind);
-    uint32_t unused_slots(uint32_t unit);
-    void retire(uint32_t unit, uint32_t slots, ReaderEpochs& epochs);
+    void list(uint32_t number);
+    Kind kind_of(uint32_t unit) const { return kinds_[unit].load(std::memory_order_relaxed); }
+    static constexpr uint8_t bit_of(Kind kind) { return static_cast<uint8_t>(1u << static_cast<int>(kind)); }
+    uint64_t unused_slots(uint32_t unit);
+    void retire(uint32_t unit, uint64_t slots, ReaderEpochs& epochs);
     void make_room(ReaderEpochs& epochs);
     void reclaim(const ReaderEpochs& epochs);
 };

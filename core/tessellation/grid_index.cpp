@@ -1,5 +1,7 @@
 #include "tessellation/grid_index.h"
 
+#include <algorithm>
+
 namespace rayleaf {
 
 GridIndex::GridIndex(uint32_t capacity, uint32_t keys, bool as_table) : keys_(keys) {
@@ -7,7 +9,7 @@ GridIndex::GridIndex(uint32_t capacity, uint32_t keys, bool as_table) : keys_(ke
         table_ = std::make_unique<std::atomic<uint32_t>[]>(keys);
         return;
     }
-    set_count_ = static_cast<uint32_t>(capacity * kSetBytesPerSlot / sizeof(Set)) + 1;
+    set_count_ = static_cast<uint32_t>(set_bytes(capacity) / sizeof(Set)) + 1;
     sets_ = std::make_unique<Set[]>(set_count_);
 }
 
@@ -16,7 +18,12 @@ std::optional<uint32_t> GridIndex::insert(uint32_t key, uint32_t slot) {
         table_[key].store(slot + 1, std::memory_order_seq_cst);
         return std::nullopt;
     }
-    std::atomic<uint64_t>* set = set_of(key);
+    const auto used = [](const std::atomic<uint64_t>* set) {
+        return std::count_if(set, set + kWays,
+                             [](const auto& way) { return way.load(std::memory_order_relaxed) != 0; });
+    };
+    std::atomic<uint64_t>*first = set_of(key, kFactors[0]), *second = set_of(key, kFactors[1]);
+    std::atomic<uint64_t>* set = used(second) < used(first) ? second : first;
     const uint64_t entry = (uint64_t{key} + 1) << 32 | slot;
     for (int way = 0; way < kWays; ++way) {
         if (set[way].load(std::memory_order_relaxed) != 0) continue;
@@ -32,10 +39,12 @@ void GridIndex::remove(uint32_t key, uint32_t slot) {
         table_[key].store(0, std::memory_order_seq_cst);
         return;
     }
-    std::atomic<uint64_t>* set = set_of(key);
     const uint64_t entry = (uint64_t{key} + 1) << 32 | slot;
-    for (int way = 0; way < kWays; ++way)
-        if (set[way].load(std::memory_order_relaxed) == entry) set[way].store(0, std::memory_order_seq_cst);
+    for (const uint32_t factor : kFactors) {
+        std::atomic<uint64_t>* set = set_of(key, factor);
+        for (int way = 0; way < kWays; ++way)
+            if (set[way].load(std::memory_order_relaxed) == entry) set[way].store(0, std::memory_order_seq_cst);
+    }
 }
 
 uint64_t GridIndex::bytes() const {

@@ -1,7 +1,8 @@
 // From keys to slots of the geometry cache, without a lock for who asks.
 //
 // Where a number for each key takes little of the budget the index is a table of them, else sets of eight (key, slot)
-// pairs, each set a cache line.
+// pairs, each set a cache line. A key may lie in either of two sets, and goes to the one with more room, so that hardly
+// any set is full before nearly all are (Azar, Broder, Karlin, Upfal, "Balanced allocations", STOC 1994).
 #pragma once
 
 #include <atomic>
@@ -21,10 +22,12 @@ class GridIndex {
 
     uint32_t find(uint32_t key) const {
         if (table_) return table_[key].load(std::memory_order_seq_cst) - 1;
-        const std::atomic<uint64_t>* set = set_of(key);
-        for (int way = 0; way < kWays; ++way) {
-            const uint64_t entry = set[way].load(std::memory_order_seq_cst);
-            if (static_cast<uint32_t>(entry >> 32) == key + 1) return static_cast<uint32_t>(entry);
+        for (const uint32_t factor : kFactors) {
+            const std::atomic<uint64_t>* set = set_of(key, factor);
+            for (int way = 0; way < kWays; ++way) {
+                const uint64_t entry = set[way].load(std::memory_order_seq_cst);
+                if (static_cast<uint32_t>(entry >> 32) == key + 1) return static_cast<uint32_t>(entry);
+            }
         }
         return kNone;
     }
@@ -34,8 +37,8 @@ class GridIndex {
     uint64_t bytes() const;
 
     static uint64_t table_bytes(uint32_t keys) { return sizeof(std::atomic<uint32_t>) * uint64_t{keys}; }
-    /// Of a slot in sets: they are full when all slots are in use.
-    static constexpr uint64_t kSetBytesPerSlot = sizeof(std::atomic<uint64_t>);
+    /// Of so many slots in sets: a tenth more than that, for sets never fill evenly.
+    static constexpr uint64_t set_bytes(uint64_t slots) { return slots * sizeof(std::atomic<uint64_t>) * 11 / 10; }
 
   private:
     static constexpr int kWays = 8;
@@ -46,9 +49,11 @@ class GridIndex {
     std::unique_ptr<Set[]> sets_;
     uint32_t keys_ = 0, set_count_ = 0, next_way_ = 0;
 
-    /// Keys of neighbours go to different sets (Knuth's multiplicative hash).
-    std::atomic<uint64_t>* set_of(uint32_t key) const {
-        const uint32_t hash = key * 2654435769u;
+    /// Of Knuth's multiplicative hash: the golden ratio's and the silver ratio's fraction times 2^32. Keys of
+    /// neighbours go to different sets.
+    static constexpr uint32_t kFactors[2] = {2654435769u, 1779033703u};
+    std::atomic<uint64_t>* set_of(uint32_t key, uint32_t factor) const {
+        const uint32_t hash = key * factor;
         return sets_[static_cast<uint32_t>(uint64_t{hash} * set_count_ >> 32)].entries;
     }
 };
