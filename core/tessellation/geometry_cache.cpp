@@ -40,7 +40,8 @@ struct alignas(64) GeometryCache::ThreadState {
     };
     Level levels[kStoredLevels];
     /// By kind, slots that no one sees.
-    std::array<uint32_t, GridArena::kKinds> spares{GridArena::kNone, GridArena::kNone, GridArena::kNone};
+    std::array<uint32_t, GridArena::kKinds> spares{GridArena::kNone, GridArena::kNone, GridArena::kNone,
+                                                   GridArena::kNone};
     Counter splits, parts_diced, part_bytes;
 
     /// A slot that no one sees for a grid of a kind; kNone if there is none now.
@@ -143,18 +144,30 @@ const MediumGrid& GeometryCache::look_up(ThreadState& state, uint32_t first, con
             state.levels[kMedium].bypassed.add();
         return state.medium;
     }
-    if (arena_->kind(slot) == Kind::Medium) return arena_->medium(slot);
-    unpack(arena_->packed(slot), detail, state.medium);
-    return state.medium;
+    switch (arena_->kind(slot)) {
+        case Kind::Smooth:
+            unpack(arena_->smooth(slot), detail, state.medium);
+            return state.medium;
+        case Kind::Packed:
+            unpack(arena_->packed(slot), detail, state.medium);
+            return state.medium;
+        default:
+            return arena_->medium(slot);
+    }
 }
 
 /// Puts the thread's medium grid into the cache, packed if that may be.
 void GeometryCache::keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const {
+    SmoothGrid smooth;
     PackedGrid packed;
-    const Kind kind = pack(state.medium, detail, packed) ? Kind::Packed : Kind::Medium;
+    const Kind kind = pack(state.medium, detail, smooth)   ? Kind::Smooth
+                      : pack(state.medium, detail, packed) ? Kind::Packed
+                                                           : Kind::Medium;
     const uint32_t spare = state.spare(kind, *arena_, epochs_);
     if (spare != GridArena::kNone) {
-        if (kind == Kind::Packed)
+        if (kind == Kind::Smooth)
+            arena_->smooth(spare) = smooth;
+        else if (kind == Kind::Packed)
             arena_->packed(spare) = packed;
         else
             arena_->medium(spare) = state.medium;
@@ -177,7 +190,8 @@ GeometryCacheStatistics GeometryCache::statistics() const {
     GeometryCacheStatistics result;
     result.budget = settings_.budget;
     result.cold_counted = seen_ != nullptr;
-    result.levels[kMedium].bytes = arena_->bytes(Kind::Medium) + arena_->bytes(Kind::Packed);
+    result.levels[kMedium].bytes =
+        arena_->bytes(Kind::Medium) + arena_->bytes(Kind::Packed) + arena_->bytes(Kind::Smooth);
     result.levels[kFine].bytes = arena_->bytes(Kind::Fine);
     result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) + arena_->bytes();
     for (const std::atomic<ThreadState*>& each : states_) {

@@ -1,7 +1,6 @@
 #include "tessellation/grid_arena.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace rayleaf {
 namespace {
@@ -69,7 +68,7 @@ std::optional<uint32_t> GridArena::take_unit(Kind kind) {
 void GridArena::list(uint32_t number) {
     const Kind kind = kind_of(number);
     Unit& unit = units_[number];
-    if (unit.free == 0 || (unit.listed & bit_of(kind)) != 0) return;
+    if (unit.free.empty() || (unit.listed & bit_of(kind)) != 0) return;
     unit.listed |= bit_of(kind);
     with_room_[static_cast<int>(kind)].push_back(number);
 }
@@ -79,18 +78,19 @@ std::optional<uint32_t> GridArena::take(Kind kind) {
     for (; !with_room.empty(); with_room.pop_back()) {
         const uint32_t number = with_room.back();
         Unit& unit = units_[number];
-        if (unit.free == 0 || kind_of(number) != kind) {
+        if (unit.free.empty() || kind_of(number) != kind) {
             unit.listed &= static_cast<uint8_t>(~bit_of(kind));
             continue;
         }
-        const auto slot = static_cast<uint32_t>(std::countr_zero(unit.free));
-        unit.free &= unit.free - 1;
+        const uint32_t slot = unit.free.lowest();
+        unit.free.remove(slot);
         return number * kSlots + slot;
     }
     const std::optional<uint32_t> taken = take_unit(kind);
     if (!taken) return std::nullopt;
     Unit& unit = units_[*taken];
-    unit.free = all_of(kind) & ~uint64_t{1};
+    unit.free = SlotMask::first(slots_of(kind));
+    unit.free.remove(0);
     list(*taken);
     return *taken * kSlots;
 }
@@ -115,30 +115,30 @@ bool GridArena::publish(Kind kind, uint32_t subpatch, uint32_t slot, ReaderEpoch
     if (const std::optional<uint32_t> out = index_.insert(wanted, slot)) {
         owners_[*out] = 0;
         const uint32_t unit = *out / kSlots;
-        retire(unit, uint64_t{1} << *out % kSlots, epochs);
+        retire(unit, SlotMask::one(*out % kSlots), epochs);
     }
     if (full()) make_room(epochs);
     return true;
 }
 
-void GridArena::retire(uint32_t unit, uint64_t slots, ReaderEpochs& epochs) {
+void GridArena::retire(uint32_t unit, const SlotMask& slots, ReaderEpochs& epochs) {
     Unit& leaving = units_[unit];
-    if (leaving.leaving == 0) leaving_.push_back(unit);
-    leaving.leaving |= slots;
+    if (leaving.leaving.empty()) leaving_.push_back(unit);
+    leaving.leaving.add(slots);
     leaving.stamp = epochs.advance();
 }
 
 /// What the clock's hand takes of a unit, which it passes: grids without marks, or all where few have one.
-uint64_t GridArena::unused_slots(uint32_t unit) {
-    uint64_t held = 0, unused = 0;
+SlotMask GridArena::unused_slots(uint32_t unit) {
+    SlotMask held, unused;
     uint32_t used = 0;
     const uint32_t count = slots_of(kind_of(unit));
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t slot = unit * kSlots + i;
         if (owners_[slot] == 0) continue;
-        held |= uint64_t{1} << i;
+        held.add(i);
         if (marks_[slot].load(std::memory_order_relaxed) == 0)
-            unused |= uint64_t{1} << i;
+            unused.add(i);
         else
             ++used;
         marks_[slot].store(0, std::memory_order_relaxed);
@@ -152,12 +152,12 @@ void GridArena::make_room(ReaderEpochs& epochs) {
     for (uint32_t steps = 2 * unit_count_; leaving_.size() + free_.size() < wanted && steps > 0; --steps) {
         const uint32_t number = hand_;
         hand_ = hand_ + 1 < unit_count_ ? hand_ + 1 : 0;
-        if (units_[number].leaving != 0) continue;
-        const uint64_t out = unused_slots(number);
-        if (out == 0) continue;
+        if (!units_[number].leaving.empty()) continue;
+        const SlotMask out = unused_slots(number);
+        if (out.empty()) continue;
         for (uint32_t i = 0; i < slots_of(kind_of(number)); ++i) {
             uint32_t& owner = owners_[number * kSlots + i];
-            if ((out >> i & 1u) == 0 || owner == 0) continue;
+            if (!out.has(i) || owner == 0) continue;
             index_.remove(owner - 1, number * kSlots + i);
             owner = 0;
         }
@@ -172,11 +172,11 @@ void GridArena::reclaim(const ReaderEpochs& epochs) {
     for (; !leaving_.empty() && units_[leaving_.front()].stamp < oldest; leaving_.pop_front()) {
         const uint32_t number = leaving_.front();
         Unit& unit = units_[number];
-        unit.free |= unit.leaving;
-        unit.leaving = 0;
+        unit.free.add(unit.leaving);
+        unit.leaving = {};
         const Kind kind = kind_of(number);
-        if (unit.free == all_of(kind)) {
-            unit.free = 0;
+        if (unit.free == SlotMask::first(slots_of(kind))) {
+            unit.free = {};
             free_.push_back(number);
             units_of_[static_cast<int>(kind)].fetch_sub(1, std::memory_order_relaxed);
         } else {

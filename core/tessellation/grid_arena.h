@@ -1,5 +1,5 @@
-// The memory of the geometry cache: units that hold one fine grid, or sixteen medium ones, or forty packed medium ones,
-// whatever rays ask for.
+// The memory of the geometry cache: units that hold one fine grid, or medium ones of one of three kinds, sixteen as
+// they are, forty packed or eighty-one smooth ones (tessellation/packed_grid.h), whatever rays ask for.
 //
 // Looking up takes no lock (tessellation/grid_index.h). Changes are made under a lock that is never waited for: who
 // finds it taken does without. What has to go is found by a clock: a hand goes round the units of both kinds and takes
@@ -12,6 +12,7 @@
 #include "tessellation/grid_index.h"
 #include "tessellation/packed_grid.h"
 #include "tessellation/readers.h"
+#include "tessellation/slot_mask.h"
 
 #include <atomic>
 #include <cstdint>
@@ -26,16 +27,19 @@ namespace rayleaf {
 class GridArena {
   public:
     static constexpr uint32_t kNone = GridIndex::kNone;
-    enum class Kind : uint8_t { Packed, Medium, Fine };
-    static constexpr int kKinds = 3;
+    enum class Kind : uint8_t { Smooth, Packed, Medium, Fine };
+    static constexpr int kKinds = 4;
     /// Grids of a kind in a unit.
     static constexpr uint32_t kMediumSlots = sizeof(Grid) / sizeof(MediumGrid);
     static constexpr uint32_t kPackedSlots = sizeof(Grid) / sizeof(PackedGrid);
+    static constexpr uint32_t kSmoothSlots = sizeof(Grid) / sizeof(SmoothGrid);
     static constexpr uint32_t slots_of(Kind kind) {
-        return kind == Kind::Fine ? 1 : kind == Kind::Medium ? kMediumSlots : kPackedSlots;
+        constexpr uint32_t kCounts[kKinds] = {kSmoothSlots, kPackedSlots, kMediumSlots, 1};
+        return kCounts[static_cast<int>(kind)];
     }
     /// Slots of a unit are numbered for the smallest grids.
-    static constexpr uint32_t kSlots = kPackedSlots;
+    static constexpr uint32_t kSlots = kSmoothSlots;
+    static_assert(kSlots <= SlotMask::kMost);
     /// Subpatches are numbered below this.
     static constexpr uint32_t kMostSubpatches = 1u << 31;
 
@@ -58,6 +62,7 @@ class GridArena {
     Kind kind(uint32_t slot) const { return kind_of(slot / kSlots); }
     Grid& fine(uint32_t slot) const { return memory(slot).fine; }
     MediumGrid& medium(uint32_t slot) const { return memory(slot).medium[slot % kSlots]; }
+    SmoothGrid& smooth(uint32_t slot) const { return memory(slot).smooth[slot % kSlots]; }
     PackedGrid& packed(uint32_t slot) const { return memory(slot).packed[slot % kSlots]; }
 
     /// A slot that no one sees, for the caller to fill; empty if none is free now.
@@ -78,15 +83,14 @@ class GridArena {
         Grid fine;
         MediumGrid medium[kMediumSlots];
         PackedGrid packed[kPackedSlots];
+        SmoothGrid smooth[kSmoothSlots];
     };
     static_assert(sizeof(Memory) == sizeof(Grid));
-    /// All grids of a unit, a bit each.
-    static constexpr uint64_t all_of(Kind kind) { return (uint64_t{1} << slots_of(kind)) - 1; }
     struct Unit {
-        uint64_t stamp = 0;    ///< of what is leaving
-        uint64_t free = 0;     ///< slots that may be handed out
-        uint64_t leaving = 0;  ///< slots that readers may still see; the unit waits in `leaving_` then
-        uint8_t listed = 0;    ///< a bit for each kind in whose `with_room_` it is
+        uint64_t stamp = 0;  ///< of what is leaving
+        SlotMask free;       ///< slots that may be handed out
+        SlotMask leaving;    ///< slots that readers may still see; the unit waits in `leaving_` then
+        uint8_t listed = 0;  ///< a bit for each kind in whose `with_room_` it is
     };
 
     uint32_t unit_count_ = 0;
@@ -113,8 +117,8 @@ class GridArena {
     void list(uint32_t number);
     Kind kind_of(uint32_t unit) const { return kinds_[unit].load(std::memory_order_relaxed); }
     static constexpr uint8_t bit_of(Kind kind) { return static_cast<uint8_t>(1u << static_cast<int>(kind)); }
-    uint64_t unused_slots(uint32_t unit);
-    void retire(uint32_t unit, uint64_t slots, ReaderEpochs& epochs);
+    SlotMask unused_slots(uint32_t unit);
+    void retire(uint32_t unit, const SlotMask& slots, ReaderEpochs& epochs);
     void make_room(ReaderEpochs& epochs);
     void reclaim(const ReaderEpochs& epochs);
 };

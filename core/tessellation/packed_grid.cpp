@@ -54,13 +54,51 @@ void predict(const float (&corners)[kCorners], Bits& bits) {
     std::memcpy(bits.of, values, sizeof values);
 }
 
+/// Of the 3 x 3 vertices that are told first, those that are no corners.
+constexpr std::array<int, SmoothGrid::kMiddles> kMiddleVertices = {2, 10, 12, 14, 22};
+/// All others.
+constexpr std::array<int, SmoothGrid::kOthers> kOtherVertices = {1,  3,  5,  6,  7,  8,  9,  11,
+                                                                 13, 15, 16, 17, 18, 19, 21, 23};
+
+/// What a quarter and three quarters of the way between the outer ones of three values is, on their parabola.
+constexpr float kNear = 0.375f, kMiddle = 0.75f, kFar = -0.125f;
+
+/// The biquadratic patch through every other vertex, which are in their places in the grid.
+void predict_from_known(float* vertices) {
+    for (int j = 0; j < kBlockVertices; j += 2) {
+        float* row = vertices + j * kBlockVertices;
+        row[1] = (kNear * row[0] + kMiddle * row[2]) + kFar * row[4];
+        row[3] = (kNear * row[4] + kMiddle * row[2]) + kFar * row[0];
+    }
+    const float *low = vertices, *middle = low + 2 * kBlockVertices, *high = middle + 2 * kBlockVertices;
+    for (int i = 0; i < kBlockVertices; ++i) {
+        vertices[kBlockVertices + i] = (kNear * low[i] + kMiddle * middle[i]) + kFar * high[i];
+        vertices[3 * kBlockVertices + i] = (kNear * high[i] + kMiddle * middle[i]) + kFar * low[i];
+    }
+}
+
+bool fits(int64_t step) {
+    using Limits = std::numeric_limits<int16_t>;
+    return step >= Limits::min() && step <= Limits::max();
+}
+
+bool has_corners(const MediumGrid& grid, const SubpatchDetail& detail) {
+    for (int axis = 0; axis < 3; ++axis)
+        for (int c = 0; c < kCorners; ++c)
+            if (grid.vertices[axis][kCornerVertices[c]] != detail.corners[axis][c]) return false;
+    return true;
+}
+
+/// Of the others, in 5 bits.
+constexpr int kStepBits = 5, kStepBias = 1 << (kStepBits - 1);
+constexpr unsigned kStepMask = (1u << kStepBits) - 1;
+
 }  // namespace
 
 bool pack(const MediumGrid& grid, const SubpatchDetail& detail, PackedGrid& packed) {
+    if (!has_corners(grid, detail)) return false;
     for (int axis = 0; axis < 3; ++axis) {
         const float* vertices = grid.vertices[axis];
-        for (int c = 0; c < kCorners; ++c)
-            if (vertices[kCornerVertices[c]] != detail.corners[axis][c]) return false;
         Bits predicted;
         predict(detail.corners[axis], predicted);
         int32_t bits[kBlockSize];
@@ -68,8 +106,7 @@ bool pack(const MediumGrid& grid, const SubpatchDetail& detail, PackedGrid& pack
         for (const Run& run : kRuns) {
             for (int i = 0; i < run.count; ++i) {
                 const int64_t step = int64_t{bits[run.to + i]} - predicted.of[run.to + i];
-                using Limits = std::numeric_limits<int16_t>;
-                if (step < Limits::min() || step > Limits::max()) return false;
+                if (!fits(step)) return false;
                 packed.steps[axis][run.from + i] = static_cast<int16_t>(step);
             }
         }
@@ -87,6 +124,50 @@ void unpack(const PackedGrid& packed, const SubpatchDetail& detail, MediumGrid& 
         for (int k = 0; k < kPadded; ++k) bits.of[k] += steps[k];
         std::memcpy(grid.vertices[axis], bits.of, sizeof grid.vertices[axis]);
         for (int c = 0; c < kCorners; ++c) grid.vertices[axis][kCornerVertices[c]] = detail.corners[axis][c];
+    }
+}
+
+bool pack(const MediumGrid& grid, const SubpatchDetail& detail, SmoothGrid& packed) {
+    if (!has_corners(grid, detail)) return false;
+    std::fill_n(packed.others, SmoothGrid::kOthers, uint16_t{0});
+    for (int axis = 0; axis < 3; ++axis) {
+        Bits predicted;
+        predict(detail.corners[axis], predicted);
+        int32_t bits[kBlockSize];
+        std::memcpy(bits, grid.vertices[axis], sizeof bits);
+        for (int i = 0; i < SmoothGrid::kMiddles; ++i) {
+            const int64_t step = int64_t{bits[kMiddleVertices[i]]} - predicted.of[kMiddleVertices[i]];
+            if (!fits(step)) return false;
+            packed.middles[axis][i] = static_cast<int16_t>(step);
+        }
+        float vertices[kBlockSize];
+        std::copy_n(grid.vertices[axis], kBlockSize, vertices);
+        predict_from_known(vertices);
+        std::memcpy(predicted.of, vertices, sizeof vertices);
+        for (int i = 0; i < SmoothGrid::kOthers; ++i) {
+            const int64_t step = int64_t{bits[kOtherVertices[i]]} - predicted.of[kOtherVertices[i]] + kStepBias;
+            if (step < 0 || step > int64_t{kStepMask}) return false;
+            packed.others[i] = static_cast<uint16_t>(packed.others[i] | step << (kStepBits * axis));
+        }
+    }
+    return true;
+}
+
+void unpack(const SmoothGrid& packed, const SubpatchDetail& detail, MediumGrid& grid) {
+    for (int axis = 0; axis < 3; ++axis) {
+        Bits bits;
+        predict(detail.corners[axis], bits);
+        for (int i = 0; i < SmoothGrid::kMiddles; ++i) bits.of[kMiddleVertices[i]] += packed.middles[axis][i];
+        float* vertices = grid.vertices[axis];
+        std::memcpy(vertices, bits.of, sizeof grid.vertices[axis]);
+        for (int c = 0; c < kCorners; ++c) vertices[kCornerVertices[c]] = detail.corners[axis][c];
+        predict_from_known(vertices);
+        std::memcpy(bits.of, vertices, sizeof grid.vertices[axis]);
+        for (int i = 0; i < SmoothGrid::kOthers; ++i) {
+            const unsigned step = static_cast<unsigned>(packed.others[i]) >> (kStepBits * axis) & kStepMask;
+            bits.of[kOtherVertices[i]] += static_cast<int32_t>(step) - kStepBias;
+        }
+        std::memcpy(vertices, bits.of, sizeof grid.vertices[axis]);
     }
 }
 

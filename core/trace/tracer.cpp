@@ -1,6 +1,7 @@
 #include "trace/tracer.h"
 
 #include "base/error.h"
+#include "tessellation/grid_arena.h"
 #include "trace/dicing.h"
 #include "trace/embree.h"
 #include "trace/float_environment.h"
