@@ -13,6 +13,9 @@ using Kind = GridArena::Kind;
 /// A level thrashes if this share of a thread's last so many lookups found nothing.
 constexpr uint32_t kWindow = 1024, kThrashingMisses = kWindow / 4;
 
+/// So many medium grids are at hand for each thread: less than the first cache of the processor.
+constexpr uint32_t kRecent = 16;
+
 /// Cold tessellations are counted while a bit for each takes no more than this share of the budget.
 constexpr uint64_t kSeenShare = 20;
 
@@ -31,7 +34,10 @@ class Counter {
 /// What a thread has of its own: room to dice without the cache, and its counters.
 struct alignas(64) GeometryCache::ThreadState {
     Grid fine;
-    MediumGrid medium;
+    /// The medium grids asked for last, a place for all keys that leave the same remainder: rays that follow each other
+    /// meet the same ones. In the first one of them too where nothing is kept.
+    std::array<MediumGrid, kRecent> recent;
+    std::array<uint32_t, kRecent> recent_keys;
     std::unique_ptr<Grid> parts[kFinestLevel - kFine];
     struct Level {
         Counter lookups, diced, cold, bypassed;
@@ -44,6 +50,7 @@ struct alignas(64) GeometryCache::ThreadState {
                                                    GridArena::kNone};
     Counter splits, parts_diced, part_bytes;
 
+    ThreadState() { recent_keys.fill(GridArena::kNone); }
     /// A slot that no one sees for a grid of a kind; kNone if there is none now.
     uint32_t spare(Kind kind, GridArena& arena, ReaderEpochs& epochs) {
         uint32_t& slot = spares[static_cast<size_t>(kind)];
@@ -134,49 +141,50 @@ const Grid& GeometryCache::dice_missing(ThreadState& state, uint32_t key, const 
 const MediumGrid& GeometryCache::look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
                                          const SubpatchDetail& detail) const {
     count_lookup(state, kMedium);
-    const uint32_t key = first + subpatch, slot = arena_->find(Kind::Medium, key);
+    const uint32_t key = first + subpatch;
+    MediumGrid& grid = state.recent[key % kRecent];
+    uint32_t& recent_key = state.recent_keys[key % kRecent];
+    if (recent_key == key) return grid;
+    if (!arena_->empty()) recent_key = key;
+    const uint32_t slot = arena_->find(Kind::Medium, key);
     if (slot == GridArena::kNone) {
         const bool keep = deserves_slot(state, kMedium, key);
-        dicer.levels()->dice_medium(subpatch, state.medium);
-        if (keep)
-            keep_medium(state, key, detail);
-        else
-            state.levels[kMedium].bypassed.add();
-        return state.medium;
+        dicer.levels()->dice_medium(subpatch, grid);
+        if (!keep || !keep_medium(state, key, detail)) state.levels[kMedium].bypassed.add();
+        return grid;
     }
     switch (arena_->kind(slot)) {
         case Kind::Smooth:
-            unpack(arena_->smooth(slot), detail, state.medium);
-            return state.medium;
+            unpack(arena_->smooth(slot), detail, grid);
+            break;
         case Kind::Packed:
-            unpack(arena_->packed(slot), detail, state.medium);
-            return state.medium;
+            unpack(arena_->packed(slot), detail, grid);
+            break;
         default:
-            return arena_->medium(slot);
+            grid = arena_->medium(slot);
     }
+    return grid;
 }
 
-/// Puts the thread's medium grid into the cache, packed if that may be.
-void GeometryCache::keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const {
+/// Puts a medium grid that the thread has at hand into the cache, packed if that may be. False if it got no slot.
+bool GeometryCache::keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const {
+    const MediumGrid& grid = state.recent[key % kRecent];
     SmoothGrid smooth;
     PackedGrid packed;
-    const Kind kind = pack(state.medium, detail, smooth)   ? Kind::Smooth
-                      : pack(state.medium, detail, packed) ? Kind::Packed
-                                                           : Kind::Medium;
+    const Kind kind = pack(grid, detail, smooth)   ? Kind::Smooth
+                      : pack(grid, detail, packed) ? Kind::Packed
+                                                   : Kind::Medium;
     const uint32_t spare = state.spare(kind, *arena_, epochs_);
-    if (spare != GridArena::kNone) {
-        if (kind == Kind::Smooth)
-            arena_->smooth(spare) = smooth;
-        else if (kind == Kind::Packed)
-            arena_->packed(spare) = packed;
-        else
-            arena_->medium(spare) = state.medium;
-        if (arena_->publish(kind, key, spare, epochs_)) {
-            state.spares[static_cast<size_t>(kind)] = GridArena::kNone;
-            return;
-        }
-    }
-    state.levels[kMedium].bypassed.add();
+    if (spare == GridArena::kNone) return false;
+    if (kind == Kind::Smooth)
+        arena_->smooth(spare) = smooth;
+    else if (kind == Kind::Packed)
+        arena_->packed(spare) = packed;
+    else
+        arena_->medium(spare) = grid;
+    if (!arena_->publish(kind, key, spare, epochs_)) return false;
+    state.spares[static_cast<size_t>(kind)] = GridArena::kNone;
+    return true;
 }
 
 void GeometryCache::count_cold(ThreadState& state, int level, uint32_t key) const {
@@ -237,8 +245,8 @@ void GeometryCache::Reader::count_coarse() const {
 const MediumGrid& GeometryCache::Reader::medium(const Dicer& dicer, uint32_t first, uint32_t subpatch,
                                                 const SubpatchDetail& detail) const {
     if (own_state_) {
-        dicer.levels()->dice_medium(subpatch, state_->medium);
-        return state_->medium;
+        dicer.levels()->dice_medium(subpatch, state_->recent[0]);
+        return state_->recent[0];
     }
     enter();
     return cache_->look_up(*state_, first, dicer, subpatch, detail);

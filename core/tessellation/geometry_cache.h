@@ -103,7 +103,7 @@ class GeometryCache {
     const Grid& dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer, uint32_t subpatch) const;
     const MediumGrid& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
                               const SubpatchDetail& detail) const;
-    void keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const;
+    bool keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const;
     bool deserves_slot(ThreadState& state, int level, uint32_t key) const;
     void count_cold(ThreadState& state, int level, uint32_t key) const;
 };

@@ -46,7 +46,9 @@ def test_without_a_cache_rays_see_the_same():
     tracer = tracer_of(mode="NONE")
     np.testing.assert_array_equal(kept["t"], tracer.closest_hits(origins, directions, width=width)["t"])
     statistics = cache_statistics(tracer)
-    assert all(statistics["levels"][name]["diced"] == statistics["levels"][name]["lookups"] for name in ("medium", "fine"))
+    assert all(
+        statistics["levels"][name]["diced"] == statistics["levels"][name]["lookups"] for name in ("medium", "fine")
+    )
 
 
 def test_a_single_resolution_is_fine_for_every_ray():
@@ -101,6 +103,37 @@ def test_a_thrashing_cache_gives_the_same_hits(megabytes):
     tracer = tracer_of(megabytes=megabytes)
     for _ in range(3):
         np.testing.assert_array_equal(kept, tracer.closest_hits(origins, directions)["t"])
+
+
+def fine_torus(around):
+    """Of so many small bicubic patches each way, a few of them across the planes of the axes."""
+    u, v = np.meshgrid(*2 * [2 * np.pi * np.arange(around) / around])
+    ring = 0.7 + 0.25 * np.cos(u)
+    points = np.stack([ring * np.cos(v), ring * np.sin(v), 0.25 * np.sin(u), np.ones_like(u)], axis=2)
+    closed = (4, True, False, False)
+    return trace.PatchSurface("fine", [(points, closed, closed, True, 0)])
+
+
+@pytest.mark.parametrize("around, most_bytes", [(250, 96), (60, 192)], ids=["one line", "two lines"])
+def test_grids_that_are_kept_packed_are_those_that_were_diced_bit_by_bit(around, most_bytes):
+    surface = fine_torus(around)
+    origins, directions, _ = rays(40_000)
+    origins[:, 2] = 0.3
+    width = np.full(len(origins), 2.0 / around, np.float32)  # between a quarter of a patch and all of it
+
+    def tracer(mode):
+        settings = trace.GeometryCacheSettings(mode=mode, distance=1e-9)
+        return trace.Tracer([(surface, np.eye(4), shapes.EVERYTHING)], cache=settings)
+
+    kept, diced = tracer("MULTI"), tracer("NONE").closest_hits(origins, directions, width=width)
+    for _ in range(2):
+        again = kept.closest_hits(origins, directions, width=width)
+        for key, values in diced.items():
+            np.testing.assert_array_equal(again[key], values, err_msg=key)
+    medium = cache_statistics(kept)["levels"]["medium"]
+    assert medium["cold"] > 1000 and medium["lookups"] > 2 * medium["diced"]
+    # A grid takes 320 bytes as it is, 128 or 64 packed; of small patches nearly all, of larger ones most.
+    assert medium["bytes"] / medium["cold"] < most_bytes, medium
 
 
 def test_an_unknown_mode_is_named():
