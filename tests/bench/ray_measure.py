@@ -163,7 +163,7 @@ def print_scene(bench: Bench, trees: dict[str, Figures]) -> None:
     print(f"\n  {bench.scene.name}, {bench.picture.text}")
     print(
         f"  {'':<12}{'ms: first':>10}{'again':>8}{'orbit':>8}   {'faster than triangles':<20}   {'than tracing':<20}   "
-        f"{'2nd, mean':<14}{'FLOP: triangles':<15}{'Newton':<13}{'error':>8}{'interp.':>9}{'traced':>8}{'samples':>9}"
+        f"{'2nd, mean':<14}{'FLOP: triang.':<15}{'Newton':<13}{'error':>8}{'interp.':>9}{'traced':>8}{'samples':>9}"
         f"{'orbit':>8}{'MB':>7}"
     )
     for name, own in {**bench.figures, **trees}.items():

@@ -29,7 +29,7 @@ def sweeps(volumes: bool) -> list[Sweep]:
 def print_head(first: str) -> None:
     """Above a sweep."""
     print(
-        f"  {first:<10}{'tree':<11}{'FLOP: triangles':<15}{'Newton':<13}   {'CPU: triangles':<20}   {'Newton':<20}   "
+        f"  {first:<10}{'tree':<11}{'FLOP: triang.':<15}{'Newton':<13}   {'CPU: triangles':<20}   {'Newton':<20}   "
         f"{'tracing':<20}{'error':>8}{'interp.':>9}{'traced':>8}{'MB':>8}{'prunes':>7}"
     )
 
