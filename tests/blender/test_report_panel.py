@@ -39,6 +39,8 @@ def test_the_button_lists_error_and_time_and_apply_sets_the_fastest_within_the_w
 MAKE = """
 import bpy, sys
 bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = 32, 24
+bpy.ops.curve.primitive_bezier_circle_add(radius=2.0)
+bpy.context.object.data.bevel_depth = 0.2
 bpy.ops.wm.save_as_mainfile(filepath=sys.argv[1])
 """
 
@@ -57,6 +59,8 @@ def test_the_report_of_a_file_holds_its_tables_plots_and_pictures(run_blender, a
     rows = figures["scenes"]["cube"]
     assert {row["engine"] for row in rows} == {"RAYLEAF", "CYCLES"}
     assert all(row["seconds"] > 0 and 0 <= row["rmse"] <= 1 for row in rows)
+    swept = {row["series"] for row in rows}
+    assert "Primitive of bevelled curves" in swept and "Primitive of strands" not in swept
     text = (folder / "report.html").read_text()
     assert text.count("<svg") >= 1 and text.count("data:image/png") >= 6
     assert "Not in this version" not in text, "a setting is tried that the add-on does not have"

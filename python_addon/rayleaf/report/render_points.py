@@ -141,7 +141,8 @@ def warm_up(point: dict[str, Any], job: dict[str, Any]) -> None:
 
 def shapes_of_scene(job: dict[str, Any]) -> set[str]:
     """The kinds of shapes in the last picture of the add-on."""
-    return set(getattr(sys.modules.get(job["addon"]), "last_statistics", {}).get("shape_bytes", {}))
+    statistics = getattr(sys.modules.get(job["addon"]), "last_statistics", {})
+    return set(statistics.get("core", {}).get("shape_bytes", {}))
 
 
 def main() -> None:
