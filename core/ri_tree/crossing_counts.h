@@ -11,9 +11,9 @@
 #include "ri_tree/line_space.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdint>
-#include <memory>
 
 namespace rayleaf {
 
@@ -27,18 +27,18 @@ class CrossingCounts {
     /// Rays that crossed a cell in frames before this one. Thread-safe.
     uint32_t before(const CellKey& cell) const {
         if (!has_finished_) return 0;
-        const Counter* counters = counters_.load(std::memory_order_acquire);
         const Places places = places_of(cell);
-        return std::min(counters[places.first].finished, counters[places.second].finished);
+        const std::array<uint16_t, kCounters>& finished = counters_.load(std::memory_order_acquire)->finished;
+        return std::min(finished[places.first], finished[places.second]);
     }
     /// One more ray in this frame. Thread-safe.
     void add(const CellKey& cell) {
-        Counter* counters = counters_.load(std::memory_order_acquire);
+        Counters* counters = counters_.load(std::memory_order_acquire);
         if (!counters) counters = make_counters();
         if (!counters) return;
         const Places places = places_of(cell);
-        counters[places.first].added.fetch_add(1, std::memory_order_relaxed);
-        counters[places.second].added.fetch_add(1, std::memory_order_relaxed);
+        for (const size_t place : {places.first, places.second})
+            std::atomic_ref(counters->added[place]).fetch_add(1, std::memory_order_relaxed);
     }
     /// What was added counts from now on. While no other thread does anything. Where too many counters are in use, all
     /// are halved: what is not crossed again is forgotten.
@@ -47,19 +47,17 @@ class CrossingCounts {
   private:
     /// 2 MB together, taken from the system as they are used, and only where rays are counted.
     static constexpr uint64_t kCounters = uint64_t{1} << 19;
-    struct Counter {
-        std::atomic<uint16_t> added;
-        uint16_t finished;
+    struct Counters {
+        std::array<uint16_t, kCounters> added, finished;
     };
     struct Places {
         size_t first, second;
     };
 
-    std::atomic<Counter*> counters_{nullptr};
+    std::atomic<Counters*> counters_{nullptr};
     bool has_finished_ = false;  ///< a frame in which rays were counted
 
-    Counter* make_counters();
-
+    Counters* make_counters();
     static Places places_of(const CellKey& cell);
 };
 

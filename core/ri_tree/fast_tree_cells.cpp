@@ -16,8 +16,8 @@ constexpr std::array<int, kCellCorners + 1> kSampleOrder = {
     kCenterSample, 0, 15, 3, 12, 5, 10, 6, 9, 1, 14, 2, 13, 4, 11, 7, 8};
 
 /// A cell is bought once the rays that crossed it in earlier frames are this share of those that one frame must have:
-/// what was crossed before will be again. With 1 as much is paid until all is bought, and it takes twice as many
-/// frames.
+/// what was crossed before will be again. With 1 as much is paid until all is bought, and it takes twice as
+/// many frames.
 constexpr double kPriceShare = 0.5;
 
 }  // namespace

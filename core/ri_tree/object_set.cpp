@@ -34,16 +34,17 @@ ObjectSet::ObjectSet(std::vector<SetMember> members, SetAnswer wanted) : members
     for (const SetMember& member : members_) boxes_.push_back(member.shape->object_bounds());
 }
 
-void ObjectSet::find_entries(const Ray& ray, int32_t left, std::vector<Entry>& entries) const {
-    entries.clear();
+/// The boxes that a ray enters, the nearest first; returns how many.
+size_t ObjectSet::find_entries(const Ray& ray, int32_t left, Entry* entries) const {
+    size_t count = 0;
     const Vec3d inverse(1.0 / ray.direction.x, 1.0 / ray.direction.y, 1.0 / ray.direction.z);
-    for (size_t i = 0; i < members_.size(); ++i) {
+    for (size_t i = 0; i < boxes_.size(); ++i) {
         if (static_cast<int32_t>(i) == left) continue;
         const double begin = entry(boxes_[i], ray, inverse);
-        if (begin < kInfinity) entries.push_back({static_cast<float>(begin), static_cast<int32_t>(i)});
+        if (begin < kInfinity) entries[count++] = {static_cast<float>(begin), static_cast<int32_t>(i)};
     }
-    if (entries.size() < 2) return;
-    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.begin < b.begin; });
+    std::sort(entries, entries + count, [](const Entry& a, const Entry& b) { return a.begin < b.begin; });
+    return count;
 }
 
 void ObjectSet::ask_member(int32_t member, const SetQuery& query) {
@@ -90,9 +91,9 @@ bool ObjectSet::gather(int32_t member, const SetQuery& query) {
     spacings_.clear();
     points_.clear();
     for (uint32_t i = 0; i < query.rays.size(); ++i) {
-        const std::vector<Entry>& entries = entries_[i];
-        if (next_[i] == entries.size() || entries[next_[i]].member != member) continue;
-        if (wanted_ == SetAnswer::Nearest && entries[next_[i]].begin > nearest_[i]) continue;
+        if (next_[i] == ends_[i]) continue;
+        const Entry& next = entries_[next_[i]];
+        if (next.member != member || (wanted_ == SetAnswer::Nearest && next.begin > nearest_[i])) continue;
         ++next_[i];
         asking_.push_back(i);
         rays_.push_back(query.rays[i]);
@@ -111,10 +112,14 @@ void ObjectSet::ask(const SetQuery& query, std::span<PathAnswer> answers) {
         for (size_t i = 0; i < rays.size(); ++i) take(0, rays[i], answers_[i], nearest_[i], answers[i]);
         return;
     }
-    entries_.resize(std::max(entries_.size(), rays.size()));
-    next_.assign(rays.size(), 0);
-    for (size_t i = 0; i < rays.size(); ++i)
-        find_entries(rays[i], query.left.empty() ? kNoObject : query.left[i], entries_[i]);
+    entries_.resize(std::max(entries_.size(), rays.size() * members_.size()));
+    next_.resize(rays.size());
+    ends_.resize(rays.size());
+    for (size_t i = 0; i < rays.size(); ++i) {
+        next_[i] = i * members_.size();
+        ends_[i] =
+            next_[i] + find_entries(rays[i], query.left.empty() ? kNoObject : query.left[i], &entries_[next_[i]]);
+    }
     for (bool any = true; any;) {
         any = false;
         for (int32_t member = 0; member < static_cast<int32_t>(members_.size()); ++member) {

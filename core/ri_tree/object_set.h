@@ -59,8 +59,8 @@ class ObjectSet {
     std::vector<Box3d> boxes_;  ///< theirs
     SetAnswer wanted_;
     // Kept from batch to batch.
-    std::vector<std::vector<Entry>> entries_;
-    std::vector<size_t> next_;
+    std::vector<Entry> entries_;  ///< of ray i: from i times the number of members on
+    std::vector<size_t> next_, ends_;
     std::vector<double> nearest_;
     std::vector<uint32_t> asking_;
     std::vector<Ray> rays_;
@@ -68,7 +68,7 @@ class ObjectSet {
     std::vector<Vec2d> points_;
     std::vector<CachedAnswer> answers_;
 
-    void find_entries(const Ray& ray, int32_t left, std::vector<Entry>& entries) const;
+    size_t find_entries(const Ray& ray, int32_t left, Entry* entries) const;
     void ask_member(int32_t member, const SetQuery& query);
     bool gather(int32_t member, const SetQuery& query);
     void take(int32_t member, const Ray& ray, const CachedAnswer& got, double& nearest, PathAnswer& answer) const;

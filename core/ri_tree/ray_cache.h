@@ -85,8 +85,8 @@ struct RayCacheSettings {
     double direction_threshold = kPi / 180.0;
     /// A cell of several classes of this depth is final: its lines are traced. The fast tree's alone.
     int mixed_depth_limit = 28;
-    /// So many of a frame's rays must cross a cell for it to be sampled, or half as many in all earlier frames; 0: all
-    /// cells are. The fast tree's alone. A new cell takes 5 to 10 samples, each 1.3 to 2 times the time of a traced
+    /// So many of a frame's rays must cross a cell for it to be sampled, or half as many in all earlier frames; 0:
+    /// all cells are. The fast tree's alone. A new cell takes 5 to 10 samples, each 1.3 to 2 times the time of a traced
     /// ray.
     double rays_per_cell = 8.0;
 

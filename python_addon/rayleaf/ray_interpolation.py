@@ -64,8 +64,8 @@ class _Thresholds:
     )
     rays_per_cell: FloatProperty(  # type: ignore
         name="Rays per Cell",
-        description="How many of a frame's rays must cross a cell of rays to be worth its samples. Fewer make the first "
-        "frame slower, and frames faster that see again what it saw: 1 or 2 for long animations with a still camera",
+        description="How many of a frame's rays must cross a cell of rays to be worth its samples. What the frames of an "
+        "animation see again is sampled in the end in any case: fewer make the first frames slower, and get there sooner",
         default=8.0,
         min=0.0,
         max=1e6,

@@ -4,6 +4,7 @@ Only answering rays is timed, on one thread, by its processor time. Rays are mad
 Rays run in tiles of 16 x 16, within them in blocks of 4 x 4.
 """
 
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -124,7 +125,7 @@ class Trees:
     """A tree an object, or with `traced` only the tracer that would fill it. That tracer's facets are made already."""
 
     def __init__(self, scene: Scene, tree: Any, settings: dict[str, Any], traced: bool = False) -> None:
-        hits = scene.interior_hits
+        hits, self.between = scene.interior_hits, 0.0  # seconds between frames
         self.trees = [
             tree(each.surface, each.kind, ior=each.ior, most_interior_hits=hits, **settings) for each in scene.objects
         ]
@@ -137,14 +138,16 @@ class Trees:
 
     def begin(self, camera: Camera) -> None:
         """What the trees hold stays; rays that crossed cells in the last frame pay for them now."""
+        begin = time.thread_time()
         for tree in self.trees:
             tree.next_frame()
-        for tree in self.trees:
-            tree.next_frame()
+        self.between = time.thread_time() - begin
 
     def ask(self, rays: Rays) -> Answers:
         """By the trees."""
         answers: Answers = self.set.ask(rays.origins, rays.directions, rays.distances, rays.angles, left=rays.left)
+        answers["seconds"] += self.between
+        self.between = 0.0
         return answers
 
     def total(self, name: str) -> int:
