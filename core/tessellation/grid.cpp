@@ -26,6 +26,13 @@ Vec2d grid_parameters(uint32_t triangle, double weight1, double weight2) {
     return triangle % 2 == 0 ? Vec2d(i + weight1 + weight2, j + weight1) : Vec2d(i + weight2, j + weight1 + weight2);
 }
 
+Vec2d parameters_in_cell(uint32_t triangle, double weight1, double weight2) {
+    const uint32_t cell = triangle / 2;
+    const Vec2d first(cell % kGridCells, cell / kGridCells);
+    const Vec2d within = grid_parameters(triangle, weight1, weight2) - first;
+    return first + Vec2d(std::min(within.x, kBelowOne), std::min(within.y, kBelowOne));
+}
+
 GridPlace grid_place(const Vec2d& parameters) {
     const int i = std::clamp(static_cast<int>(parameters.x), 0, kGridCells - 1);
     const int j = std::clamp(static_cast<int>(parameters.y), 0, kGridCells - 1);

@@ -18,7 +18,8 @@ inline constexpr int kGridCells = 16;
 inline constexpr int kGridVertices = kGridCells + 1;  ///< along one side
 inline constexpr int kGridSize = kGridVertices * kGridVertices;
 inline constexpr int kBlockCells = 4;
-inline constexpr int kBlocks = (kGridCells / kBlockCells) * (kGridCells / kBlockCells);
+inline constexpr int kBlocksAlong = kGridCells / kBlockCells;  ///< along one side
+inline constexpr int kBlocks = kBlocksAlong * kBlocksAlong;
 inline constexpr uint32_t kGridTriangles = 2 * kGridCells * kGridCells;
 
 /// What a block's box is enlarged by beyond its vertices, local units: what a float ray's points may be off (the
@@ -87,8 +88,15 @@ struct alignas(64) MediumGrid {
 /// By one cell: the corners of the fine grid, (i, j) at j * 2 + i.
 inline constexpr int kCorners = 4;
 
+/// The most that a place may lie within a cell, in cells, where the far border is another cell's.
+inline constexpr double kBelowOne = 1.0 - 0x1p-40;
+
 /// Where in a grid a point of a triangle lies: i + fraction, j + fraction.
 Vec2d grid_parameters(uint32_t triangle, double weight1, double weight2);
+
+/// The same, but never on the far borders of the triangle's cell: in a folded grid (swept_dicer.h) what lies beyond is
+/// another place.
+Vec2d parameters_in_cell(uint32_t triangle, double weight1, double weight2);
 
 /// The triangle of a grid at grid parameters in [0,16]², and the weights of its corners 1 and 2.
 struct GridPlace {

@@ -5,8 +5,6 @@
 namespace rayleaf {
 namespace {
 
-constexpr int kBlocksAlong = kGridCells / kBlockCells;
-
 /// The borders that run along u have v fixed, and the other way round.
 constexpr bool runs_along_u(int border) {
     return border % 2 == 0;

@@ -3,91 +3,32 @@
 #include "tessellation/swept_tube.h"
 
 #include <algorithm>
-#include <limits>
-
-#include <oneapi/tbb/parallel_for.h>
 
 namespace rayleaf {
 namespace {
 
-/// The most subpatches a shape is cut into, unless it has more splines.
-constexpr uint64_t kMostSweptSubpatches = 1u << 20;
-/// A piece gets no more cells than this.
-constexpr double kMostCells = 1 << 16;
-/// Chords never lie farther from the spline than this share of the radius, whatever the view says: a ray aimed at the
-/// middle of a strand must hit it.
-constexpr double kMostShareOfRadius = 0.25;
-/// Rings of a piece at which its bend is looked at.
-constexpr int kLooks = 5;
-
-/// What a view asks of a piece.
-struct PieceNeed {
-    uint32_t cells = 1;
-    double profile_error = 0;  ///< the most that chords may lie from the profile, profile units
-};
-
-Box3d box_of(const SweepRing& ring, double extent) {
-    Vec3d reach;
-    for (int axis = 0; axis < 3; ++axis) reach[axis] = extent * std::hypot(ring.across[axis], ring.up[axis]);
-    return {ring.center - reach, ring.center + reach};
-}
-
-PieceNeed need_of(const SweepPath& path, const SweepPiece& piece, double extent, const FacetTolerance& tolerance) {
-    SweepRing rings[kLooks];
+/// Packs the vertices of a block, (i, j) at first[j * stride + i], into a grid of fixed numbers.
+void pack_block(const Vec3d* first, int stride, int block, Grid& grid) {
     Box3d box;
-    double radius = 0.0;
-    for (int k = 0; k < kLooks; ++k) {
-        rings[k] = path.ring(piece, static_cast<double>(k) / (kLooks - 1));
-        box.extendBy(box_of(rings[k], extent));
-        radius = std::max({radius, rings[k].across.length(), rings[k].up.length()});
+    for (int j = 0; j < kBlockVertices; ++j) {
+        for (int i = 0; i < kBlockVertices; ++i) {
+            const Vec3d& vertex = first[j * stride + i];
+            box.extendBy(vertex);
+            for (int axis = 0; axis < 3; ++axis)
+                grid.fixed[block][axis][j * kBlockVertices + i] = fixed_number(vertex[axis]);
+        }
     }
-    PieceNeed need;
-    const double wanted = tolerance(box);
-    need.profile_error = radius > 0.0 ? wanted / radius : std::numeric_limits<double>::infinity();
-    const double size = radius * extent;
-    const double most = size > 0.0 ? std::min(wanted, kMostShareOfRadius * size) : wanted;
-    // Two triangles leave a bilinear cell by |P_uv| hu hv / 4; around, a cell is no longer than a sixteenth of a
-    // circle.
-    constexpr double kLongestCell = 0.4;
-    const SweepRing &first = rings[0], &last = rings[kLooks - 1];
-    const double turn = extent * ((last.across - first.across).length() + (last.up - first.up).length());
-    const double around = std::min(kLongestCell, size > 0.0 ? std::sqrt(8.0 * wanted / size) : kLongestCell);
-    const double twist_cells = turn * around / (4.0 * most);
-    const auto cells = [&](double wanted_cells) {
-        return static_cast<uint32_t>(std::clamp(std::ceil(wanted_cells), 1.0, kMostCells));
-    };
-    need.cells = cells(twist_cells);
-    if (piece.kind == SweepPieceKind::Ruled) return need;
-    double bend = 0.0;
-    const auto second = [&](const Vec3d SweepRing::*part, int k) {
-        return ((rings[k + 1].*part - rings[k].*part) - (rings[k].*part - rings[k - 1].*part)).length();
-    };
-    for (int k = 1; k + 1 < kLooks; ++k)
-        bend = std::max(
-            bend, second(&SweepRing::center, k) + extent * (second(&SweepRing::across, k) + second(&SweepRing::up, k)));
-    bend *= (kLooks - 1) * (kLooks - 1);
-    need.cells = cells(std::max(twist_cells, std::sqrt(bend / (8.0 * most))));
-    return need;
+    for (int axis = 0; axis < 3; ++axis) {
+        grid.boxes[axis][0][block] = static_cast<float>(box.min[axis]) - kBlockPadding;
+        grid.boxes[axis][1][block] = static_cast<float>(box.max[axis]) + kBlockPadding;
+    }
 }
 
-/// Packs vertices, [j][i], into a grid of fixed numbers.
+/// All blocks of a grid whose vertices are [j][i].
 void pack(const Vec3d (&vertices)[kGridVertices][kGridVertices], Grid& grid) {
-    for (int block = 0; block < kBlocks; ++block) {
-        const int row = block / kBlockCells * kBlockCells, column = block % kBlockCells * kBlockCells;
-        Box3d box;
-        for (int j = 0; j < kBlockVertices; ++j) {
-            for (int i = 0; i < kBlockVertices; ++i) {
-                const Vec3d& vertex = vertices[row + j][column + i];
-                box.extendBy(vertex);
-                for (int axis = 0; axis < 3; ++axis)
-                    grid.fixed[block][axis][j * kBlockVertices + i] = fixed_number(vertex[axis]);
-            }
-        }
-        for (int axis = 0; axis < 3; ++axis) {
-            grid.boxes[axis][0][block] = static_cast<float>(box.min[axis]) - kBlockPadding;
-            grid.boxes[axis][1][block] = static_cast<float>(box.max[axis]) + kBlockPadding;
-        }
-    }
+    for (int block = 0; block < kBlocks; ++block)
+        pack_block(&vertices[block / kBlocksAlong * kBlockCells][block % kBlocksAlong * kBlockCells], kGridVertices,
+                   block, grid);
 }
 
 }  // namespace
@@ -138,48 +79,6 @@ std::optional<uint32_t> SweptDicer::fill_of(uint32_t subpatch) const {
     return static_cast<uint32_t>(after - first_fill_subpatch_.begin()) - 1;
 }
 
-void SweptDicer::plan(const FacetTolerance& tolerance) {
-    const SweepPath& path = surface_->path();
-    double extent = 0.0;
-    for (const SweepProfile& profile : surface_->profiles()) extent = std::max(extent, profile.extent());
-    std::vector<PieceNeed> needs(path.pieces.size());
-    tbb::parallel_for(size_t{0}, needs.size(),
-                      [&](size_t i) { needs[i] = need_of(path, path.pieces[i], extent, tolerance); });
-    tubes_.resize(profiles_.size() * path.splines.size());
-    uint64_t around = 0;  // grids around all tubes of a spline, on average
-    for (size_t s = 0; s < path.splines.size(); ++s) {
-        const SweepSpline& spline = path.splines[s];
-        double error = std::numeric_limits<double>::infinity();
-        for (uint32_t k = 0; k < spline.piece_count; ++k)
-            error = std::min(error, needs[spline.first_piece + k].profile_error);
-        for (size_t profile = 0; profile < profiles_.size(); ++profile) {
-            const std::vector<ProfileCells>& levels = profiles_[profile];
-            uint8_t& level = tubes_[profile * path.splines.size() + s].level;
-            while (level + size_t{1} < levels.size() && levels[level].error > error) ++level;
-            around += static_cast<uint64_t>(levels[level].count / kGridCells);
-        }
-    }
-    const double each =
-        path.splines.empty() ? 1.0 : static_cast<double>(around) / static_cast<double>(path.splines.size());
-    first_cell_.resize(path.pieces.size());
-    cells_along_.resize(path.splines.size());
-    for (double share = 1.0;; share *= 0.8) {
-        uint64_t grids = 0;
-        for (size_t s = 0; s < path.splines.size(); ++s) {
-            const SweepSpline& spline = path.splines[s];
-            uint32_t cells = 0;
-            for (uint32_t p = spline.first_piece; p < spline.first_piece + spline.piece_count; ++p) {
-                first_cell_[p] = cells;
-                cells += std::max(1u, static_cast<uint32_t>(std::ceil(needs[p].cells * share)));
-            }
-            cells_along_[s] = (cells + kGridCells - 1) / kGridCells * kGridCells;
-            grids += cells_along_[s] / kGridCells;
-        }
-        constexpr double kLeastShare = 1e-5;
-        if (static_cast<double>(grids) * each <= kMostSweptSubpatches || share < kLeastShare) return;
-    }
-}
-
 uint32_t SweptDicer::walls(const TubePlace& place) const {
     return cells_along_[place.spline] / kGridCells * static_cast<uint32_t>(cells(place).count / kGridCells);
 }
@@ -222,11 +121,16 @@ SweptDicer::PiecePlace SweptDicer::piece_at(uint32_t spline_index, uint32_t stat
     return {static_cast<uint32_t>(found - first_cell_.begin()), static_cast<double>(station - *found) / cells, cells};
 }
 
-void SweptDicer::rings(uint32_t spline, uint32_t first_station, SweepRing (&rings)[kGridVertices]) const {
-    for (uint32_t i = 0; i < kGridVertices; ++i) {
-        const PiecePlace place = piece_at(spline, first_station + i);
-        rings[i] = surface_->path().ring(surface_->path().pieces[place.piece], place.u);
+SweptDicer::WallPart SweptDicer::wall_part(const TubePlace& place) const {
+    WallPart part;
+    part.layout = layout(place);
+    const uint32_t first = place.local / part.layout.grids_around * part.layout.cells_along();
+    for (uint32_t i = 0; i <= part.layout.cells_along(); ++i) {
+        const PiecePlace at = piece_at(place.spline, first + i);
+        part.rings[i] = surface_->path().ring(surface_->path().pieces[at.piece], at.u);
     }
+    part.corners = &cells(place).corners[place.local % part.layout.grids_around * part.layout.cells_around()];
+    return part;
 }
 
 void SweptDicer::dice(uint32_t subpatch, Grid& grid) const {
@@ -244,15 +148,17 @@ void SweptDicer::dice(uint32_t subpatch, Grid& grid) const {
 }
 
 void SweptDicer::dice_wall(const TubePlace& place, Grid& grid) const {
-    const ProfileCells& around = cells(place);
-    const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
-    SweepRing along[kGridVertices];
-    rings(place.spline, place.local / blocks * kGridCells, along);
-    const Vec2d* corners = &around.corners[place.local % blocks * kGridCells];
-    Vec3d vertices[kGridVertices][kGridVertices];
-    for (int j = 0; j < kGridVertices; ++j)
-        for (int i = 0; i < kGridVertices; ++i) vertices[j][i] = along[i].at(corners[j]);
-    pack(vertices, grid);
+    const WallPart part = wall_part(place);
+    const std::span<const SweepRing> along = part.along();
+    const std::span<const Vec2d> around = part.around();
+    Vec3d vertices[kMostWallVertices];
+    Vec3d* next = vertices;
+    for (const Vec2d& corner : around)
+        for (const SweepRing& ring : along) *next++ = ring.at(corner);
+    const auto blocks_along = static_cast<int>(part.layout.blocks_along), stride = static_cast<int>(along.size());
+    for (int block = 0; block < kBlocks; ++block)
+        pack_block(vertices + (block / blocks_along * stride + block % blocks_along) * kBlockCells, stride, block,
+                   grid);
 }
 
 /// Column 0 of an end's cap is its outline, the others the point that the fan turns about; that of a begin is the
@@ -294,19 +200,16 @@ SubpatchBounds SweptDicer::bounds(uint32_t subpatch) const {
     if (fill_of(subpatch)) return Dicer::bounds(subpatch);
     const TubePlace place = tube_place(subpatch);
     if (place.local >= walls(place)) return Dicer::bounds(subpatch);
-    const ProfileCells& around = cells(place);
-    const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
-    SweepRing along[kGridVertices];
-    rings(place.spline, place.local / blocks * kGridCells, along);
-    const Vec2d* corners = &around.corners[place.local % blocks * kGridCells];
+    const WallPart part = wall_part(place);
+    const std::span<const SweepRing> along = part.along();
     Imath::Box2d profile;
     double extent = 0.0, reach = 0.0;
-    for (int j = 0; j < kGridVertices; ++j) {
-        profile.extendBy(corners[j]);
-        extent = std::max(extent, corners[j].length());
+    for (const Vec2d& corner : part.around()) {
+        profile.extendBy(corner);
+        extent = std::max(extent, corner.length());
     }
     const Vec2d middle = (profile.min + profile.max) * 0.5, half = (profile.max - profile.min) * 0.5;
-    for (int j = 0; j < kGridVertices; ++j) reach = std::max(reach, (corners[j] - middle).length());
+    for (const Vec2d& corner : part.around()) reach = std::max(reach, (corner - middle).length());
     Box3d box;
     for (const SweepRing& ring : along) {
         const Vec3d center = ring.at(middle);
@@ -340,13 +243,13 @@ ElementPlace SweptDicer::element_place(const PlaceInGrid& in_grid, const Vec3d& 
         const Vec2f parameters = surface_->cap_parameters(place.profile, at);
         return {surface_->cap_element(place.profile, place.spline, end), parameters.x, parameters.y};
     }
-    const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
-    const uint32_t first_station = place.local / blocks * kGridCells;
-    const double along = first_station + in_grid.at.x;
+    const WallLayout grids = layout(place);
+    const Vec2d in_part = grids.unfolded(in_grid.at);
+    const double along = place.local / grids.grids_around * grids.cells_along() + in_part.x;
     const uint32_t station = std::min(static_cast<uint32_t>(along), cells_along_[place.spline] - 1);
     const PiecePlace begin = piece_at(place.spline, station);
     const double u = std::min(begin.u + std::clamp(along - station, 0.0, 1.0) / begin.cells, 1.0);
-    const double v = place.local % blocks * kGridCells + in_grid.at.y;
+    const double v = place.local % grids.grids_around * grids.cells_around() + in_part.y;
     return {surface_->wall_element(place.profile, begin.piece), static_cast<float>(u),
             profile_parameter(surface_->profiles()[place.profile], around.place(v))};
 }
@@ -364,11 +267,11 @@ std::optional<PlaceInGrid> SweptDicer::place_in_grid(const ElementPlace& at) con
     const uint32_t end = element.piece == last ? cells_along_[spline_index] : first_cell_[element.piece + 1];
     const double along = first + (end - first) * static_cast<double>(at.u);
     const double v = around.at(profile_place(surface_->profiles()[element.profile], at.v));
-    const auto column = std::min(static_cast<uint32_t>(along), cells_along_[spline_index] - 1) / kGridCells;
-    const auto row = std::min(static_cast<uint32_t>(v), static_cast<uint32_t>(around.count) - 1) / kGridCells;
-    const auto blocks = static_cast<uint32_t>(around.count / kGridCells);
-    return PlaceInGrid{tubes_[tube].first_subpatch + column * blocks + row,
-                       Vec2d(along - column * kGridCells, v - row * kGridCells)};
+    const WallLayout grids = layout(place);
+    const auto column = std::min(static_cast<uint32_t>(along), cells_along_[spline_index] - 1) / grids.cells_along();
+    const auto row = std::min(static_cast<uint32_t>(v), static_cast<uint32_t>(around.count) - 1) / grids.cells_around();
+    return PlaceInGrid{tubes_[tube].first_subpatch + column * grids.grids_around + row,
+                       grids.folded({along - column * grids.cells_along(), v - row * grids.cells_around()})};
 }
 
 size_t SweptDicer::bytes() const {

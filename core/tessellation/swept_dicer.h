@@ -3,10 +3,11 @@
 // Every piece of a spline gets as many cells along as the view asks for, one at least, and every profile as many cells
 // around, the same for a whole spline, so that rings meet vertex to vertex. The cells of all pieces in a row are cut
 // into grids of 16: a grid may hold parts of several pieces. A ring where two pieces meet is always that of the later
-// piece at its begin. Vertices are sums in one order of the ring and the profile's point, rounded to steps of 2^-30:
-// the same bits in every grid. Caps are fans about a point that sees their whole outline, or else triangles cut off one
-// after the other; their outline is the last ring, with the same bits. So are the borders of filled areas
-// (swept_fill_cells.h), whose subpatches come last.
+// piece at its begin. Where 16 cells along are longer than the tube is wide, a grid is folded: its blocks lie 2 along
+// and 8 around, or 1 and 16, so that fewer grids share the boxes that a ray passes. Vertices are sums in one order of
+// the ring and the profile's point, rounded to steps of 2^-30: the same bits in every grid. Caps are fans about a point
+// that sees their whole outline, or else triangles cut off one after the other; their outline is the last ring, with
+// the same bits. So are the borders of filled areas (swept_fill_cells.h), whose subpatches come last.
 #pragma once
 
 #include "geometry/swept_surface.h"
@@ -15,6 +16,7 @@
 #include "tessellation/swept_fill_cells.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace rayleaf {
@@ -34,11 +36,26 @@ class SweptDicer final : public Dicer {
     /// One profile along one spline.
     struct Tube {
         uint32_t first_subpatch = 0;
-        uint8_t level = 0;  ///< of the profile's cells
+        uint8_t level = 0;                    ///< of the profile's cells
+        uint8_t blocks_along = kBlocksAlong;  ///< of a grid of the wall; the others lie around: 4, 2 or 1
     };
+    struct PieceNeed;
+    /// Of a grid of 4 by 64 cells.
+    static constexpr int kMostWallVertices = (kBlockCells + 1) * (kBlocks * kBlockCells + 1);
     struct TubePlace {
         uint32_t tube, profile, spline;
         uint32_t local;  ///< number of the subpatch within the tube
+    };
+    /// How the grids of a wall lie on it.
+    struct WallLayout {
+        uint32_t blocks_along;  ///< of a grid
+        uint32_t grids_around;
+
+        uint32_t cells_along() const { return blocks_along * kBlockCells; }
+        uint32_t cells_around() const { return kBlocks / blocks_along * kBlockCells; }
+        /// From a place in a grid to cells along and around from the grid's first one, and back.
+        Vec2d unfolded(const Vec2d& at) const;
+        Vec2d folded(const Vec2d& at) const;
     };
     struct PiecePlace {
         uint32_t piece;
@@ -66,7 +83,20 @@ class SweptDicer final : public Dicer {
         return profiles_[place.profile][tubes_[place.tube].level];
     }
     uint32_t walls(const TubePlace& place) const;
-    void rings(uint32_t spline, uint32_t first_station, SweepRing (&rings)[kGridVertices]) const;
+    static PieceNeed need_of(const SweepPath& path, const SweepPiece& piece, double extent,
+                             const FacetTolerance& tolerance);
+    void fold(const std::vector<PieceNeed>& needs);
+    WallLayout layout(const TubePlace& place) const;
+    /// The rings of a wall's grid, and the profile's corners in it.
+    struct WallPart {
+        WallLayout layout;
+        SweepRing rings[kGridVertices];  ///< layout.cells_along() + 1
+        const Vec2d* corners;            ///< layout.cells_around() + 1
+
+        std::span<const SweepRing> along() const { return {rings, layout.cells_along() + 1}; }
+        std::span<const Vec2d> around() const { return {corners, layout.cells_around() + 1}; }
+    };
+    WallPart wall_part(const TubePlace& place) const;
     void dice_wall(const TubePlace& place, Grid& grid) const;
     void dice_cap(const TubePlace& place, Grid& grid) const;
 };

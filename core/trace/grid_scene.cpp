@@ -171,7 +171,9 @@ bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_
         if (!(is_exact ? query.offer(id, facet.corners) : query.offer_uncertain(id, facet.corners))) continue;
         query.best.area = area_vector(facet.corners);
         const int cells_apart = kGridCells / grid.cells();
-        query.best.place = facet.place(query.best.point.u, query.best.point.v) * cells_apart;
+        query.best.place = grid.format() == VertexFormat::Fixed
+                               ? parameters_in_cell(triangle, query.best.point.u, query.best.point.v)
+                               : facet.place(query.best.point.u, query.best.point.v) * cells_apart;
         query.best.levels = levels.packed();
         if (!details_.empty()) query.best.seen_by = query.levels.seen_by(details_[subpatch]);
         found = true;

@@ -1,0 +1,175 @@
+// How many cells a swept surface gets along and around, and how its grids lie.
+#include "tessellation/swept_dicer.h"
+#include "tessellation/swept_tube.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// The most subpatches a shape is cut into, unless it has more splines.
+constexpr uint64_t kMostSweptSubpatches = 1u << 20;
+/// A piece gets no more cells than this.
+constexpr double kMostCells = 1 << 16;
+/// Chords never lie farther from the spline than this share of the radius, whatever the view says: a ray aimed at the
+/// middle of a strand must hit it.
+constexpr double kMostShareOfRadius = 0.25;
+/// Rings of a piece at which its bend is looked at.
+constexpr int kLooks = 5;
+
+/// A grid is folded while it is longer than so many widths of its tube: where boxes are as small, by their surface, for
+/// grids of the same number.
+const double kLengthInWidths = getenv("FOLD") ? atof(getenv("FOLD")) : 0.65;
+
+}  // namespace
+
+/// What a view asks of a piece, and how large it is.
+struct SweptDicer::PieceNeed {
+    uint32_t cells = 1;
+    double profile_error = 0;  ///< the most that chords may lie from the profile, profile units
+    double length = 0;         ///< of its middle line, about
+    double width = 0;
+};
+
+SweptDicer::PieceNeed SweptDicer::need_of(const SweepPath& path, const SweepPiece& piece, double extent,
+                                          const FacetTolerance& tolerance) {
+    SweepRing rings[kLooks];
+    Box3d box;
+    double radius = 0.0;
+    PieceNeed need;
+    for (int k = 0; k < kLooks; ++k) {
+        rings[k] = path.ring(piece, static_cast<double>(k) / (kLooks - 1));
+        box.extendBy(box_of(rings[k], extent));
+        radius = std::max({radius, rings[k].across.length(), rings[k].up.length()});
+        if (k > 0) need.length += (rings[k].center - rings[k - 1].center).length();
+    }
+    const double wanted = tolerance(box);
+    need.profile_error = radius > 0.0 ? wanted / radius : std::numeric_limits<double>::infinity();
+    const double size = radius * extent;
+    need.width = 2.0 * size;
+    const double most = size > 0.0 ? std::min(wanted, kMostShareOfRadius * size) : wanted;
+    // Two triangles leave a bilinear cell by |P_uv| hu hv / 4; around, a cell is no longer than a sixteenth of a
+    // circle.
+    constexpr double kLongestCell = 0.4;
+    const SweepRing &first = rings[0], &last = rings[kLooks - 1];
+    const double turn = extent * ((last.across - first.across).length() + (last.up - first.up).length());
+    const double around = std::min(kLongestCell, size > 0.0 ? std::sqrt(8.0 * wanted / size) : kLongestCell);
+    const double twist_cells = turn * around / (4.0 * most);
+    const auto cells = [&](double wanted_cells) {
+        return static_cast<uint32_t>(std::clamp(std::ceil(wanted_cells), 1.0, kMostCells));
+    };
+    need.cells = cells(twist_cells);
+    if (piece.kind == SweepPieceKind::Ruled) return need;
+    double bend = 0.0;
+    const auto second = [&](const Vec3d SweepRing::*part, int k) {
+        return ((rings[k + 1].*part - rings[k].*part) - (rings[k].*part - rings[k - 1].*part)).length();
+    };
+    for (int k = 1; k + 1 < kLooks; ++k)
+        bend = std::max(
+            bend, second(&SweepRing::center, k) + extent * (second(&SweepRing::across, k) + second(&SweepRing::up, k)));
+    bend *= (kLooks - 1) * (kLooks - 1);
+    need.cells = cells(std::max(twist_cells, std::sqrt(bend / (8.0 * most))));
+    return need;
+}
+
+void SweptDicer::plan(const FacetTolerance& tolerance) {
+    const SweepPath& path = surface_->path();
+    double extent = 0.0;
+    for (const SweepProfile& profile : surface_->profiles()) extent = std::max(extent, profile.extent());
+    std::vector<PieceNeed> needs(path.pieces.size());
+    tbb::parallel_for(size_t{0}, needs.size(),
+                      [&](size_t i) { needs[i] = need_of(path, path.pieces[i], extent, tolerance); });
+    tubes_.resize(profiles_.size() * path.splines.size());
+    uint64_t around = 0;  // grids around all tubes of a spline, on average
+    for (size_t s = 0; s < path.splines.size(); ++s) {
+        const SweepSpline& spline = path.splines[s];
+        double error = std::numeric_limits<double>::infinity();
+        for (uint32_t k = 0; k < spline.piece_count; ++k)
+            error = std::min(error, needs[spline.first_piece + k].profile_error);
+        for (size_t profile = 0; profile < profiles_.size(); ++profile) {
+            const std::vector<ProfileCells>& levels = profiles_[profile];
+            uint8_t& level = tubes_[profile * path.splines.size() + s].level;
+            while (level + size_t{1} < levels.size() && levels[level].error > error) ++level;
+            around += static_cast<uint64_t>(levels[level].count / kGridCells);
+        }
+    }
+    const double each =
+        path.splines.empty() ? 1.0 : static_cast<double>(around) / static_cast<double>(path.splines.size());
+    first_cell_.resize(path.pieces.size());
+    cells_along_.resize(path.splines.size());
+    for (double share = 1.0;; share *= 0.8) {
+        uint64_t grids = 0;
+        for (size_t s = 0; s < path.splines.size(); ++s) {
+            const SweepSpline& spline = path.splines[s];
+            uint32_t cells = 0;
+            for (uint32_t p = spline.first_piece; p < spline.first_piece + spline.piece_count; ++p) {
+                first_cell_[p] = cells;
+                cells += std::max(1u, static_cast<uint32_t>(std::ceil(needs[p].cells * share)));
+            }
+            cells_along_[s] = (cells + kGridCells - 1) / kGridCells * kGridCells;
+            grids += cells_along_[s] / kGridCells;
+        }
+        constexpr double kLeastShare = 1e-5;
+        if (static_cast<double>(grids) * each <= kMostSweptSubpatches || share < kLeastShare) break;
+    }
+    fold(needs);
+}
+
+void SweptDicer::fold(const std::vector<PieceNeed>& needs) {
+    const SweepPath& path = surface_->path();
+    for (size_t s = 0; s < path.splines.size(); ++s) {
+        const SweepSpline& spline = path.splines[s];
+        double length = 0.0, width = 0.0;
+        for (uint32_t k = 0; k < spline.piece_count; ++k) {
+            length += needs[spline.first_piece + k].length;
+            width = std::max(width, needs[spline.first_piece + k].width);
+        }
+        const double block = length / cells_along_[s] * kBlockCells;
+        for (size_t profile = 0; profile < profiles_.size(); ++profile) {
+            Tube& tube = tubes_[profile * path.splines.size() + s];
+            const auto around = static_cast<uint32_t>(profiles_[profile][tube.level].count);
+            while (tube.blocks_along > 1 && around % (2 * kBlocks / tube.blocks_along * kBlockCells) == 0 &&
+                   tube.blocks_along / 2 * block >= kLengthInWidths * width)
+                tube.blocks_along /= 2;
+        }
+    }
+}
+
+SweptDicer::WallLayout SweptDicer::layout(const TubePlace& place) const {
+    WallLayout layout{tubes_[place.tube].blocks_along, 1};
+    layout.grids_around = static_cast<uint32_t>(cells(place).count) / layout.cells_around();
+    return layout;
+}
+
+namespace {
+
+/// Cell and place in it; the far end of the last cell is kept below the next.
+struct CellPlace {
+    uint32_t cell;
+    double within;
+};
+CellPlace cell_place(double at, uint32_t cells) {
+    const uint32_t cell = std::min(static_cast<uint32_t>(std::max(at, 0.0)), cells - 1);
+    return {cell, std::min(at - cell, kBelowOne)};
+}
+
+}  // namespace
+
+Vec2d SweptDicer::WallLayout::unfolded(const Vec2d& at) const {
+    const CellPlace i = cell_place(at.x, kGridCells), j = cell_place(at.y, kGridCells);
+    const uint32_t block = j.cell / kBlockCells * kBlocksAlong + i.cell / kBlockCells;
+    return {block % blocks_along * kBlockCells + i.cell % kBlockCells + i.within,
+            block / blocks_along * kBlockCells + j.cell % kBlockCells + j.within};
+}
+
+Vec2d SweptDicer::WallLayout::folded(const Vec2d& at) const {
+    const CellPlace i = cell_place(at.x, cells_along()), j = cell_place(at.y, cells_around());
+    const uint32_t block = j.cell / kBlockCells * blocks_along + i.cell / kBlockCells;
+    return {block % kBlocksAlong * kBlockCells + i.cell % kBlockCells + i.within,
+            block / kBlocksAlong * kBlockCells + j.cell % kBlockCells + j.within};
+}
+
+}  // namespace rayleaf
