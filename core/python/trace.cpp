@@ -210,14 +210,14 @@ py::tuple grid_candidates(const PatchSurface& surface, uint32_t patch, const Arr
                           const Array<float>& directions) {
     Grid grid;
     unsplit(surface).dice(patch, grid);
-    const GridKernels kernels = grid_kernels(VertexFormat::Float);
+    const GridKernels kernels = grid_kernels();
     const py::ssize_t count = origins.size() / 3;
     py::array_t<float> t(count);
     py::array_t<int32_t> triangle(count);
     for (py::ssize_t i = 0; i < count; ++i) {
         const float *o = origins.data() + 3 * i, *d = directions.data() + 3 * i;
         GridCandidates candidates;
-        kernels.add_candidates(SnappedGrid(grid, VertexFormat::Float), GridRay({o[0], o[1], o[2]}, {d[0], d[1], d[2]}),
+        kernels.add_candidates(SnappedGrid(grid), GridRay({o[0], o[1], o[2]}, {d[0], d[1], d[2]}),
                                std::numeric_limits<float>::infinity(), candidates);
         GridCandidate nearest{std::numeric_limits<float>::infinity(), 0};
         const bool found = !candidates.empty();

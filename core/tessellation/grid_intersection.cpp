@@ -3,7 +3,6 @@
 #include "tessellation/simd.h"
 
 #include <bit>
-#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tessellation/grid_intersection.cpp"
@@ -29,8 +28,9 @@ HWY_INLINE uint32_t mask_bits(D lanes, hn::Mask<D> mask) {
     return static_cast<uint32_t>(bits);
 }
 
-/// The blocks that the ray may hit up to t_max, one bit each.
-HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_max, float padding) {
+/// The blocks that the ray may hit up to t_max, one bit each; where they begin, unless null.
+HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_max, float padding,
+                                  float* begins = nullptr) {
     const Lanes lanes;
     const Vector pad = hn::Set(lanes, padding);
     uint32_t bits = 0;
@@ -49,12 +49,17 @@ HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_
             far = hn::Min(far, hn::Mul(hn::Sub(exit, origin), hn::Set(lanes, ray.inverse_far[axis])));
         }
         bits |= mask_bits(lanes, hn::Le(near, far)) << start;
+        if (begins) hn::StoreU(near, lanes, begins + start);
     }
     return bits;
 }
 
 uint32_t find_blocks(const Grid& grid, const GridRay& ray, float t_max, float padding) {
     return blocks_on_way(grid, ray, t_max, padding);
+}
+
+void find_near_blocks(const Grid& grid, const GridRay& ray, float t_max, NearBlocks& blocks) {
+    blocks.bits = blocks_on_way(grid, ray, t_max, 0.0f, blocks.near);
 }
 
 /// kRows rows of kColumns neighbouring values.
@@ -77,7 +82,6 @@ struct FloatCells {
     using Number = float;
     using Stored = float;
 
-    static HWY_INLINE const float* block(const SnappedGrid& grid, int number) { return grid.block_vertices(number); }
     static HWY_INLINE hn::Vec<Lanes> load(const float* first) { return load_cells(Lanes(), first); }
     static HWY_INLINE float origin(const GridRay& ray, int axis) { return ray.origin[axis]; }
     static HWY_INLINE float shear_x(const GridRay& ray) { return ray.shear_x; }
@@ -92,9 +96,6 @@ struct FixedCells {
     using Number = double;
     using Stored = int32_t;
 
-    static HWY_INLINE const int32_t* block(const SnappedGrid& grid, int number) {
-        return grid.fine()->fixed[number][0];
-    }
     static HWY_INLINE hn::Vec<Lanes> load(const int32_t* first) {
         const hn::Rebind<int32_t, Lanes> integers;
         return hn::PromoteTo(Lanes(), load_cells(integers, first));
@@ -212,36 +213,38 @@ struct CellTest {
     }
 };
 
+/// The cells of a block, the first of which is cell `first_cell` of the grid.
 template <class Cells>
-HWY_INLINE void add_all(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
-    using Test = CellTest<Cells>;
-    const Test test(ray, grid.cells(), t_max);
+HWY_INLINE void add_block_cells(const CellTest<Cells>& test, const typename Cells::Stored* block, int first_cell,
+                                GridCandidates& candidates) {
+    for (int row = 0; row < kBlockCells; row += CellTest<Cells>::kRows)
+        for (int column = 0; column < kBlockCells; column += CellTest<Cells>::kColumns)
+            test.add(block, first_cell, column, row, candidates);
+}
+
+int first_cell(int block, int cells_along) {
+    return block / kBlocksAlong * kBlockCells * cells_along + block % kBlocksAlong * kBlockCells;
+}
+
+void add_candidates(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
+    const CellTest<FloatCells> test(ray, grid.cells(), t_max);
     uint32_t blocks = 1;
     if (grid.fine()) blocks = blocks_on_way(*grid.fine(), ray, t_max, 0.0f) | grid.blocks_beyond_boxes();
     for (; blocks != 0; blocks &= blocks - 1) {
         const int block = __builtin_ctz(blocks);
-        const typename Cells::Stored* vertices = Cells::block(grid, block);
+        const float* vertices = grid.block_vertices(block);
         HWY_ALIGN float moved[3 * kBlockSize];
-        if constexpr (std::is_same_v<typename Cells::Stored, float>) {
-            if (grid.moves_block(block)) {
-                grid.move_block(block, moved);
-                vertices = moved;
-            }
+        if (grid.moves_block(block)) {
+            grid.move_block(block, moved);
+            vertices = moved;
         }
-        const int first_row = block / kBlockCells * kBlockCells, first_column = block % kBlockCells * kBlockCells;
-        for (int row = 0; row < kBlockCells; row += Test::kRows)
-            for (int column = 0; column < kBlockCells; column += Test::kColumns)
-                test.add(vertices, first_row * grid.cells() + first_column, column, row, candidates);
+        add_block_cells(test, vertices, first_cell(block, grid.cells()), candidates);
     }
 }
 
-void add_candidates(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
-    add_all<FloatCells>(grid, ray, t_max, candidates);
-}
-
-/// Borders of fixed numbers stay as they are.
-void add_fixed_candidates(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates) {
-    add_all<FixedCells>(grid, ray, t_max, candidates);
+void add_fixed_block(const Grid& grid, uint32_t block, const GridRay& ray, float t_max, GridCandidates& candidates) {
+    const CellTest<FixedCells> test(ray, kGridCells, t_max);
+    add_block_cells(test, grid.fixed[block][0], first_cell(static_cast<int>(block), kGridCells), candidates);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -252,15 +255,15 @@ HWY_AFTER_NAMESPACE();
 namespace rayleaf {
 
 HWY_EXPORT(add_candidates);
-HWY_EXPORT(add_fixed_candidates);
 HWY_EXPORT(find_blocks);
+HWY_EXPORT(find_near_blocks);
+HWY_EXPORT(add_fixed_block);
 
-GridKernels grid_kernels(VertexFormat format) {
+GridKernels grid_kernels() {
     // The first call through the table chooses; the pointers must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return {format == VertexFormat::Fixed ? &HWY_DYNAMIC_DISPATCH(add_fixed_candidates)
-                                          : &HWY_DYNAMIC_DISPATCH(add_candidates),
-            &HWY_DYNAMIC_DISPATCH(find_blocks)};
+    return {&HWY_DYNAMIC_DISPATCH(add_candidates), &HWY_DYNAMIC_DISPATCH(find_blocks),
+            &HWY_DYNAMIC_DISPATCH(find_near_blocks), &HWY_DYNAMIC_DISPATCH(add_fixed_block)};
 }
 
 /// The same operations as in a lane of the kernel, for its borders are its neighbours'.

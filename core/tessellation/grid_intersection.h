@@ -73,10 +73,34 @@ class GridCandidates {
     GridCandidate found_[kGridTriangles];  ///< not initialized: a ray would pay for 4 KB in each grid
 };
 
-/// Adds the facets that the ray hits from its origin up to t_max.
+/// Blocks of a grid that a ray may hit, and from where on: it can hit nothing of a block nearer than `near`.
+struct NearBlocks {
+    uint32_t bits = 0;
+    float near[kBlocks];
+
+    bool empty() const { return bits == 0; }
+    /// Takes out the nearest; of several the lowest.
+    uint32_t take_nearest() {
+        auto nearest = static_cast<uint32_t>(__builtin_ctz(bits));
+        for (uint32_t left = bits & (bits - 1); left != 0; left &= left - 1) {
+            const auto block = static_cast<uint32_t>(__builtin_ctz(left));
+            if (near[block] < near[nearest]) nearest = block;
+        }
+        bits &= ~(1u << nearest);
+        return nearest;
+    }
+};
+
+/// Adds the facets that the ray hits from its origin up to t_max; grids of floats.
 using AddCandidates = void (*)(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates);
 /// The blocks of a fine grid whose boxes, enlarged by `padding`, the ray meets up to t_max; one bit each.
 using FindBlocks = uint32_t (*)(const Grid& grid, const GridRay& ray, float t_max, float padding);
+/// The same without padding, in the order in which the ray comes to them.
+using FindNearBlocks = void (*)(const Grid& grid, const GridRay& ray, float t_max, NearBlocks& blocks);
+/// Adds the facets of one block of a grid of fixed numbers. They are tested in double precision, by the same steps, so
+/// that what is found is exact to 2^-50 or so of the shape's size.
+using AddBlock = void (*)(const Grid& grid, uint32_t block, const GridRay& ray, float t_max,
+                          GridCandidates& candidates);
 
 /// The same for the coarse level.
 void add_quad_candidates(const SubpatchDetail& detail, const GridRay& ray, float t_max, GridCandidates& candidates);
@@ -84,9 +108,10 @@ void add_quad_candidates(const SubpatchDetail& detail, const GridRay& ray, float
 struct GridKernels {
     AddCandidates add_candidates;
     FindBlocks find_blocks;
+    FindNearBlocks find_near_blocks;
+    AddBlock add_block;
 };
-/// The versions for this machine's processor. Fixed numbers are tested in double precision, by the same steps, so that
-/// what is found is exact to 2^-50 or so of the shape's size.
-GridKernels grid_kernels(VertexFormat format);
+/// The versions for this machine's processor.
+GridKernels grid_kernels();
 
 }  // namespace rayleaf

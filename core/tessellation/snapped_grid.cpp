@@ -143,7 +143,6 @@ SnappedGrid::Facet SnappedGrid::facet(uint32_t triangle) const {
         result.corners[k] = Vec3d(corners[k].position);
         result.places[k] = corners[k].place;
     }
-    if (format_ == VertexFormat::Fixed) result.corners = fine_->corners(triangle, format_);
     return result;
 }
 

@@ -29,8 +29,7 @@ class SnappedGrid {
   public:
     SnappedGrid(const Grid& grid, const SubpatchLevels& levels);
     /// All of a grid as it is.
-    SnappedGrid(const Grid& grid, VertexFormat format)
-        : vertices_(&grid.vertices[0][0][0]), fine_(&grid), cells_(kGridCells), format_(format) {}
+    explicit SnappedGrid(const Grid& grid) : vertices_(&grid.vertices[0][0][0]), fine_(&grid), cells_(kGridCells) {}
     SnappedGrid(const MediumGrid& grid, const SubpatchLevels& levels);
     /// The one quad of the coarse level.
     explicit SnappedGrid(const SubpatchDetail& detail) : vertices_(&detail.corners[0][0]), cells_(1) {}
@@ -60,7 +59,6 @@ class SnappedGrid {
         }
     };
     Facet facet(uint32_t triangle) const;
-    VertexFormat format() const { return format_; }
 
   private:
     /// Where the vertices of a border go that keeps none of its own but perhaps the ends.
@@ -73,7 +71,6 @@ class SnappedGrid {
     const float* vertices_;
     const Grid* fine_ = nullptr;
     int cells_;
-    VertexFormat format_ = VertexFormat::Float;
     uint32_t snapped_ = 0;  ///< a bit for each border that is drawn elsewhere
     uint32_t to_ends_ = 0;  ///< those of them that go to `ends_`; the others to every fourth vertex
     Ends ends_[kBorders];   ///< not initialized where not used: every test would pay

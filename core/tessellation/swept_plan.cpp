@@ -20,9 +20,9 @@ constexpr double kMostShareOfRadius = 0.25;
 /// Rings of a piece at which its bend is looked at.
 constexpr int kLooks = 5;
 
-/// A grid is folded while it is longer than so many widths of its tube: where boxes are as small, by their surface, for
-/// grids of the same number.
-const double kLengthInWidths = getenv("FOLD") ? atof(getenv("FOLD")) : 0.65;
+/// A grid is folded while it stays longer than this share of its tube's width. Flatter slices would have rays along the
+/// tube meet too many of them.
+constexpr double kLeastLength = 0.3;
 
 }  // namespace
 
@@ -132,7 +132,7 @@ void SweptDicer::fold(const std::vector<PieceNeed>& needs) {
             Tube& tube = tubes_[profile * path.splines.size() + s];
             const auto around = static_cast<uint32_t>(profiles_[profile][tube.level].count);
             while (tube.blocks_along > 1 && around % (2 * kBlocks / tube.blocks_along * kBlockCells) == 0 &&
-                   tube.blocks_along / 2 * block >= kLengthInWidths * width)
+                   tube.blocks_along / 2 * block >= kLeastLength * width)
                 tube.blocks_along /= 2;
         }
     }

@@ -35,21 +35,20 @@ EmbreeStrandScene::EmbreeStrandScene(const Strands& strands, const CancelToken& 
     set_scene(std::move(scene), strands.bounds());
 }
 
-std::optional<ShapeHit> EmbreeStrandScene::closest(const LocalRay& ray) const {
+bool EmbreeStrandScene::closest(const LocalRay& ray, ShapeHit& hit) const {
     EmbreeContext context;
     initialize(context);
     RTCRayHit found = ray.embree_ray_hit();
     // No double precision decides about hits before the true start, so the ray begins there.
     found.ray.tnear = std::max(0.0f, static_cast<float>((ray.t_min - ray.start) * ray.speed));
     embree_closest(embree_scene(), context, found);
-    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    ShapeHit hit;
+    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit.facet = {found.hit.primID, 0};
     hit.point.t = std::clamp(ray.start + double{found.ray.tfar} / ray.speed, ray.t_min, ray.t_max);
     hit.point.u = found.hit.u;
     hit.point.position = ray.origin + ray.direction * hit.point.t;
     hit.normal = normalized_or(Vec3d(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z), Vec3d(0, 0, 1));
-    return hit;
+    return true;
 }
 
 bool EmbreeStrandScene::occluded(const LocalRay& ray) const {

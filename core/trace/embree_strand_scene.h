@@ -10,7 +10,7 @@ class EmbreeStrandScene final : public ShapeScene {
   public:
     EmbreeStrandScene(const Strands& strands, const CancelToken& cancel);
 
-    std::optional<ShapeHit> closest(const LocalRay& ray) const override;
+    bool closest(const LocalRay& ray, ShapeHit& hit) const override;
     bool occluded(const LocalRay& ray) const override;
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override { return hit; }

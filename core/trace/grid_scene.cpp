@@ -64,7 +64,7 @@ SubpatchLevels limited(SubpatchLevels levels, int finest) {
 GridScene::GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, const CancelToken& cancel)
     : ShapeScene(shape, dicer->format() == VertexFormat::Fixed ? FacetKind::FixedGrids : FacetKind::Grids),
       dicer_(std::move(dicer)),
-      kernels_(grid_kernels(dicer_->format())) {
+      kernels_(grid_kernels()) {
     const uint32_t count = dicer_->subpatch_count();
     if (count == 0) return;
     const Box3f box = measure(cancel);
@@ -140,15 +140,14 @@ void GridScene::prepare(ShapeQuery& query) const {
     if (details_.empty()) return;
     const LocalRay& ray = *query.ray;
     const LevelRule& rule = query.reader->rule();
-    query.levels = LevelChooser({rule, ray.origin, ray.direction, ray.beam, ray.stretch});
-    if (const LocalSight& before = ray.before; before.reach > 0.0f)
-        query.levels.see_nearby({rule, before.origin, before.direction, before.beam, ray.stretch}, ray.origin,
-                                before.reach);
+    LevelChooser& levels = query.levels.emplace(LevelSight(rule, ray.origin, ray.direction, ray.beam, ray.stretch));
+    if (ray.before)
+        levels.see_nearby({rule, ray.before->origin, ray.before->direction, ray.before->beam, ray.stretch}, ray.origin,
+                          ray.before->reach);
     for (const RayAnchor& anchor : ray.anchors) {
         if (anchor.instance == RayAnchor::kNone) continue;
-        if (anchor.subpatch == RayAnchor::kNoFacet) query.levels.see_fine();
-        if (anchor.subpatch < details_.size())
-            query.levels.anchor(details_[anchor.subpatch], anchor.subpatch, anchor.levels);
+        if (anchor.subpatch == RayAnchor::kNoFacet) levels.see_fine();
+        if (anchor.subpatch < details_.size()) levels.anchor(details_[anchor.subpatch], anchor.subpatch, anchor.levels);
     }
 }
 
@@ -156,7 +155,6 @@ void GridScene::prepare(ShapeQuery& query) const {
 /// together than single precision tells apart come in no order: the exact hit decides.
 bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_t subpatch,
                              const SubpatchLevels& levels, float t_max) const {
-    const bool is_exact = grid.format() == VertexFormat::Fixed;
     GridCandidates candidates;
     if (grid.cells() == 1)
         add_quad_candidates(details_[subpatch], query.grid_ray, t_max, candidates);
@@ -167,16 +165,41 @@ bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_
         const auto [t, triangle] = candidates.take_nearest();
         if (found && t > query.ray->float_distance(query.farthest)) break;
         const SnappedGrid::Facet facet = grid.facet(triangle);
-        const FacetId id{subpatch, triangle};
-        if (!(is_exact ? query.offer(id, facet.corners) : query.offer_uncertain(id, facet.corners))) continue;
+        if (!query.offer_uncertain({subpatch, triangle}, facet.corners)) continue;
         query.best.area = area_vector(facet.corners);
         const int cells_apart = kGridCells / grid.cells();
-        query.best.place = grid.format() == VertexFormat::Fixed
-                               ? parameters_in_cell(triangle, query.best.point.u, query.best.point.v)
-                               : facet.place(query.best.point.u, query.best.point.v) * cells_apart;
+        query.best.place = facet.place(query.best.point.u, query.best.point.v) * cells_apart;
         query.best.levels = levels.packed();
-        if (!details_.empty()) query.best.seen_by = query.levels.seen_by(details_[subpatch]);
+        query.best.seen_by = query.levels->seen_by(details_[subpatch]);
         found = true;
+    }
+    return found;
+}
+
+/// The same for a grid of fixed numbers, block by block until the rest is farther away. Facets closer together than
+/// single precision tells apart, as those of a thin strand, come in no order; all of a block are offered, for the exact
+/// hit decides.
+bool GridScene::offer_fixed(ShapeQuery& query, uint32_t subpatch, float t_max) const {
+    const Grid& grid = query.reader->fine(*dicer_, first_subpatch(), subpatch);
+    NearBlocks blocks;
+    kernels_.find_near_blocks(grid, query.grid_ray, t_max, blocks);
+    bool found = false;
+    while (!blocks.empty()) {
+        const uint32_t block = blocks.take_nearest();
+        if (blocks.near[block] > t_max) break;
+        GridCandidates candidates;
+        kernels_.add_block(grid, block, query.grid_ray, t_max, candidates);
+        while (!candidates.empty()) {
+            const auto [t, triangle] = candidates.take_nearest();
+            if (t > t_max) break;
+            const FacetCorners corners = grid.corners(triangle, VertexFormat::Fixed);
+            if (!query.offer({subpatch, triangle}, corners)) continue;
+            query.best.area = area_vector(corners);
+            query.best.place = parameters_in_cell(triangle, query.best.point.u, query.best.point.v);
+            query.best.levels = SubpatchLevels{}.packed();
+            t_max = query.ray->float_distance(query.farthest);
+            found = true;
+        }
     }
     return found;
 }
@@ -206,15 +229,14 @@ struct GridScene::PartSearch {
 };
 
 bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
-    const GeometryCache::Reader& reader = *query.reader;
     if (details_.empty()) {
         if (!tubes_.empty() && passes_beside(tubes_[subpatch], query.ray->float_origin, query.ray->float_direction))
             return false;
-        const SnappedGrid grid(reader.fine(*dicer_, first_subpatch(), subpatch), dicer_->format());
-        return offer_facets(query, grid, subpatch, {}, t_max);
+        return offer_fixed(query, subpatch, t_max);
     }
+    const GeometryCache::Reader& reader = *query.reader;
     const SubpatchLevels levels =
-        limited(query.levels.levels(details_[subpatch], subpatch), dicer_->levels()->finest_level());
+        limited(query.levels->levels(details_[subpatch], subpatch), dicer_->levels()->finest_level());
     switch (levels.own) {
         case kCoarse:
             reader.count_coarse();

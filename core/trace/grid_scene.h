@@ -39,6 +39,7 @@ class GridScene final : public ShapeScene {
     bool visit(ShapeQuery& query, uint32_t subpatch, float t_max) const;
     bool offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_t subpatch, const SubpatchLevels& levels,
                       float t_max) const;
+    bool offer_fixed(ShapeQuery& query, uint32_t subpatch, float t_max) const;
     bool visit_parts(PartSearch& search, const Grid& grid, const GridPart& place) const;
     bool offer_part(PartSearch& search, const Grid& grid, const GridPart& place) const;
 

@@ -35,10 +35,10 @@ double traced_length(const ShapeScene& scene, const Vec3d& origin, const Vec3d& 
         // Past t_max too: only the next crossing tells whether the ray is inside where it ends.
         const std::optional<LocalRay> ray =
             clipped_ray(scene.box(), origin, direction, from, std::numeric_limits<double>::infinity());
-        const std::optional<ShapeHit> hit = ray ? scene.closest(*ray) : std::nullopt;
-        if (!hit) break;
-        const double t = hit->point.t;
-        const bool leaves = Vec3d(scene.local_hit(*hit).normal).dot(direction) > 0.0;
+        ShapeHit hit;
+        if (!ray || !scene.closest(*ray, hit)) break;
+        const double t = hit.point.t;
+        const bool leaves = Vec3d(scene.local_hit(hit).normal).dot(direction) > 0.0;
         passage.cross(leaves, std::min(t, t_max), t_min);
         if (t >= t_max) return passage.length;
         from = t + step;

@@ -1,9 +1,13 @@
 #include "trace/instance_record.h"
 
+#include "base/error.h"
 #include "trace/inside_length.h"
 
 namespace rayleaf {
 namespace {
+
+/// The longest edge a world box may have: products of such lengths still fit a double.
+constexpr double kLargestExtent = 1e100;
 
 Box3d image_of(const Box3d& box, const Affine3d& map) {
     if (box.isEmpty()) return {};
@@ -14,6 +18,15 @@ Box3d image_of(const Box3d& box, const Affine3d& map) {
     return {center - reach, center + reach};
 }
 
+/// Whether a box is so near to a point; with a margin, for distances to places in it are taken in single precision.
+bool is_within(const Box3d& box, const Vec3d& point, float reach) {
+    Vec3d outside;
+    for (int axis = 0; axis < 3; ++axis)
+        outside[axis] = std::max({box.min[axis] - point[axis], 0.0, point[axis] - box.max[axis]});
+    const double margin = 1.01 * reach;
+    return outside.dot(outside) <= margin * margin;
+}
+
 /// Where rays of the picture that neighbour `ray` pass its object: as wide as the ray is there.
 RayNeighbours neighbours_of(const Ray& ray, double t, double local_per_world) {
     return {static_cast<float>((ray.neighbour_distance + ray.neighbour_angle * std::max(t, 0.0)) * local_per_world),
@@ -21,6 +34,21 @@ RayNeighbours neighbours_of(const Ray& ray, double t, double local_per_world) {
 }
 
 }  // namespace
+
+void InstanceRecord::place(const Shape& shape, const Affine3d& object_to_world) {
+    local_to_world = object_to_world * shape.frame().to_object();
+    const Affine3d inverse = local_to_world.inverse();
+    to_local_x = inverse.x;
+    to_local_y = inverse.y;
+    to_local_z = inverse.z;
+    const bool usable = is_finite(inverse.x) && is_finite(inverse.y) && is_finite(inverse.z) &&
+                        max_abs(local_to_world.translation) < kLargestExtent;
+    if (!usable) throw InputError(shape.name(), "object_to_world", "singular or not finite", "a regular matrix");
+    const double lengths[3] = {local_to_world.x.length(), local_to_world.y.length(), local_to_world.z.length()};
+    const auto [shortest, longest] = std::minmax({lengths[0], lengths[1], lengths[2]});
+    shrink = static_cast<float>(1.0 / longest);
+    widening = static_cast<float>(shortest / longest);
+}
 
 Box3d InstanceRecord::world_box() const {
     return image_of(scene->box(), local_to_world);
@@ -94,13 +122,13 @@ std::optional<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& wor
     if (scene->box().isEmpty()) return std::nullopt;
     std::optional<LocalRay> local = clipped_ray(scene->box(), point_to_local(world_ray.origin),
                                                 vector_to_local(world_ray.direction), world_ray.t_min, t_max);
-    if (!local) return local;
+    if (!local || !scene->has_levels()) return local;
     local->beam = local_beam(world_ray.beam);
     local->stretch = 1.0f / widening;
     const RaySight& before = world_ray.start.sight;
-    if (before.reach > 0.0f)
-        local->before = {point_to_local(before.origin), vector_to_local(before.direction), local_beam(before.beam),
-                         before.reach * shrink};
+    if (before.reach > 0.0f && is_within(scene->box(), local->origin, before.reach * shrink))
+        local->before.emplace(LocalSight{point_to_local(before.origin), vector_to_local(before.direction),
+                                         local_beam(before.beam), before.reach * shrink});
     if (world_ray.start.instance == index) local->anchors[0] = world_ray.start;
     if (world_ray.end.instance == index) local->anchors[1] = world_ray.end;
     return local;
@@ -108,9 +136,9 @@ std::optional<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& wor
 
 std::optional<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray) const {
     const std::optional<LocalRay> local = local_ray(index, world_ray, world_ray.t_max);
-    const std::optional<ShapeHit> hit = local ? scene->closest(*local) : std::nullopt;
-    if (!hit) return std::nullopt;
-    return Hit{hit->point.t, index, scene->local_hit(*hit), RayAnswer::NotAsked, {}};
+    ShapeHit hit;
+    if (!local || !scene->closest(*local, hit)) return std::nullopt;
+    return Hit{hit.point.t, index, scene->local_hit(hit), RayAnswer::NotAsked, {}};
 }
 
 LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {

@@ -23,6 +23,9 @@ struct InstanceRecord {
     /// `widening / shrink` times its local one.
     float shrink = 1, widening = 1;
 
+    /// Sets the maps. Throws InputError if they are singular.
+    void place(const Shape& shape, const Affine3d& object_to_world);
+
     Vec3d vector_to_local(const Vec3d& v) const { return to_local_x * v.x + to_local_y * v.y + to_local_z * v.z; }
     /// The translation is subtracted first: that rounds nothing where it matters, close to a far object.
     Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }

@@ -60,7 +60,8 @@ std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const
                                     double t_max) {
     const std::optional<Stretch> stretch = inside_box(box, origin, direction);
     if (!stretch || stretch->end < t_min || stretch->begin > t_max) return std::nullopt;
-    LocalRay ray;
+    std::optional<LocalRay> made(std::in_place);  // in its place: copies cost as much as the clipping
+    LocalRay& ray = *made;
     ray.origin = origin;
     ray.direction = direction;
     ray.t_min = t_min;
@@ -72,9 +73,11 @@ std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const
     // An origin so far away that rounding leaves nothing of the way to the box. Embree ends the process for rays beyond
     // 1.8e18.
     constexpr float kFarOff = 1e18f;
-    if (!is_finite(ray.float_origin) || max_abs(ray.float_origin) > kFarOff) return std::nullopt;
-    if (!is_finite(ray.float_direction) || !(max_abs(ray.float_direction) > 0.0f)) return std::nullopt;
-    return ray;
+    if (!is_finite(ray.float_origin) || max_abs(ray.float_origin) > kFarOff)
+        made.reset();
+    else if (!is_finite(ray.float_direction) || !(max_abs(ray.float_direction) > 0.0f))
+        made.reset();
+    return made;
 }
 
 }  // namespace rayleaf

@@ -48,19 +48,24 @@ enum class FacetKind : uint8_t { Triangles, Grids, FixedGrids, Strands };
 struct ShapeQuery {
     EmbreeContext context;
     const LocalRay* ray = nullptr;
-    GridRay grid_ray;     ///< set for grids only
-    LevelChooser levels;  ///< the same
+    GridRay grid_ray;                    ///< set for grids only
+    std::optional<LevelChooser> levels;  ///< set where the shape has levels
     const GeometryCache::Reader* reader = nullptr;
-    ShapeHit best;
+    ShapeHit& best;
     double farthest = 0;  ///< t of the best hit, or the ray's t_max
     bool found = false;
     std::optional<FacetRay> facet_ray;  ///< once there was something to test
 
-    ShapeQuery(const LocalRay& local, FacetKind kind, const GeometryCache::Reader* cache)
-        : ray(&local), reader(cache), farthest(local.t_max) {
+    /// The best hit is found in `hit`.
+    ShapeQuery(const LocalRay& local, FacetKind kind, const GeometryCache::Reader* cache, ShapeHit& hit)
+        : ray(&local),
+          grid_ray(kind == FacetKind::Grids || kind == FacetKind::FixedGrids
+                       ? GridRay(local.float_origin, local.float_direction)
+                       : GridRay()),
+          reader(cache),
+          best(hit),
+          farthest(local.t_max) {
         initialize(context);
-        if (kind != FacetKind::Grids && kind != FacetKind::FixedGrids) return;
-        grid_ray = GridRay(local.float_origin, local.float_direction);
         if (kind == FacetKind::FixedGrids)
             grid_ray.set_fixed(local.origin + local.direction * local.start, local.direction, local.speed);
     }
@@ -98,7 +103,8 @@ class ShapeScene {
     /// Bounds of everything a ray can hit, local space, padded for float rays; empty for an empty shape.
     const Box3d& box() const { return box_; }
 
-    virtual std::optional<ShapeHit> closest(const LocalRay& ray) const;
+    /// Sets `hit` if there is one.
+    virtual bool closest(const LocalRay& ray, ShapeHit& hit) const;
     virtual bool occluded(const LocalRay& ray) const;
 
     virtual LocalHit local_hit(const ShapeHit& hit) const = 0;
@@ -112,6 +118,8 @@ class ShapeScene {
     virtual uint32_t subpatch_count() const { return 0; }
     /// What is held beside Embree's tree and the grids.
     virtual uint64_t record_bytes() const { return 0; }
+    /// Whether it matters how wide rays are.
+    bool has_levels() const { return kind_ == FacetKind::Grids; }
     virtual NormalCounters limit_normals() const { return {}; }
     /// Where grids are kept, and the number of the first subpatch there; before any ray, for shapes that have
     /// subpatches.

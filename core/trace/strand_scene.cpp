@@ -326,19 +326,20 @@ void StrandScene::any_callback(const RTCOccludedFunctionNArguments* arguments) {
     if (query.found) RTCRayN_tfar(arguments->ray, arguments->N, 0) = -std::numeric_limits<float>::infinity();
 }
 
-std::optional<ShapeHit> StrandScene::closest(const LocalRay& ray) const {
+bool StrandScene::closest(const LocalRay& ray, ShapeHit& hit) const {
     Query query(*this, ray);
     for (;;) {
         RTCRayHit embree_ray = ray.embree_ray_hit();
         embree_closest(embree_scene(), query.context, embree_ray);
-        if (!query.found) return std::nullopt;
+        if (!query.found) return false;
         const bool inside = query.best_crossing == Crossing::Enters &&
                             query.starts_before_exit(strands_->strand_of(query.best.facet.primitive), query.farthest);
         if (!inside) break;
         query.restart();  // what was taken for an entry lies inside a strand that the ray was found to start in
     }
     set_normal(query);
-    return query.best;
+    hit = query.best;
+    return true;
 }
 
 bool StrandScene::occluded(const LocalRay& ray) const {

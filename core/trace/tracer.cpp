@@ -22,8 +22,9 @@ namespace {
 /// Up to so many instances are asked one after the other, without an Embree scene above them.
 constexpr size_t kDirectInstances = 3;
 
-/// The longest edge a world box may have: products of such lengths still fit a double.
-constexpr double kLargestExtent = 1e100;
+/// How far around its start a ray is told of the ray that found it, in longest lines of the subpatch that was hit: from
+/// anywhere on it, the middles of the borders of another one of its size right behind it are nearer.
+constexpr float kSightReach = 2.0f;
 
 }  // namespace
 
@@ -44,12 +45,12 @@ struct Tracer::Implementation {
         const Ray* ray = nullptr;
         const RayDifferential* differential = nullptr;  ///< of `ray`; null: nobody wants to know how hits change
         Visibility kind = kVisibleAll;
-        LocalRay scene_ray;  ///< in the space above the instances
+        const LocalRay* scene_ray = nullptr;  ///< in the space above the instances, where there is a scene of them
         ShapeHit best;
         uint32_t instance = 0;
         double farthest = 0;  ///< world t of the best hit, or the ray's t_max
         bool found = false;
-        ObjectAnswer interpolated;  ///< the best hit, where it is no facet's
+        std::optional<ObjectAnswer> interpolated;  ///< the best hit, where it is no facet's
         /// How the objects that were asked answered: that of the best hit, and of those that were missed.
         RayAnswer answer = RayAnswer::NotAsked, missed = RayAnswer::NotAsked;
 
@@ -63,11 +64,16 @@ struct Tracer::Implementation {
     Box3d world_box(uint32_t index) const { return records[index].world_box(); }
 
     std::optional<LocalRay> local_ray(const Query& query, uint32_t index) const;
+    /// The nearest hit, and how objects with caches answered.
+    RayAnswer find(const Ray& ray, Visibility kind, const RayDifferential* differential, std::optional<Hit>& hit) const;
     void visit_closest(Query& query, uint32_t index) const;
     bool take_interpolated(Query& query, uint32_t index, const LocalRay& ray, const ObjectAnswer& answer) const;
     void visit_any(Query& query, uint32_t index) const;
     bool start(Query& query, const Ray& ray, Visibility kind) const;
-    Hit hit_of(const Query& query) const;
+    std::optional<LocalRay> ray_above(const Ray& ray) const;
+    enum class Wanted : uint8_t { Closest, Any };
+    void ask_all(Query& query, Wanted wanted) const;
+    void set_hit(const Query& query, Hit& hit) const;
     RaySight sight_from(const Ray& ray, const Hit& hit) const;
 
     static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
@@ -96,21 +102,8 @@ void Tracer::Implementation::build_shapes(const DicingView& view, const CancelTo
 void Tracer::Implementation::build_records() {
     for (size_t i = 0; i < instances.size(); ++i) {
         InstanceRecord& record = records[i];
-        const Shape& shape = *instances[i].shape;
-        record.local_to_world = instances[i].object_to_world * shape.frame().to_object();
-        const Affine3d inverse = record.local_to_world.inverse();
-        record.to_local_x = inverse.x;
-        record.to_local_y = inverse.y;
-        record.to_local_z = inverse.z;
-        const bool usable = is_finite(inverse.x) && is_finite(inverse.y) && is_finite(inverse.z) &&
-                            max_abs(record.local_to_world.translation) < kLargestExtent;
-        if (!usable) throw InputError(shape.name(), "object_to_world", "singular or not finite", "a regular matrix");
+        record.place(*instances[i].shape, instances[i].object_to_world);
         bounds.extendBy(world_box(static_cast<uint32_t>(i)));
-        const Affine3d& map = record.local_to_world;
-        const double lengths[3] = {map.x.length(), map.y.length(), map.z.length()};
-        const auto [shortest, longest] = std::minmax({lengths[0], lengths[1], lengths[2]});
-        record.shrink = static_cast<float>(1.0 / longest);
-        record.widening = static_cast<float>(shortest / longest);
     }
     frame = LocalFrame::fitting(bounds);
 }
@@ -183,13 +176,15 @@ void Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
         }
     }
     if (by == RayAnswer::NotAsked || by == RayAnswer::Traced) {
-        const std::optional<ShapeHit> hit = records[index].scene->closest(*ray);
-        if (!hit || (query.found && hit->point.t == query.farthest && query.instance < index)) {
+        std::optional<ShapeHit> nearer;
+        ShapeHit& hit = query.found ? nearer.emplace() : query.best;
+        const bool found = records[index].scene->closest(*ray, hit);
+        if (!found || (query.found && hit.point.t == query.farthest && query.instance < index)) {
             if (by == RayAnswer::Traced) query.missed = by;
             return;
         }
-        query.best = *hit;
-        query.farthest = hit->point.t;
+        if (nearer) query.best = *nearer;
+        query.farthest = hit.point.t;
     }
     query.answer = by;
     query.instance = index;
@@ -214,7 +209,7 @@ void Tracer::Implementation::closest_callback(const RTCIntersectFunctionNArgumen
     Query& query = Query::of(arguments->context);
     query.tracer->visit_closest(query, arguments->primID);
     RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
-    if (query.found) RTCRayN_tfar(ray, arguments->N, 0) = query.scene_ray.float_distance(query.farthest);
+    if (query.found) RTCRayN_tfar(ray, arguments->N, 0) = query.scene_ray->float_distance(query.farthest);
 }
 
 void Tracer::Implementation::any_callback(const RTCOccludedFunctionNArguments* arguments) {
@@ -232,13 +227,34 @@ bool Tracer::Implementation::start(Query& query, const Ray& ray, Visibility kind
     query.ray = &ray;
     query.kind = kind;
     query.farthest = ray.t_max;
-    if (!scene) return true;
-    const Box3d box((bounds.min - frame.center) / frame.scale, (bounds.max - frame.center) / frame.scale);
-    const std::optional<LocalRay> scene_ray =
-        clipped_ray(box, (ray.origin - frame.center) / frame.scale, ray.direction / frame.scale, ray.t_min, ray.t_max);
-    if (!scene_ray) return false;
-    query.scene_ray = *scene_ray;
     return true;
+}
+
+std::optional<LocalRay> Tracer::Implementation::ray_above(const Ray& ray) const {
+    const Box3d box((bounds.min - frame.center) / frame.scale, (bounds.max - frame.center) / frame.scale);
+    return clipped_ray(box, (ray.origin - frame.center) / frame.scale, ray.direction / frame.scale, ray.t_min,
+                       ray.t_max);
+}
+
+/// Asks all instances, one by one or through the scene above them.
+void Tracer::Implementation::ask_all(Query& query, Wanted wanted) const {
+    std::optional<GeometryCache::Reader> reader;
+    if (cache) query.reader = &reader.emplace(*cache);
+    if (!scene) {
+        for (uint32_t i = 0; i < instances.size() && !(wanted == Wanted::Any && query.found); ++i)
+            wanted == Wanted::Any ? visit_any(query, i) : visit_closest(query, i);
+        return;
+    }
+    const std::optional<LocalRay> above = ray_above(*query.ray);
+    if (!above) return;
+    query.scene_ray = &*above;
+    if (wanted == Wanted::Any) {
+        RTCRay embree_ray = above->embree_ray();
+        embree_any(scene.get(), query.context, embree_ray);
+    } else {
+        RTCRayHit embree_ray = above->embree_ray_hit();
+        embree_closest(scene.get(), query.context, embree_ray);
+    }
 }
 
 Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel,
@@ -255,49 +271,49 @@ Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view, co
 
 Tracer::~Tracer() = default;
 
-Hit Tracer::Implementation::hit_of(const Query& query) const {
-    const ShapeScene& shape = *records[query.instance].scene;
-    Hit hit{query.farthest, query.instance, {}, query.answer, {}};
+void Tracer::Implementation::set_hit(const Query& query, Hit& hit) const {
+    const InstanceRecord& record = records[query.instance];
+    hit.t = query.farthest;
+    hit.instance = query.instance;
+    hit.answer = query.answer;
     if (!hit.is_interpolated()) {
-        hit.local = shape.local_hit(query.best);
-        return hit;
+        hit.local = record.scene->local_hit(query.best);
+        return;
     }
-    hit.interpolated = query.interpolated.hit;
-    hit.local = records[query.instance].interpolated_local(*query.ray, hit.t, query.interpolated);
-    return hit;
+    hit.interpolated = query.interpolated->hit;
+    hit.local = record.interpolated_local(*query.ray, hit.t, *query.interpolated);
 }
 
 /// What a ray that starts at a hit is told of the ray that found it.
 RaySight Tracer::Implementation::sight_from(const Ray& ray, const Hit& hit) const {
-    /// In longest lines of the subpatch that was hit: from anywhere on it, the middles of the borders of another one
-    /// of its size right behind it are nearer.
-    constexpr float kReach = 2.0f;
     RaySight sight =
         hit.local.seen_by == SeenBy::RayBefore ? ray.start.sight : RaySight{ray.origin, ray.direction, ray.beam, 0.0f};
-    sight.reach = kReach * hit.local.subpatch_length / records[hit.instance].shrink;
+    sight.reach = kSightReach * hit.local.subpatch_length / records[hit.instance].shrink;
     return sight;
 }
 
+RayAnswer Tracer::Implementation::find(const Ray& ray, Visibility kind, const RayDifferential* differential,
+                                       std::optional<Hit>& hit) const {
+    const FloatEnvironment environment;
+    Query query;
+    query.differential = differential;
+    if (!start(query, ray, kind)) return RayAnswer::NotAsked;
+    ask_all(query, Wanted::Closest);
+    if (!query.found) return query.missed;
+    set_hit(query, hit.emplace());
+    return query.answer == RayAnswer::NotAsked ? query.missed : query.answer;
+}
+
 std::optional<Hit> Tracer::closest_hit(const Ray& ray, Visibility kind) const {
-    return closest(ray, kind).hit;
+    std::optional<Hit> hit;
+    implementation_->find(ray, kind, nullptr, hit);
+    return hit;
 }
 
 ClosestHit Tracer::closest(const Ray& ray, Visibility kind, const RayDifferential* differential) const {
-    const FloatEnvironment environment;
-    const Implementation& self = *implementation_;
-    Implementation::Query query;
-    query.differential = differential;
-    if (!self.start(query, ray, kind)) return {};
-    std::optional<GeometryCache::Reader> reader;
-    if (self.cache) query.reader = &reader.emplace(*self.cache);
-    if (self.scene) {
-        RTCRayHit embree_ray = query.scene_ray.embree_ray_hit();
-        embree_closest(self.scene.get(), query.context, embree_ray);
-    } else {
-        for (uint32_t i = 0; i < self.instances.size(); ++i) self.visit_closest(query, i);
-    }
-    if (!query.found) return {std::nullopt, query.missed};
-    return {self.hit_of(query), query.answer == RayAnswer::NotAsked ? query.missed : query.answer};
+    ClosestHit result;
+    result.answer = implementation_->find(ray, kind, differential, result.hit);
+    return result;
 }
 
 std::optional<Hit> Tracer::closest_on(uint32_t instance, const Ray& ray) const {
@@ -313,17 +329,9 @@ LengthAnswer Tracer::length_inside(uint32_t instance, const Ray& ray) const {
 
 bool Tracer::occluded(const Ray& ray, Visibility kind) const {
     const FloatEnvironment environment;
-    const Implementation& self = *implementation_;
     Implementation::Query query;
-    if (!self.start(query, ray, kind)) return false;
-    std::optional<GeometryCache::Reader> reader;
-    if (self.cache) query.reader = &reader.emplace(*self.cache);
-    if (self.scene) {
-        RTCRay embree_ray = query.scene_ray.embree_ray();
-        embree_any(self.scene.get(), query.context, embree_ray);
-    } else {
-        for (uint32_t i = 0; i < self.instances.size() && !query.found; ++i) self.visit_any(query, i);
-    }
+    if (!implementation_->start(query, ray, kind)) return false;
+    implementation_->ask_all(query, Implementation::Wanted::Any);
     return query.found;
 }
 
