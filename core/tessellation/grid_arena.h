@@ -30,9 +30,11 @@ class GridArena {
     enum class Kind : uint8_t { Smooth, Packed, Medium, Fine };
     static constexpr int kKinds = 4;
     /// Grids of a kind in a unit.
+    /// What is left of a unit is not used. NOLINTBEGIN(bugprone-sizeof-expression)
     static constexpr uint32_t kMediumSlots = sizeof(Grid) / sizeof(MediumGrid);
     static constexpr uint32_t kPackedSlots = sizeof(Grid) / sizeof(PackedGrid);
     static constexpr uint32_t kSmoothSlots = sizeof(Grid) / sizeof(SmoothGrid);
+    // NOLINTEND(bugprone-sizeof-expression)
     static constexpr uint32_t slots_of(Kind kind) {
         constexpr uint32_t kCounts[kKinds] = {kSmoothSlots, kPackedSlots, kMediumSlots, 1};
         return kCounts[static_cast<int>(kind)];

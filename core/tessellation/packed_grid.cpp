@@ -24,7 +24,8 @@ constexpr BilinearWeights make_weights() {
     BilinearWeights weights{};
     for (int k = 0; k < kBlockSize; ++k) {
         const float u = static_cast<float>(k % kBlockVertices) / kBlockCells;
-        const float v = static_cast<float>(k / kBlockVertices) / kBlockCells;
+        const int row = k / kBlockVertices;
+        const float v = static_cast<float>(row) / kBlockCells;
         weights.of[0][k] = (1 - u) * (1 - v);
         weights.of[1][k] = u * (1 - v);
         weights.of[2][k] = (1 - u) * v;
