@@ -47,6 +47,15 @@ def cuboid(half: Any, center: Any = (0, 0, 0)) -> Any:
     return shapes.trace.TriangleMesh("cuboid", vertices.astype(np.float32), shapes.CUBE_TRIANGLES)
 
 
+def wedge(angle: float) -> tuple[Any, float]:
+    """A prism with a level face at z = 0 and, below it, one tilted by about `angle`; and the angle that its floats have."""
+    fall = -2 * np.tan(angle)
+    vertices = np.array([[x, y, z] for y in (-1, 1) for x, z in ((-1, 0), (1, 0), (1, fall))]).astype(np.float32)
+    triangles = [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [0, 3, 5], [0, 5, 2]]
+    mesh = shapes.trace.TriangleMesh("prism", vertices, np.array(triangles, np.int32))
+    return mesh, float(np.arctan2(-vertices[2, 2].astype(float), 2.0))
+
+
 def square(size: float = 1.0) -> Any:
     """In the xy-plane, facing up."""
     vertices = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32) * np.float32(size)

@@ -54,14 +54,7 @@ def test_total_reflection_sets_in_at_the_critical_angle(excess):
     for sign, reflects in ((-1, False), (1, True)):
         angle = critical + sign * excess
         # A wedge: enter the horizontal face straight down, meet a face tilted by `angle`.
-        slope = np.tan(angle)
-        vertices = np.array([[x, y, z] for y in (-1, 1) for x, z in ((-1, 0), (1, 0), (1, -2 * slope))])
-        triangles = np.array([[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [0, 3, 5], [0, 5, 2]])
-        prism = trace.TriangleMesh("prism", vertices.astype(np.float32), triangles.astype(np.int32))
-        # The core's vertices are floats: the face's own angle decides, in double.
-        held = vertices.astype(np.float32).astype(float)
-        run, fall = held[1, 0] - held[0, 0], held[1, 2] - held[2, 2]
-        actual = np.arctan2(fall, run)
+        prism, actual = support.wedge(angle)
         tree = support.tree_of(prism, "GLASS", ior=ior)
         answers = tree.trace(np.array([[0.2, 0.1, 1.0]]), np.array([[0.0, 0.0, -1.0]]))
         assert answers["hit"][0]

@@ -184,6 +184,56 @@ def test_a_stack_of_plates_keeps_directions_wherever_it_is(offset, scale, kernel
     check_bound(place, "shift", off, 1e-6 * plates + 2 * plates * rounding(offset, scale), "sizes")
 
 
+@EVERY_KERNEL
+@EVERY_PLACE
+@pytest.mark.parametrize("excess", [1e-3, 1e-5, 2e-7])
+def test_total_reflection_sets_in_at_the_critical_angle_wherever_it_is(excess, offset, scale, kernel):
+    """Straight down through a prism's level face to its tilted one, this much flatter and steeper than the angle."""
+    ior, wrong, worst = 1.5, 0, 0.0
+    critical = np.arcsin(1 / ior)
+    for sign in (-1, 1):
+        prism, actual = support.wedge(critical + sign * excess)
+        tracer = tracer_of(prism, offset, scale, kernel)
+        directions = np.array([[0.0, 0.0, -1.0]])
+        above, _ = hits_at(tracer, offset, scale, np.array([[0.2, 0.1, 1.0]]), directions)
+        below = tracer.closest_hits(shapes.leaving(above, directions), directions)
+        assert above["instance"][0] >= 0 and below["instance"][0] >= 0
+        normal = below["facet_normal"][0].astype(float)
+        found = np.arctan2(np.hypot(normal[0], normal[1]), abs(normal[2]))
+        worst = max(worst, abs(found - actual))
+        wrong += int((found > critical) != (sign > 0))
+    place = named(f"total reflection, {excess:g} from the critical angle", offset, scale, kernel)
+    check_bound(place, "angle of incidence", worst, 1e-7, "rad")  # normals are floats
+    check_bound(place, "rays that take the wrong way", wrong, 0, "rays")
+
+
+@EVERY_KERNEL
+@EVERY_PLACE
+def test_a_chain_of_64_hits_in_a_pipe_keeps_its_direction_wherever_it_is(offset, scale, kernel):
+    """Mirrors all round, so that each hit adds what it is off."""
+    hits_wanted, half = 64, (0.05, 0.07, 8.0)
+    tracer = tracer_of(support.cuboid(half), offset, scale, kernel)
+    directions = shapes.unit(np.array([[0.8, 0.3, 0.5], [0.5, 0.7, 0.3], [0.9, 0.1, 0.2], [0.3, 0.9, 0.4]]))
+    origins, began = np.full((4, 3), offset), directions
+    held = np.float32(half).astype(float)
+    length = np.zeros(4)
+    for _ in range(hits_wanted):
+        found = tracer.closest_hits(origins, directions)
+        assert (found["instance"] >= 0).all(), "a ray left the closed pipe"
+        length += np.linalg.norm(found["facet_position"] - origins, axis=1) / scale
+        directions = shapes.unit(support.reflected(directions, found["facet_normal"].astype(float)))
+        origins = shapes.leaving(found, directions)
+    # Unfolded the way is straight: where it would be is folded back into the box.
+    unfolded = (began * length[:, None] + held) / (2 * held)
+    folded = np.abs((unfolded + 1) % 2 - 1) * 2 * held - held
+    place = named("pipe of mirrors, 64 hits", offset, scale, kernel)
+    turned = np.abs(np.abs(directions) - np.abs(began)).max()
+    check_bound(place, "direction", turned, 1e-7 * hits_wanted, "rad")
+    off = np.abs((found["facet_position"] - offset) / scale - folded).max()
+    # Every start is rounded, and a step beside its wall, of some 2^-21 of the pipe.
+    check_bound(place, "position", off, hits_wanted * (1e-6 * max(half) + 2 * rounding(offset, scale)), "sizes")
+
+
 # --- whole renders ----------------------------------------------------------------------------------------------------
 
 
