@@ -7,6 +7,7 @@
 
 #include "rays/hit.h"
 #include "tessellation/grid.h"
+#include "tessellation/step_grid.h"
 #include "tessellation/snapped_grid.h"
 
 #include <cstdint>
@@ -52,6 +53,13 @@ class Dicer {
     VertexFormat format() const { return format_; }
     virtual uint32_t subpatch_count() const = 0;
     virtual void dice(uint32_t subpatch, Grid& grid) const = 0;
+    /// Vertices in fixed numbers are multiples of 2^this, so that grids may be held in steps (StepGrid); 0: they may not.
+    virtual int step_shift() const { return 0; }
+    void dice_steps(uint32_t subpatch, StepGrid& grid) const {
+        Grid diced;
+        dice(subpatch, diced);
+        pack(diced, step_shift(), grid);
+    }
     /// By default the grid's own box.
     virtual SubpatchBounds bounds(uint32_t subpatch) const {
         Grid grid;

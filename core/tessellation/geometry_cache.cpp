@@ -29,11 +29,34 @@ class Counter {
     std::atomic<uint64_t> value_{0};
 };
 
+/// What fine grids of either format are called, where they are kept, and how they are made.
+constexpr Kind kind_of(const Grid*) {
+    return Kind::Fine;
+}
+constexpr Kind kind_of(const StepGrid*) {
+    return Kind::Steps;
+}
+Grid& grid_in(const GridArena& arena, uint32_t slot, const Grid*) {
+    return arena.fine(slot);
+}
+StepGrid& grid_in(const GridArena& arena, uint32_t slot, const StepGrid*) {
+    return arena.steps(slot);
+}
+void dice(const Dicer& dicer, uint32_t subpatch, Grid& grid) {
+    dicer.dice(subpatch, grid);
+}
+void dice(const Dicer& dicer, uint32_t subpatch, StepGrid& grid) {
+    dicer.dice_steps(subpatch, grid);
+}
+
 }  // namespace
 
 /// What a thread has of its own: room to dice without the cache, and its counters.
 struct alignas(64) GeometryCache::ThreadState {
-    Grid fine;
+    union {
+        Grid fine;
+        StepGrid steps;
+    };
     /// The medium grids asked for last, a place for all keys that leave the same remainder: rays that follow each other
     /// meet the same ones. In the first one of them too where nothing is kept.
     std::array<MediumGrid, kRecent> recent;
@@ -46,11 +69,15 @@ struct alignas(64) GeometryCache::ThreadState {
     };
     Level levels[kStoredLevels];
     /// By kind, slots that no one sees.
-    std::array<uint32_t, GridArena::kKinds> spares{GridArena::kNone, GridArena::kNone, GridArena::kNone,
-                                                   GridArena::kNone};
+    std::array<uint32_t, GridArena::kKinds> spares;
     Counter splits, parts_diced, part_bytes;
 
-    ThreadState() { recent_keys.fill(GridArena::kNone); }
+    ThreadState() {
+        recent_keys.fill(GridArena::kNone);
+        spares.fill(GridArena::kNone);
+    }
+    Grid& scratch(const Grid*) { return fine; }
+    StepGrid& scratch(const StepGrid*) { return steps; }
     /// A slot that no one sees for a grid of a kind; kNone if there is none now.
     uint32_t spare(Kind kind, GridArena& arena, ReaderEpochs& epochs) {
         uint32_t& slot = spares[static_cast<size_t>(kind)];
@@ -120,19 +147,26 @@ bool GeometryCache::deserves_slot(ThreadState& state, int level, uint32_t key) c
     return !own.thrashes || !arena_->full() || arena_->missed_lately(level == kFine ? Kind::Fine : Kind::Medium, key);
 }
 
-const Grid& GeometryCache::look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch) const {
+template <typename GridType>
+const GridType& GeometryCache::look_up(ThreadState& state, uint32_t first, const Dicer& dicer,
+                                       uint32_t subpatch) const {
+    constexpr const GridType* kFormat = nullptr;
     count_lookup(state, kFine);
-    const uint32_t key = first + subpatch, slot = arena_->find(Kind::Fine, key);
-    return slot == GridArena::kNone ? dice_missing(state, key, dicer, subpatch) : arena_->fine(slot);
+    const uint32_t key = first + subpatch, slot = arena_->find(kind_of(kFormat), key);
+    return slot == GridArena::kNone ? dice_missing<GridType>(state, key, dicer, subpatch)
+                                    : grid_in(*arena_, slot, kFormat);
 }
 
-const Grid& GeometryCache::dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer, uint32_t subpatch) const {
-    const uint32_t spare =
-        deserves_slot(state, kFine, key) ? state.spare(Kind::Fine, *arena_, epochs_) : GridArena::kNone;
-    Grid& grid = spare == GridArena::kNone ? state.fine : arena_->fine(spare);
-    dicer.dice(subpatch, grid);
-    if (spare != GridArena::kNone && arena_->publish(Kind::Fine, key, spare, epochs_))
-        state.spares[static_cast<size_t>(Kind::Fine)] = GridArena::kNone;
+template <typename GridType>
+const GridType& GeometryCache::dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer,
+                                            uint32_t subpatch) const {
+    constexpr const GridType* kFormat = nullptr;
+    constexpr Kind kKind = kind_of(kFormat);
+    const uint32_t spare = deserves_slot(state, kFine, key) ? state.spare(kKind, *arena_, epochs_) : GridArena::kNone;
+    GridType& grid = spare == GridArena::kNone ? state.scratch(kFormat) : grid_in(*arena_, spare, kFormat);
+    dice(dicer, subpatch, grid);
+    if (spare != GridArena::kNone && arena_->publish(kKind, key, spare, epochs_))
+        state.spares[static_cast<size_t>(kKind)] = GridArena::kNone;
     else
         state.levels[kFine].bypassed.add();
     return grid;
@@ -200,7 +234,7 @@ GeometryCacheStatistics GeometryCache::statistics() const {
     result.cold_counted = seen_ != nullptr;
     result.levels[kMedium].bytes =
         arena_->bytes(Kind::Medium) + arena_->bytes(Kind::Packed) + arena_->bytes(Kind::Smooth);
-    result.levels[kFine].bytes = arena_->bytes(Kind::Fine);
+    result.levels[kFine].bytes = arena_->bytes(Kind::Fine) + arena_->bytes(Kind::Steps);
     result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) + arena_->bytes();
     for (const std::atomic<ThreadState*>& each : states_) {
         const ThreadState* state = each.load(std::memory_order_acquire);
@@ -258,7 +292,16 @@ const Grid& GeometryCache::Reader::fine(const Dicer& dicer, uint32_t first, uint
         return state_->fine;
     }
     enter();
-    return cache_->look_up(*state_, first, dicer, subpatch);
+    return cache_->look_up<Grid>(*state_, first, dicer, subpatch);
+}
+
+const StepGrid& GeometryCache::Reader::steps(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
+    if (own_state_) {
+        dicer.dice_steps(subpatch, state_->steps);
+        return state_->steps;
+    }
+    enter();
+    return cache_->look_up<StepGrid>(*state_, first, dicer, subpatch);
 }
 
 void GeometryCache::Reader::count_split() const {

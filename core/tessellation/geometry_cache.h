@@ -99,8 +99,10 @@ class GeometryCache {
     ThreadState* state_of(int reader) const;
     uint64_t seen_bytes() const;
     void count_lookup(ThreadState& state, int level) const;
-    const Grid& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch) const;
-    const Grid& dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer, uint32_t subpatch) const;
+    template <typename GridType>
+    const GridType& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch) const;
+    template <typename GridType>
+    const GridType& dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer, uint32_t subpatch) const;
     const MediumGrid& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
                               const SubpatchDetail& detail) const;
     bool keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const;
@@ -122,6 +124,8 @@ class GeometryCache::Reader {
     /// `first` is the number of the dicer's first subpatch in the cache.
     const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch, const SubpatchDetail& detail) const;
     const Grid& fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
+    /// The fine level in steps, of dicers that have them.
+    const StepGrid& steps(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     /// Counts a ray that needs a subpatch split.
     void count_split() const;
     /// Beyond the fine level; not kept. Valid until the thread asks for another part of the same level.

@@ -1,6 +1,7 @@
 #include "tessellation/grid_arena.h"
 
 #include <algorithm>
+#include <thread>
 
 namespace rayleaf {
 namespace {
@@ -29,8 +30,9 @@ GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     const bool as_table = table <= budget / kTableShare;
     const uint64_t sets = as_table ? 0 : GridIndex::set_bytes(kSlots);
     const uint64_t for_units = as_table ? budget - table : budget - std::min(budget, uint64_t{64});
+    const uint64_t threads = std::min(uint64_t{std::thread::hardware_concurrency()} + 1, uint64_t{kMostReaders});
     // More would never be used, but for those on the way out and those that threads hold.
-    const uint64_t most = uint64_t{subpatches} + subpatches / kSlots + kMostOnTheWayOut + 2 * kMostReaders;
+    const uint64_t most = uint64_t{subpatches} + subpatches / kSlots + kMostOnTheWayOut + 2 * threads;
     constexpr uint64_t kNumbered = (uint64_t{1} << 32) / kSlots - 1;
     const uint64_t fitting = for_units / (sizeof(Memory) + tracking_per_unit() + sets);
     unit_count_ = static_cast<uint32_t>(std::min({fitting, most, kNumbered}));

@@ -1,8 +1,9 @@
-// The memory of the geometry cache: units that hold one fine grid, or medium ones of one of three kinds, sixteen as
-// they are, forty packed or eighty-one smooth ones (tessellation/packed_grid.h), whatever rays ask for.
+// The memory of the geometry cache: units that hold one fine grid, or two in steps (tessellation/step_grid.h), or
+// medium ones of one of three kinds, sixteen as they are, forty packed or eighty-one smooth ones
+// (tessellation/packed_grid.h), whatever rays ask for.
 //
 // Looking up takes no lock (tessellation/grid_index.h). Changes are made under a lock that is never waited for: who
-// finds it taken does without. What has to go is found by a clock: a hand goes round the units of both kinds and takes
+// finds it taken does without. What has to go is found by a clock: a hand goes round the units of all kinds and takes
 // the grids that no one asked for since it last came by. A medium grid has no more bytes to a vertex than a fine one,
 // or a few more, so the same clock is fair to both, and memory goes where rays are.
 #pragma once
@@ -13,6 +14,7 @@
 #include "tessellation/packed_grid.h"
 #include "tessellation/readers.h"
 #include "tessellation/slot_mask.h"
+#include "tessellation/step_grid.h"
 
 #include <atomic>
 #include <cstdint>
@@ -27,16 +29,17 @@ namespace rayleaf {
 class GridArena {
   public:
     static constexpr uint32_t kNone = GridIndex::kNone;
-    enum class Kind : uint8_t { Smooth, Packed, Medium, Fine };
-    static constexpr int kKinds = 4;
+    enum class Kind : uint8_t { Smooth, Packed, Medium, Steps, Fine };
+    static constexpr int kKinds = 5;
     /// Grids of a kind in a unit.
     /// What is left of a unit is not used. NOLINTBEGIN(bugprone-sizeof-expression)
     static constexpr uint32_t kMediumSlots = sizeof(Grid) / sizeof(MediumGrid);
     static constexpr uint32_t kPackedSlots = sizeof(Grid) / sizeof(PackedGrid);
     static constexpr uint32_t kSmoothSlots = sizeof(Grid) / sizeof(SmoothGrid);
     // NOLINTEND(bugprone-sizeof-expression)
+    static constexpr uint32_t kStepSlots = 2;
     static constexpr uint32_t slots_of(Kind kind) {
-        constexpr uint32_t kCounts[kKinds] = {kSmoothSlots, kPackedSlots, kMediumSlots, 1};
+        constexpr uint32_t kCounts[kKinds] = {kSmoothSlots, kPackedSlots, kMediumSlots, kStepSlots, 1};
         return kCounts[static_cast<int>(kind)];
     }
     /// Slots of a unit are numbered for the smallest grids.
@@ -63,6 +66,7 @@ class GridArena {
     /// Of the grid that was found in a slot.
     Kind kind(uint32_t slot) const { return kind_of(slot / kSlots); }
     Grid& fine(uint32_t slot) const { return memory(slot).fine; }
+    StepGrid& steps(uint32_t slot) const { return memory(slot).steps[slot % kSlots]; }
     MediumGrid& medium(uint32_t slot) const { return memory(slot).medium[slot % kSlots]; }
     SmoothGrid& smooth(uint32_t slot) const { return memory(slot).smooth[slot % kSlots]; }
     PackedGrid& packed(uint32_t slot) const { return memory(slot).packed[slot % kSlots]; }
@@ -77,17 +81,18 @@ class GridArena {
     uint64_t bytes(Kind kind) const {
         return units_of_[static_cast<int>(kind)].load(std::memory_order_relaxed) * sizeof(Memory);
     }
-    /// Of both kinds, free ones, and what keeps track of them.
+    /// Of all kinds, free ones, and what keeps track of them.
     uint64_t bytes() const;
 
   private:
     union alignas(64) Memory {
         Grid fine;
+        StepGrid steps[kStepSlots];
         MediumGrid medium[kMediumSlots];
         PackedGrid packed[kPackedSlots];
         SmoothGrid smooth[kSmoothSlots];
     };
-    static_assert(sizeof(Memory) == sizeof(Grid));
+    static_assert(sizeof(Memory) <= sizeof(Grid) + alignof(Grid));
     struct Unit {
         uint64_t stamp = 0;  ///< of what is leaving
         SlotMask free;       ///< slots that may be handed out
@@ -112,7 +117,9 @@ class GridArena {
     std::mutex mutex_;
 
     Memory& memory(uint32_t slot) const { return reinterpret_cast<Memory*>(memory_.get())[slot / kSlots]; }
-    static uint32_t key(Kind kind, uint32_t subpatch) { return 2 * subpatch + (kind == Kind::Fine ? 1 : 0); }
+    static uint32_t key(Kind kind, uint32_t subpatch) {
+        return 2 * subpatch + (kind == Kind::Fine || kind == Kind::Steps ? 1 : 0);
+    }
     static uint64_t tracking_per_unit();
     std::optional<uint32_t> take_unit(Kind kind);
     std::optional<uint32_t> take(Kind kind);

@@ -287,11 +287,13 @@ void add_quad_candidates(const SubpatchDetail& detail, const GridRay& ray, float
     test(-across, around[3], around[2], {z[0], z[3], z[2]}, 1);
 }
 
-void GridRay::set_fixed(const Vec3d& ray_origin, const Vec3d& direction, double speed) {
-    for (int axis = 0; axis < 3; ++axis) fixed_origin[axis] = ray_origin[axis] * (1.0 / kFixedStep);
+void GridRay::set_fixed(const Vec3d& ray_origin, const Vec3d& direction, double speed, double length_of_step) {
+    const double steps = 1.0 / length_of_step;  // exact: a power of two
+    for (int axis = 0; axis < 3; ++axis) fixed_origin[axis] = ray_origin[axis] * steps;
+    step = static_cast<float>(length_of_step);
     fixed_shear_x = direction[axis_x] / direction[axis_z];
     fixed_shear_y = direction[axis_y] / direction[axis_z];
-    fixed_scale_z = kFixedStep * (speed / direction[axis_z]);
+    fixed_scale_z = length_of_step * (speed / direction[axis_z]);
 }
 
 GridRay::GridRay(const Vec3f& ray_origin, const Vec3f& direction) {

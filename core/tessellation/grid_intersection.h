@@ -28,7 +28,8 @@ struct GridRay {
     GridRay() = default;
     GridRay(const Vec3f& ray_origin, const Vec3f& direction);
     /// For grids of fixed numbers: the same ray in double; `direction` has the length `speed`.
-    void set_fixed(const Vec3d& ray_origin, const Vec3d& direction, double speed);
+    /// In steps of this length, local units.
+    void set_fixed(const Vec3d& ray_origin, const Vec3d& direction, double speed, double length_of_step);
 
     float origin[3];                  ///< by axis
     int near_side[3];                 ///< of a box, by axis: 0 where the ray runs towards higher coordinates, else 1
@@ -38,6 +39,7 @@ struct GridRay {
     float shear_x, shear_y, scale_z;  ///< dx/dz, dy/dz, 1/dz
     /// The same for fixed numbers, set_fixed() only: the origin in their steps, dx/dz, dy/dz, step/dz.
     double fixed_origin[3], fixed_shear_x, fixed_shear_y, fixed_scale_z;
+    float step;
 };
 
 /// How far single precision may move a corner aside in the ray's space, local units: as far as a ray's points beside a

@@ -7,28 +7,34 @@
 namespace rayleaf {
 namespace {
 
+/// The nearest number of steps of 2^shift.
+int32_t fixed_number(double local, int shift) {
+    return static_cast<int32_t>(std::lrint(local / step_length(shift))) * (1 << shift);
+}
+
 /// Packs the vertices of a block, (i, j) at first[j * stride + i], into a grid of fixed numbers.
-void pack_block(const Vec3d* first, int stride, int block, Grid& grid) {
+void pack_block(const Vec3d* first, int stride, int block, int shift, Grid& grid) {
     Box3d box;
+    const float padding = kBlockPadding + static_cast<float>(step_length(shift));
     for (int j = 0; j < kBlockVertices; ++j) {
         for (int i = 0; i < kBlockVertices; ++i) {
             const Vec3d& vertex = first[j * stride + i];
             box.extendBy(vertex);
             for (int axis = 0; axis < 3; ++axis)
-                grid.fixed[block][axis][j * kBlockVertices + i] = fixed_number(vertex[axis]);
+                grid.fixed[block][axis][j * kBlockVertices + i] = fixed_number(vertex[axis], shift);
         }
     }
     for (int axis = 0; axis < 3; ++axis) {
-        grid.boxes[axis][0][block] = static_cast<float>(box.min[axis]) - kBlockPadding;
-        grid.boxes[axis][1][block] = static_cast<float>(box.max[axis]) + kBlockPadding;
+        grid.boxes[axis][0][block] = static_cast<float>(box.min[axis]) - padding;
+        grid.boxes[axis][1][block] = static_cast<float>(box.max[axis]) + padding;
     }
 }
 
 /// All blocks of a grid whose vertices are [j][i].
-void pack(const Vec3d (&vertices)[kGridVertices][kGridVertices], Grid& grid) {
+void pack_all(const Vec3d (&vertices)[kGridVertices][kGridVertices], int shift, Grid& grid) {
     for (int block = 0; block < kBlocks; ++block)
         pack_block(&vertices[block / kBlocksAlong * kBlockCells][block % kBlocksAlong * kBlockCells], kGridVertices,
-                   block, grid);
+                   block, shift, grid);
 }
 
 }  // namespace
@@ -137,7 +143,7 @@ void SweptDicer::dice(uint32_t subpatch, Grid& grid) const {
     if (const std::optional<uint32_t> fill = fill_of(subpatch)) {
         Vec3d vertices[kGridVertices][kGridVertices];
         fills_[*fill].place(subpatch - first_fill_subpatch_[*fill], vertices);
-        pack(vertices, grid);
+        pack_all(vertices, shift_, grid);
         return;
     }
     const TubePlace place = tube_place(subpatch);
@@ -158,7 +164,7 @@ void SweptDicer::dice_wall(const TubePlace& place, Grid& grid) const {
     const auto blocks_along = static_cast<int>(part.layout.blocks_along), stride = static_cast<int>(along.size());
     for (int block = 0; block < kBlocks; ++block)
         pack_block(vertices + (block / blocks_along * stride + block % blocks_along) * kBlockCells, stride, block,
-                   grid);
+                   shift_, grid);
 }
 
 /// Column 0 of an end's cap is its outline, the others the point that the fan turns about; that of a begin is the
@@ -193,7 +199,7 @@ void SweptDicer::dice_cap(const TubePlace& place, Grid& grid) const {
             vertices[j][i] = ring.at(rim ? outline[j] : inner[j]);
         }
     }
-    pack(vertices, grid);
+    pack_all(vertices, shift_, grid);
 }
 
 SubpatchBounds SweptDicer::bounds(uint32_t subpatch) const {
@@ -221,7 +227,8 @@ SubpatchBounds SweptDicer::bounds(uint32_t subpatch) const {
         }
         box.extendBy(square);
     }
-    const Vec3f padding(2.0f * kBlockPadding);  // once for rounding to fixed and float numbers
+    const Vec3f padding(2.0f * kBlockPadding +
+                        static_cast<float>(step_length(shift_)));  // once for rounding to fixed and float numbers
     return {{Vec3f(box.min) - padding, Vec3f(box.max) + padding}, tube_around(along, middle, reach)};
 }
 

@@ -31,6 +31,7 @@ class SweptDicer final : public Dicer {
     ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override;
     std::optional<PlaceInGrid> place_in_grid(const ElementPlace& place) const override;
     size_t bytes() const override;
+    int step_shift() const override { return shift_; }
 
   private:
     /// One profile along one spline.
@@ -71,6 +72,7 @@ class SweptDicer final : public Dicer {
     std::vector<FillCells> fills_;                     ///< by the surface's fills
     std::vector<uint32_t> first_fill_subpatch_;        ///< of each
     uint32_t subpatch_count_ = 0;
+    int shift_ = 0;  ///< vertices are multiples of 2^this steps
 
     void plan(const FacetTolerance& tolerance);
     void number();
@@ -86,6 +88,7 @@ class SweptDicer final : public Dicer {
     static PieceNeed need_of(const SweepPath& path, const SweepPiece& piece, double extent,
                              const FacetTolerance& tolerance);
     void fold(const std::vector<PieceNeed>& needs);
+    void choose_steps(const std::vector<PieceNeed>& needs);
     WallLayout layout(const TubePlace& place) const;
     /// The rings of a wall's grid, and the profile's corners in it.
     struct WallPart {

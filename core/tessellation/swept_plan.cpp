@@ -24,6 +24,11 @@ constexpr int kLooks = 5;
 /// tube meet too many of them.
 constexpr double kLeastLength = 0.3;
 
+/// The longest steps in which vertices may be held: local units, shares of the wanted distance and of a tube's width.
+constexpr double kLongestStep = 0x1p-18, kStepInTolerance = 0.125, kStepInWidth = 0x1p-10;
+/// A middle line is longer than the chords by which it is measured; more than at most, and boxes tell in the end.
+constexpr double kLongerThanChords = 1.2;
+
 }  // namespace
 
 /// What a view asks of a piece, and how large it is.
@@ -32,6 +37,7 @@ struct SweptDicer::PieceNeed {
     double profile_error = 0;  ///< the most that chords may lie from the profile, profile units
     double length = 0;         ///< of its middle line, about
     double width = 0;
+    double wanted = 0;  ///< how far facets may lie from the surface
 };
 
 SweptDicer::PieceNeed SweptDicer::need_of(const SweepPath& path, const SweepPiece& piece, double extent,
@@ -47,6 +53,7 @@ SweptDicer::PieceNeed SweptDicer::need_of(const SweepPath& path, const SweepPiec
         if (k > 0) need.length += (rings[k].center - rings[k - 1].center).length();
     }
     const double wanted = tolerance(box);
+    need.wanted = wanted;
     need.profile_error = radius > 0.0 ? wanted / radius : std::numeric_limits<double>::infinity();
     const double size = radius * extent;
     need.width = 2.0 * size;
@@ -116,6 +123,7 @@ void SweptDicer::plan(const FacetTolerance& tolerance) {
         if (static_cast<double>(grids) * each <= kMostSweptSubpatches || share < kLeastShare) break;
     }
     fold(needs);
+    choose_steps(needs);
 }
 
 void SweptDicer::fold(const std::vector<PieceNeed>& needs) {
@@ -136,6 +144,31 @@ void SweptDicer::fold(const std::vector<PieceNeed>& needs) {
                 tube.blocks_along /= 2;
         }
     }
+}
+
+/// Steps of grids: long enough for each grid's box, if that is short enough for what the view asks and for the
+/// thinnest tube to be round. Filled areas are too large for it.
+void SweptDicer::choose_steps(const std::vector<PieceNeed>& needs) {
+    const SweepPath& path = surface_->path();
+    if (!surface_->fills().empty()) return;
+    double longest = 0.0, shortest = kLongestStep;
+    for (size_t s = 0; s < path.splines.size(); ++s) {
+        const SweepSpline& spline = path.splines[s];
+        uint8_t blocks = 0;
+        for (size_t profile = 0; profile < profiles_.size(); ++profile)
+            blocks = std::max(blocks, tubes_[profile * path.splines.size() + s].blocks_along);
+        for (uint32_t k = 0; k < spline.piece_count; ++k) {
+            const uint32_t piece = spline.first_piece + k;
+            const uint32_t end = k + 1 == spline.piece_count ? cells_along_[s] : first_cell_[piece + 1];
+            const PieceNeed& need = needs[piece];
+            const double cell = need.length / (end - first_cell_[piece]);
+            longest = std::max(longest, kLongerThanChords * cell * blocks * kBlockCells + need.width);
+            shortest = std::min({shortest, need.wanted * kStepInTolerance, need.width * kStepInWidth});
+        }
+    }
+    int shift = kLeastShift;
+    while (longest > step_length(shift) * kMostSteps && step_length(shift) <= shortest) ++shift;
+    if (step_length(shift) <= shortest) shift_ = shift;
 }
 
 SweptDicer::WallLayout SweptDicer::layout(const TubePlace& place) const {

@@ -3,6 +3,8 @@
 #include "geometry/patch_surface.h"
 #include "geometry/subdivision_surface.h"
 
+#include <bit>
+
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_reduce.h>
 
@@ -51,6 +53,15 @@ bool passes_beside(const SubpatchBounds::Tube& tube, const Vec3f& origin, const 
     return least_of(nearest.dot(nearest)) > reach * reach;
 }
 
+/// Offers a facet of a subpatch without levels.
+bool offer_fixed_facet(ShapeQuery& query, const FacetId& facet, const FacetCorners& corners) {
+    if (!query.offer(facet, corners)) return false;
+    query.best.area = area_vector(corners);
+    query.best.place = parameters_in_cell(facet.part, query.best.point.u, query.best.point.v);
+    query.best.levels = SubpatchLevels{}.packed();
+    return true;
+}
+
 /// Levels up to a finest one: alike on both sides of a border, for all of a shape has the same.
 SubpatchLevels limited(SubpatchLevels levels, int finest) {
     const auto most = static_cast<uint8_t>(finest);
@@ -64,10 +75,13 @@ SubpatchLevels limited(SubpatchLevels levels, int finest) {
 GridScene::GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, const CancelToken& cancel)
     : ShapeScene(shape, dicer->format() == VertexFormat::Fixed ? FacetKind::FixedGrids : FacetKind::Grids),
       dicer_(std::move(dicer)),
-      kernels_(grid_kernels()) {
+      kernels_(grid_kernels()),
+      step_kernels_(step_kernels()) {
     const uint32_t count = dicer_->subpatch_count();
     if (count == 0) return;
     const Box3f box = measure(cancel);
+    in_steps_ = fits_steps();
+    step_ = in_steps_ ? step_length(dicer_->step_shift()) : kFixedStep;
     EmbreeScene scene = new_embree_scene(cancel);
     build_embree_scene(scene, new_user_geometry(this, count, {bounds_callback, closest_callback, any_callback}));
     set_scene(std::move(scene), box);
@@ -113,6 +127,14 @@ Box3f GridScene::measure(const CancelToken& cancel) {
     return all;
 }
 
+/// Whether vertices in steps from a subpatch's corner fit 16 bits.
+bool GridScene::fits_steps() const {
+    if (dicer_->step_shift() == 0) return false;
+    const double most = step_length(dicer_->step_shift()) * kMostSteps;
+    return std::all_of(boxes_.begin(), boxes_.end(),
+                       [most](const Box3f& box) { return max_abs(Vec3d(box.max) - Vec3d(box.min)) <= most; });
+}
+
 /// Where few subpatches are thin, boxes do: a table that no one needs is not kept.
 void GridScene::keep_tubes(std::vector<SubpatchBounds::Tube> tubes) {
     const auto is_thin = [](const SubpatchBounds::Tube& tube) {
@@ -137,8 +159,10 @@ void GridScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
 }
 
 void GridScene::prepare(ShapeQuery& query) const {
-    if (details_.empty()) return;
     const LocalRay& ray = *query.ray;
+    if (dicer_->format() == VertexFormat::Fixed)
+        query.grid_ray.set_fixed(ray.origin + ray.direction * ray.start, ray.direction, ray.speed, step_);
+    if (details_.empty()) return;
     const LevelRule& rule = query.reader->rule();
     LevelChooser& levels = query.levels.emplace(LevelSight(rule, ray.origin, ray.direction, ray.beam, ray.stretch));
     if (ray.before)
@@ -193,10 +217,29 @@ bool GridScene::offer_fixed(ShapeQuery& query, uint32_t subpatch, float t_max) c
             const auto [t, triangle] = candidates.take_nearest();
             if (t > t_max) break;
             const FacetCorners corners = grid.corners(triangle, VertexFormat::Fixed);
-            if (!query.offer({subpatch, triangle}, corners)) continue;
-            query.best.area = area_vector(corners);
-            query.best.place = parameters_in_cell(triangle, query.best.point.u, query.best.point.v);
-            query.best.levels = SubpatchLevels{}.packed();
+            if (!offer_fixed_facet(query, {subpatch, triangle}, corners)) continue;
+            t_max = query.ray->float_distance(query.farthest);
+            found = true;
+        }
+    }
+    return found;
+}
+
+/// The same for a grid in steps.
+bool GridScene::offer_steps(ShapeQuery& query, uint32_t subpatch, float t_max) const {
+    const StepGrid& grid = query.reader->steps(*dicer_, first_subpatch(), subpatch);
+    NearBlocks blocks;
+    step_kernels_.find_near_blocks(grid, query.grid_ray, t_max, blocks);
+    if (blocks.empty()) return false;
+    const StepRay ray(grid, query.grid_ray);
+    bool found = false;
+    while (!blocks.empty()) {
+        const uint32_t block = blocks.take_nearest();
+        if (blocks.near[block] > t_max) break;
+        for (uint32_t bits = step_kernels_.find_triangles(grid, block, ray); bits != 0; bits &= bits - 1) {
+            const uint32_t triangle = step_triangle(block, static_cast<uint32_t>(std::countr_zero(bits)));
+            if (!passes(grid, triangle, query.grid_ray)) continue;
+            if (!offer_fixed_facet(query, {subpatch, triangle}, grid.corners(triangle, step_))) continue;
             t_max = query.ray->float_distance(query.farthest);
             found = true;
         }
@@ -232,7 +275,7 @@ bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
     if (details_.empty()) {
         if (!tubes_.empty() && passes_beside(tubes_[subpatch], query.ray->float_origin, query.ray->float_direction))
             return false;
-        return offer_fixed(query, subpatch, t_max);
+        return in_steps_ ? offer_steps(query, subpatch, t_max) : offer_fixed(query, subpatch, t_max);
     }
     const GeometryCache::Reader& reader = *query.reader;
     const SubpatchLevels levels =
@@ -315,13 +358,17 @@ LocalHit GridScene::local_hit(const ShapeHit& hit) const {
     return local;
 }
 
+FacetCorners GridScene::fine_corners(const GeometryCache::Reader& reader, uint32_t subpatch, uint32_t triangle) const {
+    return in_steps_ ? reader.steps(*dicer_, first_subpatch(), subpatch).corners(triangle, step_)
+                     : reader.fine(*dicer_, first_subpatch(), subpatch).corners(triangle, dicer_->format());
+}
+
 LocalHit GridScene::on_facet(const LocalHit& hit) const {
     const std::optional<PlaceInGrid> place = dicer_->place_in_grid({hit.primitive, hit.u, hit.v});
     if (!place) return hit;
     const GridPlace in_grid = grid_place(place->at);
     const GeometryCache::Reader reader(*geometry_cache());
-    const FacetCorners corners =
-        reader.fine(*dicer_, first_subpatch(), place->subpatch).corners(in_grid.triangle, dicer_->format());
+    const FacetCorners corners = fine_corners(reader, place->subpatch, in_grid.triangle);
     LocalHit result = hit;
     result.position =
         corners[0] + (corners[1] - corners[0]) * in_grid.weight1 + (corners[2] - corners[0]) * in_grid.weight2;

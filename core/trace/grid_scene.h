@@ -4,6 +4,7 @@
 
 #include "tessellation/dicer.h"
 #include "tessellation/grid_intersection.h"
+#include "tessellation/step_intersection.h"
 #include "trace/shape_scene.h"
 
 #include <memory>
@@ -26,6 +27,9 @@ class GridScene final : public ShapeScene {
   private:
     std::unique_ptr<const Dicer> dicer_;
     GridKernels kernels_;
+    StepKernels step_kernels_;
+    double step_ = 0;                      ///< of vertices in fixed numbers as the kernels take them
+    bool in_steps_ = false;                ///< grids are StepGrid
     std::vector<SubpatchDetail> details_;  ///< none where the dicer has no levels
     /// Of subpatches without levels, where it pays to ask before a grid is looked up.
     std::vector<SubpatchBounds::Tube> tubes_;
@@ -34,12 +38,15 @@ class GridScene final : public ShapeScene {
     struct PartSearch;
     Box3f measure(const CancelToken& cancel);
     Box3f measure_subpatch(uint32_t subpatch, SubpatchBounds::Tube* tube);
+    bool fits_steps() const;
     void prepare(ShapeQuery& query) const override;
     void keep_tubes(std::vector<SubpatchBounds::Tube> tubes);
     bool visit(ShapeQuery& query, uint32_t subpatch, float t_max) const;
     bool offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_t subpatch, const SubpatchLevels& levels,
                       float t_max) const;
     bool offer_fixed(ShapeQuery& query, uint32_t subpatch, float t_max) const;
+    bool offer_steps(ShapeQuery& query, uint32_t subpatch, float t_max) const;
+    FacetCorners fine_corners(const GeometryCache::Reader& reader, uint32_t subpatch, uint32_t triangle) const;
     bool visit_parts(PartSearch& search, const Grid& grid, const GridPart& place) const;
     bool offer_part(PartSearch& search, const Grid& grid, const GridPart& place) const;
 

@@ -66,8 +66,6 @@ struct ShapeQuery {
           best(hit),
           farthest(local.t_max) {
         initialize(context);
-        if (kind == FacetKind::FixedGrids)
-            grid_ray.set_fixed(local.origin + local.direction * local.start, local.direction, local.speed);
     }
     static ShapeQuery& of(EmbreeContext* context) { return *reinterpret_cast<ShapeQuery*>(context); }
 
