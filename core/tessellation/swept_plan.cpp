@@ -25,7 +25,7 @@ constexpr int kLooks = 5;
 constexpr double kLeastLength = 0.3;
 
 /// The longest steps in which vertices may be held: local units, shares of the wanted distance and of a tube's width.
-constexpr double kLongestStep = 0x1p-18, kStepInTolerance = 0.125, kStepInWidth = 0x1p-10;
+constexpr double kLongestStep = 0x1p-16, kStepInTolerance = 0.125, kStepInWidth = 0x1p-10;
 /// A middle line is longer than the chords by which it is measured; more than at most, and boxes tell in the end.
 constexpr double kLongerThanChords = 1.2;
 
