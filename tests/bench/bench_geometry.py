@@ -18,7 +18,7 @@ from typing import Any
 
 import bench_trace
 import numpy as np
-from geometry_rays import Doubles, Rays, cracks_in_shells, hills, mixed_rays
+from geometry_rays import Doubles, Rays, cracks_in_shells, hills, mixed_rays, offset
 from rayleaf import _core
 
 PRINTS_ITSELF = True
@@ -30,7 +30,9 @@ SHELL_RAYS, QUICK_SHELL_RAYS = 10_000_000, 100_000
 DISPLACED_SHARE = 5  # one of so many of these meets a displaced shell
 # Facets as near to the surface as a share of a ray's width: so small that the size of quads decides, or as by default.
 BY_SIZE, BY_DEFAULT = 1e-9, 0.1
-# Displaced by noise: of so many patches around a torus, with so much memory, a fortieth of all.
+# What a displacement may cost a vertex, where its time is added to what was measured without one.
+ASSUMED_NANOSECONDS = 100
+# Displaced: of so many patches around a torus, with so much memory, a fortieth of all.
 DISPLACED_RESOLUTION, QUICK_DISPLACED_RESOLUTION = 20, 6
 DISPLACED_WIDTH, QUICK_DISPLACED_WIDTH = 128, 32
 # A scene that fits into the default budget, all of its levels: of so many patches around a torus.
@@ -49,12 +51,19 @@ class Figures:
     megabytes: float
     speed: float  # Mrays/s
     counters: dict[str, Any]
+    rays: int
+    diced: int = 0  # vertices of the second pass, which is the one with the speed
     again: float = 0.0  # million vertices
 
     @property
     def name(self) -> str:
         """For rows."""
         return f"{self.mode.lower()}, {self.megabytes:g} MB"
+
+    def displaced_speed(self) -> float:
+        """Mrays/s, had each vertex of the pass cost ASSUMED_NANOSECONDS more."""
+        rays = self.rays / 1e6
+        return rays / (rays / self.speed + ASSUMED_NANOSECONDS * 1e-9 * self.diced)
 
     def level(self, name: str, what: str) -> int:
         """One counter of a level."""
@@ -89,7 +98,8 @@ def measured(tracer: Any, rays: Rays, mode: str, megabytes: float) -> tuple[Figu
     tracer.timed_closest(**rays)
     counters = tracer.statistics()["geometry_cache"]
     seconds, t = tracer.timed_closest(**rays)
-    return Figures(mode, megabytes, len(t) / seconds / 1e6, counters), t
+    diced = tracer.statistics()["geometry_cache"]["vertices_diced"] - counters["vertices_diced"]
+    return Figures(mode, megabytes, len(t) / seconds / 1e6, counters, len(t), diced), t
 
 
 def sweep(surface: Any, rays: Rays, mode: str) -> list[Figures]:
@@ -163,23 +173,37 @@ def compare_fitting(reach: Reach, width: int) -> None:
     reach.add("a scene that fits: speed over Embree's grid", speeds["MULTI"] / grid[0], 1.0)
 
 
-def compare_displaced(reach: Reach, resolution: int, width: int) -> None:
-    """The same surfaces with a costly vertex: displaced by noise."""
-    surface = hills(bench_trace.scene(resolution), 20.0, 0.01)
+def compare_displaced(reach: Reach, name: str, surface: Any, width: int) -> None:
+    """A surface whose vertices are costly, with memory for a fortieth of it."""
     begin = time.process_time()
     built = made(surface, 1000, "MULTI")[0]
     seconds = time.process_time() - begin
     subpatches = built.statistics()["subpatches"]
     megabytes = 12e-6 * 289 * subpatches / 40
     rays = {"MULTI": mixed_rays(built, width), "SINGLE": mixed_rays(made(surface, 1000, "SINGLE")[0], width)}
+    rays["NONE"] = rays["MULTI"]
     # The build dices everything once, and some more to see that it is fine enough.
-    vertex = seconds / (289 * subpatches)
-    print(f"\nDisplaced, {subpatches} subpatches, {megabytes:.1f} MB, about {1e9 * vertex:.0f} ns a vertex")
-    found = {mode: measured(made(surface, megabytes, mode)[0], rays[mode], mode, megabytes)[0] for mode in rays}
+    nanoseconds = 1e9 * seconds / (289 * subpatches)
+    print(f"\nDisplaced {name}, {subpatches} subpatches, {megabytes:.1f} MB, about {nanoseconds:.0f} ns a vertex")
+    budgets = {"MULTI": megabytes, "SINGLE": megabytes, "NONE": 0}
+    found = {mode: measured(made(surface, budgets[mode], mode)[0], rays[mode], mode, budgets[mode])[0] for mode in rays}
     for mode, figures in found.items():
-        again = figures.counters["vertices_recomputed"] / 1e6
-        print(f"  {mode.lower():<8}{figures.speed:>8.4f} Mrays/s {again:>10.2f} million vertices again")
-    reach.add("displaced: speed over a single resolution", found["MULTI"].speed / found["SINGLE"].speed, 10)
+        print(f"  {mode.lower():<8}{figures.speed:>8.4f} Mrays/s {figures.diced / 1e6:>10.2f} million vertices a pass")
+    each = f"displaced {name}, {nanoseconds:.0f} ns a vertex: speed over"
+    reach.add(f"{each} one resolution", found["MULTI"].speed / found["SINGLE"].speed, 10)
+    reach.add(f"{each} no cache", found["MULTI"].speed / found["NONE"].speed, 1.0)
+
+
+def compare_assumed(reach: Reach, multi: Figures, single: Figures, none: Figures) -> None:
+    """The cheapest displacement costs more than ASSUMED_NANOSECONDS: what those would make of the speeds measured."""
+    print(
+        f"\nHad each vertex cost {ASSUMED_NANOSECONDS} ns more, worked out from vertices and seconds of the same pass"
+    )
+    for figures in (multi, single, none):
+        counted = f"{figures.diced / 1e6:>10.2f} million vertices"
+        print(f"  {figures.mode.lower():<8}{figures.displaced_speed():>8.4f} Mrays/s {counted}")
+    ratio = multi.displaced_speed() / single.displaced_speed()
+    reach.add(f"{ASSUMED_NANOSECONDS} ns a vertex, worked out: speed over one resolution", ratio, 10)
 
 
 def compare_none(surface: Any, rays: dict[str, Rays]) -> dict[str, Figures]:
@@ -243,11 +267,11 @@ def run(quick: bool = False, small: bool = False) -> list[Row]:
     reach.add("vertices computed again, 100 MB single over 1 MB multi", again["SINGLE", 100] / again["MULTI", 1], 10)
     reach.add("speed over a single resolution", default.speed / at["SINGLE", DEFAULT_BUDGET].speed, 1.0)
     reach.add("speed over no cache", default.speed / nothing["NONE"].speed, 1.0)
+    compare_assumed(reach, default, at["SINGLE", DEFAULT_BUDGET], nothing["NONE"])
     compare_fitting(reach, width)
-    if quick:
-        compare_displaced(reach, QUICK_DISPLACED_RESOLUTION, QUICK_DISPLACED_WIDTH)
-    else:
-        compare_displaced(reach, DISPLACED_RESOLUTION, DISPLACED_WIDTH)
+    plain = bench_trace.scene(QUICK_DISPLACED_RESOLUTION if quick else DISPLACED_RESOLUTION)
+    for name, displaced in (("evenly", offset(plain, 0.01)), ("by noise", hills(plain, 20.0, 0.01))):
+        compare_displaced(reach, name, displaced, QUICK_DISPLACED_WIDTH if quick else DISPLACED_WIDTH)
     shells = QUICK_SHELL_RAYS * DISPLACED_SHARE if quick or small else SHELL_RAYS
     for displaced, share in ((False, shells - shells // DISPLACED_SHARE), (True, shells // DISPLACED_SHARE)):
         name = f"parity errors of {share} rays through a{' displaced' if displaced else ''} shell of mixed levels"

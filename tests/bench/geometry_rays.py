@@ -71,6 +71,14 @@ def hills(surface: Any, scale: float, height: float) -> Any:
     return _core.displaced(surface, program, object=program.operation("vector_math", [normal, amount], text="MULTIPLY"))
 
 
+def offset(surface: Any, height: float) -> Any:
+    """The surface moved evenly along its normal: about the cheapest displacement, its point and normal and a product."""
+    program = _core.Program("displacement")
+    amount = program.constant(height, height, height, height)
+    normal = program.operation("object_normal")
+    return _core.displaced(surface, program, object=program.operation("vector_math", [normal, amount], text="MULTIPLY"))
+
+
 def cracks_in_shells(count: int, displaced: bool) -> int:
     """How many of so many rays of all widths find crossings that no closed shell has."""
     random = np.random.default_rng(5)
