@@ -25,7 +25,7 @@ constexpr int kLooks = 5;
 constexpr double kLeastLength = 0.3;
 
 /// The longest steps in which vertices may be held: local units, shares of the wanted distance and of a tube's width.
-constexpr double kLongestStep = 0x1p-16, kStepInTolerance = 0.125, kStepInWidth = 0x1p-10;
+constexpr double kLongestStep = 0x1p-18, kStepInTolerance = 0.125, kStepInWidth = 0x1p-10;
 /// A middle line is longer than the chords by which it is measured; more than at most, and boxes tell in the end.
 constexpr double kLongerThanChords = 1.2;
 
@@ -139,9 +139,10 @@ void SweptDicer::fold(const std::vector<PieceNeed>& needs) {
         for (size_t profile = 0; profile < profiles_.size(); ++profile) {
             Tube& tube = tubes_[profile * path.splines.size() + s];
             const auto around = static_cast<uint32_t>(profiles_[profile][tube.level].count);
-            while (tube.blocks_along > 1 && around % (2 * kBlocks / tube.blocks_along * kBlockCells) == 0 &&
-                   tube.blocks_along / 2 * block >= kLeastLength * width)
-                tube.blocks_along /= 2;
+            for (uint8_t half = tube.blocks_along / 2; half > 0; half /= 2) {
+                if (around % (kBlocks / half * kBlockCells) != 0 || half * block < kLeastLength * width) break;
+                tube.blocks_along = half;
+            }
         }
     }
 }
@@ -194,15 +195,17 @@ CellPlace cell_place(double at, uint32_t cells) {
 Vec2d SweptDicer::WallLayout::unfolded(const Vec2d& at) const {
     const CellPlace i = cell_place(at.x, kGridCells), j = cell_place(at.y, kGridCells);
     const uint32_t block = j.cell / kBlockCells * kBlocksAlong + i.cell / kBlockCells;
-    return {block % blocks_along * kBlockCells + i.cell % kBlockCells + i.within,
-            block / blocks_along * kBlockCells + j.cell % kBlockCells + j.within};
+    const uint32_t column = block % blocks_along * kBlockCells + i.cell % kBlockCells;
+    const uint32_t row = block / blocks_along * kBlockCells + j.cell % kBlockCells;
+    return {column + i.within, row + j.within};
 }
 
 Vec2d SweptDicer::WallLayout::folded(const Vec2d& at) const {
     const CellPlace i = cell_place(at.x, cells_along()), j = cell_place(at.y, cells_around());
     const uint32_t block = j.cell / kBlockCells * blocks_along + i.cell / kBlockCells;
-    return {block % kBlocksAlong * kBlockCells + i.cell % kBlockCells + i.within,
-            block / kBlocksAlong * kBlockCells + j.cell % kBlockCells + j.within};
+    const uint32_t column = block % kBlocksAlong * kBlockCells + i.cell % kBlockCells;
+    const uint32_t row = block / kBlocksAlong * kBlockCells + j.cell % kBlockCells;
+    return {column + i.within, row + j.within};
 }
 
 }  // namespace rayleaf
