@@ -54,7 +54,12 @@ Vec4f PixelSums::value(Pass pass) const {
     const PassRuleInfo info = rule(pass);
     const Vec4d& sum = sums_[static_cast<size_t>(pass)];
     if (info.rule == PassRule::FirstSample) return Vec4f(sum);
-    if (info.rule == PassRule::Mean) return Vec4f(sum / std::max(count_, 1));
+    if (info.rule == PassRule::Mean) {
+        Vec4f mean(sum / std::max(count_, 1));
+        // Where a material passes and scatters more light than comes, alpha is right in the mean of many samples only.
+        if (pass == Pass::combined) mean.w = std::clamp(mean.w, 0.0f, 1.0f);
+        return mean;
+    }
     const Vec4d& color = sums_[static_cast<size_t>(info.color)];
     constexpr double kLargest = std::numeric_limits<float>::max();
     Vec4f value(0.0f);
