@@ -138,13 +138,14 @@ bpy.ops.render.render()
 report(taken=taken)
 """
     first, second, still = run_blender(SETUP + script).report["taken"]
+    # The second buys the few cells that only both frames' rays together pay for.
+    assert first > 0 and second < 0.25 * first
     # Two threads may take the same sample at the same time, so the count differs by a few.
-    assert first > 0 and second == 0 and abs(still - first) < 0.05 * first
+    assert abs(still - first) < 0.05 * first
 
 
-def test_frames_of_an_animation_look_the_same_alone(run_blender, tmp_path):
+def test_frames_of_an_animation_look_as_they_do_alone_within_the_error(run_blender, tmp_path):
     script = f"""
-import numpy as np
 rays.mode = "ON"
 scene.frame_start, scene.frame_end = 1, 2
 image.file_format = "OPEN_EXR"
@@ -161,4 +162,6 @@ bpy.ops.render.render(write_still=True)
     run_blender(SETUP + script)
     together, alone = plain_exr.read(tmp_path / "frame_0002.exr"), plain_exr.read(tmp_path / "alone.exr")
     assert together.keys() == alone.keys()
-    assert all(np.array_equal(together[name], alone[name]) for name in alone)
+    for name in alone:
+        # A cache that is kept interpolates more: the mean difference stays within the setting's error.
+        assert np.abs(together[name] - alone[name]).mean() <= 0.005, name
