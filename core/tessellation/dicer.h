@@ -7,8 +7,8 @@
 
 #include "rays/hit.h"
 #include "tessellation/grid.h"
-#include "tessellation/step_grid.h"
 #include "tessellation/snapped_grid.h"
+#include "tessellation/step_grid.h"
 
 #include <cstdint>
 #include <functional>
@@ -53,7 +53,8 @@ class Dicer {
     VertexFormat format() const { return format_; }
     virtual uint32_t subpatch_count() const = 0;
     virtual void dice(uint32_t subpatch, Grid& grid) const = 0;
-    /// Vertices in fixed numbers are multiples of 2^this, so that grids may be held in steps (StepGrid); 0: they may not.
+    /// Vertices in fixed numbers are multiples of 2^this, so that grids may be held in steps (StepGrid); 0: they may
+    /// not.
     virtual int step_shift() const { return 0; }
     void dice_steps(uint32_t subpatch, StepGrid& grid) const {
         Grid diced;
