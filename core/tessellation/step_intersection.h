@@ -2,8 +2,8 @@
 //
 // Single precision finds the cells of a block that the ray may pass, all sixteen at once, with a margin for its
 // rounding; the edge functions of their triangles are then computed in double precision from whole numbers of steps, by
-// the same operations in every grid (grid_intersection.h). So a ray that passes between facets is found by neither, or
-// by both, and what is found does not depend on the processor.
+// the same operations in every grid (grid_intersection.h), and edges belong to the facets on either side. So no ray
+// passes between facets, and what is found does not depend on the processor.
 #pragma once
 
 #include "tessellation/grid_intersection.h"
