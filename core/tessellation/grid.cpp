@@ -27,8 +27,8 @@ Vec2d grid_parameters(uint32_t triangle, double weight1, double weight2) {
 }
 
 Vec2d parameters_in_cell(uint32_t triangle, double weight1, double weight2) {
-    const uint32_t cell = triangle / 2;
-    const Vec2d first(cell % kGridCells, cell / kGridCells);
+    const uint32_t cell = triangle / 2, column = cell % kGridCells, row = cell / kGridCells;
+    const Vec2d first(column, row);
     const Vec2d within = grid_parameters(triangle, weight1, weight2) - first;
     return first + Vec2d(std::min(within.x, kBelowOne), std::min(within.y, kBelowOne));
 }

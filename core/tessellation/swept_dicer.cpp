@@ -252,7 +252,8 @@ ElementPlace SweptDicer::element_place(const PlaceInGrid& in_grid, const Vec3d& 
     }
     const WallLayout grids = layout(place);
     const Vec2d in_part = grids.unfolded(in_grid.at);
-    const double along = place.local / grids.grids_around * grids.cells_along() + in_part.x;
+    const auto grids_before = static_cast<double>(place.local / grids.grids_around);
+    const double along = grids_before * grids.cells_along() + in_part.x;
     const uint32_t station = std::min(static_cast<uint32_t>(along), cells_along_[place.spline] - 1);
     const PiecePlace begin = piece_at(place.spline, station);
     const double u = std::min(begin.u + std::clamp(along - station, 0.0, 1.0) / begin.cells, 1.0);

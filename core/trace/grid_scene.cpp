@@ -88,11 +88,11 @@ GridScene::GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, con
     boxes_ = {};
 }
 
-Box3f GridScene::measure_subpatch(uint32_t subpatch, SubpatchBounds::Tube* tube) {
+Box3f GridScene::measure_subpatch(uint32_t subpatch, std::span<SubpatchBounds::Tube> tubes) {
     const LevelDicer* levels = dicer_->levels();
     if (!levels) {
         const SubpatchBounds bounds = dicer_->bounds(subpatch);
-        *tube = bounds.tube;
+        tubes[subpatch] = bounds.tube;
         return bounds.box;
     }
     GridRows rows;
@@ -109,12 +109,12 @@ Box3f GridScene::measure(const CancelToken& cancel) {
     boxes_.resize(count);
     std::vector<SubpatchBounds::Tube> tubes(has_levels ? 0 : count);
     if (has_levels) details_.resize(count);
-    const Box3f all = tbb::parallel_reduce(
+    Box3f all = tbb::parallel_reduce(
         tbb::blocked_range<uint32_t>(0, count), Box3f(),
         [&](const tbb::blocked_range<uint32_t>& range, Box3f box) {
             for (uint32_t i = range.begin(); i < range.end(); ++i) {
                 cancel.throw_if_cancelled();
-                boxes_[i] = measure_subpatch(i, has_levels ? nullptr : &tubes[i]);
+                boxes_[i] = measure_subpatch(i, tubes);
                 box.extendBy(boxes_[i]);
             }
             return box;

@@ -8,6 +8,7 @@
 #include "trace/shape_scene.h"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace rayleaf {
@@ -37,7 +38,7 @@ class GridScene final : public ShapeScene {
 
     struct PartSearch;
     Box3f measure(const CancelToken& cancel);
-    Box3f measure_subpatch(uint32_t subpatch, SubpatchBounds::Tube* tube);
+    Box3f measure_subpatch(uint32_t subpatch, std::span<SubpatchBounds::Tube> tubes);
     bool fits_steps() const;
     void prepare(ShapeQuery& query) const override;
     void keep_tubes(std::vector<SubpatchBounds::Tube> tubes);

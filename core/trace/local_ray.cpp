@@ -73,10 +73,8 @@ std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const
     // An origin so far away that rounding leaves nothing of the way to the box. Embree ends the process for rays beyond
     // 1.8e18.
     constexpr float kFarOff = 1e18f;
-    if (!is_finite(ray.float_origin) || max_abs(ray.float_origin) > kFarOff)
-        made.reset();
-    else if (!is_finite(ray.float_direction) || !(max_abs(ray.float_direction) > 0.0f))
-        made.reset();
+    const bool is_near = is_finite(ray.float_origin) && max_abs(ray.float_origin) <= kFarOff;
+    if (!is_near || !is_finite(ray.float_direction) || !(max_abs(ray.float_direction) > 0.0f)) made.reset();
     return made;
 }
 
