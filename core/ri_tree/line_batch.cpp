@@ -25,13 +25,7 @@ constexpr int kFloats = static_cast<int>(hn::MaxLanes(Floats()));
 /// Sums are made of so many, added at the end: the order of additions is the same for one ray and for sixteen.
 constexpr int kPartialSums = 4;
 
-template <class D>
-HWY_INLINE uint32_t mask_bits(D lanes, hn::Mask<D> mask) {
-    static_assert(std::endian::native == std::endian::little);
-    uint64_t bits = 0;  // Highway wants room for 8 bytes.
-    hn::StoreMaskBits(lanes, mask, reinterpret_cast<uint8_t*>(&bits));
-    return static_cast<uint32_t>(bits);
-}
+#include "tessellation/simd_lanes.inl"
 
 struct Vectors {
     DoubleVector x, y, z;

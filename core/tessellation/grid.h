@@ -63,19 +63,27 @@ struct alignas(64) Grid {
     Box3f box() const;
 };
 
-inline FacetCorners Grid::corners(uint32_t triangle, VertexFormat format) const {
+/// The three vertices of a triangle, as indices into its block.
+struct BlockTriangle {
+    int block, vertices[3];
+};
+inline BlockTriangle block_triangle(uint32_t triangle) {
     const int i = static_cast<int>(triangle / 2) % kGridCells, j = static_cast<int>(triangle / 2) / kGridCells;
-    const int block = j / kBlockCells * (kGridCells / kBlockCells) + i / kBlockCells;
+    const int block = j / kBlockCells * kBlocksAlong + i / kBlockCells;
     const int low = j % kBlockCells * kBlockVertices + i % kBlockCells, high = low + kBlockVertices + 1;
-    const int second = triangle % 2 == 0 ? high : high - 1, third = triangle % 2 == 0 ? low + 1 : high;
+    return triangle % 2 == 0 ? BlockTriangle{block, {low, high, low + 1}} : BlockTriangle{block, {low, high - 1, high}};
+}
+
+inline FacetCorners Grid::corners(uint32_t triangle, VertexFormat format) const {
+    const BlockTriangle of = block_triangle(triangle);
     if (format == VertexFormat::Fixed) {
-        const int32_t(&f)[3][kBlockSize] = fixed[block];
+        const int32_t(&f)[3][kBlockSize] = fixed[of.block];
         const auto at = [&](int k) { return Vec3d(f[0][k], f[1][k], f[2][k]) * kFixedStep; };
-        return {at(low), at(second), at(third)};
+        return {at(of.vertices[0]), at(of.vertices[1]), at(of.vertices[2])};
     }
-    const float(&f)[3][kBlockSize] = vertices[block];
+    const float(&f)[3][kBlockSize] = vertices[of.block];
     const auto at = [&](int k) { return Vec3d(f[0][k], f[1][k], f[2][k]); };
-    return {at(low), at(second), at(third)};
+    return {at(of.vertices[0]), at(of.vertices[1]), at(of.vertices[2])};
 }
 
 /// The same surface by 4 x 4 cells: every fourth vertex of the fine grid, (i, j) at j * 5 + i.

@@ -31,8 +31,7 @@ class GridArena {
     static constexpr uint32_t kNone = GridIndex::kNone;
     enum class Kind : uint8_t { Smooth, Packed, Medium, Steps, Fine };
     static constexpr int kKinds = 5;
-    /// Grids of a kind in a unit.
-    /// What is left of a unit is not used. NOLINTBEGIN(bugprone-sizeof-expression)
+    /// Grids of a kind in a unit; what is left of it is not used. NOLINTBEGIN(bugprone-sizeof-expression)
     static constexpr uint32_t kMediumSlots = sizeof(Grid) / sizeof(MediumGrid);
     static constexpr uint32_t kPackedSlots = sizeof(Grid) / sizeof(PackedGrid);
     static constexpr uint32_t kSmoothSlots = sizeof(Grid) / sizeof(SmoothGrid);

@@ -19,14 +19,8 @@ using Lanes = hn::CappedTag<float, 8>;
 using Vector = hn::Vec<Lanes>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
 
-/// One bit for each lane.
-template <class D>
-HWY_INLINE uint32_t mask_bits(D lanes, hn::Mask<D> mask) {
-    static_assert(std::endian::native == std::endian::little);
-    uint64_t bits = 0;  // Highway wants room for 8 bytes.
-    hn::StoreMaskBits(lanes, mask, reinterpret_cast<uint8_t*>(&bits));
-    return static_cast<uint32_t>(bits);
-}
+#include "tessellation/block_lanes.inl"
+#include "tessellation/simd_lanes.inl"
 
 /// The blocks that the ray may hit up to t_max, one bit each; where they begin, unless null.
 HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_max, float padding,
@@ -60,19 +54,6 @@ uint32_t find_blocks(const Grid& grid, const GridRay& ray, float t_max, float pa
 
 void find_near_blocks(const Grid& grid, const GridRay& ray, float t_max, NearBlocks& blocks) {
     blocks.bits = blocks_on_way(grid, ray, t_max, 0.0f, blocks.near);
-}
-
-/// kRows rows of kColumns neighbouring values.
-template <class D, typename T>
-HWY_INLINE hn::Vec<D> load_cells(D lanes, const T* first) {
-#if HWY_TARGET != HWY_SCALAR
-    if constexpr (hn::MaxLanes(D()) > kBlockCells) {
-        const hn::Half<D> half;
-        const int rows = static_cast<int>(hn::MaxLanes(half)) / kBlockCells;
-        return hn::Combine(lanes, load_cells(half, first + rows * kBlockVertices), load_cells(half, first));
-    }
-#endif
-    return hn::LoadU(lanes, first);
 }
 
 /// Vertices in single precision.

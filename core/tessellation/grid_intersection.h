@@ -27,8 +27,8 @@ inline constexpr float kNearFactor = 1.0f - 0x1p-21f, kFarFactor = 1.0f + 0x1p-2
 struct GridRay {
     GridRay() = default;
     GridRay(const Vec3f& ray_origin, const Vec3f& direction);
-    /// For grids of fixed numbers: the same ray in double; `direction` has the length `speed`.
-    /// In steps of this length, local units.
+    /// For grids of fixed numbers: the same ray in double, in steps of a length (local units). `direction` has the
+    /// length `speed`.
     void set_fixed(const Vec3d& ray_origin, const Vec3d& direction, double speed, double length_of_step);
 
     float origin[3];                  ///< by axis

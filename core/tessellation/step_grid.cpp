@@ -4,14 +4,6 @@
 
 namespace rayleaf {
 
-BlockTriangle block_triangle(uint32_t triangle) {
-    const int i = static_cast<int>(triangle / 2) % kGridCells, j = static_cast<int>(triangle / 2) / kGridCells;
-    const int low = j % kBlockCells * kBlockVertices + i % kBlockCells, high = low + kBlockVertices + 1;
-    const int block = j / kBlockCells * kBlocksAlong + i / kBlockCells;
-    if (triangle % 2 == 0) return {block, {low, high, low + 1}};
-    return {block, {low, high - 1, high}};
-}
-
 FacetCorners StepGrid::corners(uint32_t triangle, double step) const {
     const BlockTriangle at = block_triangle(triangle);
     FacetCorners result;

@@ -30,12 +30,6 @@ struct alignas(64) StepGrid {
     FacetCorners corners(uint32_t triangle, double step) const;
 };
 
-/// The three vertices of a triangle, as indices into its block.
-struct BlockTriangle {
-    int block, vertices[3];
-};
-BlockTriangle block_triangle(uint32_t triangle);
-
 /// `grid` holds fixed numbers that are multiples of 2^shift, no farther apart than kMostSteps of these.
 void pack(const Grid& grid, int shift, StepGrid& steps);
 

@@ -14,14 +14,8 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// One bit for each lane.
-template <class D>
-HWY_INLINE uint32_t lane_bits(D lanes, hn::Mask<D> mask) {
-    static_assert(std::endian::native == std::endian::little);
-    uint64_t bits = 0;  // Highway wants room for 8 bytes.
-    hn::StoreMaskBits(lanes, mask, reinterpret_cast<uint8_t*>(&bits));
-    return static_cast<uint32_t>(bits);
-}
+#include "tessellation/block_lanes.inl"
+#include "tessellation/simd_lanes.inl"
 
 template <class D>
 HWY_INLINE hn::Vec<D> load_steps(D lanes, const uint16_t* first) {
@@ -52,7 +46,7 @@ void find_near_steps(const StepGrid& grid, const GridRay& ray, float t_max, Near
             near = hn::Max(near, hn::Mul(entry, hn::Set(lanes, ray.inverse_near[axis])));
             far = hn::Min(far, hn::Mul(exit, hn::Set(lanes, ray.inverse_far[axis])));
         }
-        blocks.bits |= lane_bits(lanes, hn::Le(near, far)) << start;
+        blocks.bits |= mask_bits(lanes, hn::Le(near, far)) << start;
         hn::StoreU(near, lanes, blocks.near + start);
     }
 }
@@ -71,19 +65,6 @@ struct Across {
     HWY_ALIGN float x[kRoom], y[kRoom];
 };
 
-/// kRows rows of kColumns neighbouring values.
-template <class D>
-HWY_INLINE hn::Vec<D> load_rows(D lanes, const float* first) {
-#if HWY_TARGET != HWY_SCALAR
-    if constexpr (hn::MaxLanes(D()) > kBlockCells) {
-        const hn::Half<D> half;
-        const int rows = static_cast<int>(hn::MaxLanes(half)) / kBlockCells;
-        return hn::Combine(lanes, load_rows(half, first + rows * kBlockVertices), load_rows(half, first));
-    }
-#endif
-    return hn::LoadU(lanes, first);
-}
-
 struct Corner {
     Vector x, y;
 };
@@ -99,7 +80,7 @@ HWY_INLINE uint32_t triangles_of(const Corner& a, const Corner& b, const Corner&
     const Vector ac = edge(a, c), ca = hn::Neg(ac);
     const auto may_pass = [&](Vector pq, Vector qr, Vector rp) HWY_ATTR {
         const Vector smallest = hn::Min(pq, hn::Min(qr, rp)), largest = hn::Max(pq, hn::Max(qr, rp));
-        return lane_bits(lanes, hn::Or(hn::Ge(smallest, least), hn::Le(largest, most)));
+        return mask_bits(lanes, hn::Or(hn::Ge(smallest, least), hn::Le(largest, most)));
     };
     return may_pass(edge(a, b), edge(b, c), ca) | may_pass(ac, edge(c, d), edge(d, a)) << kBlockCells * kBlockCells;
 }
@@ -155,7 +136,7 @@ uint32_t find_step_triangles(const StepGrid& grid, uint32_t block, const StepRay
         for (int column = 0; column < kBlockCells; column += kColumns) {
             const auto corner = [&](int at) HWY_ATTR {
                 const int index = row * kBlockVertices + column + at;
-                return Corner{load_rows(lanes, all.x + index), load_rows(lanes, all.y + index)};
+                return Corner{load_cells(lanes, all.x + index), load_cells(lanes, all.y + index)};
             };
             bits |= triangles_of(corner(0), corner(1), corner(kBlockVertices + 1), corner(kBlockVertices), margin)
                     << (row * kBlockCells + column);

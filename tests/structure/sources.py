@@ -10,7 +10,7 @@ ADDON = ROOT / "python_addon" / "rayleaf"
 
 def core_files() -> list[Path]:
     """Headers, sources and tables of the core."""
-    return sorted(path for path in CORE.rglob("*") if path.suffix in (".h", ".cpp", ".def"))
+    return sorted(path for path in CORE.rglob("*") if path.suffix in (".h", ".cpp", ".inl", ".def"))
 
 
 def python_files(*folders: str) -> list[Path]:
