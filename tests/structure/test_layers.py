@@ -66,10 +66,8 @@ def test_includes_run_downward_only():
     assert wrong == []
 
 
-def test_no_header_includes_itself_by_a_detour():
-    graph: dict[str, set[str]] = {}
-    for path, target in includes():
-        graph.setdefault(str(path), set()).add(target)
+def check_no_circle(graph: dict[str, set[str]]) -> None:
+    """Fails with the names of the first circle."""
     finished: set[str] = set()
 
     def visit(name: str, trail: list[str]) -> None:
@@ -81,6 +79,32 @@ def test_no_header_includes_itself_by_a_detour():
 
     for name in graph:
         visit(name, [])
+
+
+def test_no_header_includes_itself_by_a_detour():
+    graph: dict[str, set[str]] = {}
+    for path, target in includes():
+        graph.setdefault(str(path), set()).add(target)
+    check_no_circle(graph)
+
+
+def own_imports(path: Path) -> set[str]:
+    """The modules of the add-on, by their paths, that one of them imports anywhere in it, for type checkers too."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            folder = path.parents[node.level - 1]
+            base = folder.joinpath(*node.module.split(".")) if node.module else folder
+            for candidate in [base, *(base / alias.name for alias in node.names)]:
+                if candidate.with_suffix(".py").exists():
+                    found.add(str(candidate.with_suffix(".py").relative_to(ADDON)))
+    return found
+
+
+def test_no_module_of_the_add_on_imports_itself_by_a_detour():
+    graph = {str(path.relative_to(ADDON)): own_imports(path) for path in python_files("python_addon/rayleaf")}
+    assert graph["export/strands.py"] >= {"export/strand_arrays.py", "export/attributes.py"}
+    check_no_circle(graph)
 
 
 def imports(path: Path) -> set[str]:

@@ -1,15 +1,12 @@
 """Hair curves of mixed types as cubic Bezier curves."""
 
-from __future__ import annotations
-
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from .strands import StrandArrays
+from .strand_arrays import StrandArrays
 
 Doubles = NDArray[np.float64]
 

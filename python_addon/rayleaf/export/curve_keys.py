@@ -1,14 +1,9 @@
 """Relative shape keys of CURVE objects: what they move, and the handles that follow."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from .curve_splines import SplineTable
 
 Doubles = NDArray[np.float64]
 
@@ -61,18 +56,6 @@ class ShapeKeys:
         points[:, :3] = self._values["co"]
         handles[:, 0], handles[:, 1] = self._values["handle_left"], self._values["handle_right"]
         radii[:], tilts[:] = self._values["radius"][:, 0], self._values["tilt"][:, 0]
-
-    @staticmethod
-    def resolve_handles(curve: Any, table: SplineTable) -> None:
-        """Blender places automatic and vector handles anew after mixing."""
-        for number, spline in enumerate(curve.splines):
-            if spline.type != "BEZIER":
-                continue
-            part = table.part(number)
-            types = [(point.handle_left_type, point.handle_right_type) for point in spline.bezier_points]
-            table.handles[part] = placed_handles(
-                table.points[part, :3], table.handles[part], types, spline.use_cyclic_u
-            )
 
 
 def has_aligned_handles(curve: Any) -> bool:

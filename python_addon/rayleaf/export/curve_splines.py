@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .curve_keys import ShapeKeys
+from .curve_keys import ShapeKeys, placed_handles
 
 Doubles = NDArray[np.float64]
 
@@ -124,8 +124,18 @@ def read_table(curve: Any, keys: ShapeKeys | None) -> SplineTable:
     table.straight[:] = read["right_is_vector"] & read["left_is_vector"][following]
     if keys is not None:
         keys.apply(table.points, table.handles, table.radii, table.tilts)
-        keys.resolve_handles(curve, table)
+        _place_handles(curve, table)
     return table
+
+
+def _place_handles(curve: Any, table: SplineTable) -> None:
+    """Blender places automatic and vector handles anew after mixing."""
+    for number, spline in enumerate(curve.splines):
+        if spline.type != "BEZIER":
+            continue
+        part = table.part(number)
+        types = [(point.handle_left_type, point.handle_right_type) for point in spline.bezier_points]
+        table.handles[part] = placed_handles(table.points[part, :3], table.handles[part], types, spline.use_cyclic_u)
 
 
 def _read_points(splines: Any, kinds: list[int], counts: list[int], total: int) -> dict[str, Any]:

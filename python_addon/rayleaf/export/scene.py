@@ -16,6 +16,7 @@ from . import (
     lights,
     meshes,
     ray_interpolation,
+    strand_arrays,
     strands,
     subdivision,
     surfaces,
@@ -170,7 +171,7 @@ class SceneExporter:
         if arrays is None:
             self._messages.note(f"Object '{name}' has no hair; left out")
             return None
-        dropped = strands.without_bad_points(arrays)
+        dropped = strand_arrays.without_bad_points(arrays)
         if dropped:
             self._messages.warn(f"Object '{name}': {dropped} strands have points that are not finite; left out")
         try:
