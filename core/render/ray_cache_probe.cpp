@@ -56,28 +56,9 @@ double traced_cost(OutputKind kind) {
     return kind == OutputKind::Volume ? kTracedVolume : 1.0;
 }
 
-/// What a cache did in the probe.
-struct Counts {
-    uint64_t interpolated = 0, missed = 0, traced = 0;
-    double samples = 0;
-
-    uint64_t queries() const { return interpolated + missed + traced; }
-};
-
-Counts counts_of(const RayCacheStatistics& statistics) {
-    Counts counts;
-    counts.samples = static_cast<double>(statistics.samples_taken);
-    for (size_t i = 0; i < kAnswerKinds; ++i) {
-        const auto by = static_cast<AnsweredBy>(i);
-        const uint64_t count = statistics.answers[i];
-        if (is_traced(by))
-            counts.traced += count;
-        else if (by == AnsweredBy::Interpolated || by == AnsweredBy::TwoClassInterpolated)
-            counts.interpolated += count;
-        else if (by != AnsweredBy::NotARay && by != AnsweredBy::BoxMissed)
-            counts.missed += count;
-    }
-    return counts;
+/// Queries that say something of the object.
+uint64_t met_box(const RayCacheTotals& totals) {
+    return totals.interpolated + totals.traced + totals.missed;
 }
 
 /// Points that fill the unit square evenly, however many are taken: the R2 sequence (Roberts 2018).
@@ -184,21 +165,23 @@ struct Judgement {
 
 /// `growth`: how many times as many samples of each pixel the frame has. Cells that more rays of the same pixels cross
 /// are mostly the same: new samples go with the root.
-Judgement judge(const Counts& counts, OutputKind kind, double growth, double interpolated_query) {
-    if (counts.queries() < kLeastQueries) return {{false, "the probe met too few rays", nullptr}, 0.0};
-    const double way = traced_cost(kind), samples = counts.samples / std::sqrt(growth);
+Judgement judge(const RayCacheStatistics& statistics, OutputKind kind, double growth, double interpolated_query) {
+    const RayCacheTotals counts = totals_of(statistics);
+    const uint64_t queries = met_box(counts);
+    if (queries < kLeastQueries) return {{false, "the probe met too few rays", nullptr}, 0.0};
+    const double way = traced_cost(kind), samples = static_cast<double>(statistics.samples_taken) / std::sqrt(growth);
     const double hits = static_cast<double>(counts.interpolated) + static_cast<double>(counts.traced);
     const double tracing = hits * way + static_cast<double>(counts.missed) * kTracedMiss;
     const double asking = static_cast<double>(counts.interpolated) * interpolated_query +
                           static_cast<double>(counts.traced) * (way + kAskedInVain) +
                           static_cast<double>(counts.missed) * kMissedQuery + samples * way * kSampleFactor;
-    const auto percent = [&](double part) { return 100.0 * part / static_cast<double>(counts.queries()); };
+    const auto percent = [&](double part) { return 100.0 * part / static_cast<double>(queries); };
     char text[160];
     std::snprintf(
         text, sizeof text,
         "probe: %llu queries, %.0f %% interpolated, %.0f %% traced, %.2f samples a query; costs %.2f of tracing",
-        static_cast<unsigned long long>(counts.queries()), percent(static_cast<double>(counts.interpolated)),
-        percent(static_cast<double>(counts.traced)), samples / static_cast<double>(counts.queries()), asking / tracing);
+        static_cast<unsigned long long>(queries), percent(static_cast<double>(counts.interpolated)),
+        percent(static_cast<double>(counts.traced)), samples / static_cast<double>(queries), asking / tracing);
     return {{asking < (1.0 - kLeastGain) * tracing, text, nullptr}, asking / tracing};
 }
 
@@ -239,10 +222,10 @@ std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& ca
         render_block(block, scene, settings, samples);
         for (size_t k = 0; k < places.size(); ++k) {
             if (dropped[k]) continue;
-            const Counts counts = counts_of(caches[k]->statistics());
+            const RayCacheStatistics counts = caches[k]->statistics();
             Judgement judgement = judge(counts, trying[k].samples.kind, growth, interpolated_query);
             results[places[k]] = std::move(judgement.result);
-            dropped[k] = counts.queries() >= kTellingQueries && judgement.ratio > kHopeless;
+            dropped[k] = met_box(totals_of(counts)) >= kTellingQueries && judgement.ratio > kHopeless;
             if (dropped[k]) give(places[k], nullptr);
         }
     }

@@ -35,6 +35,22 @@ std::span<const char* const> answer_names() {
     return kAnswerNames;
 }
 
+RayCacheTotals totals_of(const RayCacheStatistics& statistics) {
+    RayCacheTotals totals;
+    for (size_t i = 0; i < kAnswerKinds; ++i) {
+        const auto by = static_cast<AnsweredBy>(i);
+        const uint64_t count = statistics.answers[i];
+        totals.queries += count;
+        if (is_traced(by))
+            totals.traced += count;
+        else if (by == AnsweredBy::Interpolated || by == AnsweredBy::TwoClassInterpolated)
+            totals.interpolated += count;
+        else if (by != AnsweredBy::NotARay && by != AnsweredBy::BoxMissed)
+            totals.missed += count;
+    }
+    return totals;
+}
+
 const RayCacheSettings& checked(const std::string& name, const RayCacheSettings& settings) {
     require(settings.distance_threshold >= 0.0, name, "distance_threshold", settings.distance_threshold, "0 or more");
     require(settings.angle_threshold >= 0.0, name, "angle_threshold", settings.angle_threshold, "0 or more");

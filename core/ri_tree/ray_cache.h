@@ -68,6 +68,13 @@ struct RayCacheStatistics {
     uint64_t prunes = 0;
 };
 
+/// Answers by what they cost. Queries are all of them; missed are those that entered the box and hit nothing, known
+/// without tracing.
+struct RayCacheTotals {
+    uint64_t queries = 0, interpolated = 0, traced = 0, missed = 0;
+};
+RayCacheTotals totals_of(const RayCacheStatistics& statistics);
+
 /// What the artist sets; RI, section 3.2.
 struct RayCacheSettings {
     /// Largest distance (output_ray.h) between the true and the interpolated output ray at a cell's centre, as a share

@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from . import passes, statistics, versions
+from . import passes, ray_report, statistics, versions
 from .export import ExportCancelled
 from .export.camera import CameraError, CropRectangle, Frame, crop_of, frame_of
 from .export.scene import ExportReport, SceneExporter
@@ -107,15 +107,17 @@ class FrameRender:
             self._engine.end_result(result)
 
     def _publish(self, session: RenderThread, report: ExportReport, times: dict[str, float]) -> None:
-        statistics.publish(
-            {
-                "scene": self._scene.name,
-                "frame": self._scene.frame_current,
-                "view_layer": self._layer_name,
-                "completed": session.completed,
-                "times": times,
-                "export": asdict(report),
-                "messages": self._messages.texts,
-                "core": session.statistics(),
-            }
-        )
+        record = {
+            "scene": self._scene.name,
+            "frame": self._scene.frame_current,
+            "view_layer": self._layer_name,
+            "completed": session.completed,
+            "times": times,
+            "export": asdict(report),
+            "messages": self._messages.texts,
+            "core": session.statistics(),
+        }
+        decided = ray_report.decision(record)
+        if decided:
+            self._messages.note(decided)
+        statistics.publish(record)

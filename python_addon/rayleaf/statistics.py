@@ -19,6 +19,12 @@ def publish(record: dict[str, Any]) -> None:
             file.write(json.dumps(record, default=str) + "\n")
 
 
+def last(scene: str) -> dict[str, Any]:
+    """The record of the last render, if it was of the scene of that name; else empty."""
+    record: dict[str, Any] = sys.modules[__package__].last_statistics  # type: ignore[attr-defined]
+    return record if record.get("scene") == scene else {}
+
+
 def process_memory() -> tuple[float, float] | None:
     """Megabytes of this process now and at most so far; None where the system does not tell."""
     try:

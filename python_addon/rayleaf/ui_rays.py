@@ -1,12 +1,16 @@
 """Panels of ray interpolation and volume visualisation."""
 
+import textwrap
 from typing import Any
 
 import bpy
 
+from . import ray_report, statistics
 from .ui import _Panel
 
 _SHAPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+_LINE = 44  # characters that a panel of usual width shows
+_MOST_LISTED = 20  # objects in the panel of the scene
 
 
 def _draw_thresholds(column: Any, settings: Any) -> None:
@@ -23,6 +27,14 @@ def _draw_thresholds(column: Any, settings: Any) -> None:
         advanced.prop(settings, "cache_size", text="Cache Size (MB)")
 
 
+def _draw_outcome(column: Any, cache: dict[str, Any]) -> None:
+    """What became of rays against an object in the last render, and why."""
+    column.label(text=ray_report.names(cache), icon="CHECKMARK" if cache["used"] else "X")
+    for part in (ray_report.outcome(cache), cache["reason"]):
+        for line in textwrap.wrap(part, _LINE):
+            column.label(text=line, icon="BLANK1")
+
+
 class RAYLEAF_PT_ray_interpolation(_Panel, bpy.types.Panel):
     """Rays answered from rays traced before."""
 
@@ -34,6 +46,25 @@ class RAYLEAF_PT_ray_interpolation(_Panel, bpy.types.Panel):
         thresholds = column.column()
         thresholds.active = settings.mode != "OFF"
         _draw_thresholds(thresholds, settings)
+
+
+class RAYLEAF_PT_ray_interpolation_outcome(_Panel, bpy.types.Panel):
+    """What it did in the last render, object by object."""
+
+    bl_label = "Last Render"
+    bl_parent_id = "RAYLEAF_PT_ray_interpolation"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(ray_report.caches(statistics.last(context.scene.name))) and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        column = self.layout.column(align=True)
+        found = ray_report.caches(statistics.last(context.scene.name))
+        for cache in found[:_MOST_LISTED]:
+            _draw_outcome(column, cache)
+        if len(found) > _MOST_LISTED:
+            column.label(text=f"and {len(found) - _MOST_LISTED} more")
 
 
 class RAYLEAF_PT_object_ray_interpolation(_Panel, bpy.types.Panel):
@@ -53,6 +84,11 @@ class RAYLEAF_PT_object_ray_interpolation(_Panel, bpy.types.Panel):
         column.prop(settings, "use_own_error")
         if settings.use_own_error:
             _draw_thresholds(column, settings)
+        cache = ray_report.of_object(statistics.last(context.scene.name), context.object.name)
+        if cache is not None:
+            column.separator()
+            column.label(text="Last render:")
+            _draw_outcome(column.column(align=True), cache)
 
 
 class RAYLEAF_PT_volume(_Panel, bpy.types.Panel):
@@ -76,7 +112,12 @@ class RAYLEAF_PT_volume(_Panel, bpy.types.Panel):
         column.prop(settings, "volume_color")
 
 
-PANELS = (RAYLEAF_PT_ray_interpolation, RAYLEAF_PT_object_ray_interpolation, RAYLEAF_PT_volume)
+PANELS = (
+    RAYLEAF_PT_ray_interpolation,
+    RAYLEAF_PT_ray_interpolation_outcome,
+    RAYLEAF_PT_object_ray_interpolation,
+    RAYLEAF_PT_volume,
+)
 
 
 def register() -> None:

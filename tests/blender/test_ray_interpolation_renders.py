@@ -165,3 +165,153 @@ bpy.ops.render.render(write_still=True)
     for name in alone:
         # A cache that is kept interpolates more: the mean difference stays within the setting's error.
         assert np.abs(together[name] - alone[name]).mean() <= 0.005, name
+
+
+# Objects whose shape or material changes from frame 1 to frame 2, and one that only moves, by what an artist may use.
+CHANGING = """
+rays.mode = "ON"
+scene.frame_start, scene.frame_end = 1, 2
+image.file_format = "OPEN_EXR"
+image.color_depth, image.exr_codec = "32", "NONE"
+def keyed(name, x, z, add=bpy.ops.surface.primitive_nurbs_surface_sphere_add, material=mirror):
+    add(radius=1.0, location=(x, 0.0, z))
+    item = bpy.context.object
+    item.name = name
+    item.data.materials.append(material)
+    return item
+def stretching_key(item):
+    item.shape_key_add(name="Basis")
+    key = item.shape_key_add(name="Long")
+    for point in key.data:
+        point.co.x *= 1.5
+    return key
+sky = scene.world.node_tree
+place = sky.nodes.new("ShaderNodeTexCoord")
+sky.links.new(place.outputs["Generated"], sky.nodes["Background"].inputs["Color"])
+bpy.data.objects.remove(bpy.data.objects["Light"])  # its image in a mirror is brighter than all else together
+ball.name, ball.scale = "moved", (0.5, 0.5, 0.5)
+for frame, place in ((1, (0, 0, 0)), (2, (0, 0, 0.3))):
+    ball.location = place
+    ball.keyframe_insert("location", frame=frame)
+stretching_key(keyed("driven key", -1.8, 1.3)).driver_add("value").driver.expression = "frame - 1"
+solid = keyed("keyed mesh", 1.8, 1.3, bpy.ops.mesh.primitive_uv_sphere_add)
+bpy.ops.object.shade_smooth()
+key = stretching_key(solid)
+for frame, value in ((1, 0.0), (2, 1.0)):
+    key.value = value
+    key.keyframe_insert("value", frame=frame)
+edited = keyed("edited points", -1.8, -1.3)
+def edit(scene, *_):
+    for point in edited.data.splines[0].points:
+        point.co.x = point.co.y * (scene.frame_current - 1)
+bpy.app.handlers.frame_change_pre.append(edit)
+glass = bpy.data.materials.new("glass")
+glass.use_nodes = True
+clear = glass.node_tree.nodes.new("ShaderNodeBsdfGlass")
+clear.inputs["Roughness"].default_value = 0.0
+glass.node_tree.links.new(clear.outputs[0], glass.node_tree.nodes["Material Output"].inputs["Surface"])
+keyed("another index", 1.8, -1.3, material=glass)
+for frame, index in ((1, 1.2), (2, 1.6)):
+    clear.inputs["IOR"].default_value = index
+    clear.inputs["IOR"].keyframe_insert("default_value", frame=frame)
+taken = []
+def note(*_):
+    taken.append({cache["objects"][0]: cache["samples_taken"] for cache in caches()})
+bpy.app.handlers.render_post.append(note)
+"""
+
+
+def test_an_object_whose_shape_or_material_changes_gets_a_fresh_tree_and_one_that_moves_keeps_its(
+    run_blender, tmp_path
+):
+    script = f"""
+scene.render.filepath = {str(tmp_path / "frame_")!r}
+bpy.ops.render.render(animation=True)
+scene.frame_set(2)
+scene.render.filepath = {str(tmp_path / "alone.exr")!r}
+bpy.ops.render.render(write_still=True)
+rays.mode = "OFF"
+scene.render.filepath = {str(tmp_path / "traced.exr")!r}
+bpy.ops.render.render(write_still=True)
+report(taken=taken)
+"""
+    first, second, alone, _ = run_blender(SETUP + CHANGING + script).report["taken"]
+    assert set(first) == {"moved", "driven key", "keyed mesh", "edited points", "another index"}
+    assert second.pop("moved") < 0.9 * alone.pop("moved")
+    # Two threads may take the same sample at the same time, so the counts differ by a few.
+    for name, count in second.items():
+        assert abs(count - alone[name]) < 0.05 * alone[name], (name, count, alone[name])
+    together, still = (plain_exr.read(tmp_path / name) for name in ("frame_0002.exr", "alone.exr"))
+    before, traced = (plain_exr.read(tmp_path / name) for name in ("frame_0001.exr", "traced.exr"))
+    for name in still:
+        if name.endswith("A"):
+            continue
+        # Within the error that is set; a tree of the frame before would show that frame.
+        assert np.abs(together[name] - still[name]).mean() <= 0.005, name
+        assert np.abs(before[name] - still[name]).mean() > 0.01, name
+        assert np.abs(together[name] - traced[name]).mean() <= 0.005, name
+
+
+# What panels write, line by line, to whoever looks at them after a render.
+PANELS = """
+from rayleaf import ui_rays
+class Layout:
+    def __init__(self):
+        self.lines = []
+    def __getattr__(self, name):
+        return lambda *arguments, **more: self
+    def label(self, text="", **more):
+        self.lines.append(text)
+def written(panel, thing):
+    layout = Layout()
+    class Context:
+        engine, object = "RAYLEAF", thing
+    Context.scene = scene
+    if not panel.poll(Context):
+        return None
+    panel.draw(type("Shown", (), {"layout": layout, "_column": lambda self: layout})(), Context)
+    return " ".join(layout.lines)
+"""
+
+
+def test_panels_and_a_message_say_what_auto_decided_and_why(run_blender):
+    script = """
+rays.mode = "AUTO"
+before = written(ui_rays.RAYLEAF_PT_ray_interpolation_outcome, ball)
+scene.render.resolution_x = scene.render.resolution_y = 16
+bpy.ops.render.render()
+messages = [rayleaf.last_statistics["messages"]]
+shown = [written(panel, ball) for panel in (ui_rays.RAYLEAF_PT_ray_interpolation_outcome,
+                                            ui_rays.RAYLEAF_PT_object_ray_interpolation)]
+scene.render.resolution_x = scene.render.resolution_y = 96
+rays.mode = "ON"
+bpy.ops.render.render()
+messages.append(rayleaf.last_statistics["messages"])
+scene.name = "Another"
+report(before=before, shown=shown, after=written(ui_rays.RAYLEAF_PT_ray_interpolation_outcome, ball),
+       on=caches()[0], messages=messages, ball=ball.name)
+"""
+    run = run_blender(SETUP + PANELS + script).report
+    assert run["before"] is None and run["after"] is None  # nothing rendered yet; a scene that was not
+    for shown in run["shown"]:
+        assert run["ball"] in shown and "traced" in shown and "too few rays" in shown, shown
+    (message,), no_messages = run["messages"]
+    assert message == f"Ray interpolation on Auto: off for {run['ball']} (the picture has too few rays)"
+    assert no_messages == []
+    counted = run["on"]
+    assert counted["queries"] == sum(counted["answers"].values()) > 0
+    assert counted["interpolated"] == counted["answers"]["interpolated"] > 0
+    assert counted["traced"] == sum(n for name, n in counted["answers"].items() if name.startswith("traced"))
+    assert counted["queries"] == counted["interpolated"] + counted["traced"] + counted["missed"]
+
+
+def test_the_panel_of_the_scene_lists_shares_of_rays_by_object(run_blender):
+    script = """
+rays.mode = "ON"
+bpy.ops.render.render()
+report(shown=written(ui_rays.RAYLEAF_PT_ray_interpolation_outcome, ball), cache=caches()[0])
+"""
+    run = run_blender(SETUP + PANELS + script).report
+    cache = run["cache"]
+    assert run["shown"].startswith(f"{cache['objects'][0]} {cache['queries']:,} rays: ")
+    assert f"{cache['interpolated'] / cache['queries']:.0%} interpolated" in run["shown"]
