@@ -50,8 +50,9 @@ void CrossingCounts::finish_frame() {
         uint16_t *finished = &counters->finished[first], *added = &counters->added[first];
         uint16_t used_here = 0;
         for (uint64_t i = 0; i < kAtOnce; ++i) {
-            const auto sum = static_cast<uint16_t>(finished[i] + added[i]);
-            finished[i] = sum < added[i] ? std::numeric_limits<uint16_t>::max() : sum;
+            const uint16_t more = std::min(added[i], kMostAdded);
+            const auto sum = static_cast<uint16_t>(finished[i] + more);
+            finished[i] = sum < more ? std::numeric_limits<uint16_t>::max() : sum;
             added[i] = 0;
             used_here = static_cast<uint16_t>(used_here + (finished[i] != 0 ? 1 : 0));
         }

@@ -4,8 +4,9 @@
 //
 // Idea: a table of counters without keys. A cell adds to two of them, told by its hash, and its count is the smaller
 // one (the count-min sketch of Cormode and Muthukrishnan, 2005): it may be too large, where others share both, never
-// too small. Sums do not depend on the order in which threads add, and what is added is only seen by the next frame: so
-// answers depend neither on threads, nor on the size of the cache, which the table is no part of.
+// too small, up to kMostAdded a frame. Sums do not depend on the order in which threads add, and what is added is only
+// seen by the next frame: so answers depend neither on threads, nor on the size of the cache, which the table is no
+// part of.
 #pragma once
 
 #include "ri_tree/line_space.h"
@@ -37,8 +38,10 @@ class CrossingCounts {
         if (!counters) counters = make_counters();
         if (!counters) return;
         const Places places = places_of(cell);
-        for (const size_t place : {places.first, places.second})
-            std::atomic_ref(counters->added[place]).fetch_add(1, std::memory_order_relaxed);
+        for (const size_t place : {places.first, places.second}) {
+            const std::atomic_ref counter(counters->added[place]);
+            if (counter.load(std::memory_order_relaxed) < kMostAdded) counter.fetch_add(1, std::memory_order_relaxed);
+        }
     }
     /// What was added counts from now on. While no other thread does anything. Where too many counters are in use, all
     /// are halved: what is not crossed again is forgotten.
@@ -47,6 +50,9 @@ class CrossingCounts {
   private:
     /// 2 MB together, taken from the system as they are used, and only where rays are counted.
     static constexpr uint64_t kCounters = uint64_t{1} << 19;
+    /// Rays of a frame that are counted in one place; far more than any cell needs. Threads may add a few beyond it
+    /// before they see that it is reached, which finish_frame() takes back: hence half of what sixteen bits hold.
+    static constexpr uint16_t kMostAdded = uint16_t{1} << 15;
     struct Counters {
         std::array<uint16_t, kCounters> added, finished;
     };
