@@ -41,11 +41,11 @@ struct Tracer::Implementation {
     struct Query {
         EmbreeContext context;
         const Implementation* tracer = nullptr;
-        const GeometryCache::Reader* reader = nullptr;
+        std::optional<GeometryCache::Reader> reader;
         const Ray* ray = nullptr;
         const RayDifferential* differential = nullptr;  ///< of `ray`; null: nobody wants to know how hits change
         Visibility kind = kVisibleAll;
-        const LocalRay* scene_ray = nullptr;  ///< in the space above the instances, where there is a scene of them
+        std::optional<LocalRay> scene_ray;  ///< in the space above the instances, where there is a scene of them
         ShapeHit best;
         uint32_t instance = 0;
         double farthest = 0;  ///< world t of the best hit, or the ray's t_max
@@ -148,7 +148,7 @@ std::optional<LocalRay> Tracer::Implementation::local_ray(const Query& query, ui
     const InstanceRecord& record = records[index];
     if ((instances[index].visibility & query.kind) == 0 || record.scene->box().isEmpty()) return std::nullopt;
     std::optional<LocalRay> local = record.local_ray(index, *query.ray, query.farthest);
-    if (local) local->reader = query.reader;
+    if (local && query.reader) local->reader = &*query.reader;
     return local;
 }
 
@@ -238,21 +238,19 @@ std::optional<LocalRay> Tracer::Implementation::ray_above(const Ray& ray) const 
 
 /// Asks all instances, one by one or through the scene above them.
 void Tracer::Implementation::ask_all(Query& query, Wanted wanted) const {
-    std::optional<GeometryCache::Reader> reader;
-    if (cache) query.reader = &reader.emplace(*cache);
+    if (cache) query.reader.emplace(*cache);
     if (!scene) {
         for (uint32_t i = 0; i < instances.size() && !(wanted == Wanted::Any && query.found); ++i)
             wanted == Wanted::Any ? visit_any(query, i) : visit_closest(query, i);
         return;
     }
-    const std::optional<LocalRay> above = ray_above(*query.ray);
-    if (!above) return;
-    query.scene_ray = &*above;
+    query.scene_ray = ray_above(*query.ray);
+    if (!query.scene_ray) return;
     if (wanted == Wanted::Any) {
-        RTCRay embree_ray = above->embree_ray();
+        RTCRay embree_ray = query.scene_ray->embree_ray();
         embree_any(scene.get(), query.context, embree_ray);
     } else {
-        RTCRayHit embree_ray = above->embree_ray_hit();
+        RTCRayHit embree_ray = query.scene_ray->embree_ray_hit();
         embree_closest(scene.get(), query.context, embree_ray);
     }
 }
