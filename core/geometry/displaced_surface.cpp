@@ -81,19 +81,34 @@ Vec3d DisplacedSurface::moved_in_object(const LocalHit& hit, const LocalSurface&
 }
 
 DisplacedSurface::Moved DisplacedSurface::moved(uint32_t element, const Vec2f& parameters) const {
-    const LocalHit hit = hit_at(*base_, element, parameters);
+    PlacedPoint placed;
+    base_->line_points(element, parameters.x, {&parameters.y, 1}, &placed);
     Moved result;
-    result.base = base_->surface(hit);
-    result.position = (moved_in_object(hit, result.base) - frame_.center) / frame_.scale;
+    result.base = placed.surface;
+    result.position = local(moved_in_object(placed.hit, result.base));
     return result;
+}
+
+const Vec3d& DisplacedSurface::checked(const Vec3d& position) const {
+    if (max_abs(position) > kFarthest)
+        throw InputError(name(), "displacement", "far larger at some point than at all others", "less narrow peaks");
+    return position;
 }
 
 Vec3d DisplacedSurface::position(uint32_t element, const Vec2f& parameters) const {
     const BorderPlace place = owner_place(*base_, element, parameters);
-    const Vec3d result = moved(place.element, place.parameters).position;
-    if (max_abs(result) > kFarthest)
-        throw InputError(name(), "displacement", "far larger at some point than at all others", "less narrow peaks");
-    return result;
+    return checked(moved(place.element, place.parameters).position);
+}
+
+void DisplacedSurface::line_positions(uint32_t element, float u, std::span<const float> v, Vec3d* positions) const {
+    constexpr size_t kAtOnce = 17;  // a line of a grid
+    PlacedPoint points[kAtOnce];
+    for (size_t first = 0; first < v.size(); first += kAtOnce) {
+        const std::span<const float> some = v.subspan(first, std::min(kAtOnce, v.size() - first));
+        base_->line_points(element, u, some, points);
+        for (size_t i = 0; i < some.size(); ++i)
+            positions[first + i] = checked(local(moved_in_object(points[i].hit, points[i].surface)));
+    }
 }
 
 DisplacedSurface::Slopes DisplacedSurface::slopes(uint32_t element, const Vec2f& parameters) const {

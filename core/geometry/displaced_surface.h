@@ -8,6 +8,7 @@
 #include "geometry/shape.h"
 
 #include <memory>
+#include <span>
 
 namespace rayleaf {
 
@@ -41,6 +42,8 @@ class DisplacedSurface final : public Shape {
     /// The displaced point, local space, the same for all elements that meet there. Throws InputError where it is not
     /// finite, or far from where samples said.
     Vec3d position(uint32_t element, const Vec2f& parameters) const;
+    /// The same of points along a line of constant u, none on a border of the element: many at a time cost less.
+    void line_positions(uint32_t element, float u, std::span<const float> v, Vec3d* positions) const;
 
   private:
     /// A displaced point as its element has it.
@@ -57,6 +60,8 @@ class DisplacedSurface final : public Shape {
     std::shared_ptr<const Shape> base_;
     std::shared_ptr<const Displacement> displacement_;
 
+    Vec3d local(const Vec3d& object) const { return (object - frame_.center) / frame_.scale; }
+    const Vec3d& checked(const Vec3d& position) const;
     Vec3d moved_in_object(const LocalHit& hit, const LocalSurface& surface) const;
     Moved moved(uint32_t element, const Vec2f& parameters) const;
     Slopes slopes(uint32_t element, const Vec2f& parameters) const;

@@ -198,9 +198,12 @@ PatchView PatchSurface::patch(uint32_t patch) const {
 }
 
 LocalSurface PatchSurface::surface(const LocalHit& hit) const {
-    const SplinePatches& spline = spline_of(hit.primitive);
-    const PatchView view = patch(hit.primitive);
-    const PatchPoint point = view.evaluate(hit.u, hit.v);
+    return surface(hit, spline_of(hit.primitive), patch(hit.primitive).evaluate(hit.u, hit.v), std::nullopt);
+}
+
+/// Of a hit whose point is known, and perhaps the normal: one that depends on neither the facet nor a neighbour.
+LocalSurface PatchSurface::surface(const LocalHit& hit, const SplinePatches& spline, const PatchPoint& point,
+                                   const std::optional<LimitNormal>& known) const {
     const SplineSpan &span_u = spline.span_u(hit.primitive), &span_v = spline.span_v(hit.primitive);
     const double length_u = span_u.end - span_u.begin, length_v = span_v.end - span_v.begin;
 
@@ -216,7 +219,9 @@ LocalSurface PatchSurface::surface(const LocalHit& hit) const {
         return result;
     }
     const LimitNormal limit =
-        limit_normal(view, hit.u, hit.v, point, {[this, &hit] { return neighbour_normal(hit); }, -Vec3d(facet_normal)});
+        known ? *known
+              : limit_normal(patch(hit.primitive), hit.u, hit.v, point,
+                             {[this, &hit] { return neighbour_normal(hit); }, -Vec3d(facet_normal)});
     if (limit.stage != NormalStage::Regular)
         limit_normals_[static_cast<size_t>(limit.stage)].fetch_add(1, std::memory_order_relaxed);
     // Where a coarse facet and the exact surface face opposite sides (next to a pole), the facet that was hit decides.
@@ -260,14 +265,23 @@ ElementPoint PatchSurface::element_point(uint32_t element, const Vec2f& paramete
     const PatchView view = patch(element);
     const PatchPoint point = view.evaluate(parameters.x, parameters.y);
     ElementPoint result;
-    result.hit.primitive = element;
-    result.hit.u = parameters.x;
-    result.hit.v = parameters.y;
-    result.hit.position = point.position;
     result.normal = -Vec3f(limit_normal(view, parameters.x, parameters.y, point).normal);
-    result.hit.normal = result.normal;
+    result.hit = placed_hit(element, parameters, point.position, result.normal);
     result.area_factor = static_cast<float>(point.du.cross(point.dv).length());
     return result;
+}
+
+void PatchSurface::line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const {
+    const PatchView view = patch(element);
+    const SplinePatches& spline = spline_of(element);
+    const PatchColumn column(view, u);
+    for (size_t i = 0; i < v.size(); ++i) {
+        const PatchPoint point = column.evaluate(v[i]);
+        const LimitNormal normal = limit_normal(view, u, v[i], point);
+        points[i].hit = placed_hit(element, {u, v[i]}, point.position, -Vec3f(normal.normal));
+        const bool depends = normal.stage >= NormalStage::Neighbour;
+        points[i].surface = surface(points[i].hit, spline, point, depends ? std::nullopt : std::optional(normal));
+    }
 }
 
 std::optional<ContentHash> PatchSurface::content_hash() const {

@@ -47,6 +47,7 @@ class PatchSurface final : public Shape {
     uint32_t material_slot(const LocalHit& hit) const override { return spline_of(hit.primitive).material_slot; }
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
     ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const override;
     std::optional<ContentHash> content_hash() const override;
     size_t bytes() const override;
 
@@ -66,6 +67,8 @@ class PatchSurface final : public Shape {
     mutable std::array<std::atomic<uint64_t>, kNormalStageCount> limit_normals_{};
 
     void add_spline(const NurbsSpline& spline);
+    LocalSurface surface(const LocalHit& hit, const SplinePatches& spline, const PatchPoint& point,
+                         const std::optional<LimitNormal>& known) const;
     /// The normal at the nearest border of a patch, as the patch beyond has it if the spline runs on smoothly there.
     std::optional<Vec3d> neighbour_normal(const LocalHit& hit) const;
 };

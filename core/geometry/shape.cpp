@@ -11,4 +11,11 @@ LocalFrame LocalFrame::fitting(const Box3d& box) {
     return frame;
 }
 
+void Shape::line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const {
+    for (size_t i = 0; i < v.size(); ++i) {
+        points[i].hit = element_point(element, {u, v[i]}).hit;
+        points[i].surface = surface(points[i].hit);
+    }
+}
+
 }  // namespace rayleaf

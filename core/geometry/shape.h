@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,23 @@ struct ElementPoint {
     float area_factor = 0;  ///< local area per unit of parameter area: |dP/du x dP/dv|; a triangle's whole area
 };
 
+/// A point chosen by parameters, and the surface there.
+struct PlacedPoint {
+    LocalHit hit;
+    LocalSurface surface;
+};
+
+/// The hit at chosen parameters of a patch.
+inline LocalHit placed_hit(uint32_t element, const Vec2f& parameters, const Vec3d& position, const Vec3f& normal) {
+    LocalHit hit;
+    hit.primitive = element;
+    hit.u = parameters.x;
+    hit.v = parameters.y;
+    hit.position = position;
+    hit.normal = normal;
+    return hit;
+}
+
 /// A place on a border, by one of the elements that meet there.
 struct BorderPlace {
     uint32_t element = 0;
@@ -82,6 +100,8 @@ class Shape {
     /// (a triangle is covered once: parameters with u + v > 1 are mirrored into it). For light from emitting surfaces.
     virtual uint32_t element_of(const LocalHit& hit) const = 0;
     virtual ElementPoint element_point(uint32_t element, const Vec2f& parameters) const = 0;
+    /// Points of an element along a line of constant u, one for each v: as element_point and surface give them.
+    virtual void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const;
     /// Equal for shapes that rays cannot tell apart, names aside; empty where that is not known.
     virtual std::optional<ContentHash> content_hash() const { return std::nullopt; }
     /// Bytes held, itself included.

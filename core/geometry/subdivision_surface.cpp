@@ -306,9 +306,14 @@ LimitNormal SubdivisionSurface::normal_at(uint32_t index, double u, double v, co
 }
 
 LocalSurface SubdivisionSurface::surface(const LocalHit& hit) const {
-    const PatchPoint point = evaluate(hit.primitive, hit.u, hit.v);
+    return surface(hit, evaluate(hit.primitive, hit.u, hit.v), std::nullopt);
+}
+
+/// Of a hit whose point is known, and perhaps the limit's normal: one that does not depend on the facet.
+LocalSurface SubdivisionSurface::surface(const LocalHit& hit, const PatchPoint& point,
+                                         const std::optional<LimitNormal>& known) const {
     const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
-    const LimitNormal limit = normal_at(hit.primitive, hit.u, hit.v, point, -Vec3d(facet_normal));
+    const LimitNormal limit = known ? *known : normal_at(hit.primitive, hit.u, hit.v, point, -Vec3d(facet_normal));
     if (limit.stage != NormalStage::Regular)
         limit_normals_[static_cast<size_t>(limit.stage)].fetch_add(1, std::memory_order_relaxed);
     LocalSurface result;
@@ -323,14 +328,23 @@ LocalSurface SubdivisionSurface::surface(const LocalHit& hit) const {
 ElementPoint SubdivisionSurface::element_point(uint32_t element, const Vec2f& parameters) const {
     const PatchPoint point = evaluate(element, parameters.x, parameters.y);
     ElementPoint result;
-    result.hit.primitive = element;
-    result.hit.u = parameters.x;
-    result.hit.v = parameters.y;
-    result.hit.position = point.position;
     result.normal = -Vec3f(normal_at(element, parameters.x, parameters.y, point, Vec3d(0, 0, 1)).normal);
-    result.hit.normal = result.normal;
+    result.hit = placed_hit(element, parameters, point.position, result.normal);
     result.area_factor = static_cast<float>(point.du.cross(point.dv).length());
     return result;
+}
+
+void SubdivisionSurface::line_points(uint32_t index, float u, std::span<const float> v, PlacedPoint* points) const {
+    const SubdivisionElement& element = elements_[index];
+    std::optional<PatchColumn> column;
+    if (element.net != SubdivisionElement::kIrregular) column.emplace(net(element), u);
+    for (size_t i = 0; i < v.size(); ++i) {
+        const PatchPoint point = column ? column->evaluate(v[i]) : in_element(limit_, element, u, v[i]);
+        const LimitNormal normal = normal_at(index, u, v[i], point, Vec3d(0, 0, 1));
+        points[i].hit = placed_hit(index, {u, v[i]}, point.position, -Vec3f(normal.normal));
+        const bool depends = normal.stage >= NormalStage::Neighbour;
+        points[i].surface = surface(points[i].hit, point, depends ? std::nullopt : std::optional(normal));
+    }
 }
 
 NormalCounters SubdivisionSurface::limit_normals() const {

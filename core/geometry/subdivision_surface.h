@@ -56,6 +56,7 @@ class SubdivisionSurface final : public Shape {
     }
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
     ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const override;
     std::optional<ContentHash> content_hash() const override { return hash_; }
     size_t bytes() const override;
 
@@ -106,6 +107,7 @@ class SubdivisionSurface final : public Shape {
     void make_nets();
     PatchPoint in_element(const LimitFaces& limit, const SubdivisionElement& element, double u, double v) const;
     LimitNormal normal_at(uint32_t element, double u, double v, const PatchPoint& point, const Vec3d& geometric) const;
+    LocalSurface surface(const LocalHit& hit, const PatchPoint& point, const std::optional<LimitNormal>& known) const;
     /// The normal that counts, on the side of `facet_normal` (unit).
     Vec3f shading_normal(const LocalHit& hit, const Vec3f& of_limit, const Vec3f& facet_normal) const;
     /// An attribute's value, bilinear within the face; missing channels 0, alpha 1.

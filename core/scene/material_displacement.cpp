@@ -12,22 +12,24 @@ namespace {
 
 class ByMaterial final : public Displacement {
   public:
-    ByMaterial(std::vector<Material> slots, const InstanceInfo& instance, const DisplacementSurroundings& surroundings)
-        : slots_(std::move(slots)), instance_(instance), surroundings_(surroundings) {}
+    ByMaterial(std::vector<Material> slots, const InstanceInfo& instance, const DisplacementSurroundings& surroundings,
+               const LocalFrame& frame)
+        : slots_(std::move(slots)),
+          instance_(instance),
+          surroundings_(surroundings),
+          map_(instance.object_to_world * frame.to_object()),
+          side_(map_.determinant() < 0.0 ? -1.0 : 1.0) {}
 
     Vec3d offset(const Shape& base, const LocalHit& hit, const LocalSurface& surface) const override {
         const size_t slot = std::min<size_t>(base.material_slot(hit), slots_.size() - 1);
         const MaterialDisplacement& displacement = slots_[slot].displacement;
         if (!displacement.program) return Vec3d(0.0);
-        const Affine3d map = instance_.object_to_world * base.frame().to_object();
         SurfacePoint point;
-        point.position = point.facet_position = map.point(surface.position);
-        // A mirrored object's outside stays its outside.
-        const double side = map.determinant() < 0.0 ? -1.0 : 1.0;
-        point.normal = Vec3f(normalized_or(map.normal(Vec3d(surface.normal)) * side, Vec3d(0, 0, 1)));
+        point.position = point.facet_position = map_.point(surface.position);
+        point.normal = Vec3f(normalized_or(map_.normal(Vec3d(surface.normal)) * side_, Vec3d(0, 0, 1)));
         point.facet_normal = point.normal;
-        point.dp_du = Vec3f(map.vector(Vec3d(surface.dp_du)));
-        point.dp_dv = Vec3f(map.vector(Vec3d(surface.dp_dv)));
+        point.dp_du = Vec3f(map_.vector(Vec3d(surface.dp_du)));
+        point.dp_dv = Vec3f(map_.vector(Vec3d(surface.dp_dv)));
         point.uv = surface.uv;
         point.shape = &base;
         point.local = hit;
@@ -52,6 +54,8 @@ class ByMaterial final : public Displacement {
     std::vector<Material> slots_;
     InstanceInfo instance_;
     DisplacementSurroundings surroundings_;
+    Affine3d map_;  ///< local space of the surface below -> world
+    double side_;   ///< a mirrored object's outside stays its outside
 };
 
 std::vector<Material> materials_of(const SceneDescription& description, const std::vector<int>& list) {
@@ -95,7 +99,8 @@ void displace(std::vector<TracedInstance>& traced, const SceneDescription& descr
             const InstanceInfo info{instance.object_to_world, instance.object_to_world.inverse(), instance.object_index,
                                     instance.random};
             made = std::make_shared<const DisplacedSurface>(
-                shape, std::make_shared<const ByMaterial>(materials_of(description, list), info, surroundings));
+                shape, std::make_shared<const ByMaterial>(materials_of(description, list), info, surroundings,
+                                                          shape->frame()));
         }
         shape = made;
     }
@@ -107,9 +112,9 @@ std::shared_ptr<Shape> displaced(std::shared_ptr<const Shape> shape, const Mater
     check_displacement(shape->name(), displacement);
     Material material;
     material.displacement = displacement;
-    return std::make_shared<DisplacedSurface>(
-        std::move(shape), std::make_shared<const ByMaterial>(std::vector<Material>{material}, InstanceInfo{},
-                                                             DisplacementSurroundings{}));
+    auto by_material = std::make_shared<const ByMaterial>(std::vector<Material>{material}, InstanceInfo{},
+                                                          DisplacementSurroundings{}, shape->frame());
+    return std::make_shared<DisplacedSurface>(std::move(shape), std::move(by_material));
 }
 
 }  // namespace rayleaf

@@ -28,25 +28,42 @@ Vec3d PatchView::position(double u, double v) const {
     return rational ? rayleaf::project(a) : spatial_part(a);
 }
 
-HomogeneousPatchPoint PatchView::evaluate_homogeneous(double u, double v) const {
-    const BernsteinBasis basis_u(degree_u, u), basis_v(degree_v, v);
-    const size_t count = static_cast<size_t>(rows());
-    RowBuffer value(count), first(count), second(count);
-    for (int j = 0; j < rows(); ++j) {
-        const Vec4d* row = points + j * columns();
-        value[j] = basis_u.value(row);
-        first[j] = basis_u.first(row);
-        second[j] = basis_u.second(row);
+PatchColumn::PatchColumn(const PatchView& patch, double u)
+    : degree_v_(patch.degree_v),
+      rational_(patch.rational),
+      value_(static_cast<size_t>(patch.rows())),
+      first_(static_cast<size_t>(patch.rows())),
+      second_(static_cast<size_t>(patch.rows())) {
+    const BernsteinBasis basis(patch.degree_u, u);
+    Vec4d *value = value_.data(), *first = first_.data(), *second = second_.data();
+    for (int j = 0; j < patch.rows(); ++j) {
+        const Vec4d* row = patch.points + j * patch.columns();
+        value[j] = basis.value(row);
+        first[j] = basis.first(row);
+        second[j] = basis.second(row);
     }
-    return {basis_v.value(value.data()),  basis_v.value(first.data()), basis_v.first(value.data()),
-            basis_v.value(second.data()), basis_v.first(first.data()), basis_v.second(value.data())};
+}
+
+HomogeneousPatchPoint PatchColumn::evaluate_homogeneous(double v) const {
+    const BernsteinBasis basis(degree_v_, v);
+    const Vec4d *value = value_.data(), *first = first_.data(), *second = second_.data();
+    return {basis.value(value),  basis.value(first), basis.first(value),
+            basis.value(second), basis.first(first), basis.second(value)};
+}
+
+PatchPoint PatchColumn::evaluate(double v) const {
+    const HomogeneousPatchPoint a = evaluate_homogeneous(v);
+    if (rational_) return rayleaf::project(a);
+    return {spatial_part(a.value), spatial_part(a.du),  spatial_part(a.dv),
+            spatial_part(a.duu),   spatial_part(a.duv), spatial_part(a.dvv)};
+}
+
+HomogeneousPatchPoint PatchView::evaluate_homogeneous(double u, double v) const {
+    return PatchColumn(*this, u).evaluate_homogeneous(v);
 }
 
 PatchPoint PatchView::evaluate(double u, double v) const {
-    const HomogeneousPatchPoint a = evaluate_homogeneous(u, v);
-    if (rational) return rayleaf::project(a);
-    return {spatial_part(a.value), spatial_part(a.du),  spatial_part(a.dv),
-            spatial_part(a.duu),   spatial_part(a.duv), spatial_part(a.dvv)};
+    return PatchColumn(*this, u).evaluate(v);
 }
 
 PatchPoint project(const HomogeneousPatchPoint& a) {

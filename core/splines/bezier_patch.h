@@ -6,6 +6,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "splines/bernstein.h"
 
 #include <utility>
 #include <vector>
@@ -39,6 +40,20 @@ struct PatchView {
     PatchPoint evaluate(double u, double v) const;
     /// Derivatives of the homogeneous patch; w is 1 and constant where not rational.
     HomogeneousPatchPoint evaluate_homogeneous(double u, double v) const;
+};
+
+/// A patch along a line of constant u: what all its points share. They have the bits that the patch itself gives them.
+class PatchColumn {
+  public:
+    PatchColumn(const PatchView& patch, double u);
+    HomogeneousPatchPoint evaluate_homogeneous(double v) const;
+    PatchPoint evaluate(double v) const;
+
+  private:
+    using Rows = StackBuffer<Vec4d, kStackDegree + 1>;
+    int degree_v_;
+    bool rational_;
+    Rows value_, first_, second_;
 };
 
 /// The quotient rule: P = A/w and its derivatives.

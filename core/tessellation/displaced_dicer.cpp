@@ -57,14 +57,30 @@ bool DisplacedDicer::is_fine_enough(const FacetTolerance& tolerance) const {
     return fine;
 }
 
-/// Vertices at `first` + `step` k of the places in a subpatch's fine grid.
+/// Vertices at `first` + `step` k of the places in a subpatch's fine grid, column by column. What lies on a border of
+/// the element may be another one's.
 void DisplacedDicer::dice_from(uint32_t subpatch, const Vec2d& first, double step, const VertexRows& target) const {
-    for (int j = 0; j <= target.quads; ++j) {
-        for (int i = 0; i <= target.quads; ++i) {
-            const ElementPlace place = below_->element_place({subpatch, first + Vec2d(i, j) * step}, Vec3d(0.0));
-            const Vec3d position = surface_->position(place.element, {place.u, place.v});
+    const int count = target.quads + 1;
+    const auto on_border = [](float at) { return at == 0.0f || at == 1.0f; };
+    for (int i = 0; i < count; ++i) {
+        ElementPlace places[kGridVertices];
+        float v[kGridVertices];
+        Vec3d positions[kGridVertices];
+        for (int j = 0; j < count; ++j) {
+            places[j] = below_->element_place({subpatch, first + Vec2d(i, j) * step}, Vec3d(0.0));
+            v[j] = places[j].v;
+        }
+        const auto& [element, u, lowest] = places[0];
+        int begin = 0, end = 0;
+        if (!on_border(u)) {
+            begin = on_border(lowest) ? 1 : 0;
+            end = on_border(v[count - 1]) ? count - 1 : count;
+            surface_->line_positions(element, u, {v + begin, v + end}, positions + begin);
+        }
+        for (int j = 0; j < count; ++j) {
+            if (j < begin || j >= end) positions[j] = surface_->position(element, {u, v[j]});
             for (int axis = 0; axis < 3; ++axis)
-                target.axes[axis][j * (target.quads + 1) + i] = static_cast<float>(position[axis]);
+                target.axes[axis][j * count + i] = static_cast<float>(positions[j][axis]);
         }
     }
 }
