@@ -40,19 +40,19 @@ py::array_t<bool> cracks(const Tracer& tracer, const Array<double>& origins, con
 py::dict geometry_cache_statistics(const GeometryCacheStatistics& s) {
     using namespace py::literals;
     constexpr const char* kNames[kStoredLevels] = {"coarse", "medium", "fine"};
-    py::dict levels;
-    for (int level = 0; level < kStoredLevels; ++level) {
-        const LevelCounters& counters = s.levels[level];
+    const auto told = [](const LevelCounters& counters, uint64_t vertices) {
         const auto lookups = static_cast<double>(std::max(counters.lookups - counters.cold, uint64_t{1}));
-        levels[kNames[level]] =
-            py::dict("lookups"_a = counters.lookups, "diced"_a = counters.diced, "cold"_a = counters.cold,
-                     "misses"_a = counters.recomputed(), "hit_rate"_a = 1.0 - counters.recomputed() / lookups,
-                     "vertices_recomputed"_a = counters.recomputed() * kLevelVertices[level],
-                     "bytes"_a = counters.bytes, "bypassed"_a = counters.bypassed);
-    }
-    return py::dict("levels"_a = levels, "splits"_a = s.splits, "parts_diced"_a = s.parts_diced, "bytes"_a = s.bytes,
-                    "budget"_a = s.budget, "cold_counted"_a = s.cold_counted, "vertices_diced"_a = s.vertices_diced(),
-                    "vertices_recomputed"_a = s.vertices_recomputed());
+        return py::dict("lookups"_a = counters.lookups, "diced"_a = counters.diced, "cold"_a = counters.cold,
+                        "misses"_a = counters.recomputed(), "hit_rate"_a = 1.0 - counters.recomputed() / lookups,
+                        "vertices_recomputed"_a = counters.recomputed() * vertices, "bytes"_a = counters.bytes,
+                        "bypassed"_a = counters.bypassed);
+    };
+    py::dict levels;
+    for (int level = 0; level < kStoredLevels; ++level)
+        levels[kNames[level]] = told(s.levels[level], kLevelVertices[level]);
+    return py::dict("levels"_a = levels, "parts"_a = told(s.parts, kLevelVertices[kFine]), "splits"_a = s.splits,
+                    "bytes"_a = s.bytes, "budget"_a = s.budget, "cold_counted"_a = s.cold_counted,
+                    "vertices_diced"_a = s.vertices_diced(), "vertices_recomputed"_a = s.vertices_recomputed());
 }
 
 void bind_geometry_cache_settings(py::module_& module) {

@@ -19,6 +19,10 @@ constexpr uint32_t kRecent = 16;
 /// Cold tessellations are counted while a bit for each takes no more than this share of the budget.
 constexpr uint64_t kSeenShare = 20;
 
+/// Parts are counted like a level; what else is known of them may take this share of the budget.
+constexpr int kParts = kStoredLevels, kCounted = kStoredLevels + 1;
+constexpr uint64_t kSeenPartsShare = 40, kWordBits = 64;
+
 /// Counters that one thread writes and others read.
 class Counter {
   public:
@@ -67,10 +71,10 @@ struct alignas(64) GeometryCache::ThreadState {
         uint32_t window_lookups = 0, window_misses = 0;
         bool thrashes = false;
     };
-    Level levels[kStoredLevels];
+    Level levels[kCounted];
     /// By kind, slots that no one sees.
     std::array<uint32_t, GridArena::kKinds> spares;
-    Counter splits, parts_diced, part_bytes;
+    Counter splits, part_bytes;
 
     ThreadState() {
         recent_keys.fill(GridArena::kNone);
@@ -78,6 +82,16 @@ struct alignas(64) GeometryCache::ThreadState {
     }
     Grid& scratch(const Grid*) { return fine; }
     StepGrid& scratch(const StepGrid*) { return steps; }
+    /// In the thread's own grid for parts of that level.
+    const Grid& dice_part(const Dicer& dicer, uint32_t subpatch, const GridPart& part) {
+        std::unique_ptr<Grid>& grid = parts[part.level - kFine - 1];
+        if (!grid) {
+            grid = std::make_unique<Grid>();
+            part_bytes.add();
+        }
+        dicer.levels()->dice_part(subpatch, part, *grid);
+        return *grid;
+    }
     /// A slot that no one sees for a grid of a kind; kNone if there is none now.
     uint32_t spare(Kind kind, GridArena& arena, ReaderEpochs& epochs) {
         uint32_t& slot = spares[static_cast<size_t>(kind)];
@@ -87,13 +101,13 @@ struct alignas(64) GeometryCache::ThreadState {
 };
 
 uint64_t GeometryCacheStatistics::vertices_diced() const {
-    uint64_t sum = parts_diced * kLevelVertices[kFine];
+    uint64_t sum = parts.diced * kLevelVertices[kFine];
     for (int level = 0; level < kStoredLevels; ++level) sum += levels[level].diced * kLevelVertices[level];
     return sum;
 }
 
 uint64_t GeometryCacheStatistics::vertices_recomputed() const {
-    uint64_t sum = 0;
+    uint64_t sum = parts.recomputed() * kLevelVertices[kFine];
     for (int level = 0; level < kStoredLevels; ++level) sum += levels[level].recomputed() * kLevelVertices[level];
     return sum;
 }
@@ -109,6 +123,9 @@ GeometryCache::GeometryCache(const GeometryCacheSettings& settings, uint32_t sub
     if (seen_bytes() <= settings.budget / kSeenShare) {
         seen_ = std::make_unique<std::atomic<uint64_t>[]>(seen_bytes() / sizeof(uint64_t));
         left -= std::min(left, seen_bytes());
+        seen_part_words_ = settings.budget / kSeenPartsShare / sizeof(uint64_t);
+        seen_parts_ = std::make_unique<std::atomic<uint64_t>[]>(seen_part_words_);
+        left -= std::min(left, seen_part_words_ * sizeof(uint64_t));
     }
     arena_ = std::make_unique<GridArena>(left, subpatch_count);
 }
@@ -138,13 +155,19 @@ void GeometryCache::count_lookup(ThreadState& state, int level) const {
 }
 
 /// Of a grid that was missed: counts it, and says whether to keep it.
-bool GeometryCache::deserves_slot(ThreadState& state, int level, uint32_t key) const {
+template <typename MissedLately>
+bool GeometryCache::deserves_slot(ThreadState& state, int level, const MissedLately& missed_lately) const {
     ThreadState::Level& own = state.levels[level];
     ++own.window_misses;
     own.diced.add();
-    count_cold(state, level, key);
     if (arena_->empty()) return false;
-    return !own.thrashes || !arena_->full() || arena_->missed_lately(level == kFine ? Kind::Fine : Kind::Medium, key);
+    return !own.thrashes || !arena_->full() || missed_lately();
+}
+
+bool GeometryCache::deserves_slot(ThreadState& state, int level, uint32_t key) const {
+    count_cold(state, level, uint64_t{key} * kStoredLevels + static_cast<uint64_t>(level));
+    const Kind kind = level == kFine ? Kind::Fine : Kind::Medium;
+    return deserves_slot(state, level, [&] { return arena_->missed_lately(kind, key); });
 }
 
 template <typename GridType>
@@ -221,11 +244,31 @@ bool GeometryCache::keep_medium(ThreadState& state, uint32_t key, const Subpatch
     return true;
 }
 
-void GeometryCache::count_cold(ThreadState& state, int level, uint32_t key) const {
+/// Grids of parts may be held at several levels at a time, so they are diced beside the cache and copied.
+const Grid& GeometryCache::part(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
+                                const GridPart& part) const {
+    count_lookup(state, kParts);
+    const GridArena::PartKey key(first + subpatch, part);
+    const uint32_t slot = arena_->find(key);
+    if (slot != GridArena::kNone) return arena_->fine(slot);
+    const Grid& grid = state.dice_part(dicer, subpatch, part);
+    if (seen_part_words_ > 0) count_cold(state, kParts, key.hash % (seen_part_words_ * kWordBits));
+    const bool keep = deserves_slot(state, kParts, [&] { return arena_->missed_lately(key); });
+    const uint32_t spare = keep ? state.spare(Kind::Part, *arena_, epochs_) : GridArena::kNone;
+    if (spare != GridArena::kNone) arena_->fine(spare) = grid;
+    if (spare != GridArena::kNone && arena_->publish(key, spare, epochs_))
+        state.spares[static_cast<size_t>(Kind::Part)] = GridArena::kNone;
+    else
+        state.levels[kParts].bypassed.add();
+    return grid;
+}
+
+/// By the bit of what was diced.
+void GeometryCache::count_cold(ThreadState& state, int level, uint64_t bit) const {
     if (!seen_) return;
-    const uint64_t bit = uint64_t{key} * kStoredLevels + static_cast<uint64_t>(level);
-    const uint64_t mask = uint64_t{1} << (bit % 64);
-    if ((seen_[bit / 64].fetch_or(mask, std::memory_order_relaxed) & mask) == 0) state.levels[level].cold.add();
+    std::atomic<uint64_t>& word = (level == kParts ? seen_parts_ : seen_)[bit / kWordBits];
+    const uint64_t mask = uint64_t{1} << (bit % kWordBits);
+    if ((word.fetch_or(mask, std::memory_order_relaxed) & mask) == 0) state.levels[level].cold.add();
 }
 
 GeometryCacheStatistics GeometryCache::statistics() const {
@@ -235,19 +278,21 @@ GeometryCacheStatistics GeometryCache::statistics() const {
     result.levels[kMedium].bytes =
         arena_->bytes(Kind::Medium) + arena_->bytes(Kind::Packed) + arena_->bytes(Kind::Smooth);
     result.levels[kFine].bytes = arena_->bytes(Kind::Fine) + arena_->bytes(Kind::Steps);
-    result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) + arena_->bytes();
+    result.parts.bytes = arena_->bytes(Kind::Part);
+    result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) +
+                   seen_part_words_ * sizeof(uint64_t) + arena_->bytes();
     for (const std::atomic<ThreadState*>& each : states_) {
         const ThreadState* state = each.load(std::memory_order_acquire);
         if (!state) continue;
         result.bytes += sizeof(ThreadState) + state->part_bytes.value() * sizeof(Grid);
         result.splits += state->splits.value();
-        result.parts_diced += state->parts_diced.value();
-        for (int level = 0; level < kStoredLevels; ++level) {
+        for (int level = 0; level < kCounted; ++level) {
             const ThreadState::Level& own = state->levels[level];
-            result.levels[level].lookups += own.lookups.value();
-            result.levels[level].diced += own.diced.value();
-            result.levels[level].cold += own.cold.value();
-            result.levels[level].bypassed += own.bypassed.value();
+            LevelCounters& counters = level == kParts ? result.parts : result.levels[level];
+            counters.lookups += own.lookups.value();
+            counters.diced += own.diced.value();
+            counters.cold += own.cold.value();
+            counters.bypassed += own.bypassed.value();
         }
     }
     return result;
@@ -308,19 +353,15 @@ void GeometryCache::Reader::count_split() const {
     state_->splits.add();
 }
 
-const Grid& GeometryCache::Reader::part(const Dicer& dicer, uint32_t subpatch, const GridPart& part) const {
-    std::unique_ptr<Grid>& grid = state_->parts[part.level - kFine - 1];
-    if (!grid) {
-        grid = std::make_unique<Grid>();
-        state_->part_bytes.add();
-    }
-    dicer.levels()->dice_part(subpatch, part, *grid);
-    state_->parts_diced.add();
-    return *grid;
+const Grid& GeometryCache::Reader::part(const Dicer& dicer, uint32_t first, uint32_t subpatch,
+                                        const GridPart& part) const {
+    if (own_state_) return state_->dice_part(dicer, subpatch, part);
+    enter();
+    return cache_->part(*state_, first, dicer, subpatch, part);
 }
 
 uint64_t GeometryCache::Reader::misses() const {
-    uint64_t sum = state_->parts_diced.value();
+    uint64_t sum = 0;
     for (const ThreadState::Level& level : state_->levels) sum += level.diced.value();
     return sum;
 }

@@ -11,7 +11,7 @@
 // budget, and memory goes where rays are, instead of equal thirds; a clock instead of a list of the least recently
 // used, which does as well without a lock; all that it takes to keep track of the grids counts within the budget; when
 // memory is too small for what rays want, a grid must be missed twice before it gets a slot; medium grids of smooth
-// surfaces are kept packed (tessellation/packed_grid.h).
+// surfaces are kept packed (tessellation/packed_grid.h); the parts of a split subpatch are kept each by itself.
 #pragma once
 
 #include "tessellation/dicer.h"
@@ -61,9 +61,11 @@ struct LevelCounters {
 
 struct GeometryCacheStatistics {
     std::array<LevelCounters, kStoredLevels> levels;  ///< coarse to fine
-    uint64_t splits = 0;       ///< times that a ray needed a subpatch split: finer than the finest level
-    uint64_t parts_diced = 0;  ///< grids of parts of split subpatches, which are not kept
-    uint64_t bytes = 0;        ///< held now, everything
+    /// Of parts of split subpatches. Some that are diced for the first time may be taken for known: they are told
+    /// apart by hashes.
+    LevelCounters parts;
+    uint64_t splits = 0;  ///< times that a ray needed a subpatch split: finer than the finest level
+    uint64_t bytes = 0;   ///< held now, everything
     uint64_t budget = 0;
     bool cold_counted = true;  ///< false where even a bit for each subpatch and level is too much for the budget
 
@@ -90,8 +92,9 @@ class GeometryCache {
     // In an order that leaves no holes: the epochs fill whole lines of cache.
     mutable ReaderEpochs epochs_;
     mutable std::unique_ptr<GridArena> arena_;
-    /// A bit for each (subpatch, level) diced so far.
-    mutable std::unique_ptr<std::atomic<uint64_t>[]> seen_;
+    /// A bit for each (subpatch, level) diced so far, and for hashes of parts.
+    mutable std::unique_ptr<std::atomic<uint64_t>[]> seen_, seen_parts_;
+    uint64_t seen_part_words_ = 0;
     GeometryCacheSettings settings_;
     mutable std::array<std::atomic<ThreadState*>, kMostReaders> states_{};
     uint32_t subpatch_count_;
@@ -106,8 +109,12 @@ class GeometryCache {
     const MediumGrid& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
                               const SubpatchDetail& detail) const;
     bool keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const;
+    template <typename MissedLately>
+    bool deserves_slot(ThreadState& state, int level, const MissedLately& missed_lately) const;
     bool deserves_slot(ThreadState& state, int level, uint32_t key) const;
-    void count_cold(ThreadState& state, int level, uint32_t key) const;
+    void count_cold(ThreadState& state, int level, uint64_t bit) const;
+    const Grid& part(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
+                     const GridPart& part) const;
 };
 
 /// One thread's access for the time of a ray; announced when it asks for the first grid. Grids are valid until it ends,
@@ -128,8 +135,8 @@ class GeometryCache::Reader {
     const StepGrid& steps(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     /// Counts a ray that needs a subpatch split.
     void count_split() const;
-    /// Beyond the fine level; not kept. Valid until the thread asks for another part of the same level.
-    const Grid& part(const Dicer& dicer, uint32_t subpatch, const GridPart& part) const;
+    /// Beyond the fine level. Valid until the thread asks for another part of the same level.
+    const Grid& part(const Dicer& dicer, uint32_t first, uint32_t subpatch, const GridPart& part) const;
     const LevelRule& rule() const { return cache_->settings_.rule; }
     /// Tessellations that this thread had to make so far.
     uint64_t misses() const;

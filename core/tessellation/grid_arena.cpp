@@ -1,5 +1,7 @@
 #include "tessellation/grid_arena.h"
 
+#include "tessellation/level.h"
+
 #include <algorithm>
 #include <thread>
 
@@ -15,13 +17,33 @@ constexpr uint64_t kTableShare = 4;
 /// Late misses that are remembered, for each unit.
 constexpr uint32_t kMissesPerUnit = 4;
 
+/// Of a part in the index: set_bytes, rounded up.
+constexpr uint64_t kPartEntry = 9;
+
 /// A unit with a smaller share of grids in use is emptied: what is used is worth less than the unit.
 constexpr uint32_t kLeastShareUsed = 4;
 
+/// Parts that a subpatch may be split into, of all levels.
+constexpr uint64_t kMostParts = [] {
+    uint64_t sum = 0;
+    for (int level = kFine + 1; level <= kFinestLevel; ++level)
+        sum += static_cast<uint64_t>(quads_along(level - kFine) * quads_along(level - kFine));
+    return sum;
+}();
+
 }  // namespace
 
+GridArena::PartKey::PartKey(uint32_t subpatch, const GridPart& part)
+    : key((uint64_t{subpatch} * (kFinestLevel + 1) + static_cast<uint64_t>(part.level)) * (kMostParts + 1) +
+          part.number()) {
+    uint64_t mixed = key * 0x9e3779b97f4a7c15u;  // as level.cpp's random number: splitmix64
+    mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9u;
+    mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111ebu;
+    hash = static_cast<uint32_t>(mixed >> 33);
+}
+
 uint64_t GridArena::tracking_per_unit() {
-    return kSlots * (sizeof(uint8_t) + sizeof(uint32_t)) + sizeof(Unit) + sizeof(Kind) +
+    return kSlots * (sizeof(uint8_t) + sizeof(uint32_t)) + sizeof(Unit) + sizeof(Kind) + sizeof(uint64_t) +
            (2 + kKinds + kMissesPerUnit) * sizeof(uint32_t);
 }
 
@@ -29,12 +51,15 @@ GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     const uint64_t table = GridIndex::table_bytes(2 * subpatches);
     const bool as_table = table <= budget / kTableShare;
     const uint64_t sets = as_table ? 0 : GridIndex::set_bytes(kSlots);
-    const uint64_t for_units = as_table ? budget - table : budget - std::min(budget, uint64_t{64});
+    constexpr uint64_t kSet = 64;  // of an index of sets, beyond what units take
+    const uint64_t fixed = (as_table ? table : kSet) + kSet;
+    const uint64_t for_units = budget - std::min(budget, fixed);
     const uint64_t threads = std::min(uint64_t{std::thread::hardware_concurrency()} + 1, uint64_t{kMostReaders});
     // More would never be used, but for those on the way out and those that threads hold.
-    const uint64_t most = uint64_t{subpatches} + subpatches / kSlots + kMostOnTheWayOut + 2 * threads;
+    const uint64_t most =
+        uint64_t{subpatches} * (1 + kMostParts) + subpatches / kSlots + kMostOnTheWayOut + 2 * threads;
     constexpr uint64_t kNumbered = (uint64_t{1} << 32) / kSlots - 1;
-    const uint64_t fitting = for_units / (sizeof(Memory) + tracking_per_unit() + sets);
+    const uint64_t fitting = for_units / (sizeof(Memory) + tracking_per_unit() + sets + kPartEntry);
     unit_count_ = static_cast<uint32_t>(std::min({fitting, most, kNumbered}));
     if (unit_count_ == 0) return;
     const uint32_t slots = unit_count_ * kSlots;
@@ -42,6 +67,8 @@ GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     memory_ = large_memory(unit_count_ * sizeof(Memory), kLargePage);
     if (!memory_) throw std::bad_alloc();
     index_ = GridIndex(slots, 2 * subpatches, as_table);
+    part_index_ = GridIndex(unit_count_, 0, false);
+    part_keys_ = std::make_unique<std::atomic<uint64_t>[]>(unit_count_);
     kinds_ = std::make_unique<std::atomic<Kind>[]>(unit_count_);
     marks_ = std::make_unique<std::atomic<uint8_t>[]>(slots);
     missed_ = std::make_unique<std::atomic<uint32_t>[]>(unit_count_ * kMissesPerUnit);
@@ -109,12 +136,21 @@ std::optional<uint32_t> GridArena::acquire(Kind kind, ReaderEpochs& epochs) {
 
 bool GridArena::publish(Kind kind, uint32_t subpatch, uint32_t slot, ReaderEpochs& epochs) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
+    return lock && publish_in(index_, key(kind, subpatch), slot, epochs);
+}
+
+bool GridArena::publish(const PartKey& part, uint32_t slot, ReaderEpochs& epochs) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return false;
-    const uint32_t wanted = key(kind, subpatch);
-    if (index_.find(wanted) != kNone) return false;  // another thread was faster
+    part_keys_[slot / kSlots].store(part.key, std::memory_order_relaxed);  // seen once the index is
+    return publish_in(part_index_, part.hash, slot, epochs);
+}
+
+bool GridArena::publish_in(GridIndex& index, uint32_t wanted, uint32_t slot, ReaderEpochs& epochs) {
+    if (index.find(wanted) != kNone) return false;  // another thread was faster, or a part has the same hash
     marks_[slot].store(0, std::memory_order_relaxed);
     owners_[slot] = wanted + 1;
-    if (const std::optional<uint32_t> out = index_.insert(wanted, slot)) {
+    if (const std::optional<uint32_t> out = index.insert(wanted, slot)) {
         owners_[*out] = 0;
         const uint32_t unit = *out / kSlots;
         retire(unit, SlotMask::one(*out % kSlots), epochs);
@@ -160,7 +196,7 @@ void GridArena::make_room(ReaderEpochs& epochs) {
         for (uint32_t i = 0; i < slots_of(kind_of(number)); ++i) {
             uint32_t& owner = owners_[number * kSlots + i];
             if (!out.has(i) || owner == 0) continue;
-            index_.remove(owner - 1, number * kSlots + i);
+            index_of(number).remove(owner - 1, number * kSlots + i);
             owner = 0;
         }
         retire(number, out, epochs);
@@ -187,8 +223,8 @@ void GridArena::reclaim(const ReaderEpochs& epochs) {
     }
 }
 
-bool GridArena::missed_lately(Kind kind, uint32_t subpatch) {
-    const uint32_t wanted = key(kind, subpatch) + 1, places = unit_count_ * kMissesPerUnit;
+bool GridArena::missed_lately(uint32_t key) {
+    const uint32_t wanted = key + 1, places = unit_count_ * kMissesPerUnit;
     const auto place = static_cast<uint32_t>(uint64_t{wanted * 2654435769u} * places >> 32);
     if (missed_[place].load(std::memory_order_relaxed) == wanted) return true;
     missed_[place].store(wanted, std::memory_order_relaxed);
@@ -197,7 +233,8 @@ bool GridArena::missed_lately(Kind kind, uint32_t subpatch) {
 
 uint64_t GridArena::bytes() const {
     if (unit_count_ == 0) return 0;
-    return index_.bytes() + unit_count_ * tracking_per_unit() + used_.load(std::memory_order_relaxed) * sizeof(Memory);
+    return index_.bytes() + part_index_.bytes() + unit_count_ * tracking_per_unit() +
+           used_.load(std::memory_order_relaxed) * sizeof(Memory);
 }
 
 }  // namespace rayleaf

@@ -1,6 +1,6 @@
 // The memory of the geometry cache: units that hold one fine grid, or two in steps (tessellation/step_grid.h), or
 // medium ones of one of three kinds, sixteen as they are, forty packed or eighty-one smooth ones
-// (tessellation/packed_grid.h), whatever rays ask for.
+// (tessellation/packed_grid.h), or one part of a split subpatch, whatever rays ask for.
 //
 // Looking up takes no lock (tessellation/grid_index.h). Changes are made under a lock that is never waited for: who
 // finds it taken does without. What has to go is found by a clock: a hand goes round the units of all kinds and takes
@@ -14,6 +14,7 @@
 #include "tessellation/packed_grid.h"
 #include "tessellation/readers.h"
 #include "tessellation/slot_mask.h"
+#include "tessellation/snapped_grid.h"
 #include "tessellation/step_grid.h"
 
 #include <atomic>
@@ -29,8 +30,8 @@ namespace rayleaf {
 class GridArena {
   public:
     static constexpr uint32_t kNone = GridIndex::kNone;
-    enum class Kind : uint8_t { Smooth, Packed, Medium, Steps, Fine };
-    static constexpr int kKinds = 5;
+    enum class Kind : uint8_t { Smooth, Packed, Medium, Steps, Fine, Part };
+    static constexpr int kKinds = 6;
     /// Grids of a kind in a unit; what is left of it is not used. NOLINTBEGIN(bugprone-sizeof-expression)
     static constexpr uint32_t kMediumSlots = sizeof(Grid) / sizeof(MediumGrid);
     static constexpr uint32_t kPackedSlots = sizeof(Grid) / sizeof(PackedGrid);
@@ -38,7 +39,7 @@ class GridArena {
     // NOLINTEND(bugprone-sizeof-expression)
     static constexpr uint32_t kStepSlots = 2;
     static constexpr uint32_t slots_of(Kind kind) {
-        constexpr uint32_t kCounts[kKinds] = {kSmoothSlots, kPackedSlots, kMediumSlots, kStepSlots, 1};
+        constexpr uint32_t kCounts[kKinds] = {kSmoothSlots, kPackedSlots, kMediumSlots, kStepSlots, 1, 1};
         return kCounts[static_cast<int>(kind)];
     }
     /// Slots of a unit are numbered for the smallest grids.
@@ -50,6 +51,14 @@ class GridArena {
     /// As many units as fit `budget` with all that is needed to keep track of them.
     GridArena(uint64_t budget, uint32_t subpatches);
 
+    /// A part of a split subpatch. Found by the hash; the key tells parts apart whose hashes are equal.
+    struct PartKey {
+        uint64_t key;
+        uint32_t hash;
+
+        PartKey(uint32_t subpatch, const GridPart& part);
+    };
+
     bool empty() const { return unit_count_ == 0; }
     /// Whether all memory is in use.
     bool full() const { return used_.load(std::memory_order_relaxed) >= unit_count_; }
@@ -58,8 +67,15 @@ class GridArena {
     uint32_t find(Kind kind, uint32_t subpatch) const {
         if (unit_count_ == 0) return kNone;
         const uint32_t slot = index_.find(key(kind, subpatch));
-        if (slot != kNone && marks_[slot].load(std::memory_order_relaxed) == 0)
-            marks_[slot].store(1, std::memory_order_relaxed);
+        if (slot != kNone) mark(slot);
+        return slot;
+    }
+    /// The same of a part.
+    uint32_t find(const PartKey& part) const {
+        if (unit_count_ == 0) return kNone;
+        const uint32_t slot = part_index_.find(part.hash);
+        if (slot == kNone || part_keys_[slot / kSlots].load(std::memory_order_relaxed) != part.key) return kNone;
+        mark(slot);
         return slot;
     }
     /// Of the grid that was found in a slot.
@@ -74,8 +90,10 @@ class GridArena {
     std::optional<uint32_t> acquire(Kind kind, ReaderEpochs& epochs);
     /// Makes a filled slot visible. False if that cannot be now: the slot stays the caller's.
     bool publish(Kind kind, uint32_t subpatch, uint32_t slot, ReaderEpochs& epochs);
+    bool publish(const PartKey& part, uint32_t slot, ReaderEpochs& epochs);
     /// While slots run out all the time: whether a grid was missed before, not long ago; only those are worth a slot.
-    bool missed_lately(Kind kind, uint32_t subpatch);
+    bool missed_lately(Kind kind, uint32_t subpatch) { return missed_lately(key(kind, subpatch)); }
+    bool missed_lately(const PartKey& part) { return missed_lately(part.hash); }
 
     uint64_t bytes(Kind kind) const {
         return units_of_[static_cast<int>(kind)].load(std::memory_order_relaxed) * sizeof(Memory);
@@ -100,12 +118,13 @@ class GridArena {
     };
 
     uint32_t unit_count_ = 0;
-    GridIndex index_;
+    GridIndex index_, part_index_;
     LargeMemory memory_;
-    std::unique_ptr<std::atomic<Kind>[]> kinds_;       ///< by unit
-    std::unique_ptr<std::atomic<uint8_t>[]> marks_;    ///< by slot
-    std::unique_ptr<std::atomic<uint32_t>[]> missed_;  ///< key + 1 of late misses, by hash
-    std::vector<uint32_t> owners_;                     ///< by slot: key + 1 of those that are visible, else 0
+    std::unique_ptr<std::atomic<Kind>[]> kinds_;          ///< by unit
+    std::unique_ptr<std::atomic<uint8_t>[]> marks_;       ///< by slot
+    std::unique_ptr<std::atomic<uint64_t>[]> part_keys_;  ///< by unit, of parts
+    std::unique_ptr<std::atomic<uint32_t>[]> missed_;     ///< key + 1 of late misses, by hash
+    std::vector<uint32_t> owners_;                        ///< by slot: key + 1 of those that are visible, else 0
     std::vector<Unit> units_;
     std::deque<uint32_t> leaving_;             ///< units, in the order of their stamps
     std::vector<uint32_t> free_;               ///< units that hold nothing
@@ -119,6 +138,12 @@ class GridArena {
     static uint32_t key(Kind kind, uint32_t subpatch) {
         return 2 * subpatch + (kind == Kind::Fine || kind == Kind::Steps ? 1 : 0);
     }
+    void mark(uint32_t slot) const {
+        if (marks_[slot].load(std::memory_order_relaxed) == 0) marks_[slot].store(1, std::memory_order_relaxed);
+    }
+    GridIndex& index_of(uint32_t unit) { return kind_of(unit) == Kind::Part ? part_index_ : index_; }
+    bool publish_in(GridIndex& index, uint32_t wanted, uint32_t slot, ReaderEpochs& epochs);
+    bool missed_lately(uint32_t wanted);
     static uint64_t tracking_per_unit();
     std::optional<uint32_t> take_unit(Kind kind);
     std::optional<uint32_t> take(Kind kind);

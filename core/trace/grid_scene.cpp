@@ -311,7 +311,7 @@ bool GridScene::visit_parts(PartSearch& search, const Grid& grid, const GridPart
         const int block = __builtin_ctz(blocks);
         constexpr int kAlong = kGridCells / kBlockCells;
         const GridPart part{place.level + 1, place.u * kAlong + block % kAlong, place.v * kAlong + block / kAlong};
-        const Grid& below = search.query.reader->part(*dicer_, search.subpatch, part);
+        const Grid& below = search.query.reader->part(*dicer_, first_subpatch(), search.subpatch, part);
         found |= part.level == search.levels.own ? offer_part(search, below, part) : visit_parts(search, below, part);
     }
     return found;

@@ -33,7 +33,7 @@ report(cache=cache())
     picture = plain_exr.read(path)
     level, misses = (picture[f"ViewLayer.Rayleaf {name}.X"] for name in ("Level", "Cache Misses"))
     assert {0} < set(np.unique(level)) <= {0, 1, 2, 3, 4, 5, 6}
-    diced = counters["parts_diced"] + sum(each["diced"] for each in counters["levels"].values())
+    diced = counters["parts"]["diced"] + sum(each["diced"] for each in counters["levels"].values())
     assert 2 * misses.sum() == diced > 0
 
 

@@ -83,7 +83,7 @@ def test_the_pass_of_misses_adds_up_to_all_tessellations(core, integrator):
     for megabytes in (30.0, 0.3, 0.0):
         session = render(core, balls_scene(core), geometry_cache_megabytes=megabytes, **settings)
         statistics = cache_of(session)
-        all_diced = sum(statistics["levels"][name]["diced"] for name in LEVELS) + statistics["parts_diced"]
+        all_diced = sum(statistics["levels"][name]["diced"] for name in LEVELS) + statistics["parts"]["diced"]
         assert 4 * session.pass_pixels("geometry_misses").sum(dtype=np.float64) == pytest.approx(all_diced, rel=1e-6)
 
 
@@ -98,9 +98,10 @@ def test_the_statistics_count_rays_by_kind_and_tell_each_level(core):
         assert rays["hemisphere"] > 0, integrator
         cache, vertices = statistics["geometry_cache"], {"coarse": 4, "medium": 25, "fine": 289}
         assert cache["bytes"] > sum(cache["levels"][name]["bytes"] for name in LEVELS) >= 0
-        assert cache["vertices_recomputed"] == sum(cache["levels"][name]["vertices_recomputed"] for name in LEVELS)
-        for name in LEVELS:
-            level = cache["levels"][name]
+        levels = cache["levels"] | {"parts": cache["parts"]}
+        vertices["parts"] = vertices["fine"]
+        assert cache["vertices_recomputed"] == sum(level["vertices_recomputed"] for level in levels.values())
+        for name, level in levels.items():
             assert level["misses"] == level["diced"] - level["cold"] >= 0 and level["bypassed"] <= level["diced"]
             assert level["vertices_recomputed"] == vertices[name] * level["misses"]
             found = level["lookups"] - level["diced"]
@@ -154,12 +155,32 @@ def test_what_a_magnifying_glass_shows_is_split_beyond_the_finest_level(core):
         return session.pass_pixels("combined")[..., 0].astype(float), cache_of(session)
 
     image, counters = picture(True)
-    assert counters["splits"] > 0 and counters["parts_diced"] > 0
+    assert counters["splits"] > 0 and counters["parts"]["diced"] > 0
     assert picture(False)[1]["splits"] == 0
     finest = picture(True, tessellation_factor=0.1)[0]
     # Silhouettes lie a tenth of a pixel off at most, and one of four samples may fall to the other side.
     assert 0.02 < finest.mean() < 0.98
     assert np.abs(image - finest).max() <= 0.25 and image.mean() == pytest.approx(finest.mean(), abs=0.01)
+
+
+def test_parts_of_split_subpatches_are_kept_and_no_budget_changes_the_picture(core):
+    scene = core.SceneDescription()
+    ball = scene.add_surface("ball", [sphere_spline(core)])
+    glow = scene.add_material_list([scene.add_material("glow", emission(core))])
+    scene.add_instance("ball", ball, matrix(), glow)
+    look_down(scene, 1.02, 1.0)
+
+    def picture(**settings):
+        session = render(core, scene, size=24, samples=4, tessellation_factor=0.02, **settings)
+        return session.pass_pixels("combined"), cache_of(session)["parts"], cache_of(session)["bytes"]
+
+    image, kept, _ = picture(geometry_cache_megabytes=30.0)
+    assert kept["lookups"] > 2 * kept["diced"] > 0 and kept["bypassed"] == 0 and kept["misses"] < 0.05 * kept["cold"]
+    for settings in (dict(geometry_cache_megabytes=0.5), dict(geometry_cache_mode="NONE")):
+        other, parts, held = picture(threads=1, **settings)
+        assert np.array_equal(image, other), settings
+        assert parts["diced"] > kept["diced"] and parts["lookups"] == kept["lookups"], settings
+        assert "geometry_cache_megabytes" not in settings or held <= 0.5 * 2**20
 
 
 @pytest.mark.parametrize("integrator, rays", [("PATH", 1), ("DISTRIBUTION", 64)])
