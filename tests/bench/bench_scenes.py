@@ -74,7 +74,7 @@ def print_levels(mode: str, seconds: float, core: dict[str, Any]) -> None:
     print(
         f"{core['memory']['subpatches'] / 1e6:.1f} MB of records, {core['memory']['acceleration'] / 1e6:.1f} MB of trees"
     )
-    for name, level in cache["levels"].items():
+    for name, level in (cache["levels"] | {"parts": cache["parts"]}).items():
         counts = f"{level['lookups']:>14,} lookups {level['cold']:>12,} cold {level['misses']:>12,} misses"
         print(f"    {name:<8}{counts}  {level['hit_rate']:8.2%}")
     print(f"    computed again: {cache['vertices_recomputed']:,} vertices of {cache['vertices_diced']:,}")

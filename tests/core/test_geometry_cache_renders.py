@@ -163,6 +163,7 @@ def test_what_a_magnifying_glass_shows_is_split_beyond_the_finest_level(core):
     assert np.abs(image - finest).max() <= 0.25 and image.mean() == pytest.approx(finest.mean(), abs=0.01)
 
 
+@pytest.mark.slow
 def test_parts_of_split_subpatches_are_kept_and_no_budget_changes_the_picture(core):
     scene = core.SceneDescription()
     ball = scene.add_surface("ball", [sphere_spline(core)])
@@ -171,7 +172,7 @@ def test_parts_of_split_subpatches_are_kept_and_no_budget_changes_the_picture(co
     look_down(scene, 1.02, 1.0)
 
     def picture(**settings):
-        session = render(core, scene, size=24, samples=4, tessellation_factor=0.02, **settings)
+        session = render(core, scene, size=16, samples=2, tessellation_factor=0.02, **settings)
         return session.pass_pixels("combined"), cache_of(session)["parts"], cache_of(session)["bytes"]
 
     image, kept, _ = picture(geometry_cache_megabytes=30.0)
