@@ -17,7 +17,8 @@ struct SurfacePoint {
     Vec3f dp_du{0, 0, 0}, dp_dv{0, 0, 0};  ///< world units per unit of uv
     Vec3f dn_du{0, 0, 0}, dn_dv{0, 0, 0};  ///< change of the unit normal per unit of uv
     Vec2f uv{0, 0};
-    double t = 0;  ///< distance along the ray, world units
+    Vec2f uv_by_u{1, 0}, uv_by_v{0, 1};  ///< change of uv along what the derivatives are by: itself, or picture steps
+    double t = 0;                        ///< distance along the ray, world units
 
     const Shape* shape = nullptr;
     LocalHit local;

@@ -35,6 +35,7 @@ enum class GlassWay : uint8_t { Unknown, Leaves, CutOff };
 struct HitChanges {
     struct Step {
         Vec3f normal{0, 0, 0};
+        Vec2f uv{0, 0};                                         ///< Simple
         Vec3f exit_position{0, 0, 0}, exit_direction{0, 0, 0};  ///< Glass
     };
     bool are_known = false;  ///< else all are zero
@@ -52,7 +53,7 @@ struct InterpolatedHit {
     Vec3d exit_position{0, 0, 0};
     Vec3d exit_direction{0, 0, 1};  ///< unit
     int interior_hits = 0, total_reflections = 0;
-    HitChanges changes;  ///< of the normal and the ray that leaves
+    HitChanges changes;  ///< of all of these
 };
 
 /// A hit in the scene.

@@ -14,8 +14,8 @@ Vec3f unfolded_change(const FoldedVector& folded, const Vec3d& unit, float a, fl
 }
 
 bool is_finite(const HitChanges::Step& step) {
-    return rayleaf::is_finite(step.normal) && rayleaf::is_finite(step.exit_position) &&
-           rayleaf::is_finite(step.exit_direction);
+    return rayleaf::is_finite(step.normal) && std::isfinite(step.uv.x) && std::isfinite(step.uv.y) &&
+           rayleaf::is_finite(step.exit_position) && rayleaf::is_finite(step.exit_direction);
 }
 
 }  // namespace
@@ -50,7 +50,9 @@ HitChanges output_changes(OutputKind kind, const CellLeaf& leaf, const float (&c
     for (int i = 0; i < kPictureSteps; ++i) {
         HitChanges::Step& step = result.steps[i];
         step.normal = unfolded_change(leaf.normal, out.normal, changes[i][1], changes[i][2]);
-        if (kind == OutputKind::Glass) {
+        if (kind == OutputKind::Simple) {
+            step.uv = {changes[i][3], changes[i][4]};
+        } else if (kind == OutputKind::Glass) {
             step.exit_position = {changes[i][3], changes[i][4], changes[i][5]};
             step.exit_direction =
                 unfolded_change(leaf.exit_direction, out.exit_direction, changes[i][6], changes[i][7]);

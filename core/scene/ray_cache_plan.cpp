@@ -29,6 +29,7 @@ bool is_flat(const Shape& shape) {
 struct ObjectOptics {
     MaterialOptics first;
     bool even = true;  ///< one material alone
+    bool reads_uv = false;
     std::string obstacle;
 };
 
@@ -40,19 +41,21 @@ ObjectOptics optics_of_object(const Scene& scene, uint32_t instance) {
         const Program& program = *scene.material_at(index).surface;
         result.even &= index == list.front();
         if (program.emits()) result.obstacle = "emits light";
-        if (program.reads_element()) result.obstacle = "reads texture coordinates, attributes or tangents";
+        if (program.reads_element()) result.obstacle = "reads attributes, named texture coordinates or tangents";
+        result.reads_uv |= program.reads_uv();
     }
     result.first = optics_of(*first.surface);
     return result;
 }
 
-/// Point and normal, what a mirror needs, are enough for every material that reads no texture coordinates.
+/// Point and normal, what a mirror needs, are enough where nothing reads texture coordinates, neither the materials nor
+/// a pass.
 SampleSettings samples_for(const ObjectOptics& optics, bool is_volume, bool shows_uv, const Settings& settings) {
     SampleSettings samples;
     samples.kind = OutputKind::Mirror;
     if (is_volume) {
         samples.kind = OutputKind::Volume;
-    } else if (shows_uv) {
+    } else if (shows_uv || optics.reads_uv) {
         samples.kind = OutputKind::Simple;
     } else if (optics.even && optics.first.surface == SurfaceOptics::Glass) {
         samples.kind = OutputKind::Glass;

@@ -29,8 +29,8 @@ struct PlannedRayCache {
 /// it entered by one bounce, and all hits but the last are reflections.
 int most_interior_hits(const Settings& settings);
 
-/// Objects whose interpolation is off are not listed. The UV pass wants texture coordinates of every surface: then
-/// there are first hits alone.
+/// Objects whose interpolation is off are not listed. A material that reads texture coordinates wants them stored, and
+/// the UV pass those of every surface: then there are first hits alone.
 std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene,
                                              const Settings& settings);
 

@@ -61,7 +61,7 @@ Neighbours::Neighbours(const ShadingInputs& inputs, NeighbourAttributes attribut
         point = here;
         const Vec2f step = uv_step(here, dp[i]);
         point.position += Vec3d(dp[i]);
-        point.uv += step;
+        point.uv += here.uv_by_u * step.x + here.uv_by_v * step.y;
         point.normal = normalized_or(here.normal + here.dn_du * step.x + here.dn_dv * step.y, here.normal);
         if (jacobian.regular()) point.local = jacobian.stepped(here, step);
         inputs_[i].point = &point;

@@ -153,6 +153,8 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
     reads_inputs_ |= family == OperationFamily::Input || family == OperationFamily::Texture;
     switch (instruction.operation) {
         case Operation::uv:
+            (is_named_uv(instruction) ? reads_element_ : reads_uv_) = true;
+            break;
         case Operation::attribute:
         case Operation::tangent:
         case Operation::from_tangent_space:
@@ -199,6 +201,11 @@ void Program::note_noise_use(const Instruction& reader, std::span<const Register
     }
 }
 
+/// Whether it reads texture coordinates by the id of an attribute.
+bool Program::is_named_uv(const Instruction& instruction) const {
+    return instruction.operation == Operation::uv && instruction.int_count > 0 && ints_[instruction.first_int] >= 0;
+}
+
 /// Marks what `target` depends on to be run at the neighbouring points too.
 void Program::differentiate(Register target) {
     std::vector<Register> open{target};
@@ -209,9 +216,7 @@ void Program::differentiate(Register target) {
         Instruction& instruction = instructions_[static_cast<size_t>(origins_[static_cast<size_t>(r)])];
         if (instruction.differentiated) continue;
         instruction.differentiated = true;
-        const bool named_uv =
-            instruction.operation == Operation::uv && instruction.int_count > 0 && ints_[instruction.first_int] >= 0;
-        differentiates_attributes_ |= instruction.operation == Operation::attribute || named_uv;
+        differentiates_attributes_ |= instruction.operation == Operation::attribute || is_named_uv(instruction);
         const auto first = operands_.begin() + instruction.first_operand;
         open.insert(open.end(), first, first + instruction.operand_count);
     }

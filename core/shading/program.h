@@ -53,8 +53,10 @@ class Program {
     bool is_constant() const { return constant_; }
     /// True if its closures are the same on all of a surface: nothing is read but the normal and the view.
     bool has_even_closures() const { return !reads_inputs_; }
-    /// True if it reads what only an element of the shape knows, or its direction of u: texture coordinates,
-    /// attributes, tangents.
+    /// True if it reads the active texture coordinate, as such.
+    bool reads_uv() const { return reads_uv_; }
+    /// True if it reads what only an element of the shape knows, or its direction of u: attributes, named texture
+    /// coordinates, tangents.
     bool reads_element() const { return reads_element_; }
 
   private:
@@ -72,6 +74,7 @@ class Program {
                         std::span<const int32_t> ints, std::span<const float> floats, const std::string& text) const;
     void note_effects(const Instruction& instruction, std::span<const Register> operands);
     void note_noise_use(const Instruction& reader, std::span<const Register> operands);
+    bool is_named_uv(const Instruction& instruction) const;
     void differentiate(Register target);
     bool is_constant_register(Register r) const { return r < 0 || origins_[static_cast<size_t>(r)] == kConstant; }
     [[noreturn]] void reject(const std::string& argument, const std::string& got, const std::string& wanted) const;
@@ -93,7 +96,7 @@ class Program {
     std::vector<Vec4f> registers_;  ///< initial contents
     std::vector<int32_t> origins_;  ///< per register: the instruction that writes it, or kConstant
     bool emits_ = false, transparent_ = false, constant_ = true;
-    bool reads_inputs_ = false, reads_element_ = false;
+    bool reads_inputs_ = false, reads_uv_ = false, reads_element_ = false;
     bool textured_ = false;                   ///< some instruction is differentiated, or reads an image
     bool differentiates_attributes_ = false;  ///< and reads a named attribute
 };

@@ -21,7 +21,7 @@ def publish(record: dict[str, Any]) -> None:
 
 def last(scene: str) -> dict[str, Any]:
     """The record of the last render, if it was of the scene of that name; else empty."""
-    record: dict[str, Any] = sys.modules[__package__].last_statistics  # type: ignore[attr-defined]
+    record: dict[str, Any] = sys.modules[__package__].last_statistics
     return record if record.get("scene") == scene else {}
 
 

@@ -55,7 +55,7 @@ def test_nothing_is_allocated_when_off(core):
 
 
 @pytest.mark.parametrize(
-    ("name", "obstacle"), [("flat", "flat"), ("glow", "emits"), ("textured", "texture coordinates")]
+    ("name", "obstacle"), [("flat", "flat"), ("glow", "emits"), ("painted", "attributes")]
 )
 def test_objects_that_cannot_have_a_cache_are_told_with_the_reason(core, name, obstacle):
     scene = ball_scene(core, "mirror", floor=False)
@@ -63,8 +63,8 @@ def test_objects_that_cannot_have_a_cache_are_told_with_the_reason(core, name, o
         scene.add_instance(name, scene.add_mesh(name, CUBE_VERTICES, CUBE_TRIANGLES), matrix((3, 0, 0)))
     else:
         program = emission(core) if name == "glow" else core.Program(name)
-        if name == "textured":
-            program.operation("diffuse", [program.constant(1, 1, 1, 1), program.operation("uv", ints=[-1])])
+        if name == "painted":
+            program.operation("diffuse", [program.constant(1, 1, 1, 1), program.operation("attribute", ints=[0])])
         materials = scene.add_material_list([scene.add_material(name, program)])
         scene.add_instance(name, scene.add_surface(name, [sphere_spline(core)]), matrix((3, 0, 0)), materials)
     found = reports(render(core, scene))

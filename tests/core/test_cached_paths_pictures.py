@@ -15,7 +15,7 @@ from cached_scenes import (
     used,
 )
 from path_scenes import material
-from scenes import CUBE_TRIANGLES, CUBE_VERTICES, look_down, matrix, quad, sphere_spline
+from scenes import CUBE_TRIANGLES, CUBE_VERTICES, background, look_down, matrix, quad, sphere_spline
 
 
 def test_the_uv_pass_of_interpolated_surfaces_is_that_of_tracing(core):
@@ -184,6 +184,35 @@ def test_textures_seen_by_way_of_an_interpolated_mirror_are_as_sharp_as_traced(c
 
     off, on = picture(render(core, scene(), "OFF", samples=16)), picture(render(core, scene(), samples=16))
     assert abs(on.std() - off.std()) < 0.1 * off.std()
+
+
+def test_textures_on_an_interpolated_surface_are_where_and_as_sharp_as_traced(core):
+    """Fine stripes by the surface's own coordinate: a footprint that is none would alias, one too wide would blur."""
+
+    def scene(lines):
+        made = core.SceneDescription()
+        stripes = np.zeros((8, lines, 3), np.float32)
+        stripes[:, ::2] = (1.0, 0.6, 0.2)
+        image = made.add_image_pixels("stripes", stripes, "LINEAR")
+        program = core.Program("striped")
+        one = program.constant(1, 1, 1, 1)
+        color = program.operation("image", [program.operation("uv", ints=[-1])], [image, 0, 0])
+        program.operation("diffuse", [one, color])
+        striped = made.add_material_list([made.add_material("striped", program)])
+        made.add_instance("ball", made.add_surface("ball", [sphere_spline(core)]), matrix(), striped)
+        made.set_world(background(core, strength=1.0))
+        look_down(made, 6.0, 0.3)
+        return made
+
+    # 32 stripes around the ball are some twenty pixels wide, 2048 a third of one.
+    for lines, aliased in ((32, False), (2048, True)):
+        off, on = (render(core, scene(lines), mode, samples=16) for mode in ("OFF", "ON"))
+        assert used(on)[0]["kind"] == "simple" and share_of(on, INTERPOLATED) > 0.1
+        assert used(on)[0]["interpolated"] > 0.5 * (used(on)[0]["queries"] - used(on)[0]["missed"])
+        apart = np.abs(picture(on) - picture(off))
+        assert apart.mean() < 0.005, (lines, apart.mean())
+        if aliased:
+            assert abs(picture(on).std() - picture(off).std()) < 0.1 * picture(off).std()
 
 
 def tilted():
