@@ -89,9 +89,9 @@ py::list ray_caches(const RenderStatistics& statistics) {
             py::dict("objects"_a = report.objects, "instances"_a = report.instances, "kind"_a = kind_name(report.kind),
                      "mode"_a = report.mode == RayInterpolationMode::Auto ? "AUTO" : "ON", "used"_a = report.used,
                      "reason"_a = report.reason, "queries"_a = totals.queries, "interpolated"_a = totals.interpolated,
-                     "traced"_a = totals.traced, "missed"_a = totals.missed, "answers"_a = answers,
-                     "samples_taken"_a = s.samples_taken, "samples"_a = s.samples, "nodes"_a = s.nodes,
-                     "leaves"_a = s.leaves, "bytes"_a = s.bytes, "prunes"_a = s.prunes));
+                     "followed"_a = totals.followed, "traced"_a = totals.traced, "missed"_a = totals.missed,
+                     "answers"_a = answers, "samples_taken"_a = s.samples_taken, "samples"_a = s.samples,
+                     "nodes"_a = s.nodes, "leaves"_a = s.leaves, "bytes"_a = s.bytes, "prunes"_a = s.prunes));
     }
     return list;
 }

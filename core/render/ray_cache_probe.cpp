@@ -24,6 +24,8 @@ constexpr double kMissedQuery = 0.1;   ///< leaf found, nothing there
 constexpr double kAskedInVain = 0.15;  ///< leaf found, ray to be traced after all
 /// The way through glass or a volume, first hit included: rays of two hits, and of three.
 constexpr double kTracedGlass = 2.5, kTracedVolume = 3.0;
+/// Of tracing that way, what following it through a convex body takes.
+constexpr double kFollowedShare = 0.35;
 /// A sample is traced with its derivatives, and its cell is judged and stored.
 constexpr double kSampleFactor = 2.0;
 /// Only gains above this share of the tracing count: the costs are no more exact.
@@ -58,7 +60,7 @@ double traced_cost(OutputKind kind) {
 
 /// Queries that say something of the object.
 uint64_t met_box(const RayCacheTotals& totals) {
-    return totals.interpolated + totals.traced + totals.missed;
+    return totals.interpolated + totals.followed + totals.traced + totals.missed;
 }
 
 /// Points that fill the unit square evenly, however many are taken: the R2 sequence (Roberts 2018).
@@ -170,9 +172,11 @@ Judgement judge(const RayCacheStatistics& statistics, OutputKind kind, double gr
     const uint64_t queries = met_box(counts);
     if (queries < kLeastQueries) return {{false, "the probe met too few rays", nullptr}, 0.0};
     const double way = traced_cost(kind), samples = static_cast<double>(statistics.samples_taken) / std::sqrt(growth);
-    const double hits = static_cast<double>(counts.interpolated) + static_cast<double>(counts.traced);
+    const auto followed = static_cast<double>(counts.followed);
+    const double hits = static_cast<double>(counts.interpolated) + followed + static_cast<double>(counts.traced);
     const double tracing = hits * way + static_cast<double>(counts.missed) * kTracedMiss;
     const double asking = static_cast<double>(counts.interpolated) * interpolated_query +
+                          followed * (way * kFollowedShare + kAskedInVain) +
                           static_cast<double>(counts.traced) * (way + kAskedInVain) +
                           static_cast<double>(counts.missed) * kMissedQuery + samples * way * kSampleFactor;
     const auto percent = [&](double part) { return 100.0 * part / static_cast<double>(queries); };

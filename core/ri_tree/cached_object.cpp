@@ -23,6 +23,7 @@ RayAnswer kind_of(AnsweredBy by) {
         case AnsweredBy::Interpolated:
             return RayAnswer::Interpolated;
         case AnsweredBy::TwoClassInterpolated:
+        case AnsweredBy::Followed:
             return RayAnswer::TwoClass;
         default:
             return RayAnswer::Traced;
@@ -104,7 +105,7 @@ ObjectAnswer CachedObject::ask(const Vec3d& origin, const Vec3d& direction, cons
     result.normal = output.normal;
     InterpolatedHit& hit = result.hit;
     hit.uv = Vec2f(output.uv);
-    const double error = result.answer == RayAnswer::Interpolated ? found.error : assumed_error_;
+    const double error = found.by == AnsweredBy::TwoClassInterpolated ? assumed_error_ : found.error;
     hit.error = static_cast<float>(error);
     hit.position_error = std::max(kErrorsBeside * error, kLeastError) * half_extent_;
     if (kind_ == OutputKind::Glass) hit.way = way_of(output.sample_class.ending);

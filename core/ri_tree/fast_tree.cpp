@@ -1,5 +1,6 @@
 #include "ri_tree/fast_tree.h"
 
+#include "ri_tree/convex_path.h"
 #include "ri_tree/fast_tree_search.h"
 #include "ri_tree/leaf_changes.h"
 #include "trace/float_environment.h"
@@ -28,6 +29,13 @@ void prefetch(const CellLeaf& leaf) {
     constexpr size_t kBytes = offsetof(CellLeaf, coefficients) + size_t{kCubicTerms} * 3 * sizeof(float);
     const auto* bytes = reinterpret_cast<const std::byte*>(&leaf);
     for (size_t at = 0; at < kBytes; at += kCacheLine) __builtin_prefetch(bytes + at);
+}
+
+/// Settings that allow no interpolation, or less error than following has, leave all to tracing.
+bool may_follow(OutputKind kind, const RayCacheSettings& settings) {
+    const double least =
+        std::min({settings.distance_threshold, settings.direction_threshold, settings.angle_threshold});
+    return kind == OutputKind::Glass && settings.depth_limit > 0 && least >= kFollowedError;
 }
 
 AnsweredBy answered_by(CellVerdict verdict) {
@@ -62,6 +70,7 @@ FastTree::FastTree(std::shared_ptr<const Shape> shape, const SampleSettings& sam
       functions_(batch_functions()),
       samples_(samples.kind, judge_.contents(), settings.cache_bytes / kSampleShare),
       store_(settings.cache_bytes - settings.cache_bytes / kSampleShare) {
+    if (may_follow(samples.kind, settings_)) body_ = ConvexBody::of(tracer_.shape());
     prepare_frame();
 }
 
@@ -111,6 +120,19 @@ void FastTree::answer_plainly(const Search& search, const Ray& object_ray, Answe
     if (traces) move_to_object(answer.output);
     answer.by = by;
     answer.error = 0.0;
+}
+
+/// A ray that no cell answers, through a convex body; false if it is to be traced.
+bool FastTree::follow(const Batch& asked, int ray) const {
+    const std::optional<OutputRay> found =
+        follow_glass(*body_, tracer_.classes(), tracer_.settings(), to_local(asked.rays[ray]));
+    if (!found) return false;
+    CachedAnswer& answer = asked.answers[ray];
+    answer.output = *found;
+    move_to_object(answer.output);
+    answer.by = AnsweredBy::Followed;
+    answer.error = kFollowedError;
+    return true;
 }
 
 void FastTree::ask(const RayQuestions& questions, std::span<CachedAnswer> answers, std::span<HitChanges> changes) {
@@ -199,6 +221,8 @@ void FastTree::answer_cell(Search& search, const Found& found, RaySet set, const
     if (by != AnsweredBy::Interpolated) {
         for (uint32_t rest = set; rest != 0; rest &= rest - 1) {
             const int ray = std::countr_zero(rest);
+            const bool starts_inside = (search.batch.inside >> ray & 1) != 0;
+            if (is_traced(by) && body_ && !starts_inside && !asked.differentials && follow(asked, ray)) continue;
             answer_plainly(search, asked.rays[ray], by, asked.answers[ray]);
         }
         return;

@@ -7,6 +7,7 @@
 //   Cells are only sampled if enough of the frame's rays cross them to pay for the samples. That is told from the rays'
 //   spacing and the cell alone: a ray that asks for too little is traced even where others have paid already. Where a
 //   tree is kept, rays of earlier frames that crossed a cell pay for it too (crossing_counts.h).
+//   Through convex bodies of glass, rays that no cell answers are followed by Newton's iteration (convex_path.h).
 //   What makes a cell final differs from the paper's: cell_judge.h. How cells are held: cell_store.h.
 //
 // An answer is a pure function of ray, spacing, shape, material, settings, and what crossed cells in earlier frames.
@@ -15,6 +16,7 @@
 #include "ri_tree/cell_judge.h"
 #include "ri_tree/cell_steps.h"
 #include "ri_tree/cell_store.h"
+#include "ri_tree/convex_body.h"
 #include "ri_tree/crossing_counts.h"
 #include "ri_tree/line_batch.h"
 #include "ri_tree/line_space.h"
@@ -64,6 +66,7 @@ class FastTree final : public RayCache {
     SampleTable samples_;
     CellStore store_;
     CrossingCounts crossings_;
+    std::unique_ptr<const ConvexBody> body_;
 
     void prepare_frame();
     Ray to_local(const Ray& object_ray) const;
@@ -72,6 +75,7 @@ class FastTree final : public RayCache {
     void ask_batch(Search& search, const Batch& asked);
     std::array<int, kBatchRays> deepest_worth(const Search& search, const Batch& asked, RaySet pending) const;
     void answer_cell(Search& search, const Found& found, RaySet set, const Batch& asked);
+    bool follow(const Batch& asked, int ray) const;
     void interpolate(const Search& search, const Found& found, int ray, const Batch& asked, const float* values,
                      size_t stride) const;
     HitChanges changes_of(const Search& search, const Found& found, int ray, const Batch& asked,

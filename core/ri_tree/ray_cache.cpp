@@ -14,10 +14,20 @@ void require(bool holds, const std::string& name, const char* argument, double g
     if (!holds) throw InputError(name, argument, std::to_string(got), wanted);
 }
 
-const char* const kAnswerNames[kAnswerKinds] = {
-    "not a ray",           "box missed",       "cell missed",         "interpolated",  "two classes, interpolated",
-    "two classes, missed", "traced: classes",  "traced: few corners", "traced: angle", "traced: origin in the box",
-    "traced: large cell",  "traced: few rays", "traced: error"};
+const char* const kAnswerNames[kAnswerKinds] = {"not a ray",
+                                                "box missed",
+                                                "cell missed",
+                                                "interpolated",
+                                                "two classes, interpolated",
+                                                "two classes, missed",
+                                                "followed",
+                                                "traced: classes",
+                                                "traced: few corners",
+                                                "traced: angle",
+                                                "traced: origin in the box",
+                                                "traced: large cell",
+                                                "traced: few rays",
+                                                "traced: error"};
 
 /// The error for which the thresholds below hold as they are, and the depth limit then: so deep that what rays pay for
 /// decides.
@@ -45,6 +55,8 @@ RayCacheTotals totals_of(const RayCacheStatistics& statistics) {
             totals.traced += count;
         else if (by == AnsweredBy::Interpolated || by == AnsweredBy::TwoClassInterpolated)
             totals.interpolated += count;
+        else if (by == AnsweredBy::Followed)
+            totals.followed += count;
         else if (by != AnsweredBy::NotARay && by != AnsweredBy::BoxMissed)
             totals.missed += count;
     }

@@ -33,6 +33,7 @@ enum class AnsweredBy : uint8_t {
     Interpolated,          ///< from all corners: one class
     TwoClassInterpolated,  ///< two classes: from the corners of the one that the ray hits first
     TwoClassMissed,        ///< two classes: the test of the first hit found none
+    Followed,              ///< no cell answers: followed through a convex body from one crossing to the next
     TracedManyClasses,     ///< more than two classes, classes that the first hit cannot tell apart, or flat facets
     TracedFewCorners,      ///< too few corners of the class
     TracedAngle,           ///< directions at the corners differ by more than the angular threshold
@@ -41,7 +42,7 @@ enum class AnsweredBy : uint8_t {
     TracedNotWorthIt,      ///< too few of the frame's rays cross the cell to pay for its samples
     TracedError            ///< a cell of the depth limit is not close enough
 };
-inline constexpr size_t kAnswerKinds = 13;
+inline constexpr size_t kAnswerKinds = 14;
 /// "interpolated", ... in the order of the enum, for statistics.
 std::span<const char* const> answer_names();
 inline bool is_traced(AnsweredBy by) {
@@ -53,7 +54,7 @@ struct CachedAnswer {
     OutputRay output;
     AnsweredBy by = AnsweredBy::NotARay;
     /// Estimated error where interpolated from all corners: the distance (output_ray.h) at the cell's centre, as a
-    /// share of the box's half extent. 0 elsewhere.
+    /// share of the box's half extent. Followed: what single precision makes of it. 0 elsewhere.
     double error = 0;
 };
 
@@ -71,7 +72,7 @@ struct RayCacheStatistics {
 /// Answers by what they cost. Queries are all of them; missed are those that entered the box and hit nothing, known
 /// without tracing.
 struct RayCacheTotals {
-    uint64_t queries = 0, interpolated = 0, traced = 0, missed = 0;
+    uint64_t queries = 0, interpolated = 0, followed = 0, traced = 0, missed = 0;
 };
 RayCacheTotals totals_of(const RayCacheStatistics& statistics);
 

@@ -29,7 +29,8 @@ def outcome(cache: dict[str, Any]) -> str:
     queries = cache["queries"]
     if queries == 0:
         return "interpolated, but no ray came near"
-    shares = ", ".join(f"{cache[how] / queries:.0%} {how}" for how in ("interpolated", "traced", "missed"))
+    followed = ("followed",) if cache["followed"] else ()
+    shares = ", ".join(f"{cache[how] / queries:.0%} {how}" for how in ("interpolated", *followed, "traced", "missed"))
     return f"{queries:,} rays: {shares}"
 
 

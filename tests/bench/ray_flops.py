@@ -41,7 +41,8 @@ UNITS = {"SIMPLE": 1, "MIRROR": 1, "GLASS": 2, "VOLUME": 0}
 
 ANSWERS: list[str] = _core.ri_tree.ANSWERS
 INTERPOLATED = [i for i, name in enumerate(ANSWERS) if "interpolated" in name]
-TRACED = [i for i, name in enumerate(ANSWERS) if name.startswith(("traced", "two classes"))]
+# What is followed through convex bodies counts as traced: it takes fewer.
+TRACED = [i for i, name in enumerate(ANSWERS) if name.startswith(("traced", "followed", "two classes"))]
 BESIDE = [ANSWERS.index("box missed"), ANSWERS.index("not a ray")]
 
 

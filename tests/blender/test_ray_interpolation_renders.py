@@ -302,7 +302,7 @@ report(before=before, shown=shown, after=written(ui_rays.RAYLEAF_PT_ray_interpol
     assert counted["queries"] == sum(counted["answers"].values()) > 0
     assert counted["interpolated"] == counted["answers"]["interpolated"] > 0
     assert counted["traced"] == sum(n for name, n in counted["answers"].items() if name.startswith("traced"))
-    assert counted["queries"] == counted["interpolated"] + counted["traced"] + counted["missed"]
+    assert counted["queries"] == sum(counted[how] for how in ("interpolated", "followed", "traced", "missed"))
 
 
 def test_the_panel_of_the_scene_lists_shares_of_rays_by_object(run_blender):

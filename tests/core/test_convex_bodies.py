@@ -1,0 +1,178 @@
+"""Rays at convex glass that no cell answers are followed by Newton's iteration: as tracing has them, and only there."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from core import ri_tree_support as support
+from core import shapes
+from core.ri_tree_support import FOLLOWED, INTERPOLATED, MANY_CLASSES
+
+BEZIER, CLOSED_BEZIER = (4, False, True, True), (4, True, True, True)
+QUARTER = 4 / 3 * (np.sqrt(2) - 1)
+NO_CELLS = {"rays_per_cell": np.inf}
+IOR = 1.5
+
+
+def turned(profile, turns_out=True):
+    """A body of revolution: Bezier points (radius, height) of a profile, four patches around."""
+    around = np.array([(1, 0), (1, -QUARTER), (QUARTER, -1), (0, -1), (-QUARTER, -1), (-1, -QUARTER)])
+    around = np.concatenate([around, -around])
+    profile = np.array(profile, float)
+    points = np.ones((len(profile), 12, 4))
+    points[..., :2] = profile[:, :1, None] * around
+    points[..., 2] = profile[:, 1:]
+    return points if turns_out else points[::-1].copy()
+
+
+def surface(*grids):
+    """A surface of such bodies."""
+    return shapes.trace.PatchSurface("body", [(points, CLOSED_BEZIER, BEZIER, True, 0) for points in grids])
+
+
+def barrel(waist=1.0):
+    """Two Bezier curves from pole to pole; convex unless the middle is drawn in."""
+    return [(0, -1.2), (0.5, -1.2), (waist, -0.6), (waist, 0), (waist, 0.6), (0.5, 1.2), (0, 1.2)]
+
+
+def spaced(tree, rays, spacing=0.01):
+    """Answers to rays that lie that far apart."""
+    apart = np.full(len(rays[0]), spacing, np.float32)
+    return tree.ask(*rays, distances=apart, angles=apart)
+
+
+def same_path(a, b):
+    """Which rays took the same way."""
+    names = ("hit", "first_class", "exit_class", "interior_hits", "total_reflections", "ending")
+    return np.logical_and.reduce([a[name] == b[name] for name in names])
+
+
+@pytest.mark.parametrize("ior", [1.1, 1.5, 2.4, 0.8])
+@pytest.mark.parametrize("shape", [shapes.nurbs_sphere(), surface(turned(barrel()))], ids=["sphere", "barrel"])
+def test_what_is_followed_goes_as_traced_and_decides_alike_at_every_crossing(shape, ior):
+    rays = support.scattered_rays(4000, spread=1.1)
+    tree = support.tree_of(shape, "GLASS", "FastTree", ior=ior, most_interior_hits=8, **NO_CELLS)
+    got, truth = spaced(tree, rays), tree.trace(*rays)
+    used = got["answered_by"] == FOLLOWED
+    assert used[truth["hit"]].mean() > 0.98, support.counts(got)
+    assert truth["hit"][used].all()
+    # At a border of total reflection, and where the limit of hits is close, a last bit decides.
+    same = same_path(got, truth)[used]
+    assert same.mean() > 0.998, (same.mean(), support.counts(got))
+    for name in ("position", "normal", "exit_position", "exit_direction"):
+        error = np.linalg.norm(got[name] - truth[name], axis=1)[used][same]
+        # Single precision; paths of many crossings, and those that leave at the critical angle, make more of it.
+        assert np.median(error) < 3e-6 and np.quantile(error, 0.99) < 1e-3, (name, np.quantile(error, [0.5, 0.99, 1]))
+    traced = got["answered_by"] >= MANY_CLASSES
+    np.testing.assert_array_equal(got["exit_direction"][traced], truth["exit_direction"][traced])
+
+
+def test_a_followed_ball_agrees_with_the_closed_form():
+    rays = support.rays_towards(np.zeros(3), 0.9, 3000)
+    position, direction = support.through_glass_ball(*rays, IOR)
+    got = spaced(support.tree_of(shapes.nurbs_sphere(), "GLASS", "FastTree", ior=IOR, **NO_CELLS), rays)
+    assert (got["answered_by"] == FOLLOWED).all(), support.counts(got)
+    np.testing.assert_allclose(got["exit_position"], position, atol=2e-5)
+    np.testing.assert_allclose(got["exit_direction"], direction, atol=2e-5)
+
+
+def test_far_away_bodies_and_eyes_cost_a_followed_ray_no_precision():
+    near = support.rays_towards(np.zeros(3), 0.9, 500, eye=(0.5, -40.0, 1.5))
+    tree = support.tree_of(shapes.nurbs_sphere(), "GLASS", "FastTree", ior=IOR, **NO_CELLS)
+    expected = spaced(tree, near)
+    for scale, center in ((1e-6, (0, 0, 0)), (1e6, (0, 0, 0)), (1.0, (1e6, -1e6, 1e6))):
+        shape = shapes.nurbs_sphere(scale=scale, center=center)
+        there = support.tree_of(shape, "GLASS", "FastTree", ior=IOR, **NO_CELLS)
+        got = spaced(there, (near[0] * scale + np.array(center), near[1]), 0.01 * scale)
+        assert (got["answered_by"] == FOLLOWED).all(), support.counts(got)
+        np.testing.assert_allclose(got["exit_direction"], expected["exit_direction"], atol=2e-5)
+        # A coordinate of 10^6 has 10^-10 to give.
+        position = (got["exit_position"] - np.array(center)) / scale
+        np.testing.assert_allclose(position, expected["exit_position"], atol=2e-5)
+
+
+def dented():
+    """A barrel of which one control point beside the middle is pushed in."""
+    points = turned(barrel())
+    points[2, 4, :3] *= 0.6
+    return surface(points)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        surface(turned(barrel(waist=0.3))),
+        dented(),
+        surface(turned(barrel(), turns_out=False)),
+        surface(turned(barrel()), turned(np.array(barrel()) * 0.5)),
+        surface(turned([(0.4, -1.2), (0.6, -1.2), *barrel()[2:]])),
+        surface(turned(np.array(barrel()) * (1, 0.002))),
+        shapes.nurbs_torus(),
+        shapes.nurbs_sphere(smooth=False),
+        shapes.cube(),
+    ],
+    ids=["waist", "dent", "inside out", "two bodies", "hole", "sheet", "torus", "flat shading", "mesh"],
+)
+def test_nothing_is_followed_through_what_is_not_a_convex_body(shape):
+    rays = support.scattered_rays(300)
+    tree = support.tree_of(shape, "GLASS", "FastTree", **NO_CELLS)
+    got, truth = spaced(tree, rays), tree.trace(*rays)
+    assert (got["answered_by"] != FOLLOWED).all(), support.counts(got)
+    for name in support.OUTPUTS:
+        np.testing.assert_array_equal(got[name], truth[name], err_msg=name)
+
+
+@pytest.mark.parametrize("kind", ["SIMPLE", "MIRROR", "VOLUME"])
+def test_only_glass_is_followed(kind):
+    got = spaced(support.tree_of(shapes.nurbs_sphere(), kind, "FastTree", **NO_CELLS), support.scattered_rays(300))
+    assert (got["answered_by"] != FOLLOWED).all(), support.counts(got)
+
+
+def test_rays_that_start_inside_the_box_are_not_followed():
+    random = np.random.default_rng(2)
+    # Corners of the box, outside the ball: its line may hit the ball behind them.
+    origins = random.choice([-1.0, 1.0], (400, 3)) * random.uniform(0.75, 0.99, (400, 3))
+    rays = origins, shapes.random_directions(random, 400)
+    tree = support.tree_of(shapes.nurbs_sphere(), "GLASS", "FastTree", **NO_CELLS)
+    got, truth = spaced(tree, rays), tree.trace(*rays)
+    assert (got["answered_by"] != FOLLOWED).all(), support.counts(got)
+    np.testing.assert_array_equal(got["hit"], truth["hit"])
+
+
+def test_followed_answers_are_the_same_for_any_threads_company_and_cache_size():
+    rays = support.rays_towards(np.zeros(3), 1.1, 3000)
+    shape = surface(turned(barrel()))
+    settings = {"ior": IOR, "depth_limit": 28, "mixed_depth_limit": 28}
+    expected = spaced(support.tree_of(shape, "GLASS", "FastTree", **settings), rays)
+    by = expected["answered_by"]
+    assert (by == FOLLOWED).mean() > 0.02 and (by == INTERPOLATED).mean() > 0.2, support.counts(expected)
+    random = np.random.default_rng(4)
+    for cache_bytes, size, threads in ((10**8, 19, 4), (100_000, 250, 3), (0, 500, 2)):
+        tree = support.tree_of(shape, "GLASS", "FastTree", cache_bytes=cache_bytes, **settings)
+        order = random.permutation(len(by))
+        parts = [order[i : i + size] for i in range(0, len(order), size)]
+        with ThreadPoolExecutor(threads) as pool:
+            answers = list(pool.map(lambda part: spaced(tree, (rays[0][part], rays[1][part])), parts))
+        for part, got in zip(parts, answers):
+            support.check_same_answers(
+                {name: value[part] for name, value in expected.items() if name != "seconds"}, got
+            )
+        assert tree.statistics()["most_bytes"] <= max(cache_bytes, 1)
+
+
+def test_following_keeps_the_error_that_the_thresholds_allow():
+    rays = support.rays_towards(np.zeros(3), 0.9, 3000)
+    tree = support.tree_of(shapes.nurbs_sphere(), "GLASS", "FastTree", **support.ri_tree.quality_settings(0.005))
+    got, truth = spaced(tree, rays), tree.trace(*rays)
+    answers = tree.statistics()["answers"]
+    assert answers["followed"] == (got["answered_by"] == FOLLOWED).sum()
+    assert support.angles(got["exit_direction"], truth["exit_direction"]).mean() < 0.005, support.counts(got)
+
+
+@pytest.mark.parametrize("name", ["distance_threshold", "direction_threshold", "angle_threshold", "depth_limit"])
+def test_settings_that_allow_no_error_leave_all_to_tracing(name):
+    rays = support.scattered_rays(200)
+    tree = support.tree_of(shapes.nurbs_sphere(), "GLASS", "FastTree", **NO_CELLS, **{name: 0})
+    got, truth = spaced(tree, rays), tree.trace(*rays)
+    for output in support.OUTPUTS:
+        np.testing.assert_array_equal(got[output], truth[output], err_msg=output)
