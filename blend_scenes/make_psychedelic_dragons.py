@@ -1,7 +1,7 @@
 """Makes psychedelic_dragons.blend: 94 dragons that are limits of subdivision, before displaced NURBS spheres.
 
-Every other dragon is chrome. After the folder may follow how many dragons there are, and `matte`: all are, and their
-colours bleed into one another.
+Every other dragon is chrome. After the folder may follow how many dragons there are; `matte`: all are, and their colours
+bleed into one another; `few_spikes`: 94 dragons then have about as many subpatches as those of the geometry cache's paper.
 """
 
 import colorsys
@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent))
-from scene_creatures import dragon  # noqa: E402
+from scene_creatures import FEW_SPIKED, SPIKED, dragon  # noqa: E402
 from scene_shapes import table  # noqa: E402
 from scene_tools import (  # noqa: E402
     NodeTree,
@@ -80,12 +80,12 @@ def add_sphere(name: str, place: tuple[float, float, float], radius: float, look
     sphere.data.materials.append(look)
 
 
-def add_dragons(count: int, looks: list[Any]) -> None:
+def add_dragons(count: int, looks: list[Any], spiked: tuple[int, ...]) -> None:
     """A crowd in rows, each turned and sized a little differently."""
     random = np.random.default_rng(94)
     bodies = []
     for index, bend in enumerate((-0.3, 0.15, 0.35)):
-        vertices, faces = dragon(bend, 0.3 * (index - 1))
+        vertices, faces = dragon(bend, 0.3 * (index - 1), spiked)
         mesh = bpy.data.meshes.new(f"dragon {index}")
         mesh.from_pydata(vertices.tolist(), [], faces)
         mesh.materials.append(None)
@@ -121,7 +121,7 @@ def main() -> None:
         looks = [matte(f"matte {index}", vivid(hue)) for index, hue in enumerate(hues)]
     else:
         looks = [chrome(), *(material(f"paint {i}", vivid(hue), 0.5) for i, hue in enumerate(hues))]
-    add_dragons(count, looks)
+    add_dragons(count, looks, FEW_SPIKED if "few_spikes" in words else SPIKED)
     depth = (count // COLUMNS + 1) * SPACING * 1.3
     for index, x in enumerate((-21.0, -7.0, 8.0, 22.0)):
         place = (x, depth + 6.0 + 2.5 * (index % 2), 5.5)

@@ -28,6 +28,8 @@ BODY = np.array(
         (3.2, 0.14, 0.10, 2.28),
     ]
 )
+# The rings whose backs have spikes, and where there are to be fewer.
+SPIKED, FEW_SPIKED = (2, 4, 6, 8, 10), (4, 6, 8)
 # Of the eight sides of a ring, counted from the right: the upper and lower right, those on the left, top and bottom.
 UPPER_RIGHT, TOP, UPPER_LEFT, LOWER_LEFT, LOWER_RIGHT = 0, 1, 3, 4, 7
 
@@ -92,8 +94,11 @@ def _wing(cage: Cage, ring: int, side: int) -> None:
     cage.extrude(face, (0.5 * out, -0.5, -0.45), (0.4, 0.3, 0.4))
 
 
-def dragon(bend: float, lift: float) -> tuple[Doubles, list[list[int]]]:
-    """Vertices (n, 3) and faces of a dragon that looks along y, feet at z = 0. bend: how far it winds; lift: the head."""
+def dragon(bend: float, lift: float, spiked: tuple[int, ...] = SPIKED) -> tuple[Doubles, list[list[int]]]:
+    """Vertices (n, 3) and faces of a dragon that looks along y, feet at z = 0.
+
+    bend: how far it winds; lift: the head; spiked: the rings whose backs have spikes.
+    """
     cage = _tube()
     for side in (LOWER_LEFT, LOWER_RIGHT):
         _leg(cage, 4, side)
@@ -103,10 +108,9 @@ def dragon(bend: float, lift: float) -> tuple[Doubles, list[list[int]]]:
         out = -1.0 if side == UPPER_LEFT else 1.0
         cage.extrude(_face(11, side), (0.06 * out, -0.12, 0.1), (0.45, 0.45, 0.45))
         cage.extrude(_face(11, side), (0.04 * out, -0.3, 0.1), (0.3, 0.3, 0.3))
-    for ring in (2, 3, 4, 5, 6, 7, 8, 9, 10):
+    for ring in spiked:
         for side in (TOP, TOP + 1):
-            if ring % 2 == 0:
-                cage.extrude(_face(ring, side), (0.0, -0.1, 0.16), (0.35, 0.35, 0.35))
+            cage.extrude(_face(ring, side), (0.0, -0.1, 0.16), (0.35, 0.35, 0.35))
     points = np.array(cage.vertices)
     along = points[:, 1].copy()
     points[:, 0] += bend * np.sin(along * 1.1)

@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from . import passes, ray_report, statistics, versions
+from . import cache_report, passes, ray_report, statistics, versions
 from .export import ExportCancelled
 from .export.camera import CameraError, CropRectangle, Frame, crop_of, frame_of
 from .export.scene import ExportReport, SceneExporter
@@ -117,6 +117,8 @@ class FrameRender:
             "messages": self._messages.texts,
             "core": session.statistics(),
         }
+        for line in cache_report.lines(record["core"]):
+            self._engine.update_stats("", f"Rayleaf | {self._layer_name} | {line}")
         decided = ray_report.decision(record)
         if decided:
             self._messages.note(decided)

@@ -36,7 +36,12 @@ class Scene:
 FULL = (
     Scene("parking_lot", ("5", "diffuse"), 4, "940,000 subpatches; misses 360 M vertices single, 6.2 M multi"),
     Scene("parking_lot", ("5", "occlusion"), 4, "940,000 subpatches; misses 8.7 G vertices single, 10 M multi"),
-    Scene("psychedelic_dragons", ("94", "matte"), 2, "183,000 subpatches; misses 100 M vertices single, 54 k multi"),
+    Scene(
+        "psychedelic_dragons",
+        ("94", "matte", "few_spikes"),
+        2,
+        "183,000 subpatches; misses 100 M vertices single, 54 k multi",
+    ),
     Scene("city_street", ("19",), 2, "970,000 subpatches; misses 610 M vertices single, 8.6 M multi"),
 )
 QUICK = (Scene("parking_lot", ("1", "diffuse"), 1, "not this size"),)

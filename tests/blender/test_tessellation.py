@@ -37,6 +37,17 @@ report(cache=cache())
     assert 2 * misses.sum() == diced > 0
 
 
+def test_a_render_prints_what_the_cache_did_at_each_level(run_blender, tmp_path):
+    result = run_blender(SETUP + "report(core=[cache(), rayleaf.last_statistics['core']['rays']])", tmp_path / "a.exr")
+    (cache, rays), printed = result.report["core"], result.log
+    for name, level in (cache["levels"] | {"parts": cache["parts"]}).items():
+        line = next((line for line in printed.splitlines() if f"| {name}: " in line), "")
+        for key in ("cold", "lookups", "misses", "vertices_recomputed", "bypassed"):
+            assert f"{level[key]:,}" in line, (name, key, line)
+        assert f"{level['hit_rate']:.2%} hits" in line and " MB" in line
+    assert f"{cache['splits']:,} splits" in printed and f"Rays: {rays['paths']:,} paths" in printed
+
+
 def test_the_panels_settings_change_what_is_kept_and_not_the_picture(run_blender, tmp_path):
     script = """
 found = {}

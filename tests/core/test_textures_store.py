@@ -195,6 +195,19 @@ def test_the_cache_keeps_to_its_limit():
     assert statistics["bytes"] <= limit + (1 << 20)  # a tile may come in before another goes
 
 
+def test_a_texture_larger_than_the_limit_reads_as_with_room_for_it():
+    pixels = picture(2048, 1024, 4)
+    least = 10 << 20
+    assert pixels.size * 2 > least  # in half precision
+    places = np.random.default_rng(3).uniform(size=(2000, 2))
+    found = []
+    for limit in (least, 20 * least):
+        store = tests.TextureStore(limit)
+        found.append(look(store, store.add_pixels("Large", pixels, tests.ColorSpace.LINEAR), places))
+        assert store.statistics()["bytes"] <= limit + (1 << 20)
+    np.testing.assert_array_equal(*found)
+
+
 def test_a_store_takes_its_files_and_tiles_with_it(tmp_path, monkeypatch):
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     store = tests.TextureStore(1 << 27)
