@@ -6,7 +6,8 @@ of some hits, each as wide as it is for a picture of this size. One thread, its 
 passes; the counters are of the first. Vertices computed again: those of grids that were there before and had to go.
 
 Levels follow from the size of quads alone, as in the paper, or by default from the distance of facets too: then nearly
-all rays see these flat surfaces as single quads, which are never missed. Both are told.
+all rays see these flat surfaces as single quads, which are never missed. All is told for both rules; a single resolution
+knows no rule.
 
 Embree's grids take 11 GB for 10^6 subpatches and are left out where less memory is free.
 """
@@ -30,6 +31,7 @@ SHELL_RAYS, QUICK_SHELL_RAYS = 10_000_000, 100_000
 DISPLACED_SHARE = 5  # one of so many of these meets a displaced shell
 # Facets as near to the surface as a share of a ray's width: so small that the size of quads decides, or as by default.
 BY_SIZE, BY_DEFAULT = 1e-9, 0.1
+RULES = {"by default": BY_DEFAULT, "by size": BY_SIZE}
 # What a displacement may cost a vertex, where its time is added to what was measured without one.
 ASSUMED_NANOSECONDS = 100
 # Displaced: of so many patches around a torus, with so much memory, a fortieth of all.
@@ -54,11 +56,6 @@ class Figures:
     rays: int
     diced: int = 0  # vertices of the second pass, which is the one with the speed
     again: float = 0.0  # million vertices
-
-    @property
-    def name(self) -> str:
-        """For rows."""
-        return f"{self.mode.lower()}, {self.megabytes:g} MB"
 
     def displaced_speed(self) -> float:
         """Mrays/s, had each vertex of the pass cost ASSUMED_NANOSECONDS more."""
@@ -102,13 +99,13 @@ def measured(tracer: Any, rays: Rays, mode: str, megabytes: float) -> tuple[Figu
     return Figures(mode, megabytes, len(t) / seconds / 1e6, counters, len(t), diced), t
 
 
-def sweep(surface: Any, rays: Rays, mode: str) -> list[Figures]:
+def sweep(surface: Any, rays: Rays, mode: str, distance: float, title: str) -> dict[float, Figures]:
     """All budgets of one mode, the largest first; all give the same hits."""
     found: list[Figures] = []
     expected: Doubles | None = None
     cold = 0
     for budget in BUDGETS:
-        figures, t = measured(made(surface, budget, mode)[0], rays, mode, budget)
+        figures, t = measured(made(surface, budget, mode, distance)[0], rays, mode, budget)
         expected = t if expected is None else expected
         assert np.array_equal(t, expected), f"{budget} MB gives other hits"
         counters = figures.counters
@@ -118,7 +115,7 @@ def sweep(surface: Any, rays: Rays, mode: str) -> list[Figures]:
             cold = counters["vertices_diced"] - counters["vertices_recomputed"]
         figures.again = (counters["vertices_diced"] - cold) / 1e6
         found.append(figures)
-    print(f"\n{mode.lower()}: {cold / 1e6:.2f} million vertices computed first")
+    print(f"\n{title}: {cold / 1e6:.2f} million vertices computed first")
     print(
         f"  {'MB':>5} {'Mrays/s':>8}  {'hit rate, %: ' + ', '.join(LEVELS):>36}  {'misses, 10^3':>26}  again, million"
     )
@@ -130,7 +127,7 @@ def sweep(surface: Any, rays: Rays, mode: str) -> list[Figures]:
             f"  {figures.megabytes:>5g} {figures.speed:>8.3f}  {rates:>36}  {misses}  {figures.again:>14.3f}",
             flush=True,
         )
-    return found
+    return {figures.megabytes: figures for figures in found}
 
 
 class Reach:
@@ -138,13 +135,23 @@ class Reach:
 
     def __init__(self) -> None:
         self.rows: list[Row] = []
+        self.lines: list[str] = []
 
     def add(self, name: str, got: float, wanted: float, most: bool = False) -> None:
         """`most`: it is reached by being smaller."""
         reached = got <= wanted if most else got >= wanted
         sign = "<=" if most else ">="
-        print(f"  {name:<64}{got:>10.4g}  ({sign} {wanted:g})  {'reached' if reached else 'NOT reached'}", flush=True)
+        line = f"  {name:<76}{got:>10.4g}  ({sign} {wanted:g})  {'reached' if reached else 'NOT reached'}"
+        print(line, flush=True)
+        self.lines.append(line)
         self.rows.append({"name": name, "unit": f"({sign} {wanted:g})", "values": [got]})
+
+    def tell(self) -> None:
+        """All of it again, by rule: does one setting reach everything?"""
+        for rule in RULES:
+            print(f"\nReach {rule}, at {DEFAULT_BUDGET} MB where nothing else is said")
+            others = tuple(f"  {each}: " for each in RULES if each != rule)
+            print("\n".join(line for line in self.lines if not line.startswith(others)))
 
 
 def embree(surface: Any, rays: Rays) -> tuple[float, float, float]:
@@ -176,67 +183,75 @@ def compare_fitting(reach: Reach, width: int) -> None:
 def compare_displaced(reach: Reach, name: str, surface: Any, width: int) -> None:
     """A surface whose vertices are costly, with memory for a fortieth of it."""
     begin = time.process_time()
-    built = made(surface, 1000, "MULTI")[0]
+    built = made(surface, 1000, "SINGLE")[0]
     seconds = time.process_time() - begin
     subpatches = built.statistics()["subpatches"]
     megabytes = 12e-6 * 289 * subpatches / 40
-    rays = {"MULTI": mixed_rays(built, width), "SINGLE": mixed_rays(made(surface, 1000, "SINGLE")[0], width)}
-    rays["NONE"] = rays["MULTI"]
     # The build dices everything once, and some more to see that it is fine enough.
     nanoseconds = 1e9 * seconds / (289 * subpatches)
     print(f"\nDisplaced {name}, {subpatches} subpatches, {megabytes:.1f} MB, about {nanoseconds:.0f} ns a vertex")
-    budgets = {"MULTI": megabytes, "SINGLE": megabytes, "NONE": 0}
-    found = {mode: measured(made(surface, budgets[mode], mode)[0], rays[mode], mode, budgets[mode])[0] for mode in rays}
-    for mode, figures in found.items():
-        print(f"  {mode.lower():<8}{figures.speed:>8.4f} Mrays/s {figures.diced / 1e6:>10.2f} million vertices a pass")
-    each = f"displaced {name}, {nanoseconds:.0f} ns a vertex: speed over"
-    reach.add(f"{each} one resolution", found["MULTI"].speed / found["SINGLE"].speed, 10)
-    reach.add(f"{each} no cache", found["MULTI"].speed / found["NONE"].speed, 1.0)
+    single = measured(made(surface, megabytes, "SINGLE")[0], mixed_rays(built, width), "SINGLE", megabytes)[0]
+    told = {"single": single}
+    for rule, distance in RULES.items():
+        rays = mixed_rays(made(surface, 1000, "MULTI", distance)[0], width)
+        multi, none = (
+            measured(made(surface, size, mode, distance)[0], rays, mode, size)[0]
+            for mode, size in (("MULTI", megabytes), ("NONE", 0.0))
+        )
+        told |= {f"multi, {rule}": multi, f"none, {rule}": none}
+        each = f"{rule}: displaced {name}, {nanoseconds:.0f} ns a vertex: speed over"
+        reach.add(f"{each} one resolution", multi.speed / single.speed, 10)
+        reach.add(f"{each} no cache", multi.speed / none.speed, 1.0)
+    for title, figures in told.items():
+        print(f"  {title:<18}{figures.speed:>8.4f} Mrays/s {figures.diced / 1e6:>10.2f} million vertices a pass")
 
 
-def compare_assumed(reach: Reach, multi: Figures, single: Figures, none: Figures) -> None:
+def compare_assumed(reach: Reach, rule: str, multi: Figures, single: Figures, none: Figures) -> None:
     """The cheapest displacement costs more than ASSUMED_NANOSECONDS: what those would make of the speeds measured."""
     print(
-        f"\nHad each vertex cost {ASSUMED_NANOSECONDS} ns more, worked out from vertices and seconds of the same pass"
+        f"  had each vertex cost {ASSUMED_NANOSECONDS} ns more, worked out from vertices and seconds of the same pass:"
     )
     for figures in (multi, single, none):
         counted = f"{figures.diced / 1e6:>10.2f} million vertices"
-        print(f"  {figures.mode.lower():<8}{figures.displaced_speed():>8.4f} Mrays/s {counted}")
+        print(f"    {figures.mode.lower():<8}{figures.displaced_speed():>8.4f} Mrays/s {counted}")
     ratio = multi.displaced_speed() / single.displaced_speed()
-    reach.add(f"{ASSUMED_NANOSECONDS} ns a vertex, worked out: speed over one resolution", ratio, 10)
+    reach.add(f"{rule}: {ASSUMED_NANOSECONDS} ns a vertex, worked out: speed over one resolution", ratio, 10)
 
 
-def compare_none(surface: Any, rays: dict[str, Rays]) -> dict[str, Figures]:
-    """What rays cost where no grid is kept."""
-    nothing = {mode: measured(made(surface, 0, mode)[0], rays[mode], mode, 0)[0] for mode in ("NONE", "SINGLE")}
-    print("\nnothing is kept")
-    for mode, name in (("NONE", "three levels"), ("SINGLE", "fine alone")):
-        vertices = nothing[mode].counters["vertices_diced"] / 1e6
-        print(f"  {name:<14}{nothing[mode].speed:>8.3f} Mrays/s {vertices:>10.1f} million vertices")
-    return nothing
+def compare_rule(reach: Reach, rule: str, surface: Any, width: int, single: dict[float, Figures]) -> Figures:
+    """Budgets by one rule of levels, and what is to be reached beside a single resolution and no cache."""
+    distance = RULES[rule]
+    rays = mixed_rays(made(surface, DEFAULT_BUDGET, "MULTI", distance)[0], width)
+    multi = sweep(surface, rays, "MULTI", distance, f"multi, {rule}")
+    none = measured(made(surface, 0, "NONE", distance)[0], rays, "NONE", 0)[0]
+    print(f"  nothing kept: {none.speed:.3f} Mrays/s, {none.diced / 1e6:.1f} million vertices a pass")
+    again = {size: max(figures.again, 1e-6) for size, figures in multi.items()}
+    kept = multi[DEFAULT_BUDGET]
+    ratio = single[DEFAULT_BUDGET].again / again[DEFAULT_BUDGET]
+    reach.add(f"{rule}: vertices computed again, single over multi", ratio, 300)
+    reach.add(f"{rule}: vertices computed again, 100 MB single over 1 MB multi", single[100].again / again[1], 10)
+    reach.add(f"{rule}: speed over a single resolution", kept.speed / single[DEFAULT_BUDGET].speed, 1.0)
+    reach.add(f"{rule}: speed over no cache", kept.speed / none.speed, 1.0)
+    compare_assumed(reach, rule, kept, single[DEFAULT_BUDGET], none)
+    return kept
 
 
-def compare_embree(reach: Reach, surface: Any, rays: Rays, width: int, by_size: float) -> None:
+def compare_embree(reach: Reach, surface: Any, rays: Rays, kept: dict[str, Figures]) -> None:
     """Embree's full grid against the default budget, by both rules."""
     tracer, build = made(surface, DEFAULT_BUDGET, "MULTI", BY_DEFAULT)
     held = tracer.statistics()
-    own = mixed_rays(tracer, width)
-    default = measured(tracer, own, "MULTI", DEFAULT_BUDGET)[0]
-    without = measured(made(surface, 0, "NONE", BY_DEFAULT)[0], own, "NONE", 0)[0]
-    cache = default.counters["bytes"]
+    cache = max(figures.counters["bytes"] for figures in kept.values())
     memory = cache + held["record_bytes"] + held["bvh_bytes"]
-    print(f"\nBy default, {DEFAULT_BUDGET} MB: {default.speed:.3f} Mrays/s, built in {build:.1f} s;", end=" ")
-    print(f"without a cache {without.speed:.3f} Mrays/s")
-    print(f"memory: cache {cache / 1e6:.0f}, records {held['record_bytes'] / 1e6:.0f},", end=" ")
-    print(f"Embree's tree {held['bvh_bytes'] / 1e6:.0f} MB")
-    reach.add("by default: speed over no cache", default.speed / without.speed, 1.0)
+    print(f"\n{DEFAULT_BUDGET} MB: built in {build:.1f} s; cache {cache / 1e6:.0f},", end=" ")
+    print(f"records {held['record_bytes'] / 1e6:.0f}, Embree's tree {held['bvh_bytes'] / 1e6:.0f} MB")
     if free_bytes() < 1.5 * EMBREE_BYTES_PER_SUBPATCH * held["subpatches"]:
         print("Embree's full grid: not measured, it needs more memory than is free")
         return
+    del tracer
     speed, size, seconds = embree(surface, rays)
     print(f"Embree's full grid: {speed:.3f} Mrays/s, {size / 1e6:.0f} MB, built in {seconds:.1f} s")
-    reach.add("by default: speed over Embree's full grid", default.speed / speed, 1.15)
-    reach.add("by size: speed over Embree's full grid", by_size / speed, 1.15)
+    for rule, figures in kept.items():
+        reach.add(f"{rule}: speed over Embree's full grid", figures.speed / speed, 1.15)
     reach.add("share of its memory, %", 100 * memory / size, 5, most=True)
     reach.add("its build time over the cache's", seconds / build, 30)
 
@@ -244,30 +259,19 @@ def compare_embree(reach: Reach, surface: Any, rays: Rays, width: int, by_size: 
 def run(quick: bool = False, small: bool = False) -> list[Row]:
     """Prints the tables; `quick`: 10^4 subpatches, to see that it works; `small`: 10^5, an eighth of the rays."""
     surface = bench_trace.scene(QUICK_RESOLUTION if quick else SMALL_RESOLUTION if small else RESOLUTION)
-    reference, build = made(surface, DEFAULT_BUDGET, "MULTI")
+    reference, build = made(surface, 1000, "SINGLE")
     width = QUICK_WIDTH if quick else SMALL_WIDTH if small else WIDTH
     # Rays that leave a surface start on the facets of the mode.
-    rays = {"MULTI": mixed_rays(reference, width), "SINGLE": mixed_rays(made(surface, 1000, "SINGLE")[0], width)}
-    rays["NONE"] = rays["MULTI"]
+    rays = mixed_rays(reference, width)
     subpatches = reference.statistics()["subpatches"]
     full = 12 * 289 * subpatches / 1e6
-    count = len(rays["MULTI"]["origins"])
-    print(f"{subpatches} subpatches, {full:.0f} MB if all were diced, {count} rays; built in {build:.2f} s")
+    count = len(rays["origins"])
+    print(f"{subpatches} subpatches, {full:.0f} MB if all were diced, about {count} rays; built in {build:.2f} s")
     del reference
-    multi, single = (sweep(surface, rays[mode], mode) for mode in ("MULTI", "SINGLE"))
-    at = {(figures.mode, figures.megabytes): figures for figures in multi + single}
-    nothing = compare_none(surface, rays)
-    default = at["MULTI", DEFAULT_BUDGET]
     reach = Reach()
-    compare_embree(reach, surface, rays["SINGLE"], width, default.speed)
-    print(f"\nReach, by size and at {DEFAULT_BUDGET} MB where nothing else is said")
-    again = {key: max(figures.again, 1e-6) for key, figures in at.items()}
-    ratio = again["SINGLE", DEFAULT_BUDGET] / again["MULTI", DEFAULT_BUDGET]
-    reach.add("vertices computed again, single over multi", ratio, 300)
-    reach.add("vertices computed again, 100 MB single over 1 MB multi", again["SINGLE", 100] / again["MULTI", 1], 10)
-    reach.add("speed over a single resolution", default.speed / at["SINGLE", DEFAULT_BUDGET].speed, 1.0)
-    reach.add("speed over no cache", default.speed / nothing["NONE"].speed, 1.0)
-    compare_assumed(reach, default, at["SINGLE", DEFAULT_BUDGET], nothing["NONE"])
+    single = sweep(surface, rays, "SINGLE", BY_SIZE, "single")
+    kept = {rule: compare_rule(reach, rule, surface, width, single) for rule in RULES}
+    compare_embree(reach, surface, rays, kept)
     compare_fitting(reach, width)
     plain = bench_trace.scene(QUICK_DISPLACED_RESOLUTION if quick else DISPLACED_RESOLUTION)
     for name, displaced in (("evenly", offset(plain, 0.01)), ("by noise", hills(plain, 20.0, 0.01))):
@@ -276,5 +280,10 @@ def run(quick: bool = False, small: bool = False) -> list[Row]:
     for displaced, share in ((False, shells - shells // DISPLACED_SHARE), (True, shells // DISPLACED_SHARE)):
         name = f"parity errors of {share} rays through a{' displaced' if displaced else ''} shell of mixed levels"
         reach.add(name, cracks_in_shells(share, displaced), 0, most=True)
-    speeds = [{"name": f"{each.name}: speed", "unit": "Mrays/s", "values": [each.speed]} for each in at.values()]
+    reach.tell()
+    speeds = [
+        {"name": f"{title}, {size:g} MB: speed", "unit": "Mrays/s", "values": [figures.speed]}
+        for title, sizes in (("single", single), *((rule, {DEFAULT_BUDGET: kept[rule]}) for rule in RULES))
+        for size, figures in sizes.items()
+    ]
     return reach.rows + speeds
