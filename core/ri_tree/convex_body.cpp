@@ -26,15 +26,13 @@ constexpr double kPoleSize = 1e-6;
 constexpr float kLeastThickness = 0x1p-6f;
 /// Lines that meet the surface at less than this cosine are near its silhouette.
 constexpr float kLeastCosine = 0.02f;
+/// How far apart body and line must be for a miss, local units: what a lattice may overlook of dents.
+constexpr float kApart = 1e-4f;
 /// The iterations end there; they take 2 to 4.
 constexpr int kMostPlanes = 8;
 constexpr int kMostSteps = 6;
 /// How near the line the point must be, local units: what single precision can tell.
 constexpr float kTolerance = 2e-6f;
-
-float length2(const Vec3f& v) {
-    return v.length2();
-}
 
 /// The cell of a cube's surface that a direction runs through.
 uint32_t table_cell(const Vec3f& direction) {
@@ -275,39 +273,58 @@ bool ConvexBody::move(Place& place, const Vec2f& step) const {
     return true;
 }
 
-std::optional<ConvexBody::Crossing> ConvexBody::leave(const Vec3d& origin, const Vec3d& direction) const {
+ConvexBody::Meeting ConvexBody::leave(const Vec3d& origin, const Vec3d& direction, Crossing& crossing) const {
     // From the point next to the body's middle on, so that distant origins cost no precision.
     const Vec3d start = origin + direction * (center_ - origin).dot(direction);
     const double beside = (start - center_).length2();
-    if (!(beside < radius_ * radius_)) return std::nullopt;
-    const Vec3f from(start), along(direction), middle(center_);
-    auto t = static_cast<float>(std::sqrt(radius_ * radius_ - beside));
+    if (!(beside < radius_ * radius_)) return beside > radius_ * radius_ ? Meeting::Missed : Meeting::Uncertain;
+    const Vec3f from(start), along(direction);
+    const auto chord = static_cast<float>(std::sqrt(radius_ * radius_ - beside));
+    Stretch inside{-chord, chord};
     const Seed* seed = nullptr;
-    for (int i = 0; i < kMostPlanes; ++i) {
-        const Seed* next = &seed_towards(from + along * t - middle);
-        if (next == seed) break;
-        const float cosine = next->normal.dot(along);
-        if (!(cosine > kLeastCosine)) return std::nullopt;
-        t = std::min(t, next->normal.dot(next->tangent.position - from) / cosine);
-        seed = next;
-    }
+    const Meeting meeting = close_in(from, along, inside, seed);
+    if (meeting != Meeting::Crossed) return meeting;
     Place place = place_of(static_cast<uint32_t>(seed - seeds_.data()));
     Tangent tangent = seed->tangent;
     for (int step = 0; step < kMostSteps; ++step) {
         const Vec3f normal = tangent.outward();
-        const float square = length2(normal), cosine = normal.dot(along);
-        if (!(cosine > kLeastCosine * std::sqrt(square))) return std::nullopt;
-        t = normal.dot(tangent.position - from) / cosine;
+        const float square = normal.length2(), cosine = normal.dot(along);
+        if (!(cosine > kLeastCosine * std::sqrt(square))) return Meeting::Uncertain;
+        const float t = normal.dot(tangent.position - from) / cosine;
         const Vec3f missing = from + along * t - tangent.position;
-        if (step > 0 && length2(missing) <= kTolerance * kTolerance) {
-            const auto element = static_cast<uint32_t>(place.span[1] * spans_[0] + place.span[0]);
-            return Crossing{start + direction * double{t}, Vec3d(normal / std::sqrt(square)), element};
+        if (step > 0 && missing.length2() <= kTolerance * kTolerance) {
+            crossing.position = start + direction * double{t};
+            crossing.normal = Vec3d(normal / std::sqrt(square));
+            crossing.element = static_cast<uint32_t>(place.span[1] * spans_[0] + place.span[0]);
+            return Meeting::Crossed;
         }
         const Vec2f by(tangent.dv.cross(missing).dot(normal) / square, missing.cross(tangent.du).dot(normal) / square);
-        if (!move(place, by)) return std::nullopt;
+        if (!move(place, by)) return Meeting::Uncertain;
         tangent = tangent_at(place);
     }
-    return std::nullopt;
+    return Meeting::Uncertain;
+}
+
+/// Narrows what of a line can be inside by tangent planes, towards its end; `seed` is the last plane's.
+ConvexBody::Meeting ConvexBody::close_in(const Vec3f& from, const Vec3f& along, Stretch& inside,
+                                         const Seed*& seed) const {
+    bool ends = true;
+    for (int i = 0; i < kMostPlanes; ++i) {
+        const float t = ends ? inside.end : 0.5f * (inside.begin + inside.end);
+        const Seed* next = &seed_towards(from + along * t - Vec3f(center_));
+        if (next == seed) break;
+        seed = next;
+        const float cosine = seed->normal.dot(along), before = seed->normal.dot(seed->tangent.position - from);
+        ends = cosine > kLeastCosine;
+        if (std::abs(cosine) > kLeastCosine) {
+            float& bound = ends ? inside.end : inside.begin;
+            bound = ends ? std::min(bound, before / cosine) : std::max(bound, before / cosine);
+        }
+        // What the planes cut off is beside the body by more than their own uncertainty.
+        const float least = std::min(cosine * inside.begin, cosine * inside.end);
+        if (inside.begin > inside.end + kApart || least - before > kApart) return Meeting::Missed;
+    }
+    return ends ? Meeting::Crossed : Meeting::Uncertain;
 }
 
 size_t ConvexBody::bytes() const {

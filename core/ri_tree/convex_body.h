@@ -33,11 +33,16 @@ class ConvexBody {
     /// wound outwards, not thin, and convex at all points of a dense lattice.
     static std::unique_ptr<const ConvexBody> of(const Shape& shape);
 
-    /// Where a line leaves; unit direction. Empty where it misses, and where that is uncertain: near silhouettes and
-    /// poles.
-    std::optional<Crossing> leave(const Vec3d& origin, const Vec3d& direction) const;
-    std::optional<Crossing> enter(const Vec3d& origin, const Vec3d& direction) const {
-        return leave(origin, -direction);
+    enum class Meeting : uint8_t {
+        Crossed,
+        Missed,    ///< tangent planes of the body part the line from it
+        Uncertain  ///< near silhouettes and poles
+    };
+
+    /// Where a line leaves; unit direction. The crossing is set if there is one.
+    Meeting leave(const Vec3d& origin, const Vec3d& direction, Crossing& crossing) const;
+    Meeting enter(const Vec3d& origin, const Vec3d& direction, Crossing& crossing) const {
+        return leave(origin, -direction, crossing);
     }
     size_t bytes() const;
 
@@ -79,6 +84,11 @@ class ConvexBody {
     std::array<int, 2> lattice() const;
     std::optional<uint32_t> neighbour(uint32_t seed, int step_u, int step_v) const;
     Place place_of(uint32_t seed) const;
+    /// Of a line, by distance along it.
+    struct Stretch {
+        float begin = 0, end = 0;
+    };
+    Meeting close_in(const Vec3f& from, const Vec3f& along, Stretch& inside, const Seed*& seed) const;
     const Seed& seed_towards(const Vec3f& from_center) const;
     Tangent tangent_at(const Place& place) const;
     bool move(Place& place, const Vec2f& step) const;

@@ -124,14 +124,14 @@ void FastTree::answer_plainly(const Search& search, const Ray& object_ray, Answe
 
 /// A ray that no cell answers, through a convex body; false if it is to be traced.
 bool FastTree::follow(const Batch& asked, int ray) const {
-    const std::optional<OutputRay> found =
-        follow_glass(*body_, tracer_.classes(), tracer_.settings(), to_local(asked.rays[ray]));
-    if (!found) return false;
     CachedAnswer& answer = asked.answers[ray];
-    answer.output = *found;
+    const Ray local = to_local(asked.rays[ray]);
+    const auto meeting = follow_glass(*body_, tracer_.classes(), tracer_.settings(), local, answer.output);
+    if (meeting == ConvexBody::Meeting::Uncertain) return false;
+    const bool missed = meeting == ConvexBody::Meeting::Missed;
     move_to_object(answer.output);
-    answer.by = AnsweredBy::Followed;
-    answer.error = kFollowedError;
+    answer.by = missed ? AnsweredBy::TwoClassMissed : AnsweredBy::Followed;
+    answer.error = missed ? 0.0 : kFollowedError;
     return true;
 }
 

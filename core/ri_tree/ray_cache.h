@@ -32,7 +32,7 @@ enum class AnsweredBy : uint8_t {
     CellMissed,            ///< none of the cell's lines hits the object
     Interpolated,          ///< from all corners: one class
     TwoClassInterpolated,  ///< two classes: from the corners of the one that the ray hits first
-    TwoClassMissed,        ///< two classes: the test of the first hit found none
+    TwoClassMissed,        ///< two classes: the test of the first hit found none, or planes part the ray from the body
     Followed,              ///< no cell answers: followed through a convex body from one crossing to the next
     TracedManyClasses,     ///< more than two classes, classes that the first hit cannot tell apart, or flat facets
     TracedFewCorners,      ///< too few corners of the class
