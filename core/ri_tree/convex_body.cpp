@@ -296,6 +296,7 @@ ConvexBody::Meeting ConvexBody::leave(const Vec3d& origin, const Vec3d& directio
             crossing.position = start + direction * double{t};
             crossing.normal = Vec3d(normal / std::sqrt(square));
             crossing.element = static_cast<uint32_t>(place.span[1] * spans_[0] + place.span[0]);
+            crossing.at = place.at;
             return Meeting::Crossed;
         }
         const Vec2f by(tangent.dv.cross(missing).dot(normal) / square, missing.cross(tangent.du).dot(normal) / square);

@@ -27,6 +27,7 @@ class ConvexBody {
     struct Crossing {
         Vec3d position{0, 0, 0}, normal{0, 0, 1};  ///< local space; unit, outward
         uint32_t element = 0;
+        Vec2f at{0, 0};  ///< parameters there
     };
 
     /// Null unless the shape is one smooth spline, closed around and with a pole at either end, of degrees up to 3,

@@ -3,7 +3,7 @@
 
 #include "ri_tree/convex_body.h"
 #include "ri_tree/output_ray.h"
-#include "ri_tree/patch_classes.h"
+#include "ri_tree/path_changes.h"
 #include "ri_tree/sample_tracer.h"
 
 namespace rayleaf {
@@ -11,9 +11,12 @@ namespace rayleaf {
 /// How far exit rays are off, a share of the half extent: single precision, after several crossings.
 inline constexpr double kFollowedError = 0x1p-14;
 
-/// Whether a ray that starts outside the body and points towards it meets it; then `out` is its output ray: what
-/// tracing makes of it, up to the facets' distance from the surface. Uncertain where one of the crossings is.
-ConvexBody::Meeting follow_glass(const ConvexBody& body, const PatchClasses& classes, const SampleSettings& settings,
-                                 const Ray& local_ray, OutputRay& out);
+/// Whether a ray that starts outside the body and points towards it meets it; then `out` is its output ray: what the
+/// tracer makes of it, up to the facets' distance from the surface. Uncertain where one of the crossings is. Local
+/// space.
+ConvexBody::Meeting follow_glass(const ConvexBody& body, const SampleTracer& tracer, const Ray& ray, OutputRay& out);
+/// The same, and how it changes if the ray changes so at its origin.
+ConvexBody::Meeting follow_glass(const ConvexBody& body, const SampleTracer& tracer, const Ray& ray,
+                                 const RayChanges& ray_changes, OutputRay& out, OutputChanges& changes);
 
 }  // namespace rayleaf

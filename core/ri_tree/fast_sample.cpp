@@ -1,5 +1,7 @@
 #include "ri_tree/fast_sample.h"
 
+#include "ri_tree/convex_path.h"
+
 namespace rayleaf {
 namespace {
 
@@ -29,6 +31,15 @@ std::array<double, kMostSampleValues> values_of(OutputKind kind, const Output& o
         put(sample_value::kExitDirection, output.exit_direction);
     }
     return values;
+}
+
+OutputRay output_of(const SampleTracer& tracer, const ConvexBody* body, const Ray& ray, SampleContents contents,
+                    const RayChanges& ray_changes, OutputChanges& changes) {
+    if (contents == SampleContents::Values) return tracer.trace(ray);
+    OutputRay followed;
+    if (body && follow_glass(*body, tracer, ray, ray_changes, followed, changes) != ConvexBody::Meeting::Uncertain)
+        return followed;
+    return tracer.trace(ray, ray_changes, changes);
 }
 
 }  // namespace
@@ -63,15 +74,13 @@ RayChanges line_changes(const LineSpace& space, const Ray& ray, int axis) {
     return changes;
 }
 
-FastSample take_sample(const SampleTracer& tracer, const LineSpace& space, const LatticePoint& point,
-                       SampleContents contents) {
+FastSample take_sample(const SampleTracer& tracer, const ConvexBody* body, const LineSpace& space,
+                       const LatticePoint& point, SampleContents contents) {
     const OutputKind kind = tracer.settings().kind;
     const int axis = point.direction / 2, count = sample_value_count(kind);
     const Ray ray = space.lattice_ray(point.direction, point.place);
     OutputChanges changes;
-    const OutputRay output = contents == SampleContents::Values
-                                 ? tracer.trace(ray)
-                                 : tracer.trace(ray, line_changes(space, ray, axis), changes);
+    const OutputRay output = output_of(tracer, body, ray, contents, line_changes(space, ray, axis), changes);
     FastSample sample;
     sample.sample_class = output.sample_class;
     if (output.sample_class.is_miss()) return sample;

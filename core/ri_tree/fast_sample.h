@@ -4,6 +4,7 @@
 // axis. Interpolating that instead of a point keeps hits on their rays.
 #pragma once
 
+#include "ri_tree/convex_body.h"
 #include "ri_tree/line_space.h"
 #include "ri_tree/output_ray.h"
 #include "ri_tree/path_changes.h"
@@ -46,8 +47,9 @@ struct FastSample {
 /// Whether changes are kept. Of meshes they are not: there normals change differently on each triangle.
 enum class SampleContents : uint8_t { Values, ValuesAndChanges };
 
-FastSample take_sample(const SampleTracer& tracer, const LineSpace& space, const LatticePoint& point,
-                       SampleContents contents);
+/// Followed through the body, if there is one; traced where that is uncertain.
+FastSample take_sample(const SampleTracer& tracer, const ConvexBody* body, const LineSpace& space,
+                       const LatticePoint& point, SampleContents contents);
 
 /// How a line's ray changes at its origin, by the line's coordinates as shares of the root cell's half sides.
 RayChanges line_changes(const LineSpace& space, const Ray& lattice_ray, int axis);

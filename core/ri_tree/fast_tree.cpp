@@ -126,7 +126,18 @@ void FastTree::answer_plainly(const Search& search, const Ray& object_ray, Answe
 bool FastTree::follow(const Batch& asked, int ray) const {
     CachedAnswer& answer = asked.answers[ray];
     const Ray local = to_local(asked.rays[ray]);
-    const auto meeting = follow_glass(*body_, tracer_.classes(), tracer_.settings(), local, answer.output);
+    ConvexBody::Meeting meeting;
+    if (asked.differentials) {
+        const RayDifferential& given = asked.differentials[ray];
+        const RayChanges by_picture = {RayChange{Vec3d(given.dp_dx) * frame_.shrink, Vec3d(given.dd_dx)},
+                                       RayChange{Vec3d(given.dp_dy) * frame_.shrink, Vec3d(given.dd_dy)}};
+        OutputChanges changes;
+        meeting = follow_glass(*body_, tracer_, local, by_picture, answer.output, changes);
+        if (meeting == ConvexBody::Meeting::Crossed)
+            asked.changes[ray] = hit_changes(changes, tracer_.shape().frame().scale);
+    } else {
+        meeting = follow_glass(*body_, tracer_, local, answer.output);
+    }
     if (meeting == ConvexBody::Meeting::Uncertain) return false;
     const bool missed = meeting == ConvexBody::Meeting::Missed;
     move_to_object(answer.output);
@@ -222,7 +233,7 @@ void FastTree::answer_cell(Search& search, const Found& found, RaySet set, const
         for (uint32_t rest = set; rest != 0; rest &= rest - 1) {
             const int ray = std::countr_zero(rest);
             const bool starts_inside = (search.batch.inside >> ray & 1) != 0;
-            if (is_traced(by) && body_ && !starts_inside && !asked.differentials && follow(asked, ray)) continue;
+            if (is_traced(by) && body_ && !starts_inside && follow(asked, ray)) continue;
             answer_plainly(search, asked.rays[ray], by, asked.answers[ray]);
         }
         return;
@@ -292,7 +303,7 @@ HitChanges FastTree::changes_of(const Search& search, const Found& found, int ra
 }
 
 FastSample FastTree::sample(const LatticePoint& point) const {
-    return take_sample(tracer_, space_, point, judge_.contents());
+    return take_sample(tracer_, body_.get(), space_, point, judge_.contents());
 }
 
 RayCacheStatistics FastTree::statistics() const {

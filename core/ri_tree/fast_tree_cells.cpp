@@ -99,7 +99,7 @@ CellVerdict FastTree::make_cell(Search& search, const CellKey& key, int step) {
     }
     for (const int i : kSampleOrder) {
         if ((missing >> i & 1) == 0) continue;
-        samples[i] = take_sample(tracer_, space_, keys[i].point, judge_.contents());
+        samples[i] = sample(keys[i].point);
         ++search.samples_taken;
         samples_.put(keys[i], samples[i]);
         if (differs(i)) return CellJudge::judge_mixed(depths);

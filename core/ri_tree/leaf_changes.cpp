@@ -43,6 +43,19 @@ StepsInCell steps_in_cell(const BatchFrame& frame, const CellPlace& cell, const 
     return made;
 }
 
+HitChanges hit_changes(const OutputChanges& changes, double scale) {
+    HitChanges result;
+    for (int i = 0; i < kPictureSteps; ++i) {
+        HitChanges::Step& step = result.steps[i];
+        step.normal = Vec3f(changes[i].normal);
+        step.exit_position = Vec3f(changes[i].exit_position * scale);
+        step.exit_direction = Vec3f(changes[i].exit_direction);
+        if (!is_finite(step)) return {};
+    }
+    result.are_known = true;
+    return result;
+}
+
 HitChanges output_changes(OutputKind kind, const CellLeaf& leaf, const float (&changes)[kPictureSteps][kLeafPadding],
                           const OutputRay& out) {
     HitChanges result;

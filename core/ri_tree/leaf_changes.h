@@ -5,6 +5,7 @@
 #include "rays/hit.h"
 #include "rays/ray_differential.h"
 #include "ri_tree/line_batch.h"
+#include "ri_tree/path_changes.h"
 
 namespace rayleaf {
 
@@ -22,5 +23,8 @@ StepsInCell steps_in_cell(const BatchFrame& frame, const CellPlace& cell, const 
 /// What leaf values that change by `changes` make of the output ray `out`. Unknown where it would not be finite.
 HitChanges output_changes(OutputKind kind, const CellLeaf& leaf, const float (&changes)[kPictureSteps][kLeafPadding],
                           const OutputRay& out);
+
+/// Changes of an output ray, in local units, by the picture's x and y, as its first two lines' coordinates.
+HitChanges hit_changes(const OutputChanges& changes, double scale);
 
 }  // namespace rayleaf

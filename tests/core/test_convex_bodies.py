@@ -180,3 +180,48 @@ def test_settings_that_allow_no_error_leave_all_to_tracing(name):
     got, truth = spaced(tree, rays), tree.trace(*rays)
     for output in support.OUTPUTS:
         np.testing.assert_array_equal(got[output], truth[output], err_msg=output)
+
+
+@pytest.mark.parametrize("shape", [shapes.nurbs_sphere(), surface(turned(barrel()))], ids=["sphere", "barrel"])
+def test_samples_are_followed_to_what_tracing_makes_of_them_and_of_their_changes(shape):
+    rays = support.scattered_rays(2000, spread=0.9)
+    settings = {"ior": 1.3, "facet_tolerance": 2.0**-22}
+    following = support.tree_of(shape, "GLASS", "FastTree", **settings)
+    tracing = support.tree_of(shape, "GLASS", "FastTree", distance_threshold=0.0, **settings)
+    direction, shares = following.lines(*rays)
+    places = np.round(shares[direction == 0] * 2**31).astype(np.uint32)
+    got, truth = following.samples(0, places), tracing.samples(0, places)
+    same = np.logical_and.reduce([got[name] == truth[name] for name in ("hit", "interior_hits", "total_reflections")])
+    assert same.mean() > 0.97 and (got["hit"] & same).sum() > 40
+    assert (got["values"] != truth["values"]).any()  # they are not the tracer's own
+    used = got["hit"] & same
+    for name in ("values", "changes"):
+        size = 1 + np.abs(truth[name][used])
+        error = np.max(np.abs(got[name][used] - truth[name][used]) / size, axis=tuple(range(1, size.ndim)))
+        assert np.median(error) < 3e-5 and np.quantile(error, 0.9) < 2e-3, (name, np.quantile(error, [0.5, 0.9, 1]))
+
+
+@pytest.mark.parametrize("scale, center", [(1.0, (0, 0, 0)), (50.0, (300, -200, 1000))])
+def test_changes_of_followed_answers_agree_with_finite_differences(scale, center):
+    shape = shapes.nurbs_sphere(scale=scale, center=center)
+    # So shallow that no cell is close enough.
+    shallow = {"depth_limit": 4, "mixed_depth_limit": 4}
+    tree = support.tree_of(shape, "GLASS", "FastTree", ior=1.2, **shallow)
+    origins, directions = support.rays_towards(np.array([0.1, -0.2, 0.1]), 0.6, 300)
+    origins = scale * origins + np.asarray(center, float)
+    random = np.random.default_rng(5)
+    across = random.normal(size=(2, len(origins), 2, 3))
+    across -= np.sum(across * directions[:, None], axis=-1)[..., None] * directions[:, None]
+    by_origin, by_direction = across * np.array([scale, 1.0]).reshape(2, 1, 1, 1)
+    got = tree.changes(origins, directions, by_origin.astype(np.float32), by_direction.astype(np.float32))
+    assert (tree.ask(origins, directions)["answered_by"] == FOLLOWED).all() and got["known"].all()
+    step = 1e-3  # rounding of floats over it is 1e-3, too
+    for i in range(2):
+        sides = []
+        for sign in (step, -step):
+            turn = shapes.unit(directions + sign * by_direction[:, i])
+            sides.append(tree.ask(origins + sign * by_origin[:, i], turn))
+        for name, unit in (("normal", 1.0), ("exit_position", scale), ("exit_direction", 1.0)):
+            off = np.abs((sides[0][name] - sides[1][name]) / (2 * step) - got[name][:, i]) / unit
+            # Close to the silhouette third derivatives show.
+            assert np.median(off) < 3e-3 and np.quantile(off, 0.9) < 0.03, (name, np.quantile(off, [0.5, 0.9, 1]))
