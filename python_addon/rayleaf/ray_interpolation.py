@@ -130,13 +130,14 @@ class RayleafViewLayerSettings(bpy.types.PropertyGroup):
     use_pass_mask: BoolProperty(  # type: ignore
         name="Mask",
         description="How each pixel's ray was answered: 0 no interpolation, 1 traced, 2 interpolated, "
-        "4 missed without tracing",
+        "3 followed through convex glass, 4 missed without tracing",
         default=False,
         update=_update_passes,
     )
     use_pass_mask_colors: BoolProperty(  # type: ignore
         name="Mask Colors",
-        description="The mask as a picture: white traced, blue interpolated, " "dark grey missed without tracing",
+        description="The mask as a picture: white traced, blue interpolated, orange followed through convex glass, "
+        "dark grey missed without tracing",
         default=False,
         update=_update_passes,
     )

@@ -42,7 +42,7 @@ def figures(traced: Any, interpolated: Any, mask: Any | None) -> str:
     difference = np.abs(np.asarray(traced)[..., :3] - np.asarray(interpolated)[..., :3]) * _AMPLIFIED
     shown = [page.picture(traced, "traced"), page.picture(interpolated, "interpolated")]
     if mask is not None:
-        shown.append(page.picture(mask, "mask: white traced, blue interpolated, orange at an edge, grey passed by"))
+        shown.append(page.picture(mask, "mask: white traced, blue interpolated, orange followed, grey passed by"))
     shown.append(page.picture(difference, f"difference, times {_AMPLIFIED}"))
     return page.pictures(*shown)
 
