@@ -149,6 +149,7 @@ py::dict statistics(const RayCache& tree) {
     result["bytes"] = s.bytes;
     result["most_bytes"] = s.most_bytes;
     result["prunes"] = s.prunes;
+    result["tracer_bytes"] = s.tracer_bytes;
     return result;
 }
 

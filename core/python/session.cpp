@@ -85,13 +85,13 @@ py::list ray_caches(const RenderStatistics& statistics) {
         py::dict answers;
         for (size_t i = 0; i < kAnswerKinds; ++i) answers[answer_names()[i]] = s.answers[i];
         const RayCacheTotals totals = totals_of(s);
-        list.append(
-            py::dict("objects"_a = report.objects, "instances"_a = report.instances, "kind"_a = kind_name(report.kind),
-                     "mode"_a = report.mode == RayInterpolationMode::Auto ? "AUTO" : "ON", "used"_a = report.used,
-                     "reason"_a = report.reason, "queries"_a = totals.queries, "interpolated"_a = totals.interpolated,
-                     "followed"_a = totals.followed, "traced"_a = totals.traced, "missed"_a = totals.missed,
-                     "answers"_a = answers, "samples_taken"_a = s.samples_taken, "samples"_a = s.samples,
-                     "nodes"_a = s.nodes, "leaves"_a = s.leaves, "bytes"_a = s.bytes, "prunes"_a = s.prunes));
+        list.append(py::dict(
+            "objects"_a = report.objects, "instances"_a = report.instances, "kind"_a = kind_name(report.kind),
+            "mode"_a = report.mode == RayInterpolationMode::Auto ? "AUTO" : "ON", "used"_a = report.used,
+            "reason"_a = report.reason, "queries"_a = totals.queries, "interpolated"_a = totals.interpolated,
+            "followed"_a = totals.followed, "traced"_a = totals.traced, "missed"_a = totals.missed,
+            "answers"_a = answers, "samples_taken"_a = s.samples_taken, "samples"_a = s.samples, "nodes"_a = s.nodes,
+            "leaves"_a = s.leaves, "bytes"_a = s.bytes, "tracer_bytes"_a = s.tracer_bytes, "prunes"_a = s.prunes));
     }
     return list;
 }

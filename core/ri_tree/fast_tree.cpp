@@ -316,6 +316,7 @@ RayCacheStatistics FastTree::statistics() const {
     result.bytes = store_.bytes() + samples_.bytes();
     result.most_bytes = std::max(store_.most_bytes() + samples_.bytes(), result.bytes);
     result.prunes = store_.exchanges();
+    result.tracer_bytes = tracer_.bytes();
     return result;
 }
 

@@ -67,6 +67,7 @@ struct RayCacheStatistics {
     uint64_t bytes = 0;          ///< held now
     uint64_t most_bytes = 0;     ///< ever held
     uint64_t prunes = 0;
+    uint64_t tracer_bytes = 0;  ///< of what traces its samples: facets and their tree. No part of the cache size
 };
 
 /// Answers by what they cost. Queries are all of them; missed are those that entered the box and hit nothing, known

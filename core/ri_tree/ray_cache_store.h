@@ -2,7 +2,8 @@
 // render starts with empty caches.
 //
 // Idea: a cache depends on the content of its shape, on what a sample is, and on its thresholds, so these are its key.
-// An object that moves keeps its cache; one that changes shape gets a new one, and the old one goes at the next frame.
+// An object that moves keeps its cache; one that changes shape gets a new one, and the old one goes at the next frame:
+// for one frame it holds both.
 // A kept cache interpolates more from frame to frame (RayCache::next_frame), within the same error.
 #pragma once
 

@@ -80,6 +80,7 @@ RayCacheStatistics ReferenceTree::statistics() const {
     RayCacheStatistics result = statistics_;
     result.samples = samples_.count();
     result.bytes = held_bytes();
+    result.tracer_bytes = tracer_.bytes();
     return result;
 }
 

@@ -60,6 +60,11 @@ uint32_t SampleTracer::first_hit_class(const Ray& ray) const {
     return hit ? classes_.of(*shape_, hit->local) : kMissedClass;
 }
 
+uint64_t SampleTracer::bytes() const {
+    const TraceStatistics held = tracer_.statistics();
+    return held.bvh_bytes + held.record_bytes + held.geometry.bytes + classes_.bytes();
+}
+
 /// A point hit: all that a path needs of it. World space is local space, so nothing has to be mapped.
 struct SampleTracer::Point {
     LocalSurface surface;

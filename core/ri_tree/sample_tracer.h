@@ -43,6 +43,8 @@ class SampleTracer {
     OutputRay trace(const Ray& ray, const RayChanges& ray_changes, OutputChanges& changes) const;
     /// Class of the patch hit first, without following the path.
     uint32_t first_hit_class(const Ray& ray) const;
+    /// Held for tracing, beside the shape itself.
+    uint64_t bytes() const;
 
   private:
     std::shared_ptr<const Shape> shape_;

@@ -22,16 +22,16 @@ def of_object(record: dict[str, Any], name: str) -> dict[str, Any] | None:
     return next((each for each in caches(record) if name in each["objects"]), None)
 
 
-def outcome(cache: dict[str, Any]) -> str:
-    """How the rays against an entry's objects were answered."""
+def outcome(cache: dict[str, Any]) -> list[str]:
+    """How the rays against an entry's objects were answered, and what Auto went by."""
     if not cache["used"]:
-        return "traced"
+        return [f"traced: {cache['reason']}"]
     queries = cache["queries"]
-    if queries == 0:
-        return "interpolated, but no ray came near"
     followed = ("followed",) if cache["followed"] else ()
-    shares = ", ".join(f"{cache[how] / queries:.0%} {how}" for how in ("interpolated", *followed, "traced", "missed"))
-    return f"{queries:,} rays: {shares}"
+    ways = ("interpolated", *followed, "traced", "missed")
+    shares = ", ".join(f"{cache[how] / max(queries, 1):.0%} {how}" for how in ways)
+    memory = f"{cache['bytes'] / 1e6:.1f} MB, and {cache['tracer_bytes'] / 1e6:.1f} MB to trace by"
+    return [f"{queries:,} rays: {shares}", memory] + ([cache["reason"]] if cache["reason"] else [])
 
 
 def _listed(entries: list[dict[str, Any]]) -> str:

@@ -30,7 +30,7 @@ def _draw_thresholds(column: Any, settings: Any) -> None:
 def _draw_outcome(column: Any, cache: dict[str, Any]) -> None:
     """What became of rays against an object in the last render, and why."""
     column.label(text=ray_report.names(cache), icon="CHECKMARK" if cache["used"] else "X")
-    for part in (ray_report.outcome(cache), cache["reason"]):
+    for part in ray_report.outcome(cache):
         for line in textwrap.wrap(part, _LINE):
             column.label(text=line, icon="BLANK1")
 

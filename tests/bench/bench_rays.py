@@ -116,7 +116,7 @@ def run(quick: bool = False, small: bool = False) -> list[dict[str, Any]]:
     """Prints the tables; returns every measurement. `quick`: every part once, on a stamp; the figures mean nothing.
     `small`: a third of the side, so that samples are shared by fewer rays, and few values of a sweep."""
     rows, measured = [], {}
-    side, every = (200, 3) if small else (600, 2)  # every second value of a sweep: twenty minutes on a quiet core
+    side, every = (200, 3) if small else (600, 2)  # every second value of a sweep
     settings = paper_settings(depth=12) if quick else paper_settings()
     cases = [(mirror_sheet(), Picture(24, 24)), (gentle_glass(), Picture(8, 8, 3))] if quick else scenes(side)
     for scene, picture in cases:
@@ -127,8 +127,7 @@ def run(quick: bool = False, small: bool = False) -> list[dict[str, Any]]:
         rows += rows_of(bench, trees)
     print_reach(measured, 300 if quick else SCATTERED_RAYS, settings)
     print_pictures(8 if quick else side * 2 // 3)
-    table_1(24 if quick else 2 * side, Effort(1, 2, 1, 1), tuple(TREES), settings["depth_limit"])
-    rows += table_2(
-        16 if quick else side // 2, Effort(1, 2, 1 if quick else 2, 1), tuple(TREES), 20 if quick else every
-    )
+    effort = Effort(1, 2, 1, 1) if quick or small else Effort(1, 2)
+    table_1(24 if quick else 2 * side, effort, tuple(TREES), settings["depth_limit"])
+    rows += table_2(16 if quick else side // 2 if small else side, effort, tuple(TREES), 20 if quick else every)
     return rows

@@ -26,6 +26,11 @@ def sweeps(volumes: bool) -> list[Sweep]:
     ]
 
 
+def thinned(values: list[Any], every: int) -> list[Any]:
+    """Of a sweep's values, those that many apart, from the first on, and the last."""
+    return values[::every] + ([] if (len(values) - 1) % every == 0 else values[-1:])
+
+
 def print_head(first: str) -> None:
     """Above a sweep."""
     print(
@@ -35,7 +40,7 @@ def print_head(first: str) -> None:
 
 
 def print_line(value: str, tree: str, own: Figures, bench: Bench) -> None:
-    """One setting; each speed-up: first, second, orbit frame."""
+    """One setting; each speed-up: first, second, mean of the orbit's frames."""
     ratios = [numbers(own.faster_than(bench.figures[name])) for name in ("triangles", "Newton", "tracing")]
     print(
         f"  {value:<10}{tree:<11}{numbers(list(own.flops['triangles'])):<15}{numbers(list(own.flops['Newton'])):<13}   "
@@ -69,19 +74,25 @@ def sweep_rows(scene: Scene, sweep: str, value: str, tree: str, own: Figures, be
 
 
 def table_2(side: int, effort: Effort, trees: tuple[str, ...], every: int = 1) -> list[dict[str, Any]]:
-    """The paper's table 2 and its figure 8: sweeps over one parameter each; `every`: of the values, that many apart."""
+    """The paper's table 2 and its figure 8: sweeps over one parameter each; `every`: of the values, that many apart, and
+    the last. Pictures as the paper's: 600 x 600, glass bodies 300 x 300 with 9 samples. It has the means of three scenes
+    of bodies, and of several views of the sheet; here are one scene, and an orbit's views apart."""
     rows: list[dict[str, Any]] = []
-    scenes = (mirror_sheet(), random_volumes(), random_volumes("VOLUME"))
-    for scene in scenes:
-        bench = Bench(scene, Picture(side, side), effort, RIVALS)
-        print(f"\nTable 2: {scene.name}, {bench.picture.text}")
-        volumes = scene is not scenes[0]
-        swept = sweeps(volumes)
-        if scene is scenes[0]:
+    pictures = (
+        (mirror_sheet(), Picture(side, side)),
+        (random_volumes(), Picture(side // 2, side // 2, 3)),
+        (random_volumes("VOLUME"), Picture(side, side)),
+    )
+    for scene, picture in pictures:
+        bench = Bench(scene, picture, effort, RIVALS)
+        print(f"\nTable 2: {scene.name}, {picture.text}")
+        is_sheet = scene is pictures[0][0]
+        swept = sweeps(volumes=not is_sheet)
+        if is_sheet:
             swept.append(("cache, MB", [(f"{m}", paper_settings(megabytes=m)) for m in CACHES]))
         for name, settings in swept:
             print_head(name)
-            for value, each in settings[::every]:
+            for value, each in thinned(settings, every):
                 for tree in trees:
                     own = bench.measure(tree, each, 1)
                     print_line(value, tree, own, bench)

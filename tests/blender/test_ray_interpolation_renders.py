@@ -252,6 +252,51 @@ report(taken=taken)
         assert np.abs(together[name] - traced[name]).mean() <= 0.005, name
 
 
+# Objects at the limits of sizes, places and shapes, each with a view of it.
+EXTREMES = """
+from mathutils import Matrix, Vector
+scene.render.resolution_x = scene.render.resolution_y = 64
+image.file_format = "OPEN_EXR"
+image.color_depth, image.exr_codec = "32", "NONE"
+sky = scene.world.node_tree
+place = sky.nodes.new("ShaderNodeTexCoord")
+sky.links.new(place.outputs["Generated"], sky.nodes["Background"].inputs["Color"])
+bpy.data.objects.remove(bpy.data.objects["Light"])
+home, points = scene.camera.matrix_world.copy(), [tuple(point.co) for point in ball.data.splines[0].points]
+scene.camera.data.clip_end = 1e9
+def view(name, stretch=(1, 1, 1), data_scale=1.0, scale=1.0, offset=0.0):
+    size = data_scale * scale
+    for point, (x, y, z, w) in zip(ball.data.splines[0].points, points):
+        point.co = (*(data_scale * a * b for a, b in zip((x, y, z), stretch)), w)
+    ball.scale, ball.location = (scale,) * 3, (offset,) * 3
+    scene.camera.matrix_world = Matrix.Translation(home.translation * size + Vector((offset,) * 3)) @ home.to_3x3().to_4x4()
+    scene.camera.data.clip_start = min(0.1, 0.1 * size)
+    for mode in ("AUTO", "ON"):  # a picture this small is traced on Auto, by the same model of glass
+        rays.mode = mode
+        scene.render.filepath = f"{sys.argv[1]}{name}_{mode}.exr"
+        bpy.ops.render.render(write_still=True)
+    return sum(cache["answers"]["interpolated"] for cache in caches())
+VIEWS = {
+    "flat": dict(stretch=(1, 1, 0)), "needle": dict(stretch=(1e-3, 1e-3, 1)), "small": dict(scale=1e-6),
+    "large": dict(scale=1e6), "small_data": dict(data_scale=1e-6), "large_data": dict(data_scale=1e6),
+    "far": dict(offset=1e6),
+}
+report(interpolated={name: view(name, **how) for name, how in VIEWS.items()})
+"""
+
+
+def test_pictures_of_extreme_sizes_places_and_shapes_are_those_of_tracing(run_blender, tmp_path):
+    interpolated = run_blender(SETUP + EXTREMES, f"{tmp_path}/").report["interpolated"]
+    for name, count in interpolated.items():
+        # A needle is thinner than any cell of rays: all that meet it are traced.
+        assert (count > 500) == (name != "needle"), interpolated
+        on, traced = (plain_exr.read(tmp_path / f"{name}_{mode}.exr") for mode in ("ON", "AUTO"))
+        for channel in traced:
+            assert np.isfinite(on[channel]).all(), (name, channel)
+            assert np.abs(on[channel] - traced[channel]).mean() <= 0.005, (name, channel)  # the error that is set
+        assert max(traced[channel].std() for channel in "RGB") > 0.01, f"{name}: nothing to be seen"
+
+
 # What panels write, line by line, to whoever looks at them after a render.
 PANELS = """
 from rayleaf import ui_rays

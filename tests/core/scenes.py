@@ -62,16 +62,16 @@ def look_down(core_scene, height=5.0, half=1.0, **more):
     core_scene.set_camera("PERSPECTIVE", matrix((0, 0, height)), (-half, -half), (half, half), 0.01, 1000.0, **more)
 
 
-def sphere_spline(core, slot=0, smooth=True):
-    """Blender's NURBS sphere: 8 x 5 points, order 3, Bezier knots, cyclic in u here. Unit radius."""
+def sphere_spline(core, slot=0, smooth=True, radius=1.0):
+    """Blender's NURBS sphere: 8 x 5 points, order 3, Bezier knots, cyclic in u here."""
     # Clockwise from above: the outside of a surface is the side of dP/dv x dP/du, as in Blender.
     ring = [(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)]
     profile = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1)]
     points = np.zeros((5, 8, 4))
-    for v, (radius, z) in enumerate(profile):
+    for v, (distance, z) in enumerate(profile):
         for u, (x, y) in enumerate(ring):
             weight = (np.sqrt(0.5) if u % 2 else 1.0) * (np.sqrt(0.5) if v % 2 else 1.0)
-            points[v, u] = (radius * x, radius * y, z, weight)
+            points[v, u] = (radius * distance * x, radius * distance * y, radius * z, weight)
     return core.NurbsSpline(
         points,
         3,

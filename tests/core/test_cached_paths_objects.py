@@ -54,9 +54,7 @@ def test_nothing_is_allocated_when_off(core):
     assert (session.pass_pixels("mask") == 0).all()
 
 
-@pytest.mark.parametrize(
-    ("name", "obstacle"), [("flat", "flat"), ("glow", "emits"), ("painted", "attributes")]
-)
+@pytest.mark.parametrize(("name", "obstacle"), [("flat", "flat"), ("glow", "emits"), ("painted", "attributes")])
 def test_objects_that_cannot_have_a_cache_are_told_with_the_reason(core, name, obstacle):
     scene = ball_scene(core, "mirror", floor=False)
     if name == "flat":
@@ -126,23 +124,33 @@ def test_settings_without_meaning_are_rejected_by_name(core, settings):
         core.RayInterpolation(**settings)
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [
-        dict(distance_threshold=0.0),
-        dict(distance_threshold=float("inf"), angle_threshold=float("inf")),
-        dict(depth_limit=0),
-        dict(cache_bytes=0),
-    ],
-)
-@pytest.mark.parametrize("kind", ["mirror", "glass"])
-def test_extreme_thresholds_give_a_picture(core, kind, settings):
-    interpolation = core.RayInterpolation(mode="ON", **{"depth_limit": 16, **settings})
-    values = core.Settings(width=12, height=12, samples=1, threads=1, ray_interpolation=interpolation)
+def extreme_picture(core, kind, mode="ON", **settings):
+    """A tiny picture whose every cell is sampled, whatever few rays cross it."""
+    interpolation = core.RayInterpolation(mode=mode, **{"depth_limit": 24, "rays_per_cell": 0.0, **settings})
+    values = core.Settings(width=8, height=8, samples=2, threads=1, ray_interpolation=interpolation)
     session = core.Session(ball_scene(core, kind), values)
     assert session.render()
-    pixels = picture(session)
-    assert np.isfinite(pixels).all() and pixels.mean() > 0.2
+    return picture(session), session.statistics()["ray_caches"][0]
+
+
+@pytest.mark.parametrize("kind", ["mirror", "glass"])
+def test_pictures_at_the_ends_of_every_threshold_are_right(core, kind):
+    # On Auto a picture this small is traced, by the same model of glass.
+    traced, nothing = extreme_picture(core, kind, "AUTO")
+    assert not nothing["used"]
+    usual, cache = extreme_picture(core, kind)
+    assert cache["interpolated"] > 20, cache["answers"]
+    exact, cache = extreme_picture(core, kind, depth_limit=0)
+    assert np.array_equal(exact, traced) and cache["interpolated"] == 0, "at depth 0 everything is traced"
+    exact, cache = extreme_picture(core, kind, distance_threshold=0.0)
+    assert np.array_equal(exact, traced) and cache["interpolated"] == 0, "no interpolated ray is without error"
+    for size in (0, 20_000):
+        again, cache = extreme_picture(core, kind, cache_bytes=size)
+        assert np.array_equal(again, usual) and cache["bytes"] <= size, "the cache's size shows"
+    wild, cache = extreme_picture(core, kind, distance_threshold=float("inf"), angle_threshold=float("inf"))
+    # Any direction may come out, but none that sees what is not there.
+    assert cache["interpolated"] > 20 and np.isfinite(wild).all()
+    assert wild.min() >= 0.9 * traced.min() and wild.max() <= 1.1 * traced.max()
 
 
 def test_finer_settings_ask_more_of_every_threshold(core):

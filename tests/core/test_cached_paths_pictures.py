@@ -14,6 +14,7 @@ from cached_scenes import (
     render,
     share_of,
     used,
+    world,
 )
 from path_scenes import material
 from scenes import CUBE_TRIANGLES, CUBE_VERTICES, background, look_down, matrix, quad, sphere_spline
@@ -98,6 +99,26 @@ def test_a_store_forgets_what_the_last_frame_did_not_use(core):
     assert store.count() == 2
     store.next_frame()
     assert store.count() == 1
+
+
+def test_an_object_that_changes_shape_every_frame_holds_two_caches_at_most(core):
+    def scene(radius):
+        made = core.SceneDescription()
+        spline = sphere_spline(core, radius=radius)
+        shape = made.add_surface("ball", [spline])
+        made.add_instance("ball", shape, matrix(), material(core, made, ("glossy", 1.0, 0.9, 0.0, "SHARP")))
+        made.set_world(world(core), 32)
+        look_down(made, 6.0, 0.3)
+        return made
+
+    store, most = core.RayCacheStore(), 300_000
+    for frame in range(5):
+        kept = render(core, scene(1.0 - 0.05 * frame), caches=store, cache_bytes=most)
+        assert store.count() == min(frame + 1, 2) and store.bytes() <= 2 * most
+        alone = render(core, scene(1.0 - 0.05 * frame), cache_bytes=most)
+        assert np.array_equal(picture(kept), picture(alone)), frame
+        assert used(kept)[0]["bytes"] <= most and used(kept)[0]["tracer_bytes"] > 0
+        store.next_frame()
 
 
 def test_what_lies_inside_glass_is_not_skipped(core):
