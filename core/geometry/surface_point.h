@@ -43,10 +43,16 @@ struct SurfacePoint {
         ray.start = {anchor(), sight};
         ray.leaves = instance;
     }
-    /// What is left of a ray that goes straight on.
+    /// What is left of a ray that goes straight on. An interpolated point may lie far beside the surface: there the ray
+    /// starts as far from it, but on its line, or what lies behind would be seen from elsewhere.
     Ray behind(Ray ray) const {
-        const Vec3d before = ray.origin;
-        release(ray, Vec3f(ray.direction));
+        const Vec3d before = ray.origin, direction = ray.direction;
+        release(ray, Vec3f(direction));
+        if (interpolated) {
+            constexpr double kLeastSlope = 0.01;  // below what is interpolated at all, but where maps flatten
+            const double slope = std::max(std::abs(direction.dot(Vec3d(facet_normal))), kLeastSlope);
+            ray.origin = facet_position + direction * (start_offset / slope);
+        }
         ray.t_max -= (ray.origin - before).dot(ray.direction);
         ray.t_min = 0;
         return ray;

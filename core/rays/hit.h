@@ -45,7 +45,7 @@ struct HitChanges {
 /// What an interpolated first hit knows, beside the point: local space of the shape.
 struct InterpolatedHit {
     Vec2f uv{0, 0};
-    double position_error = 0;  ///< how far the point may lie beside the surface
+    double position_error = 0;  ///< how far the points, here and at the exit, may lie beside the surface
     float error = 0;            ///< the cache's own estimate, a share of the object's half extent
     /// Glass: where and how the ray leaves, after `interior_hits` hits from inside of which `total_reflections` let
     /// nothing through.

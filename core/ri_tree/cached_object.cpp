@@ -105,9 +105,10 @@ ObjectAnswer CachedObject::ask(const Vec3d& origin, const Vec3d& direction, cons
     result.normal = output.normal;
     InterpolatedHit& hit = result.hit;
     hit.uv = Vec2f(output.uv);
-    const double error = found.by == AnsweredBy::TwoClassInterpolated ? assumed_error_ : found.error;
-    hit.error = static_cast<float>(error);
-    hit.position_error = std::max(kErrorsBeside * error, kLeastError) * half_extent_;
+    const bool is_known = found.by != AnsweredBy::TwoClassInterpolated;
+    hit.error = static_cast<float>(is_known ? found.error : assumed_error_);
+    hit.position_error =
+        std::max(kErrorsBeside * (is_known ? found.position_error : assumed_error_), kLeastError) * half_extent_;
     if (kind_ == OutputKind::Glass) hit.way = way_of(output.sample_class.ending);
     hit.exit_position = to_local(output.exit_position);
     hit.exit_direction = output.exit_direction;

@@ -217,7 +217,8 @@ bool CellJudge::is_close(const CellKey& key, const FastSample& center,
         if (!((other.normal - got.normal).length() <= settings_.direction_threshold)) return false;
         leaf.error = std::max(leaf.error, static_cast<float>(error));
         leaf.position_error =
-            std::max(leaf.position_error, static_cast<float>((other.position - got.position).length()));
+            std::max({leaf.position_error, static_cast<float>((other.position - got.position).length()),
+                      static_cast<float>((other.exit_position - got.exit_position).length())});
     }
     return true;
 }

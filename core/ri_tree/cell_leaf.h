@@ -47,7 +47,7 @@ int leaf_value_count(OutputKind kind);
 struct CellLeaf {
     SampleClass sample_class;
     float error = 0;           ///< estimated at the centre: distance (output_ray.h), share of the half extent
-    float position_error = 0;  ///< of the first hit, local units
+    float position_error = 0;  ///< of the first hit and of where the path leaves, local units
     FoldedVector normal, exit_direction;
     uint8_t terms = 0;   ///< kLinearTerms or kCubicTerms
     uint8_t values = 0;  ///< leaf_value_count

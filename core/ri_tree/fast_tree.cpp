@@ -119,7 +119,7 @@ void FastTree::answer_plainly(const Search& search, const Ray& object_ray, Answe
     answer.output = traces ? tracer_.trace(to_local(object_ray)) : OutputRay{};
     if (traces) move_to_object(answer.output);
     answer.by = by;
-    answer.error = 0.0;
+    answer.error = answer.position_error = 0.0;
 }
 
 /// A ray that no cell answers, through a convex body; false if it is to be traced.
@@ -282,6 +282,7 @@ void FastTree::interpolate(const Search& search, const Found& found, int ray, co
     move_to_object(answer.output);
     answer.by = AnsweredBy::Interpolated;
     answer.error = found.leaf->error;
+    answer.position_error = found.leaf->position_error / space_.half_extent();
 }
 
 /// Of an interpolated answer, which is in local space still.

@@ -56,6 +56,8 @@ struct CachedAnswer {
     /// Estimated error where interpolated from all corners: the distance (output_ray.h) at the cell's centre, as a
     /// share of the box's half extent. Followed: what single precision makes of it. 0 elsewhere.
     double error = 0;
+    /// Of that, what the points are off by where the line first hits and where the path leaves.
+    double position_error = 0;
 };
 
 struct RayCacheStatistics {

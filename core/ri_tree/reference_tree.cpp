@@ -141,7 +141,7 @@ CachedAnswer ReferenceTree::answer_in(const Found& found, const Line& line, cons
     if (starts_inside && tracer_.settings().kind == OutputKind::Volume) return to_trace(AnsweredBy::TracedOrigin);
     const CornerWeights weights = quadrilinear_weights(space_.position_in(found.key, line));
     CachedAnswer result{interpolate(*found.node, side.sample_class, weights, local.direction), AnsweredBy::Interpolated,
-                        leaf.error / space_.half_extent()};
+                        leaf.error / space_.half_extent(), leaf.position_error / space_.half_extent()};
     if (starts_inside) {
         const double beyond = (result.output.position - local.origin).dot(local.direction);
         const double margin = kBeyondErrors * leaf.position_error + kLeastBeyond * space_.half_extent();
