@@ -5,8 +5,8 @@
 namespace rayleaf {
 namespace {
 
-/// The error is known at a cell's centre; elsewhere in the cell it may be larger. Points count as this many times as
-/// far off.
+/// The error is known at a cell's centre, where it may be small by chance. Points count as this many times as far
+/// off.
 constexpr double kErrorsBeside = 2.0;
 /// And as this share of the half extent at least: what single precision makes of samples.
 constexpr double kLeastError = 0x1p-20;

@@ -198,7 +198,8 @@ SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, 
         point.interpolated = true;
         point.uv_by_u = interpolated->changes.steps[0].uv;
         point.uv_by_v = interpolated->changes.steps[1].uv;
-        point.start_offset += interpolated->position_error * std::max({map.x.length(), map.y.length(), map.z.length()});
+        point.start_offset += (interpolated->position_error + scene->facet_distance()) *
+                              std::max({map.x.length(), map.y.length(), map.z.length()});
     }
     return point;
 }

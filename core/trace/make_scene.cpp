@@ -1,5 +1,6 @@
 #include "trace/make_scene.h"
 
+#include "splines/bounds.h"
 #include "tessellation/displaced_dicer.h"
 #include "tessellation/patch_dicer.h"
 #include "tessellation/subdivision_dicer.h"
@@ -10,6 +11,19 @@
 #include "trace/triangle_scene.h"
 
 namespace rayleaf {
+namespace {
+
+std::unique_ptr<ShapeScene> make_patch_scene(const PatchSurface& surface, const FacetTolerance& tolerance,
+                                             const CancelToken& cancel) {
+    auto scene = std::make_unique<GridScene>(surface, std::make_unique<PatchDicer>(surface, tolerance), cancel);
+    double distance = 0.0;
+    for (uint32_t patch = 0; patch < surface.element_count(); ++patch)
+        distance = std::max(distance, tolerance(hull_bounds(surface.patch(patch))));
+    scene->set_facet_distance(distance);
+    return scene;
+}
+
+}  // namespace
 
 std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {
     cancel.throw_if_cancelled();
@@ -20,15 +34,15 @@ std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance&
         if (strands.form() == StrandForm::EmbreeRound) return std::make_unique<EmbreeStrandScene>(strands, cancel);
         return std::make_unique<StrandScene>(strands, cancel);
     }
+    if (shape.kind() == ShapeKind::PatchSurface)
+        return make_patch_scene(static_cast<const PatchSurface&>(shape), tolerance, cancel);
     std::unique_ptr<const Dicer> dicer;
     if (shape.kind() == ShapeKind::SweptSurface)
         dicer = std::make_unique<SweptDicer>(static_cast<const SweptSurface&>(shape), tolerance);
     else if (shape.kind() == ShapeKind::DisplacedSurface)
         dicer = std::make_unique<DisplacedDicer>(static_cast<const DisplacedSurface&>(shape), tolerance);
-    else if (shape.kind() == ShapeKind::SubdivisionSurface)
-        dicer = std::make_unique<SubdivisionDicer>(static_cast<const SubdivisionSurface&>(shape), tolerance);
     else
-        dicer = std::make_unique<PatchDicer>(static_cast<const PatchSurface&>(shape), tolerance);
+        dicer = std::make_unique<SubdivisionDicer>(static_cast<const SubdivisionSurface&>(shape), tolerance);
     return std::make_unique<GridScene>(shape, std::move(dicer), cancel);
 }
 

@@ -111,6 +111,10 @@ class ShapeScene {
     /// How far a float ray may lie beside the true one, local units: coordinates up to 1 are rounded once in its origin
     /// and once against each vertex, on three axes. Less for facets that single precision only finds.
     virtual double float_error() const { return 0x1p-21; }
+    /// How far the finest facets may lie beside the surface, local units; 0 where facets are the surface. Known of
+    /// patches, the shapes on which points are found without a facet.
+    double facet_distance() const { return facet_distance_; }
+    void set_facet_distance(double distance) { facet_distance_ = distance; }
     virtual uint64_t triangle_count() const { return 0; }
     virtual uint64_t strand_pieces() const { return 0; }
     virtual uint32_t subpatch_count() const { return 0; }
@@ -137,6 +141,7 @@ class ShapeScene {
     virtual void prepare(ShapeQuery&) const {}
 
   private:
+    double facet_distance_ = 0;
     const Shape* shape_;
     FacetKind kind_;
     const GeometryCache* geometry_cache_ = nullptr;

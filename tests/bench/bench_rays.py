@@ -123,7 +123,7 @@ def run(quick: bool = False, small: bool = False) -> list[dict[str, Any]]:
         large = picture.columns * picture.rows > 4 * 600 * 600
         effort = Effort(1, 2, 1, 1) if quick or large else Effort()
         name, bench, trees = measure(scene, picture, effort, settings)
-        measured[name] = bench, trees
+        measured.setdefault(name, (bench, trees))  # of a scene's pictures, the reach is for the first
         rows += rows_of(bench, trees)
     print_reach(measured, 300 if quick else SCATTERED_RAYS, settings)
     print_pictures(8 if quick else side * 2 // 3)

@@ -162,6 +162,34 @@ def test_shadows_of_an_interpolated_object_fall_where_they_did(core):
     assert (apart > 0.1).mean() < 0.02
 
 
+@pytest.mark.parametrize("error", [0.02, 0.005, 0.001])
+def test_rays_that_enter_glass_at_an_interpolated_point_start_neither_behind_facets_nor_far_away(core, error):
+    """A body of which the floor cuts off a part: its inside is traced, from where the cache says that rays enter."""
+    made = ball_scene(core, "glass", floor=False)
+    ground = material(core, made, ("diffuse", 1.0, 0.5), name="ground")
+    made.add_instance("floor", quad(made, "floor", 6.0, -0.5), matrix(), ground)
+    off, on = render(core, made, "OFF"), render(core, made, error=error)
+    assert share_of(on, INTERPOLATED) > 0.1
+    assert np.abs(picture(on) - picture(off)).mean() <= error
+
+
+def test_what_lies_right_behind_an_interpolated_film_is_seen_where_it_is(core):
+    """A clear ball around a cube whose corners nearly touch it: rays go on behind the film, on their lines."""
+    made = core.SceneDescription()
+    clear = material(core, made, ("transparent", 1.0, (0.7, 0.9, 1.0)), name="clear")
+    made.add_instance("ball", made.add_surface("ball", [sphere_spline(core)]), matrix(), clear)
+    red = material(core, made, ("diffuse", 1.0, (1.0, 0.05, 0.05)), name="red")
+    cube = made.add_mesh("cube", CUBE_VERTICES, CUBE_TRIANGLES)
+    made.add_instance("cube", cube, matrix((0, 0, 0.3), 0.45), red)
+    made.set_world(world(core), 32)
+    look_down(made, 6.0, 0.3)
+    off = picture(render(core, made, "OFF"))
+    on = render(core, made, error=0.02)
+    assert share_of(on, INTERPOLATED) > 0.2
+    # Transparency is all that the film does: the same rays meet the same things.
+    assert (np.abs(picture(on) - off).max(axis=-1) > 0.01).mean() < 0.001
+
+
 def test_no_interpolated_surface_shadows_or_mirrors_itself(core):
     scene = ball_scene(core, "simple", floor=False)
     on = picture(render(core, scene, samples=16, error=0.02))
