@@ -24,14 +24,20 @@ Rows rows(const RayDifferential& d) {
     return {tuple(d.dp_dx), tuple(d.dp_dy), tuple(d.dd_dx), tuple(d.dd_dy)};
 }
 
-Rows glossy(const Rows& incoming, const Vector& direction, const std::array<Vector, 5>& surface,
-            const Vector& scattered, float density, float eta, int rays) {
+/// Of a normal, dp_du, dp_dv, dn_du, dn_dv.
+SurfacePoint surface_point(const std::array<Vector, 5>& surface) {
     SurfacePoint point;
     point.normal = point.facet_normal = vec(surface[0]);
     point.dp_du = vec(surface[1]);
     point.dp_dv = vec(surface[2]);
     point.dn_du = vec(surface[3]);
     point.dn_dv = vec(surface[4]);
+    return point;
+}
+
+Rows glossy(const Rows& incoming, const Vector& direction, const std::array<Vector, 5>& surface,
+            const Vector& scattered, float density, float eta, int rays) {
+    const SurfacePoint point = surface_point(surface);
     LobeSample sample;
     sample.direction = vec(scattered);
     sample.kind = LobeKind::Glossy;
@@ -40,6 +46,16 @@ Rows glossy(const Rows& incoming, const Vector& direction, const std::array<Vect
     sample.transmitted = point.normal.dot(vec(direction)) * point.normal.dot(sample.direction) > 0.0f;
     sample.eta = eta;
     return rows(glossy_differential(differential(incoming), vec(direction), point, sample, rays));
+}
+
+Rows path(const Rows& incoming, const Vector& direction, const std::array<Vector, 5>& surface, const Vector& scattered,
+          float roughness, bool diffuse) {
+    const SurfacePoint point = surface_point(surface);
+    LobeSample sample;
+    sample.direction = vec(scattered);
+    sample.kind = diffuse ? LobeKind::Diffuse : LobeKind::Glossy;
+    sample.roughness = roughness;
+    return rows(scattered_differential(differential(incoming), vec(direction), point, sample));
 }
 
 Rows shadow(const Rows& incoming, const Vector& direction, double distance, float density, bool delta, int rays) {
@@ -104,6 +120,8 @@ void bind_distribution(py::module_& parent) {
                "eta"_a, "rays"_a,
                "Differential of one of `rays` glossy rays; surface: normal, dp_du, dp_dv, dn_du, dn_dv; density 0: a "
                "mirror or clear refraction.");
+    module.def("path_differential", &path, "incoming"_a, "direction"_a, "surface"_a, "scattered"_a, "roughness"_a,
+               "diffuse"_a, "The same in path tracing, which goes on with one ray.");
     module.def(
         "hemisphere_differential",
         [](const Rows& incoming, const Vector& direction, float cosine, int rays) {

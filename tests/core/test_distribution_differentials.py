@@ -93,6 +93,25 @@ def test_singular_rays_from_a_sphere_match_neighbouring_rays_and_gloss_is_never_
         assert max(np.linalg.norm(row) for row in rows[2:]) == pytest.approx(wanted, rel=5e-3)
 
 
+def test_a_path_s_rays_open_by_a_global_value_and_mirrors_as_their_curvature_says():
+    d, surface = unit(np.array([0.3, 0.1, -1.0])), [UP, [1, 0, 0], [0, 1, 0], [0.4, 0, 0], [0, 0.4, 0]]
+    incoming = [[1e-3, 0, 0], [0, 1e-3, 0], [2e-3, 0, 0], [0, 2e-3, 0]]
+    mirrored = reflect(d, UP)
+
+    def opening(roughness, diffuse):
+        rows = distribution.path_differential(incoming, d, surface, mirrored, roughness, diffuse)
+        np.testing.assert_array_equal(rows[:2], np.float32(incoming[:2]))
+        return max(np.linalg.norm(row) for row in rows[2:])
+
+    # A sixteenth of a cosine-weighted hemisphere, at its pole; a rough lobe's share grows with its roughness.
+    widest = opening(1.0, True)
+    assert widest == pytest.approx(np.sqrt(np.pi / 16), rel=0.15)
+    assert [opening(r, False) for r in (0.5, 1.0)] == pytest.approx([0.5 * widest, widest], rel=1e-5)
+    as_traced = distribution.glossy_differential(incoming, d, surface, mirrored, 0.0, 1.0, 1)
+    np.testing.assert_array_equal(distribution.path_differential(incoming, d, surface, mirrored, 0.0, False), as_traced)
+    assert opening(0.0, False) < opening(0.01, False) + 1e-6 < widest
+
+
 def test_rays_to_a_point_light_draw_together_there():
     lamp = np.array([0.3, -0.2, 2.0])
     dp = [np.array([1e-3, 2e-4, 0]), np.array([0, 1e-3, 0])]
