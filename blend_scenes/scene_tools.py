@@ -29,6 +29,7 @@ LINEAR = "Linear" if bpy.app.version < (4, 0, 0) else "Linear Rec.709"
 _LATER_NAMES = {
     "Clearcoat": "Coat Weight",
     "Clearcoat Roughness": "Coat Roughness",
+    "Specular": "Specular IOR Level",
     "Transmission": "Transmission Weight",
 }
 
@@ -229,16 +230,18 @@ class NodeTree:
         self.tree.nodes.clear()
 
     def add(self, kind: str, inputs: dict[str | int, Any] | None = None, **properties: Any) -> Any:
-        """A node; an input given as a socket is linked, another value is its default."""
+        """A node; an input given as a socket is linked, another value is its default. Names are those of Blender 3."""
         node = self.tree.nodes.new(kind)
         node.location = (220 * len(self.tree.nodes), 0)
         for name, value in properties.items():
             setattr(node, name, value)
+        renamed = _LATER_NAMES if kind == "ShaderNodeBsdfPrincipled" and bpy.app.version >= (4, 0, 0) else {}
         for key, value in (inputs or {}).items():
+            socket = node.inputs[renamed.get(key, key) if isinstance(key, str) else key]
             if isinstance(value, bpy.types.NodeSocket):
-                self.tree.links.new(value, node.inputs[key])
+                self.tree.links.new(value, socket)
             else:
-                node.inputs[key].default_value = value
+                socket.default_value = value
         return node
 
 
@@ -247,9 +250,7 @@ def material(name: str, color: Triple = (0.8, 0.8, 0.8), roughness: float = 0.5,
     made = bpy.data.materials.new(name)
     tree = NodeTree(made)
     values: dict[str | int, Any] = {"Base Color": (*color, 1), "Roughness": roughness}
-    for key, value in inputs.items():
-        socket = key.replace("_", " ")
-        values[socket if bpy.app.version < (4, 0, 0) else _LATER_NAMES.get(socket, socket)] = value
+    values |= {key.replace("_", " "): value for key, value in inputs.items()}
     shader = tree.add("ShaderNodeBsdfPrincipled", values)
     tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
     made.diffuse_color = (*color, 1)

@@ -15,6 +15,7 @@ import numpy as np
 
 sys.path += [str(Path(__file__).resolve().parent), sys.argv[-1]]
 from curve_cases import all_cases  # noqa: E402
+from rayleaf import versions  # noqa: E402
 
 BEZIER_FIELDS = (("co", 3), ("handle_left", 3), ("handle_right", 3), ("radius", 1), ("tilt", 1))
 POINT_FIELDS = (("co", 4), ("radius", 1), ("tilt", 1))
@@ -196,6 +197,7 @@ def main():
         distances = surface_distances(item, depsgraph)
         case["distances"] = None if distances is None else packed(distances)
         case["settings"]["offset"] = item.data.offset
+        case["closed_twist"] = versions.closed_twist()
     with open(sys.argv[-2], "w", encoding="utf-8") as file:
         json.dump(cases, file)
 

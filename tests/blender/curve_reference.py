@@ -68,14 +68,24 @@ def transported(x, spine, i, j):
     return turned(x, spine.before[j], spine.direction[j])
 
 
-def minimum_frames(spine):
-    """Frames of the twist method MINIMUM, before tilt."""
+def minimum_frames(spine, closed_twist):
+    """Frames of the twist method MINIMUM, before tilt; closed_twist: SPREAD or JUMP."""
     n = len(spine.position)
     x = np.empty((n, 3))
     x[0] = z_up_frames(spine.direction[:1])[0, 0]
     for i in range(n - 1):
         x[i + 1] = transported(x[i], spine, i, i + 1)
+    if spine.cyclic and closed_twist == "SPREAD":
+        direction = spine.direction[0]
+        arriving = transported(x[n - 1], spine, n - 1, 0)
+        angle = np.arctan2(np.cross(arriving, x[0]) @ direction, arriving @ x[0])
+        x = rotated(x, spine.direction, angle * spread_shares(n))
     return np.stack([x, np.cross(spine.direction, x), spine.direction], axis=1)
+
+
+def spread_shares(n):
+    """(n,): the share of the missing angle that each ring is turned by. Blender begins at the last one."""
+    return np.append(np.arange(2, n + 1), 1) / n
 
 
 def tangent_frames(spine):
@@ -89,13 +99,13 @@ def tangent_frames(spine):
     return np.stack([np.cross(y, spine.direction), y, spine.direction], axis=1)
 
 
-def frames_3d(spine, twist):
-    """(n, 3, 3): the frames of the rings of a 3D spline."""
+def frames_3d(spine, twist, closed_twist):
+    """(n, 3, 3): the frames of the rings of a 3D spline; closed_twist: of MINIMUM."""
     if len(spine.position) == 2:
         direction = unit(spine.position[1:] - spine.position[:1])
         frames = z_up_frames(np.repeat(direction, 2, axis=0))
     elif twist == "MINIMUM":
-        frames = minimum_frames(spine)
+        frames = minimum_frames(spine, closed_twist)
     else:
         frames = tangent_frames(spine) if twist == "TANGENT" else z_up_frames(spine.direction)
     frames[:, :2] = rotated(frames[:, :2], frames[:, 2:], np.repeat(spine.tilt[:, None], 2, axis=1))

@@ -117,7 +117,7 @@ def expected_rings(core, case, helpers, spline):
     settings = case["settings"]
     flat, twist = settings.get("dimensions") == "2D", settings.get("twist_mode", "")
     spine = oriented_spine(core, spline, flat)
-    frames = frames_2d(spine) if flat else frames_3d(spine, twist)
+    frames = frames_2d(spine) if flat else frames_3d(spine, twist, case["closed_twist"])
     allowed = np.minimum(allowed_error(spine, twist), 2) * np.linalg.norm(frames[:, 0], axis=1)
     visible = visible_range(spine, settings)
     position, radius, places = spine.position, spine.radius, np.arange(len(spine.position), dtype=float)

@@ -21,6 +21,9 @@ MEAN_TOLERANCE = 0.002  # of the picture's mean, relative
 # The references are Blender 3.4's. Opening the scenes, Blender 4 turns a specular of 0.5 (4 % reflectance) into an index
 # of refraction of 1.45 (3.4 %), and its spots do not darken from their axis: measured 1.8 % of pixels, 1.3 % of the mean.
 LATER_PIXELS_OUTSIDE = 0.03
+# Since 3.5 a closed curve's minimum twist is spread, so facets lie otherwise under the knot's glass, and more of its paths
+# take other turns: 4.7 % of pixels by that alone, 6.3 % together.
+LATER_PIXELS_OUTSIDE_OF = {"knot": 0.08}
 LATER_MEAN_TOLERANCE = 0.02
 
 RENDER = """
@@ -83,7 +86,8 @@ class Comparison:
             return f"the size was {self.reference.shape[:2]} and is {self.new.shape[:2]}"
         if not np.isfinite(self.new).all():
             return "there are pixels that are no numbers"
-        pixels = LATER_PIXELS_OUTSIDE if self.later else PIXELS_OUTSIDE
+        later = LATER_PIXELS_OUTSIDE_OF.get(self.name, LATER_PIXELS_OUTSIDE)
+        pixels = later if self.later else PIXELS_OUTSIDE
         mean = LATER_MEAN_TOLERANCE if self.later else MEAN_TOLERANCE
         if self.outside > pixels:
             return f"{self.outside:.2%} of the pixels differ by more than {PIXEL_TOLERANCE}; {pixels:.0%} may"

@@ -1,6 +1,7 @@
 """Parts of a report that are kept: a report that was stopped goes on, and nothing old passes for new."""
 
 import json
+import shutil
 import subprocess
 
 import pytest
@@ -88,6 +89,7 @@ def test_a_part_whose_file_was_broken_off_is_made_anew(tmp_path):
     assert kept.find("part", "mark") is None
 
 
+@pytest.mark.skipif(shutil.which("git") is None, reason="Git is not installed")
 def test_a_commit_and_what_differs_from_it_tell_two_states_of_the_sources_apart(tmp_path):
     def git(*command):
         subprocess.run(["git", "-C", str(tmp_path), *command], check=True, capture_output=True)
