@@ -33,13 +33,10 @@ std::array<double, kMostSampleValues> values_of(OutputKind kind, const Output& o
     return values;
 }
 
-OutputRay output_of(const SampleTracer& tracer, const ConvexBody* body, const Ray& ray, SampleContents contents,
-                    const RayChanges& ray_changes, OutputChanges& changes) {
-    if (contents == SampleContents::Values) return tracer.trace(ray);
-    OutputRay followed;
-    if (body && follow_glass(*body, tracer, ray, ray_changes, followed, changes) != ConvexBody::Meeting::Uncertain)
-        return followed;
-    return tracer.trace(ray, ray_changes, changes);
+/// Whether the output ray was found by following.
+bool is_followed(const SampleTracer& tracer, const ConvexBody* body, const Ray& ray, const RayChanges& ray_changes,
+                 OutputRay& output, OutputChanges& changes) {
+    return body && follow_glass(*body, tracer, ray, ray_changes, output, changes) != ConvexBody::Meeting::Uncertain;
 }
 
 }  // namespace
@@ -79,8 +76,15 @@ FastSample take_sample(const SampleTracer& tracer, const ConvexBody* body, const
     const OutputKind kind = tracer.settings().kind;
     const int axis = point.direction / 2, count = sample_value_count(kind);
     const Ray ray = space.lattice_ray(point.direction, point.place);
+    OutputRay output;
     OutputChanges changes;
-    const OutputRay output = output_of(tracer, body, ray, contents, line_changes(space, ray, axis), changes);
+    if (contents == SampleContents::Values) {
+        output = tracer.trace(ray);
+    } else {
+        const RayChanges ray_changes = line_changes(space, ray, axis);
+        if (!is_followed(tracer, body, ray, ray_changes, output, changes))
+            output = tracer.trace(ray, ray_changes, changes);
+    }
     FastSample sample;
     sample.sample_class = output.sample_class;
     if (output.sample_class.is_miss()) return sample;
