@@ -14,6 +14,8 @@ namespace {
 constexpr int kSeeds = 6;
 /// Of them, those that all tangent planes are tested against lie so far apart.
 constexpr int kTestedApart = 3;
+/// Bodies of more patches are left to tracing: the test of convexity grows with the square.
+constexpr uint32_t kMostPatches = 256;
 /// Cells along either side of a face of the table's cube.
 constexpr int kTableSide = 24;
 /// How far a point may lie outside a tangent plane of a convex body, and how much a surface may be bent outwards,
@@ -100,7 +102,8 @@ std::optional<std::array<bool, 2>> closed_axes(const PatchSurface& surface) {
 }  // namespace
 
 std::unique_ptr<const ConvexBody> ConvexBody::of(const Shape& shape) {
-    if (shape.kind() != ShapeKind::PatchSurface || shape.element_count() == 0) return nullptr;
+    if (shape.kind() != ShapeKind::PatchSurface) return nullptr;
+    if (shape.element_count() == 0 || shape.element_count() > kMostPatches) return nullptr;
     const auto& surface = static_cast<const PatchSurface&>(shape);
     const Vec3f size = surface.bounds().size();
     if (!(std::min({size.x, size.y, size.z}) >= kLeastThickness)) return nullptr;
@@ -326,11 +329,6 @@ ConvexBody::Meeting ConvexBody::close_in(const Vec3f& from, const Vec3f& along, 
         if (inside.begin > inside.end + kApart || least - before > kApart) return Meeting::Missed;
     }
     return ends ? Meeting::Crossed : Meeting::Uncertain;
-}
-
-size_t ConvexBody::bytes() const {
-    return sizeof(*this) + patches_.size() * sizeof(Patch) + seeds_.size() * sizeof(Seed) +
-           table_.size() * sizeof(uint32_t);
 }
 
 }  // namespace rayleaf

@@ -30,8 +30,8 @@ class ConvexBody {
         Vec2f at{0, 0};  ///< parameters there
     };
 
-    /// Null unless the shape is one smooth spline, closed around and with a pole at either end, of degrees up to 3,
-    /// wound outwards, not thin, and convex at all points of a dense lattice.
+    /// Null unless the shape is one smooth spline of not too many patches, closed around and with a pole at either end,
+    /// of degrees up to 3, wound outwards, not thin, and convex at all points of a dense lattice.
     static std::unique_ptr<const ConvexBody> of(const Shape& shape);
 
     enum class Meeting : uint8_t {
@@ -45,7 +45,6 @@ class ConvexBody {
     Meeting enter(const Vec3d& origin, const Vec3d& direction, Crossing& crossing) const {
         return leave(origin, -direction, crossing);
     }
-    size_t bytes() const;
 
   private:
     /// Bicubic, homogeneous; u fastest.

@@ -102,9 +102,18 @@ def dented():
     return surface(points)
 
 
+def finely_cut(curves):
+    """A ball of so many rings of patches."""
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 3 * curves + 1)
+    profile = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    profile[[0, -1], 0] = 0
+    return surface(turned(profile))
+
+
 @pytest.mark.parametrize(
     "shape",
     [
+        finely_cut(65),
         surface(turned(barrel(waist=0.3))),
         dented(),
         surface(turned(barrel(), turns_out=False)),
@@ -115,7 +124,7 @@ def dented():
         shapes.nurbs_sphere(smooth=False),
         shapes.cube(),
     ],
-    ids=["waist", "dent", "inside out", "two bodies", "hole", "sheet", "torus", "flat shading", "mesh"],
+    ids=["many patches", "waist", "dent", "inside out", "two bodies", "hole", "sheet", "torus", "flat shading", "mesh"],
 )
 def test_nothing_is_followed_through_what_is_not_a_convex_body(shape):
     rays = support.scattered_rays(300)
