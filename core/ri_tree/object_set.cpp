@@ -6,6 +6,8 @@ namespace rayleaf {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Rays that the only member of a set is asked at once; their answers are 14 kB.
+constexpr size_t kRaysAtOnce = 64;
 
 /// Where a ray enters a box, or 0 inside it; infinity beside it. `inverse`: 1 over its direction.
 double entry(const Box3d& box, const Ray& ray, const Vec3d& inverse) {
@@ -103,15 +105,33 @@ bool ObjectSet::gather(int32_t member, const SetQuery& query) {
     return !asking_.empty();
 }
 
+/// A set of one: nothing is sorted, and what the member answers stays in the processor's nearest cache.
+void ObjectSet::ask_only_member(const SetQuery& query, std::span<PathAnswer> answers) {
+    const auto part = [](auto all, size_t first, size_t count) {
+        return all.empty() ? all : all.subspan(first, count);
+    };
+    for (size_t first = 0; first < query.rays.size(); first += kRaysAtOnce) {
+        const size_t count = std::min(kRaysAtOnce, query.rays.size() - first);
+        ask_member(0, {query.rays.subspan(first, count),
+                       part(query.spacings, first, count),
+                       part(query.points, first, count),
+                       {}});
+        double nearest = kInfinity;
+        for (size_t i = 0; i < count; ++i) {
+            answers[first + i] = PathAnswer{};
+            take(0, query.rays[first + i], answers_[i], nearest, answers[first + i]);
+        }
+    }
+}
+
 void ObjectSet::ask(const SetQuery& query, std::span<PathAnswer> answers) {
     const std::span<const Ray> rays = query.rays;
-    std::fill(answers.begin(), answers.end(), PathAnswer{});
-    nearest_.assign(rays.size(), kInfinity);
     if (members_.size() == 1 && query.left.empty()) {
-        ask_member(0, query);
-        for (size_t i = 0; i < rays.size(); ++i) take(0, rays[i], answers_[i], nearest_[i], answers[i]);
+        ask_only_member(query, answers);
         return;
     }
+    std::fill(answers.begin(), answers.end(), PathAnswer{});
+    nearest_.assign(rays.size(), kInfinity);
     entries_.resize(std::max(entries_.size(), rays.size() * members_.size()));
     next_.resize(rays.size());
     ends_.resize(rays.size());

@@ -70,6 +70,7 @@ class ObjectSet {
 
     size_t find_entries(const Ray& ray, int32_t left, Entry* entries) const;
     void ask_member(int32_t member, const SetQuery& query);
+    void ask_only_member(const SetQuery& query, std::span<PathAnswer> answers);
     bool gather(int32_t member, const SetQuery& query);
     void take(int32_t member, const Ray& ray, const CachedAnswer& got, double& nearest, PathAnswer& answer) const;
 };
