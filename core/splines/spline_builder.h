@@ -55,6 +55,9 @@ class SplineBuilder {
         return (share - taper_range_.begin) / (taper_range_.end - taper_range_.begin);
     }
     bool planar() const { return path_.space == SweepSpace::Planar; }
+    bool spreads_twist() const {
+        return !planar() && options_.twist == TwistMethod::Minimum && options_.closed_twist == ClosedTwist::Spread;
+    }
 
     Vec3d node_direction(const Vec3d& arrives, const Vec3d& leaves, RingFrame& ring) const;
     void start();

@@ -191,6 +191,14 @@ void SplineBuilder::start() {
     if (!straight(0) && !straight(count - 1) && first.second.dot(last.second) < 0.0) side_ = -1.0;
     tangent_ = direction;
     normal_ = upright_normal(direction);
+    if (elements_.closed && spreads_twist()) {
+        // Blender's frame is upright at the last ring before the first, and carried on from there.
+        tangent_ = straight(count - 1)
+                       ? half_way(end_of(count > 1 ? count - 2 : 0, 1.0).tangent, end_of(count - 1, 0.0).tangent)
+                       : last.tangent;
+        normal_ = upright_normal(tangent_);
+        turn_to(direction, Vec3d(0.0));
+    }
     normal_ = normal_at(direction, straight(0) ? Vec3d(0.0) : first.second);
     last_ = ring_here(first, 0.0);
     last_->widening = widened.widening;
@@ -243,7 +251,7 @@ void SplineBuilder::close() {
     if (planar()) return;
     const double angle = angle_about(tangent_, normal_, begin_normal);
     if (std::abs(angle) < kSmoothJoint) return;
-    if (options_.twist == TwistMethod::Minimum && options_.closed_twist == ClosedTwist::Spread) {
+    if (spreads_twist()) {
         spread(angle);
         return;
     }

@@ -8,7 +8,7 @@ whose third is the direction. So the offset grows with the radius. See curve_spi
   X = -x, Y = -y and X = -x, Y = +y. So does a spline of two samples, whatever the twist method.
 * MINIMUM: Z_UP's frame at the first ring, carried along without rotation about the direction (parallel transport; at a corner from the
   arriving tangent by the bisector to the leaving one). Where a closed spline meets its beginning, the frame jumps: Blender 3.4 means to
-  spread the missing angle over the rings and does not; later versions do.
+  spread the missing angle over the rings and does not; later versions do, and begin with Z_UP's frame at the last ring.
 * TANGENT (curved Bezier segments only): Y is opposite to the part of the second derivative that is perpendicular to the direction. The
   second derivative is negated where it turns by more than a right angle from one ring to the next. Y jumps where the curvature does: at
   points, and by half a turn at inflections; an open spline's last ring is judged before its neighbour is turned round, and may
@@ -72,13 +72,14 @@ def minimum_frames(spine, closed_twist):
     """Frames of the twist method MINIMUM, before tilt; closed_twist: SPREAD or JUMP."""
     n = len(spine.position)
     x = np.empty((n, 3))
-    x[0] = z_up_frames(spine.direction[:1])[0, 0]
-    for i in range(n - 1):
-        x[i + 1] = transported(x[i], spine, i, i + 1)
-    if spine.cyclic and closed_twist == "SPREAD":
-        direction = spine.direction[0]
-        arriving = transported(x[n - 1], spine, n - 1, 0)
-        angle = np.arctan2(np.cross(arriving, x[0]) @ direction, arriving @ x[0])
+    spreads = spine.cyclic and closed_twist == "SPREAD"
+    first = n - 1 if spreads else 0
+    x[first] = z_up_frames(spine.direction[first : first + 1])[0, 0]
+    for i in range(-1 if spreads else 0, n - 2 if spreads else n - 1):
+        x[i + 1] = transported(x[i], spine, i % n, i + 1)
+    if spreads:
+        direction, arriving = spine.direction[first], transported(x[n - 2], spine, n - 2, first)
+        angle = np.arctan2(np.cross(arriving, x[first]) @ direction, arriving @ x[first])
         x = rotated(x, spine.direction, angle * spread_shares(n))
     return np.stack([x, np.cross(spine.direction, x), spine.direction], axis=1)
 
