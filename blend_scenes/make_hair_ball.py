@@ -67,7 +67,7 @@ def add_ball(strands: int) -> None:
     settings.effector_weights.gravity = 0.35
     settings.material = 2
     settings.child_type = "SIMPLE"
-    settings.child_nbr = 1
+    setattr(settings, "child_nbr" if bpy.app.version < (4, 0, 0) else "child_percent", 1)
     settings.rendered_child_count = CHILDREN
     settings.child_radius = 0.12
     settings.child_roundness = 1.0

@@ -40,7 +40,7 @@ class SplineBuilder {
     ShareRange range_, taper_range_;
     std::vector<double> splits_;  ///< shares where a piece must end
     Vec3d tangent_{0, 0, 1}, normal_{1, 0, 0};
-    Vec3d begin_normal_{1, 0, 0};
+    Vec3d begin_normal_{1, 0, 0};     ///< of the first ring, where a closed spline meets it again
     size_t first_segment_ = 0;        ///< of this spline in the path
     size_t most_pieces_ = 0;          ///< of the path, once the curved segment under way is divided
     double side_ = 1;                 ///< of the binormal, for tangent twist

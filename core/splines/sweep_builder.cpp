@@ -200,6 +200,7 @@ void SplineBuilder::start() {
         turn_to(direction, Vec3d(0.0));
     }
     normal_ = normal_at(direction, straight(0) ? Vec3d(0.0) : first.second);
+    begin_normal_ = normal_;
     last_ = ring_here(first, 0.0);
     last_->widening = widened.widening;
     if (straight(0)) return;
@@ -283,7 +284,6 @@ void SplineBuilder::build() {
     std::sort(splits_.begin(), splits_.end());
     first_segment_ = path_.segments.size();
     start();
-    begin_normal_ = normal_;
     for (size_t i = 0; i < elements_.elements.size(); ++i) {
         add_element(i);
         if (i + 1 < elements_.elements.size()) add_node(i, i + 1);

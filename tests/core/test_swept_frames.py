@@ -165,6 +165,21 @@ def test_a_closed_curve_spreads_its_twist_or_has_a_seam():
     assert turn < 0.999
 
 
+def test_a_curve_that_closes_at_a_corner_meets_its_first_ring():
+    points = np.array([[0.0, 0, 0], [1, 0, 0.3], [1, 1, -0.4]])
+    handles = points[:, None] + np.array([[[0.1, -0.3, 0.5], [0.3, 0.2, 0.4]]])
+    for closed_twist in ("SPREAD", "JUMP"):
+        shape = swept.surface(
+            "BEZIER", points, handles, cyclic=True, bevel_depth=0.1, closed_twist=closed_twist, twist="MINIMUM"
+        )
+        first, last = shape.rings(np.array([0.0, shape.element_count - 1e-9]))
+        np.testing.assert_allclose(last[:3], first[:3], atol=1e-6)
+        if closed_twist == "SPREAD":  # and where it arrives, the frame is upright, as in Blender since 3.5
+            (arriving,) = shape.rings(np.array([shape.element_count - 1 - 1e-9]))
+            assert abs(arriving[1, 2]) < 1e-6
+            assert abs(first[1, 2]) > 0.1
+
+
 def test_walls_of_a_mitred_polygon_keep_their_distance_in_the_plane_and_not_in_space():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]])
     corner = {}
