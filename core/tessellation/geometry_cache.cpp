@@ -121,10 +121,10 @@ GeometryCache::GeometryCache(const GeometryCacheSettings& settings, uint32_t sub
                            threads * (sizeof(ThreadState) + sizeof(ThreadState::parts) / sizeof(void*) * sizeof(Grid));
     uint64_t left = settings.mode == CacheMode::None ? 0 : settings.budget - std::min(settings.budget, fixed);
     if (seen_bytes() <= settings.budget / kSeenShare) {
-        seen_ = std::make_unique<std::atomic<uint64_t>[]>(seen_bytes() / sizeof(uint64_t));
+        seen_ = ZeroedArray<std::atomic<uint64_t>>(seen_bytes() / sizeof(uint64_t));
         left -= std::min(left, seen_bytes());
         seen_part_words_ = settings.budget / kSeenPartsShare / sizeof(uint64_t);
-        seen_parts_ = std::make_unique<std::atomic<uint64_t>[]>(seen_part_words_);
+        seen_parts_ = ZeroedArray<std::atomic<uint64_t>>(seen_part_words_);
         left -= std::min(left, seen_part_words_ * sizeof(uint64_t));
     }
     arena_ = std::make_unique<GridArena>(left, subpatch_count);
@@ -274,13 +274,12 @@ void GeometryCache::count_cold(ThreadState& state, int level, uint64_t bit) cons
 GeometryCacheStatistics GeometryCache::statistics() const {
     GeometryCacheStatistics result;
     result.budget = settings_.budget;
-    result.cold_counted = seen_ != nullptr;
+    result.cold_counted = static_cast<bool>(seen_);
     result.levels[kMedium].bytes =
         arena_->bytes(Kind::Medium) + arena_->bytes(Kind::Packed) + arena_->bytes(Kind::Smooth);
     result.levels[kFine].bytes = arena_->bytes(Kind::Fine) + arena_->bytes(Kind::Steps);
     result.parts.bytes = arena_->bytes(Kind::Part);
-    result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) +
-                   seen_part_words_ * sizeof(uint64_t) + arena_->bytes();
+    result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) + arena_->bytes();
     for (const std::atomic<ThreadState*>& each : states_) {
         const ThreadState* state = each.load(std::memory_order_acquire);
         if (!state) continue;
@@ -295,6 +294,7 @@ GeometryCacheStatistics GeometryCache::statistics() const {
             counters.bypassed += own.bypassed.value();
         }
     }
+    if (result.parts.lookups > 0) result.bytes += seen_part_words_ * sizeof(uint64_t);
     return result;
 }
 

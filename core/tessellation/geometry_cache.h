@@ -14,6 +14,7 @@
 // surfaces are kept packed (tessellation/packed_grid.h); the parts of a split subpatch are kept each by itself.
 #pragma once
 
+#include "base/zeroed_array.h"
 #include "tessellation/dicer.h"
 #include "tessellation/level.h"
 #include "tessellation/readers.h"
@@ -93,7 +94,7 @@ class GeometryCache {
     mutable ReaderEpochs epochs_;
     mutable std::unique_ptr<GridArena> arena_;
     /// A bit for each (subpatch, level) diced so far, and for hashes of parts.
-    mutable std::unique_ptr<std::atomic<uint64_t>[]> seen_, seen_parts_;
+    ZeroedArray<std::atomic<uint64_t>> seen_, seen_parts_;
     uint64_t seen_part_words_ = 0;
     GeometryCacheSettings settings_;
     mutable std::array<std::atomic<ThreadState*>, kMostReaders> states_{};

@@ -68,12 +68,12 @@ GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     if (!memory_) throw std::bad_alloc();
     index_ = GridIndex(slots, 2 * subpatches, as_table);
     part_index_ = GridIndex(unit_count_, 0, false);
-    part_keys_ = std::make_unique<std::atomic<uint64_t>[]>(unit_count_);
-    kinds_ = std::make_unique<std::atomic<Kind>[]>(unit_count_);
-    marks_ = std::make_unique<std::atomic<uint8_t>[]>(slots);
-    missed_ = std::make_unique<std::atomic<uint32_t>[]>(unit_count_ * kMissesPerUnit);
-    owners_.resize(slots);
-    units_.resize(unit_count_);
+    part_keys_ = ZeroedArray<std::atomic<uint64_t>>(unit_count_);
+    kinds_ = ZeroedArray<std::atomic<Kind>>(unit_count_);
+    marks_ = ZeroedArray<std::atomic<uint8_t>>(slots);
+    missed_ = ZeroedArray<std::atomic<uint32_t>>(unit_count_ * kMissesPerUnit);
+    owners_ = ZeroedArray<uint32_t>(slots);
+    units_ = ZeroedArray<Unit>(unit_count_);
 }
 
 /// A unit for grids of a kind, all of it free.
@@ -142,6 +142,7 @@ bool GridArena::publish(Kind kind, uint32_t subpatch, uint32_t slot, ReaderEpoch
 bool GridArena::publish(const PartKey& part, uint32_t slot, ReaderEpochs& epochs) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return false;
+    has_parts_.store(true, std::memory_order_relaxed);
     part_keys_[slot / kSlots].store(part.key, std::memory_order_relaxed);  // seen once the index is
     return publish_in(part_index_, part.hash, slot, epochs);
 }
@@ -233,8 +234,8 @@ bool GridArena::missed_lately(uint32_t key) {
 
 uint64_t GridArena::bytes() const {
     if (unit_count_ == 0) return 0;
-    return index_.bytes() + part_index_.bytes() + unit_count_ * tracking_per_unit() +
-           used_.load(std::memory_order_relaxed) * sizeof(Memory);
+    const uint64_t parts = has_parts_.load(std::memory_order_relaxed) ? part_index_.bytes() : 0;
+    return index_.bytes() + parts + used_.load(std::memory_order_relaxed) * (tracking_per_unit() + sizeof(Memory));
 }
 
 }  // namespace rayleaf

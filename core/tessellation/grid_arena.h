@@ -9,6 +9,7 @@
 #pragma once
 
 #include "base/large_memory.h"
+#include "base/zeroed_array.h"
 #include "tessellation/grid.h"
 #include "tessellation/grid_index.h"
 #include "tessellation/packed_grid.h"
@@ -98,7 +99,7 @@ class GridArena {
     uint64_t bytes(Kind kind) const {
         return units_of_[static_cast<int>(kind)].load(std::memory_order_relaxed) * sizeof(Memory);
     }
-    /// Of all kinds, free ones, and what keeps track of them.
+    /// Of all kinds, free ones, and what keeps track of them, as far as it was ever used.
     uint64_t bytes() const;
 
   private:
@@ -120,12 +121,13 @@ class GridArena {
     uint32_t unit_count_ = 0;
     GridIndex index_, part_index_;
     LargeMemory memory_;
-    std::unique_ptr<std::atomic<Kind>[]> kinds_;          ///< by unit
-    std::unique_ptr<std::atomic<uint8_t>[]> marks_;       ///< by slot
-    std::unique_ptr<std::atomic<uint64_t>[]> part_keys_;  ///< by unit, of parts
-    std::unique_ptr<std::atomic<uint32_t>[]> missed_;     ///< key + 1 of late misses, by hash
-    std::vector<uint32_t> owners_;                        ///< by slot: key + 1 of those that are visible, else 0
-    std::vector<Unit> units_;
+    ZeroedArray<std::atomic<Kind>> kinds_;          ///< by unit
+    ZeroedArray<std::atomic<uint8_t>> marks_;       ///< by slot
+    ZeroedArray<std::atomic<uint64_t>> part_keys_;  ///< by unit, of parts
+    ZeroedArray<std::atomic<uint32_t>> missed_;     ///< key + 1 of late misses, by hash
+    ZeroedArray<uint32_t> owners_;                  ///< by slot: key + 1 of those that are visible, else 0
+    ZeroedArray<Unit> units_;
+    std::atomic<bool> has_parts_{false};       ///< or had some
     std::deque<uint32_t> leaving_;             ///< units, in the order of their stamps
     std::vector<uint32_t> free_;               ///< units that hold nothing
     std::vector<uint32_t> with_room_[kKinds];  ///< units that hold grids of a kind, some without room

@@ -6,11 +6,11 @@ namespace rayleaf {
 
 GridIndex::GridIndex(uint32_t capacity, uint32_t keys, bool as_table) : keys_(keys) {
     if (as_table) {
-        table_ = std::make_unique<std::atomic<uint32_t>[]>(keys);
+        table_ = ZeroedArray<std::atomic<uint32_t>>(keys);
         return;
     }
     set_count_ = static_cast<uint32_t>(set_bytes(capacity) / sizeof(Set)) + 1;
-    sets_ = std::make_unique<Set[]>(set_count_);
+    sets_ = ZeroedArray<Set>(set_count_);
 }
 
 std::optional<uint32_t> GridIndex::insert(uint32_t key, uint32_t slot) {

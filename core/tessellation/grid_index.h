@@ -5,9 +5,10 @@
 // any set is full before nearly all are (Azar, Broder, Karlin, Upfal, "Balanced allocations", STOC 1994).
 #pragma once
 
+#include "base/zeroed_array.h"
+
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <optional>
 
 namespace rayleaf {
@@ -45,8 +46,8 @@ class GridIndex {
     struct alignas(64) Set {
         std::atomic<uint64_t> entries[kWays];  ///< key + 1 above, slot below; 0: free
     };
-    std::unique_ptr<std::atomic<uint32_t>[]> table_;  ///< slot + 1; 0: none
-    std::unique_ptr<Set[]> sets_;
+    ZeroedArray<std::atomic<uint32_t>> table_;  ///< slot + 1; 0: none
+    ZeroedArray<Set> sets_;
     uint32_t keys_ = 0, set_count_ = 0, next_way_ = 0;
 
     /// Of Knuth's multiplicative hash: the golden ratio's and the silver ratio's fraction times 2^32. Keys of
