@@ -240,15 +240,7 @@ const ConvexBody::Seed& ConvexBody::seed_towards(const Vec3f& from_center) const
 ConvexBody::Tangent ConvexBody::tangent_at(const Place& place) const {
     const Patch& patch = patches_[static_cast<size_t>(place.span[1]) * static_cast<size_t>(spans_[0]) +
                                   static_cast<size_t>(place.span[0])];
-    const bicubic::Basis basis_u(place.at.x), basis_v(place.at.y);
-    float rows[4][4], slopes[4][4], value[4], du[4], dv[4];
-    for (int j = 0; j < 4; ++j) {
-        bicubic::weighted_sum(basis_u.value, patch.points + 4 * j, rows[j]);
-        bicubic::weighted_sum(basis_u.slope, patch.points + 4 * j, slopes[j]);
-    }
-    bicubic::weighted_sum(basis_v.value, rows, value);
-    bicubic::weighted_sum(basis_v.value, slopes, du);
-    bicubic::weighted_sum(basis_v.slope, rows, dv);
+    const auto [value, du, dv] = bicubic::tangent(patch.points, place.at.x, place.at.y);
     Tangent tangent{{value[0], value[1], value[2]}, {du[0], du[1], du[2]}, {dv[0], dv[1], dv[2]}};
     if (rational_) {
         tangent.position /= value[3];

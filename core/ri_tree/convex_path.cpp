@@ -1,5 +1,7 @@
 #include "ri_tree/convex_path.h"
 
+#include "ri_tree/glass_steps.h"
+
 #include <type_traits>
 
 namespace rayleaf {
@@ -40,14 +42,7 @@ Meeting follow(const ConvexBody& body, const SampleTracer& tracer, const Ray& ra
         const bool from_inside = path.interior_hits > 0;
         const Vec3d facing = from_inside ? -crossing.normal : crossing.normal;
         const double eta = from_inside ? settings.ior : 1.0 / settings.ior;
-        if (const std::optional<Vec3d> through = refracted_direction(direction, facing, eta)) {
-            changes.refract(direction, facing, eta, from_inside);
-            direction = *through;
-        } else {
-            changes.reflect(direction, facing, from_inside);
-            direction = mirrored(direction, facing);
-            ++path.total_reflections;
-        }
+        direction = direction_after(direction, facing, eta, from_inside, path, changes);
         out.exit_position = crossing.position;
         out.exit_direction = direction;
         path.exit = tracer.classes().of_element(crossing.element);
@@ -57,12 +52,7 @@ Meeting follow(const ConvexBody& body, const SampleTracer& tracer, const Ray& ra
             return Meeting::Crossed;
         }
         if (path.interior_hits == settings.most_interior_hits) {
-            path.exit = kMissedClass;
-            path.total_reflections = 0;
-            path.ending = PathEnding::CutOff;
-            out.exit_position = out.position;
-            out.exit_direction = out.normal;
-            changes.cut_off();
+            cut_off(out, changes);
             return Meeting::Crossed;
         }
         const Vec3d from = crossing.position;

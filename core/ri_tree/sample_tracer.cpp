@@ -1,6 +1,7 @@
 #include "ri_tree/sample_tracer.h"
 
 #include "base/error.h"
+#include "ri_tree/glass_steps.h"
 
 #include <limits>
 
@@ -146,15 +147,7 @@ void SampleTracer::follow_glass(const Ray& ray, const Point& first, OutputRay& o
         const bool turned = point.normal.dot(direction) > 0.0;
         const Vec3d facing = turned ? -point.normal : point.normal;
         const double eta = from_inside ? settings_.ior : 1.0 / settings_.ior;
-        const std::optional<Vec3d> through = refracted_direction(direction, facing, eta);
-        if (through) {
-            changes.refract(direction, facing, eta, turned);
-            direction = *through;
-        } else {
-            changes.reflect(direction, facing, turned);
-            direction = mirrored(direction, facing);
-            ++path.total_reflections;
-        }
+        direction = direction_after(direction, facing, eta, turned, path, changes);
         out.exit_position = point.surface.position;
         out.exit_direction = direction;
         path.exit = point.surface_class;
@@ -164,12 +157,7 @@ void SampleTracer::follow_glass(const Ray& ray, const Point& first, OutputRay& o
             break;
         }
         if (path.interior_hits == settings_.most_interior_hits) {
-            path.exit = kMissedClass;
-            path.total_reflections = 0;
-            path.ending = PathEnding::CutOff;
-            out.exit_position = out.position;
-            out.exit_direction = out.normal;
-            changes.cut_off();
+            cut_off(out, changes);
             return;
         }
         Ray inner;

@@ -1,4 +1,5 @@
-// A polynomial bicubic patch in single precision: what the rival tracers of the benchmarks evaluate at a hit.
+// Bicubic patches in single precision: what the rival tracers of the benchmarks evaluate at a hit, and convex bodies at
+// a crossing (ri_tree/convex_body.h).
 #pragma once
 
 #include "base/vector.h"
@@ -43,18 +44,29 @@ inline void weighted_sum(const float (&weights)[4], const float (*points)[4], fl
     }
 }
 
+/// Value and first derivatives, four numbers each.
+struct Tangent {
+    float value[4], du[4], dv[4];
+};
+
+inline Tangent tangent(const float (&points)[16][4], float u, float v) {
+    const Basis basis_u(u), basis_v(v);
+    float rows[4][4], slopes[4][4];
+    for (int j = 0; j < 4; ++j) {
+        weighted_sum(basis_u.value, points + 4 * j, rows[j]);
+        weighted_sum(basis_u.slope, points + 4 * j, slopes[j]);
+    }
+    Tangent result;
+    weighted_sum(basis_v.value, rows, result.value);
+    weighted_sum(basis_v.value, slopes, result.du);
+    weighted_sum(basis_v.slope, rows, result.dv);
+    return result;
+}
+
 }  // namespace bicubic
 
 inline BicubicPoint evaluate(const BicubicPatch& patch, float u, float v) {
-    const bicubic::Basis basis_u(u), basis_v(v);
-    float rows[4][4], slopes[4][4], position[4], du[4], dv[4];
-    for (int j = 0; j < 4; ++j) {
-        bicubic::weighted_sum(basis_u.value, patch.points + 4 * j, rows[j]);
-        bicubic::weighted_sum(basis_u.slope, patch.points + 4 * j, slopes[j]);
-    }
-    bicubic::weighted_sum(basis_v.value, rows, position);
-    bicubic::weighted_sum(basis_v.value, slopes, du);
-    bicubic::weighted_sum(basis_v.slope, rows, dv);
+    const auto [position, du, dv] = bicubic::tangent(patch.points, u, v);
     return {{position[0], position[1], position[2]}, {du[0], du[1], du[2]}, {dv[0], dv[1], dv[2]}};
 }
 

@@ -34,6 +34,16 @@ def rays_towards(target: Doubles, radius: float, count: int, seed: int = 1, eye:
     return origins, shapes.unit(points - origins)
 
 
+def rays_with_steps(scale: float, center: Any) -> Any:
+    """Rays towards a body of that size and place, and for each two steps of its origin and two of its direction."""
+    origins, directions = rays_towards(np.array([0.1, -0.2, 0.1]), 0.6, 300)
+    origins = scale * origins + np.asarray(center, float)
+    across = np.random.default_rng(5).normal(size=(2, len(origins), 2, 3))
+    across -= np.sum(across * directions[:, None], axis=-1)[..., None] * directions[:, None]
+    by_origin, by_direction = across * np.array([scale, 1.0]).reshape(2, 1, 1, 1)
+    return origins, directions, by_origin, by_direction
+
+
 def scattered_rays(count: int, seed: int = 1, spread: float = 0.9, distance: float = 4.0) -> Any:
     """Rays from all around towards a ball around the origin."""
     random = np.random.default_rng(seed)

@@ -216,12 +216,7 @@ def test_changes_of_followed_answers_agree_with_finite_differences(scale, center
     # So shallow that no cell is close enough.
     shallow = {"depth_limit": 4, "mixed_depth_limit": 4}
     tree = support.tree_of(shape, "GLASS", "FastTree", ior=1.2, **shallow)
-    origins, directions = support.rays_towards(np.array([0.1, -0.2, 0.1]), 0.6, 300)
-    origins = scale * origins + np.asarray(center, float)
-    random = np.random.default_rng(5)
-    across = random.normal(size=(2, len(origins), 2, 3))
-    across -= np.sum(across * directions[:, None], axis=-1)[..., None] * directions[:, None]
-    by_origin, by_direction = across * np.array([scale, 1.0]).reshape(2, 1, 1, 1)
+    origins, directions, by_origin, by_direction = support.rays_with_steps(scale, center)
     got = tree.changes(origins, directions, by_origin.astype(np.float32), by_direction.astype(np.float32))
     assert (tree.ask(origins, directions)["answered_by"] == FOLLOWED).all() and got["known"].all()
     step = 1e-3  # rounding of floats over it is 1e-3, too

@@ -73,12 +73,7 @@ def turned(directions, steps):
 def test_changes_of_interpolated_answers_agree_with_finite_differences(kind, scale, center):
     """In two directions of the four-dimensional space of lines at once, beginning away from the box."""
     tree = fast_tree(shapes.nurbs_sphere(scale=scale, center=center), kind, ior=1.2, cache_bytes=10**9)
-    origins, directions = support.rays_towards(np.array([0.1, -0.2, 0.1]), 0.6, 300)
-    origins = scale * origins + np.asarray(center, float)
-    random = np.random.default_rng(5)
-    across = random.normal(size=(2, len(origins), 2, 3))
-    across -= np.sum(across * directions[:, None], axis=-1)[..., None] * directions[:, None]
-    by_origin, by_direction = across * np.array([scale, 1.0]).reshape(2, 1, 1, 1)
+    origins, directions, by_origin, by_direction = support.rays_with_steps(scale, center)
     got = tree.changes(origins, directions, by_origin.astype(np.float32), by_direction.astype(np.float32))
     answers = tree.ask(origins, directions)
     assert (got["known"] == (answers["answered_by"] == support.INTERPOLATED)).all() and got["known"].mean() > 0.8
