@@ -46,13 +46,6 @@ int CellSteps::deepest_worth(uint8_t direction, const RaySpacing& spacing, int n
     return step;
 }
 
-uint32_t CellSteps::child(uint8_t direction, int step, const LinePlaces& places) const {
-    const Step& at = steps_[direction / 2][step];
-    uint32_t number = 0;
-    for (int j = 0; j < kStepDepths; ++j) number |= (places[at.axis[j]] >> at.bit[j] & 1u) << j;
-    return number;
-}
-
 CellKey CellSteps::key(uint8_t direction, int step, const LinePlaces& places) const {
     CellKey key;
     key.direction = direction;

@@ -29,7 +29,12 @@ class CellSteps {
     int deepest_worth(uint8_t direction, const RaySpacing& spacing, int near) const;
 
     /// Which of a cell's sixteen children holds a line.
-    uint32_t child(uint8_t direction, int step, const LinePlaces& places) const;
+    uint32_t child(uint8_t direction, int step, const LinePlaces& places) const {
+        const Step& at = steps_[direction / 2][step];
+        uint32_t number = 0;
+        for (int j = 0; j < kStepDepths; ++j) number |= (places[at.axis[j]] >> at.bit[j] & 1u) << j;
+        return number;
+    }
     CellKey key(uint8_t direction, int step, const LinePlaces& places) const;
     LinePlaces first_places(const CellKey& key) const;
     CellPlace place(const CellKey& key) const;

@@ -20,16 +20,10 @@ constexpr double kBeyondErrors = 2.0;
 constexpr double kLeastBeyond = 0x1p-10;
 /// Up to so many rays of a cell are evaluated one by one; more, all sixteen lanes at once.
 constexpr int kOneByOne = 2;
+/// Rays are scattered if those in the first cell are at most one of so many.
+constexpr int kScatteredShare = 4;
 /// After so many rays a reader lets go of the store, so that blocks can be exchanged.
 constexpr size_t kRaysPerReader = 256;
-
-void prefetch(const CellLeaf& leaf) {
-    constexpr size_t kCacheLine = 64;
-    // What a mirror's leaf takes; of larger ones the processor fetches the rest itself.
-    constexpr size_t kBytes = offsetof(CellLeaf, coefficients) + size_t{kCubicTerms} * 3 * sizeof(float);
-    const auto* bytes = reinterpret_cast<const std::byte*>(&leaf);
-    for (size_t at = 0; at < kBytes; at += kCacheLine) __builtin_prefetch(bytes + at);
-}
 
 /// Settings that allow no interpolation, or less error than following has, leave all to tracing.
 bool may_follow(OutputKind kind, const RayCacheSettings& settings) {
@@ -196,6 +190,8 @@ void FastTree::ask_batch(Search& search, const Batch& asked) {
         asked.answers[i] = CachedAnswer{{}, is_one ? AnsweredBy::BoxMissed : AnsweredBy::NotARay, 0.0};
     }
     const std::array<int, kBatchRays> worth = deepest_worth(search, asked, pending);
+    begin_descents(search, pending);
+    bool is_first = true;
     // A leaf on its way from memory while the next one is looked for.
     Found waiting;
     RaySet waiting_set = 0;
@@ -210,7 +206,10 @@ void FastTree::ask_batch(Search& search, const Batch& asked) {
                 if (worth[other] >= std::min(found.step, worth[ray])) set = static_cast<RaySet>(set | 1 << other);
             }
         }
+        const bool is_scattered = is_first && std::popcount(set) * kScatteredShare <= std::popcount(pending);
         pending = static_cast<RaySet>(pending & ~set);
+        if (is_scattered) descend_together(search, pending, worth);
+        is_first = false;
         if (found.step > worth[ray]) count_crossings(batch, set, worth, found.step);
         const bool is_held = found.leaf && found.leaf != &search.own_leaf;
         if (is_held && pending != 0) {

@@ -55,6 +55,7 @@ class FastTree final : public RayCache {
     struct Batch;
     struct Search;
     struct Found;
+    struct Descent;
 
     SampleTracer tracer_;
     RayCacheSettings settings_;
@@ -82,6 +83,8 @@ class FastTree final : public RayCache {
                           const LineGeometry& line) const;
     void answer_plainly(const Search& search, const Ray& object_ray, AnsweredBy by, CachedAnswer& answer) const;
 
+    void begin_descents(Search& search, RaySet set) const;
+    void descend_together(Search& search, RaySet set, const std::array<int, kBatchRays>& worth) const;
     Found find(Search& search, int ray, int deepest_worth);
     bool paid_before(const CellKey& key) const;
     void count_crossings(const LineBatch& batch, RaySet set, const std::array<int, kBatchRays>& worth, int last);

@@ -15,9 +15,16 @@ struct FastTree::Batch {
     HitChanges* changes;
 };
 
+/// How far down a ray's cells are known: the step, and where the cell there is told; null: in no block.
+struct FastTree::Descent {
+    int step = 0;
+    std::atomic<CellRef>* place = nullptr;
+};
+
 /// What a thread needs while it answers.
 struct FastTree::Search {
     LineBatch batch;
+    std::array<Descent, kBatchRays> descents;  ///< of the batch's rays
     CellStore::Reader reader;
     std::array<uint64_t, kAnswerKinds> answers{};
     uint64_t samples_taken = 0;
@@ -40,5 +47,21 @@ struct FastTree::Found {
     CellVerdict verdict = CellVerdict::Unknown;
     const CellLeaf* leaf = nullptr;
 };
+
+/// A leaf that will be read soon.
+inline void prefetch(const CellLeaf& leaf) {
+    constexpr size_t kCacheLine = 64;
+    // What a mirror's leaf takes; of larger ones the processor fetches the rest itself.
+    constexpr size_t kBytes = offsetof(CellLeaf, coefficients) + size_t{kCubicTerms} * 3 * sizeof(float);
+    const auto* bytes = reinterpret_cast<const std::byte*>(&leaf);
+    for (size_t at = 0; at < kBytes; at += kCacheLine) __builtin_prefetch(bytes + at);
+}
+
+/// A ray's places along the axes.
+inline LinePlaces places_of(const LineBatch& batch, int ray) {
+    LinePlaces places{};
+    for (int k = 0; k < kLineAxes; ++k) places[k] = static_cast<uint32_t>(batch.place[k][ray]);
+    return places;
+}
 
 }  // namespace rayleaf

@@ -22,8 +22,6 @@ constexpr int kDoubles = static_cast<int>(hn::MaxLanes(Doubles()));
 using Floats = hn::CappedTag<float, kBatchRays>;
 using FloatVector = hn::Vec<Floats>;
 constexpr int kFloats = static_cast<int>(hn::MaxLanes(Floats()));
-/// Sums are made of so many, added at the end: the order of additions is the same for one ray and for sixteen.
-constexpr int kPartialSums = 4;
 
 #include "tessellation/simd_lanes.inl"
 
@@ -227,6 +225,25 @@ HWY_INLINE void make_terms(const Number (&u)[kLineAxes], Number one, int count, 
     }
 }
 
+/// The sum of as many products as a polynomial has terms: of four sums by turns, so that none waits for the one before
+/// it; written out, so that they stay in registers. One order of additions for one ray and for sixteen.
+template <typename Product>
+HWY_INLINE auto sum_of(int terms, const Product& product) {
+    static_assert(kLinearTerms % 4 == 3 && kCubicTerms % 4 == 3);
+    auto a = product(0), b = product(1), c = product(2), d = product(3);
+    int t = 4;
+    for (; t + 4 <= terms; t += 4) {
+        a = hn::Add(a, product(t));
+        b = hn::Add(b, product(t + 1));
+        c = hn::Add(c, product(t + 2));
+        d = hn::Add(d, product(t + 3));
+    }
+    a = hn::Add(a, product(t));
+    b = hn::Add(b, product(t + 1));
+    c = hn::Add(c, product(t + 2));
+    return hn::Add(hn::Add(a, b), hn::Add(c, d));
+}
+
 void evaluate(const LineBatch& batch, const CellPlace& cell, const CellLeaf& leaf, float (*values)[kBatchRays]) {
     const Floats lanes;
     const hn::RebindToSigned<Floats> integers;
@@ -241,13 +258,11 @@ void evaluate(const LineBatch& batch, const CellPlace& cell, const CellLeaf& lea
         }
         make_terms(u, one, leaf.terms, multiply, subtract, terms);
         for (int i = 0; i < leaf.values; ++i) {
-            const float* coefficient = leaf.coefficients.data() + i;
-            FloatVector sums[kPartialSums];
-            for (FloatVector& sum : sums) sum = hn::Zero(lanes);
-            for (int t = 0; t < leaf.terms; ++t, coefficient += leaf.values)
-                sums[t % kPartialSums] =
-                    hn::Add(sums[t % kPartialSums], hn::Mul(hn::Set(lanes, *coefficient), terms[t]));
-            hn::StoreU(hn::Add(hn::Add(sums[0], sums[1]), hn::Add(sums[2], sums[3])), lanes, &values[i][first]);
+            const float* coefficients = leaf.coefficients.data() + i;
+            const auto product = [&](int t) HWY_ATTR {
+                return hn::Mul(hn::Set(lanes, coefficients[t * leaf.values]), terms[t]);
+            };
+            hn::StoreU(sum_of(leaf.terms, product), lanes, &values[i][first]);
         }
     }
 }
@@ -258,7 +273,6 @@ HWY_INLINE float place_in_cell(const LineBatch& batch, int ray, const CellPlace&
 
 void evaluate_one(const LineBatch& batch, int ray, const CellPlace& cell, const CellLeaf& leaf, float* values) {
     const hn::CappedTag<float, kLeafPadding> lanes;
-    using Vector = hn::Vec<decltype(lanes)>;
     constexpr int kWidth = static_cast<int>(hn::MaxLanes(lanes));
     float u[kLineAxes], terms[kCubicTerms];
     for (int k = 0; k < kLineAxes; ++k) u[k] = place_in_cell(batch, ray, cell, k);
@@ -267,12 +281,10 @@ void evaluate_one(const LineBatch& batch, int ray, const CellPlace& cell, const 
     make_terms(u, 1.0f, leaf.terms, multiply, subtract, terms);
     for (int first = 0; first < leaf.values; first += kWidth) {
         const float* coefficients = leaf.coefficients.data() + first;
-        Vector sums[kPartialSums];
-        for (Vector& sum : sums) sum = hn::Zero(lanes);
-        for (int t = 0; t < leaf.terms; ++t, coefficients += leaf.values)
-            sums[t % kPartialSums] =
-                hn::Add(sums[t % kPartialSums], hn::Mul(hn::LoadU(lanes, coefficients), hn::Set(lanes, terms[t])));
-        hn::StoreU(hn::Add(hn::Add(sums[0], sums[1]), hn::Add(sums[2], sums[3])), lanes, values + first);
+        const auto product = [&](int t) HWY_ATTR {
+            return hn::Mul(hn::LoadU(lanes, coefficients + t * leaf.values), hn::Set(lanes, terms[t]));
+        };
+        hn::StoreU(sum_of(leaf.terms, product), lanes, values + first);
     }
 }
 
@@ -284,7 +296,6 @@ struct Changing {
 void differentiate(const LineBatch& batch, int ray, const CellPlace& cell, const CellLeaf& leaf,
                    const float (&step)[kLineAxes], float* changes) {
     const hn::CappedTag<float, kLeafPadding> lanes;
-    using Vector = hn::Vec<decltype(lanes)>;
     constexpr int kWidth = static_cast<int>(hn::MaxLanes(lanes));
     Changing u[kLineAxes], terms[kCubicTerms];
     for (int k = 0; k < kLineAxes; ++k) u[k] = {place_in_cell(batch, ray, cell, k), step[k]};
@@ -297,10 +308,10 @@ void differentiate(const LineBatch& batch, int ray, const CellPlace& cell, const
     make_terms(u, Changing{1.0f, 0.0f}, leaf.terms, multiply, subtract, terms);
     for (int first = 0; first < leaf.values; first += kWidth) {
         const float* coefficients = leaf.coefficients.data() + first;
-        Vector sum = hn::Zero(lanes);
-        for (int t = 0; t < leaf.terms; ++t, coefficients += leaf.values)
-            sum = hn::Add(sum, hn::Mul(hn::LoadU(lanes, coefficients), hn::Set(lanes, terms[t].change)));
-        hn::StoreU(sum, lanes, changes + first);
+        const auto product = [&](int t) HWY_ATTR {
+            return hn::Mul(hn::LoadU(lanes, coefficients + t * leaf.values), hn::Set(lanes, terms[t].change));
+        };
+        hn::StoreU(sum_of(leaf.terms, product), lanes, changes + first);
     }
 }
 

@@ -34,7 +34,7 @@ uint32_t mark_of(uint64_t entry) {
     return static_cast<uint32_t>(entry >> kNumberBits);
 }
 
-uint64_t number_of(uint64_t entry) {
+uint32_t number_of(uint64_t entry) {
     return static_cast<uint32_t>(entry);
 }
 
@@ -42,7 +42,7 @@ uint64_t number_of(uint64_t entry) {
 
 /// Followed by the values, then their changes.
 struct SampleTable::Slot {
-    mutable std::atomic<bool> busy{true};
+    mutable std::atomic<bool> busy{false};
     SampleClass sample_class;
     LatticePoint point;
 
@@ -54,25 +54,14 @@ struct SampleTable::Slot {
 
 struct SampleTable::Table {
     uint64_t size;  ///< a power of two
-    std::atomic<uint64_t> filled{0};
+    mutable std::atomic<uint64_t> filled{0};
     std::unique_ptr<std::atomic<Entry>[]> places;
 
     std::atomic<Entry>& place(uint64_t number) const { return places[number & (size - 1)]; }
-    /// Empty: all places of the mark are taken.
-    bool put(uint32_t mark, uint64_t number) {
-        for (uint64_t i = 0; i < kProbes; ++i) {
-            Entry before = 0;
-            const Entry entry = Entry{mark} << kNumberBits | number;
-            if (!place(mark + i).compare_exchange_strong(before, entry, std::memory_order_release)) continue;
+    void tell(std::atomic<Entry>& place, Entry entry) const {
+        Entry before = place.load(std::memory_order_relaxed);
+        if (place.compare_exchange_strong(before, entry, std::memory_order_release) && before == 0)
             filled.fetch_add(1, std::memory_order_relaxed);
-            return true;
-        }
-        return false;
-    }
-    bool has_room(uint32_t mark) const {
-        for (uint64_t i = 0; i < kProbes; ++i)
-            if (place(mark + i).load(std::memory_order_relaxed) == 0) return true;
-        return false;
     }
     bool is_full() const { return filled.load(std::memory_order_relaxed) * kFullDenominator > size * kFullNumerator; }
 };
@@ -95,9 +84,10 @@ const SampleTable::Table* SampleTable::current() const {
     return current < 0 ? nullptr : tables_[current].get();
 }
 
-SampleTable::Slot* SampleTable::slot_at(uint64_t number) const {
-    std::byte* chunk = chunks_[number / chunk_slots_].load(std::memory_order_acquire);
-    return std::launder(reinterpret_cast<Slot*>(chunk + number % chunk_slots_ * slot_bytes_));
+SampleTable::Slot* SampleTable::slot_at(uint32_t number) const {
+    const uint64_t held = held_.load(std::memory_order_relaxed), slot = number < held ? number : number % held;
+    std::byte* chunk = chunks_[slot / chunk_slots_].load(std::memory_order_acquire);
+    return std::launder(reinterpret_cast<Slot*>(chunk + slot % chunk_slots_ * slot_bytes_));
 }
 
 void SampleTable::read(const Slot& slot, FastSample& sample) const {
@@ -159,6 +149,7 @@ bool SampleTable::make_chunk(uint64_t chunk) {
     if (bytes_.fetch_add(more, std::memory_order_relaxed) + more <= most_bytes_) {
         std::unique_ptr<std::byte[]> made(new (std::nothrow) std::byte[more]);
         std::byte* before = nullptr;
+        for (uint64_t i = 0; made && i < chunk_slots_; ++i) new (static_cast<void*>(&made[i * slot_bytes_])) Slot;
         if (made && chunks_[chunk].compare_exchange_strong(before, made.get(), std::memory_order_acq_rel)) {
             made.release();
             return true;
@@ -170,27 +161,41 @@ bool SampleTable::make_chunk(uint64_t chunk) {
     return false;
 }
 
-/// A new place for a sample, busy; empty if there is no memory.
-std::optional<uint64_t> SampleTable::take_slot() {
-    if (full_.load(std::memory_order_relaxed)) return std::nullopt;
-    const uint64_t number = next_.fetch_add(1, std::memory_order_relaxed), chunk = number / chunk_slots_;
-    if (chunk >= kMostChunks || !make_chunk(chunk)) {
-        full_.store(true, std::memory_order_relaxed);
-        return std::nullopt;
+/// Counts on: numbers beyond what memory holds stand for the places of the oldest. Empty if there is no memory at all.
+std::optional<uint32_t> SampleTable::take_number() {
+    const auto number = static_cast<uint32_t>(next_.fetch_add(1, std::memory_order_relaxed));
+    uint64_t held = held_.load(std::memory_order_relaxed);
+    if (held == kNotFull) {
+        const uint64_t chunk = number / chunk_slots_;
+        if (chunk < kMostChunks && make_chunk(chunk)) return number;
+        if (held_.compare_exchange_strong(held, chunk * chunk_slots_, std::memory_order_relaxed))
+            held = chunk * chunk_slots_;
     }
-    new (static_cast<void*>(slot_at(number))) Slot;
+    if (held == 0) return std::nullopt;
     return number;
 }
 
-/// A sample takes the place of another.
-void SampleTable::forget(std::atomic<Entry>& place, const Key& key, const FastSample& sample) {
-    Entry entry = place.load(std::memory_order_acquire);
-    if (entry == 0) return;
-    Slot& slot = *slot_at(number_of(entry));
-    if (!slot.begin()) return;
-    const Entry next = Entry{key.mark} << kNumberBits | number_of(entry);
-    if (place.compare_exchange_strong(entry, next, std::memory_order_acq_rel)) write(slot, key, sample);
-    slot.end();
+/// How many samples ago a number was taken.
+uint32_t SampleTable::age_of(uint32_t number) const {
+    return static_cast<uint32_t>(next_.load(std::memory_order_relaxed)) - number;
+}
+
+/// Where a sample is to be told among the places of its mark: where one was that is forgotten, else where none is, else
+/// where the oldest is.
+std::atomic<SampleTable::Entry>& SampleTable::place_for(const Table& table, uint32_t mark) const {
+    const uint64_t held = held_.load(std::memory_order_relaxed);
+    std::atomic<Entry>* oldest = &table.place(mark);
+    uint32_t most = 0;
+    for (uint64_t i = 0; i < kProbes; ++i) {
+        std::atomic<Entry>& place = table.place(mark + i);
+        const Entry entry = place.load(std::memory_order_relaxed);
+        if (entry == 0) return most > held ? *oldest : place;
+        const uint32_t age = age_of(number_of(entry));
+        if (age <= most) continue;
+        most = age;
+        oldest = &place;
+    }
+    return *oldest;
 }
 
 void SampleTable::put(const Key& key, const FastSample& sample) {
@@ -200,19 +205,14 @@ void SampleTable::put(const Key& key, const FastSample& sample) {
         table = current();
         if (!table) return;
     }
-    std::optional<uint64_t> number;
-    if (table->has_room(key.mark)) number = take_slot();
-    if (!number) {
-        // One of them, told by the point.
-        forget(table->place(key.mark + key.point.place[0] % kProbes), key, sample);
-        return;
-    }
+    const std::optional<uint32_t> number = take_number();
+    if (!number) return;
     Slot& slot = *slot_at(*number);
+    if (!slot.begin()) return;
     write(slot, key, sample);
     slot.end();
-    // Where others took the last room meanwhile, the slot is lost.
-    if (tables_[current_.load(std::memory_order_acquire)]->put(key.mark, *number))
-        count_.fetch_add(1, std::memory_order_relaxed);
+    // Where another thread takes the place meanwhile, the sample is lost.
+    table->tell(place_for(*table, key.mark), Entry{key.mark} << kNumberBits | *number);
 }
 
 /// A larger table, with what the last one holds; unless another thread is at it, or memory is at its limit.
@@ -228,7 +228,8 @@ void SampleTable::grow() {
         if (table->places) {
             for (uint64_t i = 0; current >= 0 && i < tables_[current]->size; ++i) {
                 const Entry entry = tables_[current]->places[i].load(std::memory_order_acquire);
-                if (entry != 0) table->put(mark_of(entry), number_of(entry));
+                const bool is_held = entry != 0 && age_of(number_of(entry)) <= held_.load(std::memory_order_relaxed);
+                if (is_held) table->tell(place_for(*table, mark_of(entry)), entry);
             }
             bytes_.fetch_add(more, std::memory_order_relaxed);
             tables_[current + 1] = std::move(table);

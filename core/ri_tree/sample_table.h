@@ -3,11 +3,14 @@
 // Samples are pure functions of their points, so one that was dropped, or that another thread is just reading or
 // writing, is traced again. Nobody waits: a sample that is busy counts as none.
 //
-// Samples lie in chunks, in the order in which they came; a table of places tells where. Only that one grows.
+// Samples lie in chunks, in the order in which they came; a table of places tells where. Only that one grows. Once
+// memory is at its limit the oldest sample makes way: where the view moves on, what was just sampled is what
+// neighbouring cells will ask for. (Any sample making way, told by chance, an orbit traced twice as many.)
 #pragma once
 
 #include "ri_tree/fast_sample.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +40,9 @@ class SampleTable {
     bool find(const Key& key, FastSample& sample) const;
     void put(const Key& key, const FastSample& sample);
 
-    uint64_t count() const { return count_.load(std::memory_order_relaxed); }
+    uint64_t count() const {
+        return std::min(next_.load(std::memory_order_relaxed), held_.load(std::memory_order_relaxed));
+    }
     uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
   private:
@@ -50,6 +55,7 @@ class SampleTable {
     /// as the last.
     static constexpr int kMostTables = 32;
     static constexpr uint64_t kMostChunks = 4096;
+    static constexpr uint64_t kNotFull = ~uint64_t{0};
 
     size_t values_, changes_;
     size_t slot_bytes_;
@@ -58,14 +64,16 @@ class SampleTable {
     std::unique_ptr<Table> tables_[kMostTables];
     std::unique_ptr<std::atomic<std::byte*>[]> chunks_;
     std::atomic<int> current_{-1};
-    std::atomic<bool> growing_{false}, full_{false};
-    std::atomic<uint64_t> next_{0}, count_{0}, bytes_{0};
+    std::atomic<bool> growing_{false};
+    std::atomic<uint64_t> next_{0}, bytes_{0};
+    std::atomic<uint64_t> held_{kNotFull};  ///< what memory holds, once it is full
 
     const Table* current() const;
-    Slot* slot_at(uint64_t number) const;
-    std::optional<uint64_t> take_slot();
+    Slot* slot_at(uint32_t number) const;
+    std::optional<uint32_t> take_number();
+    uint32_t age_of(uint32_t number) const;
+    std::atomic<Entry>& place_for(const Table& table, uint32_t mark) const;
     bool make_chunk(uint64_t chunk);
-    void forget(std::atomic<Entry>& place, const Key& key, const FastSample& sample);
     void read(const Slot& slot, FastSample& sample) const;
     void write(Slot& slot, const Key& key, const FastSample& sample) const;
     void grow();

@@ -193,3 +193,18 @@ def test_one_number_sets_the_thresholds_and_bounds_the_error():
     for error in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(_core.InputError, match="error"):
             support.ri_tree.quality_settings(error)
+
+
+def test_of_a_view_that_moves_a_small_cache_forgets_what_is_not_asked_for_again():
+    def taken(cache_bytes):
+        tree = fast_tree(shapes.nurbs_torus(), "GLASS", ior=1.2, depth_limit=24, cache_bytes=cache_bytes)
+        for angle in np.arange(40) * 0.05:
+            eye = (4 * np.sin(angle), -4 * np.cos(angle), 2.0)
+            tree.ask(*support.rays_towards(np.zeros(3), 1.2, 1500, eye=eye))
+        return tree.statistics()
+
+    all_held, few_held = taken(10**9), taken(16 * 10**6)
+    assert all_held["samples"] == all_held["samples_taken"]
+    assert few_held["samples"] < 0.1 * all_held["samples"]
+    # Twice as many where chance decides what is forgotten.
+    assert few_held["samples_taken"] < 1.1 * all_held["samples_taken"]
