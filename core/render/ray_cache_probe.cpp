@@ -31,15 +31,19 @@ constexpr double kSampleFactor = 2.0;
 /// Only gains above this share of the tracing count: the costs are no more exact.
 constexpr double kLeastGain = 0.1;
 
-constexpr int kBlockSide = 8;        ///< pixels
+constexpr int kBlockSide = 16;       ///< pixels
 constexpr int kBlocksPerObject = 3;  ///< that see the object's box
 constexpr int kSpreadBlocks = 3;     ///< anywhere, for what is seen in mirrors
 constexpr int kMostBlocks = 12;
-constexpr int kMostSamples = 4;    ///< of a pixel
+/// Samples of a pixel that are probed: so many of the frame's for one, for cells are so large that several of the
+/// frame's rays cross each; but not more than so many.
+constexpr int kFrameSamples = 4, kMostSamples = 4;
 constexpr int kPlacesTried = 512;  ///< for blocks that see an object
 /// At most this share of the frame's paths is probed, each some eight times as costly as another; a frame for which
 /// that is not even two blocks is traced.
 constexpr double kProbedShare = 1.0 / 1000.0;
+/// No frame takes fewer samples a query than this: what the smoothest surface takes of a picture of 400 x 400.
+constexpr double kLeastSamples = 0.02;
 /// Fewer queries than this say nothing.
 constexpr uint64_t kLeastQueries = 32;
 /// An object is dropped from the probe as soon as so many queries cost this many times as much as tracing.
@@ -48,10 +52,12 @@ constexpr double kHopeless = 1.5;
 
 /// Making the tracer of a cache, by what it is made of.
 constexpr double kSetUpSubpatch = 10.0, kSetUpTriangle = 2.0;
+/// And of glass, what finds places in convex bodies.
+constexpr double kSetUpBody = 7000.0;
 /// A path, with its shading: at least two rays and what goes with them.
 constexpr double kPath = 3.0;
 /// All caches that are tried are made for at most this share of the frame.
-constexpr double kSetUpShare = 0.01;
+constexpr double kSetUpShare = 0.03;
 
 double traced_cost(OutputKind kind) {
     if (kind == OutputKind::Glass) return kTracedGlass;
@@ -111,11 +117,14 @@ std::vector<Block> blocks_for(const std::vector<PlannedRayCache>& candidates, co
     return blocks;
 }
 
-void render_block(const Block& block, const Scene& scene, const Settings& settings, int samples) {
+/// A quarter of a block.
+void render_quarter(const Block& block, int quarter, const Scene& scene, const Settings& settings, int samples) {
     const PixelFilter filter(settings.filter, settings.filter_width);
     const PathSettings path(settings);
-    for (int y = block.y; y < std::min(block.y + kBlockSide, settings.height); ++y)
-        for (int x = block.x; x < std::min(block.x + kBlockSide, settings.width); ++x)
+    constexpr int kSide = kBlockSide / 2;
+    const int left = block.x + kSide * (quarter % 2), below = block.y + kSide * (quarter / 2);
+    for (int y = below; y < std::min(below + kSide, settings.height); ++y)
+        for (int x = left; x < std::min(left + kSide, settings.width); ++x)
             for (int s = 0; s < samples; ++s) {
                 const auto pixel =
                     static_cast<uint32_t>(y) * static_cast<uint32_t>(settings.width) + static_cast<uint32_t>(x);
@@ -131,7 +140,8 @@ double set_up_cost(const PlannedRayCache& candidate) {
     if (shape.kind() != ShapeKind::PatchSurface) return kSetUpTriangle * shape.element_count();
     const double tolerance = candidate.samples.facet_tolerance;
     const SplitPlan plan(static_cast<const PatchSurface&>(shape), [&](const Box3d&) { return tolerance; });
-    return kSetUpSubpatch * plan.subpatch_count();
+    const double body = candidate.samples.kind == OutputKind::Glass ? kSetUpBody : 0.0;
+    return kSetUpSubpatch * plan.subpatch_count() + body;
 }
 
 /// Which objects are tried: those first that most of the camera's rays may meet for what their cache takes to make,
@@ -165,13 +175,27 @@ struct Judgement {
     double ratio = 0;  ///< cost of asking over that of tracing
 };
 
-/// `growth`: how many times as many samples of each pixel the frame has. Cells that more rays of the same pixels cross
-/// are mostly the same: new samples go with the root.
-Judgement judge(const RayCacheStatistics& statistics, OutputKind kind, double growth, double interpolated_query) {
+/// Samples taken for all blocks, and for the first quarter of each.
+///
+/// A square block of side L meets (L / l + 1)^2 square cells of side l, those at its border with its neighbours. So the
+/// root of the samples grows evenly with L, and twice what it grows from half the side to the whole is the root of what
+/// the block would cost without a border, as a part of a large picture.
+struct BlockSamples {
+    double blocks = 0, quarters = 0;
+};
+
+/// `growth`: how many times as many samples of each pixel the frame has. Up to kFrameSamples they cross the same cells;
+/// beyond, mostly the same ones: new samples go with the root.
+Judgement judge(const RayCacheStatistics& statistics, const BlockSamples& taken, OutputKind kind, double growth,
+                double interpolated_query) {
     const RayCacheTotals counts = totals_of(statistics);
     const uint64_t queries = met_box(counts);
     if (queries < kLeastQueries) return {{false, "the probe met too few rays", nullptr}, 0.0};
-    const double way = traced_cost(kind), samples = static_cast<double>(statistics.samples_taken) / std::sqrt(growth);
+    const double way = traced_cost(kind);
+    const double roots = 2.0 * (std::sqrt(taken.blocks) - std::sqrt(taken.quarters));
+    const double shared = std::min(growth, double{kFrameSamples});
+    const double samples =
+        std::max(roots * roots / (shared * std::sqrt(growth / shared)), kLeastSamples * static_cast<double>(queries));
     const auto followed = static_cast<double>(counts.followed);
     const double hits = static_cast<double>(counts.interpolated) + followed + static_cast<double>(counts.traced);
     const double tracing = hits * way + static_cast<double>(counts.missed) * kTracedMiss;
@@ -194,7 +218,7 @@ Judgement judge(const RayCacheStatistics& statistics, OutputKind kind, double gr
 std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& candidates, Scene& scene,
                                           const Settings& settings, double neighbour_scale) {
     if (candidates.empty()) return {};
-    const int samples = std::min(settings.samples, kMostSamples);
+    const int samples = std::clamp(settings.samples / kFrameSamples, 1, kMostSamples);
     const double paths = static_cast<double>(settings.width) * settings.height * settings.samples;
     const double growth = static_cast<double>(settings.samples) / samples;
     const auto affordable = static_cast<size_t>(kProbedShare * paths / (kBlockSide * kBlockSide * samples));
@@ -222,12 +246,18 @@ std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& ca
     }
     const double interpolated_query = kInterpolatedQuery + (scene.needs_differentials() ? kDerivatives : 0.0);
     std::vector<bool> dropped(places.size(), false);
+    std::vector<BlockSamples> taken(places.size());
+    const auto samples_taken = [&](size_t k) { return static_cast<double>(caches[k]->statistics().samples_taken); };
     for (const Block& block : blocks_for(trying, scene, settings, std::min<size_t>(affordable, kMostBlocks))) {
-        render_block(block, scene, settings, samples);
+        for (size_t k = 0; k < places.size(); ++k) taken[k].quarters -= samples_taken(k);
+        render_quarter(block, 0, scene, settings, samples);
+        for (size_t k = 0; k < places.size(); ++k) taken[k].quarters += samples_taken(k);
+        for (int quarter = 1; quarter < 4; ++quarter) render_quarter(block, quarter, scene, settings, samples);
         for (size_t k = 0; k < places.size(); ++k) {
             if (dropped[k]) continue;
             const RayCacheStatistics counts = caches[k]->statistics();
-            Judgement judgement = judge(counts, trying[k].samples.kind, growth, interpolated_query);
+            taken[k].blocks = static_cast<double>(counts.samples_taken);
+            Judgement judgement = judge(counts, taken[k], trying[k].samples.kind, growth, interpolated_query);
             results[places[k]] = std::move(judgement.result);
             dropped[k] = met_box(totals_of(counts)) >= kTellingQueries && judgement.ratio > kHopeless;
             if (dropped[k]) give(places[k], nullptr);

@@ -2,10 +2,10 @@
 //
 // Idea: some blocks of neighbouring pixels, spread evenly over the picture, are rendered with caches that are made for
 // this alone, by one thread; what the caches count is set against tracing, in units of one traced ray. Neighbouring
-// pixels share cells as they do in the whole picture, so the samples taken per query in a block stand for the frame's.
-// Before that it is settled which objects are worth a try: making a cache costs time too, its tracer's facets are finer
-// than the view's. Counts alone decide, never clocks, nor what other frames left in a cache: a frame looks the same
-// alone, in a sequence, or as a part of one on another machine.
+// pixels share cells as they do in the whole picture; how much more they would share in a picture than in a block of it
+// is told from what a quarter of each block takes. Before that it is settled which objects are worth a try: making a
+// cache costs time too, its tracer's facets are finer than the view's. Counts alone decide, never clocks, nor what
+// other frames left in a cache: a frame looks the same alone, in a sequence, or as a part of one on another machine.
 #pragma once
 
 #include "ri_tree/ray_cache.h"

@@ -1,5 +1,7 @@
 """Which objects get a ray cache, of what kind, and what is said of the others."""
 
+import re
+
 import numpy as np
 import pytest
 from cached_scenes import ball, ball_scene, picture, render, used, world
@@ -104,6 +106,18 @@ def test_auto_says_what_it_decided_and_why(core):
     large = [render(core, ball_scene(core, "mirror"), "AUTO", **LARGE) for _ in range(2)]
     reasons = [reports(session)["ball"]["reason"] for session in large]
     assert reasons[0] == reasons[1] and "queries" in reasons[0] and "of tracing" in reasons[0]
+
+
+@pytest.mark.parametrize("kind", ["mirror", "glass"])
+def test_auto_foretells_from_a_few_blocks_what_a_whole_picture_samples(core, kind):
+    whole = dict(crop_x=0, crop_y=0, crop_width=0, crop_height=0)
+    on, auto = (reports(render(core, ball_scene(core, kind), mode, **whole))["ball"] for mode in ("ON", "AUTO"))
+    answers = on["answers"]
+    queries = sum(count for name, count in answers.items() if name not in ("not a ray", "box missed"))
+    told = float(re.search(r"([\d.]+) samples a query", auto["reason"]).group(1))
+    # A block shares far less than the picture it is cut from: 8 to 12 times as many samples a query are taken there.
+    assert 1 / 3 < told / (on["samples_taken"] / queries) < 3
+    assert auto["used"]
 
 
 def test_auto_decides_alike_whatever_a_store_holds_and_whatever_part_is_rendered(core):
