@@ -213,7 +213,7 @@ void FastTree::ask_batch(Search& search, const Batch& asked) {
         if (found.step > worth[ray]) count_crossings(batch, set, worth, found.step);
         const bool is_held = found.leaf && found.leaf != &search.own_leaf;
         if (is_held && pending != 0) {
-            prefetch(*found.leaf);
+            prefetch<3>(*found.leaf);
             if (waiting_set != 0) answer_cell(search, waiting, waiting_set, asked);
             waiting = found;
             waiting_set = set;

@@ -42,7 +42,7 @@ void FastTree::descend_together(Search& search, RaySet set, const std::array<int
             Descent& at = search.descents[ray];
             const CellRef ref = at.place->load(std::memory_order_acquire);
             const CellVerdict verdict = verdict_of(ref);
-            if (verdict == CellVerdict::Interpolated) prefetch(block->leaf(ref));
+            if (verdict == CellVerdict::Interpolated) prefetch<2>(block->leaf(ref));
             if (verdict != CellVerdict::Halved || at.step >= worth[ray]) {
                 going = static_cast<RaySet>(going & ~(1 << ray));
                 continue;
@@ -95,14 +95,18 @@ bool FastTree::paid_before(const CellKey& key) const {
     return static_cast<double>(crossings_.before(key)) >= kPriceShare * settings_.rays_per_cell;
 }
 
-/// Counts rays in the cells down to step `last` that they do not pay for.
+/// Counts rays in the cells down to step `last` that they do not pay for. Of cells that were paid for twice none more:
+/// they stay so when all counts are halved.
 void FastTree::count_crossings(const LineBatch& batch, RaySet set, const std::array<int, kBatchRays>& worth, int last) {
+    const double enough = 2.0 * kPriceShare * settings_.rays_per_cell;
     for (uint32_t rest = set; rest != 0; rest &= rest - 1) {
         const int ray = std::countr_zero(rest);
         const LinePlaces places = places_of(batch, ray);
         const auto direction = static_cast<uint8_t>(batch.line_direction[ray]);
-        for (int step = worth[ray] + 1; step <= std::min(last, steps_.deepest()); ++step)
-            crossings_.add(steps_.key(direction, step, places));
+        for (int step = worth[ray] + 1; step <= std::min(last, steps_.deepest()); ++step) {
+            const CellKey key = steps_.key(direction, step, places);
+            if (crossings_.before(key) < enough) crossings_.add(key);
+        }
     }
 }
 

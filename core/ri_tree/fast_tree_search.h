@@ -48,13 +48,15 @@ struct FastTree::Found {
     const CellLeaf* leaf = nullptr;
 };
 
-/// A leaf that will be read soon.
-inline void prefetch(const CellLeaf& leaf) {
+/// A leaf that will be read soon: level 3, all of the processor's caches; level 2, all but the first, where several are
+/// on their way at once (more than the first has room to wait for).
+template <int kLevel>
+void prefetch(const CellLeaf& leaf) {
     constexpr size_t kCacheLine = 64;
     // What a mirror's leaf takes; of larger ones the processor fetches the rest itself.
     constexpr size_t kBytes = offsetof(CellLeaf, coefficients) + size_t{kCubicTerms} * 3 * sizeof(float);
     const auto* bytes = reinterpret_cast<const std::byte*>(&leaf);
-    for (size_t at = 0; at < kBytes; at += kCacheLine) __builtin_prefetch(bytes + at);
+    for (size_t at = 0; at < kBytes; at += kCacheLine) __builtin_prefetch(bytes + at, 0, kLevel);
 }
 
 /// A ray's places along the axes.
