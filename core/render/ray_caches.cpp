@@ -16,6 +16,16 @@ std::shared_ptr<RayCache> make(const PlannedRayCache& planned) {
     return make_ray_cache(RayCacheKind::Fast, planned.shape, planned.samples, planned.interpolation.thresholds);
 }
 
+/// What an object without a cache in this frame held goes with the frame.
+std::vector<RayCacheStore::ObjectShape> shapes_of(const std::vector<PlannedRayCache>& all) {
+    std::vector<RayCacheStore::ObjectShape> shapes;
+    for (const PlannedRayCache& planned : all) {
+        const std::optional<ContentHash> content = planned.shape->content_hash();
+        if (content && !planned.objects.empty()) shapes.push_back({planned.objects.front(), *content});
+    }
+    return shapes;
+}
+
 }  // namespace
 
 RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Settings& settings,
@@ -23,7 +33,9 @@ RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Se
     const double neighbour_scale = 1.0 / std::sqrt(settings.samples);
     std::vector<PlannedRayCache> undecided;
     std::vector<size_t> places;
-    for (PlannedRayCache& planned : plan_ray_caches(description, scene, settings)) {
+    std::vector<PlannedRayCache> all = plan_ray_caches(description, scene, settings);
+    if (store && store->count() > 0) store->drop_changed(shapes_of(all));
+    for (PlannedRayCache& planned : all) {
         frame_.push_back({std::move(planned), nullptr, {}, {}});
         FrameCache& each = frame_.back();
         each.reason = each.planned.obstacle;
@@ -53,7 +65,7 @@ void RayCaches::use(FrameCache& each, Scene& scene, double neighbour_scale, RayC
     const std::optional<RayCacheKey> key =
         store ? key_of(*planned.shape, planned.samples, planned.interpolation.thresholds) : std::nullopt;
     const auto make_one = [&] { return made ? made : make(planned); };
-    each.cache = key ? store->find_or_make(*key, make_one) : make_one();
+    each.cache = key ? store->find_or_make(*key, planned.objects.front(), make_one) : make_one();
     each.before = each.cache->statistics();
     const auto number = static_cast<uint32_t>(&each - frame_.data()) + 1;
     const auto object =

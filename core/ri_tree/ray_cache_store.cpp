@@ -1,5 +1,7 @@
 #include "ri_tree/ray_cache_store.h"
 
+#include <algorithm>
+
 namespace rayleaf {
 
 std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samples, const RayCacheSettings& settings) {
@@ -22,7 +24,20 @@ std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samp
     return key;
 }
 
-std::shared_ptr<RayCache> RayCacheStore::find_or_make(const RayCacheKey& key,
+void RayCacheStore::drop_changed(std::span<const ObjectShape> shapes) {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(entries_, [&](const auto& item) {
+        const RayCacheKey& key = item.first;
+        const Entry& entry = item.second;
+        if (entry.used) return false;
+        const auto is_object = [&](const ObjectShape& each) { return each.object == entry.object; };
+        const auto is_shape = [&](const ObjectShape& each) { return each.shape == key.shape; };
+        return std::any_of(shapes.begin(), shapes.end(), is_object) &&
+               std::none_of(shapes.begin(), shapes.end(), is_shape);
+    });
+}
+
+std::shared_ptr<RayCache> RayCacheStore::find_or_make(const RayCacheKey& key, const std::string& object,
                                                       const std::function<std::shared_ptr<RayCache>()>& make) {
     const std::scoped_lock lock(mutex_);
     const auto [place, is_new] = entries_.try_emplace(key);
@@ -30,6 +45,7 @@ std::shared_ptr<RayCache> RayCacheStore::find_or_make(const RayCacheKey& key,
     if (is_new) {
         try {
             entry.cache = make();
+            entry.object = object;
         } catch (...) {
             entries_.erase(place);
             throw;

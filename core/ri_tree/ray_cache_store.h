@@ -2,9 +2,9 @@
 // render starts with empty caches.
 //
 // Idea: a cache depends on the content of its shape, on what a sample is, and on its thresholds, so these are its key.
-// An object that moves keeps its cache; one that changes shape gets a new one, and the old one goes at the next frame:
-// for one frame it holds both.
-// A kept cache interpolates more from frame to frame (RayCache::next_frame), within the same error.
+// An object that moves keeps its cache; one that changes shape gets a new one, and the old one goes before
+// (drop_changed). One whose material changes holds both for a frame: another view layer may ask for the old one. A kept
+// cache interpolates more from frame to frame (RayCache::next_frame), within the same error.
 #pragma once
 
 #include "base/content_hash.h"
@@ -17,6 +17,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
+#include <string>
 
 namespace rayleaf {
 
@@ -39,8 +41,17 @@ std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samp
 /// Thread-safe.
 class RayCacheStore {
   public:
-    /// The cache of that key, made where there is none.
-    std::shared_ptr<RayCache> find_or_make(const RayCacheKey& key,
+    /// An object and the shape it has in a frame.
+    struct ObjectShape {
+        std::string object;
+        ContentHash shape;
+    };
+
+    /// Drops what objects held that have another shape now, unless this frame has used it already, or another of its
+    /// objects has that shape. Give all of a scene, before the first is asked for.
+    void drop_changed(std::span<const ObjectShape> shapes);
+    /// The cache of that key, made where there is none for that object.
+    std::shared_ptr<RayCache> find_or_make(const RayCacheKey& key, const std::string& object,
                                            const std::function<std::shared_ptr<RayCache>()>& make);
     /// Drops the caches that were not asked for since the last call, and tells the others. Call it between frames.
     void next_frame();
@@ -50,6 +61,7 @@ class RayCacheStore {
   private:
     struct Entry {
         std::shared_ptr<RayCache> cache;
+        std::string object;  ///< that it was made for
         bool used = true;
     };
     mutable std::mutex mutex_;
