@@ -59,9 +59,15 @@ constexpr double kPath = 3.0;
 /// All caches that are tried are made for at most this share of the frame.
 constexpr double kSetUpShare = 0.03;
 
-double traced_cost(OutputKind kind) {
+/// Of what a sample holds.
+double sample_way(OutputKind kind) {
     if (kind == OutputKind::Glass) return kTracedGlass;
     return kind == OutputKind::Volume ? kTracedVolume : 1.0;
+}
+
+/// Of what a ray is answered with.
+double traced_cost(const PlannedRayCache& planned) {
+    return planned.first_hits_only ? 1.0 : sample_way(planned.samples.kind);
 }
 
 /// Queries that say something of the object.
@@ -156,7 +162,7 @@ std::vector<bool> worth_a_try(const std::vector<PlannedRayCache>& candidates, co
     std::vector<size_t> order(candidates.size());
     for (size_t c = 0; c < candidates.size(); ++c) {
         cost[c] = set_up_cost(candidates[c]);
-        rank[c] *= traced_cost(candidates[c].samples.kind) / std::max(cost[c], 1.0);
+        rank[c] *= traced_cost(candidates[c]) / std::max(cost[c], 1.0);
         order[c] = c;
     }
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return rank[a] > rank[b]; });
@@ -186,12 +192,12 @@ struct BlockSamples {
 
 /// `growth`: how many times as many samples of each pixel the frame has. Up to kFrameSamples they cross the same cells;
 /// beyond, mostly the same ones: new samples go with the root.
-Judgement judge(const RayCacheStatistics& statistics, const BlockSamples& taken, OutputKind kind, double growth,
-                double interpolated_query) {
+Judgement judge(const RayCacheStatistics& statistics, const BlockSamples& taken, const PlannedRayCache& planned,
+                double growth, double interpolated_query) {
     const RayCacheTotals counts = totals_of(statistics);
     const uint64_t queries = met_box(counts);
     if (queries < kLeastQueries) return {{false, "the probe met too few rays", nullptr}, 0.0};
-    const double way = traced_cost(kind);
+    const double way = traced_cost(planned);
     const double roots = 2.0 * (std::sqrt(taken.blocks) - std::sqrt(taken.quarters));
     const double shared = std::min(growth, double{kFrameSamples});
     const double samples =
@@ -199,10 +205,10 @@ Judgement judge(const RayCacheStatistics& statistics, const BlockSamples& taken,
     const auto followed = static_cast<double>(counts.followed);
     const double hits = static_cast<double>(counts.interpolated) + followed + static_cast<double>(counts.traced);
     const double tracing = hits * way + static_cast<double>(counts.missed) * kTracedMiss;
-    const double asking = static_cast<double>(counts.interpolated) * interpolated_query +
-                          followed * (way * kFollowedShare + kAskedInVain) +
-                          static_cast<double>(counts.traced) * (way + kAskedInVain) +
-                          static_cast<double>(counts.missed) * kMissedQuery + samples * way * kSampleFactor;
+    const double asking =
+        static_cast<double>(counts.interpolated) * interpolated_query +
+        followed * (way * kFollowedShare + kAskedInVain) + static_cast<double>(counts.traced) * (way + kAskedInVain) +
+        static_cast<double>(counts.missed) * kMissedQuery + samples * sample_way(planned.samples.kind) * kSampleFactor;
     const auto percent = [&](double part) { return 100.0 * part / static_cast<double>(queries); };
     char text[160];
     std::snprintf(
@@ -257,7 +263,7 @@ std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& ca
             if (dropped[k]) continue;
             const RayCacheStatistics counts = caches[k]->statistics();
             taken[k].blocks = static_cast<double>(counts.samples_taken);
-            Judgement judgement = judge(counts, taken[k], trying[k].samples.kind, growth, interpolated_query);
+            Judgement judgement = judge(counts, taken[k], trying[k], growth, interpolated_query);
             results[places[k]] = std::move(judgement.result);
             dropped[k] = met_box(totals_of(counts)) >= kTellingQueries && judgement.ratio > kHopeless;
             if (dropped[k]) give(places[k], nullptr);

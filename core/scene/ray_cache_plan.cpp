@@ -147,9 +147,11 @@ std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description
         const std::string obstacle = obstacle_of(*shape, optics, is_volume);
         const Key key{shape.get(), samples.kind, samples.ior, instance.ray_interpolation, obstacle};
         const auto [place, is_new] = places.try_emplace(key, plan.size());
-        if (is_new) plan.push_back({shape, samples, interpolation, {}, {}, obstacle});
+        if (is_new) plan.push_back({shape, samples, interpolation, {}, {}, obstacle, false});
         PlannedRayCache& planned = plan[place->second];
         planned.instances.push_back(i);
+        if (samples.kind == OutputKind::Glass && !skippable_glass(description, scene, i))
+            planned.first_hits_only = true;
         if (planned.objects.size() < kListedObjects) planned.objects.push_back(instance.name);
     }
     return plan;

@@ -23,6 +23,7 @@ struct PlannedRayCache {
     std::vector<uint32_t> instances;
     std::vector<std::string> objects;  ///< names of the first few instances
     std::string obstacle;              ///< why there can be none; empty: there can
+    bool first_hits_only = false;      ///< of glass: rays do not skip its inside (skippable_glass)
 };
 
 /// How many hits from inside a path through glass may have before the limits of bounces end it, wherever it came from:

@@ -120,6 +120,20 @@ def test_auto_foretells_from_a_few_blocks_what_a_whole_picture_samples(core, kin
     assert auto["used"]
 
 
+def test_auto_knows_that_glass_with_something_inside_is_answered_with_first_hits_alone(core):
+    def told(occupied):
+        scene = ball_scene(core, "glass", floor=False)
+        if occupied:
+            red = material(core, scene, ("diffuse", 1.0, (1.0, 0.05, 0.05)), name="red")
+            cube = scene.add_mesh("cube", CUBE_VERTICES, CUBE_TRIANGLES)
+            scene.add_instance("cube", cube, matrix((0, 0, 0), 0.02), red)
+        reason = reports(render(core, scene, "AUTO", **LARGE))["ball"]["reason"]
+        return float(re.search(r"costs ([\d.]+) of tracing", reason).group(1))
+
+    # A first hit is two fifths of the way through; a sample takes the whole way all the same.
+    assert told(True) > 1.5 * told(False)
+
+
 def test_auto_decides_alike_whatever_a_store_holds_and_whatever_part_is_rendered(core):
     store = core.RayCacheStore()
     render(core, ball_scene(core, "mirror"), "ON", caches=store)
