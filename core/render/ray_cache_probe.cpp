@@ -42,7 +42,7 @@ constexpr int kPlacesTried = 512;  ///< for blocks that see an object
 /// At most this share of the frame's paths is probed, each some eight times as costly as another; a frame for which
 /// that is not even two blocks is traced.
 constexpr double kProbedShare = 1.0 / 1000.0;
-/// No frame takes fewer samples a query than this: what the smoothest surface takes of a picture of 400 x 400.
+/// Fewer samples a query are not believed of so few blocks: what a smooth surface takes of 800 x 800 pixels.
 constexpr double kLeastSamples = 0.02;
 /// Fewer queries than this say nothing.
 constexpr uint64_t kLeastQueries = 32;

@@ -16,7 +16,7 @@ std::shared_ptr<RayCache> make(const PlannedRayCache& planned) {
     return make_ray_cache(RayCacheKind::Fast, planned.shape, planned.samples, planned.interpolation.thresholds);
 }
 
-/// What an object without a cache in this frame held goes with the frame.
+/// What objects look like in this frame, by the name that the store knows them by.
 std::vector<RayCacheStore::ObjectShape> shapes_of(const std::vector<PlannedRayCache>& all) {
     std::vector<RayCacheStore::ObjectShape> shapes;
     for (const PlannedRayCache& planned : all) {

@@ -150,8 +150,7 @@ std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description
         if (is_new) plan.push_back({shape, samples, interpolation, {}, {}, obstacle, false});
         PlannedRayCache& planned = plan[place->second];
         planned.instances.push_back(i);
-        if (samples.kind == OutputKind::Glass && !skippable_glass(description, scene, i))
-            planned.first_hits_only = true;
+        if (samples.kind == OutputKind::Glass && !scene.glass_body(i)) planned.first_hits_only = true;
         if (planned.objects.size() < kListedObjects) planned.objects.push_back(instance.name);
     }
     return plan;
