@@ -1,8 +1,27 @@
 // The extension module rayleaf._core. Each bound area has a file of its own; none holds an algorithm.
 #include "python/bindings.h"
 
+#include <string>
+
+namespace rayleaf {
+namespace {
+
+/// Throws ImportError without NumPy. It must come before any type is bound: pybind11 keeps the types of an import that
+/// fails half-way, and every later one would stumble over them.
+void require_numpy() {
+    try {
+        py::dtype::of<float>();  // loads NumPy's interface
+    } catch (const py::error_already_set& error) {
+        throw py::import_error("Rayleaf's core needs NumPy: " + std::string(py::str(error.value())));
+    }
+}
+
+}  // namespace
+}  // namespace rayleaf
+
 PYBIND11_MODULE(_core, module) {
     module.doc() = "Rayleaf's core: splines and meshes in, pixels out. Usable from plain Python.";
+    rayleaf::require_numpy();
     rayleaf::bind_errors(module);
     rayleaf::bind_distribution(module);
     rayleaf::bind_lights(module);

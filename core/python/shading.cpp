@@ -301,6 +301,7 @@ void bind_textures(py::module_& module) {
         .value("REPEAT", TextureExtension::Repeat)
         .value("EXTEND", TextureExtension::Extend)
         .value("CLIP", TextureExtension::Clip)
+        .value("MIRROR", TextureExtension::Mirror)
         .value("PANORAMA", TextureExtension::Panorama);
     py::enum_<TextureInterpolation>(module, "Interpolation", "How a texture is read between pixels.")
         .value("LINEAR", TextureInterpolation::Linear)

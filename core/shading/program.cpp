@@ -42,7 +42,7 @@ IntRange int_range(Operation operation, size_t i) {
         case Operation::map_range:
             return {0, 1};
         case Operation::image:
-            return i == 0 ? IntRange{} : IntRange{0, 2};
+            return i == 0 ? IntRange{} : IntRange{0, i == 1 ? 3 : 2};
         case Operation::environment:
             return i == 0 ? IntRange{} : IntRange{0, i == 1 ? 1 : 2};
         default:

@@ -138,6 +138,8 @@ oiio::TextureOpt::Wrap wrap(TextureExtension extension, bool along_u) {
             return oiio::TextureOpt::WrapPeriodic;
         case TextureExtension::Clip:
             return oiio::TextureOpt::WrapBlack;
+        case TextureExtension::Mirror:
+            return oiio::TextureOpt::WrapMirror;
         case TextureExtension::Panorama:
             return along_u ? oiio::TextureOpt::WrapPeriodic : oiio::TextureOpt::WrapClamp;
         default:

@@ -15,9 +15,10 @@ using TextureId = int32_t;
 enum class ColorSpace : uint8_t { Srgb, Linear, NonColor };
 enum class TextureExtension : uint8_t {
     Repeat,
-    Extend,   ///< the border pixels go on
-    Clip,     ///< transparent black outside
-    Panorama  ///< repeats along u, extends along v: a direction's longitude and latitude
+    Extend,    ///< the border pixels go on
+    Clip,      ///< transparent black outside
+    Mirror,    ///< every second repetition is mirrored
+    Panorama,  ///< repeats along u, extends along v: a direction's longitude and latitude
 };
 enum class TextureInterpolation : uint8_t { Linear, Closest, Cubic };
 

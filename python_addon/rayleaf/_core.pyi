@@ -466,7 +466,7 @@ class SceneDescription:
         aperture_ratio: float = 1.0,
     ) -> None:
         """kind: PERSPECTIVE (window on the plane at distance 1) or ORTHOGRAPHIC (world units); whole picture."""
-    def add_image_file(self, name: str, path: str, color_space: str) -> int:
+    def add_image_file(self, name: str, path: str | bytes, color_space: str) -> int:
         """color_space: SRGB, LINEAR or NON_COLOR. Returns a texture id for the operations image and environment."""
     def add_image_pixels(self, name: str, pixels: Floats, color_space: str) -> int:
         """pixels (height, width, channels), rows bottom to top."""

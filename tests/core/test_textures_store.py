@@ -6,7 +6,7 @@ from rayleaf import _core
 
 tests = _core.shading
 LINEAR, CLOSEST, CUBIC = tests.Interpolation.LINEAR, tests.Interpolation.CLOSEST, tests.Interpolation.CUBIC
-REPEAT, EXTEND, CLIP = tests.Extension.REPEAT, tests.Extension.EXTEND, tests.Extension.CLIP
+REPEAT, EXTEND, CLIP, MIRROR = (getattr(tests.Extension, name) for name in ("REPEAT", "EXTEND", "CLIP", "MIRROR"))
 HALF = 2.0**-11  # images of bytes are kept as half floats
 
 
@@ -33,7 +33,16 @@ def linear_from_srgb(x):
     return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
 
 
-def bilinear(pixels, uv, repeat):
+def wrapped(place, size, extension):
+    """The pixel that stands at any whole place along a side."""
+    if extension == REPEAT:
+        return place % size
+    if extension == MIRROR:
+        return np.where(place // size % 2 == 0, place % size, size - 1 - place % size)
+    return place.clip(0, size - 1)
+
+
+def bilinear(pixels, uv, extension):
     """Reference: pixel centres at half-integers, rows bottom to top."""
     height, width = pixels.shape[:2]
     x, y = uv[:, 0] * width - 0.5, uv[:, 1] * height - 0.5
@@ -41,25 +50,23 @@ def bilinear(pixels, uv, repeat):
     result = 0
     for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)):
         weight = (1 - abs(x - x0 - i)) * (1 - abs(y - y0 - j))
-        column, row = x0 + i, y0 + j
-        column = column % width if repeat else column.clip(0, width - 1)
-        row = row % height if repeat else row.clip(0, height - 1)
+        column, row = wrapped(x0 + i, width, extension), wrapped(y0 + j, height, extension)
         result = result + weight[:, None] * pixels[row, column]
     return result
 
 
 @pytest.mark.parametrize("channels", (1, 3, 4))
-@pytest.mark.parametrize("repeat", (True, False))
-def test_a_lookup_without_footprint_is_bilinear(store, channels, repeat):
+@pytest.mark.parametrize("extension", (REPEAT, EXTEND, MIRROR))
+def test_a_lookup_without_footprint_is_bilinear(store, channels, extension):
     pixels = picture(5, 7, channels)
     texture = store.add_pixels("Image", pixels, tests.ColorSpace.NON_COLOR)
     uv = np.random.default_rng(1).uniform(-1.5, 2.5, (400, 2)).astype(np.float32)
-    expected = bilinear(pixels, uv, repeat)
+    expected = bilinear(pixels, uv, extension)
     if channels == 1:
         expected = np.repeat(expected, 3, axis=1)
     if channels < 4:
         expected = np.column_stack([expected, np.ones(len(uv))])
-    found = look(store, texture, uv, REPEAT if repeat else EXTEND)
+    found = look(store, texture, uv, extension)
     np.testing.assert_allclose(found, expected, atol=2e-5)  # uv in single precision times 7 pixels
 
 
