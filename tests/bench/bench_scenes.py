@@ -6,13 +6,13 @@ how much is asked for, and how much of it is computed again.
 """
 
 import os
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rayleaf.report.measure import render
+from rayleaf.report.frame_scenes import built
+from rayleaf.report.measure import Conditions, render
 from rayleaf.report.points import Point
 
 PRINTS_ITSELF = True
@@ -52,18 +52,6 @@ def blender() -> str:
     return os.environ.get("BLENDER", "blender")
 
 
-def built(scene: Scene, folder: Path) -> Path:
-    """The scene's file. Raises RuntimeError with Blender's last lines if there is none."""
-    script = SCENES / f"make_{scene.script}.py"
-    command = [blender(), "--background", "--factory-startup", "--python-exit-code", "1", "--addons", "rayleaf"]
-    command += ["--python", str(script), "--", str(folder), *scene.words]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    file = folder / f"{scene.script}.blend"
-    if done.returncode != 0 or not file.exists():
-        raise RuntimeError("\n".join((done.stdout + done.stderr).splitlines()[-15:]))
-    return file
-
-
 def points(scene: Scene) -> list[Point]:
     """One render for each mode of the cache."""
     common = {"rayleaf.samples": scene.samples, "rayleaf.geometry_cache_size": MEGABYTES}
@@ -87,7 +75,8 @@ def print_levels(mode: str, seconds: float, core: dict[str, Any]) -> None:
 
 def measured(scene: Scene, width: int, folder: Path) -> list[dict[str, Any]]:
     """Prints a scene's table; its rows."""
-    results = render(blender(), built(scene, folder), points(scene), width, 1, folder)
+    file = built(blender(), SCENES / f"make_{scene.script}.py", folder, scene.words)
+    results = render(blender(), file, points(scene), Conditions(width), folder)
     title = " ".join((scene.script, *scene.words))
     subpatches = results[0]["statistics"]["core"]["geometry"]["subpatches"]
     full = subpatches * FULL_VERTICES

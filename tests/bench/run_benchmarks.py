@@ -3,7 +3,8 @@
 Each benchmark is a module with `run() -> list[dict]`: it checks its answers first (an assertion that fails ends that
 benchmark), then measures, and returns rows {"name": what, "unit": of the values, "values": every single measurement}.
 The first line of its docstring says what it measures. One with PRINTS_ITSELF prints its own tables. `run` may take
-`quick`: small and once, to see that it works; and `small`: sizes at which the ratios already hold, in minutes.
+`quick`: small and once, to see that it works; and `small`: sizes at which the ratios already hold, in minutes. One with
+`add_options(parser)` takes all words after its name, and `run` gets them as `options`; None if it is run among others.
 """
 
 import argparse
@@ -61,22 +62,40 @@ def machine() -> dict[str, Any]:
     }
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(prog="rayleaf bench")
-    parser.add_argument("case", nargs="*", help="default: all")
+def parser_of(name: str) -> argparse.ArgumentParser:
+    """With what every benchmark can be asked for."""
+    parser = argparse.ArgumentParser(prog=f"rayleaf bench{name}")
     parser.add_argument("--json", type=Path, help="writes every single measurement")
     parser.add_argument("--quick", action="store_true", help="small and once, where a case knows how: no measurement")
+    return parser
+
+
+def asked(words: list[str], known: dict[str, Path]) -> argparse.Namespace:
+    """What the command line says. `options` are those of a case that has its own."""
+    if words and words[0] in known and hasattr(module := load(known[words[0]]), "add_options"):
+        parser = parser_of(f" {words[0]}")
+        module.add_options(parser)
+        own = parser.parse_args(words[1:])
+        return argparse.Namespace(case=words[:1], json=own.json, quick=own.quick, small=False, list=False, options=own)
+    parser = parser_of("")
+    parser.add_argument("case", nargs="*", help="default: all")
     parser.add_argument("--small", action="store_true", help="small sizes, where a case knows how: minutes, not hours")
     parser.add_argument("--list", action="store_true", help="names the cases")
-    options = parser.parse_args()
-    known = cases()
-    if options.list:
-        print("\n".join(known))
-        return 0
+    parser.set_defaults(options=None)
+    options = parser.parse_args(words)
     unknown = [name for name in options.case if name not in known]
     if unknown:
         parser.error(f"there is no case {', '.join(unknown)}; there are: {', '.join(known)}")
+    return options
+
+
+def main() -> int:
+    known = cases()
     sys.path[:0] = [os.environ["RAYLEAF_PACKAGE_DIR"], str(HERE)]
+    options = asked(sys.argv[1:], known)
+    if options.list:
+        print("\n".join(known))
+        return 0
     results: dict[str, Any] = {"machine": machine(), "cases": {}}
     print(
         f"{results['machine']['processor']}, {results['machine']['cores']} cores, load {results['machine']['load']:.1f}"
@@ -86,8 +105,7 @@ def main() -> int:
         module = load(known[name])
         print(f"\n{name}: {(module.__doc__ or '').strip().splitlines()[0]}", flush=True)
         try:
-            known_sizes = [name for name in inspect.signature(module.run).parameters if getattr(options, name, False)]
-            rows = module.run(**dict.fromkeys(known_sizes, True))
+            rows = module.run(**{name: getattr(options, name) for name in inspect.signature(module.run).parameters})
         except AssertionError:
             traceback.print_exc()
             failed.append(name)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from . import page
-from .measure import render
+from .measure import Conditions, render
 from .points import Point
 
 
@@ -58,7 +58,7 @@ def scene_pictures(blender: str, file: Path, width: int, samples: int) -> str:
     )
     with tempfile.TemporaryDirectory(prefix="rayleaf_report_") as name:
         folder = Path(name)
-        raw = render(blender, file, [everything], width, 1, folder, all_passes=True)[0]
+        raw = render(blender, file, [everything], Conditions(width, all_passes=True), folder)[0]
         if "problem" in raw:
             return page.paragraph(f"{file.name}: {raw['problem']}", "note")
         layers = read_layers(Path(raw["layers"]))

@@ -30,6 +30,11 @@ def _version(package: str) -> str:
         return "absent"
 
 
+def blender_version(blender: str) -> str:
+    """As Blender tells it."""
+    return _first_line([blender, "--version"], Path.cwd())
+
+
 def describe(root: Path, blender: str) -> dict[str, str]:
     """One line each. `root` is the project's folder; outside a clone the commit is unknown."""
     changed = _first_line(["git", "status", "--porcelain"], root)
@@ -40,7 +45,7 @@ def describe(root: Path, blender: str) -> dict[str, str]:
         "load before": f"{os.getloadavg()[0]:.2f}",
         "system": platform.platform(),
         "commit": commit + (" with changes" if changed not in ("", "unknown") else ""),
-        "Blender": _first_line([blender, "--version"], root),
+        "Blender": blender_version(blender),
         "NumPy": _version("numpy"),
         "scikit-image": _version("scikit-image"),
     }

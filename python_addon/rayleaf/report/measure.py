@@ -4,7 +4,7 @@
 import json
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -17,6 +17,20 @@ from .points import Point
 
 _UNKNOWN_SPREAD = 0.1  # of a time that was measured once
 RENDER_POINTS = Path(__file__).with_name("render_points.py")
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What all points of a job have in common."""
+
+    width: int | None = None  # of pictures, pixels; None: `percentage` of what the file says
+    percentage: int = 100  # of the file's resolution, without `width`
+    repeats: int = 1  # renders of each point
+    threads: int | None = None  # None: as the file says
+    all_passes: bool = False
+    cold: bool = (
+        False  # no picture before the first, so that it pays for what an engine does once; every repeat is made
+    )
 
 
 @dataclass
@@ -77,15 +91,11 @@ def blender_command(blender: str, file: Path, job: Path, result: Path, addon: st
     ]
 
 
-def write_job(
-    folder: Path, points: list[Point], width: int, repeats: int, all_passes: bool = False, addon: str = "rayleaf"
-) -> tuple[Path, Path]:
+def write_job(folder: Path, points: list[Point], conditions: Conditions, addon: str = "rayleaf") -> tuple[Path, Path]:
     """The files that `blender_command` names: the job, written, and where its result will be."""
     job = {
-        "width": width,
-        "repeats": repeats,
+        **asdict(conditions),
         "folder": str(folder),
-        "all_passes": all_passes,
         "addon": addon,
         "points": [point.as_job() for point in points],
     }
@@ -94,11 +104,9 @@ def write_job(
     return job_path, result_path
 
 
-def render(
-    blender: str, file: Path, points: list[Point], width: int, repeats: int, folder: Path, all_passes: bool = False
-) -> list[Any]:
+def render(blender: str, file: Path, points: list[Point], conditions: Conditions, folder: Path) -> list[Any]:
     """The raw results of `render_points`. Raises RuntimeError with Blender's last lines if it fails."""
-    job, result = write_job(folder, points, width, repeats, all_passes)
+    job, result = write_job(folder, points, conditions)
     done = subprocess.run(blender_command(blender, file, job, result), capture_output=True, text=True, check=False)
     if done.returncode != 0 or not result.exists():
         last = "\n".join((done.stdout + done.stderr).splitlines()[-15:])
@@ -145,7 +153,7 @@ def measure(
     """Render the points and, once each, the references; judge them."""
     with tempfile.TemporaryDirectory(prefix="rayleaf_report_") as name:
         folder = Path(name)
-        results = render(blender, file, points, width, repeats, folder)
+        results = render(blender, file, points, Conditions(width, repeats=repeats), folder)
         with tempfile.TemporaryDirectory(prefix="rayleaf_report_") as second:
-            results += render(blender, file, references, width, 1, Path(second))
+            results += render(blender, file, references, Conditions(width), Path(second))
             return judge(results, points, references)

@@ -63,14 +63,14 @@ class _Run:
     """A second Blender at work on a copy of the open file."""
 
     def __init__(self, width: int) -> None:
-        from .measure import blender_command, write_job  # NumPy is loaded here, not with the add-on
+        from .measure import Conditions, blender_command, write_job  # NumPy is loaded here, not with the add-on
 
         self.tried, self.references = tried_points(), [points.reference("RAYLEAF", _SAMPLES[-1] * _REFERENCE_FACTOR)]
         self._folder = tempfile.TemporaryDirectory(prefix="rayleaf_measure_")
         folder = Path(self._folder.name)
         file = folder / "scene.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(file), copy=True, relative_remap=True)
-        job, self._result = write_job(folder, self.tried + self.references, width, repeats=1, addon=_ADDON)
+        job, self._result = write_job(folder, self.tried + self.references, Conditions(width), _ADDON)
         command = blender_command(bpy.app.binary_path, file, job, self._result, _ADDON)
         self._log = (folder / "log").open("w+", encoding="utf-8")
         self._process = subprocess.Popen(command, stdout=self._log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)

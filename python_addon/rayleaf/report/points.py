@@ -22,6 +22,7 @@ class Point:
     assign: dict[str, Any] = field(default_factory=dict)  # property path from the scene -> value
     same_noise_as: str | None = None  # label of the point of the series with equal random numbers and no shortcut
     needs: str = ""  # a kind of shape, as the statistics name it: scenes without one are not rendered so
+    told: dict[str, str] = field(default_factory=dict)  # name -> path of a property whose value the result repeats
 
     @property
     def name(self) -> str:
@@ -29,7 +30,7 @@ class Point:
 
     def as_job(self) -> dict[str, Any]:
         """What `render_points` reads."""
-        return {"name": self.name, "engine": self.engine, "assign": self.assign, "needs": self.needs}
+        return {key: getattr(self, key) for key in ("name", "engine", "assign", "told", "needs")}
 
 
 def counted(count: int) -> str:
@@ -114,3 +115,41 @@ def reference(engine: str, count: int) -> Point:
         return Point("Reference", "Cycles", engine, {**CYCLES_PLAIN, "cycles.samples": count, "cycles.seed": 7919})
     assign = {"rayleaf.samples": count, "rayleaf.seed": 7919, "rayleaf.ray_interpolation.mode": "OFF"}
     return Point("Reference", "Rayleaf", engine, assign)
+
+
+# What whole frames beside Cycles are told of, to see that both engines were set alike: name -> Cycles' path, Rayleaf's.
+_ALIKE = {
+    "samples": ("cycles.samples", "rayleaf.samples"),
+    "threads": ("render.threads", "render.threads"),
+    "persistent data": ("render.use_persistent_data", "render.use_persistent_data"),
+}
+# Light path limits and what else is of the file: they are left as they are, and may differ.
+_LIMITS = {
+    "bounces": ("cycles.max_bounces", "rayleaf.max_bounces"),
+    "diffuse bounces": ("cycles.diffuse_bounces", "rayleaf.diffuse_bounces"),
+    "glossy bounces": ("cycles.glossy_bounces", "rayleaf.glossy_bounces"),
+    "transmission bounces": ("cycles.transmission_bounces", "rayleaf.transmission_bounces"),
+    "transparent bounces": ("cycles.transparent_max_bounces", "rayleaf.transparent_bounces"),
+    "clamp of direct light": ("cycles.sample_clamp_direct", "rayleaf.clamp_direct"),
+    "clamp of indirect light": ("cycles.sample_clamp_indirect", "rayleaf.clamp_indirect"),
+    "filter width": ("cycles.filter_width", "rayleaf.filter_width"),
+}
+ALIKE, LIMITS = tuple(_ALIKE), tuple(_LIMITS)
+INTERPOLATION_MODES = ("off", "auto", "on")
+
+
+def _told(engine: str) -> dict[str, str]:
+    own = {name: paths[engine == "RAYLEAF"] for name, paths in (_ALIKE | _LIMITS).items()}
+    if engine == "CYCLES":
+        return own | {path.removeprefix("cycles."): path for path in CYCLES_PLAIN if path.startswith("cycles.")}
+    return own | {"integrator": "rayleaf.integrator", "interpolation": "rayleaf.ray_interpolation.mode"}
+
+
+def contenders(count: int, modes: tuple[str, ...] = INTERPOLATION_MODES) -> list[Point]:
+    """The same frame in Cycles and, in each mode of ray interpolation, in Rayleaf; all else as the file says."""
+    found = [Point("Frame", "Cycles", "CYCLES", {**CYCLES_PLAIN, "cycles.samples": count}, told=_told("CYCLES"))]
+    for mode in modes:
+        assign = {"rayleaf.samples": count, "rayleaf.ray_interpolation.mode": mode.upper()}
+        assign["render.use_persistent_data"] = CYCLES_PLAIN["render.use_persistent_data"]
+        found.append(Point("Frame", f"Rayleaf, {mode}", assign=assign, told=_told("RAYLEAF")))
+    return found

@@ -2,11 +2,11 @@
 
     blender -b FILE --addons rayleaf --python render_points.py -- JOB.json RESULT.json
 
-The job: {"width": pixels, "repeats": n, "folder": path, "addon": its module, "all_passes": bool, "points":
-[{"name", "engine", "assign": {path: value}, "needs": a kind of shape, or ""}]}. The
+The job: what `measure.Conditions` holds, and {"folder": path, "addon": its module, "points": [{"name", "engine",
+"assign": {path: value}, "told": {name: path}, "needs": a kind of shape, or ""}]}. The
 result, a list in the same order: {"name", "seconds": [each repeat], "memory_mb": peak above what was there before,
-"picture": NPY file of (height, width, 4), scene-linear, rows bottom to top, "statistics": the add-on's, or {},
-"layers": with all passes, a multilayer EXR}.
+"picture": NPY file of (height, width, 4), scene-linear, rows bottom to top, "told": {name: value}, "statistics": the
+add-on's, or {}, "layers": with all passes, a multilayer EXR}.
 A point whose property this version does not have is left out of the pictures and says so: {"name", "problem"}. One that
 needs shapes that the scene does not hold is {"name"} alone.
 """
@@ -36,6 +36,14 @@ def assign(scene: Any, path: str, value: Any) -> None:
     if not hasattr(owner, name):
         raise AttributeError(f"{path} is no setting of this version")
     setattr(owner, name, value)
+
+
+def value_of(scene: Any, path: str) -> Any:
+    """The property that a dotted path names. Raises AttributeError where there is none."""
+    owner = scene
+    for each in path.split("."):
+        owner = getattr(owner, each)
+    return owner
 
 
 def remembered(scene: Any, paths: list[str]) -> dict[str, Any]:
@@ -104,7 +112,7 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
         at_start = process_memory()[0]
         seconds: list[float] = []
         for _ in range(job["repeats"]):
-            if sum(seconds) > _ENOUGH_SECONDS:
+            if sum(seconds) > _ENOUGH_SECONDS and not job.get("cold"):
                 break
             began = time.perf_counter()
             bpy.ops.render.render()
@@ -121,6 +129,7 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
             "memory_mb": memory,
             "picture": str(picture),
             "layers": layers,
+            "told": {name: value_of(scene, path) for name, path in point.get("told", {}).items()},
             "statistics": json.loads(json.dumps(statistics, default=str)),
         }
     except (AttributeError, TypeError) as error:  # a setting that this version lacks, or a value that it does not take
@@ -133,10 +142,10 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
 def warm_up(point: dict[str, Any], job: dict[str, Any]) -> None:
     """Load what an engine loads once, with one tiny picture, so that no point pays for it."""
     render = bpy.context.scene.render
-    size = render.resolution_x, render.resolution_y
-    render.resolution_x, render.resolution_y = 8, 8
+    size = render.resolution_x, render.resolution_y, render.resolution_percentage
+    render.resolution_x, render.resolution_y, render.resolution_percentage = 8, 8, 100
     render_point(point, {**job, "repeats": 1, "all_passes": False}, 0)
-    render.resolution_x, render.resolution_y = size
+    render.resolution_x, render.resolution_y, render.resolution_percentage = size
 
 
 def shapes_of_scene(job: dict[str, Any]) -> set[str]:
@@ -145,19 +154,25 @@ def shapes_of_scene(job: dict[str, Any]) -> set[str]:
     return set(statistics.get("core", {}).get("shape_bytes", {}))
 
 
+def set_up(job: dict[str, Any]) -> None:
+    """What all points have in common."""
+    render = bpy.context.scene.render
+    render.resolution_percentage = 100 if job["width"] else job["percentage"]
+    if job["width"]:
+        height = max(1, round(job["width"] * render.resolution_y / render.resolution_x))
+        render.resolution_x, render.resolution_y = job["width"], height
+    render.use_file_extension, render.use_compositing, render.use_sequencer = True, False, False
+    if job["threads"]:
+        render.threads_mode, render.threads = "FIXED", job["threads"]
+    if job["all_passes"]:
+        switch_on_all_passes(job["addon"])
+
+
 def main() -> None:
     job_path, result_path = (Path(argument) for argument in sys.argv[sys.argv.index("--") + 1 :][:2])
     job = json.loads(job_path.read_text(encoding="utf-8"))
-    render = bpy.context.scene.render
-    render.resolution_percentage = 100
-    height = max(1, round(job["width"] * render.resolution_y / render.resolution_x))
-    render.resolution_x, render.resolution_y = job["width"], height
-    render.use_file_extension, render.use_compositing, render.use_sequencer = True, False, False
-    if "threads" in job:
-        render.threads_mode, render.threads = "FIXED", job["threads"]
-    if job.get("all_passes"):
-        switch_on_all_passes(job["addon"])
-    for engine in sorted({point["engine"] for point in job["points"]}):
+    set_up(job)
+    for engine in sorted({point["engine"] for point in job["points"]} if not job["cold"] else ()):
         warm_up(next(point for point in job["points"] if point["engine"] == engine), job)
     results: list[dict[str, Any]] = []
     held = shapes_of_scene(job)

@@ -12,7 +12,7 @@ import numpy as np
 from . import page
 from .errors import compare
 from .gallery import read_layers, visible
-from .measure import render
+from .measure import Conditions, render
 from .points import Point
 
 # Scene -> the figure of the source it stands beside.
@@ -51,7 +51,7 @@ def scene(blender: str, file: Path, width: int, samples: int) -> str:
     """One scene's part."""
     tried = points(samples)
     with tempfile.TemporaryDirectory(prefix="rayleaf_report_") as name:
-        results = render(blender, file, tried, width, 1, Path(name), all_passes=True)
+        results = render(blender, file, tried, Conditions(width, all_passes=True), Path(name))
         problems = [raw["problem"] for raw in results if "problem" in raw]
         if problems:
             return page.paragraph(f"{file.name}: {problems[0]}", "note")
