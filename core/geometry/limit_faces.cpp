@@ -1,16 +1,13 @@
 #include "geometry/limit_faces.h"
 
 #include "base/error.h"
+#include "geometry/face_limit.h"
 
 #include <algorithm>
 #include <map>
-#include <mutex>
-#include <numeric>
-#include <shared_mutex>
 
 #include <oneapi/tbb/parallel_for.h>
-#include <opensubdiv/bfr/refinerSurfaceFactory.h>
-#include <opensubdiv/bfr/surface.h>
+#include <opensubdiv/bfr/parameterization.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
 
@@ -21,23 +18,10 @@ namespace Bfr = OpenSubdiv::Bfr;
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-using SharedCache = Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
-                                                     std::unique_lock<std::shared_mutex>>;
-using Factory = Bfr::RefinerSurfaceFactory<SharedCache>;
-using FaceSurface = Bfr::Surface<double>;
 using Descriptor = Far::TopologyDescriptor;
 
 /// Texture coordinates of one vertex nearer than this are one (Blender's STD_UV_CONNECT_LIMIT).
 constexpr float kSameUv = 1e-4f;
-
-const FaceSurface::PointDescriptor kPoints(3);
-
-double* numbers(Vec3d* points) {
-    return &points->x;
-}
-const double* numbers(const Vec3d* points) {
-    return &points->x;
-}
 
 Sdc::Options::FVarLinearInterpolation linear_where(UvSmoothing smoothing) {
     switch (smoothing) {
@@ -136,11 +120,7 @@ struct Creases {
 }  // namespace
 
 struct LimitFaces::Faces {
-    struct Face {
-        FaceSurface surface;
-        std::vector<Vec3d> points;  ///< control points and what OpenSubdiv derives from them
-    };
-    std::vector<Face> faces;
+    std::vector<FaceLimit> faces;
 };
 
 LimitFaces::LimitFaces() = default;
@@ -149,35 +129,25 @@ LimitFaces::LimitFaces(LimitFaces&&) noexcept = default;
 LimitFaces& LimitFaces::operator=(LimitFaces&&) noexcept = default;
 
 bool LimitFaces::is_regular(uint32_t face) const {
-    const FaceSurface& surface = faces_->faces[face].surface;
-    return surface.IsRegular() && surface.GetFaceSize() == 4;
+    return faces_->faces[face].is_regular();
 }
 
 PatchPoint LimitFaces::evaluate(uint32_t face, const Vec2d& parameters) const {
-    const Faces::Face& of = faces_->faces[face];
-    PatchPoint p{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
-    const double uv[2] = {parameters.x, parameters.y};
-    of.surface.Evaluate(uv, numbers(of.points.data()), kPoints, numbers(&p.position), numbers(&p.du), numbers(&p.dv),
-                        numbers(&p.duu), numbers(&p.duv), numbers(&p.dvv));
-    return p;
+    return faces_->faces[face].evaluate(parameters);
 }
 
 Vec3d LimitFaces::position(uint32_t face, const Vec2d& parameters) const {
-    const Faces::Face& of = faces_->faces[face];
-    Vec3d position(0.0);
-    const double uv[2] = {parameters.x, parameters.y};
-    of.surface.Evaluate(uv, numbers(of.points.data()), kPoints, numbers(&position));
-    return position;
+    return faces_->faces[face].position(parameters);
 }
 
 void LimitFaces::forget(uint32_t face) {
-    faces_->faces[face].surface.Clear();
-    faces_->faces[face].points = {};
+    faces_->faces[face] = {};
 }
 
 size_t LimitFaces::bytes() const {
-    size_t total = sizeof(*this) + sizeof(Faces) + faces_->faces.capacity() * sizeof(Faces::Face);
-    for (const Faces::Face& face : faces_->faces) total += face.points.capacity() * sizeof(Vec3d);
+    size_t total =
+        sizeof(*this) + sizeof(Faces) + (faces_->faces.capacity() - faces_->faces.size()) * sizeof(FaceLimit);
+    for (const FaceLimit& face : faces_->faces) total += face.bytes();
     return total;
 }
 
@@ -187,26 +157,21 @@ struct CageTopology::Refiner {
     std::vector<std::vector<Vec3d>> uv_values;  ///< by map
 
     const Far::TopologyLevel& cage() const { return refiner->GetLevel(0); }
-    Factory factory() const {
-        Factory::Options options;
-        options.SetApproxLevelSmooth(kApproximationLevels).SetApproxLevelSharp(kSharpLevels);
-        return Factory(*refiner, options);
-    }
-    LimitFaces limit_of(const std::vector<Vec3d>& values, const auto& init) const;
+    /// Of vertices, or of a face-varying channel.
+    LimitFaces limit_of(const std::vector<Vec3d>& values, int channel) const;
 };
 
-/// `init` makes the surface of a face.
-LimitFaces CageTopology::Refiner::limit_of(const std::vector<Vec3d>& values, const auto& init) const {
+LimitFaces CageTopology::Refiner::limit_of(const std::vector<Vec3d>& values, int channel) const {
     LimitFaces result;
     result.faces_ = std::make_unique<LimitFaces::Faces>();
-    std::vector<LimitFaces::Faces::Face>& faces = result.faces_->faces;
+    std::vector<FaceLimit>& faces = result.faces_->faces;
     faces.resize(static_cast<size_t>(cage().GetNumFaces()));
+    const FaceLimitMaker maker(*refiner, channel, values);
     tbb::parallel_for(size_t{0}, faces.size(), [&](size_t i) {
-        LimitFaces::Faces::Face& face = faces[i];
-        if (!init(static_cast<int>(i), face.surface))
+        std::optional<FaceLimit> face = maker(static_cast<int>(i));
+        if (!face)
             throw InputError(name, "face " + std::to_string(i), "one without a limit surface", "another topology");
-        face.points.resize(static_cast<size_t>(face.surface.GetNumPatchPoints()));
-        face.surface.PreparePatchPoints(numbers(values.data()), kPoints, numbers(face.points.data()), kPoints);
+        faces[i] = std::move(*face);
     });
     return result;
 }
@@ -268,16 +233,11 @@ std::vector<uint32_t> CageTopology::edge_faces(uint32_t edge) const {
 }
 
 LimitFaces CageTopology::limit(const std::vector<Vec3d>& vertices) const {
-    const Factory factory = refiner_->factory();
-    return refiner_->limit_of(
-        vertices, [&](int face, FaceSurface& surface) { return factory.InitVertexSurface(face, &surface); });
+    return refiner_->limit_of(vertices, kOfVertices);
 }
 
 LimitFaces CageTopology::uv_limit(size_t map) const {
-    const Factory factory = refiner_->factory();
-    return refiner_->limit_of(refiner_->uv_values[map], [&](int face, FaceSurface& surface) {
-        return factory.InitFaceVaryingSurface(face, &surface, static_cast<Factory::FVarID>(map));
-    });
+    return refiner_->limit_of(refiner_->uv_values[map], static_cast<int>(map));
 }
 
 FaceSquare CageTopology::corner_square(int face_size, int corner) {

@@ -15,11 +15,6 @@
 
 namespace rayleaf {
 
-/// The end patch then covers 1/64 of a face's side, and lies within 1e-7 of the face's size of the limit.
-inline constexpr int kApproximationLevels = 6;
-/// A crease that ends must be followed until it has.
-inline constexpr int kSharpLevels = 10;
-
 /// A square of a face's parameters by its corner and two sides.
 struct FaceSquare {
     Vec2d origin{0, 0}, next{0, 0}, previous{0, 0};  ///< at a corner; towards the next corner and the previous one

@@ -1,0 +1,81 @@
+// The limit of one face of a cage, for one kind of values.
+//
+// OpenSubdiv's surface of the face, as a rule. Where two faces share both edges at a vertex, OpenSubdiv 3.5 writes
+// beyond its arrays, if a border or an edge that is sharp for ever lies there as well, or a neighbour whose topology is
+// alike. Such faces are subdivided once, which moves borders and other vertices out of reach. An edge that is sharp for
+// ever and ends at that vertex stays, so the part there is subdivided on until its corners are the limit.
+#pragma once
+
+#include "geometry/face_cage.h"
+#include "splines/bezier_patch.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <opensubdiv/bfr/surface.h>
+
+namespace rayleaf {
+
+/// The end patch then covers 1/64 of a face's side, and lies within 1e-7 of the face's size of the limit.
+inline constexpr int kApproximationLevels = 6;
+/// A crease that ends must be followed until it has.
+inline constexpr int kSharpLevels = 10;
+/// Corners come four times nearer to the limit with each step: 6e-8 of the face's size then.
+inline constexpr int kMostParts = 12;
+
+class FaceLimit {
+  public:
+    FaceLimit();
+    ~FaceLimit();
+    FaceLimit(FaceLimit&&) noexcept;
+    FaceLimit& operator=(FaceLimit&&) noexcept;
+
+    /// One bicubic patch.
+    bool is_regular() const;
+    PatchPoint evaluate(const Vec2d& parameters) const;
+    Vec3d position(const Vec2d& parameters) const;
+    size_t bytes() const;
+
+  private:
+    friend class FaceLimitMaker;
+    using Surface = OpenSubdiv::Bfr::Surface<double>;
+
+    Surface surface_;
+    std::vector<Vec3d> points_;     ///< control points and what OpenSubdiv derives from them
+    std::vector<FaceLimit> parts_;  ///< one a corner of the face, each with the unit square; or none
+    std::vector<Vec3d> corners_;    ///< of a bilinear patch that ends the row of parts; or none
+    int size_ = 0;                  ///< corners of the face that has parts
+
+    struct InPart {
+        size_t part;
+        Vec2d parameters;
+    };
+    InPart part_at(const Vec2d& parameters) const;
+};
+
+/// Makes the limits of a mesh's faces; any number of threads may ask.
+class FaceLimitMaker {
+  public:
+    /// The mesh and the values, by vertex or by the channel's numbers, must live as long.
+    FaceLimitMaker(const FaceCage::Refiner& mesh, int channel, std::span<const Vec3d> values);
+    ~FaceLimitMaker();
+    FaceLimitMaker(const FaceLimitMaker&) = delete;
+    FaceLimitMaker& operator=(const FaceLimitMaker&) = delete;
+
+    /// Empty for faces without a limit.
+    std::optional<FaceLimit> operator()(int face) const;
+
+  private:
+    class Factory;
+    const FaceCage::Refiner* mesh_;
+    int channel_;
+    std::span<const Vec3d> values_;
+    std::unique_ptr<const Factory> factory_;
+
+    static std::optional<FaceLimit> in_parts(const FaceCage& cage, int steps);
+    static std::optional<FaceLimit> of_cage(const FaceCage& cage, int steps);
+};
+
+}  // namespace rayleaf
