@@ -8,18 +8,17 @@ import bpy
 import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent))
-from scene_tools import LINEAR, NodeTree, add_camera, add_lamp, link, material, save, start_empty  # noqa: E402
-
-
-def pack_image(name: str, pixels: np.ndarray, color_space: str) -> bpy.types.Image:
-    """An image data-block with these pixels, rows bottom to top, packed into the file."""
-    height, width = pixels.shape[:2]
-    image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=color_space == LINEAR)
-    image.colorspace_settings.name = color_space
-    rgba = np.concatenate([pixels, np.ones((height, width, 1))], axis=2)
-    image.pixels.foreach_set(rgba.astype(np.float32).ravel())
-    image.pack()
-    return image
+from scene_tools import (
+    LINEAR,
+    NodeTree,
+    add_camera,
+    add_lamp,
+    link,
+    material,
+    pack_image,
+    save,
+    start_empty,
+)  # noqa: E402
 
 
 def sky_pixels() -> np.ndarray:

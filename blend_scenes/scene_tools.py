@@ -303,6 +303,17 @@ def color_ramp(tree: NodeTree, factor: Any, stops: Sequence[tuple[float, Triple]
     return node
 
 
+def pack_image(name: str, pixels: NDArray[np.float64], color_space: str) -> Any:
+    """An image data-block with these pixels, rows bottom to top, packed into the file."""
+    height, width = pixels.shape[:2]
+    image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=color_space == LINEAR)
+    image.colorspace_settings.name = color_space
+    rgba = np.concatenate([pixels, np.ones((height, width, 1))], axis=2)
+    image.pixels.foreach_set(rgba.astype(np.float32).ravel())
+    image.pack()
+    return image
+
+
 def plain_world(color: Triple, strength: float = 1.0) -> None:
     """A world of one colour."""
     world = bpy.data.worlds.new("World")

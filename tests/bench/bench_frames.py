@@ -1,7 +1,7 @@
 """Whole frames beside Cycles: seconds, error, seconds at equal error, memory.
 
-./rayleaf bench frames [SCENE ...]: every scene of blend_scenes, or those named; files too. The table's caption says
-what is measured, rayleaf/report/frames.py how.
+./rayleaf bench frames [SCENE ...]: every scene of blend_scenes and three larger ones, or those named; files too. The
+table's caption says what is measured, rayleaf/report/frames.py how.
 """
 
 import argparse
@@ -80,8 +80,7 @@ def measured(found: list[str], scenes: FrameScenes, by: Ruler) -> list[list[Fram
     print("\n".join(frame_table.text_lines([frame_table.HEAD], width)), flush=True)
     done: list[list[Frame]] = []
     for name in found:
-        file = scenes.file(name) if name in scenes.names() else Path(name).resolve()
-        for frames in by.scene(file):
+        for frames in by.scene(scenes.file(name)):
             print("\n".join(frame_table.text_lines(frame_table.rows(frames), width)), flush=True)
             done.append(frames)
     return done

@@ -63,5 +63,9 @@ def test_the_report_of_a_file_holds_its_tables_plots_and_pictures(run_blender, a
     assert "Primitive of bevelled curves" in swept and "Primitive of strands" not in swept
     text = (folder / "report.html").read_text()
     assert text.count("<svg") >= 1 and text.count("data:image/png") >= 6
+    frames = figures["frames"]["cube"]
+    assert [frame["contender"] for frame in frames] == ["Cycles", "Rayleaf, off", "Rayleaf, auto", "Rayleaf, on"]
+    assert all(frame["problem"] == "" and frame["rmse"] >= 0 for frame in frames)
+    assert text.index("Whole frames beside Cycles") < text.index("Samples: 1 sample")
     assert "Not in this version" not in text, "a setting is tried that the add-on does not have"
     assert (folder / "frontier.csv").read_text().count("\n") == len(rows) + 1

@@ -9,6 +9,8 @@ from rayleaf.report import converged, frame_scenes, frame_table, frames, points
 from rayleaf.report.errors import compare
 from rayleaf.report.frames import Frame, Plan, Ruler, check_alike, different_limits
 from rayleaf.report.measure import Conditions
+from rayleaf.report.parts import Part
+from rayleaf.report.run_report import Planned, Report
 
 TOLD = {"samples": 16, "threads": 2, "persistent data": False, **dict.fromkeys(points.LIMITS, 4)}
 
@@ -187,3 +189,15 @@ def test_a_large_scene_is_made_once_for_what_its_script_says(tmp_path, monkeypat
     (helpers / "scene_tools.py").write_text("helper")
     frame_scenes.kept("/bin/true", script, helpers, tmp_path / "scenes")
     assert len(made) == 3
+
+
+def test_the_reports_first_table_is_of_whole_frames(tmp_path):
+    pair = [asdict(frame("CYCLES", 1.0, 0.01)), asdict(frame("RAYLEAF", 2.0, 0.02, "Rayleaf, off"))]
+    shown = Report(tmp_path, "introduction", {}, None, plan=Plan(counts=(16,)))
+    shown.add(Planned("Sheet", lambda: Part("<table>of the sheet</table>")))
+    assert "Whole frames beside Cycles" not in (tmp_path / "report.html").read_text()
+    shown.add(Planned("Frames: sheet", lambda: Part("", {"frames": {"sheet": json.loads(json.dumps(pair))}})))
+    text = (tmp_path / "report.html").read_text()
+    assert text.index("Rayleaf, off") < text.index("of the sheet")
+    assert all(f"<th>{name}</th>" in text for name in frame_table.HEAD)
+    assert json.loads((tmp_path / "report.json").read_text())["frames"]["sheet"][1]["second"] == [2.0, 2.5]

@@ -40,11 +40,15 @@ class FrameScenes:
         scripts = sorted((root / "tests" / "bench").glob("make_*.py"))
         self._scripts = {path.stem.removeprefix("make_"): path for path in scripts}
 
-    def names(self) -> list[str]:
-        return [*self._files, *self._scripts]
+    def names(self, with_large: bool = True) -> list[str]:
+        return [*self._files, *(self._scripts if with_large else ())]
+
+    def source(self, name: str) -> Path:
+        """What a scene depends on: its file, or the script that makes it. A name that is none of these is a file's."""
+        return self._files.get(name) or self._scripts.get(name) or Path(name).resolve()
 
     def file(self, name: str) -> Path:
         """A scene's file, made if need be. Raises RuntimeError if that fails."""
-        if name in self._files:
-            return self._files[name]
-        return kept(self._blender, self._scripts[name], self._helpers, self._folder)
+        if name in self._scripts:
+            return kept(self._blender, self._scripts[name], self._helpers, self._folder)
+        return self.source(name)

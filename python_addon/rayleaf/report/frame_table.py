@@ -13,14 +13,14 @@ _FORMATS = ("{}", "{}", "{}", "{:.2f}", "{:.2f}", "{:.2f}", "{:.2f}", "{:.4f}", 
 def caption(plan: Plan) -> str:
     """What the figures are."""
     return (
-        f"{plan.percentage} % of each file's resolution, {plan.threads} threads. Seconds are of a whole frame, export and building "
-        f"included, the least of {plan.rounds} in turn: the first render in a fresh Blender, and the second in the same. "
-        "Cycles on the CPU, without denoiser and adaptive sampling; light path limits as the file has them. "
+        f"{plan.percentage} % of each file's resolution, {plan.threads} threads. Seconds are of a whole frame, export and "
+        f"building included, the least of {plan.rounds} in turn: the first render in a fresh Blender, and the second in "
+        "the same. Cycles on the CPU, without denoiser and adaptive sampling; light path limits as the file has them. "
         "Rayleaf with ray interpolation off, on Auto and On. Ratio: Cycles' time over ours; above 1 Rayleaf is faster. "
-        f"Error: root mean square in display RGB against the engine's own picture with {plan.converged_count} samples and "
-        "other random numbers, interpolation off. Ratio at equal error: error falls as one over the root of the samples, so "
-        "the second render's ratio times (Cycles' error over ours) squared, from the errors measured. "
-        "MB: the most that Blender held above what it held with the file just opened."
+        "Error: root mean square in display RGB against the engine's own picture with "
+        f"{plan.converged_count} samples and other random numbers, interpolation off. Ratio at equal error: error falls "
+        "as one over the root of the samples, so the second render's ratio times (Cycles' error over ours) squared, from "
+        "the errors measured. MB: the most that Blender held above what it held with the file just opened."
     )
 
 

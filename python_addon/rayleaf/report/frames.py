@@ -20,8 +20,8 @@ from .measure import Conditions, render
 from .points import Point
 
 FIRST_AND_SECOND = 2  # renders in one Blender
-# So many samples more than the most that is measured. A reference with n times the samples adds 1/n to the squared error
-# of either engine: the quotient of their errors does not see it.
+# So many samples more than the most that is measured. A reference with n times the samples adds 1/n to the squared
+# error of either engine: the quotient of their errors does not see it.
 _CONVERGED_FACTOR = 4
 
 

@@ -22,6 +22,7 @@ from typing import Any
 
 from . import (
     curve_primitives,
+    frame_table,
     gallery,
     machine,
     page,
@@ -32,6 +33,8 @@ from . import (
     source_pictures,
     stability,
 )
+from .frame_scenes import FrameScenes
+from .frames import Frame, Plan, ruler
 from .measure import Measurement, measure
 from .parts import KeptParts, Part, mark, now, state
 from .points import Point
@@ -51,10 +54,15 @@ class Extent:
     resolutions: tuple[int, ...]  # Resolution U/V of Blender's mesh, for silhouettes
     primitive_count: int  # samples, of the comparison of primitives
     bench_size: str  # how `rayleaf bench` is told
+    frames: Plan  # beside Cycles
+    large_frames: bool  # also of scenes that scripts make
 
 
-FULL = Extent(128, (1, 4, 16, 64), 256, (0.02, 0.005, 0.00125), 3, 16, (1, 2, 4, 8, 16, 32, 64), 16, "--small")
-QUICK = Extent(64, (1, 4), 64, (0.005,), 1, 4, (1, 4), 1, "--quick")
+FULL = Extent(
+    *(128, (1, 4, 16, 64), 256, (0.02, 0.005, 0.00125), 3, 16, (1, 2, 4, 8, 16, 32, 64), 16, "--small"),
+    *(Plan(), True),
+)
+QUICK = Extent(64, (1, 4), 64, (0.005,), 1, 4, (1, 4), 1, "--quick", Plan(counts=(1,), percentage=10), False)
 
 
 def tried_points(extent: Extent) -> list[Point]:
@@ -102,6 +110,24 @@ def scene_section(file: Path, measurement: Measurement, pictures: str) -> str:
     return page.section(file.stem, *parts)
 
 
+def frames_section(scenes: dict[str, list[dict[str, Any]]], plan: Plan) -> str:
+    """Whole frames beside Cycles, as far as they are measured; empty without any."""
+    measured = [[Frame(**row) for row in rows] for rows in scenes.values()]
+    by_count = [
+        [frame for frame in frames if frame.samples == count] for frames in measured for count in plan.counts if frames
+    ]
+    rows = [row for frames in by_count for row in frame_table.rows(frames)]
+    remarks = dict.fromkeys(line for frames in by_count for line in frame_table.remarks(frames))
+    if not rows:
+        return ""
+    return page.section(
+        "Whole frames beside Cycles",
+        page.paragraph(frame_table.caption(plan)),
+        page.table(frame_table.HEAD, rows),
+        *(page.paragraph(line, "note") for line in remarks),
+    )
+
+
 def source_table(table: SourceTable) -> str:
     """A source's figures as printed."""
     return page.section(table.title, page.table(table.head, table.rows), page.paragraph(table.remark, "note"), level=3)
@@ -131,6 +157,13 @@ def stability_part(root: Path, folder: Path, quick: bool) -> Part:
     """What the tests of stability measure."""
     lines, summary = stability.measure(root, folder, quick)
     return Part(stability.section(lines, summary), {"stability": {"summary": summary, "checks": lines}})
+
+
+def frames_part(options: argparse.Namespace, extent: Extent, scenes: FrameScenes, name: str) -> Part:
+    """One scene's lines of the first table; that stands above all parts."""
+    by = ruler(options.blender, extent.frames, options.output / "converged", lambda line: None, options.again)
+    rows = [asdict(frame) for frames in by.scene(scenes.file(name)) for frame in frames]
+    return Part("", {"frames": {Path(name).stem: rows}})
 
 
 def file_part(options: argparse.Namespace, extent: Extent, file: Path) -> Part:
@@ -171,6 +204,7 @@ class Report:
     circumstances: str | None  # what all parts depend on; None: nobody knows, so nothing is kept
     only: list[str] = field(default_factory=list)  # anchors of parts to make, again if they are there; empty: all
     again: bool = False  # nothing that was kept is taken
+    plan: Plan = field(default_factory=Plan)  # of whole frames
     parts: dict[str, Part] = field(default_factory=dict)
     failed: dict[str, str] = field(default_factory=dict)  # title -> why
 
@@ -219,7 +253,9 @@ class Report:
         """The page, and its figures as CSV and JSON."""
         broken = [page.section(title, page.paragraph(f"Failed: {why}", "note")) for title, why in self.failed.items()]
         made = (part.html for part in self.parts.values())
-        html = page.page("Rayleaf: error against run time", self.introduction, *made, *broken, self.duration())
+        frames = self.figures("frames")
+        first = frames_section(frames, self.plan)
+        html = page.page("Rayleaf: error against run time", self.introduction, first, *made, *broken, self.duration())
         (self.folder / "report.html").write_text(html, encoding="utf-8")
         scenes = self.figures("scenes")
         write_csv(self.folder / "frontier.csv", scenes)
@@ -228,6 +264,7 @@ class Report:
             "seconds": {title: part.seconds for title, part in self.parts.items()},
             "benchmarks": self.figures("benchmarks"),
             "stability": self.figures("stability"),
+            "frames": frames,
             "scenes": scenes,
         }
         (self.folder / "report.json").write_text(json.dumps(plain, indent=2) + "\n", encoding="utf-8")
@@ -236,8 +273,9 @@ class Report:
 def introduction(described: dict[str, str], extent: Extent) -> str:
     """What the figures are and what they depend on."""
     words = (
-        f"Pictures {extent.width} pixels wide. Times are of whole frames, export included: the median of up to {extent.repeats}. "
-        f"Errors are against the same engine with {extent.reference_count} samples and other random numbers, in display RGB "
+        f"Of whole frames the table says what they are. All else: pictures {extent.width} pixels wide, times of whole "
+        f"frames, export included, the median of up to {extent.repeats}. Errors are against the same engine with "
+        f"{extent.reference_count} samples and other random numbers, in display RGB "
         "clipped to [0, 1]: mean and largest Euclidean distance, root mean square, 99th percentile, SSIM. "
         "'Shortcut alone' compares with equal random numbers without the shortcut, so no noise is in it. "
         "MB is the peak of the process above what it used before."
@@ -257,12 +295,23 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
+def planned_frames(options: argparse.Namespace, extent: Extent) -> list[Planned]:
+    """Whole frames beside Cycles: of the files that were named, else of all scenes."""
+    scenes = FrameScenes(options.root, options.blender, options.output / "scenes")
+    names = [str(file) for file in options.file] or scenes.names(with_large=extent.large_frames)
+    return [
+        Planned(f"Frames: {Path(name).stem}", partial(frames_part, options, extent, scenes, name), scenes.source(name))
+        for name in names
+    ]
+
+
 def planned_parts(options: argparse.Namespace, extent: Extent) -> list[Planned]:
     """The scenes; without files, also what is about Rayleaf and not about a file: the sources' pictures, outlines,
     benchmarks, stability."""
     blender, scenes, folder = options.blender, options.root / "blend_scenes", options.output
     files = options.file or sorted(scenes.glob("*.blend"))
-    found = [Planned(file.stem, partial(file_part, options, extent, file), file) for file in files]
+    found = planned_frames(options, extent)
+    found += [Planned(file.stem, partial(file_part, options, extent, file), file) for file in files]
     if options.file:
         return found
     width, repeats = extent.width, extent.repeats
@@ -298,7 +347,9 @@ def main() -> int:
     if unknown := [name for name in only if name not in names]:
         sys.stderr.write(f"rayleaf: report: there is no part {', '.join(unknown)}; there are: {', '.join(names)}\n")
         return 2
-    report = Report(options.output, introduction(described, extent), described, same, only, options.again)
+    report = Report(
+        options.output, introduction(described, extent), described, same, only, options.again, extent.frames
+    )
     for each in planned:
         report.add(each)
     sys.stderr.write(f"rayleaf: report: {options.output / 'report.html'}\n")
