@@ -2,19 +2,12 @@
 
 #include <algorithm>
 #include <cstring>
-#include <thread>
 
 namespace rayleaf {
 namespace {
 
 /// What the bits of a CellRef can address.
 constexpr uint64_t kMostUnits = uint64_t{1} << (32 - kVerdictBits);
-
-/// Where a thread begins to look for a place: spread, and the same each time.
-size_t first_place(size_t count) {
-    thread_local const size_t hash = std::hash<std::thread::id>()(std::this_thread::get_id());
-    return (hash ^ (hash >> 12)) % count;
-}
 
 CellRef ref_of(CellVerdict verdict, uint64_t unit) {
     return static_cast<CellRef>(unit << kVerdictBits) | static_cast<CellRef>(verdict);
@@ -65,28 +58,21 @@ void CellBlock::clear() {
     leaves_.store(0, std::memory_order_relaxed);
 }
 
-CellStore::CellStore(uint64_t bytes)
-    : blocks_{CellBlock(bytes / 2), CellBlock(bytes / 2)}, places_(new Place[kMostReaders + 1]) {}
+CellStore::CellStore(uint64_t bytes) : blocks_{CellBlock(bytes / 2), CellBlock(bytes / 2)} {}
 
-CellStore::Reader::Reader(CellStore& store) : store_(store), counts_(&store.places_[kMostReaders].counts) {
-    const size_t first = first_place(kMostReaders);
-    for (size_t i = 0; i < kMostReaders && place_ < 0; ++i) {
-        const size_t place = (first + i) % kMostReaders;
-        uint64_t free = kNotReading;
-        // The epoch announced may be older than the one that the state below belongs to: that only keeps more.
-        if (store.places_[place].epoch.compare_exchange_strong(free, store.epoch_.load()))
-            place_ = static_cast<int>(place);
-    }
-    if (place_ < 0) return;
-    counts_ = &store.places_[place_].counts;
+CellStore::Reader::Reader(CellStore& store)
+    : store_(store),
+      thread_(store.threads_.local()),
+      outermost_(thread_.epoch.load(std::memory_order_relaxed) == kNotReading) {
+    // The epoch announced may be older than the one that the state below belongs to: that only keeps more.
+    if (outermost_) thread_.epoch.store(store.epoch_.load());
     const uint32_t state = store.state_.load();
     current_ = &store.blocks_[state & kCurrentBit];
     if ((state & kHasOlder) != 0) older_ = &store.blocks_[1 - (state & kCurrentBit)];
 }
 
 CellStore::Reader::~Reader() {
-    if (place_ < 0) return;
-    store_.places_[place_].epoch.store(kNotReading, std::memory_order_release);
+    if (outermost_) thread_.epoch.store(kNotReading, std::memory_order_release);
     if (full_) store_.exchange();
 }
 
@@ -100,7 +86,7 @@ void CellStore::exchange() {
         forgotten_since_ = epoch_.fetch_add(1) + 1;
     }
     bool unknown = true;
-    for (int i = 0; i < kMostReaders && unknown; ++i) unknown = places_[i].epoch.load() >= forgotten_since_;
+    threads_.for_each([&](const Thread& thread) { unknown &= thread.epoch.load() >= forgotten_since_; });
     if (unknown) {
         const uint32_t other = 1 - (state & kCurrentBit);
         uint64_t most = most_bytes_.load(std::memory_order_relaxed);
@@ -120,13 +106,15 @@ uint64_t CellStore::bytes() const {
 
 uint64_t CellStore::answers(size_t kind) const {
     uint64_t sum = 0;
-    for (int i = 0; i <= kMostReaders; ++i) sum += places_[i].counts.answers[kind].load(std::memory_order_relaxed);
+    threads_.for_each(
+        [&](const Thread& thread) { sum += thread.counts.answers[kind].load(std::memory_order_relaxed); });
     return sum;
 }
 
 uint64_t CellStore::samples_taken() const {
     uint64_t sum = 0;
-    for (int i = 0; i <= kMostReaders; ++i) sum += places_[i].counts.samples_taken.load(std::memory_order_relaxed);
+    threads_.for_each(
+        [&](const Thread& thread) { sum += thread.counts.samples_taken.load(std::memory_order_relaxed); });
     return sum;
 }
 

@@ -11,13 +11,14 @@
 // it makes no difference to an answer.
 #pragma once
 
+#include "base/cache_line.h"
 #include "base/large_memory.h"
+#include "base/thread_states.h"
 #include "ri_tree/cell_judge.h"
 
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <optional>
 
 namespace rayleaf {
@@ -31,7 +32,8 @@ inline CellVerdict verdict_of(CellRef ref) {
 
 /// Cells are tested at every fourth depth, so a node has sixteen children; one line of the processor's cache.
 inline constexpr int kNodeChildren = 16;
-struct alignas(64) CellNode {
+struct alignas(kCacheLine) CellNode {
+    /// Each publishes a node or leaf (release, when it is stored), to who goes down to it (acquire).
     std::array<std::atomic<CellRef>, kNodeChildren> children;
 };
 
@@ -60,8 +62,11 @@ class CellBlock {
   private:
     LargeMemory memory_;
     uint64_t capacity_ = 0;  ///< in units of a node, as all that follows
-    std::atomic<uint64_t> used_{0}, nodes_{0}, leaves_{0};
+    /// As the children of a node.
     std::array<std::atomic<CellRef>, kLineDirections> roots_{};
+    /// Written with every node and leaf, while others read the roots.
+    alignas(kCacheLine) std::atomic<uint64_t> used_{0};
+    std::atomic<uint64_t> nodes_{0}, leaves_{0};
 
     std::optional<uint64_t> take(uint64_t units);
 };
@@ -72,10 +77,12 @@ struct CellCounts {
 };
 
 class CellStore {
+    struct Thread;
+
   public:
     explicit CellStore(uint64_t bytes);
 
-    /// A thread's leave to read and add, for a short time. Blocks are null where there is none.
+    /// A thread's leave to read and add, for a short time; one within another of the same thread knows what that knows.
     class Reader {
       public:
         explicit Reader(CellStore& store);
@@ -84,17 +91,18 @@ class CellStore {
         Reader& operator=(const Reader&) = delete;
 
         CellBlock* current() const { return current_; }
+        /// Null where there is none.
         CellBlock* older() const { return older_; }
         /// This reader's own.
-        CellCounts& counts() const { return *counts_; }
+        CellCounts& counts() const { return thread_.counts; }
         /// Told that there was no room.
         void found_no_room() { full_ = true; }
 
       private:
         CellStore& store_;
-        int place_ = -1;
+        Thread& thread_;
         CellBlock *current_ = nullptr, *older_ = nullptr;
-        CellCounts* counts_;
+        bool outermost_;
         bool full_ = false;
     };
 
@@ -107,23 +115,26 @@ class CellStore {
     uint64_t samples_taken() const;
 
   private:
-    /// Threads that read at the same time. More than that work without the store.
-    static constexpr int kMostReaders = 128;
     static constexpr uint64_t kNotReading = ~uint64_t{0};
     static constexpr uint32_t kCurrentBit = 1, kHasOlder = 2;
 
-    struct alignas(64) Place {
+    struct Thread {
+        /// Announces that blocks known in this epoch are read, before `state_` is; kNotReading: none are (release: what
+        /// was read has been read). To exchange(), which empties no block that may be known. All of this pairs through
+        /// one order of all: epoch, then state, here; state, then `epoch_`, then all threads' epochs there.
         std::atomic<uint64_t> epoch{kNotReading};
         CellCounts counts;
     };
 
     std::array<CellBlock, 2> blocks_;
+    /// Which block is current, and whether the other is known; publishes that the current one has been emptied.
     std::atomic<uint32_t> state_{0};
     std::atomic<uint64_t> epoch_{0};
-    std::atomic<bool> exchanging_{false};
+    ThreadStates<Thread> threads_;
+    /// Taken by one thread at a time (acquire) that lets it go (release); holds `forgotten_since_` too.
+    alignas(kCacheLine) std::atomic<bool> exchanging_{false};
+    uint64_t forgotten_since_ = 0;  ///< readers of this epoch and later do not know the block that is not current
     std::atomic<uint64_t> exchanges_{0}, most_bytes_{0};
-    std::unique_ptr<Place[]> places_;  ///< one more than readers: shared by those that found none
-    uint64_t forgotten_since_ = 0;     ///< readers of this epoch and later do not know the block that is not current
 
     void exchange();
 };

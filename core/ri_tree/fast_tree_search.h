@@ -1,6 +1,7 @@
 // What one thread holds while it asks the fast tree.
 #pragma once
 
+#include "base/cache_line.h"
 #include "ri_tree/fast_tree.h"
 
 namespace rayleaf {
@@ -52,7 +53,6 @@ struct FastTree::Found {
 /// on their way at once (more than the first has room to wait for).
 template <int kLevel>
 void prefetch(const CellLeaf& leaf) {
-    constexpr size_t kCacheLine = 64;
     // What a mirror's leaf takes; of larger ones the processor fetches the rest itself.
     constexpr size_t kBytes = offsetof(CellLeaf, coefficients) + size_t{kCubicTerms} * 3 * sizeof(float);
     const auto* bytes = reinterpret_cast<const std::byte*>(&leaf);

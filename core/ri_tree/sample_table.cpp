@@ -10,7 +10,6 @@ namespace {
 constexpr uint64_t kFirstPlaces = 1024;
 /// A sample is told by one of so many neighbouring places.
 constexpr uint64_t kProbes = 4;
-constexpr size_t kCacheLine = 64;
 /// The table grows when it is filled by more than 5/8, to four times its size.
 constexpr uint64_t kGrowth = 4, kFullNumerator = 5, kFullDenominator = 8;
 /// A chunk has at least so many samples.
@@ -38,10 +37,28 @@ uint32_t number_of(uint64_t entry) {
     return static_cast<uint32_t>(entry);
 }
 
+/// The only one at something, as long as it lives; or not, where another is.
+class OnlyOne {
+  public:
+    explicit OnlyOne(std::atomic<bool>& taken) : taken_(taken), is_(!taken.exchange(true, std::memory_order_acquire)) {}
+    ~OnlyOne() {
+        if (is_) taken_.store(false, std::memory_order_release);
+    }
+    OnlyOne(const OnlyOne&) = delete;
+    OnlyOne& operator=(const OnlyOne&) = delete;
+
+    explicit operator bool() const { return is_; }
+
+  private:
+    std::atomic<bool>& taken_;
+    bool is_;
+};
+
 }  // namespace
 
 /// Followed by the values, then their changes.
 struct SampleTable::Slot {
+    /// Who sets it (acquire) may read and write the slot, and sees what was written before it was reset (release).
     mutable std::atomic<bool> busy{false};
     SampleClass sample_class;
     LatticePoint point;
@@ -53,9 +70,10 @@ struct SampleTable::Slot {
 };
 
 struct SampleTable::Table {
-    uint64_t size;  ///< a power of two
-    mutable std::atomic<uint64_t> filled{0};
+    uint64_t size = 0;  ///< a power of two
+    /// An entry publishes that its number's slot is there, and what `held_` is (release, to acquire in find and grow).
     std::unique_ptr<std::atomic<Entry>[]> places;
+    alignas(kCacheLine) mutable std::atomic<uint64_t> filled{0};
 
     std::atomic<Entry>& place(uint64_t number) const { return places[number & (size - 1)]; }
     void tell(std::atomic<Entry>& place, Entry entry) const {
@@ -143,36 +161,53 @@ bool SampleTable::find(const Key& key, FastSample& sample) const {
     return false;
 }
 
-bool SampleTable::make_chunk(uint64_t chunk) {
-    if (chunks_[chunk].load(std::memory_order_acquire)) return true;
-    const uint64_t more = chunk_slots_ * slot_bytes_;
-    if (bytes_.fetch_add(more, std::memory_order_relaxed) + more <= most_bytes_) {
-        std::unique_ptr<std::byte[]> made(new (std::nothrow) std::byte[more]);
-        std::byte* before = nullptr;
-        for (uint64_t i = 0; made && i < chunk_slots_; ++i) new (static_cast<void*>(&made[i * slot_bytes_])) Slot;
-        if (made && chunks_[chunk].compare_exchange_strong(before, made.get(), std::memory_order_acq_rel)) {
-            made.release();
-            return true;
-        }
-        bytes_.fetch_sub(more, std::memory_order_relaxed);
-        return before != nullptr;
-    }
-    bytes_.fetch_sub(more, std::memory_order_relaxed);
-    return false;
+bool SampleTable::reserve(uint64_t bytes) {
+    uint64_t before = bytes_.load(std::memory_order_relaxed);
+    do {
+        if (bytes > most_bytes_ || before > most_bytes_ - bytes) return false;
+    } while (!bytes_.compare_exchange_weak(before, before + bytes, std::memory_order_relaxed));
+    return true;
 }
 
-/// Counts on: numbers beyond what memory holds stand for the places of the oldest. Empty if there is no memory at all.
-std::optional<uint32_t> SampleTable::take_number() {
-    const auto number = static_cast<uint32_t>(next_.fetch_add(1, std::memory_order_relaxed));
-    uint64_t held = held_.load(std::memory_order_relaxed);
-    if (held == kNotFull) {
-        const uint64_t chunk = number / chunk_slots_;
-        if (chunk < kMostChunks && make_chunk(chunk)) return number;
-        if (held_.compare_exchange_strong(held, chunk * chunk_slots_, std::memory_order_relaxed))
-            held = chunk * chunk_slots_;
+/// The next chunk. Its maker alone calls it.
+bool SampleTable::make_chunk(uint64_t chunk) {
+    const uint64_t more = chunk_slots_ * slot_bytes_;
+    if (chunk >= kMostChunks || !reserve(more)) return false;
+    auto* made = new (std::nothrow) std::byte[more];
+    if (!made) {
+        bytes_.fetch_sub(more, std::memory_order_relaxed);
+        return false;
     }
-    if (held == 0) return std::nullopt;
-    return number;
+    for (uint64_t i = 0; i < chunk_slots_; ++i) new (static_cast<void*>(made + i * slot_bytes_)) Slot;
+    chunks_[chunk].store(made, std::memory_order_release);
+    return true;
+}
+
+/// Whether a number that is the next has a slot, which may be made for it. If not, memory holds none at all, or another
+/// thread is making it.
+bool SampleTable::has_slot(uint64_t number) {
+    const uint64_t chunk = number / chunk_slots_;
+    const auto is_made = [&] {
+        return chunk < kMostChunks && chunks_[chunk].load(std::memory_order_acquire) != nullptr;
+    };
+    if (is_made()) return true;
+    if (held_.load(std::memory_order_relaxed) == kNotFull) {
+        const OnlyOne maker(making_chunk_);
+        if (!maker) return false;
+        // Numbers are only taken where slots are, so all chunks before this one are there.
+        const bool is_decided = is_made() || held_.load(std::memory_order_relaxed) != kNotFull;
+        if (!is_decided && !make_chunk(chunk)) held_.store(chunk * chunk_slots_, std::memory_order_relaxed);
+    }
+    return held_.load(std::memory_order_relaxed) > 0;
+}
+
+/// Counts on: numbers beyond what memory holds stand for the places of the oldest. Empty if there is none for it.
+std::optional<uint32_t> SampleTable::take_number() {
+    uint64_t number = next_.load(std::memory_order_relaxed);
+    do {
+        if (!has_slot(number)) return std::nullopt;
+    } while (!next_.compare_exchange_weak(number, number + 1, std::memory_order_relaxed));
+    return static_cast<uint32_t>(number);
 }
 
 /// How many samples ago a number was taken.
@@ -217,26 +252,26 @@ void SampleTable::put(const Key& key, const FastSample& sample) {
 
 /// A larger table, with what the last one holds; unless another thread is at it, or memory is at its limit.
 void SampleTable::grow() {
-    if (growing_.exchange(true, std::memory_order_acquire)) return;
+    const OnlyOne grower(growing_);
+    if (!grower) return;
     const int current = current_.load(std::memory_order_relaxed);
     const uint64_t size = current < 0 ? kFirstPlaces : kGrowth * tables_[current]->size;
     const uint64_t more = size * sizeof(Entry);
-    if (current + 1 < kMostTables && bytes() + more <= most_bytes_) {
-        auto table = std::make_unique<Table>();
-        table->size = size;
-        table->places.reset(new (std::nothrow) std::atomic<Entry>[size]());
-        if (table->places) {
-            for (uint64_t i = 0; current >= 0 && i < tables_[current]->size; ++i) {
-                const Entry entry = tables_[current]->places[i].load(std::memory_order_acquire);
-                const bool is_held = entry != 0 && age_of(number_of(entry)) <= held_.load(std::memory_order_relaxed);
-                if (is_held) table->tell(place_for(*table, mark_of(entry)), entry);
-            }
-            bytes_.fetch_add(more, std::memory_order_relaxed);
-            tables_[current + 1] = std::move(table);
-            current_.store(current + 1, std::memory_order_release);
-        }
+    if (current + 1 == kMostTables || !reserve(more)) return;
+    std::unique_ptr<Table> table(new (std::nothrow) Table);
+    if (table) table->places.reset(new (std::nothrow) std::atomic<Entry>[size]());
+    if (!table || !table->places) {
+        bytes_.fetch_sub(more, std::memory_order_relaxed);
+        return;
     }
-    growing_.store(false, std::memory_order_release);
+    table->size = size;
+    for (uint64_t i = 0; current >= 0 && i < tables_[current]->size; ++i) {
+        const Entry entry = tables_[current]->places[i].load(std::memory_order_acquire);
+        const bool is_held = entry != 0 && age_of(number_of(entry)) <= held_.load(std::memory_order_relaxed);
+        if (is_held) table->tell(place_for(*table, mark_of(entry)), entry);
+    }
+    tables_[current + 1] = std::move(table);
+    current_.store(current + 1, std::memory_order_release);
 }
 
 }  // namespace rayleaf

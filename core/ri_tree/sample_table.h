@@ -8,6 +8,7 @@
 // neighbouring cells will ask for. (Any sample making way, told by chance, an orbit traced twice as many.)
 #pragma once
 
+#include "base/cache_line.h"
 #include "ri_tree/fast_sample.h"
 
 #include <algorithm>
@@ -57,23 +58,34 @@ class SampleTable {
     static constexpr uint64_t kMostChunks = 4096;
     static constexpr uint64_t kNotFull = ~uint64_t{0};
 
+    // Read by whoever looks for a sample.
     size_t values_, changes_;
     size_t slot_bytes_;
     uint64_t most_bytes_;
     uint64_t chunk_slots_;
     std::unique_ptr<Table> tables_[kMostTables];
+    /// Each publishes the slots of a chunk (release), to who reads it for a slot's address (acquire).
     std::unique_ptr<std::atomic<std::byte*>[]> chunks_;
+    /// Publishes tables_[current_] with what it tells (release), to `current()` (acquire).
     std::atomic<int> current_{-1};
-    std::atomic<bool> growing_{false};
-    std::atomic<uint64_t> next_{0}, bytes_{0};
-    std::atomic<uint64_t> held_{kNotFull};  ///< what memory holds, once it is full
+    /// What memory holds, once it is full: so many slots, all of them there. Changes once, before any number that it
+    /// concerns is taken, so whoever has such a number by an entry (acquire) sees it too.
+    std::atomic<uint64_t> held_{kNotFull};
+    // Written with every sample.
+    alignas(kCacheLine) std::atomic<uint64_t> next_{
+        0};  ///< number of the next sample; its slot is there or full memory
+    std::atomic<uint64_t> bytes_{0};
+    /// Each taken by one thread at a time (acquire) that lets it go (release): what it made is seen by the next.
+    std::atomic<bool> growing_{false}, making_chunk_{false};
 
     const Table* current() const;
     Slot* slot_at(uint32_t number) const;
     std::optional<uint32_t> take_number();
     uint32_t age_of(uint32_t number) const;
     std::atomic<Entry>& place_for(const Table& table, uint32_t mark) const;
+    bool has_slot(uint64_t number);
     bool make_chunk(uint64_t chunk);
+    bool reserve(uint64_t bytes);
     void read(const Slot& slot, FastSample& sample) const;
     void write(Slot& slot, const Key& key, const FastSample& sample) const;
     void grow();

@@ -56,7 +56,7 @@ void dice(const Dicer& dicer, uint32_t subpatch, StepGrid& grid) {
 }  // namespace
 
 /// What a thread has of its own: room to dice without the cache, and its counters.
-struct alignas(64) GeometryCache::ThreadState {
+struct GeometryCache::ThreadState {
     union {
         Grid fine;
         StepGrid steps;
@@ -75,8 +75,9 @@ struct alignas(64) GeometryCache::ThreadState {
     /// By kind, slots that no one sees.
     std::array<uint32_t, GridArena::kKinds> spares;
     Counter splits, part_bytes;
+    ReaderEpochs::Reader& reader;
 
-    ThreadState() {
+    explicit ThreadState(ReaderEpochs& epochs) : reader(epochs.reader()) {
         recent_keys.fill(GridArena::kNone);
         spares.fill(GridArena::kNone);
     }
@@ -118,7 +119,7 @@ GeometryCache::GeometryCache(const GeometryCacheSettings& settings, uint32_t sub
     // Workers, and the thread that waits for them and works too.
     const uint64_t threads = uint64_t{std::thread::hardware_concurrency()} + 1;
     const uint64_t fixed = sizeof(*this) + sizeof(GridArena) +
-                           threads * (sizeof(ThreadState) + sizeof(ThreadState::parts) / sizeof(void*) * sizeof(Grid));
+                           threads * (thread_bytes() + sizeof(ThreadState::parts) / sizeof(void*) * sizeof(Grid));
     uint64_t left = settings.mode == CacheMode::None ? 0 : settings.budget - std::min(settings.budget, fixed);
     if (seen_bytes() <= settings.budget / kSeenShare) {
         seen_ = ZeroedArray<std::atomic<uint64_t>>(seen_bytes() / sizeof(uint64_t));
@@ -130,20 +131,14 @@ GeometryCache::GeometryCache(const GeometryCacheSettings& settings, uint32_t sub
     arena_ = std::make_unique<GridArena>(left, subpatch_count);
 }
 
-GeometryCache::~GeometryCache() {
-    for (std::atomic<ThreadState*>& state : states_) delete state.load(std::memory_order_acquire);
+GeometryCache::~GeometryCache() = default;
+
+uint64_t GeometryCache::thread_bytes() {
+    return ThreadStates<ThreadState>::state_bytes() + ReaderEpochs::reader_bytes();
 }
 
 uint64_t GeometryCache::seen_bytes() const {
     return (uint64_t{subpatch_count_} * kStoredLevels / 64 + 1) * sizeof(uint64_t);
-}
-
-GeometryCache::ThreadState* GeometryCache::state_of(int reader) const {
-    ThreadState* state = states_[reader].load(std::memory_order_acquire);
-    if (state) return state;
-    state = new ThreadState;
-    states_[reader].store(state, std::memory_order_release);  // only this thread has the number
-    return state;
 }
 
 void GeometryCache::count_lookup(ThreadState& state, int level) const {
@@ -280,89 +275,67 @@ GeometryCacheStatistics GeometryCache::statistics() const {
     result.levels[kFine].bytes = arena_->bytes(Kind::Fine) + arena_->bytes(Kind::Steps);
     result.parts.bytes = arena_->bytes(Kind::Part);
     result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) + arena_->bytes();
-    for (const std::atomic<ThreadState*>& each : states_) {
-        const ThreadState* state = each.load(std::memory_order_acquire);
-        if (!state) continue;
-        result.bytes += sizeof(ThreadState) + state->part_bytes.value() * sizeof(Grid);
-        result.splits += state->splits.value();
+    states_.for_each([&](const ThreadState& state) {
+        result.bytes += thread_bytes() + state.part_bytes.value() * sizeof(Grid);
+        result.splits += state.splits.value();
         for (int level = 0; level < kCounted; ++level) {
-            const ThreadState::Level& own = state->levels[level];
+            const ThreadState::Level& own = state.levels[level];
             LevelCounters& counters = level == kParts ? result.parts : result.levels[level];
             counters.lookups += own.lookups.value();
             counters.diced += own.diced.value();
             counters.cold += own.cold.value();
             counters.bypassed += own.bypassed.value();
         }
-    }
+    });
     if (result.parts.lookups > 0) result.bytes += seen_part_words_ * sizeof(uint64_t);
     return result;
 }
 
-GeometryCache::Reader::Reader(const GeometryCache& cache) : cache_(&cache), number_(reader_number()) {
-    if (number_ < 0) {
-        own_state_ = std::make_unique<ThreadState>();
-        state_ = own_state_.get();
-        return;
-    }
-    state_ = cache.state_of(number_);
-}
+GeometryCache::Reader::Reader(const GeometryCache& cache) : cache_(cache), state_(cache.states_.local(cache.epochs_)) {}
 
 void GeometryCache::Reader::enter() const {
-    if (entered_ || cache_->epochs_.is_inside(number_)) return;
-    cache_->epochs_.enter(number_);
+    if (entered_ || state_.reader.is_inside()) return;
+    cache_.epochs_.enter(state_.reader);
     entered_ = true;
 }
 
 GeometryCache::Reader::~Reader() {
-    if (entered_) cache_->epochs_.leave(number_);
+    if (entered_) ReaderEpochs::leave(state_.reader);
 }
 
 void GeometryCache::Reader::count_coarse() const {
-    state_->levels[kCoarse].lookups.add();
+    state_.levels[kCoarse].lookups.add();
 }
 
 const MediumGrid& GeometryCache::Reader::medium(const Dicer& dicer, uint32_t first, uint32_t subpatch,
                                                 const SubpatchDetail& detail) const {
-    if (own_state_) {
-        dicer.levels()->dice_medium(subpatch, state_->recent[0]);
-        return state_->recent[0];
-    }
     enter();
-    return cache_->look_up(*state_, first, dicer, subpatch, detail);
+    return cache_.look_up(state_, first, dicer, subpatch, detail);
 }
 
 const Grid& GeometryCache::Reader::fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
-    if (own_state_) {
-        dicer.dice(subpatch, state_->fine);
-        return state_->fine;
-    }
     enter();
-    return cache_->look_up<Grid>(*state_, first, dicer, subpatch);
+    return cache_.look_up<Grid>(state_, first, dicer, subpatch);
 }
 
 const StepGrid& GeometryCache::Reader::steps(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
-    if (own_state_) {
-        dicer.dice_steps(subpatch, state_->steps);
-        return state_->steps;
-    }
     enter();
-    return cache_->look_up<StepGrid>(*state_, first, dicer, subpatch);
+    return cache_.look_up<StepGrid>(state_, first, dicer, subpatch);
 }
 
 void GeometryCache::Reader::count_split() const {
-    state_->splits.add();
+    state_.splits.add();
 }
 
 const Grid& GeometryCache::Reader::part(const Dicer& dicer, uint32_t first, uint32_t subpatch,
                                         const GridPart& part) const {
-    if (own_state_) return state_->dice_part(dicer, subpatch, part);
     enter();
-    return cache_->part(*state_, first, dicer, subpatch, part);
+    return cache_.part(state_, first, dicer, subpatch, part);
 }
 
 uint64_t GeometryCache::Reader::misses() const {
     uint64_t sum = 0;
-    for (const ThreadState::Level& level : state_->levels) sum += level.diced.value();
+    for (const ThreadState::Level& level : state_.levels) sum += level.diced.value();
     return sum;
 }
 

@@ -14,6 +14,7 @@
 // surfaces are kept packed (tessellation/packed_grid.h); the parts of a split subpatch are kept each by itself.
 #pragma once
 
+#include "base/thread_states.h"
 #include "base/zeroed_array.h"
 #include "tessellation/dicer.h"
 #include "tessellation/level.h"
@@ -90,18 +91,17 @@ class GeometryCache {
 
   private:
     struct ThreadState;
-    // In an order that leaves no holes: the epochs fill whole lines of cache.
-    mutable ReaderEpochs epochs_;
-    mutable std::unique_ptr<GridArena> arena_;
+    std::unique_ptr<GridArena> arena_;
     /// A bit for each (subpatch, level) diced so far, and for hashes of parts.
     ZeroedArray<std::atomic<uint64_t>> seen_, seen_parts_;
     uint64_t seen_part_words_ = 0;
     GeometryCacheSettings settings_;
-    mutable std::array<std::atomic<ThreadState*>, kMostReaders> states_{};
     uint32_t subpatch_count_;
+    mutable ReaderEpochs epochs_;
+    mutable ThreadStates<ThreadState> states_;
 
-    ThreadState* state_of(int reader) const;
     uint64_t seen_bytes() const;
+    static uint64_t thread_bytes();
     void count_lookup(ThreadState& state, int level) const;
     template <typename GridType>
     const GridType& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch) const;
@@ -138,15 +138,13 @@ class GeometryCache::Reader {
     void count_split() const;
     /// Beyond the fine level. Valid until the thread asks for another part of the same level.
     const Grid& part(const Dicer& dicer, uint32_t first, uint32_t subpatch, const GridPart& part) const;
-    const LevelRule& rule() const { return cache_->settings_.rule; }
+    const LevelRule& rule() const { return cache_.settings_.rule; }
     /// Tessellations that this thread had to make so far.
     uint64_t misses() const;
 
   private:
-    const GeometryCache* cache_;
-    int number_;
-    ThreadState* state_;
-    std::unique_ptr<ThreadState> own_state_;  ///< of a thread that got no number
+    const GeometryCache& cache_;
+    ThreadState& state_;
     mutable bool entered_ = false;
 
     void enter() const;

@@ -54,7 +54,7 @@ GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     constexpr uint64_t kSet = 64;  // of an index of sets, beyond what units take
     const uint64_t fixed = (as_table ? table : kSet) + kSet;
     const uint64_t for_units = budget - std::min(budget, fixed);
-    const uint64_t threads = std::min(uint64_t{std::thread::hardware_concurrency()} + 1, uint64_t{kMostReaders});
+    const uint64_t threads = uint64_t{std::thread::hardware_concurrency()} + 1;
     // More would never be used, but for those on the way out and those that threads hold.
     const uint64_t most =
         uint64_t{subpatches} * (1 + kMostParts) + subpatches / kSlots + kMostOnTheWayOut + 2 * threads;

@@ -8,6 +8,7 @@
 // or a few more, so the same clock is fair to both, and memory goes where rays are.
 #pragma once
 
+#include "base/cache_line.h"
 #include "base/large_memory.h"
 #include "base/zeroed_array.h"
 #include "tessellation/grid.h"
@@ -103,7 +104,7 @@ class GridArena {
     uint64_t bytes() const;
 
   private:
-    union alignas(64) Memory {
+    union alignas(kCacheLine) Memory {
         Grid fine;
         StepGrid steps[kStepSlots];
         MediumGrid medium[kMediumSlots];
@@ -121,20 +122,24 @@ class GridArena {
     uint32_t unit_count_ = 0;
     GridIndex index_, part_index_;
     LargeMemory memory_;
-    ZeroedArray<std::atomic<Kind>> kinds_;          ///< by unit
-    ZeroedArray<std::atomic<uint8_t>> marks_;       ///< by slot
-    ZeroedArray<std::atomic<uint64_t>> part_keys_;  ///< by unit, of parts
-    ZeroedArray<std::atomic<uint32_t>> missed_;     ///< key + 1 of late misses, by hash
-    ZeroedArray<uint32_t> owners_;                  ///< by slot: key + 1 of those that are visible, else 0
+    /// By unit. Published by the index with the grids of the unit.
+    ZeroedArray<std::atomic<Kind>> kinds_;
+    ZeroedArray<std::atomic<uint8_t>>
+        marks_;  ///< by slot: used since the hand came by; a hint, which publishes nothing
+    /// By unit, of parts. Published by the index with the part.
+    ZeroedArray<std::atomic<uint64_t>> part_keys_;
+    ZeroedArray<std::atomic<uint32_t>> missed_;  ///< key + 1 of late misses, by hash; a hint
+    ZeroedArray<uint32_t> owners_;               ///< by slot: key + 1 of those that are visible, else 0
     ZeroedArray<Unit> units_;
-    std::atomic<bool> has_parts_{false};       ///< or had some
+    // Changed under the lock, while others look up.
+    alignas(kCacheLine) std::mutex mutex_;
+    std::atomic<bool> has_parts_{false};       ///< or had some; for statistics
     std::deque<uint32_t> leaving_;             ///< units, in the order of their stamps
     std::vector<uint32_t> free_;               ///< units that hold nothing
     std::vector<uint32_t> with_room_[kKinds];  ///< units that hold grids of a kind, some without room
-    std::atomic<uint32_t> used_{0};            ///< units handed out for the first time so far
+    std::atomic<uint32_t> used_{0};            ///< units handed out for the first time so far; a counter
     std::atomic<uint32_t> units_of_[kKinds]{};
     uint32_t hand_ = 0;
-    std::mutex mutex_;
 
     Memory& memory(uint32_t slot) const { return reinterpret_cast<Memory*>(memory_.get())[slot / kSlots]; }
     static uint32_t key(Kind kind, uint32_t subpatch) {

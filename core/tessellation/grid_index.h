@@ -5,6 +5,7 @@
 // any set is full before nearly all are (Azar, Broder, Karlin, Upfal, "Balanced allocations", STOC 1994).
 #pragma once
 
+#include "base/cache_line.h"
 #include "base/zeroed_array.h"
 
 #include <atomic>
@@ -43,7 +44,9 @@ class GridIndex {
 
   private:
     static constexpr int kWays = 8;
-    struct alignas(64) Set {
+    // Entries publish the grid in a slot, to find(). Sequentially consistent, as what readers announce: see
+    // tessellation/readers.h.
+    struct alignas(kCacheLine) Set {
         std::atomic<uint64_t> entries[kWays];  ///< key + 1 above, slot below; 0: free
     };
     ZeroedArray<std::atomic<uint32_t>> table_;  ///< slot + 1; 0: none

@@ -3,41 +3,57 @@
 // Each thread announces the epoch in which its ray began. What a writer takes out of the cache gets the epoch's number
 // and moves it on; its memory is used again once every announced epoch is later (Fraser, "Practical lock-freedom",
 // 2004, section 5.2.3). A ray lasts microseconds, so memory is back soon.
+//
+// All of it pairs through one order of all (sequential consistency): a reader announces, then looks things up
+// (tessellation/grid_index.h); a writer takes something out of the index, moves the epoch on, and later looks at what
+// is announced. Who is not seen there looks things up after they were taken out.
 #pragma once
 
-#include <array>
+#include "base/thread_states.h"
+
 #include <atomic>
 #include <cstdint>
 
 namespace rayleaf {
 
-/// Threads beyond so many at a time read without announcing, and so must not look into the cache.
-inline constexpr int kMostReaders = 128;
-
-/// A number below kMostReaders that no other living thread has, or -1.
-int reader_number();
-
 class ReaderEpochs {
+    static constexpr uint64_t kNobody = 0;
+
   public:
+    /// One thread's.
+    class Reader {
+      public:
+        bool is_inside() const { return epoch_.load(std::memory_order_relaxed) != kNobody; }
+
+      private:
+        friend class ReaderEpochs;
+        /// Announces an epoch, to oldest(); kNobody: what was read has been read (release).
+        std::atomic<uint64_t> epoch_{kNobody};
+    };
+
+    /// This thread's.
+    Reader& reader() { return readers_.local(); }
     /// From now on this reader may look into the cache.
-    void enter(int reader) {
-        announced_[reader].epoch.store(current_.load(std::memory_order_acquire), std::memory_order_seq_cst);
-    }
-    void leave(int reader) { announced_[reader].epoch.store(kNobody, std::memory_order_release); }
-    bool is_inside(int reader) const { return announced_[reader].epoch.load(std::memory_order_relaxed) != kNobody; }
+    void enter(Reader& reader) { reader.epoch_.store(current_.load()); }
+    static void leave(Reader& reader) { reader.epoch_.store(kNobody, std::memory_order_release); }
 
     /// After something was taken out: the stamp with which it may be asked about.
-    uint64_t advance() { return current_.fetch_add(1, std::memory_order_seq_cst); }
+    uint64_t advance() { return current_.fetch_add(1); }
     /// Everything stamped before this is seen by no one any more.
-    uint64_t oldest() const;
+    uint64_t oldest() const {
+        uint64_t oldest = current_.load();
+        readers_.for_each([&](const Reader& each) {
+            const uint64_t epoch = each.epoch_.load();
+            if (epoch != kNobody && epoch < oldest) oldest = epoch;
+        });
+        return oldest;
+    }
+    /// What a thread takes.
+    static constexpr size_t reader_bytes() { return ThreadStates<Reader>::state_bytes(); }
 
   private:
-    static constexpr uint64_t kNobody = 0;
-    struct alignas(64) Announced {
-        std::atomic<uint64_t> epoch{kNobody};
-    };
     std::atomic<uint64_t> current_{1};
-    std::array<Announced, kMostReaders> announced_;
+    ThreadStates<Reader> readers_;
 };
 
 }  // namespace rayleaf
