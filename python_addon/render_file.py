@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+from rayleaf.names import name_of
 
 
 def arguments() -> argparse.Namespace:
@@ -64,7 +65,7 @@ def render(frame: int, output: Path, statistics_path: Path) -> dict[str, Any]:
     bpy.context.scene.frame_set(frame)
     bpy.ops.render.render()
     layers = [json.loads(line) for line in statistics_path.read_text().splitlines()]
-    missing = {layer.name for layer in bpy.context.scene.view_layers if layer.use} - {
+    missing = {name_of(layer) for layer in bpy.context.scene.view_layers if layer.use} - {
         layer["view_layer"] for layer in layers if layer["completed"]
     }
     if missing:

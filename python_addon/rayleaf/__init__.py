@@ -22,12 +22,13 @@ last_statistics: dict[str, Any] = {}
 
 def register() -> None:
     """Called by Blender when the add-on is enabled."""
-    from . import animation, engine, properties, ui, ui_rays
+    from . import animation, engine, kept_messages, properties, ui, ui_rays
     from .report import panel
 
     properties.register()
     engine.register()
     animation.register()
+    kept_messages.register()
     ui.register()
     ui_rays.register()
     panel.register()
@@ -35,12 +36,13 @@ def register() -> None:
 
 def unregister() -> None:
     """Called by Blender when the add-on is disabled."""
-    from . import animation, engine, properties, ui, ui_rays
+    from . import animation, engine, kept_messages, properties, ui, ui_rays
     from .report import panel
 
     panel.unregister()
     ui_rays.unregister()
     ui.unregister()
+    kept_messages.unregister()
     animation.unregister()
     engine.unregister()
     properties.unregister()

@@ -7,6 +7,8 @@ from typing import Any
 import bpy
 from bpy.app.handlers import persistent
 
+from .names import name_of
+
 
 class KeptRayCaches:
     """The ray caches of the animation under way."""
@@ -19,7 +21,7 @@ class KeptRayCaches:
         """The store to render a frame with. What the frame before did not use is dropped from it."""
         if not is_animation:
             return core.RayCacheStore()
-        frame = (scene.name, scene.frame_current, scene.frame_subframe)
+        frame = (name_of(scene), scene.frame_current, scene.frame_subframe)
         if self._store is None:
             self._store = core.RayCacheStore()
         elif frame != self._frame:  # the view layers of one frame share theirs

@@ -4,7 +4,7 @@ from typing import Any
 
 import bpy
 
-from . import passes
+from . import failures, passes
 
 
 class RayleafRenderEngine(bpy.types.RenderEngine):
@@ -19,13 +19,16 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
         super().__init__(*args, **kwargs)
 
     def render(self, depsgraph: Any) -> None:
-        """Render one view layer of one frame. The core is loaded here first."""
-        from . import _core
-        from .animation import KEPT
-        from .frame import FrameRender
+        """Render one view layer of one frame. The core is loaded here first. Whatever goes wrong ends this render alone."""
+        try:
+            from . import _core
+            from .animation import KEPT
+            from .frame import FrameRender
 
-        ray_caches = KEPT.for_frame(_core, depsgraph.scene_eval, self.is_animation)
-        FrameRender(self, depsgraph, _core, ray_caches).run()
+            ray_caches = KEPT.for_frame(_core, depsgraph.scene_eval, self.is_animation)
+            FrameRender(self, depsgraph, _core, ray_caches).run()
+        except Exception as error:
+            failures.report(self, error)
 
     def update_render_passes(self, scene: Any, renderlayer: Any) -> None:
         """Tell Blender which passes come, for the compositor's sockets."""

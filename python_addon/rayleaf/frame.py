@@ -7,11 +7,12 @@ from typing import Any
 
 import bpy
 
-from . import cache_report, passes, ray_report, statistics, versions
-from .export import ExportCancelled
-from .export.camera import CameraError, CropRectangle, Frame, crop_of, frame_of
+from . import cache_report, kept_messages, passes, ray_report, statistics, versions
+from .export import ExportCancelled, ExportError
+from .export.camera import CropRectangle, Frame, crop_of, frame_of
 from .export.scene import ExportReport, SceneExporter
-from .messages import Messages
+from .messages import Message, Messages
+from .names import is_plain, name_of
 from .session import RenderThread
 from .settings import core_settings
 
@@ -21,6 +22,19 @@ _RESULT_SECONDS = 1.0  # between unfinished pictures, at least
 _RESULT_SHARE = 0.1  # of the time may go into showing them
 
 
+def _layer_argument(depsgraph: Any) -> str:
+    """How Blender's result is told for which view layer it is. Only names in UTF-8 can be said; the one layer that there is
+    needs no name."""
+    if is_plain(depsgraph.view_layer):
+        return name_of(depsgraph.view_layer)
+    if sum(layer.use for layer in depsgraph.scene.view_layers) > 1:
+        raise ExportError(
+            f"View layer '{name_of(depsgraph.view_layer)}': its name is not UTF-8, so that its picture cannot be told"
+            " from those of other layers; rename it"
+        )
+    return ""
+
+
 class FrameRender:
     """Renders one view layer through Blender's engine object."""
 
@@ -28,16 +42,18 @@ class FrameRender:
         """`ray_caches`: a RayCacheStore that outlives the frame, or None."""
         self._engine, self._depsgraph, self._core = engine, depsgraph, core
         self._ray_caches = ray_caches
-        self._messages = Messages(lambda kind, text: engine.report({kind}, text))
+        self._messages = Messages(self._tell)
         self._scene = depsgraph.scene_eval
-        self._layer_name = depsgraph.view_layer.name
+        self._layer_name = name_of(depsgraph.view_layer)
+        self._layer = ""  # what Blender's result is told of the name; empty: any layer
         self._frame: Frame = frame_of(self._scene)
         self._crop: CropRectangle = crop_of(self._scene, self._frame)
         self._passes = passes.enabled(depsgraph.view_layer)
         self._status_text = ""
-        for entry in self._passes:
-            if entry.is_own:  # Blender makes room for its own passes only
-                engine.add_pass(entry.name, len(entry.channels), entry.channels, layer=self._layer_name)
+
+    def _tell(self, message: Message) -> None:
+        kept_messages.keep(message)
+        self._engine.report({message.kind}, message.text)
 
     def run(self) -> None:
         """Render to the end or until cancelled. What goes wrong is reported and ends this render alone."""
@@ -45,11 +61,12 @@ class FrameRender:
             self._run()
         except ExportCancelled:
             pass
-        except (CameraError, self._core.InputError) as error:
+        except (ExportError, self._core.InputError) as error:
             self._messages.error(str(error))
             self._engine.error_set(str(error))
 
     def _run(self) -> None:
+        self._add_passes()
         if self._scene.render.use_multiview:
             self._messages.warn("Stereoscopy is not supported; every view shows the same picture")
         began = time.perf_counter()
@@ -69,6 +86,13 @@ class FrameRender:
             self._publish(session, exporter.report, times)
         finally:
             session.close()
+
+    def _add_passes(self) -> None:
+        """Blender makes room for its own passes only."""
+        self._layer = _layer_argument(self._depsgraph)
+        for entry in self._passes:
+            if entry.is_own:
+                self._engine.add_pass(entry.name, len(entry.channels), entry.channels, layer=self._layer)
 
     def _follow(self, session: RenderThread) -> None:
         """Until the core has ended: look for Esc, tell how far it is, show what there is."""
@@ -100,7 +124,7 @@ class FrameRender:
     def _write_result(self, session: RenderThread) -> None:
         """Hand over the passes as they are. All is made ready before Blender's result is opened."""
         pixels = {entry.name: session.pixels(entry.identifier) for entry in self._passes}
-        result = self._engine.begin_result(0, 0, self._crop.width, self._crop.height, layer=self._layer_name)
+        result = self._engine.begin_result(0, 0, self._crop.width, self._crop.height, layer=self._layer)
         try:
             versions.write_passes(result.layers[0], pixels)
         finally:
@@ -108,7 +132,7 @@ class FrameRender:
 
     def _publish(self, session: RenderThread, report: ExportReport, times: dict[str, float]) -> None:
         record = {
-            "scene": self._scene.name,
+            "scene": name_of(self._scene),
             "frame": self._scene.frame_current,
             "view_layer": self._layer_name,
             "completed": session.completed,

@@ -7,6 +7,8 @@ from .export import ray_interpolation
 from .export.camera import CropRectangle, Frame
 from .passes import Pass
 
+_LARGEST_SEED = 0xFFFFFFFF  # frames before the first count down from here
+
 
 def core_settings(
     core: ModuleType, scene: Any, frame: Frame, crop: CropRectangle, passes: list[Pass]
@@ -21,7 +23,7 @@ def core_settings(
         crop_width=crop.width,
         crop_height=crop.height,
         samples=own.samples,
-        seed=own.seed + (scene.frame_current if own.use_animated_seed else 0),
+        seed=(own.seed + (scene.frame_current if own.use_animated_seed else 0)) & _LARGEST_SEED,
         threads=render.threads if render.threads_mode == "FIXED" else 0,
         tile_size=own.tile_size,
         max_bounces=own.max_bounces,

@@ -6,6 +6,7 @@ from typing import Any
 import bpy
 
 from . import ray_report, statistics
+from .names import name_of
 from .ui import _Panel
 
 _SHAPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -56,11 +57,11 @@ class RAYLEAF_PT_ray_interpolation_outcome(_Panel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        return bool(ray_report.caches(statistics.last(context.scene.name))) and super().poll(context)
+        return bool(ray_report.caches(statistics.last(name_of(context.scene)))) and super().poll(context)
 
     def draw(self, context: Any) -> None:
         column = self.layout.column(align=True)
-        found = ray_report.caches(statistics.last(context.scene.name))
+        found = ray_report.caches(statistics.last(name_of(context.scene)))
         for cache in found[:_MOST_LISTED]:
             _draw_outcome(column, cache)
         if len(found) > _MOST_LISTED:
@@ -84,7 +85,7 @@ class RAYLEAF_PT_object_ray_interpolation(_Panel, bpy.types.Panel):
         column.prop(settings, "use_own_error")
         if settings.use_own_error:
             _draw_thresholds(column, settings)
-        cache = ray_report.of_object(statistics.last(context.scene.name), context.object.name)
+        cache = ray_report.of_object(statistics.last(name_of(context.scene)), name_of(context.object))
         if cache is not None:
             column.separator()
             column.label(text="Last render:")

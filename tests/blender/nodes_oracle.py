@@ -15,7 +15,7 @@ from rayleaf import _core
 from rayleaf.export.images import ImageLibrary
 from rayleaf.export.nodes.compiler import Compiler, Resources
 from rayleaf.export.nodes.emitter import Emitter
-from rayleaf.messages import Messages
+from rayleaf.messages import Messages, Subject
 
 report: Callable[..., None] = globals()["report"]  # given by the test
 
@@ -144,7 +144,7 @@ def core_picture(material: Any, positions: Any) -> Any:
     scene, messages = TextureOnlyScene(), Messages()
     resources = Resources(lambda name: 0, ImageLibrary(_core, scene, messages), 1)
     emitter = Emitter(_core, material.name)
-    Compiler(emitter, material.name, resources, messages).compile_tree(material.node_tree)
+    Compiler(emitter, Subject("Material", material.name), resources, messages).compile_tree(material.node_tree)
     up = np.tile(np.float32((0, 0, 1)), (len(positions), 1))
     points = _core.shading.surface_points(positions.astype(np.float32), up, up, textures=scene.store)
     return points.results(emitter.program)["emission"].astype(np.float64) - OFFSET

@@ -3,6 +3,7 @@
 Scripts inside Blender use it to look at the export alone: `core = recording_core.install()` before the first render.
 """
 
+import os
 import sys
 import time
 import types
@@ -179,7 +180,7 @@ class SceneDescription:
         self.camera = arguments
 
     def add_image_file(self, name, path, color_space):
-        self.images.append(dict(name=name, path=path, color_space=color_space))
+        self.images.append(dict(name=name, path=os.fsdecode(path), color_space=color_space))
         return len(self.images) - 1
 
     def add_image_pixels(self, name, pixels, color_space):

@@ -158,3 +158,47 @@ report(instances=told.instances, shapes=told.shapes, left_out=told.left_out, tex
     assert (run["instances"], run["shapes"]) == (100_001, 1)
     assert run["left_out"] == {"Points": "no faces"}
     assert run["texts"] == ["Object 'Points' has no faces; left out"]
+
+
+INSTANCERS = """
+import bpy, scenes, recording_core
+from rayleaf.export import CancelCheck, ExportCancelled, camera, instances
+core = recording_core.install()
+scene = scenes.empty_scene()
+surface = scenes.surface("A surface")
+points = scenes.mesh([(x, 0, 0) for x in range(30000)], [], "B points")
+leaf = scenes.quad("C leaf")
+leaf.parent, points.instance_type = points, "VERTS"
+bpy.context.view_layer.update()
+"""
+
+WALKS = {
+    "to its end": "recording_core.export()",
+    "until the user stops": """
+questions = iter([False, False, True])
+try:
+    instances.collect(core, bpy.context.evaluated_depsgraph_get(), CancelCheck(lambda: next(questions)))
+    raise AssertionError("the user was not asked")
+except ExportCancelled:
+    pass
+""",
+    "until something fails": """
+def fail(*arguments):
+    raise core.InputError("bad")
+instances._Collector.take = fail
+try:
+    recording_core.export()
+    raise AssertionError("nothing failed")
+except core.InputError:
+    pass
+""",
+}
+
+
+@pytest.mark.parametrize("walk", WALKS)
+def test_blender_gets_its_list_of_instances_back(run_blender, walk):
+    """When it ends, Blender says what was never freed."""
+    quick = "import rayleaf.export\nrayleaf.export._LOOK_SECONDS = 0\n"
+    run = run_blender(INSTANCERS + quick + WALKS[walk] + "\nreport(done=True)\n")
+    assert run.report["done"]
+    assert "Not freed memory blocks" not in run.log, run.log

@@ -7,7 +7,7 @@ import itertools
 from rayleaf import _core
 from rayleaf.export.nodes import compiler, load_nodes
 from rayleaf.export.nodes.emitter import Emitter
-from rayleaf.messages import Messages
+from rayleaf.messages import Messages, Subject
 
 load_nodes()
 scene = scenes.empty_scene()
@@ -45,7 +45,7 @@ for kind in sorted(set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | {"S
             try:
                 emitter = Emitter(_core, "Material")
                 resources = compiler.Resources(lambda name: 3, Images(), 1)
-                compiler.Compiler(emitter, "Material", resources, messages).compile_tree(tree)
+                compiler.Compiler(emitter, Subject("Material", "Material"), resources, messages).compile_tree(tree)
             except Exception as error:
                 failures.append(f"{kind} {variant} {socket.identifier}: {type(error).__name__}: {error}")
             count += 1

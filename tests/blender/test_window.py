@@ -167,20 +167,47 @@ scene.rayleaf.samples = 256
     assert picture["R"][done].max() > 0.01
 
 
-def test_escape_stops_an_export_within_a_third_of_a_second(window):
+# What of an export may take long: the core's part, made slow, and a thing that is sent a thousand times.
+SLOW_EXPORTS = {
+    "meshes": ("core.SceneDescription, 'add_mesh'", "bpy.data.objects['Cube']"),
+    "curves that are judged": ("core.SweptCurve, '__init__'", "curve()"),
+    "materials": ("core.SceneDescription, 'add_material'", "coloured(bpy.data.objects['Cube'])"),
+    "lamps": ("core.SceneDescription, 'add_lamp'", "bpy.data.objects['Light']"),
+}
+
+
+@pytest.mark.parametrize("what", SLOW_EXPORTS)
+def test_escape_stops_an_export_within_a_third_of_a_second(window, what):
+    slow, thing = SLOW_EXPORTS[what]
     run = window(
-        """
+        f"""
 import recording_core
 core = recording_core.install()
-send = core.SceneDescription.add_mesh
-def slowly(self, *arguments, **more):
-    time.sleep(0.02)
-    return send(self, *arguments, **more)
-core.SceneDescription.add_mesh = slowly
-cube = bpy.data.objects["Cube"]
+
+def slow(owner, method):
+    whole = getattr(owner, method)
+    def slowly(self, *arguments, **more):
+        time.sleep(0.02)
+        return whole(self, *arguments, **more)
+    setattr(owner, method, slowly)
+
+def curve():
+    data = bpy.data.curves.new("Curve", "CURVE")
+    data.dimensions, data.bevel_depth = "3D", 0.1
+    data.splines.new("POLY").points.add(1)
+    data.splines[0].points[1].co = (0, 0, 1, 1)
+    return bpy.data.objects.new("Curve", data)
+
+def coloured(item):
+    for _ in range(1000):
+        item.data.materials.append(item.data.materials[0].copy())
+    return item
+
+slow({slow})
+thing = {thing}
 for number in range(1000):
-    copy = cube.copy()
-    copy.data = cube.data.copy()
+    copy = thing.copy()
+    copy.data = thing.data if "materials" in {what!r} else thing.data.copy()
     scene.collection.objects.link(copy)
 """
         + ESCAPE,

@@ -31,7 +31,16 @@ WITHIN_A_FLOOR = {("lights", "trace"): "emitting surfaces are found and sampled 
 # The files of the add-on that import Blender's modules. The others get what they need handed over, and work (and are
 # tested) in plain Python.
 MEET_BLENDER = {
-    *("animation.py", "engine.py", "frame.py", "properties.py", "ray_interpolation.py", "ui.py", "ui_rays.py"),
+    *(
+        "animation.py",
+        "kept_messages.py",
+        "engine.py",
+        "frame.py",
+        "properties.py",
+        "ray_interpolation.py",
+        "ui.py",
+        "ui_rays.py",
+    ),
     "versions.py",
     *("export/images.py", "report/panel.py", "report/render_points.py", "report/render_silhouettes.py"),
 }

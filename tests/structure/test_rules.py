@@ -52,6 +52,21 @@ def test_the_add_on_reports_instead_of_printing():
     assert printing == []
 
 
+def test_names_that_users_give_are_read_as_text_whatever_their_bytes():
+    """Blender's Python raises where a name is not UTF-8; names.py reads it. Own names are those of a Subject and of self."""
+    given = {"name", "name_full", "uv_map", "layer_name", "attribute_name"}
+    direct = []
+    for path in python_files("python_addon/rayleaf/export"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if (
+                isinstance(node, ast.Attribute)
+                and node.attr in given
+                and ast.unparse(node.value) not in ("subject", "self", "versions")
+            ):
+                direct.append(f"{path.relative_to(ROOT)}:{node.lineno}: {ast.unparse(node)}")
+    assert direct == []
+
+
 def test_nothing_is_left_for_later():
     words = ["TO" + "DO", "FIX" + "ME", "XX" + "X", "HA" + "CK"]
     assert matches(text_files(), r"\b(" + "|".join(words) + r")\b") == []

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import versions
+from ..names import find
 
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
@@ -55,7 +56,7 @@ def _flat(attribute: Any) -> Floats | None:
 
 def flat_values(attributes: Any, name: str, domain: str) -> Floats | None:
     """(elements, channels) of the attribute of a name, if there is one on the domain."""
-    attribute = attributes.get(name)
+    attribute = find(attributes, name)
     return _flat(attribute) if attribute is not None and attribute.domain == domain else None
 
 
@@ -80,8 +81,8 @@ def attribute_values(mesh: Any, name: str, corners: Corners) -> Floats | None:
     if name == ACTIVE_COLOR:
         color = active_color(mesh)
         return None if color is None else _generic(color, corners)
-    layer = active_uv(mesh) if name == ACTIVE_UV else mesh.uv_layers.get(name)
+    layer = active_uv(mesh) if name == ACTIVE_UV else find(mesh.uv_layers, name)
     if layer is not None:
         return np.ascontiguousarray(versions.uv_map(layer, len(mesh.loops))[corners.loops])
-    attribute = mesh.attributes.get(name)
+    attribute = find(mesh.attributes, name)
     return None if attribute is None else _generic(attribute, corners)

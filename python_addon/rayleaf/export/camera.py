@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..names import name_of
+from . import ExportError
+
 # Least f-number; below it the aperture would be infinite.
 _LEAST_FSTOP = 1e-5
 _MILLIMETRE = 1e-3
-
-
-class CameraError(ValueError):
-    """The camera cannot be rendered; the message names it."""
 
 
 @dataclass(frozen=True)
@@ -100,10 +99,10 @@ def describe(camera_object: Any, matrix: NDArray[np.float64], frame: Frame) -> d
     camera = camera_object.data
     kinds = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
     if camera_object.type != "CAMERA":
-        raise CameraError(f"Camera '{camera_object.name}' is a {camera_object.type.lower()}, not a camera")
+        raise ExportError(f"Camera '{name_of(camera_object)}' is a {camera_object.type.lower()}, not a camera")
     if camera.type not in kinds:
-        raise CameraError(
-            f"Camera '{camera_object.name}': type {camera.type.title()} is not supported; "
+        raise ExportError(
+            f"Camera '{name_of(camera_object)}': type {camera.type.title()} is not supported; "
             "use Perspective or Orthographic"
         )
     window_min, window_max = window(camera, frame)

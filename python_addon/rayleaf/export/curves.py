@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from .. import versions
-from ..messages import Messages
+from ..messages import Messages, Subject
+from ..names import name_of
 from . import curve_fills, curve_profiles, curve_splines
 from .curve_keys import ShapeKeys, has_aligned_handles
 from .curve_outlines import orient
@@ -109,7 +110,7 @@ def _deformed(curve_object: Any) -> str | None:
     """What keeps an object's control points from being the whole story."""
     for modifier in curve_object.modifiers:
         if modifier.show_render:
-            return f"modifier {modifier.name}"
+            return f"modifier {name_of(modifier)}"
     keys = curve_object.data.shape_keys
     if keys is not None:
         if not keys.use_relative:
@@ -199,7 +200,7 @@ def _describe(core: ModuleType, curve_object: Any, curve: Any, table: SplineTabl
         if profile is None:
             return None
     return core.SweptCurve(
-        curve_object.name,
+        name_of(curve_object),
         curve_splines.send(core, table),
         dimensions=curve.dimensions,
         twist=curve.twist_mode,
@@ -233,5 +234,6 @@ def add_curve(
         problem = judged.problem
     except core.InputError as error:
         problem = str(error)
-    messages.warn(f"Object '{name}': {problem}; left out")
+    subject = Subject("Object", name)
+    messages.warn(f"{subject}: {problem}; left out", subject)
     return None

@@ -1,13 +1,15 @@
 """Blender's images as the core's textures."""
 
 import os
+from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
 import bpy
 import numpy as np
 
-from ..messages import Messages
+from ..messages import Messages, Subject
+from ..names import name_of
 
 # Blender's colour space names, 3.4 and later.
 _COLOR_SPACES = {
@@ -23,21 +25,29 @@ _COLOR_SPACES = {
 class ImageLibrary:
     """Each image once; what is missing is named once."""
 
-    def __init__(self, core: ModuleType, scene: Any, messages: Messages) -> None:
+    def __init__(
+        self, core: ModuleType, scene: Any, messages: Messages, check_cancel: Callable[[], None] = lambda: None
+    ) -> None:
+        self._check_cancel = check_cancel
         self._core, self._scene, self._messages = core, scene, messages
-        self._known: dict[tuple[str, str], int | None] = {}
+        self._known: dict[tuple[int, str], int | None] = {}
 
     def texture(self, image: Any, user: Any, frame: int) -> int | None:
         """The texture id of an image as a node uses it, or None if it cannot be read."""
         path = self._path(image, user, frame)
-        key = (image.name_full, path)
+        key = (image.original.as_pointer(), path)
         if key not in self._known:
+            self._check_cancel()
             try:
                 self._known[key] = self._add(image, path)
             except self._core.InputError as error:
-                self._messages.warn(f"{error}; rendered pink")
+                self._messages.warn(f"{error}; rendered pink", Subject("Image", name_of(image)))
                 self._known[key] = None
         return self._known[key]
+
+    def _warn(self, image: Any, text: str) -> None:
+        subject = Subject("Image", name_of(image))
+        self._messages.warn(f"{subject}: {text}", subject)
 
     def _path(self, image: Any, user: Any, frame: int) -> str:
         if image.source == "SEQUENCE" and user is not None:
@@ -50,29 +60,29 @@ class ImageLibrary:
 
     def _add(self, image: Any, path: str) -> int | None:
         if image.source in ("MOVIE", "VIEWER"):
-            self._messages.warn(f"Image '{image.name}': {image.source.lower()} images are not supported; rendered pink")
+            self._warn(image, f"{image.source.lower()} images are not supported; rendered pink")
             return None
         if image.source == "TILED":
-            self._messages.warn(f"Image '{image.name}': of the UDIM tiles only the first is rendered")
+            self._warn(image, "of the UDIM tiles only the first is rendered")
         space = self._color_space(image)
         if image.packed_file is not None or image.source == "GENERATED" or image.is_dirty:
             return self._add_pixels(image, path, space)
         if not os.path.isfile(path):
-            self._messages.warn(f"Image '{image.name}': no file at {path or 'an empty path'}; rendered pink")
+            self._warn(image, f"no file at {path or 'an empty path'}; rendered pink")
             return None
-        return int(self._scene.add_image_file(image.name, path, space))
+        return int(self._scene.add_image_file(name_of(image), os.fsencode(path), space))
 
     def _color_space(self, image: Any) -> str:
-        name = image.colorspace_settings.name
+        name = name_of(image.colorspace_settings)
         if name in _COLOR_SPACES:
             return _COLOR_SPACES[name]
-        self._messages.warn(f"Image '{image.name}': colour space {name} is not supported; taken as sRGB")
+        self._warn(image, f"colour space {name} is not supported; taken as sRGB")
         return "SRGB"
 
     def _add_pixels(self, image: Any, path: str, space: str) -> int | None:
         width, height = image.size
         if width == 0 or height == 0:
-            self._messages.warn(f"Image '{image.name}': no pixels in {path or 'the packed file'}; rendered pink")
+            self._warn(image, f"no pixels in {path or 'the packed file'}; rendered pink")
             return None
         pixels = np.empty(width * height * image.channels, np.float32)
         image.pixels.foreach_get(pixels)
@@ -85,4 +95,4 @@ class ImageLibrary:
             if pixels.shape[2] == 4 and image.alpha_mode not in ("CHANNEL_PACKED", "NONE"):
                 alpha = pixels[..., 3:]
                 pixels[..., :3] /= np.where(alpha > 0.0, alpha, np.float32(1.0))
-        return int(self._scene.add_image_pixels(image.name, pixels, space))
+        return int(self._scene.add_image_pixels(name_of(image), pixels, space))

@@ -1,18 +1,22 @@
 """The objects of a view layer, each once, grouped by what they share: up to millions of instances in seconds."""
 
+from array import array
+from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import chain
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import ExportCancelled, curves, surfaces
+from ..names import bytes_of_name, name_of
+from . import curves, surfaces
 from .random_numbers import random_of_name
 from .strands import hair_systems
 
-# Instances between two looks at the Esc key: some 10 ms.
+# Instances between two questions whether to stop: some 10 ms.
 _CANCEL_STRIDE = 10_000
 # Blender gives an instance's random number as 32 bits.
 _RANDOM_RANGE = 0xFFFFFFFF
@@ -57,14 +61,14 @@ def _exact_shape_key(owner: Any, data: Any) -> tuple[int, int | None]:
 class Instances:
     """All that a view layer shows."""
 
-    groups: list[Group]
-    lamps: list[tuple[Any, int]]  # evaluated lamp object, place in the list
     matrices: NDArray[np.float64]  # (n, 4, 4) of every place
     randoms: NDArray[np.float32]  # (n,) 0..1
-    skipped: dict[str, str]  # object name -> why it is not rendered
-    without_faces: list[Any]  # curves, texts and the like of which Blender makes no mesh
-    reasons: dict[str, str]  # object name -> why not from control points
-    curves: dict[Any, curves.Judged]  # by the shape key of a group: what is known of a CURVE or FONT
+    groups: list[Group] = field(default_factory=list)
+    lamps: list[tuple[Any, int]] = field(default_factory=list)  # evaluated lamp object, place in the list
+    skipped: dict[str, str] = field(default_factory=dict)  # object name -> why it is not rendered
+    without_faces: list[Any] = field(default_factory=list)  # curves, texts and the like of which Blender makes no mesh
+    reasons: dict[str, str] = field(default_factory=dict)  # object name -> why not from control points
+    judged: dict[Any, curves.Judged] = field(default_factory=dict)  # what is known of a CURVE or FONT, by shape key
 
 
 class _ExactForms:
@@ -83,7 +87,7 @@ class _ExactForms:
             judged = None if owner.type == "SURFACE" else self._judged(owner)
             reason = judged.reason if judged else surfaces.fallback_reason(owner)
             if reason is not None:
-                self.reasons[owner.name] = reason
+                self.reasons[name_of(owner)] = reason
             self._known[pointer] = reason is None and (judged is None or judged.has_faces)
         return self._known[pointer]
 
@@ -99,103 +103,115 @@ class _ExactForms:
         return judged
 
 
-def collect(core: ModuleType, depsgraph: Any, should_stop: Callable[[], bool]) -> Instances:
-    """Walk the view layer once. Blender lists a CURVE, SURFACE, FONT or META object and, if it has faces, an instance
-    with its evaluated mesh: of the two exactly one is taken."""
-    listed = depsgraph.object_instances
-    count = len(listed)
-    result = Instances([], [], _matrices(listed, count), _randoms(listed, count), {}, [], {}, {})
-    shown, with_particles = _flags(listed, "show_self", count), _flags(listed, "show_particles", count)
+class _Collector:
+    """Walks over Blender's list of instances once.
 
-    groups: dict[tuple[int, int], Group | None] = {}
-    hair: dict[int, list[Group]] = {}
-    exact = _ExactForms(core, depsgraph)
-    for place, instance in enumerate(listed):
-        if place % _CANCEL_STRIDE == 0 and should_stop():
-            raise ExportCancelled
-        if not shown[place] and not with_particles[place]:
-            continue
-        item = instance.object
+    Blender lists a CURVE, SURFACE, FONT or META object and, if it has faces, an instance with its evaluated mesh: of the
+    two exactly one is taken.
+    """
+
+    def __init__(self, core: ModuleType, depsgraph: Any) -> None:
+        self._exact = _ExactForms(core, depsgraph)
+        self._known: dict[tuple[int, int], Group | None] = {}
+        self._hair: dict[int, list[Group]] = {}
+        self._matrices, self._randoms = array("f"), array("d")
+        self._result = Instances(np.empty((0, 4, 4)), np.empty(0, np.float32))
+
+    def take(self, place: int, instance: Any, check_cancel: Callable[[], None]) -> None:
+        """The instance at a place of the list."""
+        self._matrices.extend(chain.from_iterable(instance.matrix_world))
+        self._randoms.append((instance.random_id & _RANDOM_RANGE) / _RANDOM_RANGE)
+        shown, with_particles = instance.show_self, instance.show_particles
+        if not shown and not with_particles:
+            return
+        item, owner = instance.object, instance.instance_object
         data = item.data
         if data is None:
-            continue
-        owner = instance.instance_object
-        is_instance = owner is not None
-        if with_particles[place]:
-            _collect_hair(owner if is_instance else item, place, hair, result)
-            if not shown[place]:
-                continue
-        key = ((owner if is_instance else item).as_pointer(), data.as_pointer())
+            return
+        settings = item if owner is None else owner
+        if with_particles:
+            self._take_hair(settings, place)
+        if not shown:
+            return
+        key = (settings.as_pointer(), data.as_pointer())
         try:
-            group = groups[key]
+            group = self._known[key]
         except KeyError:
-            group = groups[key] = _new_group(item, owner, data, exact, result)
-            if group is not None:
-                result.groups.append(group)
+            check_cancel()
+            group = self._known[key] = self._new_group(item, owner, data)
         if group is not None:
             group.members.append(place)
-            if not is_instance:
-                result.randoms[place] = random_of_name(item.name)
+            if owner is None:
+                self._randoms[place] = random_of_name(bytes_of_name(item))
         elif item.type == "LIGHT":
-            result.lamps.append((owner if is_instance else item, place))
-    with_faces = {group.owner.as_pointer() for group in result.groups}
-    result.reasons, result.curves = exact.reasons, exact.curves
-    result.without_faces = [owner for owner in result.without_faces if owner.as_pointer() not in with_faces]
-    return result
+            self._result.lamps.append((settings, place))
+
+    def result(self) -> Instances:
+        """What was taken."""
+        result = self._result
+        result.matrices = np.frombuffer(self._matrices, np.float32).reshape(-1, 4, 4).astype(np.float64)
+        result.randoms = np.frombuffer(self._randoms, np.float64).astype(np.float32)
+        result.reasons, result.judged = self._exact.reasons, self._exact.curves
+        with_faces = {group.owner.as_pointer() for group in result.groups}
+        result.without_faces = [owner for owner in result.without_faces if owner.as_pointer() not in with_faces]
+        return result
+
+    def _take_hair(self, owner: Any, place: int) -> None:
+        """The particle hair of an object, one group a system."""
+        pointer = owner.as_pointer()
+        if pointer not in self._hair:
+            count = len(hair_systems(owner)) if owner.type == "MESH" else 0
+            self._hair[pointer] = [Group(owner, owner.data, False, True, [], hair=number) for number in range(count)]
+            self._result.groups += self._hair[pointer]
+        for group in self._hair[pointer]:
+            group.members.append(place)
+
+    def _new_group(self, item: Any, owner: Any, data: Any) -> Group | None:
+        """The group an instance of a new kind opens; None for what is no shape."""
+        group = self._group_of(item, item if owner is None else owner, data)
+        if group is not None:
+            self._result.groups.append(group)
+        return group
+
+    def _group_of(self, item: Any, settings: Any, data: Any) -> Group | None:
+        kind = item.type
+        if kind == "MESH":
+            if settings.type in WITH_EXACT_FORM and self._exact.has(settings):
+                return None  # the mesh beside exact splines
+            return Group(settings, data, exact=False, from_owner=_is_own_data(settings, data), members=[])
+        if kind in WITH_EXACT_FORM and self._exact.has(settings):
+            return Group(settings, data, exact=True, from_owner=True, members=[])
+        if kind == "CURVES":
+            return Group(settings, data, exact=False, from_owner=True, members=[])
+        if kind in _UNSUPPORTED:
+            self._result.skipped[name_of(settings)] = f"{_UNSUPPORTED[kind]} are not supported"
+        if kind in _WITH_MESH_TWIN:
+            self._result.without_faces.append(settings)
+        return None
 
 
-def _collect_hair(owner: Any, place: int, known: dict[int, list[Group]], result: Instances) -> None:
-    """The particle hair of an object, one group a system."""
-    pointer = owner.as_pointer()
-    if pointer not in known:
-        count = len(hair_systems(owner)) if owner.type == "MESH" else 0
-        known[pointer] = [Group(owner, owner.data, False, True, [], hair=number) for number in range(count)]
-        result.groups += known[pointer]
-    for group in known[pointer]:
-        group.members.append(place)
+def collect(core: ModuleType, depsgraph: Any, check_cancel: Callable[[], None]) -> Instances:
+    """Walk over the view layer once.
 
-
-def _new_group(item: Any, owner: Any, data: Any, exact: _ExactForms, result: Instances) -> Group | None:
-    """The group an instance of a new kind opens; None for what is no shape."""
-    kind = item.type
-    settings = item if owner is None else owner
-    if kind == "MESH":
-        if settings.type in WITH_EXACT_FORM and exact.has(settings):
-            return None  # the mesh beside exact splines
-        return Group(settings, data, exact=False, from_owner=_is_own_data(settings, data), members=[])
-    if kind in WITH_EXACT_FORM and exact.has(settings):
-        return Group(settings, data, exact=True, from_owner=True, members=[])
-    if kind == "CURVES":
-        return Group(settings, data, exact=False, from_owner=True, members=[])
-    if kind in _UNSUPPORTED:
-        result.skipped[settings.name] = f"{_UNSUPPORTED[kind]} are not supported"
-    if kind in _WITH_MESH_TWIN:
-        result.without_faces.append(settings)
-    return None
+    Blender frees the instances that an object makes only when their list has been walked to its end. `foreach_get` looks at
+    the first entry alone to learn its type, and leaves such a list behind: so values are read one by one, and whoever stops
+    early goes on to the end.
+    """
+    collector = _Collector(core, depsgraph)
+    listed = iter(depsgraph.object_instances)
+    try:
+        for place, instance in enumerate(listed):
+            if place % _CANCEL_STRIDE == 0:
+                check_cancel()
+            collector.take(place, instance, check_cancel)
+    finally:
+        deque(listed, maxlen=0)
+    return collector.result()
 
 
 def _is_own_data(owner: Any, data: Any) -> bool:
     """True if the mesh is the owner's own, or made from it; geometry nodes may instance meshes of others."""
     return owner.type in _WITH_MESH_TWIN or owner.data is None or owner.data.as_pointer() == data.as_pointer()
-
-
-def _flags(listed: Any, name: str, count: int) -> list[bool]:
-    values = np.empty(count, bool)
-    listed.foreach_get(name, values)
-    return [bool(value) for value in values.tolist()]
-
-
-def _matrices(listed: Any, count: int) -> NDArray[np.float64]:
-    values = np.empty(count * 16, np.float32)
-    listed.foreach_get("matrix_world", values)
-    # Blender stores matrices by columns.
-    return np.ascontiguousarray(values.reshape(-1, 4, 4).transpose(0, 2, 1), np.float64)
-
-
-def _randoms(listed: Any, count: int) -> NDArray[np.float32]:
-    values = np.empty(count, np.int32)
-    listed.foreach_get("random_id", values)
-    return (values.astype(np.int64) & _RANDOM_RANGE).astype(np.float32) / np.float32(_RANDOM_RANGE)
 
 
 def visibility(owner: Any, view_layer: Any) -> int:

@@ -6,19 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import versions
-from ..messages import Messages
+from ..messages import Messages, Subject
+from ..names import name_of
 from .instances import VISIBLE_CAMERA
 from .nodes.constants import lamp_emission
 
 
 def describe(lamp_object: Any, matrix: NDArray[np.float64], visibility: int, messages: Messages) -> dict[str, Any]:
     """The arguments of the core's `add_lamp`."""
-    lamp = lamp_object.data
+    lamp, subject = lamp_object.data, Subject("Light", name_of(lamp_object))
     factor = np.full(3, versions.lamp_factor(lamp))
     if lamp.use_nodes and lamp.node_tree is not None:
-        factor *= lamp_emission(lamp, lamp_object.name, messages)
+        factor *= lamp_emission(lamp, subject, messages)
     arguments: dict[str, Any] = dict(
-        name=lamp_object.name,
+        name=subject.name,
         kind=lamp.type,
         matrix=matrix,
         strength=[float(channel) for channel in np.array(lamp.color) * lamp.energy * factor],

@@ -1,9 +1,11 @@
 """Materials to shader programs, each once."""
 
+from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from ..messages import Messages
+from ..messages import Messages, Subject
+from ..names import name_of
 from .nodes.compiler import Compiler, Resources
 from .nodes.displacement import compile_displacement
 from .nodes.emitter import Emitter
@@ -15,11 +17,19 @@ _NEUTRAL = -1  # the core's grey, for slots without a material
 class MaterialLibrary:
     """The materials of a scene and their lists by slot."""
 
-    def __init__(self, core: ModuleType, scene: Any, resources: Resources, messages: Messages, depsgraph: Any) -> None:
+    def __init__(
+        self,
+        core: ModuleType,
+        scene: Any,
+        resources: Resources,
+        messages: Messages,
+        depsgraph: Any,
+        check_cancel: Callable[[], None],
+    ) -> None:
         """`depsgraph`: materials are taken as evaluated in it, so that animated values count."""
         self._core, self._scene, self._resources, self._messages = core, scene, resources, messages
-        self._depsgraph = depsgraph
-        self._materials: dict[str, int] = {}
+        self._depsgraph, self._check_cancel = depsgraph, check_cancel
+        self._materials: dict[int, int] = {}  # by the pointer of the original
         self._lists: dict[tuple[int, ...], int] = {}
         self._holdout: int | None = None
         self._displacing: set[int] = set()
@@ -32,14 +42,15 @@ class MaterialLibrary:
         """The index of a material; the neutral one for None and for what the core rejects."""
         if material is None:
             return _NEUTRAL
-        key = material.name_full
+        key = material.original.as_pointer()
         if key not in self._materials:
+            self._check_cancel()
             self._materials[key] = self._add(material.evaluated_get(self._depsgraph))
         return self._materials[key]
 
     def _add(self, material: Any) -> int:
-        emitter = Emitter(self._core, material.name)
-        subject = f"Material '{material.name}'"
+        subject = Subject("Material", name_of(material))
+        emitter = Emitter(self._core, subject.name)
         try:
             if material.use_nodes and material.node_tree is not None:
                 Compiler(emitter, subject, self._resources, self._messages).compile_tree(material.node_tree)
@@ -48,22 +59,22 @@ class MaterialLibrary:
             volume = volume_of(self._core, material.rayleaf)
             displacement = self._displacement(material, subject)
             index = int(
-                self._scene.add_material(material.name, emitter.program, material.pass_index, volume, displacement)
+                self._scene.add_material(subject.name, emitter.program, material.pass_index, volume, displacement)
             )
             if displacement is not None:
                 self._displacing.add(index)
             return index
         except self._core.InputError as error:
-            self._messages.warn(f"{subject}: {error}; rendered grey")
+            self._messages.warn(f"{subject}: {error}; rendered grey", subject)
         except RecursionError:
-            self._messages.warn(f"{subject}: its chain of nodes is too long; rendered grey")
+            self._messages.warn(f"{subject}: its chain of nodes is too long; rendered grey", subject)
         return _NEUTRAL
 
-    def _displacement(self, material: Any, subject: str) -> tuple[Any, int, int] | None:
+    def _displacement(self, material: Any, subject: Subject) -> tuple[Any, int, int] | None:
         """A program that displaces, and the registers of its vectors in object and in world space."""
         if not material.use_nodes or material.node_tree is None:
             return None
-        emitter = Emitter(self._core, material.name)
+        emitter = Emitter(self._core, subject.name)
         compiler = Compiler(emitter, subject, self._resources, self._messages)
         registers = compile_displacement(compiler, material.node_tree)
         return None if registers is None else (emitter.program, *registers)

@@ -29,10 +29,10 @@ def _hash_two_words(x: Any, y: Any) -> Any:
     return ((c ^ b) - _rotate(b, 24)) & _WORD
 
 
-def random_of_name(name: str) -> float:
+def random_of_name(name: bytes) -> float:
     """0..1."""
     word = 0
-    for byte in name.encode():
+    for byte in name:
         word = (word * 37 + byte) & _WORD
     return float(_hash_two_words(word, 0) / _WORD)
 

@@ -1,5 +1,6 @@
 """From an evaluated view layer to a scene the core can render."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import ModuleType
@@ -7,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..messages import Messages
+from ..messages import Messages, Subject
+from ..names import name_of
 from . import (
-    ExportCancelled,
+    CancelCheck,
+    ExportError,
     camera,
     curves,
     instances,
@@ -30,8 +33,11 @@ from .nodes.compiler import Resources
 # Width of the table by which a world made of nodes is importance sampled; a plain colour needs none.
 _WORLD_TABLE_WIDTH = 1024
 _BYTES_PER_MEGABYTE = 1 << 20
-# Instances sent between two looks at the Esc key: some 100 ms.
+# Instances sent between two questions whether to stop: some 100 ms.
 _INSTANCE_CHUNK = 100_000
+
+# How the core's messages begin.
+_CORE_MESSAGE = re.compile("object '(.*?)': ", re.DOTALL)
 
 # Why objects of these types come as meshes.
 _EVALUATED_REASONS = {"META": "metaball"}
@@ -57,6 +63,12 @@ def _is_thread(group: Group) -> bool:
     return is_curve or group.hair is not None or group.owner.type == "CURVES"
 
 
+def _subject_of(problem: str) -> Subject | None:
+    """The object that a message of the core's names."""
+    found = _CORE_MESSAGE.match(problem)
+    return Subject("Object", found[1]) if found else None
+
+
 class SceneExporter:
     """Exports one view layer once."""
 
@@ -64,24 +76,25 @@ class SceneExporter:
         self, core: ModuleType, depsgraph: Any, messages: Messages, should_stop: Callable[[], bool] = lambda: False
     ) -> None:
         """`should_stop` is asked often; when it says so, `export` raises ExportCancelled."""
-        self._core, self._depsgraph, self._messages, self._should_stop = core, depsgraph, messages, should_stop
+        self._core, self._depsgraph, self._messages = core, depsgraph, messages
+        self._check_cancel = CancelCheck(should_stop)
         self._blender_scene = depsgraph.scene_eval
         self._view_layer = depsgraph.view_layer
         self.scene = core.SceneDescription()
         self.report = ExportReport()
-        images = ImageLibrary(core, self.scene, messages)
+        images = ImageLibrary(core, self.scene, messages, self._check_cancel)
         self._resources = Resources(self.scene.attribute, images, self._blender_scene.frame_current)
-        self._materials = MaterialLibrary(core, self.scene, self._resources, messages, depsgraph)
+        self._materials = MaterialLibrary(core, self.scene, self._resources, messages, depsgraph, self._check_cancel)
 
     def export(self, frame: camera.Frame, needs_uv: bool) -> Any:
-        """The scene description. `needs_uv`: a pass shows the UV map. Raises CameraError, InputError, ExportCancelled."""
+        """The scene description. `needs_uv`: a pass shows the UV map. Raises ExportError, InputError, ExportCancelled."""
         self.scene.texture_memory = self._blender_scene.rayleaf.texture_memory * _BYTES_PER_MEGABYTE
         self._export_camera(frame)
-        listed = instances.collect(self._core, self._depsgraph, self._should_stop)
+        listed = instances.collect(self._core, self._depsgraph, self._check_cancel)
         for name, reason in listed.skipped.items():
             self._leave_out(name, reason)
         for owner in listed.without_faces:
-            self.report.left_out[owner.name] = f"{owner.type.lower()} without faces"
+            self.report.left_out[name_of(owner)] = f"{owner.type.lower()} without faces"
         material_lists = [self._material_list(group) for group in listed.groups]
         self._export_world()
         self._export_lamps(listed)
@@ -96,12 +109,13 @@ class SceneExporter:
         """Exact curves and hair stay as they are."""
         for group in groups:
             if _is_thread(group) and self._is_displaced(group):
-                self._messages.warn(f"Object '{group.owner.name}': curves and hair are not displaced; left out")
+                subject = Subject("Object", name_of(group.owner))
+                self._messages.warn(f"{subject}: curves and hair are not displaced; left out", subject)
 
     def _export_camera(self, frame: camera.Frame) -> None:
         camera_object = self._blender_scene.camera
         if camera_object is None:
-            raise camera.CameraError(f"Scene '{self._blender_scene.name}' has no camera")
+            raise ExportError(f"Scene '{name_of(self._blender_scene)}' has no camera")
         camera_object = camera_object.evaluated_get(self._depsgraph)
         matrix = np.array(camera_object.matrix_world, np.float64)
         self.scene.set_camera(**camera.describe(camera_object, matrix, frame))
@@ -128,7 +142,8 @@ class SceneExporter:
             width = _WORLD_TABLE_WIDTH if world.uses_nodes(blender_world) else 0
             self.scene.set_world(program, sampling_resolution=width)
         except self._core.InputError as error:
-            self._messages.warn(f"World '{blender_world.name}': {error}; rendered black")
+            subject = Subject("World", name_of(blender_world))
+            self._messages.warn(f"{subject}: {error}; rendered black", subject)
 
     def _export_lamps(self, listed: Instances) -> None:
         for lamp_object, place in listed.lamps:
@@ -138,7 +153,7 @@ class SceneExporter:
                 self.scene.add_lamp(**lights.describe(lamp_object, listed.matrices[place], visibility, self._messages))
                 self.report.lamps += 1
             except self._core.InputError as error:
-                self._leave_out(lamp_object.name, str(error))
+                self._leave_out(name_of(lamp_object), str(error))
 
     def _export_shapes(self, listed: Instances) -> list[int | None]:
         """The shape of each group; groups with the same data share one."""
@@ -150,7 +165,7 @@ class SceneExporter:
             # An object's own material may displace what another object shows smooth.
             key = group.shape_key, not _is_thread(group) and self._is_displaced(group)
             if key not in known:
-                known[key] = self._export_shape(group, wanted, listed.curves)
+                known[key] = self._export_shape(group, wanted, listed.judged)
             result.append(known[key])
             self._note_way(group, listed.reasons)
         self.report.shapes = sum(shape is not None for shape in known.values())
@@ -162,18 +177,19 @@ class SceneExporter:
         return self._export_surface(group, judged) if group.exact else self._export_mesh(group, wanted)
 
     def _export_strands(self, group: Group, wanted: frozenset[str]) -> int | None:
-        name = group.owner.name
+        name = name_of(group.owner)
         if group.hair is None:
             arrays = strands.curves_strands(self._core, group.data, wanted)
         else:
             system, modifier = strands.hair_systems(group.owner)[group.hair]
             arrays = strands.particle_strands(group.owner, system, modifier, wanted, self._check_cancel)
         if arrays is None:
-            self._messages.note(f"Object '{name}' has no hair; left out")
+            self._messages.note(f"Object '{name}' has no hair; left out", Subject("Object", name))
             return None
         dropped = strand_arrays.without_bad_points(arrays)
         if dropped:
-            self._messages.warn(f"Object '{name}': {dropped} strands have points that are not finite; left out")
+            subject = Subject("Object", name)
+            self._messages.warn(f"{subject}: {dropped} strands have points that are not finite; left out", subject)
         try:
             settings = strands.curve_settings(self._blender_scene.rayleaf)
             return strands.add_strands(self._core, self.scene, name, arrays, settings, wanted)
@@ -182,7 +198,7 @@ class SceneExporter:
             return None
 
     def _export_surface(self, group: Group, judged: dict[Any, curves.Judged]) -> int | None:
-        name = group.owner.name
+        name = name_of(group.owner)
         if group.owner.type == "SURFACE":
             shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages)
         else:
@@ -203,11 +219,11 @@ class SceneExporter:
             shape = self._export_polygons(group, wanted)
             if shape is not None:
                 return shape
-        name = group.owner.name
+        name = name_of(group.owner)
         arrays = meshes.mesh_arrays(group.data, wanted)
         if arrays is None:
             self.report.left_out[name] = "no faces"
-            self._messages.note(f"Object '{name}' has no faces; left out")
+            self._messages.note(f"Object '{name}' has no faces; left out", Subject("Object", name))
             return None
         try:
             return meshes.add_mesh(self.scene, name, arrays)
@@ -217,7 +233,7 @@ class SceneExporter:
 
     def _export_cage(self, owner: Any, wanted: frozenset[str]) -> int | None:
         """The shape of a mesh that is subdivided last; None, and a line in the report, if Blender's mesh must do."""
-        name = owner.name
+        name = name_of(owner)
         reason = subdivision.fallback_reason(owner, self._depsgraph, self._blender_scene.rayleaf)
         if reason is None:
             try:
@@ -229,22 +245,23 @@ class SceneExporter:
                 return shape
             except self._core.InputError as error:
                 reason = str(error)
-                self._messages.warn(f"{reason}; Blender's mesh is rendered")
+                self._messages.warn(f"{reason}; Blender's mesh is rendered", Subject("Object", name))
         self.report.evaluated[name] = reason
         return None
 
     def _export_polygons(self, group: Group, wanted: frozenset[str]) -> int | None:
         """The shape of a mesh that has points wherever displacement asks for them; None, and a warning, without."""
+        name = name_of(group.owner)
         try:
             arrays = subdivision.polygon_arrays(group.data, wanted)
-            return None if arrays is None else subdivision.add_cage(self._core, self.scene, group.owner.name, arrays)
+            return None if arrays is None else subdivision.add_cage(self._core, self.scene, name, arrays)
         except self._core.InputError as error:
-            self._messages.warn(f"{error}; its displacement is left out")
+            self._messages.warn(f"{error}; its displacement is left out", Subject("Object", name))
             return None
 
     def _note_way(self, group: Group, reasons: dict[str, str]) -> None:
         """Which way an object went: exact or as a mesh, and why."""
-        name, kind = group.owner.name, group.owner.type
+        name, kind = name_of(group.owner), group.owner.type
         if name in self.report.left_out:
             return
         if group.hair is not None or kind == "CURVES":
@@ -273,7 +290,7 @@ class SceneExporter:
         def spread(values: list[int]) -> Any:
             return np.repeat(np.array(values, np.int32), counts)
 
-        names = [group.owner.name for group, _, _ in chosen for _ in range(len(group.members))]
+        names = [name for group, _, _ in chosen for name in [name_of(group.owner)] * len(group.members)]
         columns = (
             spread([shape for _, shape, _ in chosen]),
             spread([materials for _, _, materials in chosen]),
@@ -291,20 +308,16 @@ class SceneExporter:
             )
             self.report.instances += len(shape) - len(problems)
             for problem in problems:
-                self._messages.warn(f"{problem}; left out")
+                self._messages.warn(f"{problem}; left out", _subject_of(problem))
 
     def _ray_interpolation(self, owner: Any) -> int:
         """The index of an object's own settings for ray interpolation, -1 for the scene's."""
         own = ray_interpolation.of_object(
             self._core, owner.rayleaf.ray_interpolation, self._blender_scene.rayleaf.ray_interpolation
         )
-        return -1 if own is None else int(self.scene.add_ray_interpolation(owner.name, own))
+        return -1 if own is None else int(self.scene.add_ray_interpolation(name_of(owner), own))
 
     def _leave_out(self, name: str, reason: str) -> None:
         self.report.left_out[name] = reason
         text = reason if name in reason else f"Object '{name}': {reason}"
-        self._messages.warn(f"{text}; left out")
-
-    def _check_cancel(self) -> None:
-        if self._should_stop():
-            raise ExportCancelled
+        self._messages.warn(f"{text}; left out", Subject("Object", name))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..names import find, name_of
 from .attributes import ACTIVE_COLOR, ACTIVE_UV, STRAND_INFO, STRAND_RANDOM, active_color, active_uv, flat_values
 from .curve_bases import CURVE_TYPES, hair_as_bezier
 from .random_numbers import random_of_index
@@ -160,18 +161,18 @@ def particle_strands(
 
 def _emitter_values(mesh: Any, system: Any, modifier: Any, name: str, strands: range) -> Floats | None:
     """(strands, channels): a UV map or colour attribute of the surface at the roots; None if it has none of that name."""
-    layer = active_uv(mesh) if name == ACTIVE_UV else mesh.uv_layers.get(name)
+    layer = active_uv(mesh) if name == ACTIVE_UV else find(mesh.uv_layers, name)
     particles = system.particles
     if layer is not None:
         read, place, channels = system.uv_on_emitter, "uv_no", 2
         number = list(mesh.uv_layers).index(layer)
     else:
-        layer = active_color(mesh) if name == ACTIVE_COLOR else mesh.vertex_colors.get(name)
-        colors = [item.name for item in mesh.vertex_colors]
-        if layer is None or layer.name not in colors:
+        layer = active_color(mesh) if name == ACTIVE_COLOR else find(mesh.vertex_colors, name)
+        colors = [name_of(item) for item in mesh.vertex_colors]
+        if layer is None or name_of(layer) not in colors:
             return None
         read, place, channels = system.mcol_on_emitter, "vcol_no", 3
-        number = colors.index(layer.name)
+        number = colors.index(name_of(layer))
     parents = len(particles)
     anyone = particles[0]
     rows = [
@@ -221,7 +222,7 @@ def curves_strands(core: ModuleType, data: Any, wanted: frozenset[str]) -> Stran
 def _take_attribute(arrays: StrandArrays, data: Any, name: str) -> None:
     """The first pair of numbers per curve stands for the UV map at the root, as in Blender's own engine."""
     if name == ACTIVE_UV:
-        pairs = [item.name for item in data.attributes if item.data_type == "FLOAT2" and item.domain == "CURVE"]
+        pairs = [name_of(item) for item in data.attributes if item.data_type == "FLOAT2" and item.domain == "CURVE"]
         values = flat_values(data.attributes, pairs[0], "CURVE") if pairs else None
     else:
         values = flat_values(data.attributes, name, "CURVE")

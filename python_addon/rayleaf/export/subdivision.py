@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import versions
+from ..names import find, name_of
 from .attributes import ACTIVE_UV, Corners, attribute_values
 
 Floats = NDArray[np.float32]
@@ -59,9 +60,9 @@ def fallback_reason(mesh_object: Any, depsgraph: Any, settings: Any) -> str | No
     if not (settings.use_subdivision_surfaces and mesh_object.rayleaf.use_subdivision_surface):
         return "exact subdivision is switched off"
     if last.subdivision_type != "CATMULL_CLARK":
-        return f"modifier {last.name} is simple subdivision"
+        return f"modifier {name_of(last)} is simple subdivision"
     stateful = next((modifier for modifier in _in_use(mesh_object, depsgraph) if modifier.type in _STATEFUL), None)
-    return None if stateful is None else f"modifier {stateful.name}"
+    return None if stateful is None else f"modifier {name_of(stateful)}"
 
 
 def cage_arrays(mesh_object: Any, depsgraph: Any, wanted: frozenset[str]) -> CageArrays | None:
@@ -119,7 +120,7 @@ def _arrays_of(mesh: Any, wanted: frozenset[str], options: dict[str, Any]) -> Ca
         values = attribute_values(mesh, name, where)
         if values is None:
             continue
-        is_uv = name == ACTIVE_UV or mesh.uv_layers.get(name) is not None
+        is_uv = name == ACTIVE_UV or find(mesh.uv_layers, name) is not None
         (arrays.uv_maps if is_uv else arrays.attributes)[name] = np.ascontiguousarray(values[:, 0])
     return arrays
 

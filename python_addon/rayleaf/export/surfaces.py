@@ -6,14 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..messages import Messages
+from ..messages import Messages, Subject
+from ..names import name_of
 
 
 def fallback_reason(surface_object: Any) -> str | None:
     """Why an object must be taken as Blender's evaluated mesh; None if it can be sent as splines."""
     for modifier in surface_object.modifiers:
         if modifier.show_render:
-            return f"modifier {modifier.name}"
+            return f"modifier {name_of(modifier)}"
     keys = surface_object.data.shape_keys
     if keys is not None and not keys.use_relative:
         return "absolute shape keys"
@@ -51,6 +52,7 @@ def control_points(spline: Any) -> NDArray[np.float64]:
 def splines_of(core: ModuleType, surface_object: Any, messages: Messages) -> list[Any]:
     """The splines of a SURFACE object that the core accepts; the others are named in messages."""
     moved = mixed_shape_keys(surface_object)
+    subject = Subject("Object", name_of(surface_object))
     splines, first = [], 0
     for number, spline in enumerate(surface_object.data.splines):
         points = control_points(spline)
@@ -60,7 +62,7 @@ def splines_of(core: ModuleType, surface_object: Any, messages: Messages) -> lis
         first += count
         if spline.hide:
             continue
-        what = f"Object '{surface_object.name}', spline {number + 1}"
+        what = f"{subject}, spline {number + 1}"
         sent = core.NurbsSpline(
             points,
             spline.order_u,
@@ -79,24 +81,25 @@ def splines_of(core: ModuleType, surface_object: Any, messages: Messages) -> lis
             splines.append(sent)
         else:
             _, argument, got, wanted = problem
-            messages.warn(f"{what}: {argument} is {got}, wanted {wanted}; left out")
+            messages.warn(f"{what}: {argument} is {got}, wanted {wanted}; left out", subject)
     return splines
 
 
 def add_surface(core: ModuleType, scene: Any, surface_object: Any, messages: Messages) -> int | None:
     """Send a SURFACE object; the shape's index, or None if nothing of it can be rendered."""
+    name = name_of(surface_object)
     splines = splines_of(core, surface_object, messages)
     if not splines:
         if not surface_object.data.splines:
-            messages.note(f"Object '{surface_object.name}' has no splines; left out")
+            messages.note(f"Object '{name}' has no splines; left out", Subject("Object", name))
         return None
     try:
-        return int(scene.add_surface(surface_object.name, splines))
+        return int(scene.add_surface(name, splines))
     except core.InputError as error:
         if len(splines) == 1:
-            messages.warn(f"{error}; left out")
+            messages.warn(f"{error}; left out", Subject("Object", name))
             return None
-    return _add_good_splines(core, scene, surface_object.name, splines, messages)
+    return _add_good_splines(core, scene, name, splines, messages)
 
 
 def _add_good_splines(core: ModuleType, scene: Any, name: str, splines: list[Any], messages: Messages) -> int | None:
@@ -107,5 +110,5 @@ def _add_good_splines(core: ModuleType, scene: Any, name: str, splines: list[Any
             core.SceneDescription().add_surface(name, [spline])
             good.append(spline)
         except core.InputError as error:
-            messages.warn(f"{error} (spline {number + 1}); left out")
+            messages.warn(f"{error} (spline {number + 1}); left out", Subject("Object", name))
     return int(scene.add_surface(name, good)) if good else None

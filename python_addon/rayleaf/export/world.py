@@ -3,17 +3,18 @@
 from types import ModuleType
 from typing import Any
 
-from ..messages import Messages
+from ..messages import Messages, Subject
+from ..names import name_of
 from .nodes.compiler import Compiler, Resources
 from .nodes.emitter import Emitter
 
 
 def compile_world(core: ModuleType, world: Any, resources: Resources, messages: Messages) -> Any:
     """The program of a world: its nodes, else its colour."""
-    name = f"World '{world.name}'"
-    emitter = Emitter(core, world.name)
+    subject = Subject("World", name_of(world))
+    emitter = Emitter(core, subject.name)
     if world.use_nodes and world.node_tree is not None:
-        Compiler(emitter, name, resources, messages, is_world=True).compile_tree(world.node_tree)
+        Compiler(emitter, subject, resources, messages, is_world=True).compile_tree(world.node_tree)
     else:
         emitter.operation("background", [emitter.scalar(1.0), emitter.constant(*world.color), emitter.scalar(1.0)])
     return emitter.program

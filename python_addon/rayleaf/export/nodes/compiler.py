@@ -1,10 +1,11 @@
 """Walks a node tree from its output and writes the operations its nodes stand for."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ...messages import Messages
+from ...messages import Messages, Subject
+from ...names import name_of, text_of
 from ..attributes import ACTIVE_COLOR, ACTIVE_UV
 from ..images import ImageLibrary
 from .emitter import UNCONNECTED, Emitter, Register
@@ -54,7 +55,7 @@ class NodeView:
                     return socket
         for name in names:
             for socket in self.node.inputs:
-                if socket.name == name:
+                if name_of(socket) == name:
                     return socket
         return None
 
@@ -112,7 +113,7 @@ class Compiler:
     """Compiles one material's or world's tree."""
 
     def __init__(
-        self, emitter: Emitter, subject: str, resources: Resources, messages: Messages, is_world: bool = False
+        self, emitter: Emitter, subject: Subject, resources: Resources, messages: Messages, is_world: bool = False
     ) -> None:
         """`subject` names the tree's owner in messages."""
         from . import load_nodes
@@ -120,13 +121,14 @@ class Compiler:
         load_nodes()
         self.emitter, self.resources, self.is_world = emitter, resources, is_world
         self._subject, self._messages = subject, messages
-        self._links: dict[int, dict[tuple[str, str], Any]] = {}
+        self._links: dict[int, dict[int, Any]] = {}  # by the pointer of the tree, then of the input
         self._done: dict[Any, Register] = {}
         self._open: set[Any] = set()
 
     def warn(self, node: Any, text: str) -> None:
         """Tell about a node, once."""
-        self._messages.warn(f"{self._subject}, node '{node.name}': {text}")
+        subject = replace(self._subject, node=name_of(node))
+        self._messages.warn(f"{subject}: {text}", subject)
 
     # --- the graph ---------------------------------------------------------------------------------------------------
 
@@ -135,10 +137,8 @@ class Compiler:
         tree = socket.id_data
         key = tree.as_pointer()
         if key not in self._links:
-            self._links[key] = {
-                (link.to_node.name, link.to_socket.identifier): link for link in tree.links if not link.is_muted
-            }
-        return self._links[key].get((socket.node.name, socket.identifier))
+            self._links[key] = {link.to_socket.as_pointer(): link for link in tree.links if not link.is_muted}
+        return self._links[key].get(socket.as_pointer())
 
     def forward(self, socket: Any, path: Path) -> tuple[Any, Path] | None:
         """The input that an output merely passes on (reroutes, muted nodes, groups and their borders), with its path.
@@ -156,9 +156,9 @@ class Compiler:
                 self.warn(node, "its node group is missing")
                 return None, path
             output = _group_output(node.node_tree)
-            return (_by_identifier(output.inputs, socket.identifier) if output else None), (*path, node)
+            return (_by_identifier(output.inputs, socket) if output else None), (*path, node)
         if node.bl_idname == "NodeGroupInput" and path:
-            return _by_identifier(path[-1].inputs, socket.identifier), path[:-1]
+            return _by_identifier(path[-1].inputs, socket), path[:-1]
         return None
 
     # --- values ------------------------------------------------------------------------------------------------------
@@ -173,7 +173,7 @@ class Compiler:
     def output(self, socket: Any, path: Path) -> Register:
         """The value of an output."""
         node = socket.node
-        key = (tuple(group.name for group in path), node.name, socket.identifier)
+        key = _key(socket, path)
         if key in self._done:
             return self._done[key]
         if key in self._open:
@@ -211,7 +211,7 @@ class Compiler:
     def _neutral(self, socket: Any) -> Register:
         """What stands for an output that cannot be computed: the normal, grey, or the middle of 0..1."""
         if socket.type == "VECTOR":
-            return self.emitter.operation("normal") if "ormal" in socket.name else self.emitter.constant(0, 0, 0)
+            return self.emitter.operation("normal") if "ormal" in name_of(socket) else self.emitter.constant(0, 0, 0)
         return self.emitter.scalar(0.5)
 
     def _convert(self, register: Register, from_type: str, to_type: str) -> Register:
@@ -247,7 +247,7 @@ class Compiler:
             forward = self.forward(source, path)
             if forward is None or source.type != "SHADER":
                 return source, path
-            key = (tuple(group.name for group in path), source.node.name, source.identifier)
+            key = _key(source, path)
             if key in seen:
                 self.warn(source.node, "nodes form a loop; the link that closes it is ignored")
                 return None
@@ -282,7 +282,7 @@ class Compiler:
     ) -> "_Shader | None":
         """Depth first; `order` receives each shader after what it uses. None where a loop closes."""
         socket, path = source
-        key = (tuple(group.name for group in path), socket.node.name, socket.identifier)
+        key = _key(socket, path)
         if key in open_keys:
             self.warn(socket.node, "nodes form a loop; the link that closes it is ignored")
             return None
@@ -339,5 +339,12 @@ def _group_output(tree: Any) -> Any:
     return next((node for node in outputs if node.is_active_output), outputs[0] if outputs else None)
 
 
-def _by_identifier(sockets: Any, identifier: str) -> Any:
-    return next((socket for socket in sockets if socket.identifier == identifier), None)
+def _by_identifier(sockets: Any, twin: Any) -> Any:
+    """The socket at the other side of a group's border."""
+    identifier = text_of(twin, "identifier")
+    return next((socket for socket in sockets if text_of(socket, "identifier") == identifier), None)
+
+
+def _key(socket: Any, path: Path) -> tuple[int, ...]:
+    """Tells an output of one use of a group from those of all others."""
+    return (*(group.as_pointer() for group in path), socket.as_pointer())

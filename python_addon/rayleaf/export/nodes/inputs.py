@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...names import text_of
 from ...versions import reads_geometry
 from ..attributes import STRAND_INFO, STRAND_RANDOM
 from .compiler import NodeView, value_node
@@ -50,7 +51,7 @@ def _in_space_of(view: NodeView, matrix: NDArray[np.float64]) -> Register:
 @value_node("ShaderNodeUVMap")
 def uv_map(view: NodeView, output: str) -> Register:
     """UV Map."""
-    name = view.node.uv_map
+    name = text_of(view.node, "uv_map")
     identifier = view.resources.attribute(name) if name else view.resources.active_uv()
     return view.emitter.operation("uv", ints=[identifier])
 
@@ -90,13 +91,13 @@ def attribute(view: NodeView, output: str) -> Register:
     if not reads_geometry(view.node):
         view.warn(f"attributes of type {view.node.attribute_type.lower()} are not supported; zero is used")
         return view.emitter.scalar(0.0)
-    return _attribute_output(view, output, view.resources.attribute(view.node.attribute_name))
+    return _attribute_output(view, output, view.resources.attribute(text_of(view.node, "attribute_name")))
 
 
 @value_node("ShaderNodeVertexColor")
 def color_attribute(view: NodeView, output: str) -> Register:
     """Color Attribute; without a name the active one."""
-    name = view.node.layer_name
+    name = text_of(view.node, "layer_name")
     return _attribute_output(view, output, view.resources.attribute(name) if name else view.resources.active_color())
 
 
@@ -151,7 +152,7 @@ def layer_weight(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeTangent")
 def tangent(view: NodeView, output: str) -> Register:
     """Tangent, along the active UV map."""
-    if view.node.direction_type != "UV_MAP" or view.node.uv_map:
+    if view.node.direction_type != "UV_MAP" or text_of(view.node, "uv_map"):
         view.warn("only the tangent of the active UV map is supported; it is used")
     view.resources.active_uv()
     return view.emitter.operation("tangent")

@@ -1,5 +1,6 @@
 """Nodes that calculate: Math, Vector Math, Map Range, Clamp, Mapping, and the vector nodes."""
 
+from ...names import text_of
 from .compiler import NodeView, value_node
 from .curves import curve_table
 from .emitter import UNCONNECTED, Register
@@ -70,7 +71,7 @@ def normal_map(view: NodeView, output: str) -> Register:
     space = view.node.space.removeprefix("BLENDER_")
     identifier = -1
     if space == "TANGENT":
-        name = view.node.uv_map
+        name = text_of(view.node, "uv_map")
         identifier = view.resources.attribute(name) if name else view.resources.active_uv()
     return view.emitter.operation("normal_map", [view.input("Strength"), view.input("Color")], [identifier], text=space)
 

@@ -1,0 +1,26 @@
+"""What goes wrong in a render without being the scene's fault: told by Blender's report, and by a traceback on the console."""
+
+import sys
+import traceback
+from typing import Any
+
+from . import kept_messages
+from .messages import Message, printable
+
+
+def told(error: Exception) -> str:
+    """An exception in a line."""
+    if isinstance(error, MemoryError):
+        return f"Out of memory: {error or 'the scene needs more than there is'}"
+    if isinstance(error, ImportError):
+        return f"Rayleaf's core cannot be loaded: {error}"
+    return f"Rayleaf failed, the console says where: {type(error).__name__}: {error}"
+
+
+def report(engine: Any, error: Exception) -> None:
+    """End a render with an error. Nothing of it is left: a traceback that Python keeps would keep Blender's data too."""
+    text = printable(told(error))
+    sys.stderr.write(printable("".join(traceback.format_exception(error))))
+    kept_messages.keep(Message("ERROR", text))
+    engine.report({"ERROR"}, text)
+    engine.error_set(text)
