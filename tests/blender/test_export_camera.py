@@ -81,14 +81,14 @@ def test_a_panoramic_camera_and_a_missing_one_are_named(run_blender):
     run = run_blender(
         """
 import bpy, scenes, recording_core
-from rayleaf.export.camera import CameraError
+from rayleaf.export import ExportError
 scene = scenes.empty_scene()
 camera, texts = scene.camera, []
 camera.name, camera.data.type = "Fisheye", "PANO"
 for scene.camera in (camera, None):
     try:
         recording_core.export()
-    except CameraError as error:
+    except ExportError as error:
         texts.append(str(error))
 report(texts=texts)
 """
