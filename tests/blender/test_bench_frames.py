@@ -28,7 +28,17 @@ def run(root, addons, tmp_path_factory):
 def test_the_table_has_every_engine_and_mode_and_equal_settings_were_used(run):
     printed, rows = run("bezier_sheet", *("--samples", "2", "--percentage", "4", "--threads", "1", "--rounds", "2"))
     head = next(line for line in printed.splitlines() if line.startswith("scene"))
-    for name in ("samples", "first, s", "second, s", "first, ratio", "second, ratio", "error", "equal error", "MB"):
+    for name in (
+        "samples",
+        "first, s",
+        "second, s",
+        "first, ratio",
+        "second, ratio",
+        "error",
+        "equal error",
+        "from Cycles",
+        "MB",
+    ):
         assert name in head
     names = ["Cycles", "Rayleaf, off", "Rayleaf, auto", "Rayleaf, on"]
     assert [row["contender"] for row in rows] == names
@@ -38,6 +48,7 @@ def test_the_table_has_every_engine_and_mode_and_equal_settings_were_used(run):
     assert ["–" in cells for cells in shown] == [True, False, False, False], printed
     assert all(row["problem"] == "" and row["size"] == [32, 18] for row in rows)
     assert all(len(row["first"]) == len(row["second"]) == 2 and min(row["first"] + row["second"]) > 0 for row in rows)
+    assert all(row["from_cycles"] < 0.3 for row in rows[1:])
     assert all(0 < row["rmse"] < 0.3 and row["memory_mb"] > 0 for row in rows)
     for name, value in (("samples", 2), ("threads", 1), ("persistent data", False)):
         assert {row["told"][name] for row in rows} == {value}

@@ -42,6 +42,16 @@ def test_the_ratio_is_cycles_time_over_ours_and_at_equal_error_that_times_the_sq
     assert cycles["second, ratio"] is None and cycles["ratio at equal error"] is None
 
 
+def test_pictures_of_different_things_have_no_ratio_at_equal_error():
+    for error, distance, shown, lines in ((0.02, 0.09, 0.125, 0), (0.02, 0.5, None, 1), (0.6, 0.5, 0.5 / 3600, 0)):
+        pair = [frame("CYCLES", 1.0, 0.01), replace(frame("RAYLEAF", 2.0, error), from_cycles=distance)]
+        assert (
+            cells(pair)[1]["ratio at equal error"] == (shown and pytest.approx(shown))
+            and cells(pair)[1]["from Cycles"] == distance
+        )
+        assert len(frame_table.remarks(pair)) == lines
+
+
 def test_what_is_not_known_is_left_empty_and_says_why():
     failed = Frame("sheet", 16, "Rayleaf, on", "RAYLEAF", problem=f"Blender ended with 1:\nout of memory\n\n{BLENDERS}")
     spared = [frame("CYCLES", 1.0, 0.0), frame("RAYLEAF", 2.0, 0.1), failed]
@@ -56,7 +66,7 @@ def test_what_is_not_known_is_left_empty_and_says_why():
 def test_the_printed_table_has_a_line_for_each_frame_under_its_head():
     printed = frame_table.text_lines([frame_table.HEAD, *frame_table.rows([frame("CYCLES", 1.0, 0.01)])], 5)
     assert all(name in printed[0] for name in frame_table.HEAD)
-    assert printed[1].split() == ["sheet", "16", "Cycles", "2.00", "1.00", "–", "–", "0.0100", "–", "10"]
+    assert printed[1].split() == ["sheet", "16", "Cycles", "2.00", "1.00", "–", "–", "0.0100", "–", "–", "10"]
     for word in ("16", "1.00", "0.0100"):  # numbers end where their heads do
         column = {"16": "samples", "1.00": "second, s", "0.0100": "error"}[word]
         head = printed[0].index(column) + len(column)
@@ -103,9 +113,10 @@ class Renders:
         self.asked.append((point.engine, conditions))
         path = folder / "picture.npy"
         np.save(path, np.full((8, 8, 4), self.value, np.float32))
-        seconds = [2.0, 1.0][: conditions.repeats]
+        seconds, processor = [2.0, 1.0][: conditions.repeats], [4.0, 2.0][: conditions.repeats]
         told = TOLD | {"samples": point.assign[f"{point.engine.lower()}.samples"]}
-        return [{"name": point.name, "seconds": seconds, "memory_mb": 5.0, "picture": str(path), "told": told}]
+        times = {"seconds": seconds, "processor_seconds": processor}
+        return [{"name": point.name, **times, "memory_mb": 5.0, "picture": str(path), "told": told}]
 
 
 @pytest.fixture
@@ -152,7 +163,18 @@ def test_every_round_takes_turns_in_a_cold_blender_of_its_own(scene, tmp_path, m
     assert first[0].first == [2.0, 2.0] and first[0].second == [1.0, 1.0]
     picture = np.full((8, 8, 4), 0.5, np.float32)
     assert first[1].rmse == compare(picture, picture / 2).rmse
+    assert [each.from_cycles for each in first] == [None, 0.0, 0.0]
     assert Frame(**json.loads(json.dumps(asdict(first[1])))).rmse == first[1].rmse
+
+
+def test_processor_time_stands_in_the_place_of_time_that_passes(scene, tmp_path, monkeypatch):
+    monkeypatch.setattr(frames, "render", Renders())
+    monkeypatch.setattr(converged, "render", Renders())
+    for wanted, expected in ((False, 2.0), (True, 4.0)):
+        plan = Plan(counts=(1,), processor_time=wanted)
+        (found,) = Ruler("/bin/true", plan, kept_pictures(tmp_path)).scene(scene)
+        assert {each.first[0] for each in found} == {expected}
+        assert ("processor time" in frame_table.caption(plan)) == wanted
 
 
 def test_an_engine_that_fails_leaves_the_others_in_the_table(scene, tmp_path, monkeypatch):

@@ -34,6 +34,7 @@ class Plan:
     threads: int = os.cpu_count() or 1
     rounds: int = 1  # the engines take turns so often; the least time counts
     modes: tuple[str, ...] = points.INTERPOLATION_MODES  # of Rayleaf
+    processor_time: bool = False  # of all threads, in place of the time that passes: for a machine that is busy
     converged: int = 0  # samples of the pictures that errors are against; 0: by the most samples measured
 
     @property
@@ -53,6 +54,7 @@ class Frame:
     second: list[float] = field(default_factory=list)
     memory_mb: float = 0.0  # most that the process held above what it held before
     rmse: float | None = None  # in display RGB, against the engine's own converged picture
+    from_cycles: float | None = None  # the same measure, of the two engines' converged pictures
     size: tuple[int, int] = (0, 0)  # width, height, pixels
     told: dict[str, Any] = field(default_factory=dict)  # settings as they were when it was rendered
     problem: str = ""  # why there is nothing else
@@ -61,9 +63,9 @@ class Frame:
     def name(self) -> str:
         return f"{self.scene}, {points.counted(self.samples)}, {self.contender}"
 
-    def add(self, raw: dict[str, Any], picture: Any) -> None:
+    def add(self, raw: dict[str, Any], seconds: list[float], picture: Any) -> None:
         """What one round gave."""
-        first, second = raw["seconds"]
+        first, second = seconds
         self.first.append(first)
         self.second.append(second)
         self.memory_mb = max(self.memory_mb, raw["memory_mb"])
@@ -112,7 +114,11 @@ class Ruler:
         for _ in range(self.plan.rounds):
             for frame, point in zip(frames, tried, strict=True):
                 self._round(file, frame, point)
-        check_alike([frame for frame in frames if not frame.problem] or frames[:1])
+        judged = [frame for frame in frames if not frame.problem]
+        check_alike(judged or frames[:1])
+        if judged and judged[0].engine == "CYCLES":
+            for frame in judged[1:]:
+                frame.from_cycles = self._error(file, "CYCLES", self._converged(file, frame.engine))
         return frames
 
     def _round(self, file: Path, frame: Frame, point: Point) -> None:
@@ -127,7 +133,7 @@ class Ruler:
                 if "problem" in raw:
                     raise RuntimeError(raw["problem"])
                 picture = np.load(raw["picture"])
-            frame.add(raw, picture)
+            frame.add(raw, raw["processor_seconds" if plan.processor_time else "seconds"], picture)
             self.tell(f"{frame.name}: {frame.first[-1]:.2f} s, {frame.second[-1]:.2f} s")
             if len(frame.second) == plan.rounds:
                 frame.rmse = self._error(file, frame.engine, picture)
@@ -135,8 +141,11 @@ class Ruler:
             frame.problem = str(error)
             self.tell(f"{frame.name}: {error}")
 
+    def _converged(self, file: Path, engine: str) -> Any:
+        return self.kept.picture(file, engine, self.plan.converged_count)
+
     def _error(self, file: Path, engine: str, picture: Any) -> float:
-        return compare(picture, self.kept.picture(file, engine, self.plan.converged_count)).rmse
+        return compare(picture, self._converged(file, engine)).rmse
 
 
 def ruler(blender: str, plan: Plan, folder: Path, tell: Callable[[str], None], again: bool = False) -> Ruler:

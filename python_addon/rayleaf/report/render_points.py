@@ -4,9 +4,9 @@
 
 The job: what `measure.Conditions` holds, and {"folder": path, "addon": its module, "points": [{"name", "engine",
 "assign": {path: value}, "told": {name: path}, "needs": a kind of shape, or ""}]}. The
-result, a list in the same order: {"name", "seconds": [each repeat], "memory_mb": peak above what was there before,
-"picture": NPY file of (height, width, 4), scene-linear, rows bottom to top, "told": {name: value}, "statistics": the
-add-on's, or {}, "layers": with all passes, a multilayer EXR}.
+result, a list in the same order: {"name", "seconds": [each repeat], "processor_seconds": of all threads, "memory_mb":
+peak above what was there before, "picture": NPY file of (height, width, 4), scene-linear, rows bottom to top, "told":
+{name: value}, "statistics": the add-on's, or {}, "layers": with all passes, a multilayer EXR}.
 A point whose property this version does not have is left out of the pictures and says so: {"name", "problem"}. One that
 needs shapes that the scene does not hold is {"name"} alone.
 """
@@ -111,12 +111,14 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
         process_memory = importlib.import_module(f"{job['addon']}.statistics").process_memory
         at_start = process_memory()[0]
         seconds: list[float] = []
+        processor_seconds: list[float] = []
         for _ in range(job["repeats"]):
             if sum(seconds) > _ENOUGH_SECONDS and not job.get("cold"):
                 break
-            began = time.perf_counter()
+            began, processor_began = time.perf_counter(), time.process_time()
             bpy.ops.render.render()
             seconds.append(time.perf_counter() - began)
+            processor_seconds.append(time.process_time() - processor_began)
         memory = process_memory()[1] - at_start
         picture = folder / f"{number:03d}.npy"
         np.save(picture, rendered_pixels(folder, scene))
@@ -126,6 +128,7 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
         return {
             "name": point["name"],
             "seconds": seconds,
+            "processor_seconds": processor_seconds,
             "memory_mb": memory,
             "picture": str(picture),
             "layers": layers,
