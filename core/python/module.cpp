@@ -16,12 +16,25 @@ void require_numpy() {
     }
 }
 
+/// The versions of Rayleaf and of what it was built with, as CMake passes them.
+void tell_versions(py::module_& module) {
+    module.attr("__version__") = RAYLEAF_VERSION;
+    py::dict built_with;
+    built_with["Compiler"] = RAYLEAF_COMPILER;
+    built_with["Embree"] = RAYLEAF_EMBREE_VERSION;
+    built_with["OpenImageIO"] = RAYLEAF_OPENIMAGEIO_VERSION;
+    built_with["OpenSubdiv"] = RAYLEAF_OPENSUBDIV_VERSION;
+    built_with["TBB"] = RAYLEAF_TBB_VERSION;
+    module.attr("built_with") = built_with;
+}
+
 }  // namespace
 }  // namespace rayleaf
 
 PYBIND11_MODULE(_core, module) {
     module.doc() = "Rayleaf's core: splines and meshes in, pixels out. Usable from plain Python.";
     rayleaf::require_numpy();
+    rayleaf::tell_versions(module);
     rayleaf::bind_errors(module);
     rayleaf::bind_distribution(module);
     rayleaf::bind_lights(module);

@@ -114,7 +114,8 @@ class TemporaryFolder {
 /// destroyed: OpenImageIO 2.4 frees part of it with another alignment than it was allocated with, which corrupts the
 /// heap under jemalloc, the allocator that Blender runs with. Stores give their tiles back one by one instead.
 oiio::TextureSystem& texture_system() {
-    static oiio::TextureSystem* const system = oiio::TextureSystem::create(false);
+    // A plain pointer until OpenImageIO 2.5, a shared one since 3.0: behind a reference neither is ever destroyed.
+    static const auto& system = *new auto(oiio::TextureSystem::create(false));
     return *system;
 }
 

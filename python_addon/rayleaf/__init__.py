@@ -1,10 +1,14 @@
 """Rayleaf: a render engine for smooth geometry.
 
 The package can be imported outside Blender: `rayleaf._core` is the renderer, and nothing here reads `bpy` before Blender
-calls `register`. The core itself is loaded by the first render.
+calls `register`. The core itself is loaded by the first render; that it works is tested in a copy of
+the process (self_test.py).
 """
 
+from types import ModuleType
 from typing import Any
+
+__version__ = "0.1.0"
 
 bl_info = {
     "name": "Rayleaf",
@@ -20,29 +24,23 @@ bl_info = {
 last_statistics: dict[str, Any] = {}
 
 
+_registered: list[ModuleType] = []  # in the order in which Blender got to know them
+
+
 def register() -> None:
     """Called by Blender when the add-on is enabled."""
-    from . import animation, engine, kept_messages, properties, ui, ui_rays
+    from . import animation, enabling, engine, kept_messages, preferences, properties, ui, ui_rays
     from .report import panel
 
-    properties.register()
-    engine.register()
-    animation.register()
-    kept_messages.register()
-    ui.register()
-    ui_rays.register()
-    panel.register()
+    if enabling.is_another_enabled():
+        return
+    enabling.check()
+    for module in (preferences, properties, engine, animation, kept_messages, ui, ui_rays, panel):
+        module.register()
+        _registered.append(module)
 
 
 def unregister() -> None:
     """Called by Blender when the add-on is disabled."""
-    from . import animation, engine, kept_messages, properties, ui, ui_rays
-    from .report import panel
-
-    panel.unregister()
-    ui_rays.unregister()
-    ui.unregister()
-    kept_messages.unregister()
-    animation.unregister()
-    engine.unregister()
-    properties.unregister()
+    while _registered:
+        _registered.pop().unregister()

@@ -15,6 +15,10 @@ Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
+# The version of Rayleaf, and the versions of the parts that the module was built with, by name.
+__version__: str
+built_with: dict[str, str]
+
 # Programs, closures and textures on arrays, for tests alone: a submodule.
 shading: Any
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import bpy
 
-from . import failures, passes
+from . import core_module, enabling, failures, passes
 
 
 class RayleafRenderEngine(bpy.types.RenderEngine):
@@ -21,12 +21,14 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
     def render(self, depsgraph: Any) -> None:
         """Render one view layer of one frame. The core is loaded here first. Whatever goes wrong ends this render alone."""
         try:
-            from . import _core
+            if enabling.problem is not None:
+                raise core_module.CoreError(enabling.problem)
+            core = core_module.load()
             from .animation import KEPT
             from .frame import FrameRender
 
-            ray_caches = KEPT.for_frame(_core, depsgraph.scene_eval, self.is_animation)
-            FrameRender(self, depsgraph, _core, ray_caches).run()
+            ray_caches = KEPT.for_frame(core, depsgraph.scene_eval, self.is_animation)
+            FrameRender(self, depsgraph, core, ray_caches).run()
         except Exception as error:
             failures.report(self, error)
 

@@ -5,6 +5,7 @@ import traceback
 from typing import Any
 
 from . import kept_messages
+from .core_module import CoreError
 from .messages import Message, printable
 
 
@@ -12,15 +13,16 @@ def told(error: Exception) -> str:
     """An exception in a line."""
     if isinstance(error, MemoryError):
         return f"Out of memory: {error or 'the scene needs more than there is'}"
-    if isinstance(error, ImportError):
-        return f"Rayleaf's core cannot be loaded: {error}"
+    if isinstance(error, CoreError):
+        return str(error)
     return f"Rayleaf failed, the console says where: {type(error).__name__}: {error}"
 
 
 def report(engine: Any, error: Exception) -> None:
     """End a render with an error. Nothing of it is left: a traceback that Python keeps would keep Blender's data too."""
     text = printable(told(error))
-    sys.stderr.write(printable("".join(traceback.format_exception(error))))
+    if not isinstance(error, CoreError):  # which says all there is to say
+        sys.stderr.write(printable("".join(traceback.format_exception(error))))
     kept_messages.keep(Message("ERROR", text))
     engine.report({"ERROR"}, text)
     engine.error_set(text)

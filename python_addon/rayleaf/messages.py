@@ -1,7 +1,11 @@
 """What the user is told: each thing once, with the name of what it is about."""
 
+import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
+
+
+_WIDTH = 100  # characters that fit a page of the preferences
 
 
 @dataclass(frozen=True)
@@ -23,6 +27,11 @@ class Message:
     kind: str  # Blender's: INFO, WARNING, ERROR
     text: str
     about: Subject | None = None
+
+
+def wrapped(text: str) -> list[str]:
+    """Lines for Blender's labels, which do not wrap."""
+    return textwrap.wrap(text, _WIDTH)
 
 
 class Messages:

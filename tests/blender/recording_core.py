@@ -259,6 +259,7 @@ def install():
     sys.modules["rayleaf._core"] = module
     import rayleaf
 
+    module.__version__ = rayleaf.__version__
     rayleaf._core = module
     return module
 

