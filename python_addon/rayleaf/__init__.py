@@ -29,13 +29,25 @@ _registered: list[ModuleType] = []  # in the order in which Blender got to know 
 
 def register() -> None:
     """Called by Blender when the add-on is enabled."""
-    from . import animation, enabling, engine, kept_messages, preferences, properties, ui, ui_rays
+    from . import (
+        animation,
+        enabling,
+        engine,
+        kept_messages,
+        preferences,
+        properties,
+        ui,
+        ui_messages,
+        ui_rays,
+        ui_view_layer,
+    )
     from .report import panel
 
     if enabling.is_another_enabled():
         return
     enabling.check()
-    for module in (preferences, properties, engine, animation, kept_messages, ui, ui_rays, panel):
+    shown = (ui_messages, ui, ui_rays, ui_view_layer, panel)
+    for module in (preferences, properties, engine, animation, kept_messages, *shown):
         module.register()
         _registered.append(module)
 

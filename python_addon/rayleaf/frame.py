@@ -67,14 +67,14 @@ class FrameRender:
 
     def _run(self) -> None:
         self._add_passes()
-        if self._scene.render.use_multiview:
-            self._messages.warn("Stereoscopy is not supported; every view shows the same picture")
         began = time.perf_counter()
         self._status("exporting", 0.0)
         exporter = SceneExporter(self._core, self._depsgraph, self._messages, self._engine.test_break)
         description = exporter.export(self._frame, needs_uv=any(entry.identifier == "uv" for entry in self._passes))
         exported = time.perf_counter()
-        settings = self._core.Settings(**core_settings(self._core, self._scene, self._frame, self._crop, self._passes))
+        settings = self._core.Settings(
+            **core_settings(self._core, self._scene, self._depsgraph.view_layer, self._frame, self._crop, self._passes)
+        )
         session = RenderThread(self._core, description, settings, self._ray_caches)
         try:
             session.start()

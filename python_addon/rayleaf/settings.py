@@ -11,9 +11,9 @@ _LARGEST_SEED = 0xFFFFFFFF  # frames before the first count down from here
 
 
 def core_settings(
-    core: ModuleType, scene: Any, frame: Frame, crop: CropRectangle, passes: list[Pass]
+    core: ModuleType, scene: Any, view_layer: Any, frame: Frame, crop: CropRectangle, passes: list[Pass]
 ) -> dict[str, Any]:
-    """The keyword arguments of the core's Settings."""
+    """The keyword arguments of the core's Settings. A view layer may have a number of samples of its own."""
     own, render = scene.rayleaf, scene.render
     return dict(
         width=frame.width,
@@ -22,7 +22,7 @@ def core_settings(
         crop_y=crop.y,
         crop_width=crop.width,
         crop_height=crop.height,
-        samples=own.samples,
+        samples=view_layer.samples or own.samples,
         seed=(own.seed + (scene.frame_current if own.use_animated_seed else 0)) & _LARGEST_SEED,
         threads=render.threads if render.threads_mode == "FIXED" else 0,
         tile_size=own.tile_size,

@@ -5,8 +5,6 @@ from typing import Any
 
 import bpy
 
-from . import passes
-
 ENGINE = "RAYLEAF"
 
 # Blender's panels that any engine may take carry this engine's name.
@@ -220,23 +218,6 @@ class RAYLEAF_PT_tessellation(_Panel, bpy.types.Panel):
         levels.prop(settings, "least_mirrored_spread")
 
 
-class RAYLEAF_PT_passes(_Panel, bpy.types.Panel):
-    """The passes of a view layer, from the pass table."""
-
-    bl_label = "Passes"
-    bl_context = "view_layer"
-
-    def draw(self, context: Any) -> None:
-        groups: dict[str, list[passes.Pass]] = {}
-        for entry in passes.table():
-            if entry.switch:
-                groups.setdefault(entry.group, []).append(entry)
-        for heading, entries in groups.items():
-            column = self._column().column(heading=heading, align=True)
-            for entry in entries:
-                column.prop(*entry.place(context.view_layer), text=entry.label)
-
-
 class RAYLEAF_PT_light(_Panel, bpy.types.Panel):
     """A lamp."""
 
@@ -338,7 +319,7 @@ PANELS = (
     RAYLEAF_PT_subdivision,
     RAYLEAF_PT_object_subdivision,
     RAYLEAF_PT_performance,
-    RAYLEAF_PT_passes,
+    RAYLEAF_PT_tessellation,
     RAYLEAF_PT_light,
     RAYLEAF_PT_light_spot,
     RAYLEAF_PT_light_nodes,

@@ -1,6 +1,7 @@
 """The one place where Blender's versions differ (3.4 to 5.x)."""
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import bpy
@@ -77,12 +78,47 @@ def write_passes(layer: Any, pixels: dict[str, Floats]) -> None:
     layer.passes.foreach_set("rect", np.concatenate(parts))
 
 
+def cycles_setting(owner: Any, name: str, default: Any) -> Any:
+    """A setting that Blender's Cycles add-on keeps with a data block; without the add-on, what the file holds of it."""
+    if hasattr(owner, "cycles"):
+        return getattr(owner.cycles, name, default)
+    kept = owner.get("cycles")
+    return default if kept is None else kept.get(name, default)
+
+
+def transparent_shadow(material: Any) -> bool:
+    """Whether shadows of a material respect its transparency, as Cycles is told."""
+    if hasattr(material, "use_transparent_shadow"):  # 4.2
+        return bool(material.use_transparent_shadow)
+    return bool(cycles_setting(material, "use_transparent_shadow", True))
+
+
+def world_visibility(world: Any, kinds: Iterable[str]) -> dict[str, bool]:
+    """Which kinds of rays see the world, as Cycles is told."""
+    own = getattr(world, "cycles_visibility", None)
+    return {kind: bool(getattr(own, kind, True)) for kind in kinds}
+
+
+def lamp_color(lamp: Any) -> tuple[float, float, float]:
+    """Its colour; since 4.5 times that of its temperature, where it has one."""
+    red, green, blue = lamp.color
+    if not getattr(lamp, "use_temperature", False):
+        return red, green, blue
+    warm = lamp.temperature_color
+    return red * warm[0], green * warm[1], blue * warm[2]
+
+
 def lamp_factor(lamp: Any) -> float:
     """What a lamp's power is multiplied by to give what it meant in Blender 3.
 
     Since 4.0 an area lamp of P watts sends out 4 / pi of what it did; Blender divides the powers in older files. A sun
-    gives its strength to a surface that faces it; before, to one that faces each part of its disk.
+    gives its strength to a surface that faces it; before, to one that faces each part of its disk. Since 4.5 there is an
+    exposure.
     """
+    return 2.0 ** float(getattr(lamp, "exposure", 0.0)) * _power_factor(lamp)
+
+
+def _power_factor(lamp: Any) -> float:
     if bpy.app.version < (4, 0, 0):
         return 1.0
     if lamp.type == "AREA":

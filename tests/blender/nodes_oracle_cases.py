@@ -88,6 +88,9 @@ def _textures(case: Callable[..., Any], make_image: Callable[[str], Any]) -> lis
     for projection in ("EQUIRECTANGULAR", "MIRROR_BALL"):
         settings = {"image": make_image("Non-Color"), "interpolation": "Linear", "projection": projection}
         found.append(case("ShaderNodeTexEnvironment", settings, {"Vector": "p"}))
+    for space in ("OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
+        inputs = {"Color": (0.3, 0.8, 0.9, 1), "Strength": 0.7}
+        found.append(case("ShaderNodeNormalMap", {"space": space}, inputs))
     found.append(case("ShaderNodeFresnel", {}, {"IOR": "x"}))
     found += [case("ShaderNodeLayerWeight", {}, {"Blend": "x"}, output) for output in ("Fresnel", "Facing")]
     return found

@@ -112,7 +112,8 @@ from rayleaf.settings import core_settings
 
 scene = bpy.context.scene
 scene.render.threads_mode = "AUTO"
-sent = core_settings(_core, scene, frame_of(scene), crop_of(scene, frame_of(scene)), enabled(bpy.context.view_layer))
+layer, frame = bpy.context.view_layer, frame_of(scene)
+sent = core_settings(_core, scene, layer, frame, crop_of(scene, frame), enabled(layer))
 built, plain = _core.Settings(**sent), _core.Settings()
 names = [name for name in dir(plain) if not name.startswith("_")]
 report(unset=[name for name in names if name not in sent],

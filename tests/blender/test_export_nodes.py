@@ -1,46 +1,7 @@
 """Node trees as programs: what each node becomes, conversions, groups, loops, and what is not supported."""
 
 import pytest
-
-START = """
-import bpy, scenes, recording_core
-scene = scenes.empty_scene()
-item = scenes.quad()
-
-def emission(tree, output):
-    shader = tree.nodes.new("ShaderNodeEmission")
-    tree.links.new(shader.outputs[0], output.inputs["Surface"])
-    return shader
-
-def compiled():
-    sent, _, texts = recording_core.export()
-    return sent.materials[0]["surface"], texts
-
-def told(value):
-    "A register in words: a constant's numbers, or the operation with its operands."
-    if not isinstance(value, dict):
-        return value if value is None else [round(x, 5) for x in value]
-    return [value["op"], value["text"], value["ints"]] + [told(each) for each in program.operands(value)]
-
-material, tree, output = scenes.material()
-item.data.materials.append(material)
-nodes, links = tree.nodes, tree.links
-"""
-
-
-def run_tree(run_blender, lines):
-    """The operands of the tree's only emission in words, and the messages."""
-    run = run_blender(
-        START
-        + "shader = emission(tree, output)\n"
-        + lines
-        + """
-program, texts = compiled()
-_, color, strength = program.operands(program.line("emission"))
-report(color=told(color), strength=told(strength), texts=texts)
-"""
-    )
-    return run.report
+from tree_scripts import START, run_tree
 
 
 def test_implicit_conversions_are_blenders(run_blender):
@@ -297,3 +258,34 @@ report(constant=next(line for line in program.lines if line["op"] == "table")["i
     assert run["ramp"] == [1, 0, 0, 0.5]
     assert run["middle"] == pytest.approx(run["expected"], abs=1e-6)
     assert (run["interpolate"], run["constant"]) == ([1], [0])
+
+
+def test_blenders_own_spaces_of_normal_maps_turn_two_axes(run_blender):
+    told = run_tree(
+        run_blender,
+        """
+node = nodes.new("ShaderNodeNormalMap")
+node.space = "BLENDER_OBJECT"
+node.inputs["Color"].default_value = (0.25, 0.5, 1, 1)
+links.new(node.outputs[0], shader.inputs["Color"])
+""",
+    )
+    operation, text, ints, strength, color = told["color"]
+    assert (operation, text, ints, strength) == ("normal_map", "OBJECT", [-1], [1] * 4)
+    assert color == ["combine", "", [], [0.25] * 4, [0.5] * 4, [0] * 4]
+
+
+def test_the_ways_in_which_images_go_on_are_those_of_blender_and_of_the_core(run_blender):
+    run = run_blender(
+        """
+import bpy
+from rayleaf import _core
+from rayleaf.export.nodes import textures
+of_node = {item.identifier for item in bpy.types.ShaderNodeTexImage.bl_rna.properties["extension"].enum_items}
+report(unknown=sorted(of_node - set(textures._EXTENSIONS)),
+       core={name: int(getattr(_core.shading.Extension, name)) for name in textures._EXTENSIONS}, sent=textures._EXTENSIONS)
+"""
+    ).report
+    assert run["unknown"] == []
+    assert run["core"] == run["sent"]
+    assert "MIRROR" in run["sent"]

@@ -248,3 +248,66 @@ drive(steps())
     assert run.report["done"]
     assert "Traceback" not in run.log and "rna_uiItem" not in run.log, run.log
     assert len(list(tmp_path.glob("*_*.png"))) == 12
+
+
+def test_warnings_stay_in_a_panel_until_the_next_render_and_a_click_selects_what_they_are_about(window, tmp_path):
+    run = window(
+        """
+cube = bpy.data.objects["Cube"]
+bpy.ops.mesh.primitive_uv_sphere_add(location=(3, 0, 0))
+ball = bpy.context.object
+material = bpy.data.materials.new("Carved Wood")
+material.use_nodes = True
+tree = material.node_tree
+bump = tree.nodes.new("ShaderNodeBump")
+bump.name = "Grain"
+tree.links.new(bump.outputs[0], tree.nodes["Principled BSDF"].inputs["Normal"])
+ball.data.materials.append(bpy.data.materials["Material"])
+ball.data.materials.append(material)
+cube.is_shadow_catcher = True
+scene.render.use_motion_blur = True
+scene.rayleaf.samples = 1
+preferences.view.render_display_type = "NONE"
+
+from rayleaf import kept_messages
+
+def editor():
+    return next(area for area in bpy.context.screen.areas if area.type == "PROPERTIES")
+
+def click(message):
+    about = message.about
+    with bpy.context.temp_override(area=editor()):
+        bpy.ops.rayleaf.select_subject(kind=about.kind, name=about.name, node=about.node)
+
+def steps():
+    area = editor()
+    area.spaces[0].context = "RENDER"
+    yield 0.5
+    for attempt in range(2):
+        times.clear()
+        press("F12")
+        yield lambda: "complete" in times
+        yield 0.5
+        found = {str(message.about): message for message in kept_messages.kept()}
+        report(**{f"about{attempt}": sorted(found)})
+        bpy.ops.screen.screenshot(filepath=f"{sys.argv[1]}/warnings{attempt}.png")
+        if attempt == 0:
+            click(found["Object 'Cube'"])
+            report(object=[item.name for item in bpy.context.selected_objects])
+            click(found["Material 'Carved Wood', node 'Grain'"])
+            report(material=[[item.name for item in bpy.context.selected_objects], ball.active_material.name,
+                             tree.nodes.active.name, [node.name for node in tree.nodes if node.select]])
+            cube.is_shadow_catcher = False
+
+area = next(area for area in bpy.context.screen.areas if area.type == "VIEW_3D")
+area.type = "PROPERTIES"  # wide and high: the picture shows the panel
+drive(steps())
+""",
+        tmp_path,
+    )
+    scene, node = "Scene 'Scene'", "Material 'Carved Wood', node 'Grain'"
+    assert run.report["about0"] == [node, "Object 'Cube'", scene]
+    assert run.report["about1"] == [node, scene]
+    assert run.report["object"] == ["Cube"]
+    assert run.report["material"] == [["Sphere"], "Carved Wood", "Grain", ["Grain"]]
+    assert "Traceback" not in run.log and "rna_uiItem" not in run.log, run.log

@@ -31,17 +31,16 @@ WITHIN_A_FLOOR = {("lights", "trace"): "emitting surfaces are found and sampled 
 # The files of the add-on that import Blender's modules. The others get what they need handed over, and work (and are
 # tested) in plain Python.
 MEET_BLENDER = {
+    *("animation.py", "enabling.py", "engine.py", "frame.py", "kept_messages.py", "preferences.py", "properties.py"),
     *(
-        "animation.py",
-        "enabling.py",
-        "engine.py",
-        "frame.py",
-        "kept_messages.py",
-        "preferences.py",
-        "properties.py",
         "ray_interpolation.py",
+        "self_test.py",
+        "ui.py",
+        "ui_messages.py",
+        "ui_rays.py",
+        "ui_view_layer.py",
+        "versions.py",
     ),
-    *("self_test.py", "ui.py", "ui_rays.py", "versions.py"),
     *("export/images.py", "report/panel.py", "report/render_points.py", "report/render_silhouettes.py"),
 }
 # The files that import the core; the others get it, or what it made, handed over.

@@ -12,9 +12,26 @@ from .instances import VISIBLE_CAMERA
 from .nodes.constants import lamp_emission
 
 
+# How far light of a lamp may go where nobody has limited it.
+_ANY_BOUNCES = 1024
+
+
+def is_portal(lamp: Any) -> bool:
+    """Whether an area lamp only shows Cycles where the world's light comes in."""
+    return lamp.type == "AREA" and bool(versions.cycles_setting(lamp, "is_portal", False))
+
+
+def _name_ignored(lamp: Any, subject: Subject, messages: Messages) -> None:
+    if versions.cycles_setting(lamp, "max_bounces", _ANY_BOUNCES) < _ANY_BOUNCES:
+        messages.warn(f"{subject}: a limit of bounces of its own is not supported; it has none", subject)
+    if not getattr(lamp, "normalize", True):  # 4.5
+        messages.warn(f"{subject}: power by area is not supported; taken as power in all", subject)
+
+
 def describe(lamp_object: Any, matrix: NDArray[np.float64], visibility: int, messages: Messages) -> dict[str, Any]:
     """The arguments of the core's `add_lamp`."""
     lamp, subject = lamp_object.data, Subject("Light", name_of(lamp_object))
+    _name_ignored(lamp, subject, messages)
     factor = np.full(3, versions.lamp_factor(lamp))
     if lamp.use_nodes and lamp.node_tree is not None:
         factor *= lamp_emission(lamp, subject, messages)
@@ -22,8 +39,8 @@ def describe(lamp_object: Any, matrix: NDArray[np.float64], visibility: int, mes
         name=subject.name,
         kind=lamp.type,
         matrix=matrix,
-        strength=[float(channel) for channel in np.array(lamp.color) * lamp.energy * factor],
-        casts_shadow=bool(lamp.use_shadow),
+        strength=[float(channel) for channel in np.array(versions.lamp_color(lamp)) * lamp.energy * factor],
+        casts_shadow=bool(lamp.use_shadow and versions.cycles_setting(lamp, "cast_shadow", True)),
         visibility=visibility & ~VISIBLE_CAMERA,  # Cycles never shows lamps to the camera
     )
     if lamp.type in ("POINT", "SPOT"):

@@ -6,6 +6,7 @@ from typing import Any
 
 from ..messages import Messages, Subject
 from ..names import name_of
+from . import unsupported
 from .nodes.compiler import Compiler, Resources
 from .nodes.displacement import compile_displacement
 from .nodes.emitter import Emitter
@@ -50,6 +51,7 @@ class MaterialLibrary:
 
     def _add(self, material: Any) -> int:
         subject = Subject("Material", name_of(material))
+        unsupported.name_material_settings(material, self._messages)
         emitter = Emitter(self._core, subject.name)
         try:
             if material.use_nodes and material.node_tree is not None:

@@ -23,6 +23,7 @@ from . import (
     strands,
     subdivision,
     surfaces,
+    unsupported,
     world,
 )
 from .images import ImageLibrary
@@ -83,14 +84,22 @@ class SceneExporter:
         self.scene = core.SceneDescription()
         self.report = ExportReport()
         images = ImageLibrary(core, self.scene, messages, self._check_cancel)
-        self._resources = Resources(self.scene.attribute, images, self._blender_scene.frame_current)
+        self._resources = Resources(
+            self.scene.attribute,
+            images,
+            self._blender_scene.frame_current,
+            frozenset(name_of(output) for output in self._view_layer.aovs),
+        )
         self._materials = MaterialLibrary(core, self.scene, self._resources, messages, depsgraph, self._check_cancel)
 
     def export(self, frame: camera.Frame, needs_uv: bool) -> Any:
         """The scene description. `needs_uv`: a pass shows the UV map. Raises ExportError, InputError, ExportCancelled."""
         self.scene.texture_memory = self._blender_scene.rayleaf.texture_memory * _BYTES_PER_MEGABYTE
         self._export_camera(frame)
+        unsupported.name_scene_settings(self._blender_scene, self._messages)
+        unsupported.name_passes(self._view_layer, self._messages)
         listed = instances.collect(self._core, self._depsgraph, self._check_cancel)
+        listed.groups = [group for group in listed.groups if self._is_in_layer(group)]
         for name, reason in listed.skipped.items():
             self._leave_out(name, reason)
         for owner in listed.without_faces:
@@ -104,6 +113,11 @@ class SceneExporter:
         self._note_undisplaced(listed.groups)
         self._export_instances(listed, shapes, material_lists)
         return self.scene
+
+    def _is_in_layer(self, group: Group) -> bool:
+        """Whether the view layer's filter lets a group through: hair, or any other surface."""
+        is_hair = group.hair is not None or group.owner.type == "CURVES"
+        return bool(self._view_layer.use_strand if is_hair else self._view_layer.use_solid)
 
     def _note_undisplaced(self, groups: list[Group]) -> None:
         """Exact curves and hair stay as they are."""
@@ -127,6 +141,7 @@ class SceneExporter:
         return slots if override is None else [override] * max(len(slots), 1)
 
     def _material_list(self, group: Group) -> int:
+        unsupported.name_object_settings(group.owner, self._messages)
         return self._materials.slot_list(self._slots(group), instances.is_holdout(group.owner, self._view_layer))
 
     def _is_displaced(self, group: Group) -> bool:
@@ -134,9 +149,10 @@ class SceneExporter:
 
     def _export_world(self) -> None:
         blender_world = self._blender_scene.world
-        if blender_world is None:
+        if blender_world is None or not self._view_layer.use_sky:
             self.scene.set_world(None)
             return
+        unsupported.name_world_settings(blender_world, self._messages)
         try:
             program = world.compile_world(self._core, blender_world, self._resources, self._messages)
             width = _WORLD_TABLE_WIDTH if world.uses_nodes(blender_world) else 0
@@ -148,6 +164,10 @@ class SceneExporter:
     def _export_lamps(self, listed: Instances) -> None:
         for lamp_object, place in listed.lamps:
             self._check_cancel()
+            if lights.is_portal(lamp_object.data):
+                subject = Subject("Light", name_of(lamp_object))
+                self._messages.note(f"{subject}: a portal does not shine; the world's light is found without", subject)
+                continue
             visibility = instances.visibility(lamp_object, self._view_layer)
             try:
                 self.scene.add_lamp(**lights.describe(lamp_object, listed.matrices[place], visibility, self._messages))

@@ -5,7 +5,13 @@ from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
 
 # Inputs of Blender 4 that are not supported, by the value that changes nothing.
-PRINCIPLED_NEUTRAL = {"Diffuse Roughness": 0.0, "Thin Film Thickness": 0.0, "Coat IOR": 1.5, "Coat Tint": 1.0}
+PRINCIPLED_NEUTRAL = {
+    "Sheen Roughness": 0.5,
+    "Diffuse Roughness": 0.0,
+    "Thin Film Thickness": 0.0,
+    "Coat IOR": 1.5,
+    "Coat Tint": 1.0,
+}
 # Blender 4's coat of 1 is a whole lacquer, a clearcoat of 1 a quarter of it.
 _COAT_SCALE = 4.0
 _NEAR = 1e-5  # single precision's share in a value that a person typed

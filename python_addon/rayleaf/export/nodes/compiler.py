@@ -1,17 +1,16 @@
 """Walks a node tree from its output and writes the operations its nodes stand for."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ...messages import Messages, Subject
-from ...names import name_of, text_of
+from ...names import name_of
 from ..attributes import ACTIVE_COLOR, ACTIVE_UV
 from ..images import ImageLibrary
 from .emitter import UNCONNECTED, Emitter, Register
-
-# The way into nested groups: the group nodes entered, outermost first.
-Path = tuple[Any, ...]
+from .graph import Path, Shader, by_identifier, group_output, key_of
 
 _SCALARS = {"VALUE", "INT", "BOOLEAN"}
 
@@ -23,6 +22,7 @@ class Resources:
     attribute_id: Callable[[str], int]
     images: ImageLibrary
     frame: int
+    aovs: frozenset[str] = frozenset()  # the outputs that a view layer asks for by name
     wanted_attributes: set[str] = field(default_factory=set)
 
     def attribute(self, name: str) -> int:
@@ -121,6 +121,8 @@ class Compiler:
         load_nodes()
         self.emitter, self.resources, self.is_world = emitter, resources, is_world
         self._subject, self._messages = subject, messages
+        # What functions raise where a node is in a mode that they, or the core, do not know.
+        self._unknown = (emitter.rejected, LookupError, ValueError, AttributeError)
         self._links: dict[int, dict[int, Any]] = {}  # by the pointer of the tree, then of the input
         self._done: dict[Any, Register] = {}
         self._open: set[Any] = set()
@@ -155,10 +157,10 @@ class Compiler:
             if node.node_tree is None:
                 self.warn(node, "its node group is missing")
                 return None, path
-            output = _group_output(node.node_tree)
-            return (_by_identifier(output.inputs, socket) if output else None), (*path, node)
+            output = group_output(node.node_tree)
+            return (by_identifier(output.inputs, socket) if output else None), (*path, node)
         if node.bl_idname == "NodeGroupInput" and path:
-            return _by_identifier(path[-1].inputs, socket), path[:-1]
+            return by_identifier(path[-1].inputs, socket), path[:-1]
         return None
 
     # --- values ------------------------------------------------------------------------------------------------------
@@ -173,7 +175,7 @@ class Compiler:
     def output(self, socket: Any, path: Path) -> Register:
         """The value of an output."""
         node = socket.node
-        key = _key(socket, path)
+        key = key_of(socket, path)
         if key in self._done:
             return self._done[key]
         if key in self._open:
@@ -196,22 +198,45 @@ class Compiler:
         node = socket.node
         function = VALUE_NODES.get(node.bl_idname)
         if function is None:
-            self.warn(node, f"{node.bl_label} nodes are not supported; a neutral value is used")
-            return self._neutral(socket)
-        return function(NodeView(self, node, path), socket.identifier)
+            return self._stand_in(socket, path, f"{node.bl_label} nodes are not supported")
+        try:
+            return function(NodeView(self, node, path), socket.identifier)
+        except self._unknown as error:
+            return self._stand_in(socket, path, f"a mode of it is not supported ({error})")
 
     def _default(self, socket: Any) -> Register:
         value = getattr(socket, "default_value", None)
         if value is None or isinstance(value, str):
             return self.emitter.scalar(0.0)
-        if socket.type in _SCALARS:
-            return self.emitter.scalar(float(value))
-        return self.emitter.constant(*value)
+        numbers = [float(value)] * 4 if socket.type in _SCALARS else [float(number) for number in value]
+        if not all(map(math.isfinite, numbers)):
+            self.warn(socket.node, f"its input {name_of(socket)} is not a finite number; taken as 0")
+            return self.emitter.scalar(0.0)
+        return self.emitter.constant(*numbers)
+
+    def _stand_in(self, socket: Any, path: Path, why: str) -> Register:
+        """For an output that cannot be computed: an input of its type, else something neutral."""
+        source = self._like(socket)
+        if source is None:
+            self.warn(socket.node, f"{why}; a neutral value is used")
+            return self._neutral(socket)
+        self.warn(socket.node, f"{why}; its input {name_of(source)} is passed on")
+        return self.input(source, path)
+
+    def _like(self, socket: Any) -> Any:
+        """The input that comes nearest to an output: linked, or a colour or vector that a user has written."""
+        node = socket.node
+        inputs = [each for each in node.inputs if each.type == socket.type and each.enabled]
+        if socket.type == "VALUE" and node.bl_idname.startswith("ShaderNodeTex"):
+            return None  # a scale or a detail
+        linked = next((each for each in inputs if self.link(each) is not None), None)
+        written = (each for each in inputs if each.type in ("RGBA", "VECTOR") and not each.hide_value)
+        return next(written, None) if linked is None else linked
 
     def _neutral(self, socket: Any) -> Register:
-        """What stands for an output that cannot be computed: the normal, grey, or the middle of 0..1."""
+        """The normal, a texture coordinate, grey, or the middle of 0..1."""
         if socket.type == "VECTOR":
-            return self.emitter.operation("normal") if "ormal" in name_of(socket) else self.emitter.constant(0, 0, 0)
+            return self.emitter.operation("normal" if "ormal" in name_of(socket) else "generated")
         return self.emitter.scalar(0.5)
 
     def _convert(self, register: Register, from_type: str, to_type: str) -> Register:
@@ -226,15 +251,34 @@ class Compiler:
 
     def compile_tree(self, tree: Any) -> None:
         """Write the closures of a tree's output. Without one, or with nothing linked, there are none: black."""
+        self._name_aovs(tree, set())
         output = tree.get_output_node("CYCLES")
         if output is None:
             return
-        socket = output.inputs.get("Volume")
-        if socket is not None and self.link(socket) is not None:
-            self.warn(output, "volume is not supported; left out")
         source = self._shader_source(output.inputs["Surface"], ())
         if source is not None:
             self._write_closures(source)
+        volume = output.inputs.get("Volume")
+        if volume is not None and self.link(volume) is not None:
+            self._write_without_volume(output, source is not None)
+
+    def _write_without_volume(self, output: Any, has_surface: bool) -> None:
+        """A material of nothing but a volume has no surface that could be seen."""
+        if has_surface or self.is_world:
+            self.warn(output, "volume is not supported; left out")
+            return
+        self.warn(output, "volume is not supported; without a surface it is seen through")
+        self.emitter.operation("transparent", [self.emitter.scalar(1.0), self.emitter.constant(1, 1, 1)])
+
+    def _name_aovs(self, tree: Any, seen: set[int]) -> None:
+        """Tell of what a tree, groups included, would write into passes that a view layer asks for."""
+        seen.add(tree.as_pointer())
+        for node in tree.nodes:
+            if node.bl_idname == "ShaderNodeOutputAOV" and name_of(node) in self.resources.aovs and not node.mute:
+                self.warn(node, "AOV outputs are not supported; left out")
+            inner = node.node_tree if node.bl_idname == "ShaderNodeGroup" and not node.mute else None
+            if inner is not None and inner.as_pointer() not in seen:
+                self._name_aovs(inner, seen)
 
     def _shader_source(self, socket: Any, path: Path) -> tuple[Any, Path] | None:
         """The output that feeds a shader input, past everything that merely passes it on."""
@@ -247,7 +291,7 @@ class Compiler:
             forward = self.forward(source, path)
             if forward is None or source.type != "SHADER":
                 return source, path
-            key = _key(source, path)
+            key = key_of(source, path)
             if key in seen:
                 self.warn(source.node, "nodes form a loop; the link that closes it is ignored")
                 return None
@@ -258,7 +302,7 @@ class Compiler:
 
     def _write_closures(self, source: tuple[Any, Path]) -> None:
         """Give each shader node the sum of its weights over all ways that lead to it, and write it once."""
-        order: list[_Shader] = []
+        order: list[Shader] = []
         root = self._sorted(source, {}, set(), order)
         if root is None:
             return
@@ -278,17 +322,17 @@ class Compiler:
                 self._write_leaf(shader, weight)
 
     def _sorted(
-        self, source: tuple[Any, Path], known: dict[Any, "_Shader"], open_keys: set[Any], order: list["_Shader"]
-    ) -> "_Shader | None":
+        self, source: tuple[Any, Path], known: dict[Any, Shader], open_keys: set[Any], order: list[Shader]
+    ) -> Shader | None:
         """Depth first; `order` receives each shader after what it uses. None where a loop closes."""
         socket, path = source
-        key = _key(socket, path)
+        key = key_of(socket, path)
         if key in open_keys:
             self.warn(socket.node, "nodes form a loop; the link that closes it is ignored")
             return None
         if key in known:
             return known[key]
-        shader = known[key] = _Shader(key, socket, path)
+        shader = known[key] = Shader(key, socket, path)
         open_keys.add(key)
         if socket.type == "SHADER" and socket.node.bl_idname in ("ShaderNodeMixShader", "ShaderNodeAddShader"):
             for shader_input in [s for s in socket.node.inputs if s.type == "SHADER"]:
@@ -298,7 +342,7 @@ class Compiler:
         order.append(shader)
         return shader
 
-    def _shares(self, shader: "_Shader") -> list[Register]:
+    def _shares(self, shader: Shader) -> list[Register]:
         """The factor on each shader that a Mix or Add Shader uses."""
         one = self.emitter.scalar(1.0)
         if shader.socket.node.bl_idname != "ShaderNodeMixShader":
@@ -306,7 +350,7 @@ class Compiler:
         factor = self.emitter.saturate(NodeView(self, shader.socket.node, shader.path).input("Fac", "Factor"))
         return [self.emitter.complement(factor), factor]
 
-    def _write_leaf(self, shader: "_Shader", weight: Register) -> None:
+    def _write_leaf(self, shader: Shader, weight: Register) -> None:
         node = shader.socket.node
         if shader.socket.type != "SHADER":  # a value where a shader is wanted shines
             color = self._convert(self.output(shader.socket, shader.path), shader.socket.type, "RGBA")
@@ -315,36 +359,14 @@ class Compiler:
             return
         view = NodeView(self, node, shader.path)
         function = CLOSURE_NODES.get(node.bl_idname)
+        why = f"{node.bl_label} nodes are not supported"
         if function is not None:
-            function(view, weight)
-            return
-        self.warn(node, f"{node.bl_label} nodes are not supported; rendered diffuse")
+            try:
+                function(view, weight)
+                return
+            except self._unknown as error:
+                why = f"a mode of it is not supported ({error})"
+        self.warn(node, f"{why}; rendered diffuse")
         color = view.input("Color", "Base Color", default=0.8)
         if not self.is_world:
             self.emitter.operation("diffuse", [weight, color])
-
-
-@dataclass
-class _Shader:
-    """A node of the graph of shaders: a closure, a mixing node, or a value that shines."""
-
-    key: Any
-    socket: Any
-    path: Path
-    uses: "list[_Shader | None]" = field(default_factory=list)
-
-
-def _group_output(tree: Any) -> Any:
-    outputs = [node for node in tree.nodes if node.bl_idname == "NodeGroupOutput"]
-    return next((node for node in outputs if node.is_active_output), outputs[0] if outputs else None)
-
-
-def _by_identifier(sockets: Any, twin: Any) -> Any:
-    """The socket at the other side of a group's border."""
-    identifier = text_of(twin, "identifier")
-    return next((socket for socket in sockets if text_of(socket, "identifier") == identifier), None)
-
-
-def _key(socket: Any, path: Path) -> tuple[int, ...]:
-    """Tells an output of one use of a group from those of all others."""
-    return (*(group.as_pointer() for group in path), socket.as_pointer())

@@ -2,8 +2,9 @@
 
 from typing import Any
 
-from .compiler import Compiler, NodeView, Path
+from .compiler import Compiler, NodeView
 from .emitter import UNCONNECTED, Register
+from .graph import Path
 
 
 def compile_displacement(compiler: Compiler, tree: Any) -> tuple[Register, Register] | None:

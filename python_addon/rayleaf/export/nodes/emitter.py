@@ -15,6 +15,7 @@ class Emitter:
 
     def __init__(self, core: ModuleType, name: str) -> None:
         self.program: Any = core.Program(name)
+        self.rejected: type[Exception] = core.InputError  # what the core raises for operations that it does not know
         self._constants: dict[Constant, Register] = {}
         self._values: dict[Register, Constant] = {}
         self._operations: dict[Any, Register] = {}

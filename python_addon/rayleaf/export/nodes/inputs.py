@@ -18,10 +18,16 @@ def _one_of(view: NodeView, output: str, operations: dict[str, str], neutral: fl
     return view.emitter.scalar(neutral)
 
 
+def _name_instancer(view: NodeView, counts: bool) -> None:
+    if counts and view.node.from_instancer:
+        view.warn("coordinates from the instancer are not supported; the object's own are taken")
+
+
 @value_node("ShaderNodeTexCoord")
 def texture_coordinate(view: NodeView, output: str) -> Register:
     """Texture Coordinate."""
     emitter = view.emitter
+    _name_instancer(view, output in ("Generated", "UV"))
     if output == "UV":
         return emitter.operation("uv", ints=[view.resources.active_uv()])
     if output == "Object" and view.node.object is not None:
@@ -51,6 +57,7 @@ def _in_space_of(view: NodeView, matrix: NDArray[np.float64]) -> Register:
 @value_node("ShaderNodeUVMap")
 def uv_map(view: NodeView, output: str) -> Register:
     """UV Map."""
+    _name_instancer(view, True)
     name = text_of(view.node, "uv_map")
     identifier = view.resources.attribute(name) if name else view.resources.active_uv()
     return view.emitter.operation("uv", ints=[identifier])

@@ -67,13 +67,17 @@ def mapping(view: NodeView, output: str) -> Register:
 
 @value_node("ShaderNodeNormalMap")
 def normal_map(view: NodeView, output: str) -> Register:
-    """Normal Map."""
+    """Normal Map. In Blender's own spaces, those of its former renderer's baked maps, Y and Z point the other way."""
+    emitter, color = view.emitter, view.input("Color")
     space = view.node.space.removeprefix("BLENDER_")
+    if space != view.node.space:
+        red, green, blue = (emitter.component(color, index) for index in range(3))
+        color = emitter.operation("combine", [red, emitter.complement(green), emitter.complement(blue)])
     identifier = -1
     if space == "TANGENT":
         name = text_of(view.node, "uv_map")
         identifier = view.resources.attribute(name) if name else view.resources.active_uv()
-    return view.emitter.operation("normal_map", [view.input("Strength"), view.input("Color")], [identifier], text=space)
+    return emitter.operation("normal_map", [view.input("Strength"), color], [identifier], text=space)
 
 
 @value_node("ShaderNodeNormal")

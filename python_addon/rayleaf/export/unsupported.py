@@ -1,0 +1,82 @@
+"""What is set in a scene and not rendered: each is named once, with what it belongs to."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from .. import passes, versions
+from ..messages import Messages, Subject
+from ..names import name_of
+
+# Properties of a view layer that begin like passes and are none.
+_NO_PASSES = {"use_pass_combined", "use_pass_cryptomatte_accurate"}
+# Kinds of rays to which Cycles can hide the world.
+_WORLD_VISIBILITY = ("camera", "diffuse", "glossy", "transmission", "shadow")
+# Passes that Blender's Cycles add-on keeps with a view layer.
+_CYCLES_PASSES = {
+    "use_pass_volume_direct": "Volume Direct",
+    "use_pass_volume_indirect": "Volume Indirect",
+    "use_pass_shadow_catcher": "Shadow Catcher",
+    "pass_debug_sample_count": "Debug Sample Count",
+    "denoising_store_passes": "Denoising Data",
+}
+
+
+def _warn(messages: Messages, subject: Subject, text: str) -> None:
+    messages.warn(f"{subject}: {text}", subject)
+
+
+def name_scene_settings(scene: Any, messages: Messages) -> None:
+    """Those of the whole scene."""
+    subject = Subject("Scene", name_of(scene))
+    if scene.render.use_motion_blur:
+        _warn(messages, subject, "motion blur is not supported; rendered without")
+    if scene.render.use_multiview:
+        _warn(messages, subject, "stereoscopy is not supported; every view shows the same picture")
+    if scene.render.film_transparent and versions.cycles_setting(scene, "film_transparent_glass", False):
+        _warn(messages, subject, "transparent glass on film is not supported; glass is opaque there")
+
+
+def _requested(view_layer: Any) -> Iterable[str]:
+    """The passes that a view layer asks for and does not get."""
+    known = {entry.switch for entry in passes.table()} | _NO_PASSES
+    for prop in view_layer.bl_rna.properties:
+        if prop.identifier.startswith("use_pass_") and prop.identifier not in known:
+            if getattr(view_layer, prop.identifier):
+                yield name_of(prop)
+    for name, label in _CYCLES_PASSES.items():
+        if versions.cycles_setting(view_layer, name, False):
+            yield label
+    for output in view_layer.aovs:
+        yield f"of shaders '{name_of(output)}'"
+    for group in getattr(view_layer, "lightgroups", ()):
+        yield f"of light group '{name_of(group)}'"
+
+
+def name_passes(view_layer: Any, messages: Messages) -> None:
+    """Passes that the core has not."""
+    subject = Subject("View layer", name_of(view_layer))
+    for label in _requested(view_layer):
+        _warn(messages, subject, f"the pass {label} is not supported; left out")
+
+
+def name_object_settings(owner: Any, messages: Messages) -> None:
+    """Those of an evaluated object."""
+    if getattr(owner, "is_shadow_catcher", False):
+        subject = Subject("Object", name_of(owner))
+        _warn(messages, subject, "shadow catchers are not supported; rendered like any object")
+
+
+def name_material_settings(material: Any, messages: Messages) -> None:
+    """Those beside a material's nodes."""
+    if not versions.transparent_shadow(material):
+        subject = Subject("Material", name_of(material))
+        _warn(messages, subject, "shadows that ignore transparency are not supported; they respect it")
+
+
+def name_world_settings(world: Any, messages: Messages) -> None:
+    """Those beside a world's nodes."""
+    shown = versions.world_visibility(world, _WORLD_VISIBILITY)
+    hidden = [kind for kind, visible in shown.items() if not visible]
+    if hidden:
+        subject = Subject("World", name_of(world))
+        _warn(messages, subject, f"ray visibility ({', '.join(hidden)} off) is not supported; seen by every ray")

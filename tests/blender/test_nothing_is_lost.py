@@ -1,0 +1,335 @@
+"""Nothing that is set in a file is lost without a word: it is rendered, or named by a message."""
+
+START = """
+import bpy, numpy as np, scenes, recording_core
+import property_walk as walk
+scene = scenes.empty_scene()
+core = recording_core.install()
+"""
+
+NODES = """
+from rayleaf.export.nodes import compiler, load_nodes
+from rayleaf.export.nodes.displacement import compile_displacement
+from rayleaf.export.nodes.emitter import Emitter
+from rayleaf.messages import Messages, Subject
+
+load_nodes()
+images = [bpy.data.images.new(name, 4, 4) for name in "AB"]
+place = scenes.add(None, "Place")
+place.location = (1, 2, 3)
+bpy.context.view_layer.update()
+DISPLACING = {"ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"}
+
+class Images:
+    def texture(self, image, user, frame):
+        return images.index(image)
+
+def made(kind):
+    walk.keep_two(bpy.data.node_groups, bpy.data.node_groups.new("Tree", "ShaderNodeTree"))
+    node = walk.KEPT[-1].nodes.new(kind)
+    if hasattr(node, "image"):
+        node.image = images[0]
+    return node
+
+def look(node):
+    "What each output of the node sends, and what is said of it."
+    tree, told = node.id_data, []
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    for socket in [each for each in node.outputs if each.enabled]:
+        displaces = node.bl_idname in DISPLACING
+        tree.links.new(socket, output.inputs["Displacement" if displaces else "Surface"])
+        messages, emitter, names = Messages(), Emitter(core, "Material"), []
+        resources = compiler.Resources(lambda name: names.append(name) or 3, Images(), 1)
+        compiled = compiler.Compiler(emitter, Subject("Material", "Material"), resources, messages)
+        registers = compile_displacement(compiled, tree) if displaces else compiled.compile_tree(tree)
+        program = (emitter.program.lines, emitter.program.registers)
+        told.append((program, registers, names, sorted(resources.wanted_attributes), messages.texts))
+    return told
+
+def ramp(node):
+    node.color_ramp.elements[0].color = (1, 0.5, 0.25, 0.5)
+    return True
+
+def curve(node):
+    node.mapping.curves[0].points[0].location = (0.25, 0.5)
+    return True
+
+MAPPING = dict(translation=(1, 0, 0), rotation=(1, 0, 0), scale=(2, 1, 1), mapping_x="Y", use_min=True, mapping="CUBE")
+OF_POINTERS = {
+    "color_ramp": [walk.Change("color_ramp", "other", ramp)],
+    "mapping": [walk.Change("mapping", "other", curve)],
+    "texture_mapping": [walk.Change(f"texture_mapping.{key}", "other", walk.setter(f"texture_mapping.{key}", value))
+                        for key, value in MAPPING.items()],
+    "color_mapping": [],  # of the viewport alone
+    "image_user": [],  # of sequences: test_export_images.py
+}
+
+def changes_of(kind):
+    node, base = made(kind), bpy.types.ShaderNode
+    shared = {prop.identifier for prop in base.bl_rna.properties}
+    fixed = [prop.identifier for prop in node.bl_rna.properties if prop.is_readonly and prop.identifier not in shared]
+    result = walk.property_changes(node, base, {"Image": images[1], "Object": place}) + walk.input_changes(node)
+    return result + [change for name in fixed for change in OF_POINTERS[name]]
+
+mixing = {"ShaderNodeMixShader", "ShaderNodeAddShader"}
+kinds = sorted(set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | mixing | DISPLACING)
+"""
+
+# What counts only together with something that is named when it is set.
+WITH_NAMED = {
+    ("ShaderNodeTexImage", "projection_blend"): ("projection", "BOX"),
+    ("ShaderNodeTangent", "axis"): ("", ""),  # named as it is
+    ("ShaderNodeBsdfAnisotropic", "input Rotation"): ("input Anisotropy", "other"),
+    ("ShaderNodeBsdfAnisotropic", "input Tangent"): ("input Anisotropy", "other"),
+    **{
+        ("ShaderNodeBsdfPrincipled", name): ("input Subsurface", "other")
+        for name in (
+            "subsurface_method",
+            "input Subsurface Radius",
+            "input Subsurface IOR",
+            "input Subsurface Anisotropy",
+        )
+    },
+}
+# What no renderer reads.
+UNREAD = {
+    "input Weight": "hidden, and Blender's own",
+    "use_alpha": "of the compositor's node, which shares the definition",
+}
+
+
+def test_every_property_and_input_of_every_node_is_rendered_or_named(run_blender):
+    run = run_blender(
+        START
+        + NODES
+        + """
+lost = {kind: [[change.name, change.value] for change in walk.unnoticed(lambda: made(kind), changes_of(kind), look, 2)]
+        for kind in kinds}
+report(lost=lost, count=sum(len(changes_of(kind)) for kind in kinds))
+"""
+    ).report
+    assert run["count"] > 350
+    lost = {(kind, name) for kind, changes in run["lost"].items() for name, _ in changes if name not in UNREAD}
+    assert lost == set(WITH_NAMED)
+
+
+def test_what_counts_only_with_something_unsupported_is_named_with_that(run_blender):
+    run = run_blender(
+        START
+        + NODES
+        + f"""
+named = []
+for kind, name, value in {sorted({(kind, *named) for (kind, _), named in WITH_NAMED.items()})!r}:
+    node = made(kind)
+    if name:
+        (change,) = [each for each in changes_of(kind) if (each.name, each.value) == (name, value)]
+        assert change.apply(node)
+    named.append([kind, sum(len(texts) for *_, texts in look(node))])
+report(named=named)
+"""
+    ).report
+    assert len(run["named"]) == 4
+    assert all(count > 0 for _, count in run["named"]), run["named"]
+
+
+# What lamps have and Cycles does not read either: Eevee's, and what is left of older renderers.
+NOT_OF_CYCLES = {
+    *("specular_factor", "diffuse_factor", "volume_factor", "use_custom_distance", "cutoff_distance", "distance"),
+    *("falloff_type", "linear_attenuation", "quadratic_attenuation", "constant_coefficient", "linear_coefficient"),
+    *("quadratic_coefficient", "shadow_buffer_size", "shadow_buffer_clip_start", "shadow_buffer_bias"),
+    *("shadow_buffer_samples", "shadow_color", "use_contact_shadow", "contact_shadow_distance", "contact_shadow_bias"),
+    *("contact_shadow_thickness", "shadow_cascade_max_distance", "shadow_cascade_count", "shadow_cascade_exponent"),
+    *("shadow_cascade_fade", "use_square"),
+}
+NOT_LIGHT = {
+    "show_cone": "of the viewport",
+    "cycles.use_multiple_importance_sampling": "how Cycles samples",
+    "cycles.is_caustics_light": "how Cycles samples",
+}
+
+
+def test_every_property_of_every_lamp_is_rendered_or_named(run_blender):
+    run = run_blender(
+        START
+        + """
+from rayleaf.export import lights
+from rayleaf.messages import Messages
+import addon_utils
+addon_utils.enable("cycles")
+
+def strength(lamp):
+    lamp.node_tree.nodes["Emission"].inputs["Strength"].default_value = 3
+    return True
+
+def made(kind):
+    lamp = bpy.data.lights.new("Lamp", kind)
+    walk.keep_two(bpy.data.lights, lamp)
+    lamp.use_nodes = True  # Blender makes the nodes
+    lamp.use_nodes = False
+    if kind == "AREA":
+        lamp.size_y = 3
+    return lamp
+
+def look(lamp):
+    if lights.is_portal(lamp):
+        return "a portal"
+    item, messages = bpy.data.objects.new("Lamp", lamp), Messages()
+    sent = lights.describe(item, np.eye(4), 31, messages)
+    bpy.data.objects.remove(item)
+    return {**sent, "matrix": None, "name": ""}, [text.partition(": ")[2] for text in messages.texts]
+
+lost = {}
+for kind in ("POINT", "SUN", "SPOT", "AREA"):
+    lamp = made(kind)
+    changes = walk.property_changes(lamp, bpy.types.ID, {}) + [walk.Change("node_tree", "other", strength)]
+    for prop in lamp.cycles.bl_rna.properties:
+        if not prop.is_readonly and prop.identifier != "name":
+            for value in walk.other_values(lamp.cycles, prop, {}):
+                path = f"cycles.{prop.identifier}"
+                changes.append(walk.Change(path, str(value), walk.setter(path, value)))
+    lost[kind] = sorted({change.name for change in walk.unnoticed(lambda: made(kind), changes, look, 1)})
+report(lost=lost)
+"""
+    ).report["lost"]
+    portal = {"cycles.is_portal"}  # of area lamps alone
+    for kind, names in run.items():
+        known = NOT_OF_CYCLES | set(NOT_LIGHT) | (set() if kind == "AREA" else portal)
+        assert set(names) - known == set(), kind
+    assert "cycles.is_portal" not in run["AREA"]
+
+
+def test_lamps_of_later_blenders_have_exposure_and_temperature_and_are_named_without_normalize(run_blender):
+    run = run_blender(
+        START
+        + """
+from types import SimpleNamespace
+from rayleaf.export import lights
+from rayleaf.messages import Messages
+lamp = SimpleNamespace(type="POINT", color=(1, 0.5, 0.25), energy=100, use_nodes=False, use_shadow=True, shadow_soft_size=0,
+                       exposure=2, use_temperature=True, temperature_color=(0.5, 1, 2), normalize=False, cycles=None)
+messages = Messages()
+sent = lights.describe(SimpleNamespace(name="Lamp", data=lamp), np.eye(4), 31, messages)
+lamp.use_temperature, lamp.exposure = False, 0
+report(warm=sent["strength"], plain=lights.describe(SimpleNamespace(name="Lamp", data=lamp), np.eye(4), 31, messages)["strength"],
+       texts=messages.texts)
+"""
+    ).report
+    assert run["warm"] == [200, 200, 200]
+    assert run["plain"] == [100, 50, 25]
+    assert len(run["texts"]) == 1 and "'Lamp'" in run["texts"][0] and "power by area" in run["texts"][0]
+
+
+def test_portals_do_not_shine_and_are_told_of(run_blender):
+    run = run_blender(
+        START
+        + """
+for name in ("Portal", "Lamp"):
+    scenes.add(bpy.data.lights.new(name, "AREA"), name)
+bpy.data.lights["Portal"].cycles.is_portal = True
+sent, report_of_export, texts = recording_core.export()
+report(lamps=[lamp["name"] for lamp in sent.lamps], texts=texts)
+"""
+    ).report
+    assert run["lamps"] == ["Lamp"]
+    assert len(run["texts"]) == 1 and "'Portal'" in run["texts"][0]
+
+
+SETTINGS = {
+    "motion blur": ("scene.render.use_motion_blur = True", "Scene 'Scene'"),
+    "stereoscopy": ("scene.render.use_multiview = True", "Scene 'Scene'"),
+    "transparent glass": (
+        "scene.render.film_transparent = scene.cycles.film_transparent_glass = True",
+        "Scene 'Scene'",
+    ),
+    "the pass Mist": ("layer.use_pass_mist = True", "View layer 'ViewLayer'"),
+    "the pass Vector": ("layer.use_pass_vector = True", "View layer 'ViewLayer'"),
+    "Cryptomatte Object": ("layer.use_pass_cryptomatte_object = True", "View layer 'ViewLayer'"),
+    "Shadow Catcher": ("layer.cycles.use_pass_shadow_catcher = True", "View layer 'ViewLayer'"),
+    "Denoising Data": ("layer.cycles.denoising_store_passes = True", "View layer 'ViewLayer'"),
+    "of shaders 'Own'": ("layer.aovs.add().name = 'Own'", "View layer 'ViewLayer'"),
+    "of light group 'Sun'": ("layer.lightgroups.add(name='Sun')", "View layer 'ViewLayer'"),
+    "shadow catchers": ("item.is_shadow_catcher = True", "Object 'Quad'"),
+    "ignore transparency": ("material.cycles.use_transparent_shadow = False", "Material 'Material'"),
+    "camera off": ("scene.world.cycles_visibility.camera = False", "World 'World'"),
+    "coordinates from the instancer": (
+        "node = nodes.new('ShaderNodeUVMap'); node.from_instancer = True;"
+        "links.new(node.outputs[0], output.inputs['Surface'])",
+        "Material 'Material', node 'UV Map'",
+    ),
+}
+
+
+def test_settings_of_scene_layer_object_material_and_world_are_named_with_what_they_belong_to(run_blender):
+    run = run_blender(
+        "import addon_utils, bpy, scenes, recording_core\n"
+        + "found = {}\n"
+        + f"for text, (line, _) in {SETTINGS!r}.items():"
+        + """
+    scene = scenes.empty_scene()
+    addon_utils.enable("cycles")
+    layer, item = bpy.context.view_layer, scenes.quad()
+    material, tree, output = scenes.material()
+    nodes, links = tree.nodes, tree.links
+    item.data.materials.append(material)
+    scene.world = bpy.data.worlds.new("World")
+    assert recording_core.export()[2] == []
+    exec(line)
+    material.update_tag()
+    scene.world.update_tag()
+    layer.update()
+    found[text] = recording_core.export()[2]
+report(found=found)
+"""
+    ).report["found"]
+    for text, (_, subject) in SETTINGS.items():
+        assert len(run[text]) == 1, (text, run[text])
+        assert run[text][0].startswith(f"{subject}: ") and text in run[text][0], (text, run[text])
+
+
+def test_an_aov_node_is_named_where_its_output_is_asked_for(run_blender):
+    run = run_blender(
+        START
+        + """
+item = scenes.quad()
+material, tree, output = scenes.material()
+item.data.materials.append(material)
+inner = scenes.group("Group", "NodeSocketColor", "NodeSocketColor")
+for owner, name in ((tree, "Own"), (inner, "Inside"), (tree, "Unasked")):
+    owner.nodes.new("ShaderNodeOutputAOV").name = name
+tree.nodes.new("ShaderNodeGroup").node_tree = inner
+for name in ("Own", "Inside"):
+    bpy.context.view_layer.aovs.add().name = name
+report(texts=[text for text in recording_core.export()[2] if "node" in text])
+"""
+    ).report
+    assert sorted(text.split("'")[3] for text in run["texts"]) == ["Inside", "Own"]
+
+
+def test_a_view_layer_filters_the_scene_and_may_set_its_own_samples(run_blender):
+    run = run_blender(
+        START
+        + """
+scenes.quad("Ground")
+hairy = scenes.quad("Hairy")
+hairy.modifiers.new("Particles", "PARTICLE_SYSTEM")
+hairy.particle_systems[0].settings.type, hairy.particle_systems[0].settings.count = "HAIR", 3
+scene.world = bpy.data.worlds.new("World")
+layer = bpy.context.view_layer
+for name in ("use_sky", "use_solid", "use_strand"):
+    setattr(layer, name, False)
+    layer.update()
+    sent = recording_core.export()[0]
+    setattr(layer, name, True)
+    report(**{name: [sorted(set(sent.instances["names"])), len(sent.meshes), len(sent.strands), sent.world is not None]})
+layer.samples, scene.rayleaf.samples = 5, 7
+bpy.ops.render.render()
+counts = [core.Session.last.settings.samples]
+layer.samples = 0
+bpy.ops.render.render()
+report(samples=[*counts, core.Session.last.settings.samples])
+"""
+    ).report
+    assert run["use_sky"] == [["Ground", "Hairy"], 2, 1, False]
+    assert run["use_solid"] == [["Hairy"], 0, 1, True]
+    assert run["use_strand"] == [["Ground", "Hairy"], 2, 0, True]
+    assert run["samples"] == [5, 7]
