@@ -26,17 +26,32 @@ def _clear(_scene: Any, _depsgraph: Any = None) -> None:
     _KEPT.clear()
 
 
-_HANDLERS = (bpy.app.handlers.render_init, bpy.app.handlers.load_pre)
+@persistent
+def _show(_scene: Any, _depsgraph: Any = None) -> None:
+    """Panels of what a render did are drawn again."""
+    for manager in bpy.data.window_managers:
+        for window in manager.windows:
+            for area in window.screen.areas:
+                if area.type == "PROPERTIES":
+                    area.tag_redraw()
+
+
+_HANDLERS = (
+    (bpy.app.handlers.render_init, _clear),
+    (bpy.app.handlers.load_pre, _clear),
+    (bpy.app.handlers.render_complete, _show),
+    (bpy.app.handlers.render_cancel, _show),
+)
 
 
 def register() -> None:
-    """Learn from Blender when a render begins."""
-    for handlers in _HANDLERS:
-        handlers.append(_clear)
+    """Learn from Blender when a render begins and ends."""
+    for handlers, handler in _HANDLERS:
+        handlers.append(handler)
 
 
 def unregister() -> None:
     """Stop that, and forget everything."""
-    for handlers in _HANDLERS:
-        handlers.remove(_clear)
+    for handlers, handler in _HANDLERS:
+        handlers.remove(handler)
     _KEPT.clear()
