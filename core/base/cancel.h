@@ -22,7 +22,7 @@ class CancelToken {
     }
 
   private:
-    std::atomic<bool> cancelled_{false};
+    std::atomic<bool> cancelled_{false};  ///< publishes nothing else
 };
 
 /// For work that nobody cancels.

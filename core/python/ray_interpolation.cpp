@@ -75,6 +75,7 @@ void bind_ray_interpolation(py::module_& module) {
     py::class_<RayCacheStore, std::shared_ptr<RayCacheStore>>(module, "RayCacheStore",
                                                               "Ray caches that the caller keeps between renders.")
         .def(py::init<>())
+        .def("of_scene", &RayCacheStore::of_scene, "name"_a)
         .def("next_frame", &RayCacheStore::next_frame)
         .def("count", &RayCacheStore::count)
         .def("bytes", &RayCacheStore::bytes);

@@ -4,12 +4,15 @@
 #include "geometry/patch_surface.h"
 #include "integrators/dimensions.h"
 #include "integrators/path.h"
+#include "render/tried_cache.h"
 #include "ri_tree/cached_object.h"
 #include "tessellation/split_plan.h"
 #include "trace/local_ray.h"
 
 #include <algorithm>
 #include <cstdio>
+
+#include <oneapi/tbb/parallel_for.h>
 
 namespace rayleaf {
 namespace {
@@ -46,7 +49,8 @@ constexpr double kProbedShare = 1.0 / 1000.0;
 constexpr double kLeastSamples = 0.02;
 /// Fewer queries than this say nothing.
 constexpr uint64_t kLeastQueries = 32;
-/// An object is dropped from the probe as soon as so many queries cost this many times as much as tracing.
+/// An object is dropped from the probe if so many queries of the first blocks cost this many times as much as tracing.
+constexpr size_t kFirstBlocks = 2;
 constexpr uint64_t kTellingQueries = 256;
 constexpr double kHopeless = 1.5;
 
@@ -106,10 +110,11 @@ bool meets(const Ray& ray, const Scene& scene, const PlannedRayCache& candidate)
 }
 
 std::vector<Block> blocks_for(const std::vector<PlannedRayCache>& candidates, const Scene& scene,
-                              const Settings& settings, size_t most) {
+                              const Settings& settings, size_t most, const CancelToken& cancel) {
     std::vector<Block> blocks;
     std::vector<int> seen(candidates.size(), 0);
     for (int i = 0; i < kPlacesTried && blocks.size() < most; ++i) {
+        cancel.throw_if_cancelled();
         const Vec2d point = even_point(i);
         const Ray ray = ray_at(scene, settings, point);
         bool wanted = i < kSpreadBlocks;
@@ -124,7 +129,8 @@ std::vector<Block> blocks_for(const std::vector<PlannedRayCache>& candidates, co
 }
 
 /// A quarter of a block.
-void render_quarter(const Block& block, int quarter, const Scene& scene, const Settings& settings, int samples) {
+void render_quarter(const Block& block, int quarter, const Scene& scene, const Settings& settings, int samples,
+                    const CancelToken& cancel) {
     const PixelFilter filter(settings.filter, settings.filter_width);
     const PathSettings path(settings);
     constexpr int kSide = kBlockSide / 2;
@@ -132,6 +138,7 @@ void render_quarter(const Block& block, int quarter, const Scene& scene, const S
     for (int y = below; y < std::min(below + kSide, settings.height); ++y)
         for (int x = left; x < std::min(left + kSide, settings.width); ++x)
             for (int s = 0; s < samples; ++s) {
+                cancel.throw_if_cancelled();
                 const auto pixel =
                     static_cast<uint32_t>(y) * static_cast<uint32_t>(settings.width) + static_cast<uint32_t>(x);
                 const Sampler sampler(pixel, static_cast<uint32_t>(s), settings.seed);
@@ -153,14 +160,16 @@ double set_up_cost(const PlannedRayCache& candidate) {
 /// Which objects are tried: those first that most of the camera's rays may meet for what their cache takes to make,
 /// until that is too much for the frame.
 std::vector<bool> worth_a_try(const std::vector<PlannedRayCache>& candidates, const Scene& scene,
-                              const Settings& settings, double paths) {
+                              const Settings& settings, double paths, const CancelToken& cancel) {
     std::vector<double> cost(candidates.size()), rank(candidates.size(), 0.0);
     for (int i = 0; i < kPlacesTried; ++i) {
+        cancel.throw_if_cancelled();
         const Ray ray = ray_at(scene, settings, even_point(i));
         for (size_t c = 0; c < candidates.size(); ++c) rank[c] += meets(ray, scene, candidates[c]) ? 1.0 : 0.0;
     }
     std::vector<size_t> order(candidates.size());
     for (size_t c = 0; c < candidates.size(); ++c) {
+        cancel.throw_if_cancelled();
         cost[c] = set_up_cost(candidates[c]);
         rank[c] *= traced_cost(candidates[c]) / std::max(cost[c], 1.0);
         order[c] = c;
@@ -219,61 +228,153 @@ Judgement judge(const RayCacheStatistics& statistics, const BlockSamples& taken,
     return {{asking < (1.0 - kLeastGain) * tracing, text, nullptr}, asking / tracing};
 }
 
+/// A candidate that is tried.
+struct Trial {
+    size_t candidate = 0;
+    std::shared_ptr<FastTree> tree;  ///< empty
+    std::shared_ptr<TriedCache> asked;
+    RayCacheStatistics counts;  ///< answers and samples of all blocks so far
+    BlockSamples taken;
+    bool dropped = false;
+};
+
+class Probe {
+  public:
+    Probe(const std::vector<PlannedRayCache>& candidates, Scene& scene, const Settings& settings,
+          double neighbour_scale, const CancelToken& cancel)
+        : candidates_(candidates),
+          scene_(scene),
+          settings_(settings),
+          neighbour_scale_(neighbour_scale),
+          cancel_(cancel),
+          samples_(std::clamp(settings.samples / kFrameSamples, 1, kMostSamples)),
+          results_(candidates.size(), {false, "the picture has too few rays", nullptr}) {}
+
+    std::vector<ProbeResult> run();
+
+  private:
+    const std::vector<PlannedRayCache>& candidates_;
+    Scene& scene_;
+    const Settings& settings_;
+    double neighbour_scale_;
+    const CancelToken& cancel_;
+    int samples_;
+    std::vector<ProbeResult> results_;
+    std::vector<Trial> trials_;
+    double interpolated_query_ = kInterpolatedQuery;
+
+    /// What one block makes of one trial.
+    struct BlockCounts {
+        RayCacheStatistics counts;
+        double quarter = 0;  ///< samples taken for the first quarter
+    };
+    void choose_trials(double paths);
+    void make_trees();
+    void give(const Trial& trial, const std::shared_ptr<const CachedObject>& object);
+    std::vector<BlockCounts> render_block(const Block& block) const;
+    void render_blocks(std::span<const Block> blocks);
+    void judge_trials();
+};
+
+void Probe::choose_trials(double paths) {
+    const std::vector<bool> tried = worth_a_try(candidates_, scene_, settings_, paths, cancel_);
+    for (size_t i = 0; i < candidates_.size(); ++i) {
+        if (tried[i])
+            trials_.push_back({i, nullptr, nullptr, {}, {}, false});
+        else
+            results_[i].reason = "the picture has too few rays for what a cache of this object takes to make";
+    }
+}
+
+void Probe::make_trees() {
+    oneapi::tbb::parallel_for(size_t{0}, trials_.size(), [&](size_t k) {
+        Trial& trial = trials_[k];
+        const PlannedRayCache& planned = candidates_[trial.candidate];
+        trial.tree =
+            std::make_shared<FastTree>(planned.shape, planned.samples, planned.interpolation.thresholds, cancel_);
+        trial.asked = std::make_shared<TriedCache>(trial.tree);
+    });
+    for (const Trial& trial : trials_) {
+        const PlannedRayCache& planned = candidates_[trial.candidate];
+        give(trial, std::make_shared<const CachedObject>(0, trial.asked, planned.shape, planned.samples.kind,
+                                                         planned.interpolation.thresholds.distance_threshold,
+                                                         neighbour_scale_));
+    }
+    if (scene_.needs_differentials()) interpolated_query_ += kDerivatives;
+}
+
+void Probe::give(const Trial& trial, const std::shared_ptr<const CachedObject>& object) {
+    for (const uint32_t instance : candidates_[trial.candidate].instances) scene_.set_ray_cache(instance, object);
+}
+
+std::vector<Probe::BlockCounts> Probe::render_block(const Block& block) const {
+    std::vector<BlockCounts> result(trials_.size());
+    for (const Trial& trial : trials_)
+        if (!trial.dropped) trial.asked->begin_block();
+    for (int quarter = 0; quarter < 4; ++quarter) {
+        render_quarter(block, quarter, scene_, settings_, samples_, cancel_);
+        for (size_t k = 0; k < trials_.size() && quarter == 0; ++k)
+            result[k].quarter = static_cast<double>(trials_[k].asked->statistics().samples_taken);
+    }
+    for (size_t k = 0; k < trials_.size(); ++k) {
+        result[k].counts = trials_[k].asked->statistics();
+        trials_[k].asked->end_block();
+    }
+    return result;
+}
+
+/// By any number of threads; counts are added up in the order of the blocks.
+void Probe::render_blocks(std::span<const Block> blocks) {
+    std::vector<std::vector<BlockCounts>> counted(blocks.size());
+    oneapi::tbb::parallel_for(size_t{0}, blocks.size(), [&](size_t i) { counted[i] = render_block(blocks[i]); });
+    for (const std::vector<BlockCounts>& block : counted)
+        for (size_t k = 0; k < trials_.size(); ++k) {
+            RayCacheStatistics& sum = trials_[k].counts;
+            for (size_t kind = 0; kind < kAnswerKinds; ++kind) sum.answers[kind] += block[k].counts.answers[kind];
+            trials_[k].taken.blocks += static_cast<double>(block[k].counts.samples_taken);
+            trials_[k].taken.quarters += block[k].quarter;
+        }
+}
+
+void Probe::judge_trials() {
+    const double growth = static_cast<double>(settings_.samples) / samples_;
+    for (Trial& trial : trials_) {
+        if (trial.dropped) continue;
+        Judgement judgement =
+            judge(trial.counts, trial.taken, candidates_[trial.candidate], growth, interpolated_query_);
+        results_[trial.candidate] = std::move(judgement.result);
+        trial.dropped = met_box(totals_of(trial.counts)) >= kTellingQueries && judgement.ratio > kHopeless;
+        if (trial.dropped) give(trial, nullptr);
+    }
+}
+
+std::vector<ProbeResult> Probe::run() {
+    const double paths = static_cast<double>(settings_.width) * settings_.height * settings_.samples;
+    const auto affordable = static_cast<size_t>(kProbedShare * paths / (kBlockSide * kBlockSide * samples_));
+    if (candidates_.empty() || affordable < 2) return std::move(results_);
+    choose_trials(paths);
+    make_trees();
+    std::vector<PlannedRayCache> tried;
+    for (const Trial& trial : trials_) tried.push_back(candidates_[trial.candidate]);
+    const std::vector<Block> blocks =
+        blocks_for(tried, scene_, settings_, std::min<size_t>(affordable, kMostBlocks), cancel_);
+    const size_t first = std::min(kFirstBlocks, blocks.size());
+    render_blocks(std::span(blocks).first(first));
+    judge_trials();
+    render_blocks(std::span(blocks).subspan(first));
+    judge_trials();
+    for (const Trial& trial : trials_) {
+        give(trial, nullptr);
+        if (results_[trial.candidate].pays) results_[trial.candidate].cache = trial.tree;
+    }
+    return std::move(results_);
+}
+
 }  // namespace
 
 std::vector<ProbeResult> probe_ray_caches(const std::vector<PlannedRayCache>& candidates, Scene& scene,
-                                          const Settings& settings, double neighbour_scale) {
-    if (candidates.empty()) return {};
-    const int samples = std::clamp(settings.samples / kFrameSamples, 1, kMostSamples);
-    const double paths = static_cast<double>(settings.width) * settings.height * settings.samples;
-    const double growth = static_cast<double>(settings.samples) / samples;
-    const auto affordable = static_cast<size_t>(kProbedShare * paths / (kBlockSide * kBlockSide * samples));
-    std::vector<ProbeResult> results(candidates.size(), {false, "the picture has too few rays", nullptr});
-    if (affordable < 2) return results;
-    const std::vector<bool> tried = worth_a_try(candidates, scene, settings, paths);
-    std::vector<PlannedRayCache> trying;
-    std::vector<size_t> places;
-    std::vector<std::shared_ptr<RayCache>> caches;
-    const auto give = [&](size_t i, const std::shared_ptr<const CachedObject>& object) {
-        for (const uint32_t instance : candidates[i].instances) scene.set_ray_cache(instance, object);
-    };
-    for (size_t i = 0; i < candidates.size(); ++i) {
-        const PlannedRayCache& candidate = candidates[i];
-        if (!tried[i]) {
-            results[i].reason = "the picture has too few rays for what a cache of this object takes to make";
-            continue;
-        }
-        const RayCacheSettings& thresholds = candidate.interpolation.thresholds;
-        caches.push_back(make_ray_cache(RayCacheKind::Fast, candidate.shape, candidate.samples, thresholds));
-        trying.push_back(candidate);
-        places.push_back(i);
-        give(i, std::make_shared<const CachedObject>(0, caches.back(), candidate.shape, candidate.samples.kind,
-                                                     thresholds.distance_threshold, neighbour_scale));
-    }
-    const double interpolated_query = kInterpolatedQuery + (scene.needs_differentials() ? kDerivatives : 0.0);
-    std::vector<bool> dropped(places.size(), false);
-    std::vector<BlockSamples> taken(places.size());
-    const auto samples_taken = [&](size_t k) { return static_cast<double>(caches[k]->statistics().samples_taken); };
-    for (const Block& block : blocks_for(trying, scene, settings, std::min<size_t>(affordable, kMostBlocks))) {
-        for (size_t k = 0; k < places.size(); ++k) taken[k].quarters -= samples_taken(k);
-        render_quarter(block, 0, scene, settings, samples);
-        for (size_t k = 0; k < places.size(); ++k) taken[k].quarters += samples_taken(k);
-        for (int quarter = 1; quarter < 4; ++quarter) render_quarter(block, quarter, scene, settings, samples);
-        for (size_t k = 0; k < places.size(); ++k) {
-            if (dropped[k]) continue;
-            const RayCacheStatistics counts = caches[k]->statistics();
-            taken[k].blocks = static_cast<double>(counts.samples_taken);
-            Judgement judgement = judge(counts, taken[k], trying[k], growth, interpolated_query);
-            results[places[k]] = std::move(judgement.result);
-            dropped[k] = met_box(totals_of(counts)) >= kTellingQueries && judgement.ratio > kHopeless;
-            if (dropped[k]) give(places[k], nullptr);
-        }
-    }
-    for (size_t k = 0; k < places.size(); ++k) {
-        give(places[k], nullptr);
-        if (results[places[k]].pays) results[places[k]].cache = caches[k];
-    }
-    return results;
+                                          const Settings& settings, double neighbour_scale, const CancelToken& cancel) {
+    return Probe(candidates, scene, settings, neighbour_scale, cancel).run();
 }
 
 }  // namespace rayleaf

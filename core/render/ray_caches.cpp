@@ -12,8 +12,8 @@ RayCacheStatistics since(const RayCacheStatistics& before, RayCacheStatistics no
     return now;
 }
 
-std::shared_ptr<RayCache> make(const PlannedRayCache& planned) {
-    return make_ray_cache(RayCacheKind::Fast, planned.shape, planned.samples, planned.interpolation.thresholds);
+std::shared_ptr<RayCache> make(const PlannedRayCache& planned, const CancelToken& cancel) {
+    return make_ray_cache(RayCacheKind::Fast, planned.shape, planned.samples, planned.interpolation.thresholds, cancel);
 }
 
 /// What objects look like in this frame, by the name that the store knows them by.
@@ -28,12 +28,12 @@ std::vector<RayCacheStore::ObjectShape> shapes_of(const std::vector<PlannedRayCa
 
 }  // namespace
 
-RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Settings& settings,
-                     RayCacheStore* store) {
+RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Settings& settings, RayCacheStore* store,
+                     const CancelToken& cancel) {
     const double neighbour_scale = 1.0 / std::sqrt(settings.samples);
     std::vector<PlannedRayCache> undecided;
     std::vector<size_t> places;
-    std::vector<PlannedRayCache> all = plan_ray_caches(description, scene, settings);
+    std::vector<PlannedRayCache> all = plan_ray_caches(description, scene, settings, cancel);
     if (store && store->count() > 0) store->drop_changed(shapes_of(all));
     for (PlannedRayCache& planned : all) {
         frame_.push_back({std::move(planned), nullptr, {}, {}});
@@ -48,23 +48,23 @@ RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Se
             undecided.push_back(each.planned);
             places.push_back(frame_.size() - 1);
         } else {
-            use(each, scene, neighbour_scale, store, nullptr);
+            use(each, scene, neighbour_scale, store, nullptr, cancel);
         }
     }
-    const std::vector<ProbeResult> results = probe_ray_caches(undecided, scene, settings, neighbour_scale);
+    const std::vector<ProbeResult> results = probe_ray_caches(undecided, scene, settings, neighbour_scale, cancel);
     for (size_t i = 0; i < results.size(); ++i) {
         FrameCache& each = frame_[places[i]];
         each.reason = results[i].reason;
-        if (results[i].pays) use(each, scene, neighbour_scale, store, results[i].cache);
+        if (results[i].pays) use(each, scene, neighbour_scale, store, results[i].cache, cancel);
     }
 }
 
 void RayCaches::use(FrameCache& each, Scene& scene, double neighbour_scale, RayCacheStore* store,
-                    const std::shared_ptr<RayCache>& made) {
+                    const std::shared_ptr<RayCache>& made, const CancelToken& cancel) {
     const PlannedRayCache& planned = each.planned;
     const std::optional<RayCacheKey> key =
         store ? key_of(*planned.shape, planned.samples, planned.interpolation.thresholds) : std::nullopt;
-    const auto make_one = [&] { return made ? made : make(planned); };
+    const auto make_one = [&] { return made ? made : make(planned, cancel); };
     each.cache = key ? store->find_or_make(*key, planned.objects.front(), make_one) : make_one();
     each.before = each.cache->statistics();
     const auto number = static_cast<uint32_t>(&each - frame_.data()) + 1;

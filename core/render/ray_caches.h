@@ -25,8 +25,10 @@ struct RayCacheReport {
 
 class RayCaches {
   public:
-    /// Plans caches for the scene and gives it those that are on. `store` may be null.
-    RayCaches(const SceneDescription& description, Scene& scene, const Settings& settings, RayCacheStore* store);
+    /// Plans caches for the scene and gives it those that are on. `store` may be null. Throws Cancelled soon after
+    /// `cancel` says so.
+    RayCaches(const SceneDescription& description, Scene& scene, const Settings& settings, RayCacheStore* store,
+              const CancelToken& cancel = kNeverCancelled);
 
     bool any() const { return !frame_.empty(); }
     /// What happened since construction.
@@ -43,7 +45,7 @@ class RayCaches {
 
     /// `made` by a probe, or null.
     void use(FrameCache& each, Scene& scene, double neighbour_scale, RayCacheStore* store,
-             const std::shared_ptr<RayCache>& made);
+             const std::shared_ptr<RayCache>& made, const CancelToken& cancel);
 };
 
 }  // namespace rayleaf

@@ -6,6 +6,7 @@
 #include "integrators/distribution.h"
 #include "integrators/irradiance_fill.h"
 #include "integrators/path.h"
+#include "trace/float_environment.h"
 
 #include <chrono>
 #include <unordered_set>
@@ -58,6 +59,8 @@ Session::Session(std::shared_ptr<const SceneDescription> description, Settings s
 }
 
 bool Session::render() {
+    // Before the arena is made, which hands this thread's on to all that work in it.
+    const FloatEnvironment environment;
     const int threads = settings_.threads > 0 ? settings_.threads : oneapi::tbb::this_task_arena::max_concurrency();
     // More threads than cores only where they were asked for by number.
     const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
@@ -76,7 +79,7 @@ void Session::render_building_first() {
     const auto start = std::chrono::steady_clock::now();
     state_ = RenderState::Building;
     scene_ = std::make_unique<Scene>(*description_, settings_, cancel_);
-    caches_ = std::make_unique<RayCaches>(*description_, *scene_, settings_, ray_caches_.get());
+    caches_ = std::make_unique<RayCaches>(*description_, *scene_, settings_, ray_caches_.get(), cancel_);
     const double build = seconds_since(start);
     state_ = RenderState::Rendering;
     render_tiles();

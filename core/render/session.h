@@ -67,7 +67,7 @@ class Session {
     CancelToken cancel_;
     std::unique_ptr<Scene> scene_;
     std::unique_ptr<RayCaches> caches_;
-    std::atomic<RenderState> state_{RenderState::Waiting};
+    std::atomic<RenderState> state_{RenderState::Waiting};  ///< to be shown: publishes nothing else
     std::atomic<uint64_t> finished_pixels_{0};
     mutable std::mutex mutex_;  ///< guards statistics_
     RenderStatistics statistics_;

@@ -60,6 +60,7 @@ class CrossingCounts {
         size_t first, second;
     };
 
+    /// Publishes the counters, all zero (release, by who made them first), to who counts in them (acquire).
     std::atomic<Counters*> counters_{nullptr};
     bool has_finished_ = false;  ///< a frame in which rays were counted
 

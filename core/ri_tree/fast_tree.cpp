@@ -55,23 +55,34 @@ AnsweredBy answered_by(CellVerdict verdict) {
 
 }  // namespace
 
-FastTree::FastTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples, const RayCacheSettings& settings)
-    : tracer_(std::move(shape), samples),
-      settings_(checked(tracer_.shape().name(), settings)),
-      space_(tracer_.shape().bounds()),
-      judge_(tracer_, space_, settings_),
+FastTree::FastTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples, const RayCacheSettings& settings,
+                   const CancelToken& cancel)
+    : FastTree(std::make_shared<const SampleTracer>(std::move(shape), samples, cancel), nullptr, settings) {
+    if (may_follow(samples.kind, settings_)) body_ = ConvexBody::of(tracer_->shape());
+}
+
+FastTree::FastTree(std::shared_ptr<const SampleTracer> tracer, std::shared_ptr<const ConvexBody> body,
+                   const RayCacheSettings& settings)
+    : tracer_(std::move(tracer)),
+      body_(std::move(body)),
+      settings_(checked(tracer_->shape().name(), settings)),
+      space_(tracer_->shape().bounds()),
+      judge_(*tracer_, space_, settings_),
       steps_(space_, settings_),
       functions_(batch_functions()),
-      samples_(samples.kind, judge_.contents(), settings.cache_bytes / kSampleShare),
+      samples_(tracer_->settings().kind, judge_.contents(), settings.cache_bytes / kSampleShare),
       store_(settings.cache_bytes - settings.cache_bytes / kSampleShare) {
-    if (may_follow(samples.kind, settings_)) body_ = ConvexBody::of(tracer_.shape());
     prepare_frame();
+}
+
+std::unique_ptr<FastTree> FastTree::emptied() const {
+    return std::unique_ptr<FastTree>(new FastTree(tracer_, body_, settings_));
 }
 
 FastTree::~FastTree() = default;
 
 void FastTree::prepare_frame() {
-    const LocalFrame& local = tracer_.shape().frame();
+    const LocalFrame& local = tracer_->shape().frame();
     frame_.center = local.center;
     frame_.shrink = 1.0 / local.scale;
     if (space_.box().isEmpty()) return;
@@ -93,16 +104,16 @@ Ray FastTree::to_local(const Ray& object_ray) const {
 
 void FastTree::move_to_object(OutputRay& ray) const {
     if (ray.sample_class.is_miss()) return;
-    const LocalFrame& frame = tracer_.shape().frame();
+    const LocalFrame& frame = tracer_->shape().frame();
     ray.length *= frame.scale;
-    if (tracer_.settings().kind == OutputKind::Volume) return;
+    if (tracer_->settings().kind == OutputKind::Volume) return;
     ray.position = ray.position * frame.scale + frame.center;
     ray.exit_position = ray.exit_position * frame.scale + frame.center;
 }
 
 OutputRay FastTree::trace(const Ray& object_ray) const {
     if (!is_ray(object_ray)) return {};
-    OutputRay result = tracer_.trace(to_local(object_ray));
+    OutputRay result = tracer_->trace(to_local(object_ray));
     move_to_object(result);
     return result;
 }
@@ -110,7 +121,7 @@ OutputRay FastTree::trace(const Ray& object_ray) const {
 /// An answer without interpolation: missed, or traced if the caller wants that.
 void FastTree::answer_plainly(const Search& search, const Ray& object_ray, AnsweredBy by, CachedAnswer& answer) const {
     const bool traces = is_traced(by) && search.others == Uninterpolated::Trace;
-    answer.output = traces ? tracer_.trace(to_local(object_ray)) : OutputRay{};
+    answer.output = traces ? tracer_->trace(to_local(object_ray)) : OutputRay{};
     if (traces) move_to_object(answer.output);
     answer.by = by;
     answer.error = answer.position_error = 0.0;
@@ -126,11 +137,11 @@ bool FastTree::follow(const Batch& asked, int ray) const {
         const RayChanges by_picture = {RayChange{Vec3d(given.dp_dx) * frame_.shrink, Vec3d(given.dd_dx)},
                                        RayChange{Vec3d(given.dp_dy) * frame_.shrink, Vec3d(given.dd_dy)}};
         OutputChanges changes;
-        meeting = follow_glass(*body_, tracer_, local, by_picture, answer.output, changes);
+        meeting = follow_glass(*body_, *tracer_, local, by_picture, answer.output, changes);
         if (meeting == ConvexBody::Meeting::Crossed)
-            asked.changes[ray] = hit_changes(changes, tracer_.shape().frame().scale);
+            asked.changes[ray] = hit_changes(changes, tracer_->shape().frame().scale);
     } else {
-        meeting = follow_glass(*body_, tracer_, local, answer.output);
+        meeting = follow_glass(*body_, *tracer_, local, answer.output);
     }
     if (meeting == ConvexBody::Meeting::Uncertain) return false;
     const bool missed = meeting == ConvexBody::Meeting::Missed;
@@ -261,7 +272,7 @@ void FastTree::interpolate(const Search& search, const Found& found, int ray, co
     const Ray& given = asked.rays[ray];
     CachedAnswer& answer = asked.answers[ray];
     const bool starts_inside = (batch.inside >> ray & 1) != 0;
-    const OutputKind kind = tracer_.settings().kind;
+    const OutputKind kind = tracer_->settings().kind;
     // The length of a line says nothing about where on it the object lies.
     if (starts_inside && kind == OutputKind::Volume)
         return answer_plainly(search, given, AnsweredBy::TracedOrigin, answer);
@@ -297,13 +308,14 @@ HitChanges FastTree::changes_of(const Search& search, const Found& found, int ra
     float changes[kPictureSteps][kLeafPadding];
     for (int i = 0; i < kPictureSteps; ++i)
         functions_.differentiate(search.batch, ray, place, *found.leaf, in_cell.steps[i], changes[i]);
-    HitChanges result = output_changes(tracer_.settings().kind, *found.leaf, changes, asked.answers[ray].output);
-    for (HitChanges::Step& step : result.steps) step.exit_position *= static_cast<float>(tracer_.shape().frame().scale);
+    HitChanges result = output_changes(tracer_->settings().kind, *found.leaf, changes, asked.answers[ray].output);
+    for (HitChanges::Step& step : result.steps)
+        step.exit_position *= static_cast<float>(tracer_->shape().frame().scale);
     return result;
 }
 
 FastSample FastTree::sample(const LatticePoint& point) const {
-    return take_sample(tracer_, body_.get(), space_, point, judge_.contents());
+    return take_sample(*tracer_, body_.get(), space_, point, judge_.contents());
 }
 
 RayCacheStatistics FastTree::statistics() const {
@@ -316,7 +328,7 @@ RayCacheStatistics FastTree::statistics() const {
     result.bytes = store_.bytes() + samples_.bytes();
     result.most_bytes = std::max(store_.most_bytes() + samples_.bytes(), result.bytes);
     result.prunes = store_.exchanges();
-    result.tracer_bytes = tracer_.bytes();
+    result.tracer_bytes = tracer_->bytes();
     return result;
 }
 

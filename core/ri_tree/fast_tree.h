@@ -34,7 +34,11 @@ class FastTree final : public RayCache {
   public:
     /// Throws InputError for settings without meaning. Nothing is sampled yet. `pruned_share` is not used: the store
     /// forgets about a half.
-    FastTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples, const RayCacheSettings& settings);
+    /// Throws Cancelled soon after `cancel` says so.
+    FastTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples, const RayCacheSettings& settings,
+             const CancelToken& cancel = kNeverCancelled);
+    /// Another that answers as this one did when it was new; both share what traces samples.
+    std::unique_ptr<FastTree> emptied() const;
     ~FastTree() override;
 
     /// Thread-safe.
@@ -49,7 +53,7 @@ class FastTree final : public RayCache {
     /// What the corners and centres of cells are sampled with.
     FastSample sample(const LatticePoint& point) const;
     const LineSpace& space() const { return space_; }
-    const SampleTracer& tracer() const { return tracer_; }
+    const SampleTracer& tracer() const { return *tracer_; }
 
   private:
     struct Batch;
@@ -57,7 +61,8 @@ class FastTree final : public RayCache {
     struct Found;
     struct Descent;
 
-    SampleTracer tracer_;
+    std::shared_ptr<const SampleTracer> tracer_;
+    std::shared_ptr<const ConvexBody> body_;  ///< of convex glass, else null
     RayCacheSettings settings_;
     LineSpace space_;
     CellJudge judge_;
@@ -67,8 +72,9 @@ class FastTree final : public RayCache {
     SampleTable samples_;
     CellStore store_;
     CrossingCounts crossings_;
-    std::unique_ptr<const ConvexBody> body_;
 
+    FastTree(std::shared_ptr<const SampleTracer> tracer, std::shared_ptr<const ConvexBody> body,
+             const RayCacheSettings& settings);
     void prepare_frame();
     Ray to_local(const Ray& object_ray) const;
     void move_to_object(OutputRay& local) const;

@@ -16,7 +16,8 @@ struct FastTree::Batch {
     HitChanges* changes;
 };
 
-/// How far down a ray's cells are known: the step, and where the cell there is told; null: in no block.
+/// How far down a ray's cells are known: the step, and where the cell there is told (CellNode::children); null: in no
+/// block.
 struct FastTree::Descent {
     int step = 0;
     std::atomic<CellRef>* place = nullptr;

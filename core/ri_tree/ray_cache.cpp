@@ -94,9 +94,10 @@ RayCacheSettings quality_settings(double error) {
 }
 
 std::unique_ptr<RayCache> make_ray_cache(RayCacheKind kind, std::shared_ptr<const Shape> shape,
-                                         const SampleSettings& samples, const RayCacheSettings& settings) {
+                                         const SampleSettings& samples, const RayCacheSettings& settings,
+                                         const CancelToken& cancel) {
     if (kind == RayCacheKind::Reference) return std::make_unique<ReferenceTree>(std::move(shape), samples, settings);
-    return std::make_unique<FastTree>(std::move(shape), samples, settings);
+    return std::make_unique<FastTree>(std::move(shape), samples, settings, cancel);
 }
 
 }  // namespace rayleaf

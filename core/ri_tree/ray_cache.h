@@ -169,8 +169,9 @@ enum class RayCacheKind : uint8_t {
     Fast        ///< what renders (fast_tree.h); any number of threads
 };
 
-/// Throws InputError for settings without meaning.
+/// Throws InputError for settings without meaning, and Cancelled soon after `cancel` says so.
 std::unique_ptr<RayCache> make_ray_cache(RayCacheKind kind, std::shared_ptr<const Shape> shape,
-                                         const SampleSettings& samples, const RayCacheSettings& settings);
+                                         const SampleSettings& samples, const RayCacheSettings& settings,
+                                         const CancelToken& cancel = kNeverCancelled);
 
 }  // namespace rayleaf

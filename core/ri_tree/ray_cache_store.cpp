@@ -24,13 +24,20 @@ std::optional<RayCacheKey> key_of(const Shape& shape, const SampleSettings& samp
     return key;
 }
 
+template <typename IsOver>
+void RayCacheStore::let_go(const IsOver& is_over) {
+    for (auto& [key, entry] : shared_->entries) {
+        const auto own = entry.scenes.find(scene_);
+        if (own != entry.scenes.end() && is_over(key, own->second)) entry.scenes.erase(own);
+    }
+    std::erase_if(shared_->entries, [](const auto& item) { return item.second.scenes.empty(); });
+}
+
 void RayCacheStore::drop_changed(std::span<const ObjectShape> shapes) {
-    const std::scoped_lock lock(mutex_);
-    std::erase_if(entries_, [&](const auto& item) {
-        const RayCacheKey& key = item.first;
-        const Entry& entry = item.second;
-        if (entry.used) return false;
-        const auto is_object = [&](const ObjectShape& each) { return each.object == entry.object; };
+    const std::scoped_lock lock(shared_->mutex);
+    let_go([&](const RayCacheKey& key, const Holder& holder) {
+        if (holder.used) return false;
+        const auto is_object = [&](const ObjectShape& each) { return each.object == holder.object; };
         const auto is_shape = [&](const ObjectShape& each) { return each.shape == key.shape; };
         return std::any_of(shapes.begin(), shapes.end(), is_object) &&
                std::none_of(shapes.begin(), shapes.end(), is_shape);
@@ -39,40 +46,34 @@ void RayCacheStore::drop_changed(std::span<const ObjectShape> shapes) {
 
 std::shared_ptr<RayCache> RayCacheStore::find_or_make(const RayCacheKey& key, const std::string& object,
                                                       const std::function<std::shared_ptr<RayCache>()>& make) {
-    const std::scoped_lock lock(mutex_);
-    const auto [place, is_new] = entries_.try_emplace(key);
-    Entry& entry = place->second;
-    if (is_new) {
-        try {
-            entry.cache = make();
-            entry.object = object;
-        } catch (...) {
-            entries_.erase(place);
-            throw;
-        }
-    }
-    entry.used = true;
+    const std::scoped_lock lock(shared_->mutex);
+    const auto known = shared_->entries.find(key);
+    Entry& entry = known != shared_->entries.end() ? known->second
+                                                   : shared_->entries.emplace(key, Entry{make(), {}}).first->second;
+    entry.scenes.try_emplace(scene_, Holder{object, true}).first->second.used = true;
     return entry.cache;
 }
 
 void RayCacheStore::next_frame() {
-    const std::scoped_lock lock(mutex_);
-    std::erase_if(entries_, [](const auto& item) { return !item.second.used; });
-    for (auto& [key, entry] : entries_) {
-        entry.used = false;
+    const std::scoped_lock lock(shared_->mutex);
+    let_go([](const RayCacheKey&, const Holder& holder) { return !holder.used; });
+    for (auto& [key, entry] : shared_->entries) {
+        const auto own = entry.scenes.find(scene_);
+        if (own == entry.scenes.end()) continue;
+        own->second.used = false;
         entry.cache->next_frame();
     }
 }
 
 size_t RayCacheStore::count() const {
-    const std::scoped_lock lock(mutex_);
-    return entries_.size();
+    const std::scoped_lock lock(shared_->mutex);
+    return shared_->entries.size();
 }
 
 uint64_t RayCacheStore::bytes() const {
-    const std::scoped_lock lock(mutex_);
+    const std::scoped_lock lock(shared_->mutex);
     uint64_t sum = 0;
-    for (const auto& [key, entry] : entries_) sum += entry.cache->statistics().bytes;
+    for (const auto& [key, entry] : shared_->entries) sum += entry.cache->statistics().bytes;
     return sum;
 }
 

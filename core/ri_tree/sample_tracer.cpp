@@ -50,11 +50,12 @@ TextureSeams seams_of(OutputKind kind) {
 
 }  // namespace
 
-SampleTracer::SampleTracer(std::shared_ptr<const Shape> shape, const SampleSettings& settings)
+SampleTracer::SampleTracer(std::shared_ptr<const Shape> shape, const SampleSettings& settings,
+                           const CancelToken& cancel)
     : shape_(std::move(shape)),
       settings_(checked(shape_->name(), settings)),
       classes_(*shape_, seams_of(settings.kind)),
-      tracer_(in_local_space(shape_), even_view(settings.facet_tolerance)) {}
+      tracer_(in_local_space(shape_), even_view(settings.facet_tolerance), cancel) {}
 
 uint32_t SampleTracer::first_hit_class(const Ray& ray) const {
     const std::optional<Hit> hit = tracer_.closest_hit(ray, kVisibleAll);

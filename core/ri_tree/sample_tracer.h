@@ -28,8 +28,9 @@ struct SampleSettings {
 
 class SampleTracer {
   public:
-    /// Throws InputError for settings without meaning.
-    SampleTracer(std::shared_ptr<const Shape> shape, const SampleSettings& settings);
+    /// Throws InputError for settings without meaning, and Cancelled soon after `cancel` says so.
+    SampleTracer(std::shared_ptr<const Shape> shape, const SampleSettings& settings,
+                 const CancelToken& cancel = kNeverCancelled);
 
     const Shape& shape() const { return *shape_; }
     const SampleSettings& settings() const { return settings_; }

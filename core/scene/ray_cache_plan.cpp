@@ -3,7 +3,6 @@
 #include "geometry/patch_surface.h"
 #include "geometry/triangle_mesh.h"
 #include "scene/scene.h"
-#include "splines/bounds.h"
 
 #include <map>
 #include <tuple>
@@ -13,8 +12,6 @@ namespace {
 
 /// Names listed of the objects that share a cache.
 constexpr size_t kListedObjects = 8;
-/// Boxes that reach into one another by this share of the smaller one's size only touch: a vase stands on a table.
-constexpr double kTouching = 1e-4;
 /// Columns of a map whose lengths and angles differ by less than this scale evenly.
 constexpr double kEvenScale = 1e-5;
 
@@ -81,49 +78,6 @@ bool scales_evenly(const Affine3d& m) {
            std::abs(m.x.dot(m.y)) <= largest && std::abs(m.y.dot(m.z)) <= largest && std::abs(m.z.dot(m.x)) <= largest;
 }
 
-/// Whether any element of a shape may lie in a box of its local space.
-bool has_element_in(const Shape& shape, const Box3d& box) {
-    const auto overlaps = [&](const Box3d& element) { return box.intersects(element); };
-    if (shape.kind() == ShapeKind::PatchSurface) {
-        const auto& surface = static_cast<const PatchSurface&>(shape);
-        for (uint32_t patch = 0; patch < surface.element_count(); ++patch)
-            if (overlaps(hull_bounds(surface.patch(patch)))) return true;
-        return false;
-    }
-    if (shape.kind() != ShapeKind::TriangleMesh) return true;
-    const auto& mesh = static_cast<const TriangleMesh&>(shape);
-    for (uint32_t triangle = 0; triangle < mesh.element_count(); ++triangle) {
-        Box3d element;
-        for (const Vec3d& corner : mesh.corners(triangle)) element.extendBy(corner);
-        if (overlaps(element)) return true;
-    }
-    return false;
-}
-
-Box3d image_of(const Box3d& box, const Affine3d& map) {
-    Box3d image;
-    for (int corner = 0; corner < 8; ++corner)
-        image.extendBy(map.point({corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                                  corner & 4 ? box.max.z : box.min.z}));
-    return image;
-}
-
-/// Whether something of the scene may lie in the world box of an instance, beside the instance itself.
-bool is_occupied(const SceneDescription& description, const Tracer& tracer, uint32_t instance) {
-    Box3d box = tracer.bounds(instance);
-    const double touching = kTouching * max_component(box.size());
-    box.min += Vec3d(touching);
-    box.max -= Vec3d(touching);
-    for (uint32_t other = 0; other < description.instances.size(); ++other) {
-        if (other == instance || !box.intersects(tracer.bounds(other))) continue;
-        if (has_element_in(*tracer.instance(other).shape, image_of(box, tracer.local_to_world(other).inverse())))
-            return true;
-    }
-    return std::any_of(description.lamps.begin(), description.lamps.end(), [&](const Lamp& lamp) {
-        return lamp.kind != LampKind::Sun && box.intersects(lamp.to_world.translation);
-    });
-}
-
 }  // namespace
 
 int most_interior_hits(const Settings& settings) {
@@ -131,12 +85,13 @@ int most_interior_hits(const Settings& settings) {
 }
 
 std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene,
-                                             const Settings& settings) {
+                                             const Settings& settings, const CancelToken& cancel) {
     const bool shows_uv = std::find(settings.passes.begin(), settings.passes.end(), Pass::uv) != settings.passes.end();
     using Key = std::tuple<const Shape*, OutputKind, double, int, std::string>;
     std::map<Key, size_t> places;
     std::vector<PlannedRayCache> plan;
     for (uint32_t i = 0; i < description.instances.size(); ++i) {
+        cancel.throw_if_cancelled();
         const InstanceDescription& instance = description.instances[i];
         const RayInterpolation& interpolation = scene.ray_interpolation(i);
         if (interpolation.mode == RayInterpolationMode::Off) continue;
@@ -156,12 +111,11 @@ std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description
     return plan;
 }
 
-std::optional<GlassBody> skippable_glass(const SceneDescription& description, const Scene& scene, uint32_t instance) {
+std::optional<GlassBody> glass_body_of(const Scene& scene, uint32_t instance) {
     const std::vector<int>& list = scene.material_list(instance);
     const ObjectOptics optics = optics_of_object(scene, instance);
     if (!optics.even || optics.first.surface != SurfaceOptics::Glass || scene.volume(instance)) return std::nullopt;
     if (list.empty() || !scales_evenly(scene.tracer().instance(instance).object_to_world)) return std::nullopt;
-    if (is_occupied(description, scene.tracer(), instance)) return std::nullopt;
     return optics.first.glass;
 }
 

@@ -1,6 +1,7 @@
 // Which objects of a scene can have a ray cache, of what kind, and which share one.
 #pragma once
 
+#include "base/cancel.h"
 #include "ri_tree/sample_tracer.h"
 #include "scene/material_optics.h"
 #include "scene/ray_interpolation.h"
@@ -23,7 +24,7 @@ struct PlannedRayCache {
     std::vector<uint32_t> instances;
     std::vector<std::string> objects;  ///< names of the first few instances
     std::string obstacle;              ///< why there can be none; empty: there can
-    bool first_hits_only = false;      ///< of glass: rays do not skip its inside (skippable_glass)
+    bool first_hits_only = false;      ///< of glass: rays do not skip its inside (Scene::glass_body)
 };
 
 /// How many hits from inside a path through glass may have before the limits of bounces end it, wherever it came from:
@@ -31,12 +32,12 @@ struct PlannedRayCache {
 int most_interior_hits(const Settings& settings);
 
 /// Objects whose interpolation is off are not listed. A material that reads texture coordinates wants them stored, and
-/// the UV pass those of every surface: then there are first hits alone.
+/// the UV pass those of every surface: then there are first hits alone. Throws Cancelled soon after `cancel` says so.
 std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description, const Scene& scene,
-                                             const Settings& settings);
+                                             const Settings& settings, const CancelToken& cancel);
 
-/// The glass body of an instance, where rays through it may skip its inside: its map is rigid but for an even scale,
-/// and nothing else lies in its box.
-std::optional<GlassBody> skippable_glass(const SceneDescription& description, const Scene& scene, uint32_t instance);
+/// The glass body of an instance that is clear glass all over and whose map is rigid but for an even scale: where
+/// nothing else lies in its box (scene/occupancy.h), rays through it may skip its inside.
+std::optional<GlassBody> glass_body_of(const Scene& scene, uint32_t instance);
 
 }  // namespace rayleaf

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "scene/material_displacement.h"
+#include "scene/occupancy.h"
 #include "scene/ray_cache_plan.h"
 
 namespace rayleaf {
@@ -71,7 +72,7 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
         std::make_unique<Tracer>(std::move(traced), camera_->dicing_view(), cancel, geometry_cache_settings(settings));
     cancel.throw_if_cancelled();
     commit_lights(description);
-    commit_glass(description);
+    commit_glass(description, cancel);
 }
 
 Scene::~Scene() = default;
@@ -99,14 +100,14 @@ void Scene::commit_materials(const SceneDescription& description) {
     }
 }
 
-void Scene::commit_glass(const SceneDescription& description) {
-    // Each glass object looks at all others: past this many, all are rendered surface by surface.
-    constexpr size_t kMostInstances = 10'000;
-    if (interpolations_.size() > kMostInstances) return;
+void Scene::commit_glass(const SceneDescription& description, const CancelToken& cancel) {
+    std::optional<Occupancy> occupancy;
     for (uint32_t i = 0; i < interpolations_.size(); ++i) {
         if (interpolations_[i].mode == RayInterpolationMode::Off) continue;
-        const std::optional<GlassBody> body = skippable_glass(description, *this, i);
+        const std::optional<GlassBody> body = glass_body_of(*this, i);
         if (!body) continue;
+        if (!occupancy) occupancy.emplace(description, *tracer_, cancel);
+        if (occupancy->is_occupied(i)) continue;
         glass_bodies_.resize(interpolations_.size());
         glass_bodies_[i] = body;
     }

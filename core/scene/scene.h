@@ -83,7 +83,7 @@ class Scene {
     double shadow_bias_ = 0;
 
     void commit_materials(const SceneDescription& description);
-    void commit_glass(const SceneDescription& description);
+    void commit_glass(const SceneDescription& description, const CancelToken& cancel);
     void commit_lights(const SceneDescription& description);
     const Material& material_of(const std::vector<int>& list, uint32_t slot) const;
 };

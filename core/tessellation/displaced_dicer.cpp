@@ -45,7 +45,7 @@ DisplacedDicer::DisplacedDicer(const DisplacedSurface& surface, const FacetToler
 
 bool DisplacedDicer::is_fine_enough(const FacetTolerance& tolerance) const {
     const uint32_t count = subpatch_count(), looks = std::min(count, kLooks);
-    std::atomic<bool> fine{true};
+    std::atomic<bool> fine{true};  // read when all have looked
     tbb::parallel_for(uint32_t{0}, looks, [&](uint32_t i) {
         GridRows rows;
         dice_rows(static_cast<uint32_t>(uint64_t{i} * count / looks), rows);

@@ -92,7 +92,7 @@ class GeometryCache {
   private:
     struct ThreadState;
     std::unique_ptr<GridArena> arena_;
-    /// A bit for each (subpatch, level) diced so far, and for hashes of parts.
+    /// A bit for each (subpatch, level) diced so far, and for hashes of parts. For counting: they publish nothing.
     ZeroedArray<std::atomic<uint64_t>> seen_, seen_parts_;
     uint64_t seen_part_words_ = 0;
     GeometryCacheSettings settings_;

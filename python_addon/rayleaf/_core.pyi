@@ -295,11 +295,14 @@ class VolumeVisualisation:
         """kind: EMISSION adds color * density * length, ABSORPTION multiplies by color ** (density * length)."""
 
 class RayCacheStore:
-    """Ray caches that the caller keeps between renders. From frame to frame they interpolate more."""
+    """Ray caches that the caller keeps between renders, as one scene sees them. From frame to frame they interpolate more."""
 
     def __init__(self) -> None: ...
+    def of_scene(self, name: str) -> RayCacheStore:
+        """The same caches for the scene of that name, which has its own frames."""
     def next_frame(self) -> None:
-        """Drops what no render asked for since the last call; what rays crossed until now counts from here on."""
+        """Drops what no render of this scene asked for since the last call, and no other scene holds; what rays crossed
+        until now counts from here on."""
     def count(self) -> int: ...
     def bytes(self) -> int: ...
 

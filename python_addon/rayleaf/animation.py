@@ -15,23 +15,29 @@ class KeptRayCaches:
 
     def __init__(self) -> None:
         self._store: Any | None = None
-        self._frame: tuple[str, int, float] | None = None
+        self._frames: dict[str, tuple[int, float]] = {}  # by scene: the one that was rendered last
 
     def for_frame(self, core: ModuleType, scene: Any, is_animation: bool) -> Any:
-        """The store to render a frame with. What the frame before did not use is dropped from it."""
-        if not is_animation:
+        """The store to render a scene's frame with. What the scene's frame before did not use is dropped from it.
+
+        Other scenes that the compositor shows are rendered within the frame of an animation; Blender does not call that
+        one.
+        """
+        if self._store is None and not is_animation:
             return core.RayCacheStore()
-        frame = (name_of(scene), scene.frame_current, scene.frame_subframe)
         if self._store is None:
             self._store = core.RayCacheStore()
-        elif frame != self._frame:  # the view layers of one frame share theirs
-            self._store.next_frame()
-        self._frame = frame
-        return self._store
+        name, frame = name_of(scene), (scene.frame_current, scene.frame_subframe)
+        store = self._store.of_scene(name)
+        if self._frames.get(name, frame) != frame:  # the view layers of one frame share theirs
+            store.next_frame()
+        self._frames[name] = frame
+        return store
 
     def clear(self) -> None:
         """Forget everything."""
-        self._store = self._frame = None
+        self._store = None
+        self._frames = {}
 
 
 KEPT = KeptRayCaches()
