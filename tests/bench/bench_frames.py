@@ -29,6 +29,14 @@ def numbers(text: str) -> tuple[int, ...]:
     return found
 
 
+def orbit(text: str) -> int:
+    """Frames, at least two."""
+    found = int(text)
+    if found < 2:
+        raise ValueError
+    return found
+
+
 def number(text: str) -> int:
     """One number from 1."""
     (found,) = numbers(text)
@@ -50,6 +58,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--percentage", type=number, help="of the files' resolution; default: 50")
     parser.add_argument("--threads", type=number, help="default: all")
     parser.add_argument("--rounds", type=number, help="in turn, the least time counts; default: 1")
+    parser.add_argument("--orbit", type=orbit, metavar="FRAMES", help="the camera turns; of the first and last frame")
     parser.add_argument("--processor-time", action="store_true", help="seconds of all threads: for a busy machine")
     parser.add_argument("--interpolation", type=modes, metavar="MODE[,MODE...]", help="default: off,auto,on")
     parser.add_argument("--converged", type=number, metavar="SAMPLES", help="of references; default: 4 times the most")

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 
@@ -21,6 +22,7 @@ def run(root, addons, tmp_path_factory):
         assert not check or done.returncode == 0, done.stdout + done.stderr
         return done.stdout, json.loads(out.read_text())["cases"]["frames"] if check else done.stderr
 
+    run_with.folder = folder
     return run_with
 
 
@@ -57,12 +59,27 @@ def test_the_table_has_every_engine_and_mode_and_equal_settings_were_used(run):
     assert [told["interpolation"] for told in own] == ["OFF", "AUTO", "ON"]
 
 
+@pytest.mark.slow
+def test_in_an_orbit_the_camera_turns_and_the_last_frame_is_judged(run):
+    words = ("bezier_sheet", "--samples", "4", "--percentage", "4", "--interpolation", "off")
+    printed, rows = run(*words, "--orbit", "31")
+    assert "frame 31" in printed and all(row["problem"] == "" for row in rows)
+    assert all(len(row["first"]) == len(row["second"]) == 1 and row["rmse"] < 0.2 for row in rows), rows
+    _, still = run(*words)
+    # Thirty degrees on both engines see another side; they still see the same.
+    assert rows[1]["from_cycles"] < 0.2 and still[1]["from_cycles"] < 0.2
+    pictures = [np.load(path)[..., :3] for path in sorted(run.folder.glob("converged/bezier_sheet_rayleaf_16_*.npy"))]
+    assert len(pictures) == 2 and np.abs(np.clip(pictures[0], 0, 1) - np.clip(pictures[1], 0, 1)).mean() > 0.1
+
+
 def test_a_scene_that_is_not_there_is_answered_with_those_that_are(run):
     _, complaint = run("bezier_shet", check=False)
     assert "there is no scene bezier_shet" in complaint and "bezier_sheet" in complaint
 
 
-@pytest.mark.parametrize("words", [("--samples", "0"), ("--threads", "-1"), ("--interpolation", "much"), ("--turbo",)])
+@pytest.mark.parametrize(
+    "words", [("--samples", "0"), ("--threads", "-1"), ("--orbit", "1"), ("--interpolation", "much"), ("--turbo",)]
+)
 def test_options_that_mean_nothing_are_refused(run, words):
     _, complaint = run("bezier_sheet", *words, check=False)
     assert words[0] in complaint and "usage: rayleaf bench frames" in complaint

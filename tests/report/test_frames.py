@@ -177,6 +177,24 @@ def test_processor_time_stands_in_the_place_of_time_that_passes(scene, tmp_path,
         assert ("processor time" in frame_table.caption(plan)) == wanted
 
 
+def test_of_an_orbit_the_first_and_the_last_frame_count(scene, tmp_path, monkeypatch):
+    timed, references = Renders(), Renders()
+
+    def of_four_frames(*arguments):
+        (raw,) = timed(*arguments)
+        return [raw | {"seconds": [4.0, 3.0, 2.0, 1.0]}]
+
+    monkeypatch.setattr(frames, "render", of_four_frames)
+    monkeypatch.setattr(converged, "render", references)
+    plan = Plan(counts=(1,), orbit=4)
+    by = frames.ruler("/bin/true", plan, tmp_path, lambda line: None)
+    (found,) = by.scene(scene)
+    assert {(each.first[0], each.second[0]) for each in found} == {(4.0, 1.0)}
+    assert {asked.orbit for _, asked in timed.asked + references.asked} == {4}
+    assert {asked.repeats for _, asked in references.asked} == {1}, "of the last frame alone"
+    assert "frame 4" in frame_table.caption(plan)
+
+
 def test_an_engine_that_fails_leaves_the_others_in_the_table(scene, tmp_path, monkeypatch):
     timed = Renders()
 

@@ -30,8 +30,8 @@ class ConvergedPictures:
         return np.load(path)
 
     def _path(self, file: Path, engine: str, count: int) -> Path:
-        size = self._conditions.width, self._conditions.percentage
-        name = mark(file, engine, self._version, size, count)[:16]
+        asked = self._conditions
+        name = mark(file, engine, self._version, (asked.width, asked.percentage), asked.orbit, count)[:16]
         return self._folder / f"{file.stem}_{engine.lower()}_{count}_{name}.npy"
 
     def _rendered(self, file: Path, engine: str, count: int) -> Any:

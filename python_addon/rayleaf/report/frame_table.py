@@ -16,11 +16,15 @@ _ANOTHER_PICTURE = 0.1
 def caption(plan: Plan) -> str:
     """What the figures are."""
     clock = "processor time of all threads for" if plan.processor_time else "of"
+    turns = "the first render in a fresh Blender, and the second in the same. "
+    if plan.orbit:
+        turns = f"the first frame of an animation in a fresh Blender, and as second its frame {plan.orbit}; the camera "
+        turns += "turns about the vertical axis through the origin by a degree a frame. "
     return (
         f"{plan.percentage} % of each file's resolution, {plan.threads} threads. Seconds are {clock} a whole "
-        f"frame, export and building included, the least of {plan.rounds} in turn: the first render in a fresh "
-        "Blender, and the second in the same. Cycles on the CPU, without denoiser and adaptive sampling; light "
-        "path limits as the file has them. Rayleaf with ray interpolation off, on Auto and On. Ratio: Cycles' "
+        f"frame, export and building included, the least of {plan.rounds} in turn: {turns}"
+        "Cycles on the CPU, without denoiser and adaptive sampling; "
+        "light path limits as the file has them. Rayleaf with ray interpolation off, on Auto and On. Ratio: Cycles' "
         "time over ours; above 1 Rayleaf is faster. Error: root mean square in display RGB against the engine's "
         f"own picture with {plan.converged_count} samples and other random numbers, interpolation off. Ratio at "
         "equal error: error falls as one over the root of the samples, so the second render's ratio times "

@@ -1,13 +1,13 @@
 """Whole frames beside Cycles: the same file at the same samples, size and threads, rendered by both engines in turn.
 
-Each frame is rendered twice in a Blender of its own: first, when nothing is loaded or kept, and again. What is measured
-is what an artist waits for: all of F12.
+Each frame is rendered twice in a Blender of its own: first, when nothing is loaded or kept, and again. Or the camera
+turns by a degree a frame, and the second is the last one. What is measured is what an artist waits for: all of F12.
 """
 
 import os
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,7 @@ class Plan:
     threads: int = os.cpu_count() or 1
     rounds: int = 1  # the engines take turns so often; the least time counts
     modes: tuple[str, ...] = points.INTERPOLATION_MODES  # of Rayleaf
+    orbit: int = 0  # frames of an animation, of which the first and the last are measured; 0: the same picture twice
     processor_time: bool = False  # of all threads, in place of the time that passes: for a machine that is busy
     converged: int = 0  # samples of the pictures that errors are against; 0: by the most samples measured
 
@@ -51,7 +52,7 @@ class Frame:
     contender: str
     engine: str
     first: list[float] = field(default_factory=list)  # seconds, each round
-    second: list[float] = field(default_factory=list)
+    second: list[float] = field(default_factory=list)  # of an orbit: its last frame
     memory_mb: float = 0.0  # most that the process held above what it held before
     rmse: float | None = None  # in display RGB, against the engine's own converged picture
     from_cycles: float | None = None  # the same measure, of the two engines' converged pictures
@@ -65,7 +66,7 @@ class Frame:
 
     def add(self, raw: dict[str, Any], seconds: list[float], picture: Any) -> None:
         """What one round gave."""
-        first, second = seconds
+        first, *_, second = seconds
         self.first.append(first)
         self.second.append(second)
         self.memory_mb = max(self.memory_mb, raw["memory_mb"])
@@ -126,7 +127,7 @@ class Ruler:
         if frame.problem:
             return
         plan = self.plan
-        conditions = Conditions(percentage=plan.percentage, repeats=FIRST_AND_SECOND, threads=plan.threads, cold=True)
+        conditions = replace(conditions_of(plan), repeats=FIRST_AND_SECOND)
         try:
             with tempfile.TemporaryDirectory(prefix="rayleaf_report_") as name:
                 raw = render(self.blender, file, [point], conditions, Path(name))[0]
@@ -148,7 +149,11 @@ class Ruler:
         return compare(picture, self._converged(file, engine)).rmse
 
 
+def conditions_of(plan: Plan) -> Conditions:
+    """Of one picture."""
+    return Conditions(percentage=plan.percentage, threads=plan.threads, orbit=plan.orbit, cold=True)
+
+
 def ruler(blender: str, plan: Plan, folder: Path, tell: Callable[[str], None], again: bool = False) -> Ruler:
     """One whose converged pictures are in `folder`."""
-    conditions = Conditions(percentage=plan.percentage, threads=plan.threads, cold=True)
-    return Ruler(blender, plan, ConvergedPictures(blender, folder, conditions, again), tell)
+    return Ruler(blender, plan, ConvergedPictures(blender, folder, conditions_of(plan), again), tell)

@@ -27,6 +27,9 @@ class Conditions:
     percentage: int = 100  # of the file's resolution, without `width`
     repeats: int = 1  # renders of each point
     threads: int | None = None  # None: as the file says
+    # Frames of an animation in which the camera turns about the world's z axis by a degree a frame; 0: none. It takes
+    # the place of repeats; without repeats its last frame is rendered alone.
+    orbit: int = 0
     all_passes: bool = False
     cold: bool = (
         False  # no picture before the first, so that it pays for what an engine does once; every repeat is made

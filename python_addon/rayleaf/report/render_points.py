@@ -14,6 +14,7 @@ needs shapes that the scene does not hold is {"name"} alone.
 import gc
 import importlib
 import json
+import math
 import sys
 import time
 from pathlib import Path
@@ -99,6 +100,65 @@ def saved_layers(path: Path, scene: Any) -> str:
     return str(path)
 
 
+class Clock:
+    """Seconds of renders: those that passed, and the processor time of all threads."""
+
+    def __init__(self) -> None:
+        self.passed: list[float] = []
+        self.processor: list[float] = []
+        self._began = (0.0, 0.0)
+
+    def start(self, *_: Any) -> None:
+        self._began = time.perf_counter(), time.process_time()
+
+    def stop(self, *_: Any) -> None:
+        self.passed.append(time.perf_counter() - self._began[0])
+        self.processor.append(time.process_time() - self._began[1])
+
+
+def turn_camera(frames: int) -> None:
+    """Make an animation of so many frames in which the camera turns about the world's z axis, a degree a frame."""
+    scene = bpy.context.scene
+    axis, top = bpy.data.objects.new("axis", None), scene.camera
+    scene.collection.objects.link(axis)
+    while top.parent is not None:
+        top = top.parent
+    top.parent = axis
+    first, last = scene.frame_current, scene.frame_current + frames - 1
+    scene.frame_start, scene.frame_end, scene.frame_step = first, last, 1
+    for frame, angle in ((first, 0.0), (last, math.radians(frames - 1))):
+        axis.rotation_euler.z = angle
+        axis.keyframe_insert("rotation_euler", index=2, frame=frame)
+    for key in axis.animation_data.action.fcurves[0].keyframe_points:
+        key.interpolation = "LINEAR"
+
+
+def render_animation(folder: Path, clock: Clock) -> None:
+    """All frames; what is timed is neither the change of frames nor the writing of files."""
+    scene, handlers = bpy.context.scene, bpy.app.handlers
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.filepath = str(folder / "frame_")
+    handlers.render_pre.append(clock.start)
+    handlers.render_post.append(clock.stop)
+    try:
+        bpy.ops.render.render(animation=True)
+    finally:
+        handlers.render_pre.remove(clock.start)
+        handlers.render_post.remove(clock.stop)
+
+
+def render_still(job: dict[str, Any], clock: Clock) -> None:
+    """The same picture, so often as the job says."""
+    if job.get("orbit"):
+        bpy.context.scene.frame_set(bpy.context.scene.frame_end)
+    for _ in range(job["repeats"]):
+        if sum(clock.passed) > _ENOUGH_SECONDS and not job.get("cold"):
+            break
+        clock.start()
+        bpy.ops.render.render()
+        clock.stop()
+
+
 def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dict[str, Any]:
     """One point, rendered as often as the job says."""
     scene, folder = bpy.context.scene, Path(job["folder"])
@@ -110,15 +170,11 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
         forget_peak()
         process_memory = importlib.import_module(f"{job['addon']}.statistics").process_memory
         at_start = process_memory()[0]
-        seconds: list[float] = []
-        processor_seconds: list[float] = []
-        for _ in range(job["repeats"]):
-            if sum(seconds) > _ENOUGH_SECONDS and not job.get("cold"):
-                break
-            began, processor_began = time.perf_counter(), time.process_time()
-            bpy.ops.render.render()
-            seconds.append(time.perf_counter() - began)
-            processor_seconds.append(time.process_time() - processor_began)
+        clock = Clock()
+        if job.get("orbit") and job["repeats"] > 1:
+            render_animation(folder, clock)
+        else:
+            render_still(job, clock)
         memory = process_memory()[1] - at_start
         picture = folder / f"{number:03d}.npy"
         np.save(picture, rendered_pixels(folder, scene))
@@ -127,8 +183,8 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
         statistics = dict(getattr(addon, "last_statistics", {})) if point["engine"] == "RAYLEAF" else {}
         return {
             "name": point["name"],
-            "seconds": seconds,
-            "processor_seconds": processor_seconds,
+            "seconds": clock.passed,
+            "processor_seconds": clock.processor,
             "memory_mb": memory,
             "picture": str(picture),
             "layers": layers,
@@ -167,6 +223,8 @@ def set_up(job: dict[str, Any]) -> None:
     render.use_file_extension, render.use_compositing, render.use_sequencer = True, False, False
     if job["threads"]:
         render.threads_mode, render.threads = "FIXED", job["threads"]
+    if job["orbit"]:
+        turn_camera(job["orbit"])
     if job["all_passes"]:
         switch_on_all_passes(job["addon"])
 
