@@ -111,3 +111,43 @@ report(area=float(alpha.sum() * (4 / 32) ** 2))
     ).report
     # A circle of radius 1 + (0.75 - 0.5) * 2.
     assert abs(run["area"] - 3.14159 * 1.5**2) < 0.15
+
+
+def test_an_unknown_vector_displaces_by_nothing(run_blender):
+    run = run_blender(
+        START
+        + """
+item = scenes.surface("Surface")
+material, tree, output = scenes.material()
+item.data.materials.append(material)
+unknown = tree.nodes.new("ShaderNodeParticleInfo")
+tree.links.new(unknown.outputs["Velocity"], output.inputs["Displacement"])
+sent, _, texts = recording_core.export()
+program, object_space, world_space = sent.materials[0]["displacement"]
+report(object_space=object_space, vector=program.registers[world_space], texts=texts)
+"""
+    ).report
+    assert (run["object_space"], run["vector"]) == (-1, [0, 0, 0, 0])
+    assert len(run["texts"]) == 1 and "'Particle Info'" in run["texts"][0]
+
+
+def test_displacement_that_the_core_rejects_leaves_the_surface_as_it_is(run_blender):
+    run = run_blender(
+        START
+        + """
+item = scenes.surface("Surface")
+item.data.materials.append(displacing("ShaderNodeDisplacement", "OBJECT", 1.0))
+core = recording_core.install()
+recording_core.install = lambda: core
+whole = core.Program.operation
+def refuse(self, identifier, *arguments, **more):
+    if identifier == "object_normal":
+        raise core.InputError("no normals here")
+    return whole(self, identifier, *arguments, **more)
+core.Program.operation = refuse
+sent, _, texts = recording_core.export()
+report(materials=[[each["name"], each["displacement"]] for each in sent.materials], lists=sent.material_lists, texts=texts)
+"""
+    ).report
+    assert run["materials"] == [["Material", None]] and run["lists"] == [[0]]
+    assert len(run["texts"]) == 1 and "no normals here" in run["texts"][0] and "displacement" in run["texts"][0]

@@ -77,8 +77,12 @@ class MaterialLibrary:
         if not material.use_nodes or material.node_tree is None:
             return None
         emitter = Emitter(self._core, subject.name)
-        compiler = Compiler(emitter, subject, self._resources, self._messages)
-        registers = compile_displacement(compiler, material.node_tree)
+        compiler = Compiler(emitter, subject, self._resources, self._messages, displaces=True)
+        try:
+            registers = compile_displacement(compiler, material.node_tree)
+        except self._core.InputError as error:
+            self._messages.warn(f"{subject}: {error}; its displacement is left out", subject)
+            return None
         return None if registers is None else (emitter.program, *registers)
 
     def holdout(self) -> int:

@@ -113,13 +113,19 @@ class Compiler:
     """Compiles one material's or world's tree."""
 
     def __init__(
-        self, emitter: Emitter, subject: Subject, resources: Resources, messages: Messages, is_world: bool = False
+        self,
+        emitter: Emitter,
+        subject: Subject,
+        resources: Resources,
+        messages: Messages,
+        is_world: bool = False,
+        displaces: bool = False,
     ) -> None:
-        """`subject` names the tree's owner in messages."""
+        """`subject` names the tree's owner in messages; `displaces`: the vector that is compiled moves points."""
         from . import load_nodes
 
         load_nodes()
-        self.emitter, self.resources, self.is_world = emitter, resources, is_world
+        self.emitter, self.resources, self.is_world, self._displaces = emitter, resources, is_world, displaces
         self._subject, self._messages = subject, messages
         # What functions raise where a node is in a mode that they, or the core, do not know.
         self._unknown = (emitter.rejected, LookupError, ValueError, AttributeError)
@@ -234,9 +240,11 @@ class Compiler:
         return next(written, None) if linked is None else linked
 
     def _neutral(self, socket: Any) -> Register:
-        """The normal, a texture coordinate, grey, or the middle of 0..1."""
+        """The normal, a texture coordinate (for displacement: nowhere), grey, or the middle of 0..1."""
+        if socket.type == "VECTOR" and "ormal" in name_of(socket):
+            return self.emitter.operation("normal")
         if socket.type == "VECTOR":
-            return self.emitter.operation("normal" if "ormal" in name_of(socket) else "generated")
+            return self.emitter.scalar(0.0) if self._displaces else self.emitter.operation("generated")
         return self.emitter.scalar(0.5)
 
     def _convert(self, register: Register, from_type: str, to_type: str) -> Register:
