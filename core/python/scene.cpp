@@ -173,12 +173,22 @@ void set_camera(SceneDescription& scene, const std::string& kind, const Array<do
     scene.set_camera(camera);
 }
 
+// Converting a large image takes seconds; Python goes on meanwhile.
+int add_image_file(SceneDescription& scene, const std::string& name, const std::string& path,
+                   const std::string& space) {
+    const ColorSpace known_space = color_space(name, space);
+    const py::gil_scoped_release released;
+    return scene.textures()->add_file(name, path, known_space);
+}
+
 int add_image_pixels(SceneDescription& scene, const std::string& name, const Array<float>& pixels,
                      const std::string& space) {
     check_shape(name, "pixels", pixels, {-1, -1, -1});
-    return scene.textures()->add_pixels(name, span_of(pixels), static_cast<int>(pixels.shape(1)),
-                                        static_cast<int>(pixels.shape(0)), static_cast<int>(pixels.shape(2)),
-                                        color_space(name, space));
+    const auto height = static_cast<int>(pixels.shape(0)), width = static_cast<int>(pixels.shape(1));
+    const auto channels = static_cast<int>(pixels.shape(2));
+    const ColorSpace known_space = color_space(name, space);
+    const py::gil_scoped_release released;
+    return scene.textures()->add_pixels(name, span_of(pixels), width, height, channels, known_space);
 }
 
 }  // namespace
@@ -214,12 +224,7 @@ void bind_scene(py::module_& module) {
         .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,
              "clip_end"_a, "aperture_radius"_a = 0.0, "focus_distance"_a = 10.0, "blades"_a = 0,
              "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0)
-        .def(
-            "add_image_file",
-            [](SceneDescription& scene, const std::string& name, const std::string& path, const std::string& space) {
-                return scene.textures()->add_file(name, path, color_space(name, space));
-            },
-            "name"_a, "path"_a, "color_space"_a)
+        .def("add_image_file", &add_image_file, "name"_a, "path"_a, "color_space"_a)
         .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a)
         .def_readwrite("texture_memory", &SceneDescription::texture_memory);
 }

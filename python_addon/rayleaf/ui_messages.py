@@ -56,12 +56,13 @@ def _draw_message(layout: Any, message: Message, length: int) -> None:
     if about is not None:
         row = column.row()
         row.alignment = "LEFT"
-        icon = _ICONS.get(about.kind, "DOT")
+        icon = _ICONS.get(about.kind, "DOT")  # tells the kind, so that names have room
+        label = f"{about.name} / {about.node}" if about.node else about.name
         if about.kind in subjects.SELECTABLE:
-            button = row.operator(RAYLEAF_OT_select_subject.bl_idname, text=str(about), icon=icon, emboss=False)
+            button = row.operator(RAYLEAF_OT_select_subject.bl_idname, text=label, icon=icon, emboss=False)
             button.kind, button.name, button.node = about.kind, about.name, about.node
         else:
-            row.label(text=str(about), icon=icon)
+            row.label(text=label, icon=icon)
         text = text.removeprefix(f"{about}: ")
     icons = ["CANCEL" if message.kind == "ERROR" else "ERROR"]
     for line in textwrap.wrap(text, length):

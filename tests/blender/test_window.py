@@ -169,6 +169,7 @@ scene.rayleaf.samples = 256
 
 # What of an export may take long: the core's part, made slow, and a thing that is sent a thousand times.
 SLOW_EXPORTS = {
+    "one image": ("core.SceneDescription, 'add_image_pixels', 20", "pictured(bpy.data.objects['Cube'])"),
     "meshes": ("core.SceneDescription, 'add_mesh'", "bpy.data.objects['Cube']"),
     "curves that are judged": ("core.SweptCurve, '__init__'", "curve()"),
     "materials": ("core.SceneDescription, 'add_material'", "coloured(bpy.data.objects['Cube'])"),
@@ -184,10 +185,10 @@ def test_escape_stops_an_export_within_a_third_of_a_second(window, what):
 import recording_core
 core = recording_core.install()
 
-def slow(owner, method):
+def slow(owner, method, seconds=0.02):
     whole = getattr(owner, method)
     def slowly(self, *arguments, **more):
-        time.sleep(0.02)
+        time.sleep(seconds)
         return whole(self, *arguments, **more)
     setattr(owner, method, slowly)
 
@@ -203,11 +204,18 @@ def coloured(item):
         item.data.materials.append(item.data.materials[0].copy())
     return item
 
+def pictured(item):
+    tree = item.data.materials[0].node_tree
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = bpy.data.images.new("Picture", 4, 4)
+    tree.links.new(texture.outputs[0], tree.nodes["Principled BSDF"].inputs[0])
+    return item
+
 slow({slow})
 thing = {thing}
 for number in range(1000):
     copy = thing.copy()
-    copy.data = thing.data if "materials" in {what!r} else thing.data.copy()
+    copy.data = thing.data if {what!r} in ("materials", "one image") else thing.data.copy()
     scene.collection.objects.link(copy)
 """
         + ESCAPE,

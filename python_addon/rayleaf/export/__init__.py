@@ -2,6 +2,10 @@
 
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, wait
+from typing import TypeVar
+
+Result = TypeVar("Result")
 
 _LOOK_SECONDS = 0.02  # between two looks at the Esc key
 
@@ -28,3 +32,14 @@ class CancelCheck:
         self._next_look = now + _LOOK_SECONDS
         if self._should_stop():
             raise ExportCancelled
+
+    def while_waiting_for(self, work: Callable[[], Result]) -> Result:
+        """The result of work that takes long and gives up Python's lock meanwhile. After Esc it is left to end by itself."""
+        pool = ThreadPoolExecutor(1, "rayleaf export")
+        try:
+            future = pool.submit(work)
+            while not wait([future], _LOOK_SECONDS).done:
+                self()
+            return future.result()
+        finally:
+            pool.shutdown(wait=False)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..messages import Messages, Subject
 from ..names import name_of
+from . import CancelCheck
 
 # Blender's colour space names, 3.4 and later.
 _COLOR_SPACES = {
@@ -26,9 +27,9 @@ class ImageLibrary:
     """Each image once; what is missing is named once."""
 
     def __init__(
-        self, core: ModuleType, scene: Any, messages: Messages, check_cancel: Callable[[], None] = lambda: None
+        self, core: ModuleType, scene: Any, messages: Messages, check_cancel: CancelCheck | None = None
     ) -> None:
-        self._check_cancel = check_cancel
+        self._check_cancel = check_cancel or CancelCheck(lambda: False)
         self._core, self._scene, self._messages = core, scene, messages
         self._known: dict[tuple[int, str], int | None] = {}
 
@@ -70,7 +71,12 @@ class ImageLibrary:
         if not os.path.isfile(path):
             self._warn(image, f"no file at {path or 'an empty path'}; rendered pink")
             return None
-        return int(self._scene.add_image_file(name_of(image), os.fsencode(path), space))
+        return self._send(self._scene.add_image_file, image, os.fsencode(path), space)
+
+    def _send(self, add: Callable[[str, Any, str], int], image: Any, what: Any, space: str) -> int:
+        """Hand an image to the core, which converts it: seconds for a large one."""
+        name = name_of(image)
+        return int(self._check_cancel.while_waiting_for(lambda: add(name, what, space)))
 
     def _color_space(self, image: Any) -> str:
         name = name_of(image.colorspace_settings)
@@ -95,4 +101,4 @@ class ImageLibrary:
             if pixels.shape[2] == 4 and image.alpha_mode not in ("CHANNEL_PACKED", "NONE"):
                 alpha = pixels[..., 3:]
                 pixels[..., :3] /= np.where(alpha > 0.0, alpha, np.float32(1.0))
-        return int(self._scene.add_image_pixels(name_of(image), pixels, space))
+        return self._send(self._scene.add_image_pixels, image, pixels, space)
