@@ -1,0 +1,62 @@
+// Textures whose tiles do not fit the memory allowed, looked up by many threads while other stores come and go: the
+// colours are those that one thread finds.
+#include "stress.h"
+#include "textures/texture_store.h"
+
+using namespace rayleaf;
+
+namespace {
+
+constexpr int kSide = 1024, kTextures = 3;
+constexpr size_t kLeastMemory = size_t{10} << 20;
+
+std::vector<float> picture(int side, float shift) {
+    std::vector<float> pixels;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            const auto wave = [&](int i) {
+                return 0.5f + 0.5f * std::sin(shift + static_cast<float>(i * x + y) * 0.01f);
+            };
+            pixels.insert(pixels.end(), {wave(1), wave(2), wave(3), 1.0f});
+        }
+    return pixels;
+}
+
+/// Colours at places that a number tells.
+std::vector<Vec4f> colours(const TextureStore& store, int number, int count) {
+    std::mt19937 random(static_cast<uint32_t>(number));
+    std::uniform_real_distribution<float> even(0.0f, 1.0f);
+    std::vector<Vec4f> found;
+    for (int i = 0; i < count; ++i) {
+        const Vec2f uv(even(random), even(random));
+        const float width = std::exp2(-12.0f * even(random));
+        found.push_back(store.lookup(static_cast<TextureId>(random() % kTextures), uv, {width, 0}, {0, width},
+                                     TextureExtension::Repeat, TextureInterpolation::Linear));
+    }
+    return found;
+}
+
+}  // namespace
+
+int main() {
+    const stress::NoOtherThreads alone;
+    TextureStore store(kLeastMemory);
+    for (int i = 0; i < kTextures; ++i)
+        store.add_pixels("wave", picture(kSide, static_cast<float>(i)), kSide, kSide, 4, ColorSpace::Linear);
+    constexpr int kNumbers = 8, kLookups = 400;
+    std::vector<std::vector<Vec4f>> wanted;
+    for (int number = 0; number < kNumbers; ++number) wanted.push_back(colours(store, number, kLookups));
+    const size_t before = store.statistics().file_reads;
+    for (const int threads : stress::kThreadCounts)
+        stress::run_together(threads, [&](int thread) {
+            if (thread % 16 == 1) {
+                TextureStore other(kLeastMemory);
+                other.add_pixels("other", picture(16, 0.0f), 16, 16, 4, ColorSpace::Linear);
+                other.lookup(0, {0.5f, 0.5f}, {0, 0}, {0, 0}, TextureExtension::Clip, TextureInterpolation::Cubic);
+            }
+            stress::require(
+                colours(store, thread % kNumbers, kLookups) == wanted[static_cast<size_t>(thread % kNumbers)],
+                "another colour");
+        });
+    stress::require(store.statistics().file_reads > before + 100, "all tiles fitted");
+}
