@@ -106,3 +106,31 @@ report(frame=scene.frame_current)
     )
     assert run.report["frame"] == frame
     assert plain_exr.read(path)["A"].max() == 1
+
+
+def test_renders_of_every_kind_of_object_leave_nothing_behind(run_blender):
+    """When it ends, Blender says what was never freed."""
+    run = run_blender(
+        SCENE
+        + """
+scenes.surface("Surface")
+bpy.ops.curve.primitive_bezier_circle_add()
+bpy.context.object.data.bevel_depth = 0.1
+bpy.ops.object.text_add()
+bpy.context.object.data.extrude = 0.1
+bpy.ops.object.metaball_add()
+fine = scenes.quad("Fine")
+fine.modifiers.new("Subdivision", "SUBSURF")
+hairy = scenes.quad("Hairy")
+hairy.modifiers.new("Particles", "PARTICLE_SYSTEM")
+hairy.particle_systems[0].settings.type, hairy.particle_systems[0].settings.count = "HAIR", 3
+displaced = scenes.quad("Displaced")
+material, tree, output = scenes.material()
+tree.links.new(tree.nodes.new("ShaderNodeDisplacement").outputs[0], output.inputs["Displacement"])
+displaced.data.materials.append(material)
+scenes.add(bpy.data.lights.new("Lamp", "AREA"), "Lamp")
+report(told=[failed(), failed()])
+"""
+    )
+    assert run.report["told"] == ["", ""]
+    assert "Not freed memory blocks" not in run.log, run.log
