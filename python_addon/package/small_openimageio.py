@@ -1,13 +1,12 @@
-"""Fetch the OpenImageIO that the package carries. Usage: small_openimageio.py FOLDER.
+"""Fetches the OpenImageIO that the package carries.
 
 Debian's links a hundred libraries, among them video codecs and computer vision. The one of Python's package index has its
-formats inside, but comes without headers; those are in the source archive of the same version. Writes FOLDER/lib,
-FOLDER/include and FOLDER/licences.
+formats inside, but comes without headers; those are in the source archive of the same version. They go into the
+folders lib, include and licences.
 """
 
 import re
 import shutil
-import sys
 import tarfile
 import tempfile
 import zipfile
@@ -76,8 +75,8 @@ def unpack_headers(sources: Path, folder: Path) -> None:
     (include / "OpenImageIO/detail/fmt").symlink_to(_FMT)
 
 
-def main() -> None:
-    folder = Path(sys.argv[1])
+def fetch(folder: Path) -> None:
+    """Fill `folder`, unless it holds this version."""
     stamp = folder / "requirement"
     if stamp.is_file() and stamp.read_text() == REQUIREMENT:
         return
@@ -88,7 +87,3 @@ def main() -> None:
         unpack_headers(package_index.download(REQUIREMENT, _SOURCES, Path(downloads) / "sources"), folder)
     (folder / "version").write_text(VERSION)
     stamp.write_text(REQUIREMENT)
-
-
-if __name__ == "__main__":
-    main()

@@ -25,10 +25,12 @@ last_statistics: dict[str, Any] = {}
 
 
 _registered: list[ModuleType] = []  # in the order in which Blender got to know them
+_is_wanted = False  # whether the add-on is ticked; while a render runs, what is registered may lag behind
 
 
 def register() -> None:
     """Called by Blender when the add-on is enabled."""
+    global _is_wanted
     from . import (
         animation,
         enabling,
@@ -43,7 +45,8 @@ def register() -> None:
     )
     from .report import panel
 
-    if enabling.is_another_enabled():
+    _is_wanted = True
+    if _registered or enabling.is_another_enabled():
         return
     enabling.check()
     shown = (ui_messages, ui, ui_rays, ui_view_layer, panel)
@@ -54,5 +57,13 @@ def register() -> None:
 
 def unregister() -> None:
     """Called by Blender when the add-on is disabled."""
-    while _registered:
+    global _is_wanted
+    from . import enabling
+
+    _is_wanted = False
+    enabling.when_no_render_runs(_take_back)
+
+
+def _take_back() -> None:
+    while _registered and not _is_wanted:
         _registered.pop().unregister()

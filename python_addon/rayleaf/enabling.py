@@ -1,6 +1,7 @@
 """What is checked when the add-on is enabled, and how people hear of what is wrong."""
 
 import logging
+from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -11,6 +12,8 @@ from .messages import wrapped
 # Why Rayleaf cannot render in this Blender; None if it can.
 problem: str | None = None
 
+_POLL_SECONDS = 0.3
+_RENDERING = "Rayleaf is rendering: it is disabled once the render has ended."
 _OTHER = (
     "Another Rayleaf is enabled in this Blender. Disable it (Edit > Preferences > Add-ons), then enable this one again: "
     "two at once would answer in each other's place."
@@ -31,6 +34,22 @@ def is_another_enabled() -> bool:
         return False
     tell(_OTHER)
     return True
+
+
+def when_no_render_runs(act: Callable[[], None]) -> None:
+    """Now, or once the render that runs has ended: Blender would go on with an engine that is gone."""
+    if not bpy.app.is_job_running("RENDER"):
+        act()
+        return
+    tell(_RENDERING)
+
+    def look_again() -> float | None:
+        if bpy.app.is_job_running("RENDER"):
+            return _POLL_SECONDS
+        act()
+        return None
+
+    bpy.app.timers.register(look_again, first_interval=_POLL_SECONDS)
 
 
 def tell(text: str) -> None:

@@ -108,6 +108,13 @@ def lamp_color(lamp: Any) -> tuple[float, float, float]:
     return red * warm[0], green * warm[1], blue * warm[2]
 
 
+def choose_file_format(image_settings: Any, file_format: str) -> None:
+    """Have the Render Result saved in a format of still pictures."""
+    if hasattr(image_settings, "media_type"):  # 5.0
+        image_settings.media_type = "MULTI_LAYER_IMAGE" if file_format == "OPEN_EXR_MULTILAYER" else "IMAGE"
+    image_settings.file_format = file_format
+
+
 def lamp_factor(lamp: Any) -> float:
     """What a lamp's power is multiplied by to give what it meant in Blender 3.
 

@@ -78,8 +78,7 @@ def build():
     scene.collection.objects.link(camera)
     scene.camera = camera
     scene.render.resolution_x = scene.render.resolution_y = SIZE
-    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
-    scene.render.image_settings.color_depth, scene.render.image_settings.exr_codec = "32", "NONE"
+    scenes.write_layers()
     layer = scene.view_layers[0]
     for kind in ("diffuse", "glossy", "transmission"):
         for part in ("direct", "indirect", "color"):

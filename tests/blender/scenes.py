@@ -74,6 +74,15 @@ def surface(name="Surface"):
     return bpy.context.object
 
 
+def write_layers():
+    """Have renders written as multilayer EXR files that plain_exr reads."""
+    from rayleaf.versions import choose_file_format
+
+    settings = bpy.context.scene.render.image_settings
+    choose_file_format(settings, "OPEN_EXR_MULTILAYER")
+    settings.color_depth, settings.exr_codec = "32", "NONE"
+
+
 def material(name="Material"):
     """A material with an empty node tree but for its output; the material, the tree and the output."""
     result = bpy.data.materials.new(name)

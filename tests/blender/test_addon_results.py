@@ -8,14 +8,13 @@ import pytest
 
 WIDTH, HEIGHT = 40, 30
 SETUP = f"""
-import sys, bpy, recording_core
+import sys, bpy, recording_core, scenes
 core = recording_core.install()
 scene = bpy.context.scene
 render = scene.render
 render.engine = "RAYLEAF"
 render.resolution_x, render.resolution_y, render.resolution_percentage = {WIDTH}, {HEIGHT}, 100
-render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
-render.image_settings.color_depth, render.image_settings.exr_codec = "32", "NONE"
+scenes.write_layers()
 render.filepath = sys.argv[1]
 """
 RENDER = "\nbpy.ops.render.render(write_still=True)\n"
@@ -154,9 +153,14 @@ scene.render.engine = "RAYLEAF"
 for entry in passes.table():
     if entry.switch:
         setattr(*entry.place(bpy.context.view_layer), True)
-scene.use_nodes = True
+if bpy.app.version >= (5, 0, 0):
+    tree = scene.compositing_node_group = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+    tree.nodes.new("CompositorNodeRLayers")
+else:
+    scene.use_nodes = True
+    tree = scene.node_tree
 bpy.context.view_layer.update()
-node = next(node for node in scene.node_tree.nodes if node.bl_idname == "CompositorNodeRLayers")
+node = next(node for node in tree.nodes if node.bl_idname == "CompositorNodeRLayers")
 report(sockets=[s.name for s in node.outputs if s.enabled], passes=[entry.name for entry in passes.table()])
 """
     run = run_blender(script)

@@ -10,8 +10,7 @@ scene = scenes.empty_scene()
 render, own = scene.render, scene.rayleaf
 render.resolution_x = render.resolution_y = 16
 render.resolution_percentage = 100
-render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
-render.image_settings.color_depth, render.image_settings.exr_codec = "32", "NONE"
+scenes.write_layers()
 scene.camera.location = (0, 0, 5)
 scene.world = bpy.data.worlds.new("World")
 scene.world.color = (0.5, 0.6, 0.7)

@@ -5,7 +5,7 @@ import plain_exr
 
 # A mirror ball of splines over a plane, seen closely enough for rays to share samples.
 SETUP = """
-import sys, bpy, rayleaf
+import sys, bpy, rayleaf, scenes
 scene = bpy.context.scene
 scene.render.engine = "RAYLEAF"
 scene.render.resolution_x = scene.render.resolution_y = 96
@@ -13,8 +13,7 @@ scene.render.resolution_percentage = 100
 scene.rayleaf.samples = 4
 image = scene.render.image_settings
 def write_layers():
-    image.file_format = "OPEN_EXR_MULTILAYER"
-    image.color_depth, image.exr_codec = "32", "NONE"
+    scenes.write_layers()
     scene.render.filepath = sys.argv[1]
     bpy.ops.render.render(write_still=True)
 rays = scene.rayleaf.ray_interpolation

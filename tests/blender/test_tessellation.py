@@ -4,15 +4,14 @@ import numpy as np
 import plain_exr
 
 SETUP = """
-import sys, bpy, rayleaf
+import sys, bpy, rayleaf, scenes
 scene = bpy.context.scene
 scene.render.engine = "RAYLEAF"
 scene.render.resolution_x = scene.render.resolution_y = 32
 scene.render.resolution_percentage = 100
 own = scene.rayleaf
 own.samples = 2
-image = scene.render.image_settings
-image.file_format, image.color_depth, image.exr_codec = "OPEN_EXR_MULTILAYER", "32", "NONE"
+scenes.write_layers()
 scene.render.filepath = sys.argv[1]
 bpy.data.objects.remove(bpy.data.objects["Cube"])
 bpy.ops.surface.primitive_nurbs_surface_sphere_add(radius=2.0)

@@ -167,6 +167,47 @@ scene.rayleaf.samples = 256
     assert picture["R"][done].max() > 0.01
 
 
+def test_disabling_the_add_on_while_it_renders_waits_for_the_end(window):
+    run = window(
+        """
+import addon_utils, rayleaf
+
+preferences.view.render_display_type = "NONE"
+render.resolution_x, render.resolution_y = 320, 240
+render.threads_mode, render.threads = "FIXED", 1
+scene.rayleaf.samples = 64
+
+def is_there():
+    return hasattr(bpy.types.Scene, "rayleaf")
+
+def steps():
+    for again in (False, True):
+        times.clear()
+        press("F12")
+        yield lambda: "init" in times
+        yield 0.5
+        addon_utils.disable("rayleaf")
+        report(**{f"during_{again}": [is_there(), bpy.app.is_job_running("RENDER"), "complete" in times]})
+        if again:
+            addon_utils.enable("rayleaf")
+        yield lambda: "complete" in times
+        yield 1.0
+        press("Escape")  # closes the menu that says so
+        yield 0.5
+        report(**{f"after_{again}": is_there(), "completed": rayleaf.last_statistics["completed"]})
+        addon_utils.enable("rayleaf")
+        render.engine = "RAYLEAF"
+
+drive(steps())
+""",
+        size=SMALL,
+    )
+    assert run.report["during_False"] == run.report["during_True"] == [True, True, False]
+    assert (run.report["after_False"], run.report["after_True"]) == (False, True)
+    assert run.report["completed"]
+    assert "it is disabled once the render has ended" in run.log and "Traceback" not in run.log
+
+
 # What of an export may take long: the core's part, made slow, and a thing that is sent a thousand times.
 SLOW_EXPORTS = {
     "one image": ("core.SceneDescription, 'add_image_pixels', 20", "pictured(bpy.data.objects['Cube'])"),

@@ -93,9 +93,9 @@ def switch_on_all_passes(addon: str) -> None:
                 setattr(owner, name, True)
 
 
-def saved_layers(path: Path, scene: Any) -> str:
+def saved_layers(path: Path, scene: Any, addon: str) -> str:
     """The Render Result as a multilayer EXR."""
-    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    importlib.import_module(f"{addon}.versions").choose_file_format(scene.render.image_settings, "OPEN_EXR_MULTILAYER")
     bpy.data.images["Render Result"].save_render(str(path), scene=scene)
     return str(path)
 
@@ -178,7 +178,7 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
         memory = process_memory()[1] - at_start
         picture = folder / f"{number:03d}.npy"
         np.save(picture, rendered_pixels(folder, scene))
-        layers = saved_layers(folder / f"{number:03d}.exr", scene) if job.get("all_passes") else ""
+        layers = saved_layers(folder / f"{number:03d}.exr", scene, job["addon"]) if job.get("all_passes") else ""
         addon = sys.modules.get(job["addon"])
         statistics = dict(getattr(addon, "last_statistics", {})) if point["engine"] == "RAYLEAF" else {}
         return {
