@@ -288,7 +288,7 @@ ElementPoint SweptSurface::element_point(uint32_t index, const Vec2f& parameters
         result.hit.position = ring.at(place);
         normal = cap_normal(ring, where.end);
         const double side = 2.0 * extents_[where.profile];
-        const bool there = !path_.splines[where.spline].closed && inside(cap_outlines_[where.profile], place);
+        const bool there = path_.splines[where.spline].capped && inside(cap_outlines_[where.profile], place);
         result.area_factor = there ? static_cast<float>(normal.length() * side * side) : 0.0f;
     } else {
         const SweepPiece& piece = path_.pieces[where.piece];

@@ -43,7 +43,7 @@ CurveSplines make_splines(const std::string& type, const Array<int32_t>& counts,
                           const std::optional<Array<double>>& tilts, const std::optional<Array<bool>>& straight,
                           int order, bool cyclic, bool endpoint, bool bezier, const std::string& radius_interpolation,
                           const std::string& tilt_interpolation, int resolution, int material_slot, bool smooth,
-                          int fill_group) {
+                          int fill_group, bool ends_at_seam) {
     check_shape(kSplines, "counts", counts, {-1});
     check_shape(kSplines, "points", points, {-1, 4});
     const py::ssize_t count = points.shape(0);
@@ -72,6 +72,7 @@ CurveSplines make_splines(const std::string& type, const Array<int32_t>& counts,
     splines.material_slot = material_slot;
     splines.smooth = smooth;
     splines.fill_group = fill_group;
+    splines.ends_at_seam = ends_at_seam;
     if (const auto problem = find_problem(splines))
         throw InputError(kSplines, problem->argument, problem->got, problem->wanted);
     return splines;
@@ -121,7 +122,7 @@ void bind_curves(py::module_& module) {
              "radii"_a = py::none(), "tilts"_a = py::none(), "straight"_a = py::none(), "order"_a = 4,
              "cyclic"_a = false, "endpoint"_a = false, "bezier"_a = false, "radius_interpolation"_a = "LINEAR",
              "tilt_interpolation"_a = "LINEAR", "resolution"_a = 12, "material_slot"_a = 0, "smooth"_a = true,
-             "fill_group"_a = 0)
+             "fill_group"_a = 0, "ends_at_seam"_a = false)
         .def("__len__", &CurveSplines::spline_count);
     py::class_<SweptCurveDescription>(module, "SweptCurve")
         .def(py::init(&make_curve), "name"_a, "splines"_a, py::kw_only(), "dimensions"_a = "3D", "twist"_a = "MINIMUM",

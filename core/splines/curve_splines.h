@@ -41,7 +41,10 @@ struct CurveSplines {
     int resolution = 12;
     int material_slot = 0;  ///< index into the object's material slots
     bool smooth = true;     ///< false: shaded with the normals of facets
-    int fill_group = 0;     ///< of closed splines: those of one number are filled together (geometry/swept_curve.h)
+    /// Closed splines: Blender's last sample lies where the spline begins, and not a step before, for it was turned
+    /// round. So what a taper does between its end and its begin is done there.
+    bool ends_at_seam = false;
+    int fill_group = 0;  ///< of closed splines: those of one number are filled together (geometry/swept_curve.h)
 
     size_t spline_count() const { return counts.size(); }
 };

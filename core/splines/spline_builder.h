@@ -21,7 +21,7 @@ inline constexpr int kPieceLooks = 6;
 struct RingFrame {
     Vec3d position{0, 0, 0}, tangent{0, 0, 1}, normal{1, 0, 0};
     double widening = 1;  ///< of the profile's x, in the plane
-    double share = 0, radius = 1, tilt = 0;
+    double share = 0, taper_share = 0, radius = 1, tilt = 0;
 };
 
 /// Runs along a spline with the frame of the last ring, and adds pieces and rings to the path.
@@ -40,7 +40,7 @@ class SplineBuilder {
     ShareRange range_, taper_range_;
     std::vector<double> splits_;  ///< shares where a piece must end
     Vec3d tangent_{0, 0, 1}, normal_{1, 0, 0};
-    Vec3d begin_normal_{1, 0, 0};     ///< of the first ring, where a closed spline meets it again
+    RingFrame first_ring_;            ///< where a closed spline ends
     size_t first_segment_ = 0;        ///< of this spline in the path
     size_t most_pieces_ = 0;          ///< of the path, once the curved segment under way is divided
     double side_ = 1;                 ///< of the binormal, for tangent twist
@@ -50,7 +50,9 @@ class SplineBuilder {
 
     const SweepSegment& segment(size_t i) const { return elements_.elements[i].segment; }
     bool straight(size_t i) const { return elements_.elements[i].straight; }
-    SegmentPoint end_of(size_t i, double t) const { return path_.point(segment(i), t); }
+    SegmentPoint end_of(size_t i, double t) const;
+    /// The second derivative at the end of an element, with the sign it has there.
+    Vec3d own_second(size_t i) const { return path_.point(segment(i), 1.0).second; }
     double taper_share(double share) const {
         return (share - taper_range_.begin) / (taper_range_.end - taper_range_.begin);
     }
@@ -59,7 +61,17 @@ class SplineBuilder {
         return !planar() && options_.twist == TwistMethod::Minimum && options_.closed_twist == ClosedTwist::Spread;
     }
 
-    Vec3d node_direction(const Vec3d& arrives, const Vec3d& leaves, RingFrame& ring) const;
+    struct JointRing {
+        Vec3d direction{0, 0, 1};
+        double widening = 1;
+    };
+    JointRing joint_ring(const Vec3d& arrives, const Vec3d& leaves) const;
+    std::vector<JointRing> joint_rings(size_t before, size_t after) const;
+    bool differ(const RingFrame& a, const RingFrame& b) const;
+    void arrive(size_t i);
+    void begin_upright_at_last_ring();
+    void turn_to_own_side(size_t i);
+    void arrive_at_seam();
     void start();
     void add_element(size_t i);
     void add_node(size_t before, size_t after);
@@ -70,13 +82,17 @@ class SplineBuilder {
     Vec3d normal_at(const Vec3d& tangent, const Vec3d& second) const;
     Vec3d half_way(const Vec3d& a, const Vec3d& b) const;
     RingFrame ring_here(const SegmentPoint& point, double share) const;
+    double radius_of(const RingFrame& frame) const;
     SweepRing ring_of(const RingFrame& frame) const;
     uint32_t store(const RingFrame& frame);
     void ruled_to(const RingFrame& frame);
     void add_curved(size_t i, double begin, double end);
+    /// What stands in the way of carrying a frame over a part of a segment.
+    enum class Fit : uint8_t { Whole, Turns, Twists };
     void jump(size_t i, double begin, double end);
+    void twist_at_once(SweepPiece piece, const Vec3d& end_tangent, const Vec3d& end_normal);
     void divide(size_t i, double begin, double end, int slow_splits);
-    bool fits(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tangent, Vec3d& end_normal) const;
+    Fit fit(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tangent, Vec3d& end_normal) const;
     bool keeps_direction(size_t i, const Vec3d& direction) const;
     std::array<Vec3d, kPieceLooks> true_normals(size_t i, const SweepPiece& piece,
                                                 const std::array<SegmentPoint, kPieceLooks + 1>& looks) const;

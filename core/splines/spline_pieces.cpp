@@ -13,6 +13,9 @@ constexpr double kMostTurn = 0.64;
 constexpr double kTwistError = 1e-6;
 /// A part of a segment as short as this that still turns too much is a jump.
 constexpr double kShortest = 0x1p-40;
+/// The same where the frame turns about the tangent: where a curve in a plane bends the other way, the rounding of its
+/// points decides how the frame gets there, and on Blender's finest samples it jumps.
+constexpr double kShortestTwist = 0x1p-16;
 /// A part of a piece where the curve is slower than this share of its fastest is looked at more closely, so often.
 constexpr double kSlow = 0.05;
 constexpr int kMostSlowSplits = 6;
@@ -20,6 +23,13 @@ constexpr int kMostSlowSplits = 6;
 constexpr int kSubsteps = 2;
 
 }  // namespace
+
+SegmentPoint SplineBuilder::end_of(size_t i, double t) const {
+    SegmentPoint point = path_.point(segment(i), t);
+    const Vec3d& bend = elements_.elements[i].bend;
+    if (max_abs(bend) > 0.0) point.second = bend;
+    return point;
+}
 
 /// Whether the whole segment runs within kMostTurn of a direction: its derivative lies in the cone that holds the legs
 /// of its control polygon. However slow it is anywhere, no turn is hidden there.
@@ -63,7 +73,8 @@ std::array<Vec3d, kPieceLooks> SplineBuilder::true_normals(
 }
 
 /// Whether the frame can be carried over the piece; then its twist is set.
-bool SplineBuilder::fits(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tangent, Vec3d& end_normal) const {
+SplineBuilder::Fit SplineBuilder::fit(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tangent,
+                                      Vec3d& end_normal) const {
     std::array<SegmentPoint, kPieceLooks + 1> looks;
     double fastest = 0.0, slowest = std::numeric_limits<double>::infinity();
     for (int k = 0; k <= kPieceLooks; ++k) {
@@ -75,11 +86,11 @@ bool SplineBuilder::fits(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tan
     looks[0].tangent = tangent_;
     slow = slowest < kSlow * fastest && !keeps_direction(i, tangent_);
     for (int k = 1; k <= kPieceLooks; ++k)
-        if (!(looks[k].tangent.dot(tangent_) > kMostTurn)) return false;
+        if (!(looks[k].tangent.dot(tangent_) > kMostTurn)) return Fit::Turns;
     end_tangent = looks[kPieceLooks].tangent;
     if (planar()) {
         end_normal = Vec3d(-end_tangent.y, end_tangent.x, 0);
-        return true;
+        return Fit::Whole;
     }
     const std::array<Vec3d, kPieceLooks> normals = true_normals(i, piece, looks);
     end_normal = normals[kPieceLooks - 1];
@@ -89,7 +100,7 @@ bool SplineBuilder::fits(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tan
         const Vec3d& tangent = looks[k].tangent;
         angle[k] =
             angle_about(tangent, perpendicular(carried(begin_tangent, tangent, begin_normal), tangent), normals[k - 1]);
-        if (std::abs(angle[k] - angle[k - 1]) > 1.0) return false;
+        if (std::abs(angle[k] - angle[k - 1]) > 1.0) return Fit::Twists;
     }
     // The cubic through 0 and the angles at 1/3, 2/3 and 1.
     const double a = angle[2], b = angle[4], c = angle[6];
@@ -98,9 +109,9 @@ bool SplineBuilder::fits(size_t i, SweepPiece& piece, bool& slow, Vec3d& end_tan
     for (const int k : {1, 3, 5}) {
         const double s = static_cast<double>(k) / kPieceLooks;
         const double held = s * (piece.twist[0] + s * (piece.twist[1] + s * piece.twist[2]));
-        if (!(std::abs(held - angle[k]) < kTwistError)) return false;
+        if (!(std::abs(held - angle[k]) < kTwistError)) return Fit::Twists;
     }
-    return true;
+    return Fit::Whole;
 }
 
 /// The rings where direction or normal change at once: from before by way of the direction half way to after.
@@ -119,35 +130,58 @@ void SplineBuilder::jump(size_t i, double begin, double end) {
     last_.reset();
 }
 
+/// A piece before which the frame turns to where it has to be at the end.
+void SplineBuilder::twist_at_once(SweepPiece piece, const Vec3d& end_tangent, const Vec3d& end_normal) {
+    const size_t i = piece.source;
+    const double begin = segment(i).share_begin + (segment(i).share_end - segment(i).share_begin) * piece.begin;
+    const SegmentPoint point = end_of(i, piece.begin);
+    last_ = ring_here(point, begin);
+    stored_.reset();
+    normal_ = perpendicular(carried(end_tangent, tangent_, end_normal), tangent_);
+    ruled_to(ring_here(point, begin));
+    last_.reset();
+    piece.normal = Vec3f(normal_);
+    piece.twist = {};
+    path_.pieces.push_back(piece);
+    tangent_ = end_tangent;
+    normal_ = end_normal;
+}
+
 /// Adds the part of a curved segment as one piece, or as two halves.
 void SplineBuilder::divide(size_t i, double begin, double end, int slow_splits) {
     SweepPiece piece;
     piece.begin = begin;
     piece.end = end;
+    piece.source = static_cast<uint32_t>(i);
     piece.tangent = Vec3f(tangent_);
     piece.normal = Vec3f(normal_);
     bool slow = false;
     Vec3d end_tangent, end_normal;
-    const bool fit = fits(i, piece, slow, end_tangent, end_normal);
-    if (!fit && end - begin < kShortest) {
+    const Fit found = fit(i, piece, slow, end_tangent, end_normal);
+    if (found == Fit::Turns && end - begin < kShortest) {
         jump(i, begin, end);
         return;
     }
+    if (found == Fit::Twists && end - begin < kShortestTwist) {
+        twist_at_once(piece, end_tangent, end_normal);
+        return;
+    }
+    const bool fits = found == Fit::Whole;
     const bool too_many = path_.pieces.size() >= most_pieces_;
-    if (too_many && !fit) {
+    if (too_many && !fits) {
         piece.twist = {};
         end_tangent = end_of(i, end).tangent;
         end_normal = perpendicular(carried(tangent_, end_tangent, normal_), end_tangent);
     }
-    if (too_many || (fit && (!slow || slow_splits >= kMostSlowSplits))) {
+    if (too_many || (fits && (!slow || slow_splits >= kMostSlowSplits))) {
         path_.pieces.push_back(piece);
         tangent_ = end_tangent;
         normal_ = end_normal;
         return;
     }
     const double middle = 0.5 * (begin + end);
-    divide(i, begin, middle, slow_splits + (fit ? 1 : 0));
-    divide(i, middle, end, slow_splits + (fit ? 1 : 0));
+    divide(i, begin, middle, slow_splits + (fits ? 1 : 0));
+    divide(i, middle, end, slow_splits + (fits ? 1 : 0));
 }
 
 }  // namespace rayleaf

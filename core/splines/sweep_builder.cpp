@@ -23,24 +23,24 @@ void SplineBuilder::turn_to(const Vec3d& tangent, const Vec3d& second) {
     tangent_ = tangent;
 }
 
-/// The direction between two; for opposite ones, that of the profile's x.
-Vec3d SplineBuilder::half_way(const Vec3d& a, const Vec3d& b) const {
-    return (a + b).length() > kSmoothJoint ? normalized_or(a + b, a) : normal_;
-}
-
 RingFrame SplineBuilder::ring_here(const SegmentPoint& point, double share) const {
     RingFrame frame;
     frame.position = point.position;
     frame.tangent = tangent_;
     frame.normal = normal_;
     frame.share = share;
+    frame.taper_share = taper_share(share);
     frame.radius = point.radius;
     frame.tilt = point.tilt;
     return frame;
 }
 
+double SplineBuilder::radius_of(const RingFrame& frame) const {
+    return path_.radius(frame.taper_share, 0, frame.radius, 0).first;
+}
+
 SweepRing SplineBuilder::ring_of(const RingFrame& frame) const {
-    const double radius = path_.radius(taper_share(frame.share), 0, frame.radius, 0).first;
+    const double radius = radius_of(frame);
     if (planar()) return {frame.position, frame.normal * (radius * frame.widening), Vec3d(0, 0, radius)};
     const Vec3d across = turned(frame.tangent, frame.normal, frame.tilt);
     return {frame.position, across * radius, frame.tangent.cross(across) * radius};
@@ -70,6 +70,7 @@ void SplineBuilder::ruled_to(const RingFrame& frame) {
         const double s = (share - from.share) / (frame.share - from.share);
         cut.position = from.position + (frame.position - from.position) * s;
         cut.share = share;
+        cut.taper_share = taper_share(share);
         if (planar()) {
             const Vec3d across = from.normal * (from.widening * (1.0 - s)) + frame.normal * (frame.widening * s);
             cut.widening = across.length();
@@ -130,155 +131,23 @@ void SplineBuilder::add_element(size_t i) {
     stored_.reset();
 }
 
-/// The direction of the ring between two segments; in the plane it is widened. Where the path turns straight back there
-/// is nothing to widen, and the profile's x runs on the way it came.
-Vec3d SplineBuilder::node_direction(const Vec3d& arrives, const Vec3d& leaves, RingFrame& ring) const {
-    // Of the square of the cosine of half the angle: what single precision, in which Blender computes it, cannot tell
-    // from a turn straight back.
-    constexpr double kNarrowest = 0x1p-25;
-    if (!planar()) return half_way(arrives, leaves);
-    const double narrowness = 0.5 * (1.0 + arrives.dot(leaves));
-    if (narrowness < kNarrowest) return {arrives.y, -arrives.x, 0.0};
-    ring.widening = 1.0 / std::sqrt(narrowness);
-    return half_way(arrives, leaves);
-}
-
-/// The rings between two segments, the second of which may be the first of a closed spline.
-void SplineBuilder::add_node(size_t before, size_t after) {
-    const bool closing = after == 0;
-    const SegmentPoint arriving = end_of(before, 1.0), leaving = end_of(after, 0.0);
-    const Vec3d leaves = leaving.tangent;
-    const double share = segment(before).share_end;
-    if (!straight(before) && !straight(after) && arriving.second.dot(leaving.second) < 0.0) side_ = -side_;
-    RingFrame widened;
-    const Vec3d direction = node_direction(arriving.tangent, leaves, widened);
-    if (!straight(before)) {
-        last_ = ring_here(arriving, share);
-        stored_.reset();
-    }
-    const RingFrame from = *last_;
-    turn_to(direction, straight(after) ? Vec3d(0.0) : leaving.second);
-    RingFrame ring = ring_here(leaving, share);
-    ring.widening = widened.widening;
-    ring.position = arriving.position;
-    const bool same = (ring.tangent - from.tangent).length() + (ring.normal - from.normal).length() < kSmoothJoint &&
-                      ring.radius == from.radius && ring.tilt == from.tilt;
-    if (straight(before) || !same) ruled_to(ring);
-    if (straight(after) || closing) {
-        last_ = ring;
-        return;
-    }
-    if ((leaves - direction).length() > kSmoothJoint) {
-        last_ = ring;
-        turn_to(leaves, leaving.second);
-        ruled_to(ring_here(leaving, share));
-    }
-    tangent_ = leaves;
-    last_.reset();
-    stored_.reset();
-}
-
-void SplineBuilder::start() {
-    const size_t count = elements_.elements.size();
-    const SegmentPoint first = end_of(0, 0.0), last = end_of(count - 1, 1.0);
-    RingFrame widened;
-    Vec3d direction = normalized_or(elements_.begin_direction, first.tangent);
-    if (elements_.closed) direction = node_direction(last.tangent, first.tangent, widened);
-    if (planar()) {
-        direction.z = 0.0;
-        direction = normalized_or(direction, first.tangent);
-    }
-    if (!straight(0) && !straight(count - 1) && first.second.dot(last.second) < 0.0) side_ = -1.0;
-    tangent_ = direction;
-    normal_ = upright_normal(direction);
-    if (elements_.closed && spreads_twist()) {
-        // Blender's frame is upright at the last ring before the first, and carried on from there.
-        tangent_ = straight(count - 1)
-                       ? half_way(end_of(count > 1 ? count - 2 : 0, 1.0).tangent, end_of(count - 1, 0.0).tangent)
-                       : last.tangent;
-        normal_ = upright_normal(tangent_);
-        turn_to(direction, Vec3d(0.0));
-    }
-    normal_ = normal_at(direction, straight(0) ? Vec3d(0.0) : first.second);
-    begin_normal_ = normal_;
-    last_ = ring_here(first, 0.0);
-    last_->widening = widened.widening;
-    if (straight(0)) return;
-    if ((direction - first.tangent).length() > kSmoothJoint) {
-        turn_to(first.tangent, first.second);
-        ruled_to(ring_here(first, 0.0));
-    }
-    tangent_ = first.tangent;
-    last_.reset();
-    stored_.reset();
-}
-
-void SplineBuilder::end() {
-    const size_t last = elements_.elements.size() - 1;
-    SegmentPoint point = end_of(last, 1.0);
-    if (!straight(last)) {
-        last_ = ring_here(point, 1.0);
-        stored_.reset();
-    }
-    const RingFrame from = *last_;
-    point.radius = elements_.end_radius;
-    point.tilt = elements_.end_tilt;
-    Vec3d direction = normalized_or(elements_.end_direction, point.tangent);
-    if (planar()) direction = normalized_or(Vec3d(direction.x, direction.y, 0), point.tangent);
-    turn_to(direction, straight(last) ? Vec3d(0.0) : point.second);
-    const RingFrame ring = ring_here(point, 1.0);
-    const bool same =
-        (ring.tangent - from.tangent).length() < kSmoothJoint && ring.radius == from.radius && ring.tilt == from.tilt;
-    if (straight(last) || !same) ruled_to(ring);
-}
-
-/// Turns every ring by its share of the angle.
-void SplineBuilder::spread(double angle) {
-    for (size_t k = first_segment_; k < path_.segments.size(); ++k) {
-        SweepSegment& s = path_.segments[k];
-        s.turn_begin = static_cast<float>(angle * s.share_begin);
-        s.turn_end = static_cast<float>(angle * s.share_end);
-    }
-    for (auto& [index, frame] : ring_frames_) {
-        frame.normal = turned(frame.tangent, frame.normal, angle * frame.share);
-        path_.rings[index] = ring_of(frame);
-    }
-}
-
-void SplineBuilder::close() {
-    const Vec3d begin_normal = begin_normal_;
-    const size_t last = elements_.elements.size() - 1;
-    add_node(last, 0);
-    if (planar()) return;
-    const double angle = angle_about(tangent_, normal_, begin_normal);
-    if (std::abs(angle) < kSmoothJoint) return;
-    if (spreads_twist()) {
-        spread(angle);
-        return;
-    }
-    normal_ = begin_normal;
-    RingFrame ring = *last_;
-    ring.normal = begin_normal;
-    if (straight(last) && stored_) {
-        ring_frames_.back().second = ring;
-        path_.rings[*stored_] = ring_of(ring);
-    } else {
-        ruled_to(ring);
-    }
-}
-
 void SplineBuilder::build() {
     const size_t count = elements_.elements.size();
     if (count == 0) return;
+    if (!elements_.closed) range_ = bevel_range(path_, elements_, options_);
     if (count <= 2 && elements_.closed && straight(0) && straight(count - 1)) {  // a spline of two rings is not closed
         elements_.closed = false;
         elements_.elements.resize(1);
         elements_.elements[0].segment.share_end = 1.0;
+        elements_.end_radius = end_of(0, 1.0).radius;
+        elements_.end_tilt = end_of(0, 1.0).tilt;
     }
-    if (!elements_.closed) range_ = bevel_range(path_, elements_, options_);
     if (!(range_.begin < range_.end)) return;
     splits_ = {range_.begin, range_.end};
     if (options_.taper_fits_bevel) taper_range_ = range_;
+    // The last ring of a closed spline has the end of the taper.
+    if (elements_.closed && straight(count - 1) && !elements_.ends_at_seam)
+        taper_range_.end = segment(count - 1).share_begin;
     for (const double knot : options_.taper_knots)
         splits_.push_back(taper_range_.begin + (taper_range_.end - taper_range_.begin) * knot);
     std::sort(splits_.begin(), splits_.end());
@@ -312,6 +181,7 @@ void build_run(SweepPath& path, const CurveSplines& splines, const SplineRun& ru
         SweepSpline spline;
         spline.first_piece = static_cast<uint32_t>(path.pieces.size());
         spline.group = group;
+        spline.capped = !splines.nurbs.cyclic;
         SplineBuilder builder(path, options, sweep_elements(splines, point, count, center, path.controls));
         builder.build();
         spline.piece_count = static_cast<uint32_t>(path.pieces.size()) - spline.first_piece;

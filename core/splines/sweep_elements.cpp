@@ -52,6 +52,8 @@ struct SplinePoints {
     Vec3d point(size_t i) const { return spatial_part(group.points[first + i]) - center; }
     Vec3d left(size_t i) const { return group.handles[2 * (first + i)] - center; }
     Vec3d right(size_t i) const { return group.handles[2 * (first + i) + 1] - center; }
+    /// Of the coordinates of a point, as they were given.
+    double largest(size_t i) const { return max_abs(spatial_part(group.points[first + i])); }
     double weight(size_t i) const { return group.points[first + i].w; }
     double radius(size_t i) const { return group.radii.empty() ? 1.0 : group.radii[first + i]; }
     double tilt(size_t i) const { return group.tilts.empty() ? 0.0 : group.tilts[first + i]; }
@@ -68,6 +70,24 @@ bool has_length(const SweepControl* controls, int degree, bool rational) {
         size = std::max(size, max_abs(position(i)));
     }
     return away > size * 0x1p-48;
+}
+
+/// Coordinates are single precision numbers, and handles the sums of some: their second differences are off by less
+/// than this share of the largest coordinate.
+constexpr double kSecondRounding = 0x1p-20;
+/// What second derivatives pass nearer by zero than this share of what they change by, they pass between two of
+/// Blender's samples, however fine.
+constexpr double kNearZero = 1e-5;
+
+/// The direction of a cubic's second derivative, if that passes through zero; else zero.
+Vec3d steady_bend(const Vec3d (&points)[4], double largest) {
+    const Vec3d begin = points[0] - points[1] * 2.0 + points[2], end = points[1] - points[2] * 2.0 + points[3];
+    const Vec3d change = end - begin;
+    const double length = change.length(), near = std::max(kSecondRounding * largest, kNearZero * length);
+    if (!(length > near)) return Vec3d(0.0);
+    const double t = std::clamp(-begin.dot(change) / (length * length), 0.0, 1.0);
+    if ((begin + change * t).length() > near) return Vec3d(0.0);
+    return begin.length() > near ? -change : change;
 }
 
 /// Appends an element if it has a length; `share_end` holds the pieces counted so far.
@@ -121,7 +141,10 @@ void add_bezier(SweepElements& result, std::vector<SweepControl>& controls, cons
         std::vector<SweepControl> added;
         added.reserve(4);
         for (int i = 0; i < 4; ++i) added.push_back(control(positions[i], radius[i], tilt[i]));
+        const size_t elements = result.elements.size();
         append(result, controls, added, false, false, pieces, spline.group.resolution);
+        if (result.elements.size() > elements)
+            result.elements.back().bend = steady_bend(positions, spline.largest(from));
         pieces += spline.group.resolution;
     }
 }
@@ -137,6 +160,8 @@ void add_nurbs(SweepElements& result, std::vector<SweepControl>& controls, const
         values.points.emplace_back(spline.radius(i), spline.tilt(i), 0.0, spline.weight(i));
     }
     if (find_problem(positions)) return;
+    const auto legs = static_cast<double>(result.closed ? spline.count : spline.count - 1);
+    const double steps = legs * spline.group.resolution - (result.closed ? 0.0 : 1.0);
     const BezierChain chain = to_bezier(positions), scalars = to_bezier(values);
     for (const SplineSpan& span : chain.axis.spans) {
         std::vector<SweepControl> added;
@@ -144,7 +169,10 @@ void add_nurbs(SweepElements& result, std::vector<SweepControl>& controls, const
             const Vec4d& scalar = scalars.points[span.first_point + i];
             added.push_back({chain.points[span.first_point + i], scalar.x, scalar.y});
         }
+        const size_t elements = result.elements.size();
         append(result, controls, added, false, chain.rational, span.begin, span.end - span.begin);
+        const double at = span.begin * steps;
+        if (result.elements.size() > elements) result.elements.back().step_before = at - std::floor(at);
     }
 }
 
@@ -156,6 +184,7 @@ SweepElements sweep_elements(const CurveSplines& splines, size_t first, size_t c
     if (count < 2) return result;
     const SplinePoints spline{splines, first, count, center};
     result.closed = splines.nurbs.cyclic;
+    result.ends_at_seam = result.closed && splines.ends_at_seam;
     result.end_radius = spline.radius(count - 1);
     result.end_tilt = spline.tilt(count - 1);
     switch (splines.type) {

@@ -12,12 +12,18 @@ namespace rayleaf {
 struct SweepElement {
     SweepSegment segment;
     bool straight = false;
+    /// The direction that tangent twist goes by where the second derivative passes through zero within the segment, as
+    /// behind a vector handle: on both sides that of the begin. Zero: the second derivative counts.
+    Vec3d bend{0, 0, 0};
+    /// The part of Blender's step between two samples that lies before the element's begin; 0: a sample lies there.
+    double step_before = 0;
 };
 
 struct SweepElements {
     std::vector<SweepElement> elements;
     bool closed = false;
-    int legs = 0;  ///< of a NURBS spline: legs of its control polygon, which Blender calls its segments
+    bool ends_at_seam = false;  ///< see CurveSplines
+    int legs = 0;               ///< of a NURBS spline: legs of its control polygon, which Blender calls its segments
     /// Radius and tilt of the last ring of an open spline, which Blender takes from the point itself.
     double end_radius = 1, end_tilt = 0;
     /// What the first and last ring of an open NURBS spline are perpendicular to: the first and last leg of its control

@@ -60,6 +60,7 @@ struct SweepSpline {
     uint32_t first_piece = 0, piece_count = 0;
     uint32_t group = 0;  ///< of the description's `splines`
     bool closed = false;
+    bool capped = true;  ///< its ends are closed if those of the curve are
 };
 
 /// What multiplies or replaces the points' radius along each spline.

@@ -95,7 +95,7 @@ void SweptDicer::number() {
         const TubePlace place{tube, tube / splines, tube % splines, 0};
         tubes_[tube].first_subpatch = subpatch_count_;
         subpatch_count_ += walls(place);
-        if (surface_->has_caps() && !surface_->path().splines[place.spline].closed)
+        if (surface_->has_caps() && surface_->path().splines[place.spline].capped)
             subpatch_count_ += 2 * cells(place).cap_grids();
     }
 }

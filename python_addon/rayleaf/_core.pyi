@@ -222,6 +222,7 @@ class CurveSplines:
         material_slot: int = 0,
         smooth: bool = True,
         fill_group: int = 0,
+        ends_at_seam: bool = False,
     ) -> None: ...
     def __len__(self) -> int: ...
 

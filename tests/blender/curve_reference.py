@@ -10,10 +10,10 @@ whose third is the direction. So the offset grows with the radius. See curve_spi
   arriving tangent by the bisector to the leaving one). Where a closed spline meets its beginning, the frame jumps: Blender 3.4 means to
   spread the missing angle over the rings and does not; later versions do, and begin with Z_UP's frame at the last ring.
 * TANGENT (curved Bezier segments only): Y is opposite to the part of the second derivative that is perpendicular to the direction. The
-  second derivative is negated where it turns by more than a right angle from one ring to the next. Y jumps where the curvature does: at
-  points, and by half a turn at inflections; an open spline's last ring is judged before its neighbour is turned round, and may
-  be half a turn off, which Rayleaf does not follow. Of straight segments, NURBS and POLY splines Blender never sets it; their rings
-  are garbage.
+  second derivative is negated where it turns by more than a right angle from one ring to the next, as where it passes through zero: a
+  third of the way from a vector handle. Y jumps where the curvature does: at points, and by half a turn at inflections. The last ring
+  is compared with its neighbour before that is negated, and the first with the last: a spline may end with half a turn. Of straight
+  segments, NURBS and POLY splines Blender never sets it, and on a line it has no direction; their rings are garbage.
 * Tilt turns the frame about the direction, afterwards, from X towards Y.
 
 In 2D, X is the normal to the left of the direction and Y the z axis; at corners X is 1 / sin(half the angle between the legs) long, so

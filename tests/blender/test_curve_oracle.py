@@ -188,9 +188,6 @@ def test_blenders_mesh_lies_on_the_surface_that_is_rendered(core, cases, helpers
             excess = error - allowed[:, None] - shift - TRACING
             # Where Blender's ring may be anywhere, rays may miss.
             excess[np.isinf(error) & (allowed[:, None] > MISSED)] = -1
-            if case["settings"].get("twist_mode") == "TANGENT":
-                # Blender compares the last tangent with its neighbour before that is turned round, and may end with half a turn.
-                excess[[-2, -1]] = -1
             if coarse:
                 # A cut lies between two samples, on a chord, and has the radius of the sample cut away; and where a taper jumps at
                 # the seam of a closed spline, Blender has a cone for what is a flat ring in the limit.

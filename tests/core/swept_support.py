@@ -7,7 +7,7 @@ from core.shapes import Doubles, unit
 from rayleaf import _core
 
 SPLINE_ARGUMENTS = {"radii", "tilts", "straight", "cyclic", "radius_interpolation", "tilt_interpolation"}
-SPLINE_ARGUMENTS |= {"resolution", "material_slot", "smooth", "order", "endpoint"}
+SPLINE_ARGUMENTS |= {"resolution", "material_slot", "smooth", "order", "endpoint", "ends_at_seam"}
 
 
 def weighted(points: Any) -> Doubles:

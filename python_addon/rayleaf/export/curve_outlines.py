@@ -5,7 +5,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from .curve_splines import BEZIER, CYCLIC, ENDPOINT, KIND, ORDER, RESOLUTION, SplineTable
+from .curve_splines import BEZIER, CYCLIC, ENDPOINT, ENDS_AT_SEAM, KIND, ORDER, RESOLUTION, SplineTable
 
 Doubles = NDArray[np.float64]
 
@@ -13,12 +13,14 @@ Doubles = NDArray[np.float64]
 _MOST_SAMPLES = 4096
 
 
-def _bezier_outline(points: Doubles, handles: Doubles, resolution: int) -> Doubles:
+def _bezier_outline(points: Doubles, handles: Doubles, straight: NDArray[np.bool_], resolution: int) -> Doubles:
+    """Samples of a closed spline; of a straight segment only its begin."""
     t = (np.arange(resolution) / resolution)[None, :, None]
     s = 1.0 - t
     a, b = points[:, None, :2], handles[:, 1, None, :2]
     c, d = np.roll(handles[:, 0, :2], -1, axis=0)[:, None], np.roll(points[:, :2], -1, axis=0)[:, None]
-    return np.reshape(s**3 * a + 3 * s * s * t * b + 3 * s * t * t * c + t**3 * d, (-1, 2))
+    samples = s**3 * a + 3 * s * s * t * b + 3 * s * t * t * c + t**3 * d
+    return np.asarray(samples[~straight[:, None] | (np.arange(resolution) == 0)])
 
 
 def outline(core: ModuleType, table: SplineTable, number: int) -> Doubles | None:
@@ -29,7 +31,7 @@ def outline(core: ModuleType, table: SplineTable, number: int) -> Doubles | None
         return None
     resolution = max(1, min(int(settings[RESOLUTION]), _MOST_SAMPLES // len(points)))
     if table.kind(number) == "BEZIER":
-        result = _bezier_outline(points[:, :3], table.handles[part], resolution)
+        result = _bezier_outline(points[:, :3], table.handles[part], table.straight[part], resolution)
     elif table.kind(number) == "NURBS":
         curve = core.NurbsCurve(points, int(settings[ORDER]), True, bool(settings[ENDPOINT]), bool(settings[BEZIER]))
         if curve.problem() is not None:
@@ -102,6 +104,8 @@ def _reverse(table: SplineTable, number: int) -> None:
     last = _last_of_reversed(kind, count, table.settings[number])
     if kind == "BEZIER" and count > 1 and table.straight[part][count - 2]:
         last = count - 3  # the last segment is a single piece, and the reversed spline begins at its other end
+    else:
+        table.settings[number, ENDS_AT_SEAM] = kind != "POLY"
     order = part.start + (last - np.arange(count)) % count
     if kind == "BEZIER":
         segments = part.start + (last - 1 - np.arange(count)) % count

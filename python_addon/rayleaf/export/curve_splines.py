@@ -16,14 +16,14 @@ Doubles = NDArray[np.float64]
 # Settings that the core wants equal for splines given together, in this order in `SplineTable.settings`.
 _KINDS = ("BEZIER", "NURBS", "POLY")
 _INTERPOLATIONS = ("LINEAR", "CARDINAL", "BSPLINE", "EASE")
-KIND, CYCLIC, ORDER, ENDPOINT, BEZIER, RADIUS, TILT, RESOLUTION, MATERIAL, SMOOTH, FILL = range(11)
+KIND, CYCLIC, ORDER, ENDPOINT, BEZIER, RADIUS, TILT, RESOLUTION, MATERIAL, SMOOTH, FILL, ENDS_AT_SEAM = range(12)
 
 
 @dataclass
 class SplineTable:
     """All splines of a curve, their points end to end in the order of the splines."""
 
-    settings: NDArray[np.int32]  # (splines, 11): indices above; enumerations as places in _KINDS and _INTERPOLATIONS
+    settings: NDArray[np.int32]  # (splines, 12): indices above; enumerations as places in _KINDS and _INTERPOLATIONS
     counts: NDArray[np.int32]  # (splines,) points
     points: Doubles  # (n, 4) x, y, z, weight
     handles: Doubles  # (n, 2, 3) left, right; zero where there are none
@@ -35,6 +35,14 @@ class SplineTable:
     def firsts(self) -> NDArray[np.int64]:
         """(splines,): where each spline's points begin."""
         return np.concatenate([[0], np.cumsum(self.counts[:-1], dtype=np.int64)])
+
+    @cached_property
+    def following(self) -> NDArray[np.int64]:
+        """(n,): the point after each; after the last one of a spline its first, where the last segment ends."""
+        result = np.arange(1, len(self.points) + 1)
+        some = self.counts > 0
+        result[(self.firsts + self.counts - 1)[some]] = self.firsts[some]
+        return result
 
     def kind(self, number: int) -> str:
         """BEZIER, NURBS or POLY."""
@@ -89,6 +97,7 @@ def _settings(curve: Any) -> NDArray[np.int32]:
         _column(splines, "material_index", np.int32),
         _column(splines, "use_smooth", bool),
         np.zeros(count, np.int32),  # what is filled together: curve_fills.py
+        np.zeros(count, np.int32),  # curve_outlines.py
     ]
     settings = np.stack(columns, axis=1)
     if curve.render_resolution_u > 0:
@@ -117,11 +126,7 @@ def read_table(curve: Any, keys: ShapeKeys | None) -> SplineTable:
         read["tilts"].astype(np.float64),
         np.zeros(len(of_bezier), bool),
     )
-    # The first of the points that follow each within its spline: where the last one's segment ends.
-    following = np.arange(1, len(of_bezier) + 1)
-    some = counts > 0
-    following[(table.firsts + counts - 1)[some]] = table.firsts[some]
-    table.straight[:] = read["right_is_vector"] & read["left_is_vector"][following]
+    table.straight[:] = read["right_is_vector"] & read["left_is_vector"][table.following]
     if keys is not None:
         keys.apply(table.points, table.handles, table.radii, table.tilts)
         _place_handles(curve, table)
@@ -200,6 +205,7 @@ def send(core: ModuleType, table: SplineTable) -> list[Any]:
                 material_slot=int(settings[MATERIAL]),
                 smooth=bool(settings[SMOOTH]),
                 fill_group=int(settings[FILL]),
+                ends_at_seam=bool(settings[ENDS_AT_SEAM]),
             )
         )
     return result

@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import versions
 from ..messages import Messages, Subject
@@ -19,6 +20,10 @@ from .curve_keys import ShapeKeys, has_aligned_handles
 from .curve_outlines import orient
 from .curve_splines import CYCLIC, KIND, SMOOTH, SplineTable
 from .strands import CurveSettings
+
+# Of the largest coordinate: by how much handles that lie on a line may be off it. Second derivatives as small as that have no
+# direction in Blender's single precision.
+_ROUNDING = 2.0**-17
 
 # Blender's fill modes of 2D curves, as the round bevel counts them.
 _FILLS = {"NONE": "FULL", "BOTH": "HALF"}
@@ -128,10 +133,23 @@ def _is_thread(curve: Any) -> bool:
 def _has_undefined_tangents(table: SplineTable) -> bool:
     if (table.settings[:, KIND] != 0).any():
         return True
-    straight = table.straight.copy()
+    straight = table.straight | _on_lines(table)
     # What follows the last point of an open spline is no segment.
     straight[(table.firsts + table.counts - 1)[table.settings[:, CYCLIC] == 0]] = False
     return bool(straight.any())
+
+
+def _on_lines(table: SplineTable) -> NDArray[np.bool_]:
+    """(n,): whether the handles of the Bezier segment that starts at each point lie on its chord, but for their rounding."""
+    following = table.following
+    begins, ends = table.points[:, :3], table.points[following, :3]
+    handles = np.stack([table.handles[:, 1], table.handles[following, 0]], axis=1) - begins[:, None]
+    chords = ends - begins
+    squares = np.maximum((chords**2).sum(axis=1), np.finfo(float).tiny)
+    along = (handles * chords[:, None]).sum(axis=2) / squares[:, None]
+    off = np.abs(handles - along[:, :, None] * chords[:, None]).max(axis=(1, 2))
+    largest = np.abs(np.concatenate([begins, ends], axis=1)).max(axis=1)
+    return np.asarray(off <= _ROUNDING * largest)
 
 
 def _table(curve_object: Any, curve: Any) -> SplineTable:
