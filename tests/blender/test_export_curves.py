@@ -121,6 +121,35 @@ report(exact=told.exact, evaluated=told.evaluated, names=sorted(sent.instances["
     assert run["names"] == sorted([*run["exact"], *run["evaluated"]])
 
 
+def test_splines_without_directions_go_as_a_mesh_and_those_without_points_as_nothing(run_blender):
+    run = run_blender(
+        CURVES
+        + """
+tube = dict(bevel_depth=0.1)
+curve("Line", points=[(0, 0, 0), (1, 0.3, 0.2), (2, 0.6, 0.4)], twist_mode="TANGENT", **tube)
+there_and_back = [(0, 0, 0), (2, 0.7, 0.3), (1, 0.35, 0.15), (1, 2, 1)]
+curve("There and back", "POLY", there_and_back, **tube)
+curve("Corner back", handles="VECTOR", points=there_and_back, **tube)
+curve("Sharp", "POLY", [(0, 0, 0), (2, 0.7, 0.3), (1, 0.36, 0.15), (1, 2, 1)], **tube)
+curve("Open ends", "POLY", [(0, 0, 0), (2, 0.7, 0.3)], **tube)
+bpy.data.curves["Open ends"].splines.new("POLY").use_cyclic_u = True
+curve("Two rings", "POLY", [(0, 0, 0), (2, 0.7, 0.3)], cyclic=True, **tube)
+for twist in ("MINIMUM", "TANGENT"):
+    curve(f"Nothing {twist}", twist_mode=twist, **tube).data.splines.clear()
+curve("Back in 2D", "POLY", [(0, 0, 0), (2, 0, 0), (1, 0, 0)], dimensions="2D", fill_mode="NONE", **tube)
+sent, told, _ = recording_core.export()
+report(exact=told.exact, evaluated=told.evaluated)
+"""
+    ).report
+    exact = ["Back in 2D", "Nothing MINIMUM", "Nothing TANGENT", "Open ends", "Sharp", "Two rings"]
+    assert sorted(run["exact"]) == exact
+    assert run["evaluated"] == {
+        "Line": "tangent twist, which Blender leaves undefined on straight segments and NURBS",
+        "There and back": "spline that turns straight back, where Blender's rings have no direction",
+        "Corner back": "spline that turns straight back, where Blender's rings have no direction",
+    }
+
+
 def test_shape_keys_move_points_handles_radius_and_tilt_as_they_move_blenders_mesh(run_blender):
     run = run_blender(
         CURVES

@@ -14,7 +14,7 @@ from .curve_keys import ShapeKeys, placed_handles
 Doubles = NDArray[np.float64]
 
 # Settings that the core wants equal for splines given together, in this order in `SplineTable.settings`.
-_KINDS = ("BEZIER", "NURBS", "POLY")
+KINDS = ("BEZIER", "NURBS", "POLY")
 _INTERPOLATIONS = ("LINEAR", "CARDINAL", "BSPLINE", "EASE")
 KIND, CYCLIC, ORDER, ENDPOINT, BEZIER, RADIUS, TILT, RESOLUTION, MATERIAL, SMOOTH, FILL, ENDS_AT_SEAM = range(12)
 
@@ -23,7 +23,7 @@ KIND, CYCLIC, ORDER, ENDPOINT, BEZIER, RADIUS, TILT, RESOLUTION, MATERIAL, SMOOT
 class SplineTable:
     """All splines of a curve, their points end to end in the order of the splines."""
 
-    settings: NDArray[np.int32]  # (splines, 12): indices above; enumerations as places in _KINDS and _INTERPOLATIONS
+    settings: NDArray[np.int32]  # (splines, 12): indices above; enumerations as places in KINDS and _INTERPOLATIONS
     counts: NDArray[np.int32]  # (splines,) points
     points: Doubles  # (n, 4) x, y, z, weight
     handles: Doubles  # (n, 2, 3) left, right; zero where there are none
@@ -34,7 +34,7 @@ class SplineTable:
     @cached_property
     def firsts(self) -> NDArray[np.int64]:
         """(splines,): where each spline's points begin."""
-        return np.concatenate([[0], np.cumsum(self.counts[:-1], dtype=np.int64)])
+        return np.asarray(np.cumsum(self.counts, dtype=np.int64) - self.counts)
 
     @cached_property
     def following(self) -> NDArray[np.int64]:
@@ -46,7 +46,7 @@ class SplineTable:
 
     def kind(self, number: int) -> str:
         """BEZIER, NURBS or POLY."""
-        return _KINDS[self.settings[number, KIND]]
+        return KINDS[self.settings[number, KIND]]
 
     def alone(self, number: int) -> "SplineTable":
         """A table of one spline."""
@@ -75,7 +75,7 @@ def _column(splines: Any, name: str, kind: Any) -> NDArray[np.int32]:
 
 def _settings(curve: Any) -> NDArray[np.int32]:
     splines = curve.splines
-    kinds = {name: place for place, name in enumerate(_KINDS)}
+    kinds = {name: place for place, name in enumerate(KINDS)}
     modes = {name: place for place, name in enumerate(_INTERPOLATIONS)}
     count = len(splines)
     # Enumerations cannot be read together: Blender's foreach_get gives their bytes with what lies beside them.
@@ -111,7 +111,7 @@ def read_table(curve: Any, keys: ShapeKeys | None) -> SplineTable:
     """The splines of an evaluated curve data block, with its shape keys mixed in."""
     settings = _settings(curve)
     counts = _column(curve.splines, "point_count_u", np.int32)
-    of_bezier = np.repeat(settings[:, KIND] == _KINDS.index("BEZIER"), counts)
+    of_bezier = np.repeat(settings[:, KIND] == KINDS.index("BEZIER"), counts)
     read = _read_points(curve.splines, settings[:, KIND].tolist(), counts.tolist(), len(of_bezier))
     points = read["points"].reshape(-1, 4)
     points[of_bezier, :3] = read["positions"].reshape(-1, 3)[of_bezier]
@@ -149,7 +149,7 @@ def _read_points(splines: Any, kinds: list[int], counts: list[int], total: int) 
     arrays: dict[str, Any] = {name: np.zeros(total * width, np.float32) for name, width in widths.items()}
     left_is_vector, right_is_vector = arrays["left_is_vector"], arrays["right_is_vector"] = np.zeros((2, total), bool)
     points, positions, left, right, radii, tilts = (arrays[name] for name in widths)
-    bezier = _KINDS.index("BEZIER")
+    bezier = KINDS.index("BEZIER")
     first = 0
     for spline, kind, count in zip(splines, kinds, counts, strict=True):
         end = first + count
@@ -184,7 +184,7 @@ def send(core: ModuleType, table: SplineTable) -> list[Any]:
     """The core's CurveSplines. Raises its InputError."""
     result = []
     for settings, counts, chosen in groups(table):
-        kind = _KINDS[settings[KIND]]
+        kind = KINDS[settings[KIND]]
         is_bezier = kind == "BEZIER"
         result.append(
             core.CurveSplines(

@@ -10,20 +10,15 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
-from . import curve_fills, curve_profiles, curve_splines
+from . import curve_directions, curve_fills, curve_profiles, curve_splines
 from .curve_keys import ShapeKeys, has_aligned_handles
 from .curve_outlines import orient
 from .curve_splines import CYCLIC, KIND, SMOOTH, SplineTable
 from .strands import CurveSettings
-
-# Of the largest coordinate: by how much handles that lie on a line may be off it. Second derivatives as small as that have no
-# direction in Blender's single precision.
-_ROUNDING = 2.0**-17
 
 # Blender's fill modes of 2D curves, as the round bevel counts them.
 _FILLS = {"NONE": "FULL", "BOTH": "HALF"}
@@ -106,8 +101,12 @@ def _reason_by_settings(curve_object: Any, curve: Any) -> str | None:
 def _reason_by_splines(curve: Any, table: SplineTable) -> str | None:
     if not table.settings[:, SMOOTH].all():
         return "flat shading"
-    if curve.dimensions == "3D" and curve.twist_mode == "TANGENT" and _has_undefined_tangents(table):
+    if curve.dimensions != "3D":
+        return None
+    if curve.twist_mode == "TANGENT" and curve_directions.bends_nowhere(table):
         return "tangent twist, which Blender leaves undefined on straight segments and NURBS"
+    if curve_directions.turns_back(table):
+        return "spline that turns straight back, where Blender's rings have no direction"
     return None
 
 
@@ -128,28 +127,6 @@ def _deformed(curve_object: Any) -> str | None:
 def _is_thread(curve: Any) -> bool:
     closed = curve.dimensions == "2D" and curve.fill_mode != "NONE" and any(s.use_cyclic_u for s in curve.splines)
     return not (closed or curve.extrude or curve.bevel_depth or curve.bevel_object or curve.offset)
-
-
-def _has_undefined_tangents(table: SplineTable) -> bool:
-    if (table.settings[:, KIND] != 0).any():
-        return True
-    straight = table.straight | _on_lines(table)
-    # What follows the last point of an open spline is no segment.
-    straight[(table.firsts + table.counts - 1)[table.settings[:, CYCLIC] == 0]] = False
-    return bool(straight.any())
-
-
-def _on_lines(table: SplineTable) -> NDArray[np.bool_]:
-    """(n,): whether the handles of the Bezier segment that starts at each point lie on its chord, but for their rounding."""
-    following = table.following
-    begins, ends = table.points[:, :3], table.points[following, :3]
-    handles = np.stack([table.handles[:, 1], table.handles[following, 0]], axis=1) - begins[:, None]
-    chords = ends - begins
-    squares = np.maximum((chords**2).sum(axis=1), np.finfo(float).tiny)
-    along = (handles * chords[:, None]).sum(axis=2) / squares[:, None]
-    off = np.abs(handles - along[:, :, None] * chords[:, None]).max(axis=(1, 2))
-    largest = np.abs(np.concatenate([begins, ends], axis=1)).max(axis=1)
-    return np.asarray(off <= _ROUNDING * largest)
 
 
 def _table(curve_object: Any, curve: Any) -> SplineTable:
