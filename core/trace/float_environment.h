@@ -1,5 +1,5 @@
-// Plain IEEE arithmetic for the time of a query or a render: the host may have set its threads to flush denormal numbers
-// to zero, and a picture must not depend on that.
+// Plain IEEE arithmetic for the time of a query or a render: the host may have set its threads to flush denormal
+// numbers to zero, and a picture must not depend on that.
 #pragma once
 
 #if defined(__SSE__)
