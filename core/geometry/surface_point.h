@@ -12,6 +12,7 @@ struct SurfacePoint {
     Vec3d position{0, 0, 0};        ///< exact surface, world units
     Vec3d facet_position{0, 0, 0};  ///< point of the facet that the ray hit: secondary rays start here (core/README.md)
     double start_offset = 0;  ///< how far along the facet normal a secondary ray must start to leave it, world units
+    double facet_error = 0;   ///< how far rounding may put the facet's corners beside the surface, world units
     Vec3f facet_normal{0, 0, 1};           ///< unit, of the facet, on the side of the winding (the outside)
     Vec3f normal{0, 0, 1};                 ///< unit shading normal, same side as the winding
     Vec3f dp_du{0, 0, 0}, dp_dv{0, 0, 0};  ///< world units per unit of uv

@@ -10,18 +10,25 @@ namespace {
 /// shadow, in steps as large as facets; the surface's own point lies outside all facets around it where the surface is
 /// convex.
 Vec3d shadow_origin(const SurfacePoint& point, const Vec3f& direction) {
-    /// Sine of the angle to a facet above which its neighbours never matter: facets of a tenth of a pixel meet at less.
+    /// Sine of the angle to a facet and to the surface above which neighbours never matter: facets of a tenth of a
+    /// pixel meet at less. At a pole they are narrow, and may be turned farther from the surface than that.
     constexpr float kGrazing = 0.1f;
     const float by_facet = direction.dot(point.facet_normal), by_surface = direction.dot(point.normal);
-    if (by_facet * by_surface > 0.0f && std::abs(by_facet) > kGrazing) return point.ray_origin(direction);
+    if (by_facet * by_surface > 0.0f && std::min(std::abs(by_facet), std::abs(by_surface)) > kGrazing)
+        return point.ray_origin(direction);
     const Vec3d side = Vec3d(point.normal) * (by_surface > 0.0f ? 1.0 : -1.0);
-    const bool outside = (point.position - point.facet_position).dot(side) > -point.start_offset;
-    return outside ? point.position + side * point.start_offset : point.ray_origin(direction);
+    const double rise = (point.position - point.facet_position).dot(side);
+    // Corners and edges of facets lie on the surface, but for rounding.
+    if (rise < -point.facet_error) return point.ray_origin(direction);
+    return (rise > 0.0 ? point.position : point.facet_position) + side * point.start_offset;
 }
 
-Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias) {
+}  // namespace
+
+std::optional<Ray> shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSample& light) {
+    if (!light.casts_shadow) return std::nullopt;
     Ray ray;
-    ray.t_min = bias;
+    ray.t_min = scene.shadow_bias();
     point.release(ray, light.direction);
     ray.origin = shadow_origin(point, light.direction);
     ray.end = light.target_anchor;
@@ -32,10 +39,9 @@ Ray shadow_ray(const SurfacePoint& point, const LightSample& light, double bias)
     const Vec3d way = light.target - ray.origin;
     ray.direction = normalized_or(way, ray.direction);
     ray.t_max = way.length();
+    if (!(ray.t_max > 0)) return std::nullopt;
     return ray;
 }
-
-}  // namespace
 
 Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
                  int transparent_left, const RayWidening& widening) {
@@ -61,10 +67,9 @@ Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visi
 
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
                            const RayDifferential& differential, const Bounces& bounces, const RayWidening& widening) {
-    if (!light.casts_shadow) return Color(1.0f);
-    const Ray ray = shadow_ray(point, light, scene.shadow_bias());
-    if (!(ray.t_max > 0)) return Color(1.0f);
-    return free_share(scene, ray, differential, kVisibleShadow, bounces.of_shadow_ray(), bounces.transparent_left(),
+    const std::optional<Ray> ray = shadow_ray(scene, point, light);
+    if (!ray) return Color(1.0f);
+    return free_share(scene, *ray, differential, kVisibleShadow, bounces.of_shadow_ray(), bounces.transparent_left(),
                       widening);
 }
 

@@ -6,6 +6,9 @@
 
 namespace rayleaf {
 
+/// The ray from a point to a light. Empty where nothing can be in the way.
+std::optional<Ray> shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSample& light);
+
 /// Share of the light that reaches `point`. `differential` is the shadow ray's where it leaves the point.
 Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
                            const RayDifferential& differential, const Bounces& bounces, const RayWidening& widening);

@@ -12,13 +12,14 @@ namespace rayleaf {
 namespace {
 
 GeometryCacheSettings make_settings(double megabytes, const std::string& mode, float factor, float distance,
-                                    bool stochastic) {
+                                    bool stochastic, double resident_megabytes) {
     GeometryCacheSettings settings;
     settings.budget = budget_from_megabytes(megabytes);
     settings.mode = named("geometry cache", "mode", mode, kCacheModes);
     settings.rule.factor = factor;
     settings.rule.distance = distance;
     settings.rule.rounding = stochastic ? LevelRule::Rounding::Stochastic : LevelRule::Rounding::Up;
+    settings.resident_budget = budget_from_megabytes(resident_megabytes);
     return settings;
 }
 
@@ -58,7 +59,7 @@ py::dict geometry_cache_statistics(const GeometryCacheStatistics& s) {
 void bind_geometry_cache_settings(py::module_& module) {
     py::class_<GeometryCacheSettings>(module, "GeometryCacheSettings", "Budget, mode and rule of levels.")
         .def(py::init(&make_settings), py::arg("megabytes") = 30.0, py::arg("mode") = "MULTI", py::arg("factor") = 1.0f,
-             py::arg("distance") = 0.1f, py::arg("stochastic") = false);
+             py::arg("distance") = 0.1f, py::arg("stochastic") = false, py::arg("resident_megabytes") = 0.0);
 }
 
 void bind_geometry_cache(py::module_& module) {

@@ -4,6 +4,7 @@
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/geometry_cache.h"
+#include "python/packets.h"
 #include "python/ray_footprints.h"
 #include "tessellation/grid_intersection.h"
 #include "tessellation/patch_dicer.h"
@@ -267,6 +268,7 @@ py::dict statistics(const Tracer& tracer) {
     py::dict result;
     result["subpatches"] = s.subpatches;
     result["record_bytes"] = s.record_bytes;
+    result["facet_bytes"] = s.facet_bytes;
     result["geometry_cache"] = geometry_cache_statistics(s.geometry);
     result["bvh_bytes"] = s.bvh_bytes;
     result["triangles"] = s.triangles;
@@ -334,6 +336,7 @@ void bind_trace(py::module_& parent) {
         .def("statistics", &statistics);
 
     bind_geometry_cache(module);
+    bind_packets(module);
     module.def("simd_targets", &simd_targets, "Instruction sets the kernels can use here, the best one first.");
     module.def("use_simd_target", &use_simd_target, py::arg("name"), "For new tracers; empty: the best.");
     module.def("diced_patch", &diced_patch, py::arg("surface"), py::arg("patch"));

@@ -5,7 +5,7 @@
 #include "integrators/dimensions.h"
 #include "integrators/distribution.h"
 #include "integrators/irradiance_fill.h"
-#include "integrators/path.h"
+#include "integrators/path_stream.h"
 #include "trace/float_environment.h"
 
 #include <chrono>
@@ -114,14 +114,47 @@ std::unique_ptr<const IrradianceCache> Session::filled_cache() {
 void Session::render_tile(const Window& tile, const Frame& frame) {
     std::vector<PixelSums> sums(static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height));
     RayCounts counts;
-    size_t pixel = 0;
-    for (int y = 0; y < tile.height; ++y)
-        for (int x = 0; x < tile.width; ++x)
-            if (!render_pixel(tile.x + x, tile.y + y, frame, sums[pixel++], counts)) return;
+    // Which pixel pays for a tessellation is known of single paths only.
+    const bool alone = frame.integrator != IntegratorKind::Path || settings_.stream_paths == 0 ||
+                       frame.path.wants(Pass::geometry_misses);
+    if (!(alone ? render_paths(tile, frame, sums, counts) : render_streams(tile, frame, sums, counts))) return;
     const Window part = window(settings_);
     film_.put(tile.x - part.x, tile.y - part.y, tile.width, tile.height, sums);
     finished_pixels_ += sums.size();
     add_counts(counts);
+}
+
+/// One path after the other.
+bool Session::render_paths(const Window& tile, const Frame& frame, std::span<PixelSums> sums, RayCounts& counts) const {
+    size_t pixel = 0;
+    for (int y = 0; y < tile.height; ++y)
+        for (int x = 0; x < tile.width; ++x)
+            if (!render_pixel(tile.x + x, tile.y + y, frame, sums[pixel++], counts)) return false;
+    return true;
+}
+
+/// The paths of a tile, pixel by pixel, as many at once as a stream takes.
+bool Session::render_streams(const Window& tile, const Frame& frame, std::span<PixelSums> sums,
+                             RayCounts& counts) const {
+    PathStream stream(*scene_, frame.path, counts);
+    const auto samples = static_cast<size_t>(settings_.samples), paths = sums.size() * samples;
+    size_t first = 0;  // path of the stream
+    for (size_t i = 0; i < paths; ++i) {
+        const int place = static_cast<int>(i / samples), x = place % tile.width, y = place / tile.width;
+        const CameraSample sample = camera_sample(tile.x + x, tile.y + y, static_cast<int>(i % samples), frame);
+        stream.add(sample.ray, sample.sampler);
+        if (stream.size() < static_cast<size_t>(settings_.stream_paths) && i + 1 < paths) continue;
+        if (cancel_.cancelled()) return false;
+        stream.trace([&](const PixelSample& value) { sums[first++ / samples].add(value, settings_.passes); });
+    }
+    return true;
+}
+
+Session::CameraSample Session::camera_sample(int x, int y, int sample, const Frame& frame) const {
+    const auto pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(x);
+    const Sampler sampler(pixel, static_cast<uint32_t>(sample), settings_.seed);
+    const Vec2d place = Vec2d(x + 0.5, y + 0.5) + frame.filter.offset(sampler.get2(kFilterDimension));
+    return {scene_->camera().ray(place, sampler.get2(kLensDimension)), sampler};
 }
 
 void Session::add_counts(const RayCounts& counts) {
@@ -130,12 +163,9 @@ void Session::add_counts(const RayCounts& counts) {
 }
 
 bool Session::render_pixel(int x, int y, const Frame& frame, PixelSums& sums, RayCounts& counts) const {
-    const auto pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(x);
     for (int s = 0; s < settings_.samples; ++s) {
         if (s % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
-        const Sampler sampler(pixel, static_cast<uint32_t>(s), settings_.seed);
-        const Vec2d place = Vec2d(x + 0.5, y + 0.5) + frame.filter.offset(sampler.get2(kFilterDimension));
-        const CameraRay ray = scene_->camera().ray(place, sampler.get2(kLensDimension));
+        const auto [ray, sampler] = camera_sample(x, y, s, frame);
         const uint64_t misses = frame.path.wants(Pass::geometry_misses) ? scene_->tracer().thread_misses() : 0;
         PixelSample value = frame.integrator == IntegratorKind::Distribution
                                 ? trace_distributed(frame.distribution, ray, sampler, counts)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/cancel.h"
+#include "base/random.h"
 #include "film/film.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/ray_counts.h"
@@ -15,6 +16,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 
 namespace rayleaf {
@@ -78,6 +80,13 @@ class Session {
     std::unique_ptr<const IrradianceCache> filled_cache();
     struct Frame;  ///< what all tiles share
     void render_tile(const Window& tile, const Frame& frame);
+    struct CameraSample {
+        CameraRay ray;
+        Sampler sampler;
+    };
+    CameraSample camera_sample(int x, int y, int sample, const Frame& frame) const;
+    bool render_paths(const Window& tile, const Frame& frame, std::span<PixelSums> sums, RayCounts& counts) const;
+    bool render_streams(const Window& tile, const Frame& frame, std::span<PixelSums> sums, RayCounts& counts) const;
     bool render_pixel(int x, int y, const Frame& frame, PixelSums& sums, RayCounts& counts) const;
     void add_counts(const RayCounts& counts);
     void gather_statistics(double build_seconds, double render_seconds);

@@ -1,6 +1,7 @@
 #include "scene/settings.h"
 
 #include "base/error.h"
+#include "base/machine_memory.h"
 
 #include <cmath>
 #include <string>
@@ -29,6 +30,7 @@ void validate(const Settings& s) {
     check("samples", s.samples, 1, kMany);
     check("threads", s.threads, 0, 1024);
     check("tile size", s.tile_size, 1, 4096);
+    check("stream paths", s.stream_paths, 0, 65536);
     check("bounces", s.max_bounces, 0, 1024);
     check("diffuse bounces", s.diffuse_bounces, 0, 1024);
     check("glossy bounces", s.glossy_bounces, 0, 1024);
@@ -45,6 +47,7 @@ void validate(const Settings& s) {
     check("irradiance error", s.irradiance_error, 0.01, 1);
     check("filter width", s.filter_width, 0, 10);
     check("exposure", s.exposure, 0, 1e10);
+    check("resident megabytes", s.resident_megabytes, -1e9, 1e9);
     check("geometry cache megabytes", s.geometry_cache_megabytes, -1e9, 1e9);
     check("tessellation factor", s.tessellation_factor, 0.01, 100);
     check("least mirrored spread", s.least_mirrored_spread, 0, 1);
@@ -54,6 +57,9 @@ void validate(const Settings& s) {
 GeometryCacheSettings geometry_cache_settings(const Settings& s) {
     GeometryCacheSettings cache;
     cache.budget = budget_from_megabytes(s.geometry_cache_megabytes);
+    constexpr uint64_t kShareOfMachine = 4;
+    cache.resident_budget =
+        s.resident_megabytes < 0.0 ? machine_memory() / kShareOfMachine : budget_from_megabytes(s.resident_megabytes);
     cache.mode = s.geometry_cache_mode;
     cache.rule.factor = s.tessellation_factor;
     cache.rule.rounding = s.stochastic_levels ? LevelRule::Rounding::Stochastic : LevelRule::Rounding::Up;

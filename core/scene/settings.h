@@ -31,6 +31,9 @@ struct Settings {
     uint32_t seed = 0;
     int threads = 0;     ///< 0: all the machine's
     int tile_size = 32;  ///< pixels
+    /// Paths that a thread traces at once (integrators/path_stream.h); 0: one after the other, ray by ray. For tests:
+    /// the picture is the same for any.
+    int stream_paths = 512;
 
     int max_bounces = 12, diffuse_bounces = 4, glossy_bounces = 4, transmission_bounces = 12, transparent_bounces = 8;
     int roulette_start = 3;                       ///< bounces after which Russian roulette may end a path
@@ -51,6 +54,8 @@ struct Settings {
     bool irradiance_cache = false;       ///< sample hemispheres at few points and interpolate
     float irradiance_error = 0.2f;       ///< that interpolation may make, relative (Ward and Heckbert 1992's a)
     RayInterpolation ray_interpolation;  ///< of objects without one of their own
+    /// Memory for facets that stay, before any go through the geometry cache; negative: a quarter of the machine's.
+    double resident_megabytes = -1;
     /// Memory of the geometry cache; 0 and less: tessellations are not kept.
     double geometry_cache_megabytes = 30;
     CacheMode geometry_cache_mode = CacheMode::Multi;

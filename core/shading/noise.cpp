@@ -1,5 +1,7 @@
 #include "shading/noise.h"
 
+#include "base/float4.h"
+
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -52,6 +54,33 @@ void inner_mix(uint32_t& a, uint32_t& b, uint32_t& c) {
     step(c, a, b, 4);
 }
 
+/// The corners of a lattice cell, four at a time: what each computes is what it would alone.
+using Words4 = uint32_t __attribute__((vector_size(16)));
+
+Words4 rotated(Words4 x, int turn) {
+    return x << turn | x >> (32 - turn);
+}
+
+/// final_mix() of four triples, after the start that all keys of three words have.
+Words4 jenkins_hash4(Words4 a, Words4 b, Words4 c) {
+    constexpr uint32_t kStart = 0xdeadbeefu + (3u << 2) + 13u;
+    a += kStart;
+    b += kStart;
+    c += kStart;
+    const auto step = [](Words4& x, Words4 y, int turn) {
+        x ^= y;
+        x -= rotated(y, turn);
+    };
+    step(c, b, 14);
+    step(a, c, 11);
+    step(b, a, 25);
+    step(c, b, 16);
+    step(a, c, 4);
+    step(b, a, 14);
+    step(c, b, 24);
+    return c;
+}
+
 template <size_t N>
 uint32_t jenkins_hash(const std::array<uint32_t, N>& key) {
     const uint32_t start = 0xdeadbeefu + (static_cast<uint32_t>(N) << 2) + 13u;
@@ -80,16 +109,50 @@ float gradient(uint32_t hash, const Point<2>& p) {
     const float u = first ? p[0] : p[1], v = 2.0f * (first ? p[1] : p[0]);
     return negated_if(hash & 1u, u) + negated_if(hash & 2u, v);
 }
-float gradient(uint32_t hash, const Point<3>& p) {
-    const uint32_t h = hash & 15u;
-    const float u = h < 8u ? p[0] : p[1];
-    const float v = h < 4u ? p[1] : (h == 12u || h == 14u ? p[0] : p[2]);
-    return negated_if(h & 1u, u) + negated_if(h & 2u, v);
-}
 float gradient(uint32_t hash, const Point<4>& p) {
     const uint32_t h = hash & 31u;
     const float u = h < 24u ? p[0] : p[1], v = h < 16u ? p[1] : p[2], s = h < 8u ? p[2] : p[3];
     return negated_if(h & 1u, u) + negated_if(h & 2u, v) + negated_if(h & 4u, s);
+}
+
+Float4 with_sign_of(Words4 bits, int bit, Float4 x) {
+    return std::bit_cast<Float4>(std::bit_cast<Words4>(x) ^ (bits >> bit & 1u) << 31);
+}
+
+/// gradient() in three dimensions at four corners.
+Float4 gradient4(Words4 hash, Float4 x, Float4 y, Float4 z) {
+    const Words4 h = hash & 15u;
+    const Float4 u = h < 8u ? x : y;
+    const Float4 v = h < 4u ? y : ((h == 12u) | (h == 14u) ? x : z);
+    return with_sign_of(h, 0, u) + with_sign_of(h, 1, v);
+}
+
+/// The values at the eight corners of a cell in three dimensions: corner i lies at the bits of i, x lowest.
+void corner_values(const std::array<uint32_t, 3>& cell, const Point<3>& fraction, float* values) {
+    const uint32_t x0 = cell[0], x1 = cell[0] + 1u, y0 = cell[1], y1 = cell[1] + 1u;
+    const Words4 x{x0, x1, x0, x1}, y{y0, y0, y1, y1};
+    const Float4 from_x{fraction[0], fraction[0] - 1.0f, fraction[0], fraction[0] - 1.0f};
+    const Float4 from_y{fraction[1], fraction[1], fraction[1] - 1.0f, fraction[1] - 1.0f};
+    for (int k = 0; k < 2; ++k) {
+        const uint32_t z = cell[2] + static_cast<uint32_t>(k);
+        const Words4 hash = jenkins_hash4(x, y, Words4{z, z, z, z});
+        const Float4 value = gradient4(hash, from_x, from_y, all4(k == 0 ? fraction[2] : fraction[2] - 1.0f));
+        for (int i = 0; i < 4; ++i) values[4 * k + i] = value[i];
+    }
+}
+
+template <int N>
+void corner_values(const std::array<uint32_t, N>& cell, const Point<N>& fraction, float* values) {
+    for (int corner = 0; corner < (1 << N); ++corner) {
+        std::array<uint32_t, N> lattice = cell;
+        Point<N> offset = fraction;
+        for (int i = 0; i < N; ++i) {
+            if (((corner >> i) & 1) == 0) continue;
+            lattice[i] += 1u;
+            offset[i] -= 1.0f;
+        }
+        values[corner] = gradient(jenkins_hash(lattice), offset);
+    }
 }
 
 /// Noise in [-1, 1]. A coordinate beyond 32-bit lattice indices, or not finite, counts as 0.
@@ -108,16 +171,10 @@ float signed_noise(const Point<N>& p) {
         blend[i] = f * f * f * (f * (f * 6.0f - 15.0f) + 10.0f);
     }
     float corners[1 << N];
-    for (int corner = 0; corner < (1 << N); ++corner) {
-        std::array<uint32_t, N> lattice = cell;
-        Point<N> offset = fraction;
-        for (int i = 0; i < N; ++i) {
-            if (((corner >> i) & 1) == 0) continue;
-            lattice[i] += 1u;
-            offset[i] -= 1.0f;
-        }
-        corners[corner] = gradient(jenkins_hash(lattice), offset);
-    }
+    if constexpr (N == 3)
+        corner_values(cell, fraction, corners);
+    else
+        corner_values<N>(cell, fraction, corners);
     for (int i = 0, count = 1 << N; i < N; ++i) {
         count /= 2;
         for (int j = 0; j < count; ++j) corners[j] = (1.0f - blend[i]) * corners[2 * j] + blend[i] * corners[2 * j + 1];

@@ -9,6 +9,7 @@
 #include "base/vector.h"
 #include "splines/stack_buffer.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace rayleaf {
@@ -38,6 +39,45 @@ class BernsteinBasis {
   private:
     int degree_;
     StackBuffer<double, 3 * (kStackDegree + 1)> values_;
+};
+
+/// The same of a degree that the compiler knows: the same bits by the same steps.
+template <int kDegree>
+class FixedBernsteinBasis {
+  public:
+    explicit FixedBernsteinBasis(double t) {
+        value_[0] = 1.0;
+        const double s = 1.0 - t;
+        for (int k = 0; k < kDegree; ++k) {
+            if (k == kDegree - 2) std::copy_n(value_, k + 1, second_);
+            if (k == kDegree - 1) std::copy_n(value_, k + 1, first_);
+            value_[k + 1] = value_[k] * t;
+            for (int i = k; i > 0; --i) value_[i] = value_[i] * s + value_[i - 1] * t;
+            value_[0] *= s;
+        }
+    }
+    template <typename Point>
+    Point value(const Point* points) const {
+        Point sum = points[0] * value_[0];
+        for (int i = 1; i <= kDegree; ++i) sum += points[i] * value_[i];
+        return sum;
+    }
+    template <typename Point>
+    Point first(const Point* points) const {
+        Point sum = points[0] * 0.0;
+        for (int i = 0; i < kDegree; ++i) sum += (points[i + 1] - points[i]) * first_[i];
+        return sum * static_cast<double>(kDegree);
+    }
+    template <typename Point>
+    Point second(const Point* points) const {
+        Point sum = points[0] * 0.0;
+        for (int i = 0; i + 1 < kDegree; ++i)
+            sum += ((points[i + 2] - points[i + 1]) - (points[i + 1] - points[i])) * second_[i];
+        return sum * static_cast<double>(kDegree * (kDegree - 1));
+    }
+
+  private:
+    double value_[kDegree + 1] = {}, first_[kDegree] = {}, second_[kDegree > 1 ? kDegree - 1 : 1] = {};
 };
 
 /// Splits the curve of `points` (degree + 1 of them, `stride` apart) at t by de Casteljau's algorithm, in place:

@@ -18,6 +18,12 @@ BezierPatch restricted_once(const BezierPatch& patch, PatchDirection direction, 
     return high.split(direction, (end - begin) / (1.0 - begin)).first;
 }
 
+/// Of a patch whose weights are 1.
+PatchPoint plain(const HomogeneousPatchPoint& a) {
+    return {spatial_part(a.value), spatial_part(a.du),  spatial_part(a.dv),
+            spatial_part(a.duu),   spatial_part(a.duv), spatial_part(a.dvv)};
+}
+
 }  // namespace
 
 Vec3d PatchView::position(double u, double v) const {
@@ -53,17 +59,54 @@ HomogeneousPatchPoint PatchColumn::evaluate_homogeneous(double v) const {
 
 PatchPoint PatchColumn::evaluate(double v) const {
     const HomogeneousPatchPoint a = evaluate_homogeneous(v);
-    if (rational_) return rayleaf::project(a);
-    return {spatial_part(a.value), spatial_part(a.du),  spatial_part(a.dv),
-            spatial_part(a.duu),   spatial_part(a.duv), spatial_part(a.dvv)};
+    return rational_ ? rayleaf::project(a) : plain(a);
 }
 
+namespace {
+
+/// Four numbers, two at a time as every processor computes them.
+struct Double4 {
+    using Pair = double __attribute__((vector_size(16)));
+    Pair xy, zw;
+
+    Double4 operator+(const Double4& b) const { return {xy + b.xy, zw + b.zw}; }
+    Double4 operator-(const Double4& b) const { return {xy - b.xy, zw - b.zw}; }
+    Double4 operator*(double factor) const { return {xy * factor, zw * factor}; }
+    Double4& operator+=(const Double4& b) { return *this = *this + b; }
+};
+
+/// PatchColumn's steps for degrees that the compiler knows.
+template <int kDegreeU, int kDegreeV>
+HomogeneousPatchPoint evaluate_fixed(const Vec4d* points, double u, double v) {
+    const FixedBernsteinBasis<kDegreeU> basis_u(u);
+    const FixedBernsteinBasis<kDegreeV> basis_v(v);
+    Double4 value[kDegreeV + 1], first[kDegreeV + 1], second[kDegreeV + 1];
+    for (int j = 0; j <= kDegreeV; ++j) {
+        Double4 row[kDegreeU + 1];
+        for (int i = 0; i <= kDegreeU; ++i) {
+            const Vec4d& p = points[j * (kDegreeU + 1) + i];
+            row[i] = Double4{Double4::Pair{p.x, p.y}, Double4::Pair{p.z, p.w}};
+        }
+        value[j] = basis_u.value(row);
+        first[j] = basis_u.first(row);
+        second[j] = basis_u.second(row);
+    }
+    const auto vector = [](const Double4& p) { return Vec4d(p.xy[0], p.xy[1], p.zw[0], p.zw[1]); };
+    return {vector(basis_v.value(value)),  vector(basis_v.value(first)), vector(basis_v.first(value)),
+            vector(basis_v.value(second)), vector(basis_v.first(first)), vector(basis_v.second(value))};
+}
+
+}  // namespace
+
 HomogeneousPatchPoint PatchView::evaluate_homogeneous(double u, double v) const {
+    if (degree_u == 3 && degree_v == 3) return evaluate_fixed<3, 3>(points, u, v);
+    if (degree_u == 2 && degree_v == 2) return evaluate_fixed<2, 2>(points, u, v);
     return PatchColumn(*this, u).evaluate_homogeneous(v);
 }
 
 PatchPoint PatchView::evaluate(double u, double v) const {
-    return PatchColumn(*this, u).evaluate(v);
+    const HomogeneousPatchPoint a = evaluate_homogeneous(u, v);
+    return rational ? rayleaf::project(a) : plain(a);
 }
 
 PatchPoint project(const HomogeneousPatchPoint& a) {

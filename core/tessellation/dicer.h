@@ -16,6 +16,9 @@
 
 namespace rayleaf {
 
+/// The nearest that facets come to a surface: single precision gives no more. Local units.
+inline constexpr double kFinestTolerance = 0x1p-22;
+
 /// How far a surface's facets may lie from it, for a part of it within the given box. Local units.
 using FacetTolerance = std::function<double(const Box3d& box)>;
 

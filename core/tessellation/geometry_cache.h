@@ -42,6 +42,8 @@ struct GeometryCacheSettings {
     uint64_t budget = uint64_t{30} << 20;
     CacheMode mode = CacheMode::Multi;
     LevelRule rule;
+    /// Memory for facets that stay, before any go through the cache, bytes.
+    uint64_t resident_budget = 0;
 };
 
 /// Megabytes as users give them; zero and less is no cache.

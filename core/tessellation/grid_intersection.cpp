@@ -228,6 +228,10 @@ void add_fixed_block(const Grid& grid, uint32_t block, const GridRay& ray, float
     add_block_cells(test, grid.fixed[block][0], first_cell(static_cast<int>(block), kGridCells), candidates);
 }
 
+void add_block_of_floats(const float* vertices, const GridRay& ray, float t_max, GridCandidates& candidates) {
+    add_block_cells(CellTest<FloatCells>(ray, kBlockCells, t_max), vertices, 0, candidates);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace rayleaf
 HWY_AFTER_NAMESPACE();
@@ -239,12 +243,14 @@ HWY_EXPORT(add_candidates);
 HWY_EXPORT(find_blocks);
 HWY_EXPORT(find_near_blocks);
 HWY_EXPORT(add_fixed_block);
+HWY_EXPORT(add_block_of_floats);
 
 GridKernels grid_kernels() {
     // The first call through the table chooses; the pointers must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return {&HWY_DYNAMIC_DISPATCH(add_candidates), &HWY_DYNAMIC_DISPATCH(find_blocks),
-            &HWY_DYNAMIC_DISPATCH(find_near_blocks), &HWY_DYNAMIC_DISPATCH(add_fixed_block)};
+            &HWY_DYNAMIC_DISPATCH(find_near_blocks), &HWY_DYNAMIC_DISPATCH(add_fixed_block),
+            &HWY_DYNAMIC_DISPATCH(add_block_of_floats)};
 }
 
 /// The same operations as in a lane of the kernel, for its borders are its neighbours'.

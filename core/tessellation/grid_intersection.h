@@ -104,6 +104,9 @@ using FindNearBlocks = void (*)(const Grid& grid, const GridRay& ray, float t_ma
 using AddBlock = void (*)(const Grid& grid, uint32_t block, const GridRay& ray, float t_max,
                           GridCandidates& candidates);
 
+/// The same for a block alone: vertices by axis, [3][25]. Triangles are numbered 2 * (j * 4 + i), + 1.
+using AddBlockOfFloats = void (*)(const float* vertices, const GridRay& ray, float t_max, GridCandidates& candidates);
+
 /// The same for the coarse level.
 void add_quad_candidates(const SubpatchDetail& detail, const GridRay& ray, float t_max, GridCandidates& candidates);
 
@@ -112,6 +115,7 @@ struct GridKernels {
     FindBlocks find_blocks;
     FindNearBlocks find_near_blocks;
     AddBlock add_block;
+    AddBlockOfFloats add_block_of_floats;
 };
 /// The versions for this machine's processor.
 GridKernels grid_kernels();

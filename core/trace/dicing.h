@@ -11,8 +11,6 @@ namespace rayleaf {
 /// The largest distance between facets and surface, whatever the view says: local units, where a shape's half extent is
 /// between 1/2 and 1. Reflections and shadows of what lies off the picture need some shape too.
 inline constexpr double kCoarsestTolerance = 1e-4;
-/// The smallest: single precision gives no more.
-inline constexpr double kFinestTolerance = 0x1p-22;
 
 /// The tolerance of each shape that is diced: the wanted fraction of a pixel at the instance where that is smallest in
 /// local units, at the point of the part's box nearest to the eye.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/cancel.h"
+#include "rays/packet.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -27,12 +28,21 @@ inline void embree_closest(RTCScene scene, EmbreeContext& context, RTCRayHit& ra
     arguments.context = &context;
     rtcIntersect1(scene, &ray, &arguments);
 }
-inline void embree_closest16(const int* valid, RTCScene scene, EmbreeContext& context, RTCRayHit16& rays) {
+inline void embree_closest16(const int* valid, RTCScene scene, EmbreeContext& context, Coherence coherence,
+                             RTCRayHit16& rays) {
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
-    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    arguments.flags = coherence == Coherence::Coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
     arguments.context = &context;
     rtcIntersect16(valid, scene, &rays, &arguments);
+}
+inline void embree_any16(const int* valid, RTCScene scene, EmbreeContext& context, Coherence coherence,
+                         RTCRay16& rays) {
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.flags = coherence == Coherence::Coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    arguments.context = &context;
+    rtcOccluded16(valid, scene, &rays, &arguments);
 }
 inline void embree_any(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
     RTCOccludedArguments arguments;
@@ -49,10 +59,18 @@ inline void initialize(EmbreeContext& context) {
 inline void embree_closest(RTCScene scene, EmbreeContext& context, RTCRayHit& ray) {
     rtcIntersect1(scene, &context, &ray);
 }
-/// `valid`: -1 for rays that are asked, 0 for others. Neighbouring rays.
-inline void embree_closest16(const int* valid, RTCScene scene, EmbreeContext& context, RTCRayHit16& rays) {
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+/// `valid`: -1 for rays that are asked, 0 for others.
+inline void embree_closest16(const int* valid, RTCScene scene, EmbreeContext& context, Coherence coherence,
+                             RTCRayHit16& rays) {
+    context.flags =
+        coherence == Coherence::Coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     rtcIntersect16(valid, scene, &context, &rays);
+}
+inline void embree_any16(const int* valid, RTCScene scene, EmbreeContext& context, Coherence coherence,
+                         RTCRay16& rays) {
+    context.flags =
+        coherence == Coherence::Coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    rtcOccluded16(valid, scene, &context, &rays);
 }
 inline void embree_any(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
     rtcOccluded1(scene, &context, &ray);

@@ -1,31 +1,12 @@
 #include "trace/grid_scene.h"
 
-#include "geometry/patch_surface.h"
-#include "geometry/subdivision_surface.h"
-
 #include <bit>
-
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_reduce.h>
 
 namespace rayleaf {
 namespace {
 
-/// Parts of a subpatch lie this near to its fine facets, in units of what their second differences tell: those are of
-/// neighbouring vertices, between which a second derivative may rise a little.
-constexpr float kPartDistance = 2.0f;
-
 /// What a tube is enlarged by: four times the rounding of its test.
 constexpr float kTubePadding = 0x1p-17f;
-
-Box3f box_of(const GridMeasure& measure, float padding) {
-    Box3f box;
-    for (int axis = 0; axis < 3; ++axis) {
-        box.min[axis] = measure.low[axis] - padding;
-        box.max[axis] = measure.high[axis] + padding;
-    }
-    return box;
-}
 
 /// Whether the line of a float ray misses a tube. The tube is looked at along the ray: its points are moved to the
 /// plane across the ray through its origin. With coordinates up to 1, an origin on the box and a unit direction, each
@@ -55,10 +36,10 @@ bool passes_beside(const SubpatchBounds::Tube& tube, const Vec3f& origin, const 
 
 /// Offers a facet of a subpatch without levels.
 bool offer_fixed_facet(ShapeQuery& query, const FacetId& facet, const FacetCorners& corners) {
-    if (!query.offer(facet, corners)) return false;
-    query.best.area = area_vector(corners);
-    query.best.place = parameters_in_cell(facet.part, query.best.point.u, query.best.point.v);
-    query.best.levels = SubpatchLevels{}.packed();
+    if (!query.facets.offer(facet, corners)) return false;
+    query.best().area = area_vector(corners);
+    query.best().place = parameters_in_cell(facet.part, query.best().point.u, query.best().point.v);
+    query.best().levels = SubpatchLevels{}.packed();
     return true;
 }
 
@@ -72,59 +53,22 @@ SubpatchLevels limited(SubpatchLevels levels, int finest) {
 
 }  // namespace
 
-GridScene::GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, const CancelToken& cancel)
-    : ShapeScene(shape, dicer->format() == VertexFormat::Fixed ? FacetKind::FixedGrids : FacetKind::Grids),
-      dicer_(std::move(dicer)),
+GridScene::GridScene(const Shape& shape, DicedSurface surface, const CancelToken& cancel)
+    : ShapeScene(shape, surface.dicer->format() == VertexFormat::Fixed ? FacetKind::FixedGrids : FacetKind::Grids),
+      dicer_(std::move(surface.dicer)),
       kernels_(grid_kernels()),
-      step_kernels_(step_kernels()) {
+      step_kernels_(step_kernels()),
+      details_(std::move(surface.details)),
+      boxes_(std::move(surface.boxes)) {
     const uint32_t count = dicer_->subpatch_count();
     if (count == 0) return;
-    const Box3f box = measure(cancel);
+    keep_tubes(std::move(surface.tubes));
     in_steps_ = fits_steps();
     step_ = in_steps_ ? step_length(dicer_->step_shift()) : kFixedStep;
     EmbreeScene scene = new_embree_scene(cancel);
     build_embree_scene(scene, new_user_geometry(this, count, {bounds_callback, closest_callback, any_callback}));
-    set_scene(std::move(scene), box);
+    set_scene(std::move(scene), surface.box);
     boxes_ = {};
-}
-
-Box3f GridScene::measure_subpatch(uint32_t subpatch, std::span<SubpatchBounds::Tube> tubes) {
-    const LevelDicer* levels = dicer_->levels();
-    if (!levels) {
-        const SubpatchBounds bounds = dicer_->bounds(subpatch);
-        tubes[subpatch] = bounds.tube;
-        return bounds.box;
-    }
-    GridRows rows;
-    levels->dice_rows(subpatch, rows);
-    const GridMeasure measure = measure_grid(rows);
-    SubpatchDetail& detail = details_[subpatch] = detail_of(rows, measure);
-    return box_of(measure, kBlockPadding + kPartDistance * fine_facet_distance(detail));
-}
-
-/// Fills what is known of each subpatch. The box of all.
-Box3f GridScene::measure(const CancelToken& cancel) {
-    const uint32_t count = dicer_->subpatch_count();
-    const bool has_levels = dicer_->levels() != nullptr;
-    boxes_.resize(count);
-    std::vector<SubpatchBounds::Tube> tubes(has_levels ? 0 : count);
-    if (has_levels) details_.resize(count);
-    Box3f all = tbb::parallel_reduce(
-        tbb::blocked_range<uint32_t>(0, count), Box3f(),
-        [&](const tbb::blocked_range<uint32_t>& range, Box3f box) {
-            for (uint32_t i = range.begin(); i < range.end(); ++i) {
-                cancel.throw_if_cancelled();
-                boxes_[i] = measure_subpatch(i, tubes);
-                box.extendBy(boxes_[i]);
-            }
-            return box;
-        },
-        [](Box3f a, const Box3f& b) {
-            a.extendBy(b);
-            return a;
-        });
-    if (!has_levels) keep_tubes(std::move(tubes));
-    return all;
 }
 
 /// Whether vertices in steps from a subpatch's corner fit 16 bits.
@@ -159,7 +103,7 @@ void GridScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
 }
 
 void GridScene::prepare(ShapeQuery& query) const {
-    const LocalRay& ray = *query.ray;
+    const LocalRay& ray = query.ray();
     if (dicer_->format() == VertexFormat::Fixed)
         query.grid_ray.set_fixed(ray.origin + ray.direction * ray.start, ray.direction, ray.speed, step_);
     if (details_.empty()) return;
@@ -187,14 +131,14 @@ bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_
     bool found = false;
     while (!candidates.empty()) {
         const auto [t, triangle] = candidates.take_nearest();
-        if (found && t > query.ray->float_distance(query.farthest)) break;
+        if (found && t > query.ray().float_distance(query.facets.farthest)) break;
         const SnappedGrid::Facet facet = grid.facet(triangle);
-        if (!query.offer_uncertain({subpatch, triangle}, facet.corners)) continue;
-        query.best.area = area_vector(facet.corners);
+        if (!query.facets.offer_uncertain({subpatch, triangle}, facet.corners)) continue;
+        query.best().area = area_vector(facet.corners);
         const int cells_apart = kGridCells / grid.cells();
-        query.best.place = facet.place(query.best.point.u, query.best.point.v) * cells_apart;
-        query.best.levels = levels.packed();
-        query.best.seen_by = query.levels->seen_by(details_[subpatch]);
+        query.best().place = facet.place(query.best().point.u, query.best().point.v) * cells_apart;
+        query.best().levels = levels.packed();
+        query.best().seen_by = query.levels->seen_by(details_[subpatch]);
         found = true;
     }
     return found;
@@ -218,7 +162,7 @@ bool GridScene::offer_fixed(ShapeQuery& query, uint32_t subpatch, float t_max) c
             if (t > t_max) break;
             const FacetCorners corners = grid.corners(triangle, VertexFormat::Fixed);
             if (!offer_fixed_facet(query, {subpatch, triangle}, corners)) continue;
-            t_max = query.ray->float_distance(query.farthest);
+            t_max = query.ray().float_distance(query.facets.farthest);
             found = true;
         }
     }
@@ -240,7 +184,7 @@ bool GridScene::offer_steps(ShapeQuery& query, uint32_t subpatch, float t_max) c
             const uint32_t triangle = step_triangle(block, static_cast<uint32_t>(std::countr_zero(bits)));
             if (!passes(grid, triangle, query.grid_ray)) continue;
             if (!offer_fixed_facet(query, {subpatch, triangle}, grid.corners(triangle, step_))) continue;
-            t_max = query.ray->float_distance(query.farthest);
+            t_max = query.ray().float_distance(query.facets.farthest);
             found = true;
         }
     }
@@ -273,7 +217,7 @@ struct GridScene::PartSearch {
 
 bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
     if (details_.empty()) {
-        if (!tubes_.empty() && passes_beside(tubes_[subpatch], query.ray->float_origin, query.ray->float_direction))
+        if (!tubes_.empty() && passes_beside(tubes_[subpatch], query.ray().float_origin, query.ray().float_direction))
             return false;
         return in_steps_ ? offer_steps(query, subpatch, t_max) : offer_fixed(query, subpatch, t_max);
     }
@@ -321,9 +265,9 @@ bool GridScene::offer_part(PartSearch& search, const Grid& grid, const GridPart&
     ShapeQuery& query = search.query;
     const SnappedGrid snapped(grid, place, search.whole, search.levels);
     if (!offer_facets(query, snapped, search.subpatch, search.levels, search.t_max)) return false;
-    query.best.facet.part += place.number() * kGridTriangles;
-    query.best.place = (query.best.place + Vec2d(place.u, place.v) * kGridCells) / place.parts_along();
-    search.t_max = query.ray->float_distance(query.farthest);
+    query.best().facet.part += place.number() * kGridTriangles;
+    query.best().place = (query.best().place + Vec2d(place.u, place.v) * kGridCells) / place.parts_along();
+    search.t_max = query.ray().float_distance(query.facets.farthest);
     return true;
 }
 
@@ -332,7 +276,7 @@ void GridScene::closest_callback(const RTCIntersectFunctionNArguments* arguments
     const auto& self = *static_cast<const GridScene*>(arguments->geometryUserPtr);
     ShapeQuery& query = ShapeQuery::of(arguments->context);
     float& t_max = RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0);
-    if (self.visit(query, arguments->primID, t_max)) t_max = query.ray->float_distance(query.farthest);
+    if (self.visit(query, arguments->primID, t_max)) t_max = query.ray().float_distance(query.facets.farthest);
 }
 
 void GridScene::any_callback(const RTCOccludedFunctionNArguments* arguments) {
@@ -376,13 +320,6 @@ LocalHit GridScene::on_facet(const LocalHit& hit) const {
     result.subpatch = place->subpatch;
     result.levels = SubpatchLevels{}.packed();
     return result;
-}
-
-NormalCounters GridScene::limit_normals() const {
-    if (shape().kind() == ShapeKind::SubdivisionSurface)
-        return static_cast<const SubdivisionSurface&>(shape()).limit_normals();
-    if (shape().kind() != ShapeKind::PatchSurface) return {};
-    return static_cast<const PatchSurface&>(shape()).limit_normals();
 }
 
 }  // namespace rayleaf

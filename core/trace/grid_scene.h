@@ -1,10 +1,11 @@
-// A surface that is diced, as Embree's user geometry: one primitive a subpatch, its box that of its vertices at all
-// levels.
+// A surface whose facets go through the geometry cache, as Embree's user geometry: one primitive a subpatch, its box
+// that of its vertices at all levels.
 #pragma once
 
 #include "tessellation/dicer.h"
 #include "tessellation/grid_intersection.h"
 #include "tessellation/step_intersection.h"
+#include "trace/diced_surface.h"
 #include "trace/shape_scene.h"
 
 #include <memory>
@@ -15,14 +16,16 @@ namespace rayleaf {
 
 class GridScene final : public ShapeScene {
   public:
-    GridScene(const Shape& shape, std::unique_ptr<const Dicer> dicer, const CancelToken& cancel);
+    GridScene(const Shape& shape, DicedSurface surface, const CancelToken& cancel);
 
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override;
     uint32_t subpatch_count() const override { return dicer_->subpatch_count(); }
+    uint32_t cached_subpatches() const override { return dicer_->subpatch_count(); }
     /// Double precision decides: rounded as often as in single precision, and a few times more in the test.
     double float_error() const override { return 0x1p-49; }
-    NormalCounters limit_normals() const override;
+    double vertex_error() const override { return kFinestTolerance; }
+    NormalCounters limit_normals() const override { return normal_counters(shape()); }
     uint64_t record_bytes() const override;
 
   private:
@@ -37,8 +40,6 @@ class GridScene final : public ShapeScene {
     std::vector<Box3f> boxes_;  ///< while the scene is built
 
     struct PartSearch;
-    Box3f measure(const CancelToken& cancel);
-    Box3f measure_subpatch(uint32_t subpatch, std::span<SubpatchBounds::Tube> tubes);
     bool fits_steps() const;
     void prepare(ShapeQuery& query) const override;
     void keep_tubes(std::vector<SubpatchBounds::Tube> tubes);

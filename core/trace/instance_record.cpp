@@ -45,9 +45,18 @@ void InstanceRecord::place(const Shape& shape, const Affine3d& object_to_world) 
                         max_abs(local_to_world.translation) < kLargestExtent;
     if (!usable) throw InputError(shape.name(), "object_to_world", "singular or not finite", "a regular matrix");
     const double lengths[3] = {local_to_world.x.length(), local_to_world.y.length(), local_to_world.z.length()};
-    const auto [shortest, longest] = std::minmax({lengths[0], lengths[1], lengths[2]});
+    longest = std::max({lengths[0], lengths[1], lengths[2]});
     shrink = static_cast<float>(1.0 / longest);
-    widening = static_cast<float>(shortest / longest);
+    widening = static_cast<float>(std::min({lengths[0], lengths[1], lengths[2]}) / longest);
+    sum_of_lengths = lengths[0] + lengths[1] + lengths[2];
+    shear = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+        shear += lengths[axis] * Vec3d(to_local_x[axis], to_local_y[axis], to_local_z[axis]).length();
+    // A map that mirrors turns the winding.
+    const double turned = local_to_world.determinant() < 0.0 ? -1.0 : 1.0;
+    normal_x = local_to_world.normal({1, 0, 0}) * turned;
+    normal_y = local_to_world.normal({0, 1, 0}) * turned;
+    normal_z = local_to_world.normal({0, 0, 1}) * turned;
 }
 
 Box3d InstanceRecord::world_box() const {
@@ -66,12 +75,8 @@ double InstanceRecord::start_offset(const Vec3d& position, const Vec3d& normal, 
     const Affine3d& map = local_to_world;
     const double float_error =
         scene->float_error() * Vec3d(map.x.dot(normal), map.y.dot(normal), map.z.dot(normal)).length();
-    const double lengths[3] = {map.x.length(), map.y.length(), map.z.length()};
-    double shear = 0.0;
-    for (int axis = 0; axis < 3; ++axis)
-        shear += lengths[axis] * Vec3d(to_local_x[axis], to_local_y[axis], to_local_z[axis]).length();
     const double world = size + max_abs(position) + max_abs(map.translation);
-    return float_error + kUnit * (shear * world + lengths[0] + lengths[1] + lengths[2]);
+    return float_error + kUnit * (shear * world + sum_of_lengths);
 }
 
 ObjectAnswer InstanceRecord::ask(const Ray& world_ray, const LocalRay& ray, const RayDifferential* differential) const {
@@ -160,10 +165,7 @@ LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
 SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, double size,
                                            const InterpolatedHit* interpolated) const {
     const Affine3d& map = local_to_world;
-    const double turned = side();
-    const auto world_normal = [&](const Vec3f& n) {
-        return Vec3f(normalized_or(map.normal(Vec3d(n)) * turned, Vec3d(n)));
-    };
+    const auto world_normal = [&](const Vec3f& n) { return Vec3f(normalized_or(normal_to_world(Vec3d(n)), Vec3d(n))); };
     LocalSurface local{hit.position, hit.normal};
     if (interpolated) {
         local.uv = interpolated->uv;
@@ -184,22 +186,22 @@ SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, 
     point.dp_du = Vec3f(map.vector(Vec3d(local.dp_du)));
     point.dp_dv = Vec3f(map.vector(Vec3d(local.dp_dv)));
     // Derivative of N = m/|m|, m the mapped normal: (m' - N (N.m')) / |m|.
-    const double length = map.normal(Vec3d(local.normal)).length();
+    const double length = normal_to_world(Vec3d(local.normal)).length();
     const auto normal_derivative = [&](const Vec3f& dn) {
-        const Vec3d change = map.normal(Vec3d(dn)) * turned, n(point.normal);
+        const Vec3d change = normal_to_world(Vec3d(dn)), n(point.normal);
         return length > 0.0 ? Vec3f((change - n * n.dot(change)) / length) : Vec3f(0.0f);
     };
     point.dn_du = normal_derivative(local.dn_du);
     point.dn_dv = normal_derivative(local.dn_dv);
     point.uv = local.uv;
     point.start_offset = start_offset(point.facet_position, Vec3d(point.facet_normal), size);
+    point.facet_error = point.start_offset + scene->vertex_error() * longest;
     // A ray that leaves must not meet the surface beside which the point may lie.
     if (interpolated) {
         point.interpolated = true;
         point.uv_by_u = interpolated->changes.steps[0].uv;
         point.uv_by_v = interpolated->changes.steps[1].uv;
-        point.start_offset += (interpolated->position_error + scene->facet_distance()) *
-                              std::max({map.x.length(), map.y.length(), map.z.length()});
+        point.start_offset += (interpolated->position_error + scene->facet_distance()) * longest;
     }
     return point;
 }

@@ -23,14 +23,19 @@ struct InstanceRecord {
     /// `widening / shrink` times its local one.
     float shrink = 1, widening = 1;
 
+    // Of the map, for each hit:
+    Vec3d normal_x{1, 0, 0}, normal_y{0, 1, 0}, normal_z{0, 0, 1};  ///< images of normals, turned outwards; not unit
+    double longest = 1;                                             ///< what a local unit becomes at most
+    double sum_of_lengths = 3;                                      ///< of the axes' images
+    double shear = 3;                                               ///< see start_offset()
+
     /// Sets the maps. Throws InputError if they are singular.
     void place(const Shape& shape, const Affine3d& object_to_world);
 
     Vec3d vector_to_local(const Vec3d& v) const { return to_local_x * v.x + to_local_y * v.y + to_local_z * v.z; }
     /// The translation is subtracted first: that rounds nothing where it matters, close to a far object.
     Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }
-    /// +1, or -1 where the map mirrors and so turns the winding.
-    double side() const { return local_to_world.determinant() < 0.0 ? -1.0 : 1.0; }
+    Vec3d normal_to_world(const Vec3d& n) const { return normal_x * n.x + normal_y * n.y + normal_z * n.z; }
     Box3d world_box() const;
 
     /// How far from a facet a ray must start so that rounding cannot put it on the other side, world units. `size` is

@@ -7,43 +7,97 @@
 #include "tessellation/swept_dicer.h"
 #include "trace/embree_strand_scene.h"
 #include "trace/grid_scene.h"
+#include "trace/resident_scene.h"
 #include "trace/strand_scene.h"
 #include "trace/triangle_scene.h"
+
+#include <algorithm>
+#include <numeric>
 
 namespace rayleaf {
 namespace {
 
-std::unique_ptr<ShapeScene> make_patch_scene(const PatchSurface& surface, const FacetTolerance& tolerance,
-                                             const CancelToken& cancel) {
-    auto scene = std::make_unique<GridScene>(surface, std::make_unique<PatchDicer>(surface, tolerance), cancel);
+/// What Embree's tree takes for each primitive, bytes, about.
+constexpr uint64_t kTreeBytes = 80;
+
+std::unique_ptr<const Dicer> dicer_of(const Shape& shape, const FacetTolerance& tolerance) {
+    switch (shape.kind()) {
+        case ShapeKind::PatchSurface:
+            return std::make_unique<PatchDicer>(static_cast<const PatchSurface&>(shape), tolerance);
+        case ShapeKind::SweptSurface:
+            return std::make_unique<SweptDicer>(static_cast<const SweptSurface&>(shape), tolerance);
+        case ShapeKind::DisplacedSurface:
+            return std::make_unique<DisplacedDicer>(static_cast<const DisplacedSurface&>(shape), tolerance);
+        case ShapeKind::SubdivisionSurface:
+            return std::make_unique<SubdivisionDicer>(static_cast<const SubdivisionSurface&>(shape), tolerance);
+        case ShapeKind::TriangleMesh:
+        case ShapeKind::Strands:
+            break;
+    }
+    return nullptr;
+}
+
+double facet_distance_of(const Shape& shape, const FacetTolerance& tolerance) {
+    if (shape.kind() != ShapeKind::PatchSurface) return 0.0;
+    const auto& surface = static_cast<const PatchSurface&>(shape);
     double distance = 0.0;
     for (uint32_t patch = 0; patch < surface.element_count(); ++patch)
         distance = std::max(distance, tolerance(hull_bounds(surface.patch(patch))));
-    scene->set_facet_distance(distance);
-    return scene;
+    return distance;
+}
+
+std::unique_ptr<ShapeScene> make_plain_scene(const Shape& shape, const CancelToken& cancel) {
+    if (shape.kind() == ShapeKind::TriangleMesh)
+        return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape), cancel);
+    const auto& strands = static_cast<const Strands&>(shape);
+    if (strands.form() == StrandForm::EmbreeRound) return std::make_unique<EmbreeStrandScene>(strands, cancel);
+    return std::make_unique<StrandScene>(strands, cancel);
 }
 
 }  // namespace
 
-std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {
+uint64_t ShapePlan::resident_bytes() const {
+    return blocks ? blocks->block_count() * (sizeof(FacetBlock) + kTreeBytes) : 0;
+}
+
+ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {
     cancel.throw_if_cancelled();
-    if (shape.kind() == ShapeKind::TriangleMesh)
-        return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape), cancel);
-    if (shape.kind() == ShapeKind::Strands) {
-        const auto& strands = static_cast<const Strands&>(shape);
-        if (strands.form() == StrandForm::EmbreeRound) return std::make_unique<EmbreeStrandScene>(strands, cancel);
-        return std::make_unique<StrandScene>(strands, cancel);
-    }
-    if (shape.kind() == ShapeKind::PatchSurface)
-        return make_patch_scene(static_cast<const PatchSurface&>(shape), tolerance, cancel);
-    std::unique_ptr<const Dicer> dicer;
-    if (shape.kind() == ShapeKind::SweptSurface)
-        dicer = std::make_unique<SweptDicer>(static_cast<const SweptSurface&>(shape), tolerance);
-    else if (shape.kind() == ShapeKind::DisplacedSurface)
-        dicer = std::make_unique<DisplacedDicer>(static_cast<const DisplacedSurface&>(shape), tolerance);
+    ShapePlan plan;
+    plan.shape = &shape;
+    std::unique_ptr<const Dicer> dicer = dicer_of(shape, tolerance);
+    if (!dicer) return plan;
+    plan.surface.emplace(std::move(dicer), cancel);
+    plan.blocks.emplace(*plan.surface->dicer, plan.surface->details, tolerance);
+    plan.facet_distance = facet_distance_of(shape, tolerance);
+    return plan;
+}
+
+std::unique_ptr<ShapeScene> make_scene(ShapePlan plan, Residence residence, const CancelToken& cancel) {
+    cancel.throw_if_cancelled();
+    if (!plan.surface) return make_plain_scene(*plan.shape, cancel);
+    std::unique_ptr<ShapeScene> scene;
+    if (residence == Residence::Resident)
+        scene = std::make_unique<ResidentScene>(*plan.shape, std::move(*plan.surface), std::move(*plan.blocks), cancel);
     else
-        dicer = std::make_unique<SubdivisionDicer>(static_cast<const SubdivisionSurface&>(shape), tolerance);
-    return std::make_unique<GridScene>(shape, std::move(dicer), cancel);
+        scene = std::make_unique<GridScene>(*plan.shape, std::move(*plan.surface), cancel);
+    scene->set_facet_distance(plan.facet_distance);
+    return scene;
+}
+
+std::vector<Residence> choose_residents(std::span<const ShapePlan> plans, std::span<const uint32_t> instances,
+                                        uint64_t budget) {
+    std::vector<size_t> order(plans.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    const auto cost = [&](size_t i) { return static_cast<double>(plans[i].resident_bytes()) / instances[i]; };
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return cost(a) < cost(b); });
+    std::vector<Residence> chosen(plans.size(), Residence::Cached);
+    for (const size_t i : order) {
+        const uint64_t bytes = plans[i].resident_bytes();
+        if (bytes > budget) continue;
+        budget -= bytes;
+        chosen[i] = Residence::Resident;
+    }
+    return chosen;
 }
 
 }  // namespace rayleaf

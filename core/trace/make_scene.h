@@ -1,14 +1,35 @@
 // The way each kind of shape is traced.
 #pragma once
 
-#include "tessellation/split_plan.h"
+#include "tessellation/facet_blocks.h"
+#include "trace/diced_surface.h"
 #include "trace/shape_scene.h"
 
 #include <memory>
+#include <optional>
 
 namespace rayleaf {
 
-/// Builds what a shape is traced by; the tolerance is for shapes that are diced.
-std::unique_ptr<ShapeScene> make_scene(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel);
+/// Whether a diced shape's facets stay in memory or go through the geometry cache.
+enum class Residence : uint8_t { Resident, Cached };
+
+/// A shape that has been measured but not yet built.
+struct ShapePlan {
+    const Shape* shape = nullptr;
+    std::optional<DicedSurface> surface;  ///< of shapes that are diced
+    std::optional<FacetBlocks> blocks;    ///< its facets as they would be resident
+    double facet_distance = 0;            ///< ShapeScene's
+
+    /// What a resident shape takes beyond a cached one; 0 for shapes that are not diced.
+    uint64_t resident_bytes() const;
+};
+/// The tolerance is for shapes that are diced. Throws Cancelled soon after `cancel` says so.
+ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel);
+std::unique_ptr<ShapeScene> make_scene(ShapePlan plan, Residence residence, const CancelToken& cancel);
+
+/// Which of the shapes stay in memory: those whose facets cost the least for each instance, as long as the budget
+/// lasts.
+std::vector<Residence> choose_residents(std::span<const ShapePlan> plans, std::span<const uint32_t> instances,
+                                        uint64_t budget);
 
 }  // namespace rayleaf

@@ -246,7 +246,7 @@ void RivalScene::closest16(const std::array<RivalRay, kPacketSize>& rays, std::a
     }
     EmbreeContext context;
     initialize(context);
-    embree_closest16(valid, scene_.get(), context, query);
+    embree_closest16(valid, scene_.get(), context, Coherence::Coherent, query);
     for (int i = 0; i < kPacketSize; ++i) {
         if (!active[i]) continue;
         active[i] = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "geometry/patch_surface.h"
+#include "rays/packet.h"
 #include "trace/bicubic.h"
 #include "trace/embree.h"
 
@@ -21,7 +22,6 @@ namespace rayleaf {
 
 enum class RivalMethod : uint8_t { Triangles, Newton };
 
-inline constexpr int kPacketSize = 16;
 /// Newton: iterations before a box counts as missed, and how near the surface must be to the ray, scene units.
 inline constexpr int kMostNewtonSteps = 8;
 inline constexpr float kNewtonTolerance = 1e-6f;

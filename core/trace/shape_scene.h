@@ -10,12 +10,15 @@
 #include "geometry/facet.h"
 #include "geometry/shape.h"
 #include "rays/hit.h"
+#include "rays/packet.h"
 #include "splines/limit_normal.h"
 #include "tessellation/geometry_cache.h"
 #include "tessellation/grid_intersection.h"
+#include "tessellation/packet_intersection.h"
 #include "trace/embree.h"
 #include "trace/local_ray.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -42,32 +45,19 @@ struct ShapeHit {
 };
 
 /// What a shape's facets are held in.
-enum class FacetKind : uint8_t { Triangles, Grids, FixedGrids, Strands };
+enum class FacetKind : uint8_t { Triangles, Grids, FixedGrids, Resident, Strands };
 
-/// A query in one shape, as Embree's callbacks find it: the context is the first member.
-struct ShapeQuery {
-    EmbreeContext context;
+/// The best hit so far of one ray in one shape, and what it takes to find a nearer one.
+struct FacetQuery {
     const LocalRay* ray = nullptr;
-    GridRay grid_ray;                    ///< set for grids only
-    std::optional<LevelChooser> levels;  ///< set where the shape has levels
-    const GeometryCache::Reader* reader = nullptr;
-    ShapeHit& best;
+    ShapeHit* best = nullptr;
     double farthest = 0;  ///< t of the best hit, or the ray's t_max
     bool found = false;
     std::optional<FacetRay> facet_ray;  ///< once there was something to test
 
+    FacetQuery() = default;
     /// The best hit is found in `hit`.
-    ShapeQuery(const LocalRay& local, FacetKind kind, const GeometryCache::Reader* cache, ShapeHit& hit)
-        : ray(&local),
-          grid_ray(kind == FacetKind::Grids || kind == FacetKind::FixedGrids
-                       ? GridRay(local.float_origin, local.float_direction)
-                       : GridRay()),
-          reader(cache),
-          best(hit),
-          farthest(local.t_max) {
-        initialize(context);
-    }
-    static ShapeQuery& of(EmbreeContext* context) { return *reinterpret_cast<ShapeQuery*>(context); }
+    FacetQuery(const LocalRay& local, ShapeHit& hit) : ray(&local), best(&hit), farthest(local.t_max) {}
 
     /// Takes the facet if its exact hit is the nearest so far.
     bool offer(const FacetId& facet, const FacetCorners& corners) {
@@ -82,14 +72,78 @@ struct ShapeQuery {
     /// Takes a hit if it is the nearest so far.
     bool take(const FacetId& facet, const std::optional<FacetHit>& hit) {
         if (!hit || !(hit->t >= ray->t_min && hit->t <= farthest)) return false;
-        if (found && hit->t == best.point.t && best.facet < facet) return false;
-        best.facet = facet;
-        best.point = *hit;
+        if (found && hit->t == best->point.t && best->facet < facet) return false;
+        best->facet = facet;
+        best->point = *hit;
         farthest = hit->t;
         found = true;
         return true;
     }
 };
+
+/// A query in one shape, as Embree's callbacks find it: the context is the first member.
+struct ShapeQuery {
+    EmbreeContext context;
+    FacetQuery facets;
+    GridRay grid_ray;                    ///< set for grids only
+    std::optional<LevelChooser> levels;  ///< set where the shape has levels
+    const GeometryCache::Reader* reader = nullptr;
+
+    /// The best hit is found in `hit`.
+    ShapeQuery(const LocalRay& local, FacetKind kind, const GeometryCache::Reader* cache, ShapeHit& hit)
+        : facets(local, hit),
+          grid_ray(kind == FacetKind::Triangles || kind == FacetKind::Strands
+                       ? GridRay()
+                       : GridRay(local.float_origin, local.float_direction)),
+          reader(cache) {
+        initialize(context);
+    }
+    static ShapeQuery& of(EmbreeContext* context) { return *reinterpret_cast<ShapeQuery*>(context); }
+    const LocalRay& ray() const { return *facets.ray; }
+    ShapeHit& best() { return *facets.best; }
+};
+
+/// Up to sixteen rays in one shape, as Embree's callbacks find them: the context is the first member. Callbacks know
+/// them from a single ray by their number, N.
+struct PacketQuery {
+    EmbreeContext context;
+    Coherence coherence;
+    uint32_t lanes = 0;  ///< those that are asked, a bit each
+    std::array<FacetQuery, kPacketSize> facets;
+    RayPacket rays;                                         ///< set for shapes of blocks
+    std::array<std::optional<GridRay>, kPacketSize> alone;  ///< of lanes that met a block with few others
+
+    explicit PacketQuery(Coherence alike) : coherence(alike) { initialize(context); }
+    static PacketQuery& of(EmbreeContext* context) { return *reinterpret_cast<PacketQuery*>(context); }
+    /// For a shape that is asked next.
+    void clear() { lanes = 0; }
+    void add(size_t lane, const LocalRay& local, ShapeHit& hit) {
+        FacetQuery& query = facets[lane];
+        query.ray = &local;
+        query.best = &hit;
+        query.farthest = local.t_max;
+        query.found = false;
+        query.facet_ray.reset();
+        alone[lane].reset();
+        lanes |= 1u << lane;
+    }
+};
+
+/// Calls `visit` with the number of each bit.
+template <typename Visit>
+void for_each_lane(uint32_t lanes, const Visit& visit) {
+    for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<size_t>(__builtin_ctz(lanes)));
+}
+
+/// The lanes that Embree's callbacks ask, a bit each. `valid`: -1 for those, 0 for others.
+inline uint32_t lanes_of(const int* valid, unsigned count) {
+    uint32_t lanes = 0;
+    for (unsigned lane = 0; lane < count; ++lane) lanes |= (static_cast<uint32_t>(valid[lane]) & 1u) << lane;
+    return lanes;
+}
+
+/// How often hits on a shape needed a limit normal; of shapes that count that.
+NormalCounters normal_counters(const Shape& shape);
 
 class ShapeScene {
   public:
@@ -104,6 +158,11 @@ class ShapeScene {
     /// Sets `hit` if there is one.
     virtual bool closest(const LocalRay& ray, ShapeHit& hit) const;
     virtual bool occluded(const LocalRay& ray) const;
+    /// Whether the shape can be asked by packets.
+    bool takes_packets() const { return kind_ == FacetKind::Triangles || kind_ == FacetKind::Resident; }
+    /// The same for a packet: `found` tells of each lane. Of occluded, any hit will do.
+    void closest(PacketQuery& packet) const;
+    void occluded(PacketQuery& packet) const;
 
     virtual LocalHit local_hit(const ShapeHit& hit) const = 0;
     /// A point of an element as if a ray had hit its facet there.
@@ -111,6 +170,8 @@ class ShapeScene {
     /// How far a float ray may lie beside the true one, local units: coordinates up to 1 are rounded once in its origin
     /// and once against each vertex, on three axes. Less for facets that single precision only finds.
     virtual double float_error() const { return 0x1p-21; }
+    /// How far rounding may put a facet's corner beside the surface, local units; 0 where facets are the surface.
+    virtual double vertex_error() const { return 0.0; }
     /// How far the finest facets may lie beside the surface, local units; 0 where facets are the surface. Known of
     /// patches, the shapes on which points are found without a facet.
     double facet_distance() const { return facet_distance_; }
@@ -118,7 +179,11 @@ class ShapeScene {
     virtual uint64_t triangle_count() const { return 0; }
     virtual uint64_t strand_pieces() const { return 0; }
     virtual uint32_t subpatch_count() const { return 0; }
-    /// What is held beside Embree's tree and the grids.
+    /// Those whose grids the geometry cache holds.
+    virtual uint32_t cached_subpatches() const { return 0; }
+    /// Of facets that stay in memory; 0 where there are none.
+    virtual uint64_t facet_bytes() const { return 0; }
+    /// What is held beside Embree's tree, the grids and the facets.
     virtual uint64_t record_bytes() const { return 0; }
     /// Whether it matters how wide rays are.
     bool has_levels() const { return kind_ == FacetKind::Grids; }

@@ -10,6 +10,7 @@
 #include "geometry/shape.h"
 #include "geometry/surface_point.h"
 #include "rays/hit.h"
+#include "rays/packet.h"
 #include "rays/ray.h"
 #include "splines/limit_normal.h"
 #include "tessellation/geometry_cache.h"
@@ -18,6 +19,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace rayleaf {
@@ -49,7 +51,9 @@ struct DicingView {
 
 struct TraceStatistics {
     uint64_t subpatches = 0, bvh_bytes = 0, triangles = 0, instances = 0, shapes = 0;
-    uint64_t record_bytes = 0;         ///< what is held for each subpatch beside the tree and the grids
+    uint64_t record_bytes = 0;         ///< what is held for each subpatch beside the tree, the grids and the facets
+    uint64_t resident_shapes = 0;      ///< diced shapes whose facets stay in memory
+    uint64_t facet_bytes = 0;          ///< of those facets
     GeometryCacheStatistics geometry;  ///< all zero without patches
     NormalCounters limit_normals;      ///< of hits on patches where the surface has no normal of its own, by stage
 };
@@ -58,6 +62,13 @@ struct TraceStatistics {
 struct ClosestHit {
     std::optional<Hit> hit;
     RayAnswer answer = RayAnswer::NotAsked;  ///< the hit's; without one, of the objects that were asked
+};
+
+/// A ray of a packet.
+struct RayQuery {
+    const Ray* ray = nullptr;
+    Visibility kind = kVisibleAll;
+    const RayDifferential* differential = nullptr;  ///< as of Tracer::closest
 };
 
 class Tracer {
@@ -79,12 +90,16 @@ class Tracer {
     std::optional<Hit> closest_hit(const Ray& ray, Visibility kind) const;
     /// With `differential`, the ray's, an interpolated hit knows how it changes.
     ClosestHit closest(const Ray& ray, Visibility kind, const RayDifferential* differential = nullptr) const;
+    /// The same for up to kPacketSize rays at once: the same bits, in less time. `results` has one for each ray.
+    void closest(std::span<const RayQuery> rays, Coherence coherence, ClosestHit* results) const;
     /// The nearest hit on one instance, by tracing alone.
     std::optional<Hit> closest_on(uint32_t instance, const Ray& ray) const;
     /// How much of [t_min, t_max] lies inside an instance, world units, whoever sees it.
     LengthAnswer length_inside(uint32_t instance, const Ray& ray) const;
     /// Whether anything lies in [t_min, t_max].
     bool occluded(const Ray& ray, Visibility kind) const;
+    /// The same for up to kPacketSize rays at once, a bit each.
+    uint32_t occluded(std::span<const RayQuery> rays, Coherence coherence) const;
     /// Everything about a hit that shading needs, in world space.
     SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
     /// The same for a point chosen on an element of an instance, for emitting surfaces. `t` is 0.

@@ -7,30 +7,38 @@ const TriangleMesh& mesh_of(const RTCFilterFunctionNArguments* arguments) {
     return *static_cast<const TriangleMesh*>(arguments->geometryUserPtr);
 }
 
-bool offer(const RTCFilterFunctionNArguments* arguments) {
-    ShapeQuery& query = ShapeQuery::of(arguments->context);
+bool offer(const RTCFilterFunctionNArguments* arguments, unsigned lane, FacetQuery& query) {
     const TriangleMesh& mesh = mesh_of(arguments);
-    uint32_t triangle = RTCHitN_primID(arguments->hit, arguments->N, 0);
+    uint32_t triangle = RTCHitN_primID(arguments->hit, arguments->N, lane);
     if (mesh.layout() == FacetLayout::Quads) {
         RTCHitN* hit = arguments->hit;
-        const bool is_second = RTCHitN_u(hit, arguments->N, 0) + RTCHitN_v(hit, arguments->N, 0) > 1.0f;
+        const bool is_second = RTCHitN_u(hit, arguments->N, lane) + RTCHitN_v(hit, arguments->N, lane) > 1.0f;
         triangle = 2 * triangle + (is_second ? 1 : 0);
     }
     return query.offer({triangle, 0}, mesh.corners(triangle));
 }
 
+/// The query of a lane: of a packet, or of a single ray.
+FacetQuery& query_of(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
+    return arguments->N == 1 ? ShapeQuery::of(arguments->context).facets
+                             : PacketQuery::of(arguments->context).facets[lane];
+}
+
 void filter_closest(const RTCFilterFunctionNArguments* arguments) {
-    if (arguments->valid[0] == 0) return;
-    if (offer(arguments)) {
-        const ShapeQuery& query = ShapeQuery::of(arguments->context);
-        RTCRayN_tfar(arguments->ray, arguments->N, 0) = query.ray->float_distance(query.farthest);
-    } else {
-        arguments->valid[0] = 0;
+    for (unsigned lane = 0; lane < arguments->N; ++lane) {
+        if (arguments->valid[lane] == 0) continue;
+        FacetQuery& query = query_of(arguments, lane);
+        if (offer(arguments, lane, query))
+            RTCRayN_tfar(arguments->ray, arguments->N, lane) = query.ray->float_distance(query.farthest);
+        else
+            arguments->valid[lane] = 0;
     }
 }
 
 void filter_any(const RTCFilterFunctionNArguments* arguments) {
-    if (arguments->valid[0] != 0 && !offer(arguments)) arguments->valid[0] = 0;
+    for (unsigned lane = 0; lane < arguments->N; ++lane)
+        if (arguments->valid[lane] != 0 && !offer(arguments, lane, query_of(arguments, lane)))
+            arguments->valid[lane] = 0;
 }
 
 void set_triangles(RTCGeometry geometry, const TriangleMesh& mesh) {

@@ -494,6 +494,7 @@ class Settings:
     seed: int
     threads: int
     tile_size: int
+    stream_paths: int
     max_bounces: int
     diffuse_bounces: int
     glossy_bounces: int
@@ -515,6 +516,7 @@ class Settings:
     indirect: str
     irradiance_cache: bool
     irradiance_error: float
+    resident_megabytes: float
     geometry_cache_megabytes: float
     tessellation_factor: float
     geometry_cache_mode: str

@@ -130,6 +130,14 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         name="Width", description="Full width of the filter, in pixels", default=1.5, min=0.01, max=10.0
     )
 
+    facet_memory: FloatProperty(  # type: ignore
+        name="Memory (MB)",
+        description="Memory for tessellated surfaces that stay, in megabytes. What does not fit goes through the cache,"
+        " which is slower. -1: a quarter of the machine's memory",
+        default=-1.0,
+        min=-1.0,
+        soft_max=65536.0,
+    )
     geometry_cache_size: FloatProperty(  # type: ignore
         name="Cache Size (MB)",
         description="Memory for tessellated surfaces, in megabytes; the picture is the same for any",

@@ -48,6 +48,7 @@ def core_settings(
         irradiance_cache=own.use_irradiance_cache,
         irradiance_error=own.irradiance_error,
         occlusion_distance=own.occlusion_distance,
+        resident_megabytes=own.facet_memory,
         geometry_cache_megabytes=own.geometry_cache_size,
         tessellation_factor=own.tessellation_factor,
         stochastic_levels=own.use_stochastic_levels,

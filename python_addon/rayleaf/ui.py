@@ -206,6 +206,7 @@ class RAYLEAF_PT_tessellation(_Panel, bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         column, settings = self._column(), context.scene.rayleaf
+        column.prop(settings, "facet_memory")
         column.prop(settings, "geometry_cache_mode")
         size = column.row()
         size.active = settings.geometry_cache_mode != "NONE"

@@ -137,7 +137,7 @@ def test_what_is_added_brings_its_own_subsystem_and_no_other(core, add):
     add(core, scene)
     statistics = statistics_of(core, scene)
     assert UNNEEDED - left_out(statistics) == ADDED[add]
-    assert (statistics["memory"]["grids"] > 0) == ("tessellation" in ADDED[add])
+    assert (statistics["memory"]["facets"] > 0) == ("tessellation" in ADDED[add])
 
 
 def test_a_scene_without_lamps_samples_none(core):
@@ -225,7 +225,7 @@ def test_a_scene_of_diffuse_meshes_calls_no_function_of_splines_trees_or_texture
     lines = [line for line in listed.stdout.splitlines() if "rayleaf::" in line]
     called = {line[line.index("rayleaf::") :].split(" [")[0] for line in lines}
     assert "rayleaf::Session::render()" in called, "callgrind saw nothing of the core"
-    assert called & defined_functions(objects / "integrators" / "path.cpp.o"), "names are written in two ways"
+    assert called & defined_functions(objects / "integrators" / "path_tracer.cpp.o"), "names are written in two ways"
     unwanted = {}
     for path in sorted(objects.rglob("*.o")):
         place = str(path.relative_to(objects))

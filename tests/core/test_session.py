@@ -123,7 +123,7 @@ def test_statistics_name_what_was_left_out(core):
     session.render()
     statistics = session.statistics()
     assert {"texture system", "light sampling", "tessellation", "pass Depth"} <= set(statistics["left_out"])
-    assert statistics["memory"]["grids"] == 0 and statistics["lights"] == 0
+    assert statistics["memory"]["facets"] == statistics["memory"]["grids"] == 0 and statistics["lights"] == 0
 
 
 def test_statistics_count_the_normals_at_a_pole(core):

@@ -124,7 +124,7 @@ class Rendered:
 
 
 def _memory(statistics: dict[str, Any]) -> int:
-    return sum(statistics["memory"][name] for name in ("shapes", "grids", "subpatches", "acceleration"))
+    return sum(statistics["memory"][name] for name in ("shapes", "facets", "grids", "subpatches", "acceleration"))
 
 
 def rendered(name: str, make: Callable[[], Any] | None, width: int, samples: int, repeats: int) -> Rendered:

@@ -1,15 +1,11 @@
-#include "integrators/path.h"
+#include "integrators/path_tracer.h"
 
 #include "integrators/ambient_occlusion.h"
-#include "integrators/bounces.h"
-#include "integrators/contributions.h"
-#include "integrators/dimensions.h"
 #include "integrators/first_surface.h"
 #include "integrators/glass_path.h"
 #include "integrators/ray_passes.h"
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
-#include "integrators/vertex.h"
 #include "integrators/volumes.h"
 
 namespace rayleaf {
@@ -18,135 +14,73 @@ namespace {
 /// The least probability of going on: bounds what a surviving path is multiplied by.
 constexpr float kLeastSurvival = 0.05f;
 
-/// How the ray under way came about: what light sampling would have done instead.
-struct Departure {
-    Vec3d position{0, 0, 0};  ///< where lights were sampled
-    float density = 0;        ///< with which scattering chose the direction; 0: no light sampling could have
-
-    float weight(float light_density) const {
-        return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_density) : 1.0f;
-    }
-};
-
-class PathTracer {
-  public:
-    PathTracer(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray, const Sampler& sampler,
-               RayCounts& counts)
-        : scene_(scene),
-          settings_(settings),
-          sampler_(sampler),
-          counts_(counts),
-          ray_(camera_ray.ray),
-          differential_(camera_ray.differential),
-          departure_{camera_ray.ray.origin},
-          bounces_(settings),
-          light_(settings) {}
-
-    PixelSample trace();
-
-  private:
-    const Scene& scene_;
-    const PathSettings& settings_;
-    const Sampler& sampler_;
-    RayCounts& counts_;
-    Ray ray_;
-    RayDifferential differential_;
-    Departure departure_;
-    Color throughput_{1, 1, 1};
-    Bounces bounces_;
-    Contributions light_;
-    ByKind first_shares_;  ///< of the first scattering
-    float alpha_ = 1;
-    bool surface_recorded_ = false;
-    int vertex_ = 0;
-    RayUse use_ = RayUse::Camera;     ///< of the ray under way
-    std::optional<Hit> hit_;          ///< of the vertex
-    uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
-    static constexpr uint32_t kNowhere = RayAnchor::kNone;
-
-    float importance() const { return max_component(throughput_); }
-    RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
-    void find_hit();
-    void pass_volumes();
-    float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
-
-    /// Whether a surface that scatters no more can still matter.
-    bool may_shine_or_let_through(const Hit& hit) const {
-        const Program& program = *scene_.material(hit.instance, hit.local).surface;
-        return program.emits() || program.may_be_transparent();
-    }
-    /// With which footprint to look up textures. Light sampling looks at points: where it might have found the same
-    /// emission, both must see it alike, or their weights would not add up to one.
-    RayDifferential footprint_on(const Hit& hit, const RayDifferential& differential) const {
-        const bool sampled = departure_.density > 0.0f && scene_.material(hit.instance, hit.local).surface->emits();
-        return sampled ? RayDifferential{} : differential;
-    }
-    /// Records light that the ray under way met, before the path's throughput; `seen` is its pass where the camera sees
-    /// it.
-    void add(const Color& radiance, Pass seen);
-    void add_lamps(double t_max);
-    void add_world();
-    void add_emission(const Vertex& vertex);
-    void add_direct_light(const Vertex& vertex);
-    void record_surface(const Vertex& vertex);
-
-    /// True if the path goes on past the surface.
-    bool leave(const Vertex& vertex);
-    bool pass_through(const Vertex& vertex, float probability);
-    bool scatter(const Vertex& vertex);
-    bool cross_glass(const GlassBody& body, const Vertex& vertex);
-    bool cross_inside(LobeKind kind, const Color& factor);
-    bool survives_roulette();
-    float straight_probability(const Closures& closures) const;
-};
+}  // namespace
 
 PixelSample PathTracer::trace() {
-    for (;; ++vertex_) {
-        find_hit();
-        const std::optional<Hit>& hit = hit_;
-        pass_volumes();
-        add_lamps(hit ? hit->t : std::numeric_limits<double>::infinity());
-        if (!hit) {
-            add_world();
-            break;
-        }
-        if (bounces_.is_last() && !may_shine_or_let_through(*hit)) break;
-        Vertex vertex;
-        vertex.point = scene_.tracer().surface_point(ray_, *hit);
-        const Vec3f direction(ray_.direction);
-        vertex.outgoing = -direction;
-        vertex.differential = differential_.transferred(direction, hit->t, vertex.point.facet_normal);
-        if (hit->is_interpolated()) {
-            vertex.point.dp_du = vertex.differential.dp_dx;
-            vertex.point.dp_dv = vertex.differential.dp_dy;
-        }
-        scene_.shade(vertex.point, vertex.outgoing, footprint_on(*hit, vertex.differential), bounces_.at(hit->t),
-                     vertex.closures);
-        if (bounces_.count() == 0) record_surface(vertex);
-        add_emission(vertex);
-        if (bounces_.is_spent()) break;
-        if (!bounces_.is_last()) add_direct_light(vertex);
-        if (!leave(vertex)) break;
+    for (bool goes_on = true; goes_on;) {
+        const RayQuery query = next_ray();
+        goes_on = arrive(scene_.tracer().closest(*query.ray, query.kind, query.differential));
+        if (!light_ray_) continue;
+        const LightRay& to_light = *light_ray_;
+        receive(free_share(scene_, to_light.ray, to_light.differential, to_light.kind, to_light.state,
+                           to_light.transparent_left, to_light.widening));
     }
+    return finish();
+}
+
+RayQuery PathTracer::next_ray() {
+    ++counts_[use_];
+    ray_ = with_width(ray_, differential_, widening());
+    return {&ray_, bounces_.ray_kind(), scene_.needs_differentials() ? &differential_ : nullptr};
+}
+
+bool PathTracer::arrive(const ClosestHit& found) {
+    take_hit(found);
+    pass_volumes();
+    add_lamps(hit_ ? hit_->t : std::numeric_limits<double>::infinity());
+    const bool goes_on = hit_ && shade(*hit_);
+    if (!hit_) add_world();
+    ++vertex_;
+    return goes_on;
+}
+
+/// The vertex at a hit; false if the path ends there.
+bool PathTracer::shade(const Hit& hit) {
+    if (bounces_.is_last() && !may_shine_or_let_through(hit)) return false;
+    Vertex vertex;
+    vertex.point = scene_.tracer().surface_point(ray_, hit);
+    const Vec3f direction(ray_.direction);
+    vertex.outgoing = -direction;
+    vertex.differential = differential_.transferred(direction, hit.t, vertex.point.facet_normal);
+    if (hit.is_interpolated()) {
+        vertex.point.dp_du = vertex.differential.dp_dx;
+        vertex.point.dp_dv = vertex.differential.dp_dy;
+    }
+    scene_.shade(vertex.point, vertex.outgoing, footprint_on(hit, vertex.differential), bounces_.at(hit.t),
+                 vertex.closures);
+    if (bounces_.count() == 0) record_surface(vertex);
+    add_emission(vertex);
+    if (bounces_.is_spent()) return false;
+    if (!bounces_.is_last()) add_direct_light(vertex);
+    return leave(vertex);
+}
+
+PixelSample PathTracer::finish() {
     if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
     light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
     return light_.sample;
 }
 
-/// What the ray under way meets. One that has left a glass body cannot meet it from inside, unless the point where it
-/// was said to leave lay a little inside: then that surface is not there.
-void PathTracer::find_hit() {
-    ++counts_[use_];
-    ray_ = with_width(ray_, differential_, widening());
+/// A ray that has left a glass body cannot meet it from inside, unless the point where it was said to leave lay a
+/// little inside: then that surface is not there, and what lies behind counts.
+void PathTracer::take_hit(ClosestHit found) {
     constexpr int kMostSurfaces = 4;
-    const RayDifferential* differential = scene_.needs_differentials() ? &differential_ : nullptr;
-    ClosestHit found;
-    for (int i = 0; i < kMostSurfaces; ++i) {
-        found = scene_.tracer().closest(ray_, bounces_.ray_kind(), differential);
-        if (!found.hit || found.hit->instance != outside_of_) break;
+    for (int i = 1; i < kMostSurfaces && found.hit && found.hit->instance == outside_of_; ++i) {
         const SurfacePoint point = scene_.tracer().surface_point(ray_, *found.hit);
         if (point.facet_normal.dot(Vec3f(ray_.direction)) <= 0.0f) break;
         ray_.t_min = found.hit->t + point.start_offset;
+        found =
+            scene_.tracer().closest(ray_, bounces_.ray_kind(), scene_.needs_differentials() ? &differential_ : nullptr);
     }
     hit_ = found.hit;
     if (vertex_ > 0 || !settings_.ray_passes) return;
@@ -218,14 +152,29 @@ void PathTracer::add_direct_light(const Vertex& vertex) {
     const Color arriving = throughput_ * lit.value * (light->radiance / light->density) * weight;
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
-    const RayDifferential differential = shadow_differential(vertex.differential, *light, kPathSiblings);
-    const Color free = shadow_transmittance(scene_, vertex.point, *light, differential, bounces_,
-                                            settings_.widening(importance(), false));
-    if (is_black(free)) return;
-    if (first)
-        light_.add_first(arriving * free, lit.shares);
-    else
-        light_.add_scattered(arriving * free, bounces_.count() + 1, first_shares_);
+    LightRay& to_light = light_ray_.emplace();
+    to_light.arriving = arriving;
+    to_light.shares = lit.shares;
+    to_light.first = first;
+    to_light.scatterings = bounces_.count() + 1;
+    const std::optional<Ray> ray = shadow_ray(scene_, vertex.point, *light);
+    if (!ray) return receive(Color(1.0f));
+    to_light.ray = *ray;
+    to_light.differential = shadow_differential(vertex.differential, *light, kPathSiblings);
+    to_light.state = bounces_.of_shadow_ray();
+    to_light.transparent_left = bounces_.transparent_left();
+    to_light.widening = settings_.widening(importance(), false);
+}
+
+void PathTracer::receive(const Color& free) {
+    const LightRay& from = *light_ray_;
+    if (!is_black(free)) {
+        if (from.first)
+            light_.add_first(from.arriving * free, from.shares);
+        else
+            light_.add_scattered(from.arriving * free, from.scatterings, first_shares_);
+    }
+    light_ray_.reset();
 }
 
 void PathTracer::record_surface(const Vertex& vertex) {
@@ -331,8 +280,6 @@ bool PathTracer::survives_roulette() {
     throughput_ /= survival;
     return true;
 }
-
-}  // namespace
 
 PixelSample trace_path(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray,
                        const Sampler& sampler, RayCounts& counts) {

@@ -1,0 +1,97 @@
+#include "integrators/path_stream.h"
+
+#include "integrators/shadow.h"
+#include "integrators/volumes.h"
+
+#include <array>
+
+namespace rayleaf {
+namespace {
+
+template <typename Visit>
+void for_each_packet(std::span<const uint32_t> paths, const Visit& visit) {
+    for (size_t first = 0; first < paths.size(); first += kPacketSize)
+        visit(paths.subspan(first, std::min<size_t>(kPacketSize, paths.size() - first)));
+}
+
+}  // namespace
+
+PathStream::PathStream(const Scene& scene, const PathSettings& settings, RayCounts& counts)
+    : scene_(scene), settings_(settings), counts_(counts) {}
+
+void PathStream::add(const CameraRay& ray, const Sampler& sampler) {
+    paths_.emplace_back(scene_, settings_, ray, sampler, counts_);
+}
+
+void PathStream::trace_all() {
+    active_.resize(paths_.size());
+    for (uint32_t i = 0; i < active_.size(); ++i) active_[i] = i;
+    // Rays of the camera, and from what it sees to one light, run alike.
+    Coherence coherence = Coherence::Coherent;
+    while (!active_.empty()) {
+        trace_active(coherence);
+        trace_light_rays(coherence);
+        coherence = Coherence::Incoherent;
+    }
+}
+
+/// One ray of each path that goes on.
+void PathStream::trace_active(Coherence coherence) {
+    light_rays_.clear();
+    std::array<RayQuery, kPacketSize> queries;
+    std::array<ClosestHit, kPacketSize> found;
+    size_t kept = 0;
+    for_each_packet(active_, [&](std::span<const uint32_t> paths) {
+        for (size_t i = 0; i < paths.size(); ++i) queries[i] = paths_[paths[i]].next_ray();
+        scene_.tracer().closest({queries.data(), paths.size()}, coherence, found.data());
+        for (size_t i = 0; i < paths.size(); ++i) {
+            const uint32_t number = paths[i];
+            PathTracer& path = paths_[number];
+            const bool goes_on = path.arrive(found[i]);
+            if (path.light_ray()) light_rays_.push_back(number);
+            if (goes_on) active_[kept++] = number;  // never beyond the path itself
+        }
+    });
+    active_.resize(kept);
+}
+
+void PathStream::trace_light_rays(Coherence coherence) {
+    for_each_packet(light_rays_, [&](std::span<const uint32_t> paths) { trace_light_packet(paths, coherence); });
+}
+
+void PathStream::trace_light_packet(std::span<const uint32_t> paths, Coherence coherence) {
+    std::array<RayQuery, kPacketSize> queries;
+    for (size_t i = 0; i < paths.size(); ++i) {
+        LightRay& light = *paths_[paths[i]].light_ray();
+        light.ray = with_width(light.ray, light.differential, light.widening);
+        queries[i] = {&light.ray, light.kind, nullptr};
+    }
+    const std::span<const RayQuery> rays(queries.data(), paths.size());
+    if (scene_.has_transparency()) {
+        std::array<ClosestHit, kPacketSize> nearest;
+        scene_.tracer().closest(rays, coherence, nearest.data());
+        for (size_t i = 0; i < paths.size(); ++i) {
+            PathTracer& path = paths_[paths[i]];
+            path.receive(light_through(*path.light_ray(), nearest[i]));
+        }
+        return;
+    }
+    const uint32_t hidden = scene_.tracer().occluded(rays, coherence);
+    for (size_t i = 0; i < paths.size(); ++i) {
+        PathTracer& path = paths_[paths[i]];
+        const LightRay& light = *path.light_ray();
+        const bool is_hidden = (hidden >> i & 1u) != 0;
+        path.receive(is_hidden ? Color(0.0f) : through_volumes(scene_, light.ray, light.kind).transmittance);
+    }
+}
+
+/// What arrives where some surfaces let light through: most rays meet nothing, or what lets nothing through.
+Color PathStream::light_through(const LightRay& light, const ClosestHit& nearest) const {
+    const std::optional<Hit>& hit = nearest.hit;
+    if (!hit) return through_volumes(scene_, light.ray, light.kind).transmittance;
+    if (!scene_.material(hit->instance, hit->local).surface->may_be_transparent()) return Color(0.0f);
+    return free_share(scene_, light.ray, light.differential, light.kind, light.state, light.transparent_left,
+                      light.widening);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,47 @@
+// Many paths at once, stage by stage: their rays are traced in packets, then each path makes of its hit what it makes
+// of it alone (path_tracer.h), then the rays to the lights that were chosen are traced.
+//
+// A path's arithmetic does not depend on the others in the stream, so neither the stream's size nor the order of paths
+// shows in a picture. Streams are small enough that a thread's own cache holds them (Áfra, Benthin, Wald, Munkberg
+// 2016, "Local Shading Coherence Extraction for SIMD-Efficient Path Tracing on CPUs").
+#pragma once
+
+#include "integrators/path_tracer.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace rayleaf {
+
+class PathStream {
+  public:
+    /// `counts` gets the rays.
+    PathStream(const Scene& scene, const PathSettings& settings, RayCounts& counts);
+
+    void add(const CameraRay& ray, const Sampler& sampler);
+    size_t size() const { return paths_.size(); }
+    /// Traces the paths that were added and forgets them; calls `take` with what each contributes, in the order in
+    /// which they were added.
+    template <typename Take>
+    void trace(const Take& take) {
+        trace_all();
+        for (PathTracer& path : paths_) take(path.finish());
+        paths_.clear();
+    }
+
+  private:
+    const Scene& scene_;
+    const PathSettings& settings_;
+    RayCounts& counts_;
+    std::vector<PathTracer> paths_;
+    std::vector<uint32_t> active_;      ///< paths that go on
+    std::vector<uint32_t> light_rays_;  ///< paths that wait for light
+
+    void trace_all();
+    void trace_active(Coherence coherence);
+    void trace_light_rays(Coherence coherence);
+    void trace_light_packet(std::span<const uint32_t> paths, Coherence coherence);
+    Color light_through(const LightRay& light, const ClosestHit& nearest) const;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,124 @@
+// One path, in steps: what it must trace next, and what it makes of the answer.
+#pragma once
+
+#include "integrators/bounces.h"
+#include "integrators/contributions.h"
+#include "integrators/dimensions.h"
+#include "integrators/path.h"
+#include "integrators/vertex.h"
+
+#include <optional>
+
+namespace rayleaf {
+
+/// A ray to a sampled light.
+struct LightRay {
+    Ray ray;
+    RayDifferential differential;  ///< where it leaves the vertex
+    Visibility kind = kVisibleShadow;
+    PathState state;
+    int transparent_left = 0;
+    RayWidening widening;
+    Color arriving{0, 0, 0};  ///< light that the path brings to the camera if nothing is in the way
+    ByKind shares;            ///< where the vertex is the first: in the kinds of its lobes
+    bool first = false;
+    int scatterings = 1;  ///< on the way from the light to the camera
+};
+
+/// How the ray under way came about: what light sampling would have done instead.
+struct Departure {
+    Vec3d position{0, 0, 0};  ///< where lights were sampled
+    float density = 0;        ///< with which scattering chose the direction; 0: no light sampling could have
+
+    float weight(float light_density) const {
+        return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_density) : 1.0f;
+    }
+};
+
+class PathTracer {
+  public:
+    PathTracer(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray, const Sampler& sampler,
+               RayCounts& counts)
+        : scene_(scene),
+          settings_(settings),
+          sampler_(sampler),
+          counts_(counts),
+          ray_(camera_ray.ray),
+          differential_(camera_ray.differential),
+          departure_{camera_ray.ray.origin},
+          bounces_(settings),
+          light_(settings) {}
+
+    /// All of the path, ray by ray.
+    PixelSample trace();
+
+    // The same in steps, so that the rays of many paths can be traced together:
+    /// The ray to trace next. Valid until the path has arrived.
+    RayQuery next_ray();
+    /// What the ray met. True if the path goes on from there; a ray to a light may be wanted either way.
+    bool arrive(const ClosestHit& found);
+    /// The ray to a light that was chosen where the path arrived last, if any.
+    std::optional<LightRay>& light_ray() { return light_ray_; }
+    /// The share of that light that arrives; before the path arrives again.
+    void receive(const Color& free);
+    PixelSample finish();
+
+  private:
+    const Scene& scene_;
+    const PathSettings& settings_;
+    Sampler sampler_;
+    RayCounts& counts_;
+    Ray ray_;
+    RayDifferential differential_;
+    Departure departure_;
+    Color throughput_{1, 1, 1};
+    Bounces bounces_;
+    Contributions light_;
+    ByKind first_shares_;  ///< of the first scattering
+    float alpha_ = 1;
+    bool surface_recorded_ = false;
+    int vertex_ = 0;
+    RayUse use_ = RayUse::Camera;  ///< of the ray under way
+    std::optional<Hit> hit_;       ///< of the vertex
+    std::optional<LightRay> light_ray_;
+    uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
+    static constexpr uint32_t kNowhere = RayAnchor::kNone;
+
+    float importance() const { return max_component(throughput_); }
+    RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
+    void take_hit(ClosestHit found);
+    bool shade(const Hit& hit);
+    void pass_volumes();
+    float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
+
+    /// Whether a surface that scatters no more can still matter.
+    bool may_shine_or_let_through(const Hit& hit) const {
+        const Program& program = *scene_.material(hit.instance, hit.local).surface;
+        return program.emits() || program.may_be_transparent();
+    }
+    /// With which footprint to look up textures. Light sampling looks at points: where it might have found the same
+    /// emission, both must see it alike, or their weights would not add up to one.
+    RayDifferential footprint_on(const Hit& hit, const RayDifferential& differential) const {
+        const bool sampled = departure_.density > 0.0f && scene_.material(hit.instance, hit.local).surface->emits();
+        return sampled ? RayDifferential{} : differential;
+    }
+    /// Records light that the ray under way met, before the path's throughput; `seen` is its pass where the camera sees
+    /// it.
+    void add(const Color& radiance, Pass seen);
+    void add_lamps(double t_max);
+    void add_world();
+    void add_emission(const Vertex& vertex);
+    void add_direct_light(const Vertex& vertex);
+    void record_surface(const Vertex& vertex);
+
+    /// True if the path goes on past the surface.
+    bool leave(const Vertex& vertex);
+    bool pass_through(const Vertex& vertex, float probability);
+    bool scatter(const Vertex& vertex);
+    bool cross_glass(const GlassBody& body, const Vertex& vertex);
+    bool cross_inside(LobeKind kind, const Color& factor);
+    bool survives_roulette();
+    float straight_probability(const Closures& closures) const;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,172 @@
+#include "tessellation/facet_blocks.h"
+
+#include <algorithm>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// The smallest k with 4^k >= `segments_squared`, at most the finest.
+uint8_t log2_for(double segments_squared) {
+    int k = 0;
+    while (k < Resolution::kFinest && segments_squared > static_cast<double>(uint64_t{1} << (2 * k))) ++k;
+    return static_cast<uint8_t>(k);
+}
+
+Box3d box_of_corners(const SubpatchDetail& detail, std::span<const int> corners) {
+    Box3d box;
+    for (const int k : corners) box.extendBy(Vec3d(detail.corners[0][k], detail.corners[1][k], detail.corners[2][k]));
+    return box;
+}
+
+/// The three corners of a block's triangle, as vertices (i, j).
+std::array<GridVertex, 3> corner_vertices(uint32_t triangle) {
+    const int i = static_cast<int>(triangle / 2) % kBlockCells, j = static_cast<int>(triangle / 2) / kBlockCells;
+    const GridVertex low{i, j}, high{i + 1, j + 1};
+    if (triangle % 2 == 0) return {low, high, {i + 1, j}};
+    return {low, {i, j + 1}, high};
+}
+
+/// The number in the grid of 16 x 16 cells of a triangle of a block.
+uint32_t grid_triangle(const FacetBlock& block, uint32_t triangle) {
+    const uint32_t i = block.column + triangle / 2 % kBlockCells, j = block.row + triangle / 2 / kBlockCells;
+    return 2 * (j * kGridCells + i) + triangle % 2;
+}
+
+}  // namespace
+
+Resolution resolution_for(const SubpatchDetail& detail, const FacetTolerance& tolerance) {
+    // n segments lie within bend / n² of the border (SubpatchDetail).
+    Resolution resolution;
+    constexpr int kAll[kCorners] = {0, 1, 2, 3};
+    resolution.own = log2_for(DetailCode::length(detail.inner_bend) / tolerance(box_of_corners(detail, kAll)));
+    for (size_t border = 0; border < kBorders; ++border) {
+        const double allowed = tolerance(box_of_corners(detail, kBorderEnds[border]));
+        resolution.border[border] = log2_for(DetailCode::length(detail.bend[border]) / allowed);
+        resolution.own = std::max(resolution.own, resolution.border[border]);
+    }
+    return resolution;
+}
+
+GridVertex drawn_vertex(const Resolution& resolution, int i, int j) {
+    const int cells = resolution.cells(), apart = kGridCells / cells;
+    i = std::min(i, cells);
+    j = std::min(j, cells);
+    GridVertex vertex{i * apart, j * apart};
+    // Half a step goes up. At corners nothing moves: they are whole steps of every border.
+    const auto draw = [](int at, int log2) {
+        const int step = kGridCells >> log2;
+        return (at + step / 2) / step * step;
+    };
+    if (j == 0) vertex.i = draw(vertex.i, resolution.border[0]);
+    if (j == cells) vertex.i = draw(vertex.i, resolution.border[2]);
+    if (i == cells) vertex.j = draw(vertex.j, resolution.border[1]);
+    if (i == 0) vertex.j = draw(vertex.j, resolution.border[3]);
+    return vertex;
+}
+
+FacetCorners FacetBlock::corners(uint32_t triangle, VertexFormat format) const {
+    FacetCorners result;
+    const std::array<GridVertex, 3> of = corner_vertices(triangle);
+    for (size_t k = 0; k < 3; ++k) result[k] = vertex(of[k].j * kBlockVertices + of[k].i, format);
+    return result;
+}
+
+FacetBlocks::FacetBlocks(const Dicer& dicer, std::span<const SubpatchDetail> details, const FacetTolerance& tolerance)
+    : format_(dicer.format()), resolutions_(dicer.subpatch_count()), first_(resolutions_.size() + 1) {
+    if (!details.empty())
+        tbb::parallel_for(size_t{0}, details.size(),
+                          [&](size_t i) { resolutions_[i] = resolution_for(details[i], tolerance); });
+    for (size_t i = 0; i < resolutions_.size(); ++i) {
+        const auto along = static_cast<uint64_t>(resolutions_[i].blocks());
+        first_[i + 1] = first_[i] + along * along;
+    }
+}
+
+void FacetBlocks::fill(const Dicer& dicer, std::span<const SubpatchDetail> details, const CancelToken& cancel) {
+    blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(block_count());  // NOLINT(modernize-avoid-c-arrays)
+    tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(resolutions_.size()), [&](uint32_t subpatch) {
+        cancel.throw_if_cancelled();
+        if (const LevelDicer* levels = dicer.levels())
+            fill_levels(*levels, subpatch, details[subpatch]);
+        else
+            fill_fixed(dicer, subpatch);
+    });
+}
+
+void FacetBlocks::fill_levels(const LevelDicer& dicer, uint32_t subpatch, const SubpatchDetail& detail) {
+    const Resolution& resolution = resolutions_[subpatch];
+    GridRows rows;
+    if (resolution.own > 0) {
+        dicer.dice_rows(subpatch, rows);
+    } else {
+        for (int axis = 0; axis < 3; ++axis)
+            for (int k = 0; k < kCorners; ++k)
+                rows.vertices[axis][(k / 2 * kGridVertices + k % 2) * kGridCells] = detail.corners[axis][k];
+    }
+    FacetBlock* block = &blocks_[first_[subpatch]];
+    for (int row = 0; row < resolution.blocks(); ++row) {
+        for (int column = 0; column < resolution.blocks(); ++column, ++block) {
+            block->subpatch = subpatch;
+            block->column = static_cast<uint8_t>(column * kBlockCells);
+            block->row = static_cast<uint8_t>(row * kBlockCells);
+            for (int k = 0; k < kBlockSize; ++k) {
+                const GridVertex from =
+                    drawn_vertex(resolution, block->column + k % kBlockVertices, block->row + k / kBlockVertices);
+                for (int axis = 0; axis < 3; ++axis)
+                    block->vertices[axis][k] = rows.vertices[axis][from.j * kGridVertices + from.i];
+            }
+        }
+    }
+}
+
+void FacetBlocks::fill_fixed(const Dicer& dicer, uint32_t subpatch) {
+    Grid grid;
+    dicer.dice(subpatch, grid);
+    for (int k = 0; k < kBlocks; ++k) {
+        FacetBlock& block = blocks_[first_[subpatch] + static_cast<uint64_t>(k)];
+        block.subpatch = subpatch;
+        block.column = static_cast<uint8_t>(k % kBlocksAlong * kBlockCells);
+        block.row = static_cast<uint8_t>(k / kBlocksAlong * kBlockCells);
+        std::copy(&grid.fixed[k][0][0], &grid.fixed[k][0][0] + 3 * kBlockSize, &block.fixed[0][0]);
+    }
+}
+
+Box3f FacetBlocks::box(uint32_t index) const {
+    const FacetBlock& block = blocks_[index];
+    Box3d box;
+    for (int k = 0; k < kBlockSize; ++k) box.extendBy(block.vertex(k, format_));
+    const Vec3f padding(kBlockPadding);
+    return {Vec3f(box.min) - padding, Vec3f(box.max) + padding};
+}
+
+Vec2d FacetBlocks::place(uint32_t index, uint32_t triangle, double weight1, double weight2) const {
+    const FacetBlock& block = blocks_[index];
+    if (format_ == VertexFormat::Fixed) return parameters_in_cell(grid_triangle(block, triangle), weight1, weight2);
+    const Resolution& resolution = resolutions_[block.subpatch];
+    const auto at = [&](const GridVertex& corner) {
+        const GridVertex drawn = drawn_vertex(resolution, block.column + corner.i, block.row + corner.j);
+        return Vec2d(drawn.i, drawn.j);
+    };
+    const std::array<GridVertex, 3> of = corner_vertices(triangle);
+    const Vec2d first = at(of[0]);
+    return first + (at(of[1]) - first) * weight1 + (at(of[2]) - first) * weight2;
+}
+
+FacetBlocks::Facet FacetBlocks::facet_at(const PlaceInGrid& place) const {
+    const Resolution& resolution = resolutions_[place.subpatch];
+    const int cells = resolution.cells();
+    const Vec2d at = place.at * (static_cast<double>(cells) / kGridCells);
+    const int i = std::clamp(static_cast<int>(at.x), 0, cells - 1),
+              j = std::clamp(static_cast<int>(at.y), 0, cells - 1);
+    const double x = std::clamp(at.x - i, 0.0, 1.0), y = std::clamp(at.y - j, 0.0, 1.0);
+    const int block = j / kBlockCells * resolution.blocks() + i / kBlockCells;
+    const auto triangle = static_cast<uint32_t>(2 * (j % kBlockCells * kBlockCells + i % kBlockCells));
+    const auto number = static_cast<uint32_t>(first_[place.subpatch] + static_cast<uint64_t>(block));
+    // Corners (0,0), (1,1), (1,0) below the diagonal, (0,0), (0,1), (1,1) above.
+    if (x >= y) return {number, triangle, y, x - y};
+    return {number, triangle + 1, y - x, x};
+}
+
+}  // namespace rayleaf

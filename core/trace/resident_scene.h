@@ -1,0 +1,46 @@
+// A surface whose facets stay in memory, as Embree's user geometry: one primitive a block of 4 x 4 cells.
+//
+// Every ray sees the same facets, which the view made as fine as it needs: there is no level to choose, nothing to look
+// up, and nothing that a ray must know of the one before it.
+#pragma once
+
+#include "tessellation/facet_blocks.h"
+#include "tessellation/grid_intersection.h"
+#include "trace/diced_surface.h"
+#include "trace/shape_scene.h"
+
+#include <memory>
+
+namespace rayleaf {
+
+class ResidentScene final : public ShapeScene {
+  public:
+    /// `blocks` are the surface's, not yet filled.
+    ResidentScene(const Shape& shape, DicedSurface surface, FacetBlocks blocks, const CancelToken& cancel);
+
+    LocalHit local_hit(const ShapeHit& hit) const override;
+    LocalHit on_facet(const LocalHit& hit) const override;
+    uint32_t subpatch_count() const override { return dicer_->subpatch_count(); }
+    /// As of GridScene: double precision decides.
+    double float_error() const override { return 0x1p-49; }
+    double vertex_error() const override { return kFinestTolerance; }
+    NormalCounters limit_normals() const override { return normal_counters(shape()); }
+    uint64_t facet_bytes() const override { return blocks_.bytes(); }
+    uint64_t record_bytes() const override { return dicer_->bytes(); }
+
+  private:
+    std::unique_ptr<const Dicer> dicer_;
+    GridKernels kernels_;
+    FindInBlock find_in_block_;
+    FacetBlocks blocks_;
+
+    const float* float_vertices(const FacetBlock& block, float* room) const;
+    bool visit(FacetQuery& query, const GridRay& ray, uint32_t block, float t_max) const;
+    uint32_t visit(PacketQuery& packet, uint32_t block, uint32_t lanes, const float* t_max) const;
+
+    static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
+    static void closest_callback(const RTCIntersectFunctionNArguments* arguments);
+    static void any_callback(const RTCOccludedFunctionNArguments* arguments);
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,101 @@
+// What a tracer holds, and how rays go through it: shared by the files that implement Tracer.
+#pragma once
+
+#include "tessellation/geometry_cache.h"
+#include "trace/embree.h"
+#include "trace/instance_record.h"
+#include "trace/local_ray.h"
+#include "trace/shape_scene.h"
+#include "trace/tracer.h"
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace rayleaf {
+
+struct Tracer::Implementation {
+    std::vector<TracedInstance> instances;
+    std::vector<InstanceRecord> records;
+    std::vector<std::unique_ptr<ShapeScene>> shapes;
+    Box3d bounds;
+    LocalFrame frame;  ///< world -> the space of the scene above the instances
+    EmbreeScene scene;
+    std::unique_ptr<GeometryCache> cache;  ///< null without patches
+    uint64_t bvh_bytes = 0;  ///< what Embree held more after the build; tracers built at the same time blur it
+
+    /// One ray on its way through the instances. Embree's callbacks find a single ray's: the context is the first
+    /// member.
+    struct Query {
+        EmbreeContext context;
+        const Implementation* tracer = nullptr;
+        const GeometryCache::Reader* reader = nullptr;  ///< where there is a cache
+        const Ray* ray = nullptr;
+        const RayDifferential* differential = nullptr;  ///< of `ray`; null: nobody wants to know how hits change
+        Visibility kind = kVisibleAll;
+        std::optional<LocalRay> scene_ray;  ///< in the space above the instances, where there is a scene of them
+        ShapeHit best;
+        uint32_t instance = 0;
+        double farthest = 0;  ///< world t of the best hit, or the ray's t_max
+        bool found = false;
+        std::optional<ObjectAnswer> interpolated;  ///< the best hit, where it is no facet's
+        /// How the objects that were asked answered: that of the best hit, and of those that were missed.
+        RayAnswer answer = RayAnswer::NotAsked, missed = RayAnswer::NotAsked;
+
+        static Query& of(EmbreeContext* embree_context) { return *reinterpret_cast<Query*>(embree_context); }
+    };
+
+    void build_shapes(const DicingView& view, uint64_t resident_budget, const CancelToken& cancel);
+    void build_records();
+    void build_scene(const CancelToken& cancel);
+    void build_cache(const GeometryCacheSettings& settings);
+    Box3d world_box(uint32_t index) const { return records[index].world_box(); }
+
+    std::optional<LocalRay> local_ray(const Query& query, uint32_t index) const;
+    /// The nearest hit, and how objects with caches answered.
+    RayAnswer find(const Ray& ray, Visibility kind, const RayDifferential* differential, std::optional<Hit>& hit) const;
+    void visit_closest(Query& query, uint32_t index) const;
+    bool take_interpolated(Query& query, uint32_t index, const LocalRay& ray, const ObjectAnswer& answer) const;
+    void visit_any(Query& query, uint32_t index) const;
+    bool start(Query& query, const Ray& ray, Visibility kind) const;
+    std::optional<LocalRay> ray_above(const Ray& ray) const;
+    enum class Wanted : uint8_t { Closest, Any };
+    void ask_all(Query& query, Wanted wanted) const;
+    void set_hit(const Query& query, Hit& hit) const;
+    RaySight sight_from(const Ray& ray, const Hit& hit) const;
+
+    /// Up to sixteen rays that go through the instances together.
+    struct Packet {
+        EmbreeContext context;
+        const Implementation* tracer = nullptr;
+        uint32_t lanes = 0;  ///< those that can hit anything, a bit each
+        std::array<Query, kPacketSize> queries;
+        std::optional<GeometryCache::Reader> reader;
+        // In one shape after the other:
+        PacketQuery shape;
+        std::array<std::optional<LocalRay>, kPacketSize> local_rays;
+        std::array<ShapeHit, kPacketSize> hits;
+
+        explicit Packet(Coherence coherence) : shape(coherence) {}
+        static Packet& of(EmbreeContext* embree_context) { return *reinterpret_cast<Packet*>(embree_context); }
+    };
+    void start(Packet& packet, std::span<const RayQuery> rays) const;
+    void ask_all(Packet& packet, Wanted wanted) const;
+    void ask_above(Packet& packet, Wanted wanted) const;
+    void visit(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const;
+    void visit_alone(Query& query, uint32_t index, Wanted wanted) const {
+        wanted == Wanted::Any ? visit_any(query, index) : visit_closest(query, index);
+    }
+    void visit_shape(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const;
+    RayAnswer answer(const Query& query, std::optional<Hit>& hit) const;
+
+    static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
+    static void closest_callback(const RTCIntersectFunctionNArguments* arguments);
+    static void any_callback(const RTCOccludedFunctionNArguments* arguments);
+    static void packet_closest_callback(const RTCIntersectFunctionNArguments* arguments);
+    static void packet_any_callback(const RTCOccludedFunctionNArguments* arguments);
+};
+
+}  // namespace rayleaf

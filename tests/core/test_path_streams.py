@@ -1,0 +1,36 @@
+"""Paths traced many at once give the bits of paths traced alone."""
+
+import numpy as np
+import path_scenes
+import pytest
+
+
+def passes_of(core, scene, **settings):
+    session = path_scenes.render(core, scene, size=12, samples=7, passes=path_scenes.ALL_PASSES, **settings)
+    return {name: session.pass_pixels(name) for name in path_scenes.ALL_PASSES}
+
+
+@pytest.mark.parametrize("settings", [{}, {"threads": 3, "tile_size": 5}, {"resident_megabytes": 0.0}])
+@pytest.mark.parametrize("paths", [1, 17, 512, 4096])
+def test_streams_of_any_size_give_the_bits_of_single_paths(core, paths, settings):
+    scene = path_scenes.varied_scene(core)
+    alone = passes_of(core, scene, stream_paths=0, **settings)
+    together = passes_of(core, scene, stream_paths=paths, **settings)
+    for name in path_scenes.ALL_PASSES:
+        np.testing.assert_array_equal(together[name], alone[name], err_msg=name)
+    assert np.ptp(alone["combined"]) > 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_streams_of_nasty_scenes_give_the_bits_of_single_paths(core, seed):
+    scene = path_scenes.nasty_scene(core, np.random.default_rng(seed))
+    pictures = [path_scenes.picture(core, scene, size=6, samples=4, stream_paths=paths) for paths in (0, 64)]
+    np.testing.assert_array_equal(pictures[0], pictures[1])
+    assert np.isfinite(pictures[0]).all()
+
+
+def test_streams_count_the_rays_of_single_paths(core):
+    scene = path_scenes.varied_scene(core)
+    counts = [path_scenes.render(core, scene, stream_paths=paths).statistics()["rays"] for paths in (0, 100)]
+    assert counts[0] == counts[1]
+    assert counts[0]["camera"] > 0 and counts[0]["shadow"] > 0
