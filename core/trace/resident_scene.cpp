@@ -1,5 +1,7 @@
 #include "trace/resident_scene.h"
 
+#include "tessellation/level.h"
+
 #include <bit>
 #include <limits>
 
@@ -8,6 +10,13 @@ namespace {
 
 /// So few rays are tested against a block faster one by one.
 constexpr int kFewRays = 3;
+
+/// The level of the geometry cache that is no coarser: of 1, 4 or 16 cells along a side.
+SubpatchLevels nearest_levels(const Resolution& resolution) {
+    SubpatchLevels levels;
+    levels.own = static_cast<uint8_t>((resolution.own + 1) / 2);
+    return levels;
+}
 
 }  // namespace
 
@@ -126,6 +135,8 @@ LocalHit ResidentScene::local_hit(const ShapeHit& hit) const {
     local.v = place.v;
     local.position = hit.point.position;
     local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
+    local.subpatch = block.subpatch;
+    local.levels = nearest_levels(blocks_.resolution(block.subpatch)).packed();
     return local;
 }
 

@@ -12,6 +12,7 @@ scene.render.resolution_percentage = 100
 own = scene.rayleaf
 own.samples = 2
 scenes.write_layers()
+own.facet_memory = 0  # all facets go through the cache
 scene.render.filepath = sys.argv[1]
 bpy.data.objects.remove(bpy.data.objects["Cube"])
 bpy.ops.surface.primitive_nurbs_surface_sphere_add(radius=2.0)
@@ -79,3 +80,14 @@ report(found=found)
         plain_exr.read(tmp_path / f"{name}.exr")["ViewLayer.Combined.R"] for name in ("default", "nothing", "none")
     ]
     assert (pictures[0] == pictures[1]).all() and (pictures[0] == pictures[2]).all()
+
+
+def test_what_fits_stays_in_memory_by_default_and_the_render_says_so(run_blender, tmp_path):
+    script = """
+own.facet_memory = -1
+report(core=[cache()["bytes"], rayleaf.last_statistics["core"]["memory"]["facets"]])
+"""
+    result = run_blender(SETUP + script, tmp_path / "resident.exr")
+    cached, facets = result.report["core"]
+    assert cached == 0 < facets
+    assert f"Facets in memory: {facets / 1e6:.1f} MB" in result.log

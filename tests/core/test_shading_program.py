@@ -51,7 +51,7 @@ def value(identifier, operands, text="", ints=(), floats=(), at=None):
         (dict(identifier="table", operands=[0], ints=[1]), "floats.*multiple of 4"),
         (dict(identifier="table", operands=[0], ints=[1], floats=[1.0, 2.0, 3.0]), "floats.*multiple of 4"),
         (dict(identifier="table", operands=[0], ints=[1], floats=[float("nan")] * 4), "not finite"),
-        (dict(identifier="image", operands=[0], ints=[0, 3]), "3.*0 to 2"),
+        (dict(identifier="image", operands=[0], ints=[0, 4]), "4.*0 to 3"),
         (dict(identifier="principled", operands=[0]), "operands.*1.*21"),
     ],
 )
