@@ -54,7 +54,11 @@ def blender() -> str:
 
 def points(scene: Scene) -> list[Point]:
     """One render for each mode of the cache."""
-    common = {"rayleaf.samples": scene.samples, "rayleaf.geometry_cache_size": MEGABYTES}
+    common = {
+        "rayleaf.samples": scene.samples,
+        "rayleaf.facet_memory": 0.0,
+        "rayleaf.geometry_cache_size": MEGABYTES,
+    }
     return [
         Point("Cache", name, assign={**common, "rayleaf.geometry_cache_mode": mode}) for name, mode in MODES.items()
     ]

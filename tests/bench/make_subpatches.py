@@ -85,6 +85,7 @@ def add_mirrors() -> None:
 def main() -> None:
     words = arguments()[1:]
     start_empty(width=960, height=540, samples=16)
+    bpy.context.scene.rayleaf.facet_memory = 0.0
     bpy.context.scene.rayleaf.geometry_cache_size = MEGABYTES
     add_dunes(int(words[0]) if words else PATCHES)
     add_mirrors()

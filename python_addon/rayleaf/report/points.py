@@ -69,14 +69,16 @@ def _label(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value).replace("_", " ").lower()
 
 
-def values(series: str, path: str, tried: list[Any], count: int, exact: Any = None) -> list[Point]:
-    """One property at several values, with `count` samples; compared with `exact` at equal random numbers if given."""
+def cached_facets(series: str, path: str, tried: list[Any], count: int, exact: Any) -> list[Point]:
+    """A property of the geometry cache at several values, `count` samples, compared with `exact` at equal random numbers.
+
+    All facets go through the cache."""
     return [
         Point(
             series,
             _label(value),
-            assign={"rayleaf.samples": count, path: value},
-            same_noise_as=None if exact is None or value == exact else _label(exact),
+            assign={"rayleaf.samples": count, "rayleaf.facet_memory": 0.0, path: value},
+            same_noise_as=None if value == exact else _label(exact),
         )
         for value in tried
     ]

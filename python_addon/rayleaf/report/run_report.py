@@ -71,8 +71,10 @@ def tried_points(extent: Extent) -> list[Point]:
     return [
         *points.samples(list(extent.counts)),
         *points.interpolation(list(extent.errors), middle),
-        *points.values("Tessellation factor", "rayleaf.tessellation_factor", [0.5, 1.0, 2.0, 4.0], middle, exact=0.5),
-        *points.values("Geometry cache, MB", "rayleaf.geometry_cache_size", [1.0, 30.0], middle, exact=30.0),
+        *points.cached_facets(
+            "Tessellation factor", "rayleaf.tessellation_factor", [0.5, 1.0, 2.0, 4.0], middle, exact=0.5
+        ),
+        *points.cached_facets("Geometry cache, MB", "rayleaf.geometry_cache_size", [1.0, 30.0], middle, exact=30.0),
         *(point for kind in points.PRIMITIVE_DETAIL for point in points.primitives(kind, middle)),
         *points.cycles(list(extent.counts)),
     ]
