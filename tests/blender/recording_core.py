@@ -246,7 +246,7 @@ class Session:
         return (x + 1000 * y + 1_000_000 * np.arange(len(entry.channels))).astype(np.float32)
 
     def statistics(self):
-        return {"stand-in": True, "geometry_cache": {"levels": {}, "parts": {"lookups": 0}}}
+        return {"stand-in": True, "memory": {"facets": 0}, "geometry_cache": {"levels": {}, "parts": {"lookups": 0}}}
 
 
 RECORDED = []
