@@ -138,7 +138,6 @@ class FrameRender:
             "completed": session.completed,
             "times": times,
             "export": asdict(report),
-            "messages": self._messages.texts,
             "core": session.statistics(),
         }
         for line in cache_report.lines(record["core"]):
@@ -146,4 +145,5 @@ class FrameRender:
         decided = ray_report.decision(record)
         if decided:
             self._messages.note(decided)
+        record["messages"] = self._messages.texts
         statistics.publish(record)

@@ -148,7 +148,8 @@ def test_an_add_on_of_another_version_than_its_core_asks_for_a_new_start(run_ble
 def test_a_foreign_embree_in_front_is_found_out(run_blender, copy, tmp_path):
     """As in an official Blender, whose Embree would answer a core that is linked plainly: an empty picture without a word."""
     source, library = tmp_path / "foreign.c", tmp_path / "libforeign.so"
-    source.write_text("void rtcIntersect1(void *a, void *b, void *c) {}\n")
+    # Both ways that rays go: one by one, and in packets.
+    source.write_text("void rtcIntersect1(void) {}\nvoid rtcIntersect16(void) {}\n")
     subprocess.run(["gcc", "-shared", "-fPIC", "-o", str(library), str(source)], check=True)
     run = run_blender(RENDER, env=scripts_of(copy) | {"LD_PRELOAD": str(library)}, check=False)
     assert "renders a known picture wrongly" in run.report["problem"]
