@@ -16,8 +16,8 @@ void for_each_packet(std::span<const uint32_t> paths, const Visit& visit) {
 
 }  // namespace
 
-PathStream::PathStream(const Scene& scene, const PathSettings& settings, RayCounts& counts)
-    : scene_(scene), settings_(settings), counts_(counts) {}
+PathStream::PathStream(const Scene& scene, const PathSettings& settings, const CancelToken& cancel, RayCounts& counts)
+    : scene_(scene), settings_(settings), cancel_(cancel), counts_(counts) {}
 
 void PathStream::add(const CameraRay& ray, const Sampler& sampler) {
     paths_.emplace_back(scene_, settings_, ray, sampler, counts_);
@@ -42,6 +42,7 @@ void PathStream::trace_active(Coherence coherence) {
     std::array<ClosestHit, kPacketSize> found;
     size_t kept = 0;
     for_each_packet(active_, [&](std::span<const uint32_t> paths) {
+        cancel_.throw_if_cancelled();
         for (size_t i = 0; i < paths.size(); ++i) queries[i] = paths_[paths[i]].next_ray();
         scene_.tracer().closest({queries.data(), paths.size()}, coherence, found.data());
         for (size_t i = 0; i < paths.size(); ++i) {

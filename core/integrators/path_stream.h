@@ -6,6 +6,7 @@
 // 2016, "Local Shading Coherence Extraction for SIMD-Efficient Path Tracing on CPUs").
 #pragma once
 
+#include "base/cancel.h"
 #include "integrators/path_tracer.h"
 
 #include <cstdint>
@@ -15,8 +16,8 @@ namespace rayleaf {
 
 class PathStream {
   public:
-    /// `counts` gets the rays.
-    PathStream(const Scene& scene, const PathSettings& settings, RayCounts& counts);
+    /// `counts` gets the rays. Tracing throws Cancelled soon after `cancel` says so.
+    PathStream(const Scene& scene, const PathSettings& settings, const CancelToken& cancel, RayCounts& counts);
 
     void add(const CameraRay& ray, const Sampler& sampler);
     size_t size() const { return paths_.size(); }
@@ -32,6 +33,7 @@ class PathStream {
   private:
     const Scene& scene_;
     const PathSettings& settings_;
+    const CancelToken& cancel_;
     RayCounts& counts_;
     std::vector<PathTracer> paths_;
     std::vector<uint32_t> active_;      ///< paths that go on

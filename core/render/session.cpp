@@ -136,7 +136,7 @@ bool Session::render_paths(const Window& tile, const Frame& frame, std::span<Pix
 /// The paths of a tile, pixel by pixel, as many at once as a stream takes.
 bool Session::render_streams(const Window& tile, const Frame& frame, std::span<PixelSums> sums,
                              RayCounts& counts) const {
-    PathStream stream(*scene_, frame.path, counts);
+    PathStream stream(*scene_, frame.path, cancel_, counts);
     const auto samples = static_cast<size_t>(settings_.samples), paths = sums.size() * samples;
     size_t first = 0;  // path of the stream
     for (size_t i = 0; i < paths; ++i) {
