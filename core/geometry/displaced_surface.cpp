@@ -73,11 +73,16 @@ DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::share
         bounds_ = outward_float({(box.min - frame_.center) / frame_.scale, (box.max - frame_.center) / frame_.scale});
 }
 
-Vec3d DisplacedSurface::moved_in_object(const LocalHit& hit, const LocalSurface& surface) const {
+std::optional<Vec3d> DisplacedSurface::moved_if_finite(const LocalHit& hit, const LocalSurface& surface) const {
     const Vec3d offset = displacement_->offset(*base_, hit, surface);
-    if (!is_finite(offset) || !is_finite(Vec3f(offset)))
-        throw InputError(name(), "displacement", "not finite at some point", "finite numbers");
+    if (!is_finite(offset) || !is_finite(Vec3f(offset))) return std::nullopt;
     return base_->frame().to_object().point(surface.position) + offset;
+}
+
+Vec3d DisplacedSurface::moved_in_object(const LocalHit& hit, const LocalSurface& surface) const {
+    const std::optional<Vec3d> point = moved_if_finite(hit, surface);
+    if (!point) throw InputError(name(), "displacement", "not finite at some point", "finite numbers");
+    return *point;
 }
 
 DisplacedSurface::Moved DisplacedSurface::moved(uint32_t element, const Vec2f& parameters) const {
@@ -85,7 +90,9 @@ DisplacedSurface::Moved DisplacedSurface::moved(uint32_t element, const Vec2f& p
     base_->line_points(element, parameters.x, {&parameters.y, 1}, &placed);
     Moved result;
     result.base = placed.surface;
-    result.position = local(moved_in_object(placed.hit, result.base));
+    const std::optional<Vec3d> point = moved_if_finite(placed.hit, result.base);
+    result.position = local(point.value_or(base_->frame().to_object().point(result.base.position)));
+    result.finite = point.has_value();
     return result;
 }
 
@@ -97,7 +104,9 @@ const Vec3d& DisplacedSurface::checked(const Vec3d& position) const {
 
 Vec3d DisplacedSurface::position(uint32_t element, const Vec2f& parameters) const {
     const BorderPlace place = owner_place(*base_, element, parameters);
-    return checked(moved(place.element, place.parameters).position);
+    const Moved point = moved(place.element, place.parameters);
+    if (!point.finite) throw InputError(name(), "displacement", "not finite at some point", "finite numbers");
+    return checked(point.position);
 }
 
 void DisplacedSurface::line_positions(uint32_t element, float u, std::span<const float> v, Vec3d* positions) const {
@@ -120,7 +129,8 @@ DisplacedSurface::Slopes DisplacedSurface::slopes(uint32_t element, const Vec2f&
         high[axis] = std::min(parameters[axis] + kStep, 1.0f);
         const double step = double{high[axis]} - double{low[axis]};
         const Moved before = moved(element, low), after = moved(element, high);
-        (axis == 0 ? result.du : result.dv) = (after.position - before.position) / step;
+        if (result.here.finite && before.finite && after.finite)
+            (axis == 0 ? result.du : result.dv) = (after.position - before.position) / step;
         (axis == 0 ? result.uv_du : result.uv_dv) = Vec2d(after.base.uv - before.base.uv) / step;
     }
     return result;
@@ -130,7 +140,7 @@ DisplacedSurface::Slopes DisplacedSurface::slopes(uint32_t element, const Vec2f&
 LocalSurface DisplacedSurface::surface(const LocalHit& hit) const {
     const Slopes slope = slopes(hit.primitive, {hit.u, hit.v});
     LocalSurface result;
-    result.position = slope.here.position;
+    result.position = slope.here.finite ? slope.here.position : hit.position;
     result.uv = slope.here.base.uv;
     const Vec3d facet_normal = normalized_or(Vec3d(hit.normal), Vec3d(0, 0, 1));
     const Vec3d normal = normalized_or(slope.dv.cross(slope.du), facet_normal);

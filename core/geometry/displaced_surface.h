@@ -50,8 +50,9 @@ class DisplacedSurface final : public Shape {
     struct Moved {
         Vec3d position{0, 0, 0};  ///< local space
         LocalSurface base;        ///< the point below
+        bool finite = true;       ///< else it has not been moved
     };
-    /// A displaced point and how it changes with the element's parameters.
+    /// A displaced point and how it changes with the element's parameters: not, beside points that are not finite.
     struct Slopes {
         Moved here;
         Vec3d du{0, 0, 0}, dv{0, 0, 0};
@@ -62,6 +63,8 @@ class DisplacedSurface final : public Shape {
 
     Vec3d local(const Vec3d& object) const { return (object - frame_.center) / frame_.scale; }
     const Vec3d& checked(const Vec3d& position) const;
+    std::optional<Vec3d> moved_if_finite(const LocalHit& hit, const LocalSurface& surface) const;
+    /// Throws InputError where it is not finite.
     Vec3d moved_in_object(const LocalHit& hit, const LocalSurface& surface) const;
     Moved moved(uint32_t element, const Vec2f& parameters) const;
     Slopes slopes(uint32_t element, const Vec2f& parameters) const;

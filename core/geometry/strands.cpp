@@ -1,6 +1,6 @@
 #include "geometry/strands.h"
 
-#include "base/error.h"
+#include "base/largest.h"
 
 #include <algorithm>
 #include <limits>
@@ -125,9 +125,10 @@ void Strands::set_points(const StrandArrays& arrays) {
     for (size_t i = 0; i < count; ++i) {
         const StrandPoint point(arrays.points[3 * i], arrays.points[3 * i + 1], arrays.points[3 * i + 2],
                                 arrays.radii[i]);
-        if (!is_finite(axis_point(point))) throw InputError(name(), at("points", i), "not finite", "finite numbers");
+        if (!is_place(axis_point(point)))
+            throw InputError(name(), at("points", i), place_text(axis_point(point)), kCoordinatesWanted);
         if (!(point.w >= 0.0 && std::isfinite(point.w)))
-            throw InputError(name(), at("radii", i), std::to_string(arrays.radii[i]), "0 or a positive finite number");
+            throw InputError(name(), at("radii", i), number_text(arrays.radii[i]), "0 or a positive finite number");
         points_.push_back(point);
     }
     for (uint32_t i = 0; i < element_count(); ++i) object_bounds_.extendBy(segment(i).bounds());
@@ -151,7 +152,7 @@ void Strands::set_attributes(std::vector<StrandAttribute> attributes, AttributeI
         require_size(name(), argument.c_str(), std::span<const float>(attribute.values), count * attribute.channels);
         const auto bad = std::find_if(attribute.values.begin(), attribute.values.end(),
                                       [](float value) { return !std::isfinite(value); });
-        if (bad != attribute.values.end()) throw InputError(name(), argument, std::to_string(*bad), "finite numbers");
+        if (bad != attribute.values.end()) throw InputError(name(), argument, number_text(*bad), "finite numbers");
         if (attribute.id == active_uv && attribute.channels >= 2) active_uv_ = static_cast<int>(i);
     }
 }

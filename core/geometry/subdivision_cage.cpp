@@ -31,13 +31,13 @@ class Check {
     void finite(const char* argument, std::span<const float> values) const {
         const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
         if (bad != values.end())
-            fail(indexed(argument, static_cast<size_t>(bad - values.begin())), std::to_string(*bad), "a finite number");
+            fail(indexed(argument, static_cast<size_t>(bad - values.begin())), number_text(*bad), "a finite number");
     }
     void sharpness(const char* argument, std::span<const float> values) const {
         finite(argument, values);
         const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return value < 0.0f; });
         if (bad != values.end())
-            fail(indexed(argument, static_cast<size_t>(bad - values.begin())), std::to_string(*bad), "0 or more");
+            fail(indexed(argument, static_cast<size_t>(bad - values.begin())), number_text(*bad), "0 or more");
     }
     void indices(const char* argument, std::span<const int32_t> values, int64_t count, const char* of) const {
         for (size_t i = 0; i < values.size(); ++i)

@@ -1,12 +1,14 @@
 #include "geometry/swept_curve.h"
 
+#include "base/largest.h"
+
 namespace rayleaf {
 namespace {
 
 std::optional<SplineProblem> number_problem(const char* argument, double value, double least, double most) {
     if (value >= least && value <= most) return std::nullopt;
-    return SplineProblem{SplineProblemKind::BadData, argument, std::to_string(value),
-                         "a number from " + std::to_string(least) + " to " + std::to_string(most)};
+    return SplineProblem{SplineProblemKind::BadData, argument, number_text(value),
+                         "a number from " + number_text(least) + " to " + number_text(most)};
 }
 
 std::optional<SplineProblem> splines_problem(const std::string& argument, const std::vector<CurveSplines>& splines) {
@@ -36,13 +38,12 @@ std::optional<SplineProblem> fill_problem(const SweptCurveDescription& curve) {
 }  // namespace
 
 std::optional<SplineProblem> find_problem(const SweptCurveDescription& curve) {
-    /// Object units: beyond this squares of lengths are no doubles any more.
-    constexpr double kLargest = 1e100;
     /// Blender's panel ends at 32.
     constexpr double kMostPieces = 1 << 16;
-    if (auto problem = number_problem("bevel_depth", curve.bevel_depth, -kLargest, kLargest)) return problem;
-    if (auto problem = number_problem("extrude", curve.extrude, -kLargest, kLargest)) return problem;
-    if (auto problem = number_problem("offset", curve.offset, -kLargest, kLargest)) return problem;
+    if (auto problem = number_problem("bevel_depth", curve.bevel_depth, -kLargestLength, kLargestLength))
+        return problem;
+    if (auto problem = number_problem("extrude", curve.extrude, -kLargestLength, kLargestLength)) return problem;
+    if (auto problem = number_problem("offset", curve.offset, -kLargestLength, kLargestLength)) return problem;
     if (auto problem = number_problem("bevel_resolution", curve.bevel_resolution, 0, kMostPieces)) return problem;
     if (auto problem = number_problem("bevel_start", curve.bevel_start, 0, 1)) return problem;
     if (auto problem = number_problem("bevel_end", curve.bevel_end, 0, 1)) return problem;

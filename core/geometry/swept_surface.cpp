@@ -1,6 +1,6 @@
 #include "geometry/swept_surface.h"
 
-#include "base/error.h"
+#include "base/largest.h"
 #include "splines/bernstein.h"
 #include "splines/bounds.h"
 
@@ -130,8 +130,8 @@ void SweptSurface::fit_frame(const Vec3d& center, double extent) {
     Box3d box;
     for (const Box3d& part : boxes) box.extendBy(part);
     if (box.isEmpty()) return;
-    if (!is_finite(box.min) || !is_finite(box.max))
-        throw InputError(name(), "points, radii and bevel", "too large to be added", "finite sums");
+    if (!is_place(box.min) || !is_place(box.max))
+        throw InputError(name(), "points, radii and bevel", "too large to be added", "sums up to 1e100");
     object_bounds_ = Box3d(box.min + center, box.max + center);
     constexpr double kMargin = 1.25;  // the surface bulges by less between looks a quarter of 50 degrees apart
     const double half = std::max(max_abs(box.min), max_abs(box.max)) * kMargin;

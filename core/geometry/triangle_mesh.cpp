@@ -14,7 +14,7 @@ constexpr int32_t kLargestMaterialSlot = 65535;
 void require_finite(const std::string& name, const char* argument, std::span<const float> values) {
     const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
     if (bad == values.end()) return;
-    throw InputError(name, argument + ("[" + std::to_string(bad - values.begin()) + "]"), std::to_string(*bad),
+    throw InputError(name, argument + ("[" + std::to_string(bad - values.begin()) + "]"), number_text(*bad),
                      "a finite number");
 }
 

@@ -107,7 +107,7 @@ py::tuple look(const LightProbe& probe, const Array<double>& position, const Arr
 void bind_lights(py::module_& module) {
     using namespace py::literals;
     py::class_<LightProbe>(module, "LightProbe", "The lights of a scene, asked from a position.")
-        .def(py::init<const std::shared_ptr<SceneDescription>&>(), "scene"_a)
+        .def(py::init<const std::shared_ptr<SceneDescription>&>(), py::arg("scene").none(false))
         .def("sample", &sample, "position"_a, "random"_a,
              "Light sampling for random numbers (n, 3): a dictionary of direction, distance, radiance, density, delta. "
              "A sample that carries nothing has density 0.")

@@ -1,6 +1,7 @@
 // Rays that come and answers that go as NumPy arrays, for the bindings of ray caches and of their rivals.
 #pragma once
 
+#include "base/largest.h"
 #include "python/arrays.h"
 #include "ri_tree/ray_cache.h"
 #include "trace/baselines.h"
@@ -23,6 +24,15 @@ inline std::vector<Ray> rays_from(const Array<double>& origins, const Array<doub
         rays[i].direction = {d[0], d[1], d[2]};
     }
     return rays;
+}
+
+/// What goes to Embree as it is: it ends the process for numbers that it cannot multiply.
+inline void check_for_embree(const std::vector<Ray>& rays) {
+    constexpr double kLargest = 1e18;
+    for (const Ray& ray : rays)
+        for (const Vec3d& v : {ray.origin, ray.direction})
+            if (!is_finite(v) || max_abs(v) > kLargest)
+                throw InputError("rays", "origins and directions", place_text(v), "finite numbers up to 1e18");
 }
 
 /// One array an attribute: `value(i)` of each output, `width` numbers or, for 0, a single one.

@@ -31,6 +31,13 @@ struct RayArrays {
         return ray;
     }
     void check() const {
+        check_numbers("rays", "origins", origins);
+        check_numbers("rays", "directions", directions);
+        check_numbers("rays", "t_min", t_min);
+        check_numbers("rays", "t_max", t_max);
+        check_numbers("rays", "width", width);
+        check_numbers("rays", "spread", spread);
+        check_numbers("rays", "starts", starts);
         const auto count = origins.size() / 3;
         if (origins.size() % 3 != 0 || directions.size() != origins.size())
             throw py::value_error("origins and directions must both have shape (n, 3)");

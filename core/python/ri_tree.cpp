@@ -214,7 +214,7 @@ py::class_<Tree, RayCache> bind_tree(py::module_& module, const char* name, cons
     const RayCacheSettings settings;
     py::class_<Tree, RayCache> tree_class(module, name, description);
     tree_class
-        .def(py::init(&make_tree<Tree>), py::arg("shape"), py::arg("kind"), py::arg("ior") = samples.ior,
+        .def(py::init(&make_tree<Tree>), py::arg("shape").none(false), py::arg("kind"), py::arg("ior") = samples.ior,
              py::arg("distance_threshold") = settings.distance_threshold,
              py::arg("angle_threshold") = settings.angle_threshold, py::arg("depth_limit") = settings.depth_limit,
              py::arg("cache_bytes") = settings.cache_bytes, py::arg("pruned_share") = settings.pruned_share,

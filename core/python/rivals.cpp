@@ -31,6 +31,7 @@ std::unique_ptr<RivalTracer> make_tracer(const std::vector<RivalObject>& objects
     std::vector<std::shared_ptr<const PatchSurface>> surfaces;
     std::vector<RivalMaterial> materials;
     for (const auto& [surface, kind, ior] : objects) {
+        if (!surface) throw InputError("rival tracer", "objects", "one without a surface", "(surface, kind, ior)");
         surfaces.push_back(surface);
         materials.push_back({named(surface->name(), "kind", kind, kOutputKinds), ior, most_interior_hits});
     }
@@ -42,6 +43,7 @@ py::dict trace(const RivalTracer& tracer, const Array<double>& origins, const Ar
     if (packets && tracer.scene().method() != RivalMethod::Triangles)
         throw InputError("rival tracer", "packets", "true", "false, for all but TRIANGLES");
     const std::vector<Ray> rays = rays_from(origins, directions);
+    check_for_embree(rays);
     std::vector<PathAnswer> answers(rays.size());
     const double seconds = timed_blocks(rays, answers, [&](std::span<const Ray> block, size_t, auto out) {
         tracer.trace(block, out, packets ? PacketUse::Packets : PacketUse::SingleRays);
@@ -132,7 +134,11 @@ std::unique_ptr<BoundSet> make_set(const py::list& parts, bool traced, bool sum_
     bound->wanted = sum_of_lengths ? SetAnswer::SumOfLengths : SetAnswer::Nearest;
     bool has_planes = false;
     for (const py::handle& part : parts) {
-        const auto pair = part.cast<py::tuple>();
+        const bool is_pair = py::isinstance<py::tuple>(part) && py::len(part) == 2;
+        const py::tuple pair = is_pair ? py::reinterpret_borrow<py::tuple>(part) : py::tuple(2);
+        if (!is_pair || !py::isinstance<Shape>(pair[0]) ||
+            !(py::isinstance<BoundPlane>(pair[1]) || py::isinstance<RayCache>(pair[1])))
+            throw InputError("object set", "parts", "one that is no pair", "(shape, RayCache or ImagePlane)");
         SetMember member{pair[0].cast<std::shared_ptr<Shape>>(), nullptr, nullptr};
         BoundPlane* plane = nullptr;
         if (py::isinstance<BoundPlane>(pair[1])) {
@@ -193,8 +199,8 @@ void bind_rivals(py::module_& parent) {
         .def("count", &count, py::arg("origins"), py::arg("directions"), "Floating-point operations of each ray.");
     const ImagePlaneSettings settings;
     py::class_<BoundPlane>(module, "ImagePlane", "One object's camera rays, interpolated between those of the picture.")
-        .def(py::init(&make_plane), py::arg("shape"), py::arg("kind"), py::arg("ior") = SampleSettings{}.ior,
-             py::arg("angle_threshold") = settings.angle_threshold,
+        .def(py::init(&make_plane), py::arg("shape").none(false), py::arg("kind"),
+             py::arg("ior") = SampleSettings{}.ior, py::arg("angle_threshold") = settings.angle_threshold,
              py::arg("distance_threshold") = settings.distance_threshold,
              py::arg("most_interior_hits") = kMostInteriorHits)
         .def("look", &look, py::arg("eye"), py::arg("corner"), py::arg("right"), py::arg("up"),

@@ -19,6 +19,9 @@ py::array_t<float> sampler_pairs(uint32_t pixel, uint32_t samples, uint32_t dime
 
 py::array_t<double> filter_offsets(PixelFilterKind kind, float width, const Array<float>& random) {
     check_shape("filter", "random", random, {-1, 2});
+    for (const float number : span_of(random))
+        if (!(number >= 0.0f && number < 1.0f))
+            throw InputError("filter", "random", number_text(number), "numbers from 0 to less than 1");
     const PixelFilter filter(kind, width);
     py::array_t<double> offsets({random.shape(0), py::ssize_t{2}});
     auto out = offsets.mutable_unchecked<2>();

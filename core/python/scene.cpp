@@ -37,6 +37,17 @@ ColorSpace color_space(const std::string& object, const std::string& name) {
     throw InputError(object, "color space", "'" + name + "'", "SRGB, LINEAR or NON_COLOR");
 }
 
+/// What a scene holds of a program, which may grow later, and while others render.
+std::shared_ptr<const Program> copy_of(const std::shared_ptr<Program>& program) {
+    return program ? std::make_shared<const Program>(*program) : nullptr;
+}
+
+uint8_t visibility_of(const std::string& object, int visibility) {
+    if (visibility < 0 || visibility > kVisibleAll)
+        throw InputError(object, "visibility", std::to_string(visibility), "0 to " + std::to_string(kVisibleAll));
+    return static_cast<uint8_t>(visibility);
+}
+
 /// Per-corner attributes: id -> (triangles, 3, channels).
 std::vector<CornerAttribute> corner_attributes(const std::string& name, const std::map<int, Array<float>>& arrays,
                                                py::ssize_t triangles) {
@@ -84,10 +95,11 @@ int add_curve(SceneDescription& scene, const SweptCurveDescription& curve) {
 int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
                  int pass_index, const std::optional<VolumeVisualisation>& volume,
                  const std::optional<std::tuple<std::shared_ptr<Program>, int, int>>& displacement) {
-    Material material{name, surface, static_cast<float>(pass_index), volume, {}};
+    Material material{name, copy_of(surface), static_cast<float>(pass_index), volume, {}};
     if (displacement) {
         const auto& [program, object, world] = *displacement;
-        material.displacement = {program, object, world};
+        if (!program) throw InputError(name, "displacement", "without a program", "(program, register, register)");
+        material.displacement = {copy_of(program), object, world};
     }
     return scene.add_material(std::move(material));
 }
@@ -95,7 +107,7 @@ int add_material(SceneDescription& scene, const std::string& name, const std::sh
 int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
                  int material_list, int object_index, float random, int visibility, int ray_interpolation) {
     return scene.add_instance({name, shape, affine_of(name, matrix), material_list, static_cast<float>(object_index),
-                               random, static_cast<uint8_t>(visibility), ray_interpolation});
+                               random, visibility_of(name, visibility), ray_interpolation});
 }
 
 std::vector<std::string> add_instances(SceneDescription& scene, const std::vector<std::string>& names,
@@ -115,9 +127,10 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
     std::vector<std::string> messages;
     for (py::ssize_t i = 0; i < count; ++i) {
         try {
-            scene.add_instance({names[static_cast<size_t>(i)], shapes.data()[i], affine_of(matrices.data() + 16 * i),
+            const std::string& name = names[static_cast<size_t>(i)];
+            scene.add_instance({name, shapes.data()[i], affine_of(name, matrices.data() + 16 * i),
                                 material_lists.data()[i], static_cast<float>(object_indices.data()[i]),
-                                randoms.data()[i], static_cast<uint8_t>(visibilities.data()[i]),
+                                randoms.data()[i], visibility_of(name, visibilities.data()[i]),
                                 ray_interpolations ? ray_interpolations->data()[i] : -1});
         } catch (const InputError& error) {
             messages.emplace_back(error.what());
@@ -144,12 +157,12 @@ int add_lamp(SceneDescription& scene, const std::string& name, const std::string
     lamp.size_y = size_y;
     lamp.spread = spread;
     lamp.casts_shadow = casts_shadow;
-    lamp.visibility = static_cast<uint8_t>(visibility);
+    lamp.visibility = visibility_of(name, visibility);
     return scene.add_lamp(lamp);
 }
 
 void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, int sampling_resolution) {
-    scene.set_world(world, sampling_resolution);
+    scene.set_world(copy_of(world), sampling_resolution);
 }
 
 void set_camera(SceneDescription& scene, const std::string& kind, const Array<double>& matrix,
@@ -206,7 +219,7 @@ void bind_scene(py::module_& module) {
         .def(
             "add_shape",
             [](SceneDescription& scene, const std::shared_ptr<Shape>& shape) { return scene.add_shape(shape); },
-            "shape"_a)
+            py::arg("shape").none(false))
         .def("add_curve", &add_curve, "curve"_a)
         .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
              "volume"_a = py::none(), "displacement"_a = py::none())

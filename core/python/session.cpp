@@ -141,8 +141,13 @@ void bind_session(py::module_& module) {
                          const std::shared_ptr<RayCacheStore>& ray_caches) {
                  return std::make_shared<Session>(scene, settings, ray_caches);
              }),
-             "scene"_a, "settings"_a, "ray_caches"_a = py::none())
-        .def("render", &Session::render, py::call_guard<py::gil_scoped_release>())
+             py::arg("scene").none(false), "settings"_a, "ray_caches"_a = py::none())
+        .def("render",
+             [](Session& session) {
+                 session.take_scene();  // all that adds to a scene holds the interpreter's lock, as this does
+                 const py::gil_scoped_release released;
+                 return session.render();
+             })
         .def("cancel", &Session::cancel)
         .def("progress",
              [](const Session& session) {

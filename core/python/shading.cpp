@@ -313,9 +313,7 @@ void bind_textures(py::module_& module) {
         .def(
             "add_pixels",
             [](TextureStore& store, const std::string& name, const Floats& pixels, ColorSpace space) {
-                if (pixels.ndim() != 3)
-                    throw InputError(name, "pixels", "an array of shape " + shape_text(pixels),
-                                     "(height, width, channels)");
+                check_shape(name, "pixels", pixels, {-1, -1, -1});
                 return store.add_pixels(name, span_of(pixels), static_cast<int>(pixels.shape(1)),
                                         static_cast<int>(pixels.shape(0)), static_cast<int>(pixels.shape(2)), space);
             },

@@ -50,7 +50,11 @@ std::shared_ptr<Strands> make_strands(const std::string& name, const Array<doubl
     arrays.offsets = span_of(offsets);
     arrays.basis = named(name, "basis", basis, kBases);
     arrays.form = named(name, "form", form, kForms);
-    if (cyclic) arrays.cyclic = span_of(*cyclic);
+    if (cyclic) {
+        check_shape(name, "cyclic", *cyclic, {-1});
+        arrays.cyclic = span_of(*cyclic);
+    }
+    if (material_slots) check_shape(name, "material_slots", *material_slots, {-1});
     if (material_slots) arrays.material_slots = span_of(*material_slots);
     arrays.spheres_per_segment = spheres_per_segment;
     arrays.active_uv = uv;

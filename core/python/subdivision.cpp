@@ -35,8 +35,10 @@ std::vector<CornerAttribute> attributes_of(const std::string& name, const char* 
 }
 
 template <typename T>
-std::span<const T> optional_span(const Optional<T>& array) {
-    return array ? span_of(*array) : std::span<const T>();
+std::span<const T> optional_span(const std::string& name, const char* argument, const Optional<T>& array) {
+    if (!array) return {};
+    check_numbers(name, argument, *array);
+    return span_of(*array);
 }
 
 std::shared_ptr<SubdivisionSurface> make_subdivision(
@@ -55,13 +57,13 @@ std::shared_ptr<SubdivisionSurface> make_subdivision(
     cage.vertices = span_of(vertices);
     cage.face_sizes = span_of(face_sizes);
     cage.corners = span_of(corners);
-    cage.crease_edges = optional_span(crease_edges);
-    cage.crease_sharpness = optional_span(crease_sharpness);
-    cage.crease_vertices = optional_span(crease_vertices);
-    cage.vertex_sharpness = optional_span(vertex_sharpness);
-    cage.material_slots = optional_span(material_slots);
+    cage.crease_edges = optional_span(name, "crease_edges", crease_edges);
+    cage.crease_sharpness = optional_span(name, "crease_sharpness", crease_sharpness);
+    cage.crease_vertices = optional_span(name, "crease_vertices", crease_vertices);
+    cage.vertex_sharpness = optional_span(name, "vertex_sharpness", vertex_sharpness);
+    cage.material_slots = optional_span(name, "material_slots", material_slots);
     if (corner_normals) check_shape(name, "corner_normals", *corner_normals, {corners.shape(0), 3});
-    cage.corner_normals = optional_span(corner_normals);
+    cage.corner_normals = optional_span(name, "corner_normals", corner_normals);
     cage.scheme = named(name, "scheme", scheme, kSchemes);
     cage.border_corners = named(name, "border_corners", border_corners, kBorderCorners);
     cage.uv_smoothing = named(name, "uv_smoothing", uv_smoothing, kUvSmoothings);
@@ -129,10 +131,11 @@ void bind_subdivision(py::module_& module) {
     module.def(
         "displaced",
         [](const std::shared_ptr<Shape>& shape, const std::shared_ptr<Program>& program, int object, int world) {
+            const auto copy = std::make_shared<const Program>(*program);  // it may grow
             const py::gil_scoped_release released;
-            return displaced(shape, {program, object, world});
+            return displaced(shape, {copy, object, world});
         },
-        "shape"_a, "program"_a, "object"_a = -1, "world"_a = -1);
+        py::arg("shape").none(false), py::arg("program").none(false), "object"_a = -1, "world"_a = -1);
 }
 
 }  // namespace rayleaf

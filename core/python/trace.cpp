@@ -5,6 +5,7 @@
 #include "python/bindings.h"
 #include "python/geometry_cache.h"
 #include "python/packets.h"
+#include "python/ray_arrays.h"
 #include "python/ray_footprints.h"
 #include "tessellation/grid_intersection.h"
 #include "tessellation/patch_dicer.h"
@@ -54,6 +55,11 @@ using Placement = std::tuple<std::shared_ptr<Shape>, Array<double>, int>;
 std::shared_ptr<TriangleMesh> make_mesh(const std::string& name, const Array<float>& vertices,
                                         const Array<int32_t>& triangles, const Array<float>& corner_normals,
                                         const Array<int32_t>& material_slots, const Array<float>& uv) {
+    check_numbers(name, "vertices", vertices);
+    check_numbers(name, "triangles", triangles);
+    check_numbers(name, "corner_normals", corner_normals);
+    check_numbers(name, "material_slots", material_slots);
+    check_numbers(name, "uv", uv);
     TriangleMeshArrays arrays;
     arrays.name = name;
     arrays.vertices = span_of(vertices);
@@ -68,6 +74,8 @@ std::shared_ptr<TriangleMesh> make_mesh(const std::string& name, const Array<flo
 }
 
 DicingView view_from(double pixel_angle, const std::array<double, 3>& eye) {
+    if (!(pixel_angle >= 0.0 && is_length(pixel_angle)))
+        throw InputError("view", "pixel_angle", number_text(pixel_angle), "0 or a positive number up to 1e100");
     DicingView view;
     view.pixel_angle = pixel_angle;
     view.eye = {eye[0], eye[1], eye[2]};
@@ -78,8 +86,10 @@ std::unique_ptr<Tracer> make_tracer(const std::vector<Placement>& placements, do
                                     const std::array<double, 3>& eye, const GeometryCacheSettings& cache) {
     std::vector<TracedInstance> instances;
     instances.reserve(placements.size());
-    for (const auto& [shape, matrix, visibility] : placements)
+    for (const auto& [shape, matrix, visibility] : placements) {
+        if (!shape) throw InputError("tracer", "instances", "one without a shape", "(shape, matrix, visibility)");
         instances.push_back({shape, affine_of(shape->name(), matrix), static_cast<uint8_t>(visibility)});
+    }
     const py::gil_scoped_release released;
     return std::make_unique<Tracer>(std::move(instances), view_from(pixel_angle, eye), kNeverCancelled, cache);
 }
@@ -90,7 +100,7 @@ std::unique_ptr<Tracer> make_instanced(const std::shared_ptr<Shape>& shape, cons
     std::vector<TracedInstance> instances;
     instances.reserve(static_cast<size_t>(matrices.shape(0)));
     for (py::ssize_t i = 0; i < matrices.shape(0); ++i)
-        instances.push_back({shape, affine_of(matrices.data() + 16 * i), kVisibleAll});
+        instances.push_back({shape, affine_of(shape->name(), matrices.data() + 16 * i), kVisibleAll});
     const py::gil_scoped_release released;
     return std::make_unique<Tracer>(std::move(instances), DicingView{});
 }
@@ -186,7 +196,14 @@ PatchDicer unsplit(const PatchSurface& surface) {
     return PatchDicer(surface, [](const Box3d&) { return std::numeric_limits<double>::infinity(); });
 }
 
+void check_patch(const PatchSurface& surface, uint32_t patch) {
+    if (patch >= surface.element_count())
+        throw InputError(surface.name(), "patch", std::to_string(patch),
+                         "a patch below " + std::to_string(surface.element_count()));
+}
+
 py::tuple normal_at(const PatchSurface& surface, uint32_t patch, float u, float v) {
+    check_patch(surface, patch);
     LocalHit hit;
     hit.primitive = patch;
     hit.u = u;
@@ -197,6 +214,7 @@ py::tuple normal_at(const PatchSurface& surface, uint32_t patch, float u, float 
 
 /// The grid of one patch that is not split, as (17, 17, 3): rows run along v.
 py::array_t<float> diced_patch(const PatchSurface& surface, uint32_t patch) {
+    check_patch(surface, patch);
     Grid grid;
     unsplit(surface).dice(patch, grid);
     py::array_t<float> result(std::vector<size_t>{kGridVertices, kGridVertices, 3});
@@ -209,6 +227,9 @@ py::array_t<float> diced_patch(const PatchSurface& surface, uint32_t patch) {
 /// -1 where there is none.
 py::tuple grid_candidates(const PatchSurface& surface, uint32_t patch, const Array<float>& origins,
                           const Array<float>& directions) {
+    check_patch(surface, patch);
+    check_shape(surface.name(), "origins", origins, {-1, 3});
+    check_shape(surface.name(), "directions", directions, {origins.shape(0), 3});
     Grid grid;
     unsplit(surface).dice(patch, grid);
     const GridKernels kernels = grid_kernels();
@@ -230,6 +251,7 @@ py::tuple grid_candidates(const PatchSurface& surface, uint32_t patch, const Arr
 }
 
 py::array_t<double> rings(const SweptSurface& surface, const Array<double>& places) {
+    check_shape(surface.name(), "places", places, {-1});
     py::array_t<double> result(std::vector<size_t>{static_cast<size_t>(places.size()), 6, 3});
     const std::vector<SweepPiece>& pieces = surface.path().pieces;
     for (py::ssize_t i = 0; i < places.size(); ++i) {
@@ -255,6 +277,7 @@ py::tuple timed(const Target& target, const Array<double>& origins, const Array<
     for (size_t i = 0; i < rays.size(); ++i) made.push_back(rays[i]);
     py::array_t<double> t(rays.size());
     const std::span<double> out(t.mutable_data(), rays.size());
+    if constexpr (std::is_same_v<Target, EmbreeBaseline>) check_for_embree(made);
     double seconds = 0;
     {
         const py::gil_scoped_release released;
@@ -275,6 +298,13 @@ py::dict statistics(const Tracer& tracer) {
     result["instances"] = s.instances;
     result["shapes"] = s.shapes;
     return result;
+}
+
+void choose_simd_target(const std::string& name) {
+    if (use_simd_target(name)) return;
+    std::string known;
+    for (const std::string& each : simd_targets()) known += each + ", ";
+    throw InputError("simd", "name", "'" + name + "'", "one of " + known + "or nothing");
 }
 
 py::tuple bounds(const Tracer& tracer) {
@@ -321,7 +351,7 @@ void bind_trace(py::module_& parent) {
     py::class_<Tracer>(module, "Tracer", "Rays against instances: (shape, 4x4 matrix, visibility) each.")
         .def(py::init(&make_tracer), py::arg("instances"), py::arg("pixel_angle") = 1e-3,
              py::arg("eye") = std::array<double, 3>{0, 0, 0}, py::arg("cache") = GeometryCacheSettings{})
-        .def(py::init(&make_instanced), py::arg("shape"), py::arg("matrices"))
+        .def(py::init(&make_instanced), py::arg("shape").none(false), py::arg("matrices"))
         .def("closest_hits", &closest_hits, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll),
              py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
@@ -338,7 +368,7 @@ void bind_trace(py::module_& parent) {
     bind_geometry_cache(module);
     bind_packets(module);
     module.def("simd_targets", &simd_targets, "Instruction sets the kernels can use here, the best one first.");
-    module.def("use_simd_target", &use_simd_target, py::arg("name"), "For new tracers; empty: the best.");
+    module.def("use_simd_target", &choose_simd_target, py::arg("name"), "For new tracers; empty: the best.");
     module.def("diced_patch", &diced_patch, py::arg("surface"), py::arg("patch"));
     module.def("grid_candidates", &grid_candidates, py::arg("surface"), py::arg("patch"), py::arg("origins"),
                py::arg("directions"));
@@ -347,6 +377,9 @@ void bind_trace(py::module_& parent) {
                          const std::array<double, 3>& eye) {
                  if (primitive != "GRID" && primitive != "TRIANGLE")
                      throw py::value_error("primitive must be GRID or TRIANGLE");
+                 constexpr double kFinest = 1e-6;  // all grids are held at once
+                 if (!(pixel_angle >= kFinest))
+                     throw InputError("Embree", "pixel_angle", number_text(pixel_angle), "1e-6 or more");
                  return std::make_unique<EmbreeBaseline>(
                      surface, view_from(pixel_angle, eye),
                      primitive == "GRID" ? EmbreePrimitive::Grid : EmbreePrimitive::Triangle);

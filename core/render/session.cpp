@@ -1,5 +1,6 @@
 #include "render/session.h"
 
+#include "base/error.h"
 #include "base/random.h"
 #include "geometry/displaced_surface.h"
 #include "integrators/dimensions.h"
@@ -56,6 +57,12 @@ Session::Session(std::shared_ptr<const SceneDescription> description, Settings s
       ray_caches_(std::move(ray_caches)),
       film_(window(settings_).width, window(settings_).height, computed_passes(settings_.passes)) {
     settings_.passes = film_.passes();
+}
+
+void Session::take_scene() {
+    if (has_taken_scene_) throw InputError("session", "render", "asked for again", "a new session for each picture");
+    has_taken_scene_ = true;
+    description_ = std::make_shared<const SceneDescription>(*description_);
 }
 
 bool Session::render() {

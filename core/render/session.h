@@ -46,12 +46,15 @@ struct RenderStatistics {
 
 class Session {
   public:
-    /// Throws InputError for settings out of range. The description is read when `render` runs.
+    /// Throws InputError for settings out of range. The description is read by `take_scene`.
     /// `ray_caches` keeps ray caches for later renders; null: they end with this one.
     Session(std::shared_ptr<const SceneDescription> description, Settings settings,
             std::shared_ptr<RayCacheStore> ray_caches = nullptr);
 
-    /// Commits the scene and renders it; blocks. False if it was cancelled. Called once.
+    /// Takes what the scene holds now; what is added later is not in the picture. Once, while nobody adds to it.
+    /// Throws InputError if it was taken before.
+    void take_scene();
+    /// Commits the scene that was taken and renders it; blocks. False if it was cancelled.
     bool render();
     /// From any thread: `render` returns as soon as the samples in flight are done.
     void cancel() { cancel_.cancel(); }
@@ -62,11 +65,12 @@ class Session {
     RenderStatistics statistics() const;
 
   private:
-    std::shared_ptr<const SceneDescription> description_;
+    std::shared_ptr<const SceneDescription> description_;  ///< a copy once it is taken
     Settings settings_;
     std::shared_ptr<RayCacheStore> ray_caches_;
     Film film_;
     CancelToken cancel_;
+    bool has_taken_scene_ = false;
     std::unique_ptr<Scene> scene_;
     std::unique_ptr<RayCaches> caches_;
     std::atomic<RenderState> state_{RenderState::Waiting};  ///< to be shown: publishes nothing else

@@ -11,7 +11,7 @@ namespace rayleaf {
 namespace {
 
 void require(bool holds, const std::string& name, const char* argument, double got, const char* wanted) {
-    if (!holds) throw InputError(name, argument, std::to_string(got), wanted);
+    if (!holds) throw InputError(name, argument, number_text(got), wanted);
 }
 
 const char* const kAnswerNames[kAnswerKinds] = {"not a ray",
@@ -80,7 +80,7 @@ const RayCacheSettings& checked(const std::string& name, const RayCacheSettings&
 
 RayCacheSettings quality_settings(double error) {
     if (!(error > 0.0 && std::isfinite(error)))
-        throw InputError("ray interpolation", "error", std::to_string(error), "a finite number above 0");
+        throw InputError("ray interpolation", "error", number_text(error), "a finite number above 0");
     const double coarser = error / kUsualError;
     RayCacheSettings settings;
     settings.distance_threshold = kDistancePerError * error;

@@ -20,7 +20,7 @@ constexpr double kRounding = 64 * 0x1p-53;
 SampleSettings checked(const std::string& name, const SampleSettings& settings) {
     const auto require_positive = [&](const char* argument, double value) {
         if (!(value > 0.0 && std::isfinite(value)))
-            throw InputError(name, argument, std::to_string(value), "a finite number above 0");
+            throw InputError(name, argument, number_text(value), "a finite number above 0");
     };
     require_positive("ior", settings.ior);
     require_positive("facet_tolerance", settings.facet_tolerance);

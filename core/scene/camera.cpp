@@ -1,6 +1,6 @@
 #include "scene/camera.h"
 
-#include "base/error.h"
+#include "base/largest.h"
 
 namespace rayleaf {
 namespace {
@@ -21,7 +21,7 @@ Affine3d without_scale(const Affine3d& m) {
 }
 
 void require(bool condition, const char* argument, double got, const char* wanted) {
-    if (!condition) throw InputError(kCamera, argument, std::to_string(got), wanted);
+    if (!condition) throw InputError(kCamera, argument, number_text(got), wanted);
 }
 
 /// Change of the unit vector along `v` when `v` changes by `dv`.
@@ -54,24 +54,38 @@ Vec2d polygon_point(const Vec2f& random, int blades, double rotation) {
 
 }  // namespace
 
+void validate(const CameraDescription& camera) {
+    const Affine3d to_world = without_scale(camera.to_world);
+    // Below this the axes lie in one plane within what a double tells, and there is no inverse.
+    constexpr double kFlat = 1e-12;
+    if (!(std::abs(to_world.determinant()) > kFlat))
+        throw InputError(kCamera, "matrix", "one whose axes lie in a plane", "three axes with a direction");
+    if (!is_place(to_world.translation))
+        throw InputError(kCamera, "location", place_text(to_world.translation), kCoordinatesWanted);
+    const Vec2d size = camera.window_max - camera.window_min;
+    require(is_length(camera.window_min.x), "window's left border", camera.window_min.x, "a number up to 1e100");
+    require(is_length(camera.window_min.y), "window's lower border", camera.window_min.y, "a number up to 1e100");
+    require(is_length(size.x) && size.x > 0, "window width", size.x, "a positive number");
+    require(is_length(size.y) && size.y > 0, "window height", size.y, "a positive number");
+    require(camera.clip_start >= 0 && camera.clip_start < camera.clip_end, "clip start", camera.clip_start,
+            "a number from 0 to less than the clip end");
+    require(camera.aperture_radius >= 0 && is_length(camera.aperture_radius), "aperture radius", camera.aperture_radius,
+            "0 or a positive number");
+    if (camera.aperture_radius > 0) {
+        require(camera.focus_distance > 0 && is_length(camera.focus_distance), "focus distance", camera.focus_distance,
+                "a positive number where the aperture is open");
+        require(camera.aperture_ratio > 0 && std::isfinite(camera.aperture_ratio), "aperture ratio",
+                camera.aperture_ratio, "a positive number");
+        require(std::isfinite(camera.blade_rotation), "blade rotation", camera.blade_rotation, "a finite number");
+    }
+}
+
 Camera::Camera(const CameraDescription& description, int width, int height)
     : description_(description), to_world_(without_scale(description.to_world)), width_(width), height_(height) {
-    const Vec2d size = description.window_max - description.window_min;
-    require(std::isfinite(size.x) && size.x > 0, "window width", size.x, "a positive number");
-    require(std::isfinite(size.y) && size.y > 0, "window height", size.y, "a positive number");
-    require(description.clip_start >= 0 && description.clip_start < description.clip_end, "clip start",
-            description.clip_start, "a number from 0 to less than the clip end");
-    require(description.aperture_radius >= 0 && std::isfinite(description.aperture_radius), "aperture radius",
-            description.aperture_radius, "0 or a positive number");
-    if (description.aperture_radius > 0) {
-        require(description.focus_distance > 0 && std::isfinite(description.focus_distance), "focus distance",
-                description.focus_distance, "a positive number where the aperture is open");
-        require(description.aperture_ratio > 0 && std::isfinite(description.aperture_ratio), "aperture ratio",
-                description.aperture_ratio, "a positive number");
-    }
+    validate(description);
     info_.world_to_camera = to_world_.inverse();
     info_.window_min = description.window_min;
-    info_.window_size = size;
+    info_.window_size = description.window_max - description.window_min;
     info_.perspective = description.kind == CameraKind::Perspective;
 }
 

@@ -25,6 +25,9 @@ struct CameraDescription {
     double aperture_ratio = 1;                 ///< anamorphic: width is radius / ratio
 };
 
+/// Throws InputError for a window, clip range or matrix that shows nothing.
+void validate(const CameraDescription& camera);
+
 struct CameraRay {
     Ray ray;
     RayDifferential differential;
@@ -32,7 +35,7 @@ struct CameraRay {
 
 class Camera {
   public:
-    /// Throws InputError for a window, clip range or matrix that shows nothing.
+    /// Throws InputError as `validate` does.
     Camera(const CameraDescription& description, int width, int height);
 
     /// `pixel` in pixels from the lower left corner of the whole picture; `lens` in [0,1)².

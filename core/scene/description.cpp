@@ -1,6 +1,7 @@
 #include "scene/description.h"
 
 #include "base/error.h"
+#include "base/largest.h"
 
 namespace rayleaf {
 namespace {
@@ -18,6 +19,8 @@ void check_index(const std::string& object, const char* argument, int index, siz
 void check_matrix(const std::string& object, const Affine3d& m) {
     if (!is_finite(m.x) || !is_finite(m.y) || !is_finite(m.z) || !is_finite(m.translation))
         throw InputError(object, "matrix", "not finite", "finite numbers");
+    if (!is_place(m.x) || !is_place(m.y) || !is_place(m.z) || !is_place(m.translation))
+        throw InputError(object, "matrix", "one with larger numbers", kCoordinatesWanted);
     const double lengths = m.x.length() * m.y.length() * m.z.length();
     // Below this share of a box's volume the axes are parallel within double rounding, and no inverse can be trusted.
     constexpr double kFlat = 1e-12;
@@ -28,7 +31,7 @@ void check_matrix(const std::string& object, const Affine3d& m) {
 
 void check_volume(const std::string& material, const VolumeVisualisation& volume) {
     if (!(volume.density >= 0.0f && std::isfinite(volume.density)))
-        throw InputError(material, "volume density", std::to_string(volume.density), "0 or a positive finite number");
+        throw InputError(material, "volume density", number_text(volume.density), "0 or a positive finite number");
     const Color& c = volume.color;
     if (!is_finite(c) || c.x < 0.0f || c.y < 0.0f || c.z < 0.0f)
         throw InputError(material, "volume colour", "negative or not finite", "finite numbers of at least 0");
@@ -40,7 +43,7 @@ void check_strength(const Lamp& lamp) {
                             lamp.spot_size, lamp.spot_blend, lamp.spread};
     for (const double size : sizes)
         if (!std::isfinite(size) || size < 0)
-            throw InputError(lamp.name, "size", std::to_string(size), "0 or a positive finite number");
+            throw InputError(lamp.name, "size", number_text(size), "0 or a positive finite number");
 }
 
 }  // namespace
@@ -101,6 +104,11 @@ void SceneDescription::set_world(std::shared_ptr<const Program> program, int sam
                          "a number from 0 to 8192");
     world = std::move(program);
     world_resolution = sampling_resolution;
+}
+
+void SceneDescription::set_camera(const CameraDescription& camera) {
+    validate(camera);
+    camera_ = camera;
 }
 
 AttributeId SceneDescription::attribute(const std::string& name) {

@@ -63,7 +63,7 @@ class SceneDescription {
     int add_instance(InstanceDescription instance);
     int add_lamp(const Lamp& lamp);
     void set_world(std::shared_ptr<const Program> world, int sampling_resolution);
-    void set_camera(const CameraDescription& camera) { camera_ = camera; }
+    void set_camera(const CameraDescription& camera);
     /// The id of an attribute name, new or old.
     AttributeId attribute(const std::string& name);
     /// The scene's textures; created by the first call.

@@ -11,8 +11,8 @@ namespace {
 
 void check(const std::string& object, const char* argument, double value, double least, double most) {
     if (!(value >= least && value <= most))
-        throw InputError(object, argument, std::to_string(value),
-                         "a number from " + std::to_string(least) + " to " + std::to_string(most));
+        throw InputError(object, argument, number_text(value),
+                         "a number from " + number_text(least) + " to " + number_text(most));
 }
 
 }  // namespace

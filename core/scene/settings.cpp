@@ -13,8 +13,8 @@ namespace {
 template <typename Number>
 void check(const char* argument, Number value, double least, double most) {
     if (!(value >= static_cast<Number>(least) && value <= static_cast<Number>(most)))
-        throw InputError("settings", argument, std::to_string(value),
-                         "a number from " + std::to_string(least) + " to " + std::to_string(most));
+        throw InputError("settings", argument, number_text(value),
+                         "a number from " + number_text(least) + " to " + number_text(most));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include "shading/lobes.h"
 
+#include <limits>
+
 namespace rayleaf {
 namespace {
 
@@ -53,6 +55,31 @@ Lobe sound(Lobe lobe) {
     return lobe;
 }
 
+bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
+    return a.type == b.type && a.kind == b.kind && a.distribution == b.distribution && a.normal == b.normal &&
+           a.tangent == b.tangent && a.alpha_x == b.alpha_x && a.alpha_y == b.alpha_y && a.ior == b.ior &&
+           a.roughness == b.roughness && a.fresnel_0 == b.fresnel_0 && a.fresnel == b.fresnel;
+}
+
+/// How far two lobes are from each other; infinite for those that nothing makes alike: of two types, or a mirror and
+/// what spreads. There are fewer such classes than lobes, so some two of too many are alike.
+float difference(const Lobe& a, const Lobe& b) {
+    if (a.type != b.type || is_singular(a) != is_singular(b)) return std::numeric_limits<float>::infinity();
+    const bool same_family = a.kind == b.kind && a.fresnel == b.fresnel && a.distribution == b.distribution;
+    constexpr float kOtherFamily = 100.0f;
+    const float alphas = std::abs(a.alpha_x - b.alpha_x) + std::abs(a.alpha_y - b.alpha_y);
+    return (same_family ? 0.0f : kOtherFamily) + (a.normal - b.normal).length() + alphas +
+           std::min(std::abs(a.ior - b.ior), 1.0f) + std::abs(a.roughness - b.roughness) +
+           std::min((a.fresnel_0 - b.fresnel_0).length(), 1.0f);
+}
+
+/// The heavier of two, with the weight of both.
+Lobe joined(const Lobe& a, const Lobe& b) {
+    Lobe result = b.weight.length2() > a.weight.length2() ? b : a;
+    result.weight = a.weight + b.weight;
+    return result;
+}
+
 Side side_of(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) {
     const bool same = (facet_normal.dot(outgoing) > 0.0f) == (facet_normal.dot(incoming) > 0.0f);
     return same ? Side::Reflected : Side::Transmitted;
@@ -89,11 +116,29 @@ void Closures::clear() {
 void Closures::add(const Lobe& lobe) {
     const Lobe clean = sound(lobe);
     if (is_black(clean.weight)) return;
-    if (count_ == kMaxLobes) {
-        lobes_[count_ - 1].weight += clean.weight;
+    for (int i = 0; i < count_; ++i) {
+        if (!differ_in_weight_alone(lobes_[i], clean)) continue;
+        lobes_[i].weight += clean.weight;
         return;
     }
-    lobes_[count_++] = clean;
+    if (count_ == kMaxLobes)
+        join_most_alike(clean);
+    else
+        lobes_[count_++] = clean;
+}
+
+/// Of the lobes and one more.
+void Closures::join_most_alike(const Lobe& lobe) {
+    const auto at = [&](int i) -> const Lobe& { return i < kMaxLobes ? lobes_[i] : lobe; };
+    int first = 0, second = kMaxLobes;
+    for (int i = 0; i < kMaxLobes; ++i)
+        for (int j = i + 1; j <= kMaxLobes; ++j)
+            if (difference(at(i), at(j)) < difference(at(first), at(second))) {
+                first = i;
+                second = j;
+            }
+    lobes_[first] = joined(at(first), at(second));
+    if (second < kMaxLobes) lobes_[second] = lobe;
 }
 
 Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const {

@@ -68,7 +68,8 @@ class Closures {
     float holdout = 0;            ///< share that shows the film's emptiness
 
     void clear();
-    /// Drops lobes of zero or negative weight; past kMaxLobes the last is merged by weight. Numbers that are not finite
+    /// Drops lobes of zero or negative weight; lobes that differ in weight alone become one. Past kMaxLobes the two of
+    /// one type that are most alike become one, the heavier, with the weight of both. Numbers that are not finite
     /// become harmless ones; roughness too small for floating point, or an index too near 1 to spread, becomes
     /// singular.
     void add(const Lobe& lobe);
@@ -99,6 +100,8 @@ class Closures {
   private:
     Lobe lobes_[kMaxLobes];
     int count_ = 0;
+
+    void join_most_alike(const Lobe& lobe);
 };
 
 }  // namespace rayleaf

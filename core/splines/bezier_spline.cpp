@@ -1,6 +1,7 @@
 #include "splines/bezier_spline.h"
 
 #include "base/assert.h"
+#include "base/largest.h"
 #include "splines/bernstein.h"
 
 namespace rayleaf {
@@ -11,9 +12,10 @@ std::optional<SplineProblem> find_problem(const BezierSpline& spline) {
         return SplineProblem{SplineProblemKind::DrawsNothing, "point count", std::to_string(count), "2 or more"};
     for (size_t i = 0; i < count; ++i) {
         const BezierKnot& knot = spline.knots[i];
-        if (!is_finite(knot.handle_left) || !is_finite(knot.point) || !is_finite(knot.handle_right))
-            return SplineProblem{SplineProblemKind::BadData, "bezier_points[" + std::to_string(i) + "]",
-                                 "not a finite number", "finite coordinates"};
+        for (const Vec3d& p : {knot.handle_left, knot.point, knot.handle_right})
+            if (!is_place(p))
+                return SplineProblem{SplineProblemKind::BadData, "bezier_points[" + std::to_string(i) + "]",
+                                     place_text(p), kCoordinatesWanted};
     }
     return std::nullopt;
 }

@@ -1,5 +1,7 @@
 #include "splines/curve_splines.h"
 
+#include "base/largest.h"
+
 #include <algorithm>
 #include <numeric>
 
@@ -16,24 +18,24 @@ std::optional<SplineProblem> size_problem(const char* argument, size_t got, size
 }
 
 std::optional<SplineProblem> number_problem(const char* argument, const std::vector<double>& values) {
-    const auto found = std::find_if(values.begin(), values.end(), [](double value) { return !std::isfinite(value); });
+    const auto found = std::find_if(values.begin(), values.end(), [](double value) { return !is_length(value); });
     if (found == values.end()) return std::nullopt;
-    return bad(std::string(argument) + '[' + std::to_string(found - values.begin()) + ']', std::to_string(*found),
-               "a finite number");
+    return bad(std::string(argument) + '[' + std::to_string(found - values.begin()) + ']', number_text(*found),
+               "a finite number up to 1e100");
 }
 
 std::optional<SplineProblem> point_problem(const CurveSplines& splines) {
     const bool rational = splines.type == CurveSplineType::Nurbs;
     for (size_t i = 0; i < splines.points.size(); ++i) {
         const Vec4d& p = splines.points[i];
-        if (!is_finite(Vec3d(p.x, p.y, p.z)))
-            return bad("points[" + std::to_string(i) + ']', "not a finite number", "finite coordinates");
-        if (rational && (!(p.w > 0.0) || !std::isfinite(p.w)))
-            return bad("points[" + std::to_string(i) + "].weight", std::to_string(p.w), "a positive number");
+        if (!is_place(spatial_part(p)))
+            return bad("points[" + std::to_string(i) + ']', place_text(spatial_part(p)), kCoordinatesWanted);
+        if (rational && (!(p.w > 0.0) || !is_length(p.w)))
+            return bad("points[" + std::to_string(i) + "].weight", number_text(p.w), "a positive number up to 1e100");
     }
     for (size_t i = 0; i < splines.handles.size(); ++i)
-        if (!is_finite(splines.handles[i]))
-            return bad("handles[" + std::to_string(i / 2) + ']', "not a finite number", "finite coordinates");
+        if (const Vec3d& p = splines.handles[i]; !is_place(p))
+            return bad("handles[" + std::to_string(i / 2) + ']', place_text(p), kCoordinatesWanted);
     return std::nullopt;
 }
 

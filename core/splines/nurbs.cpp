@@ -1,11 +1,11 @@
 #include "splines/nurbs.h"
 
 #include "base/assert.h"
+#include "base/largest.h"
 #include "splines/bernstein.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace rayleaf {
 
@@ -126,22 +126,15 @@ std::optional<SplineProblem> find_direction_problem(int count, const NurbsDirect
     return std::nullopt;
 }
 
-std::string coordinates_text(const Vec4d& point) {
-    std::ostringstream text;
-    text << '(' << point.x << ", " << point.y << ", " << point.z << ')';
-    return text.str();
-}
-
 std::optional<SplineProblem> find_point_problem(const std::vector<Vec4d>& points) {
     for (size_t i = 0; i < points.size(); ++i) {
         const Vec4d& p = points[i];
-        std::ostringstream name;
-        name << "points[" << i << ']';
-        if (!is_finite(spatial_part(p)))
-            return SplineProblem{SplineProblemKind::BadData, name.str(), coordinates_text(p), "finite coordinates"};
-        name << ".weight";
-        if (!(p.w > 0.0) || !std::isfinite(p.w))
-            return SplineProblem{SplineProblemKind::BadData, name.str(), std::to_string(p.w), "a positive number"};
+        const std::string name = "points[" + std::to_string(i) + ']';
+        if (!is_place(spatial_part(p)))
+            return SplineProblem{SplineProblemKind::BadData, name, place_text(spatial_part(p)), kCoordinatesWanted};
+        if (!(p.w > 0.0) || !is_length(p.w))
+            return SplineProblem{SplineProblemKind::BadData, name + ".weight", number_text(p.w),
+                                 "a positive number up to 1e100"};
     }
     return std::nullopt;
 }

@@ -1,5 +1,6 @@
 #include "tessellation/swept_dicer.h"
 
+#include "base/error.h"
 #include "tessellation/swept_tube.h"
 
 #include <algorithm>
@@ -58,7 +59,7 @@ SweptDicer::SweptDicer(const SweptSurface& surface, const FacetTolerance& tolera
     number();
     for (const SweptFill& fill : surface.fills()) {
         first_fill_subpatch_.push_back(subpatch_count_);
-        subpatch_count_ += fills_.emplace_back(fill_cells(fill)).grids();
+        add_subpatches(fills_.emplace_back(fill_cells(fill)).grids());
     }
 }
 
@@ -85,8 +86,15 @@ std::optional<uint32_t> SweptDicer::fill_of(uint32_t subpatch) const {
     return static_cast<uint32_t>(after - first_fill_subpatch_.begin()) - 1;
 }
 
-uint32_t SweptDicer::walls(const TubePlace& place) const {
-    return cells_along_[place.spline] / kGridCells * static_cast<uint32_t>(cells(place).count / kGridCells);
+uint64_t SweptDicer::walls(const TubePlace& place) const {
+    return uint64_t{cells_along_[place.spline]} / kGridCells * static_cast<uint64_t>(cells(place).count / kGridCells);
+}
+
+void SweptDicer::add_subpatches(uint64_t count) {
+    if (count > kMostSubpatches - subpatch_count_)
+        throw InputError(surface_->name(), "subpatches", "more than " + std::to_string(kMostSubpatches),
+                         "fewer splines, or profiles of fewer points");
+    subpatch_count_ += static_cast<uint32_t>(count);
 }
 
 void SweptDicer::number() {
@@ -94,9 +102,9 @@ void SweptDicer::number() {
     for (uint32_t tube = 0; tube < tubes_.size(); ++tube) {
         const TubePlace place{tube, tube / splines, tube % splines, 0};
         tubes_[tube].first_subpatch = subpatch_count_;
-        subpatch_count_ += walls(place);
+        add_subpatches(walls(place));
         if (surface_->has_caps() && surface_->path().splines[place.spline].capped)
-            subpatch_count_ += 2 * cells(place).cap_grids();
+            add_subpatches(uint64_t{2} * cells(place).cap_grids());
     }
 }
 
@@ -171,7 +179,7 @@ void SweptDicer::dice_wall(const TubePlace& place, Grid& grid) const {
 /// mirror image, for it is seen from the other side.
 void SweptDicer::dice_cap(const TubePlace& place, Grid& grid) const {
     const ProfileCells& around = cells(place);
-    const uint32_t cap = place.local - walls(place), grids = around.cap_grids();
+    const uint32_t cap = place.local - static_cast<uint32_t>(walls(place)), grids = around.cap_grids();
     const CapEnd end = cap < grids ? CapEnd::Begin : CapEnd::End;
     const uint32_t number = cap % grids;
     const PiecePlace at = piece_at(place.spline, end == CapEnd::Begin ? 0 : cells_along_[place.spline]);
@@ -239,7 +247,7 @@ ElementPlace SweptDicer::element_place(const PlaceInGrid& in_grid, const Vec3d& 
     }
     const TubePlace place = tube_place(in_grid.subpatch);
     const ProfileCells& around = cells(place);
-    const uint32_t wall_count = walls(place);
+    const auto wall_count = static_cast<uint32_t>(walls(place));
     if (place.local >= wall_count) {
         const CapEnd end = place.local - wall_count < around.cap_grids() ? CapEnd::Begin : CapEnd::End;
         const SweepRing ring = surface_->end_ring(surface_->path().splines[place.spline], end);

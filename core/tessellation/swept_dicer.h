@@ -34,6 +34,8 @@ class SweptDicer final : public Dicer {
     int step_shift() const override { return shift_; }
 
   private:
+    /// Grids of all shapes together are counted in 31 bits.
+    static constexpr uint32_t kMostSubpatches = 0x7fffffff;
     /// One profile along one spline.
     struct Tube {
         uint32_t first_subpatch = 0;
@@ -76,6 +78,8 @@ class SweptDicer final : public Dicer {
 
     void plan(const FacetTolerance& tolerance);
     void number();
+    /// Throws InputError for more than a shape may have.
+    void add_subpatches(uint64_t count);
     FillCells fill_cells(const SweptFill& fill) const;
     /// The fill that a subpatch belongs to; empty for walls and caps.
     std::optional<uint32_t> fill_of(uint32_t subpatch) const;
@@ -84,7 +88,7 @@ class SweptDicer final : public Dicer {
     const ProfileCells& cells(const TubePlace& place) const {
         return profiles_[place.profile][tubes_[place.tube].level];
     }
-    uint32_t walls(const TubePlace& place) const;
+    uint64_t walls(const TubePlace& place) const;
     static PieceNeed need_of(const SweepPath& path, const SweepPiece& piece, double extent,
                              const FacetTolerance& tolerance);
     void fold(const std::vector<PieceNeed>& needs);

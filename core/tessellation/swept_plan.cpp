@@ -111,13 +111,14 @@ void SweptDicer::plan(const FacetTolerance& tolerance) {
         uint64_t grids = 0;
         for (size_t s = 0; s < path.splines.size(); ++s) {
             const SweepSpline& spline = path.splines[s];
-            uint32_t cells = 0;
+            uint64_t cells = 0;  // before the limit below holds, more than 32 bits count
             for (uint32_t p = spline.first_piece; p < spline.first_piece + spline.piece_count; ++p) {
-                first_cell_[p] = cells;
+                first_cell_[p] = static_cast<uint32_t>(cells);
                 cells += std::max(1u, static_cast<uint32_t>(std::ceil(needs[p].cells * share)));
             }
-            cells_along_[s] = (cells + kGridCells - 1) / kGridCells * kGridCells;
-            grids += cells_along_[s] / kGridCells;
+            const uint64_t rows = (cells + kGridCells - 1) / kGridCells;
+            cells_along_[s] = static_cast<uint32_t>(rows * kGridCells);
+            grids += rows;
         }
         constexpr double kLeastShare = 1e-5;
         if (static_cast<double>(grids) * each <= kMostSweptSubpatches || share < kLeastShare) break;

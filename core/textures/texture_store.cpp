@@ -3,6 +3,7 @@
 // OpenImageIO's texture system pages tiles in and out within the memory limit.
 #include "textures/texture_store.h"
 
+#include "base/append_list.h"
 #include "base/error.h"
 
 #include <filesystem>
@@ -195,7 +196,7 @@ Vec2f finite(const Vec2f& v) {
 
 struct TextureStore::Implementation {
     TemporaryFolder folder;
-    std::vector<Texture> textures;
+    AppendList<Texture> textures;
     size_t tiles_before = tiles_read();  ///< by stores before this one
 
     explicit Implementation(size_t memory_limit) {
@@ -230,7 +231,7 @@ struct TextureStore::Implementation {
         if (texture.handle == nullptr || !texture_system().good(texture.handle))
             throw InputError(name, "image", "not readable after conversion (" + texture_system().geterror() + ")",
                              "a texture");
-        textures.push_back(texture);
+        textures.append(texture);
         return static_cast<TextureId>(textures.size()) - 1;
     }
 };

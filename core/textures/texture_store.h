@@ -22,8 +22,8 @@ enum class TextureExtension : uint8_t {
 };
 enum class TextureInterpolation : uint8_t { Linear, Closest, Cubic };
 
-/// Created only for scenes that have textures. Lookups are thread-safe and never wait for one another's files longer
-/// than the library does; a lookup never throws.
+/// Created only for scenes that have textures. Lookups are thread-safe, also while one thread adds a texture, and never
+/// wait for one another's files longer than the library does; a lookup never throws.
 class TextureStore {
   public:
     /// `memory_limit` in bytes, for cached tiles, at least 10 MB. Stores that live at the same time share one cache;

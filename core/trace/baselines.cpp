@@ -12,19 +12,18 @@ namespace rayleaf {
 namespace {
 
 Vec3f* new_vertices(RTCGeometry geometry, uint32_t grids) {
-    return static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                       sizeof(Vec3f), size_t{grids} * kGridSize));
+    return new_embree_buffer<Vec3f>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, size_t{grids} * kGridSize);
 }
 
 void add_grids(RTCGeometry geometry, uint32_t count) {
-    auto* grids = static_cast<RTCGrid*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), count));
+    auto* grids = new_embree_buffer<RTCGrid>(geometry, RTC_BUFFER_TYPE_GRID, RTC_FORMAT_GRID, count);
     for (uint32_t i = 0; i < count; ++i) grids[i] = {i * kGridSize, kGridVertices, kGridVertices, kGridVertices};
 }
 
 void add_triangles(RTCGeometry geometry, uint32_t count) {
-    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), size_t{count} * kGridTriangles));
+    auto* indices = new_embree_buffer<std::array<uint32_t, 3>>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3,
+                                                               size_t{count} * kGridTriangles)
+                        ->data();
     for (uint32_t grid = 0; grid < count; ++grid) {
         for (int j = 0; j < kGridCells; ++j) {
             for (int i = 0; i < kGridCells; ++i) {
@@ -73,12 +72,12 @@ EmbreeBaseline::EmbreeBaseline(const PatchSurface& surface, const DicingView& vi
 EmbreeBaseline::EmbreeBaseline(const TriangleMesh& mesh) : frame_(mesh.frame()) {
     const uint64_t before = embree_bytes();
     RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                 sizeof(Vec3f), mesh.vertices().size()));
+    auto* vertices =
+        new_embree_buffer<Vec3f>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.vertices().size());
     std::copy(mesh.vertices().begin(), mesh.vertices().end(), vertices);
     using Triangle = std::array<uint32_t, 3>;
-    auto* triangles = static_cast<Triangle*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), mesh.triangles().size()));
+    auto* triangles =
+        new_embree_buffer<Triangle>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles().size());
     std::copy(mesh.triangles().begin(), mesh.triangles().end(), triangles);
     scene_ = new_embree_scene();
     build_embree_scene(scene_, geometry);

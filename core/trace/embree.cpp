@@ -1,6 +1,8 @@
 #include "trace/embree.h"
 
 #include <atomic>
+#include <limits>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -66,6 +68,16 @@ RTCGeometry new_user_geometry(void* owner, size_t count, const UserGeometryCallb
     rtcSetGeometryIntersectFunction(geometry, callbacks.closest);
     rtcSetGeometryOccludedFunction(geometry, callbacks.any);
     return geometry;
+}
+
+void* new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t item_bytes, size_t count) {
+    // Embree gives neither more items than 32 bits count, nor memory that the system has not.
+    const bool countable = count <= std::numeric_limits<uint32_t>::max();
+    void* const buffer = countable ? rtcSetNewGeometryBuffer(geometry, type, 0, format, item_bytes, count) : nullptr;
+    if (buffer || (countable && count == 0)) return buffer;
+    rtcReleaseGeometry(geometry);
+    rtcGetDeviceError(embree_device());  // this one is told; a later build must not be blamed for it
+    throw std::bad_alloc();
 }
 
 void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry) {

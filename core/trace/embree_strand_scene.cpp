@@ -20,10 +20,8 @@ EmbreeStrandScene::EmbreeStrandScene(const Strands& strands, const CancelToken& 
     if (count == 0) return;
     RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE);
     constexpr size_t kPoints = 4;
-    auto* points = static_cast<Vec4f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                                               sizeof(Vec4f), kPoints * count));
-    auto* indices = static_cast<uint32_t*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, sizeof(uint32_t), count));
+    auto* points = new_embree_buffer<Vec4f>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, kPoints * count);
+    auto* indices = new_embree_buffer<uint32_t>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, count);
     for (uint32_t i = 0; i < count; ++i) {
         const StrandSegment segment = strands.segment(i);
         for (const StrandPoint& p : segment.points)

@@ -1,13 +1,10 @@
 #include "trace/instance_record.h"
 
-#include "base/error.h"
+#include "base/largest.h"
 #include "trace/inside_length.h"
 
 namespace rayleaf {
 namespace {
-
-/// The longest edge a world box may have: products of such lengths still fit a double.
-constexpr double kLargestExtent = 1e100;
 
 Box3d image_of(const Box3d& box, const Affine3d& map) {
     if (box.isEmpty()) return {};
@@ -41,9 +38,11 @@ void InstanceRecord::place(const Shape& shape, const Affine3d& object_to_world) 
     to_local_x = inverse.x;
     to_local_y = inverse.y;
     to_local_z = inverse.z;
-    const bool usable = is_finite(inverse.x) && is_finite(inverse.y) && is_finite(inverse.z) &&
-                        max_abs(local_to_world.translation) < kLargestExtent;
-    if (!usable) throw InputError(shape.name(), "object_to_world", "singular or not finite", "a regular matrix");
+    const bool usable =
+        is_finite(inverse.x) && is_finite(inverse.y) && is_finite(inverse.z) && is_place(local_to_world.translation);
+    if (!usable)
+        throw InputError(shape.name(), "size or place in the world",
+                         "so small, large or far that doubles do not tell it", "lengths from 1e-100 to 1e100");
     const double lengths[3] = {local_to_world.x.length(), local_to_world.y.length(), local_to_world.z.length()};
     longest = std::max({lengths[0], lengths[1], lengths[2]});
     shrink = static_cast<float>(1.0 / longest);

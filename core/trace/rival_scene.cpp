@@ -91,10 +91,11 @@ void RivalScene::add_patches(const PatchSurface& surface, uint32_t index) {
 RTCGeometry RivalScene::triangles() const {
     const auto count = static_cast<uint32_t>(patches_.size());
     RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                 sizeof(Vec3f), size_t{count} * kGridSize));
-    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), size_t{count} * kGridTriangles));
+    auto* vertices =
+        new_embree_buffer<Vec3f>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, size_t{count} * kGridSize);
+    auto* indices = new_embree_buffer<std::array<uint32_t, 3>>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3,
+                                                               size_t{count} * kGridTriangles)
+                        ->data();
     for (uint32_t patch = 0; patch < count; ++patch) {
         for (int k = 0; k < kGridSize; ++k)
             *vertices++ = grid_vertex(patches_[patch], k % kGridVertices, k / kGridVertices);

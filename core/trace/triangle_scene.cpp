@@ -49,9 +49,8 @@ void set_triangles(RTCGeometry geometry, const TriangleMesh& mesh) {
 /// Embree splits a quadrangle as the mesh does.
 void set_quads(RTCGeometry geometry, const TriangleMesh& mesh) {
     const size_t count = mesh.triangles().size() / 2;
-    auto* quads = static_cast<std::array<uint32_t, 4>*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(std::array<uint32_t, 4>), count));
-    for (size_t i = 0; quads && i < count; ++i) {
+    auto* quads = new_embree_buffer<std::array<uint32_t, 4>>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, count);
+    for (size_t i = 0; i < count; ++i) {
         const std::array<uint32_t, 3>&first = mesh.triangles()[2 * i], &second = mesh.triangles()[2 * i + 1];
         const bool first_is_point = first[0] == first[1] && first[1] == first[2];
         if (first_is_point)
@@ -70,9 +69,8 @@ TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel
     RTCGeometry geometry = rtcNewGeometry(embree_device(), quads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
     // Embree reads 16 bytes at the last vertex, so it gets a copy of its own with room behind.
     const size_t count = mesh.vertices().size();
-    auto* vertices = static_cast<Vec3f*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), count));
-    if (vertices) std::copy(mesh.vertices().begin(), mesh.vertices().end(), vertices);
+    auto* vertices = new_embree_buffer<Vec3f>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, count);
+    std::copy(mesh.vertices().begin(), mesh.vertices().end(), vertices);
     if (quads)
         set_quads(geometry, mesh);
     else

@@ -533,7 +533,8 @@ class Session:
         self, scene: SceneDescription, settings: Settings, ray_caches: RayCacheStore | None = None
     ) -> None: ...
     def render(self) -> bool:
-        """Blocks, without the GIL, until done (True) or cancelled (False)."""
+        """Blocks, without the GIL, until done (True) or cancelled (False). Once; what is added to the scene meanwhile is
+        not in the picture."""
     def cancel(self) -> None:
         """From any thread; `render` returns soon after."""
     def progress(self) -> tuple[str, float]:

@@ -309,3 +309,21 @@ def test_glass_followed_past_the_cells_is_the_same_as_traced_glass(core):
     difference = np.abs(picture(on) - picture(traced)).max(axis=-1)[followed]
     # The facets of so small a picture are coarse: a tenth of a pixel off. A few rays pass an edge of the floor.
     assert np.median(difference) < 1e-5 and (difference > 1e-2).mean() < 0.03, np.quantile(difference, [0.5, 0.9, 1])
+
+
+def crowded_ball(core, count):
+    """A ball of glass, and so many triangles far away that no ray sees."""
+    made = ball_scene(core, "glass")
+    shape = made.add_mesh("bit", np.eye(3, dtype=np.float32) * 1e-3, np.array([[0, 1, 2]], np.int32))
+    place = np.random.default_rng(1).uniform(20, 30, (count, 3)).astype(float)
+    matrices = np.tile(np.eye(4), (count, 1, 1))
+    matrices[:, :3, 3] = place
+    none, zeros = np.full(count, -1, np.int32), np.zeros(count, np.int32)
+    names = [f"bit {i}" for i in range(count)]
+    assert not made.add_instances(names, zeros + shape, matrices, none, zeros, zeros.astype(np.float32), zeros)
+    return made
+
+
+def test_the_model_of_glass_does_not_depend_on_how_many_objects_there_are(core):
+    few, many = (render(core, crowded_ball(core, count), **STILL) for count in (10, 10_001))
+    np.testing.assert_array_equal(picture(few), picture(many))

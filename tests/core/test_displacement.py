@@ -180,3 +180,38 @@ def heights(space, scale):
 def test_object_space_scales_with_the_object_and_world_space_does_not():
     np.testing.assert_allclose(heights("object", 2.0), 1.0, atol=1e-5)
     np.testing.assert_allclose(heights("world", 2.0), 0.5, atol=1e-5)
+
+
+def infinite_between(low, high):
+    """Nothing, but infinity where the first object coordinate lies between two numbers."""
+
+    def amount(program):
+        value = lambda x: program.constant(x, x, x, x)  # noqa: E731
+        x = program.operation("component", [program.operation("object_coordinates")], ints=[0])
+        inside = [program.operation("math", [x, value(low)], ints=[0], text="GREATER_THAN")]
+        inside.append(program.operation("math", [x, value(high)], ints=[0], text="LESS_THAN"))
+        band = program.operation("math", inside, ints=[0], text="MULTIPLY")
+        large = program.operation("math", [band, value(3e38)], ints=[0], text="MULTIPLY")
+        return program.operation("math", [large, value(3e38)], ints=[0], text="MULTIPLY")
+
+    return amount
+
+
+def test_a_point_between_vertices_that_is_not_finite_lies_on_its_facet():
+    corners = np.array([[[0.0, 0, 0, 1], [1, 0, 0, 1]], [[0, 1, 0, 1], [1, 1, 0, 1]]])
+    linear = (2, False, False, False)
+    sheet = displaced(
+        _core.trace.PatchSurface("sheet", [(corners, linear, linear, True, 0)]), infinite_between(0.3301, 0.3329)
+    )
+    origins = np.array([[x, 0.4, 1.0] for x in (0.3, 0.3315, 0.3325, 0.334)])
+    hits = trace(sheet, origins, np.tile([0.0, 0, -1], (4, 1)))
+    assert (hits["instance"] == 0).all()
+    for key in ("position", "normal", "derivatives", "facet_position"):
+        assert np.isfinite(hits[key]).all(), key
+    np.testing.assert_allclose(hits["position"], origins * [1, 1, 0], atol=1e-6)
+    np.testing.assert_allclose(np.abs(hits["normal"]), np.tile([0, 0, 1], (4, 1)), atol=1e-6)
+
+
+def test_a_vertex_that_is_not_finite_is_refused_by_name():
+    with pytest.raises(_core.InputError, match="'sphere': displacement is not finite"):
+        trace(displaced(shapes.nurbs_sphere(), infinite_between(-9.0, 9.0)), np.zeros((1, 3)), np.eye(3)[:1])

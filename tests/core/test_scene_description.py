@@ -90,6 +90,84 @@ def test_a_mesh_without_faces_is_an_empty_shape(core, scene):
 
 
 def test_a_camera_that_shows_nothing_is_refused(core, scene):
-    scene.set_camera("PERSPECTIVE", scenes.matrix(), (1, 0), (0, 1), 0.1, 100)
     with pytest.raises(core.InputError, match="camera.*window width"):
-        core.Session(scene, core.Settings(width=4, height=4)).render()
+        scene.set_camera("PERSPECTIVE", scenes.matrix(), (1, 0), (0, 1), 0.1, 100)
+
+
+NO_CAMERA = {
+    "NaN in its matrix": (dict(matrix=np.full((4, 4), np.nan)), "matrix"),
+    "a projective matrix": (dict(matrix=np.eye(4) + np.eye(4)[[3, 3, 3, 0]]), "last row"),
+    "axes in a plane": (dict(matrix=np.array([[1, 0, 1, 0], [0, 1, 1, 0], [0, 0, 0, 0], [0, 0, 0, 1.0]])), "matrix"),
+    "NaN in its window": (dict(window_min=(np.nan, 0)), "window"),
+    "a window of infinite width": (dict(window_max=(np.inf, 1)), "window width"),
+    "a clip range of NaN": (dict(clip_end=np.nan), "clip start"),
+    "a focus at NaN": (dict(aperture_radius=0.1, focus_distance=np.nan), "focus distance"),
+    "an aperture of NaN": (dict(aperture_radius=np.nan), "aperture radius"),
+    "blades turned by NaN": (dict(aperture_radius=0.1, blade_rotation=np.nan), "blade rotation"),
+    "a place too far away": (dict(matrix=scenes.matrix((1e200, 0, 0))), "location"),
+}
+
+
+@pytest.mark.parametrize("name", NO_CAMERA)
+def test_a_camera_of_bad_numbers_is_refused_when_it_is_described(core, scene, name):
+    options, argument = NO_CAMERA[name]
+    camera = dict(matrix=np.eye(4), window_min=(-1, -1), window_max=(1, 1), clip_start=0.1, clip_end=100)
+    with pytest.raises(core.InputError, match=f"object 'camera'.*{argument}"):
+        scene.set_camera("PERSPECTIVE", **{**camera, **options})
+
+
+def test_a_projective_matrix_is_refused(core, scene):
+    matrix = np.eye(4)
+    matrix[3, 0] = 0.5
+    shape = scenes.quad(scene, "floor")
+    with pytest.raises(core.InputError, match=r"object 'floor': matrix .*\(0.5, 0, 0, 1\).*expected \(0, 0, 0, 1\)"):
+        scene.add_instance("floor", shape, matrix)
+    with pytest.raises(core.InputError, match="object 'lamp': matrix"):
+        scene.add_lamp("lamp", "POINT", matrix, (1, 1, 1))
+
+
+@pytest.mark.parametrize("given", [b"bytes", "text", None, np.ones((3, 3), complex), np.full((3, 3), "a"), object()])
+def test_vertices_that_are_no_numbers_are_refused_by_name_and_kind(core, scene, given):
+    with pytest.raises(core.InputError, match="object 'mesh': vertices is .*expected an array of float32"):
+        scene.add_mesh("mesh", given, np.array([[0, 1, 2]], np.int32))
+
+
+def test_indices_that_an_int32_does_not_hold_are_refused(core, scene):
+    for given in (np.array([[0, 1, 2**32]]), np.array([[0, 1, 1.5]]), np.array([[0, 1, np.nan]])):
+        with pytest.raises(core.InputError, match="object 'mesh': triangles"):
+            scene.add_mesh("mesh", np.eye(3, dtype=np.float32), given)
+
+
+def test_a_long_name_is_quoted_in_part(core, scene):
+    with pytest.raises(core.InputError) as raised:
+        scene.add_instance("ä" * 5_000_000, 99, np.eye(4))
+    assert len(str(raised.value)) < 1000 and "ä... (10000000 bytes)" in str(raised.value)
+
+
+def test_numbers_are_told_shortly(core, scene):
+    for depth in (np.nan, 1e300):
+        with pytest.raises(core.InputError, match="bevel_depth") as raised:
+            core.SweptCurve("curve", [], bevel_depth=depth)
+        assert len(str(raised.value)) < 100
+
+
+LARGE = 1e307
+LARGE_POINTS = np.array([[[0.0, 0, 0, 1], [1, 0, 0, 1]], [[0, LARGE, 0, 1], [1, 1, 0, 1]]])
+
+
+def test_coordinates_too_large_are_refused_where_they_come_in(core, scene):
+    with pytest.raises(core.InputError, match=r"object 'surface': splines\[0\].points\[2\] is \(0, 1e\+307, 0\)"):
+        scene.add_surface("surface", [core.NurbsSpline(LARGE_POINTS, 2, 2)])
+    with pytest.raises(core.InputError, match=r"points\[1\].*1e\+307"):
+        core.CurveSplines("POLY", np.array([2], np.int32), LARGE_POINTS[:, 0])
+    with pytest.raises(core.InputError, match=r"object 'hair': points\[1\].*1e\+307"):
+        core.Strands("hair", LARGE_POINTS[:, 0, :3], np.ones(2, np.float32), np.array([0, 2], np.int32))
+
+
+def test_a_scene_cannot_be_missing(core, scene):
+    with pytest.raises(TypeError, match="scene"):
+        core.Session(None, core.Settings())
+    with pytest.raises(TypeError, match="shape"):
+        scene.add_shape(None)
+    with pytest.raises(core.InputError, match="'simd'.*'NONE'"):
+        core.trace.use_simd_target("NONE")

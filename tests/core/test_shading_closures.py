@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rayleaf._core import Program, shading
 from shading_support import (
     UP,
     albedo,
@@ -279,3 +280,40 @@ def check_finite(lobes, outgoing, incoming):
     assert not np.isnan(value).any() and (value >= 0).all()
     density = lobes.density(outgoing, incoming[None], UP)
     assert not np.isnan(density).any() and (density >= 0).all()
+
+
+def many_lobes(count, mirror):
+    """Diffuse lobes of different roughness, a hundredth each; perhaps a mirror comes last."""
+    program = Program("many")
+    one = program.constant(1, 1, 1, 1)
+    for i in range(count):
+        share, roughness = (program.constant(x, x, x, x) for x in (0.01, i / count))
+        program.operation("diffuse", [share, one, roughness])
+    if mirror:
+        half = program.constant(0.5, 0.5, 0.5, 0.5)
+        program.operation("glossy", [half, one, program.constant(0, 0, 0, 0)], text="SHARP")
+    return closures(program, UP)
+
+
+@pytest.mark.parametrize("count", [16, 17, 40])
+def test_lobes_beyond_the_most_join_those_of_their_type(count):
+    lobes = many_lobes(count, True)
+    np.testing.assert_allclose(lobes.albedo(UP, shading.LobeKind.GLOSSY), [0.5] * 3, rtol=1e-5)
+    diffuse = many_lobes(16, False).albedo(UP, shading.LobeKind.DIFFUSE)[0] / 16
+    np.testing.assert_allclose(lobes.albedo(UP, shading.LobeKind.DIFFUSE), [count * diffuse] * 3, rtol=0.05)
+    random = np.random.default_rng(1).random((4000, 3)).astype(np.float32)
+    found = lobes.sample(UP, UP, random)
+    mirrored = found["singular"] & found["valid"]
+    np.testing.assert_allclose(found["direction"][mirrored], np.tile(UP, (mirrored.sum(), 1)), atol=1e-6)
+    assert 0.5 < mirrored.mean() + 0.01 * count < 1.5
+
+
+def test_lobes_that_differ_in_weight_alone_are_one():
+    program = Program("twice")
+    one = program.constant(1, 1, 1, 1)
+    for _ in range(40):
+        share = program.constant(0.01, 0.01, 0.01, 0.01)
+        program.operation("diffuse", [share, one])
+    lobes = closures(program, UP)
+    assert len(lobes) == 1
+    np.testing.assert_allclose(lobes.albedo(UP, shading.LobeKind.DIFFUSE), [0.4] * 3, rtol=1e-5)

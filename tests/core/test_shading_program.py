@@ -240,8 +240,9 @@ def test_alpha_lets_light_through_and_dims_the_rest():
 
 def test_many_closures_merge_instead_of_running_over():
     program = _core.Program("Many")
-    for _ in range(40):
-        program.operation("diffuse", [scalar(program, 1 / 40), scalar(program, 1.0)])
+    for i in range(40):  # of one direction at normal incidence, but of 40 tilts
+        tilted = program.constant(1e-4 * i, 0, 1, 0)
+        program.operation("diffuse", [scalar(program, 1 / 40), scalar(program, 1.0), scalar(program, 0.0), tilted])
     lobes = points().closures(program, 0)
     assert len(lobes) == 16
     value_up = lobes.evaluate(UP, UP[None], UP)[0]

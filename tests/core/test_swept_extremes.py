@@ -53,7 +53,7 @@ def test_bad_settings_are_named_with_their_object(argument):
 
 def test_sums_that_no_number_holds_are_refused():
     with pytest.raises(_core.InputError, match="curve"):
-        swept.surface("POLY", LINE, radii=np.full(2, 1e300), bevel_depth=1e99)
+        swept.surface("POLY", LINE, radii=np.full(2, 1e99), bevel_depth=1e99)
 
 
 NOTHING = {
@@ -144,3 +144,20 @@ def test_each_spline_has_its_material_and_flat_ones_the_normals_of_facets():
         hits = tracer_of(shape).closest_hits(origins, np.tile([0.0, 0, -1], (50, 1)))
         same = np.sum(hits["normal"] * hits["facet_normal"], axis=1)
         assert (same > 1 - 1e-6).all() == (i == 0)
+
+
+@pytest.mark.slow
+def test_more_cells_than_32_bits_count_become_fewer():
+    # 2^16 segments that each want the most cells a segment may have: 2^32 of them, which 32 bits take for none.
+    count = 1 << 16
+    angle = np.arange(count) * 2 * np.pi / count
+    points = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    along = np.stack([-np.sin(angle), np.cos(angle), 0 * angle], axis=1) * (2 * np.pi / count / 3)
+    handles = np.stack([points - along, points + along], axis=1)
+    handles[..., 2] = np.array([-1e-3, 1e-3])[None, :]
+    ring = swept.surface("BEZIER", points, handles, cyclic=True, bevel_depth=0.1, bevel_resolution=0)
+    tracer = _core.trace.Tracer([(ring, np.eye(4), 31)], pixel_angle=1e-30)
+    # One cell along each segment at least, and as many around as so small a pixel asks for.
+    assert count // 16 <= tracer.statistics()["subpatches"] < 1 << 23
+    hits = tracer.closest_hits(np.zeros((2, 3)), np.array([[1.0, 0.1, 0], [-0.3, 0.9, 0]]))
+    np.testing.assert_allclose(np.linalg.norm(hits["position"], axis=1), 0.9, atol=0.05)

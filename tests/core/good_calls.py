@@ -1,0 +1,169 @@
+"""A call that holds for every function that the stub lists; core/bad_arguments.py spoils them."""
+
+import numpy as np
+from core import shapes
+from core.good_arguments import (
+    ROWS,
+    UP,
+    CAGE,
+    CAMERA,
+    CUBE,
+    CURVE,
+    Call,
+    HAIR,
+    INSTANCES,
+    NUMBERS,
+    PATCH,
+    RAYS,
+    SPLINES,
+    T,
+    TRIANGLE,
+    TRIPLES,
+    chain,
+    ctor,
+    in_temporary,
+    later,
+    method,
+    net,
+    program,
+    scene,
+    session,
+    settings,
+    splines,
+    strands,
+    swept,
+)
+from rayleaf import _core
+
+
+CALLS: dict[str, Call] = {
+    "Program": ctor(_core.Program, name="material"),
+    "Program.constant": method(program, "constant", x=1.0, y=2.0, z=3.0, w=4.0),
+    "Program.operation": method(program, "operation", identifier="diffuse", operands=[0, 1], ints=[], floats=[]),
+    "NurbsSpline": ctor(_core.NurbsSpline, points=PATCH, order_u=2, order_v=2),
+    "NurbsSpline.problem": method(lambda: _core.NurbsSpline(PATCH, 2, 2), "problem"),
+    "NurbsSpline.to_bezier": method(lambda: _core.NurbsSpline(PATCH, 2, 2), "to_bezier"),
+    "BezierCurve": ctor(_core.BezierCurve, points=CURVE),
+    "BezierCurve.evaluate": method(lambda: _core.BezierCurve(CURVE), "evaluate", t=T),
+    "BezierCurve.de_casteljau": method(lambda: _core.BezierCurve(CURVE), "de_casteljau", t=T),
+    "BezierCurve.split": method(lambda: _core.BezierCurve(CURVE), "split", t=0.5),
+    "BezierCurve.restricted": method(lambda: _core.BezierCurve(CURVE), "restricted", begin=0.1, end=0.5),
+    "BezierCurve.elevated": method(lambda: _core.BezierCurve(CURVE), "elevated"),
+    "BezierCurve.bounds": method(lambda: _core.BezierCurve(CURVE), "bounds"),
+    "BezierPatch": ctor(_core.BezierPatch, points=PATCH),
+    "BezierPatch.evaluate": method(lambda: _core.BezierPatch(PATCH), "evaluate", u=T, v=T),
+    "BezierPatch.normals": method(lambda: _core.BezierPatch(PATCH), "normals", u=T, v=T, neighbour=UP, geometric=UP),
+    "BezierPatch.split": method(lambda: _core.BezierPatch(PATCH), "split", direction="U", t=0.5),
+    "BezierPatch.restricted": method(
+        lambda: _core.BezierPatch(PATCH), "restricted", u_begin=0.1, u_end=0.5, v_begin=0.1, v_end=0.5
+    ),
+    "BezierPatch.elevated": method(lambda: _core.BezierPatch(PATCH), "elevated", direction="U"),
+    "BezierPatch.bounds": method(lambda: _core.BezierPatch(PATCH), "bounds"),
+    "BezierPatch.float_bounds": method(lambda: _core.BezierPatch(PATCH), "float_bounds"),
+    "BezierPatch.facet_distance_bound": method(
+        lambda: _core.BezierPatch(PATCH), "facet_distance_bound", cells_u=2, cells_v=3
+    ),
+    "BezierPatch.closest_point": method(lambda: _core.BezierPatch(PATCH), "closest_point", target=UP),
+    "BezierChain.positions": method(chain, "positions", t=T),
+    "BezierChain.segment": method(chain, "segment", index=0),
+    "BezierNet.positions": method(net, "positions", u=T, v=T),
+    "BezierNet.patch": method(net, "patch", span_u=0, span_v=0),
+    "NurbsCurve": ctor(_core.NurbsCurve, points=CURVE, order=3),
+    "NurbsCurve.problem": method(lambda: _core.NurbsCurve(CURVE, 3), "problem"),
+    "NurbsCurve.to_bezier": method(lambda: _core.NurbsCurve(CURVE, 3), "to_bezier"),
+    "BezierSpline": ctor(_core.BezierSpline, knots=np.zeros((2, 3, 3))),
+    "BezierSpline.problem": method(lambda: _core.BezierSpline(np.zeros((2, 3, 3))), "problem"),
+    "BezierSpline.to_bezier": method(lambda: _core.BezierSpline(np.zeros((2, 3, 3))), "to_bezier"),
+    "implied_knots": ctor(_core.implied_knots, count=5, order=3),
+    "CurveSplines": ctor(_core.CurveSplines, **SPLINES),
+    "CurveSplines.__len__": method(splines, "__len__"),
+    "SweptCurve": later(
+        _core.SweptCurve,
+        name=lambda: "curve",
+        splines=lambda: [splines()],
+        dimensions=lambda: "2D",
+        fill_materials=lambda: [0],
+        profile=lambda: [splines()],
+        taper=splines,
+    ),
+    "SweptCurve.borders_cross": method(swept, "borders_cross"),
+    "RayInterpolation": ctor(_core.RayInterpolation, mode="ON"),
+    "VolumeVisualisation": ctor(_core.VolumeVisualisation, kind="EMISSION", density=1.0, color=(1.0, 1.0, 1.0)),
+    "RayCacheStore": ctor(_core.RayCacheStore),
+    "RayCacheStore.of_scene": method(_core.RayCacheStore, "of_scene", name="scene"),
+    "RayCacheStore.next_frame": method(_core.RayCacheStore, "next_frame"),
+    "RayCacheStore.count": method(_core.RayCacheStore, "count"),
+    "RayCacheStore.bytes": method(_core.RayCacheStore, "bytes"),
+    "Strands": ctor(_core.Strands, **HAIR),
+    "strand_tubes": later(_core.strand_tubes, strands=strands, rings=lambda: 3, sides=lambda: 4),
+    "strands_along": later(_core.strands_along, curve=swept),
+    "SubdivisionSurface": ctor(_core.SubdivisionSurface, **CAGE),
+    "SubdivisionSurface.points": method(
+        CUBE.surface, "points", elements=np.zeros(2, np.int32), parameters=np.zeros((2, 2))
+    ),
+    "SubdivisionSurface.values": method(
+        CUBE.surface, "values", attribute=0, elements=np.zeros(2, np.int32), parameters=np.zeros((2, 2))
+    ),
+    "displaced": later(_core.displaced, shape=CUBE.surface, program=program, object=lambda: 0, world=lambda: -1),
+    "SceneDescription": ctor(_core.SceneDescription),
+    "SceneDescription.attribute": method(scene, "attribute", name="UVMap"),
+    "SceneDescription.add_mesh": method(
+        scene,
+        "add_mesh",
+        name="mesh",
+        **TRIANGLE,
+        corner_normals=np.ones((1, 3, 3), np.float32),
+        material_slots=np.zeros(1, np.int32),
+        attributes={0: np.zeros((1, 3, 2), np.float32)},
+    ),
+    "SceneDescription.add_shape": method(scene, "add_shape", shape=shapes.nurbs_sphere()),
+    "SceneDescription.add_surface": method(scene, "add_surface", name="a", splines=[_core.NurbsSpline(PATCH, 2, 2)]),
+    "SceneDescription.add_curve": method(scene, "add_curve", curve=swept()),
+    "SceneDescription.add_material": method(
+        scene,
+        "add_material",
+        name="material",
+        surface=program(),
+        volume=_core.VolumeVisualisation(),
+        displacement=(program(), 0, -1),
+    ),
+    "SceneDescription.add_material_list": method(scene, "add_material_list", materials=[0, -1]),
+    "SceneDescription.add_instance": method(scene, "add_instance", name="a", shape=0, matrix=np.eye(4)),
+    "SceneDescription.add_ray_interpolation": method(
+        scene, "add_ray_interpolation", object="a", interpolation=_core.RayInterpolation()
+    ),
+    "SceneDescription.add_instances": method(scene, "add_instances", **INSTANCES),
+    "SceneDescription.add_lamp": method(
+        scene, "add_lamp", name="lamp", kind="POINT", matrix=np.eye(4), strength=(1.0, 1.0, 1.0)
+    ),
+    "SceneDescription.set_world": method(scene, "set_world", world=program()),
+    "SceneDescription.set_camera": method(scene, "set_camera", **CAMERA),
+    "SceneDescription.add_image_file": method(scene, "add_image_file", name="a", path="nowhere", color_space="SRGB"),
+    "SceneDescription.add_image_pixels": method(
+        scene, "add_image_pixels", name="a", pixels=np.ones((2, 3, 4), np.float32), color_space="SRGB"
+    ),
+    "Settings": ctor(_core.Settings),
+    "Session": later(_core.Session, scene=scene, settings=settings, ray_caches=_core.RayCacheStore),
+    "Session.render": method(session, "render"),
+    "Session.cancel": method(session, "cancel"),
+    "Session.progress": method(session, "progress"),
+    "Session.pass_pixels": method(lambda: session(True), "pass_pixels", name="combined"),
+    "Session.statistics": method(session, "statistics"),
+    "Session.write_exr": method(lambda: session(True), "write_exr", path=in_temporary("rayleaf_bad_arguments.exr")),
+    "Session.write_ppm": method(lambda: session(True), "write_ppm", path=in_temporary("rayleaf_bad_arguments.ppm")),
+    "sampler_pairs": ctor(_core.sampler_pairs, pixel=1, samples=4, dimension=2),
+    "filter_offsets": ctor(_core.filter_offsets, kind=_core.PixelFilterKind.BOX, width=1.5, random=NUMBERS),
+    "transferred_differential": ctor(_core.transferred_differential, incoming=ROWS, direction=UP, t=1.0, normal=UP),
+    "reflected_differential": ctor(
+        _core.reflected_differential, incoming=ROWS, direction=UP, normal=UP, dn_dx=UP, dn_dy=UP
+    ),
+    "refracted_differential": ctor(
+        _core.refracted_differential, incoming=ROWS, direction=UP, normal=UP, dn_dx=UP, dn_dy=UP, eta=1.5
+    ),
+    "LightProbe": later(_core.LightProbe, scene=scene),
+    "LightProbe.sample": method(lambda: _core.LightProbe(scene()), "sample", position=np.array(UP), random=TRIPLES),
+    "LightProbe.look": method(
+        lambda: _core.LightProbe(scene()), "look", position=np.array(UP), directions=RAYS["directions"]
+    ),
+    "LightProbe.count": method(lambda: _core.LightProbe(scene()), "count"),
+}
