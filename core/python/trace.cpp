@@ -300,8 +300,9 @@ py::dict statistics(const Tracer& tracer) {
     return result;
 }
 
-void choose_simd_target(const std::string& name) {
-    if (use_simd_target(name)) return;
+/// True, or an error that names those there are.
+bool choose_simd_target(const std::string& name) {
+    if (use_simd_target(name)) return true;
     std::string known;
     for (const std::string& each : simd_targets()) known += each + ", ";
     throw InputError("simd", "name", "'" + name + "'", "one of " + known + "or nothing");

@@ -147,8 +147,7 @@ class ImagePlane::TileBuilder {
 ImagePlane::ImagePlane(std::shared_ptr<const SampleTracer> tracer, Camera camera, const ImagePlaneSettings& settings)
     : tracer_(std::move(tracer)), camera_(std::move(camera)), settings_(settings) {
     const auto require_positive = [&](const char* argument, double value) {
-        if (!(value > 0.0))
-            throw InputError(tracer_->shape().name(), argument, number_text(value), "a number above 0");
+        if (!(value > 0.0)) throw InputError(tracer_->shape().name(), argument, number_text(value), "a number above 0");
     };
     require_positive("angle_threshold", settings.angle_threshold);
     require_positive("distance_threshold", settings.distance_threshold);
