@@ -66,7 +66,16 @@ SplitPlan::SplitPlan(const PatchSurface& surface, const FacetTolerance& toleranc
         split.log2_v = std::min(split.log2_v + extra_splits, kMostLog2);
         splits_.push_back(split);
     }
-    limit(surface);
+    SharedSides sides(surface);
+    std::vector<int> most(2 * splits_.size());  // by group
+    for (size_t i = 0; i < splits_.size(); ++i)
+        for (const int axis : {0, 1}) {
+            int& of_group = most[sides.group(i, axis)];
+            of_group = std::max(of_group, splits_[i].log2(axis));
+        }
+    for (size_t i = 0; i < splits_.size(); ++i)
+        for (const int axis : {0, 1}) splits_[i].log2(axis) = most[sides.group(i, axis)];
+    limit(surface, sides);
     number(surface);
 }
 
@@ -78,14 +87,17 @@ uint64_t SplitPlan::subpatches_wanted(const PatchSurface& surface) const {
 }
 
 /// Takes back the finest splits until there are no more subpatches than allowed.
-void SplitPlan::limit(const PatchSurface& surface) {
+void SplitPlan::limit(const PatchSurface& surface, SharedSides& sides) {
     while (subpatches_wanted(surface) > kMostSubpatches) {
         const auto finest = std::max_element(splits_.begin(), splits_.end(), [](const auto& a, const auto& b) {
             return a.log2_u + a.log2_v < b.log2_u + b.log2_v;
         });
-        int& larger = finest->log2_u >= finest->log2_v ? finest->log2_u : finest->log2_v;
-        if (larger == 0) return;
-        --larger;
+        const int larger = finest->log2_u >= finest->log2_v ? 0 : 1;
+        if (finest->log2(larger) == 0) return;
+        const uint32_t group = sides.group(static_cast<size_t>(finest - splits_.begin()), larger);
+        for (size_t i = 0; i < splits_.size(); ++i)
+            for (const int axis : {0, 1})
+                if (sides.group(i, axis) == group) --splits_[i].log2(axis);
     }
 }
 

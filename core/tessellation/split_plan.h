@@ -1,5 +1,5 @@
 // How the patches of a surface are split into subpatches: all patches of a spline alike, 2^a x 2^b, so that neighbours
-// meet vertex to vertex.
+// meet vertex to vertex; splines that share a border alike along it (shared_sides.h).
 //
 // Subpatches are numbered patch by patch in the patches' order, within one first along u, then along v.
 #pragma once
@@ -8,6 +8,7 @@
 #include "splines/bounds.h"
 #include "tessellation/dicer.h"
 #include "tessellation/grid.h"
+#include "tessellation/shared_sides.h"
 
 #include <cstdint>
 #include <vector>
@@ -27,6 +28,7 @@ struct SplineSplit {
 
     int cells_u() const { return kGridCells << log2_u; }
     int cells_v() const { return kGridCells << log2_v; }
+    int& log2(int axis) { return axis == 0 ? log2_u : log2_v; }
 };
 
 /// The coarsest split of a patch, or whatever has such bounds, whose facets lie within `tolerance` of it.
@@ -57,7 +59,7 @@ class SplitPlan {
     std::vector<Subpatch> subpatches_;  ///< a table, for each ray's hit asks
 
     void number(const PatchSurface& surface);
-    void limit(const PatchSurface& surface);
+    void limit(const PatchSurface& surface, SharedSides& sides);
     uint64_t subpatches_wanted(const PatchSurface& surface) const;
 };
 

@@ -81,3 +81,35 @@ def test_a_spline_that_blender_draws_nothing_for_leaves_the_others():
     surface = trace.PatchSurface("Hull", [short, (points, clamped, clamped, True, 0)])
     assert surface.element_count == 1
     assert trace.PatchSurface("Hull", [short]).element_count == 0
+
+
+def two_sheets(turned):
+    """Two splines of one object that share the control points of a border; the second bends far more along it."""
+    net = np.ones((4, 7, 4))
+    net[..., 0], net[..., 1] = np.meshgrid(np.linspace(-1, 1, 7), np.linspace(-1, 1, 4))
+    wave = 0.3 * np.array([[0], [1], [-1], [0]])
+    net[..., 0] += 2 * wave
+    net[..., 2] = wave
+    first, second = net[:, :4].copy(), net[:, 3:].copy()
+    second[1:3, 1:, 2] += 4 * np.array([[1], [-1]])
+    direction = (4, False, True, False)
+    if turned:  # the shared border runs along u of the second, from its other end
+        second = second.transpose(1, 0, 2)[:, ::-1].copy()
+    splines = [(first, direction, direction, True, 0), (second, direction, direction, True, 0)]
+    return shapes.trace.PatchSurface("sheets", splines), first[:, 3, :3]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("resident", [0.0, 1000.0])
+@pytest.mark.parametrize("pixel", [1e-2, 1e-3, 1e-4])
+def test_splines_that_share_control_points_leave_no_gap(pixel, resident, turned):
+    surface, border = two_sheets(turned)
+    eye = (0.0, 0.0, 9.0)
+    cache = shapes.trace.GeometryCacheSettings(resident_megabytes=resident)
+    tracer = shapes.trace.Tracer([(surface, np.eye(4), shapes.EVERYTHING)], pixel_angle=pixel, eye=eye, cache=cache)
+    t = np.random.default_rng(5).uniform(0.01, 0.99, 20_000)[:, None]
+    bernstein = np.concatenate([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3], axis=1)
+    origins = np.tile(eye, (len(t), 1))
+    hits = tracer.closest_hits(origins, bernstein @ border - origins)
+    fell = np.flatnonzero(hits["instance"] < 0)
+    assert len(fell) == 0, f"{len(fell)} rays fell through, the first at {t[fell[0], 0]!r}"

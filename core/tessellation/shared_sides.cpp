@@ -1,0 +1,57 @@
+#include "tessellation/shared_sides.h"
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+namespace rayleaf {
+namespace {
+
+/// The numbers of a border's control points, from the end that makes them less; empty for a pole, where all that meets
+/// is one point anyway.
+std::vector<double> border_key(const PatchView& patch, int across, bool at_end) {
+    const int columns = patch.columns(), count = across == 0 ? patch.rows() : columns;
+    const Vec4d* const first = patch.points + (at_end ? (across == 0 ? patch.degree_u : patch.degree_v * columns) : 0);
+    const int stride = across == 0 ? columns : 1;
+    bool is_pole = true;
+    std::vector<double> forward, backward;
+    for (int i = 0; i < count; ++i) {
+        const Vec4d &here = first[i * stride], &back = first[(count - 1 - i) * stride];
+        is_pole = is_pole && here == *first;
+        for (int axis = 0; axis < 4; ++axis) {
+            forward.push_back(here[axis]);
+            backward.push_back(back[axis]);
+        }
+    }
+    if (is_pole) return {};
+    return std::min(forward, backward);
+}
+
+}  // namespace
+
+SharedSides::SharedSides(const PatchSurface& surface) : groups_(2 * surface.splines().size()) {
+    if (surface.splines().size() < 2) return;
+    std::map<std::vector<double>, uint32_t> known;
+    for (size_t s = 0; s < surface.splines().size(); ++s) {
+        const SplinePatches& spline = surface.splines()[s];
+        const auto columns = static_cast<uint32_t>(spline.spans_u.size());
+        const auto rows = static_cast<uint32_t>(spline.spans_v.size());
+        const auto add = [&](uint32_t column, uint32_t row, int across, bool at_end) {
+            std::vector<double> key =
+                border_key(surface.patch(spline.first_patch + row * columns + column), across, at_end);
+            if (key.empty()) return;
+            const uint32_t along = number(s, 1 - across);
+            groups_.join(along, known.try_emplace(std::move(key), along).first->second);
+        };
+        for (uint32_t row = 0; row < rows; ++row) {
+            add(0, row, 0, false);
+            add(columns - 1, row, 0, true);
+        }
+        for (uint32_t column = 0; column < columns; ++column) {
+            add(column, 0, 1, false);
+            add(column, rows - 1, 1, true);
+        }
+    }
+}
+
+}  // namespace rayleaf
