@@ -12,6 +12,7 @@ namespace py = pybind11;
 void bind_curves(py::module_& module);
 void bind_distribution(py::module_& module);
 void bind_errors(py::module_& module);
+void bind_film(py::module_& module);
 void bind_lights(py::module_& module);
 void bind_ray_interpolation(py::module_& module);
 void bind_rays(py::module_& module);

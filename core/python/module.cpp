@@ -51,5 +51,6 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::bind_ray_interpolation(module);
     rayleaf::bind_scene(module);
     rayleaf::bind_settings(module);
+    rayleaf::bind_film(module);
     rayleaf::bind_session(module);
 }

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "python/bindings.h"
+#include "python/film.h"
 #include "python/geometry_cache.h"
 
 namespace rayleaf {
@@ -23,18 +24,19 @@ const char* state_name(RenderState state) {
     return "cancelled";
 }
 
-/// A pass as an array that owns its numbers.
 py::array_t<float> pass_pixels(const Session& session, const std::string& name) {
     const std::optional<Pass> pass = find_pass(name);
     std::vector<float> pixels = pass ? session.film().pixels(*pass) : std::vector<float>();
     if (pixels.empty()) throw InputError("session", "pass", "'" + name + "'", "one of the passes in the settings");
-    auto owner = std::make_unique<std::vector<float>>(std::move(pixels));
-    float* const data = owner->data();
-    const py::capsule capsule(owner.release(), [](void* memory) { delete static_cast<std::vector<float>*>(memory); });
-    const auto channels = static_cast<py::ssize_t>(info(*pass).channels.size());
-    const py::array::ShapeContainer shape{py::ssize_t{session.film().height()}, py::ssize_t{session.film().width()},
-                                          channels};
-    return py::array_t<float>(shape, data, capsule);
+    return array_of(std::move(pixels), session.film().width(), session.film().height(), *pass);
+}
+
+py::dict sums(const Session& session) {
+    if (!session.sums()) throw InputError("session", "sums", "not kept", "settings with keep_sums");
+    py::dict result;
+    for (const Pass pass : session.sums()->passes())
+        result[py::str(std::string(info(pass).identifier))] = sums_of(*session.sums(), pass);
+    return result;
 }
 
 /// Bytes of the shapes of each kind that the scene has.
@@ -156,6 +158,7 @@ void bind_session(py::module_& module) {
              })
         .def("pass_pixels", &pass_pixels, "name"_a)
         .def("statistics", &statistics)
+        .def("sums", &sums)
         .def(
             "write_exr", [](const Session& session, const std::string& path) { write_exr(session.film(), path); },
             "path"_a, py::call_guard<py::gil_scoped_release>())

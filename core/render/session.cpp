@@ -55,8 +55,9 @@ Session::Session(std::shared_ptr<const SceneDescription> description, Settings s
     : description_(std::move(description)),
       settings_(validated(std::move(settings))),
       ray_caches_(std::move(ray_caches)),
-      film_(window(settings_).width, window(settings_).height, computed_passes(settings_.passes)) {
+      film_(part(settings_).width, part(settings_).height, computed_passes(settings_.passes)) {
     settings_.passes = film_.passes();
+    if (settings_.keep_sums) sums_ = std::make_unique<FilmSums>(film_.width(), film_.height(), film_.passes());
 }
 
 void Session::take_scene() {
@@ -94,7 +95,7 @@ void Session::render_building_first() {
 }
 
 void Session::render_tiles() {
-    const std::vector<Window> tiles = tiles_of(window(settings_), settings_.tile_size);
+    const std::vector<Window> tiles = tiles_of(part(settings_), settings_.tile_size);
     const DistributionSettings distribution(settings_);
     const std::unique_ptr<const IrradianceCache> cache = filled_cache();
     const Frame frame{PixelFilter(settings_.filter, settings_.filter_width),
@@ -119,40 +120,41 @@ std::unique_ptr<const IrradianceCache> Session::filled_cache() {
 }
 
 void Session::render_tile(const Window& tile, const Frame& frame) {
-    std::vector<PixelSums> sums(static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height));
+    const Window whole = part(settings_);
+    const int x = tile.x - whole.x, y = tile.y - whole.y;
+    TileSums sums(x, y, tile.width, sample_range(settings_), settings_.passes, sums_.get());
     RayCounts counts;
     // Which pixel pays for a tessellation is known of single paths only.
     const bool alone = frame.integrator != IntegratorKind::Path || settings_.stream_paths == 0 ||
                        frame.path.wants(Pass::geometry_misses);
     if (!(alone ? render_paths(tile, frame, sums, counts) : render_streams(tile, frame, sums, counts))) return;
-    const Window part = window(settings_);
-    film_.put(tile.x - part.x, tile.y - part.y, tile.width, tile.height, sums);
-    finished_pixels_ += sums.size();
+    film_.put(x, y, tile.width, tile.height, sums.values());
+    finished_pixels_ += sums.values().size();
     add_counts(counts);
 }
 
 /// One path after the other.
-bool Session::render_paths(const Window& tile, const Frame& frame, std::span<PixelSums> sums, RayCounts& counts) const {
-    size_t pixel = 0;
+bool Session::render_paths(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const {
     for (int y = 0; y < tile.height; ++y)
         for (int x = 0; x < tile.width; ++x)
-            if (!render_pixel(tile.x + x, tile.y + y, frame, sums[pixel++], counts)) return false;
+            if (!render_pixel(tile.x + x, tile.y + y, frame, sums, counts)) return false;
     return true;
 }
 
 /// The paths of a tile, pixel by pixel, as many at once as a stream takes.
-bool Session::render_streams(const Window& tile, const Frame& frame, std::span<PixelSums> sums,
-                             RayCounts& counts) const {
+bool Session::render_streams(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const {
     PathStream stream(*scene_, frame.path, cancel_, counts);
-    const auto samples = static_cast<size_t>(settings_.samples), paths = sums.size() * samples;
-    size_t first = 0;  // path of the stream
+    const SampleRange range = sample_range(settings_);
+    const auto samples = static_cast<size_t>(range.count);
+    const size_t paths = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height) * samples;
     for (size_t i = 0; i < paths; ++i) {
         const int place = static_cast<int>(i / samples), x = place % tile.width, y = place / tile.width;
-        const CameraSample sample = camera_sample(tile.x + x, tile.y + y, static_cast<int>(i % samples), frame);
+        const int number = range.first + static_cast<int>(i % samples);
+        const CameraSample sample = camera_sample(tile.x + x, tile.y + y, number, frame);
         stream.add(sample.ray, sample.sampler);
         if (stream.size() < static_cast<size_t>(settings_.stream_paths) && i + 1 < paths) continue;
         if (cancel_.cancelled()) return false;
-        stream.trace([&](const PixelSample& value) { sums[first++ / samples].add(value, settings_.passes); });
+        stream.trace([&](const PixelSample& value) { sums.add(value); });
     }
     return true;
 }
@@ -169,9 +171,10 @@ void Session::add_counts(const RayCounts& counts) {
     statistics_.rays += counts;
 }
 
-bool Session::render_pixel(int x, int y, const Frame& frame, PixelSums& sums, RayCounts& counts) const {
-    for (int s = 0; s < settings_.samples; ++s) {
-        if (s % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
+bool Session::render_pixel(int x, int y, const Frame& frame, TileSums& sums, RayCounts& counts) const {
+    const SampleRange range = sample_range(settings_);
+    for (int s = range.first; s < range.first + range.count; ++s) {
+        if ((s - range.first) % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
         const auto [ray, sampler] = camera_sample(x, y, s, frame);
         const uint64_t misses = frame.path.wants(Pass::geometry_misses) ? scene_->tracer().thread_misses() : 0;
         PixelSample value = frame.integrator == IntegratorKind::Distribution
@@ -179,14 +182,13 @@ bool Session::render_pixel(int x, int y, const Frame& frame, PixelSums& sums, Ra
                                 : trace_path(*scene_, frame.path, ray, sampler, counts);
         if (frame.path.wants(Pass::geometry_misses))
             value[Pass::geometry_misses].x = static_cast<float>(scene_->tracer().thread_misses() - misses);
-        sums.add(value, settings_.passes);
+        sums.add(value);
     }
     return true;
 }
 
 Progress Session::progress() const {
-    const Window part = window(settings_);
-    const double pixels = static_cast<double>(part.width) * part.height;
+    const double pixels = static_cast<double>(film_.width()) * film_.height();
     return {state_, static_cast<double>(finished_pixels_) / pixels};
 }
 
@@ -195,13 +197,13 @@ void Session::gather_statistics(double build_seconds, double render_seconds) {
     statistics_.build_seconds = build_seconds;
     statistics_.render_seconds = render_seconds;
     statistics_.pixels = finished_pixels_;
-    statistics_.paths = finished_pixels_ * static_cast<uint64_t>(settings_.samples);
+    statistics_.paths = finished_pixels_ * static_cast<uint64_t>(sample_range(settings_).count);
     statistics_.trace = scene_->tracer().statistics();
     statistics_.has_textures = scene_->textures() != nullptr;
     if (scene_->textures()) statistics_.textures = scene_->textures()->statistics();
     statistics_.lights = scene_->lights().count();
     statistics_.light_bytes = scene_->lights().bytes();
-    statistics_.film_bytes = film_.bytes();
+    statistics_.film_bytes = film_.bytes() + (sums_ ? sums_->bytes() : 0);
     statistics_.ray_caches = caches_->report();
     statistics_.volumes = scene_->volumes().size();
     count_shapes();

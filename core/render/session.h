@@ -4,6 +4,7 @@
 #include "base/cancel.h"
 #include "base/random.h"
 #include "film/film.h"
+#include "film/tile_sums.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/ray_counts.h"
 #include "render/curve_statistics.h"
@@ -60,6 +61,8 @@ class Session {
     void cancel() { cancel_.cancel(); }
     Progress progress() const;
     const Film& film() const { return film_; }
+    /// What the samples add up to; null unless the settings keep it.
+    const FilmSums* sums() const { return sums_.get(); }
     const Settings& settings() const { return settings_; }
     /// Complete after `render`; before, what is known so far.
     RenderStatistics statistics() const;
@@ -69,6 +72,7 @@ class Session {
     Settings settings_;
     std::shared_ptr<RayCacheStore> ray_caches_;
     Film film_;
+    std::unique_ptr<FilmSums> sums_;
     CancelToken cancel_;
     bool has_taken_scene_ = false;
     std::unique_ptr<Scene> scene_;
@@ -89,9 +93,9 @@ class Session {
         Sampler sampler;
     };
     CameraSample camera_sample(int x, int y, int sample, const Frame& frame) const;
-    bool render_paths(const Window& tile, const Frame& frame, std::span<PixelSums> sums, RayCounts& counts) const;
-    bool render_streams(const Window& tile, const Frame& frame, std::span<PixelSums> sums, RayCounts& counts) const;
-    bool render_pixel(int x, int y, const Frame& frame, PixelSums& sums, RayCounts& counts) const;
+    bool render_paths(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const;
+    bool render_streams(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const;
+    bool render_pixel(int x, int y, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     void add_counts(const RayCounts& counts);
     void gather_statistics(double build_seconds, double render_seconds);
     void count_shapes();

@@ -28,6 +28,13 @@ void validate(const Settings& s) {
     check("crop width", s.crop_width, 0, s.width - s.crop_x);
     check("crop height", s.crop_height, 0, s.height - s.crop_y);
     check("samples", s.samples, 1, kMany);
+    const Window picture = window(s);
+    check("part x", s.part_x, s.part_width == 0 ? 0 : picture.x, picture.x + picture.width);
+    check("part y", s.part_y, s.part_height == 0 ? 0 : picture.y, picture.y + picture.height);
+    check("part width", s.part_width, 0, picture.x + picture.width - s.part_x);
+    check("part height", s.part_height, 0, picture.y + picture.height - s.part_y);
+    check("first sample", s.first_sample, 0, s.samples - 1);
+    check("sample count", s.sample_count, 0, s.samples - s.first_sample);
     check("threads", s.threads, 0, 1024);
     check("tile size", s.tile_size, 1, 4096);
     check("stream paths", s.stream_paths, 0, 65536);

@@ -3,6 +3,7 @@
 
 #include "film/pass.h"
 #include "film/pixel_filter.h"
+#include "film/sample_range.h"
 #include "scene/ray_interpolation.h"
 #include "tessellation/geometry_cache.h"
 
@@ -28,6 +29,13 @@ struct Settings {
     int crop_x = 0, crop_y = 0;           ///< lower left corner of the rendered part
     int crop_width = 0, crop_height = 0;  ///< its size; 0: the whole picture
     int samples = 64;                     ///< paths per pixel
+    /// What is rendered of all that, where several share the work: a part of the crop, and some of the samples. What is
+    /// decided for the picture as a whole is decided as if all of it were.
+    int part_x = 0, part_y = 0;           ///< lower left corner in the whole picture
+    int part_width = 0, part_height = 0;  ///< 0: the whole crop
+    int first_sample = 0;
+    int sample_count = 0;    ///< 0: all from there on
+    bool keep_sums = false;  ///< exact sums, to be put together with other parts' (film/film_sums.h)
     uint32_t seed = 0;
     int threads = 0;     ///< 0: all the machine's
     int tile_size = 32;  ///< pixels
@@ -78,13 +86,22 @@ GeometryCacheSettings geometry_cache_settings(const Settings& settings);
 /// Throws InputError that names the first setting out of its range.
 void validate(const Settings& settings);
 
-/// The rendered part of the picture in pixels, lower left corner and size: the crop, or the whole.
+/// The picture in pixels, lower left corner and size: the crop, or the whole.
 struct Window {
     int x = 0, y = 0, width = 0, height = 0;
 };
 inline Window window(const Settings& s) {
     if (s.crop_width == 0 || s.crop_height == 0) return {0, 0, s.width, s.height};
     return {s.crop_x, s.crop_y, s.crop_width, s.crop_height};
+}
+/// What is rendered of it.
+inline Window part(const Settings& s) {
+    if (s.part_width == 0 || s.part_height == 0) return window(s);
+    return {s.part_x, s.part_y, s.part_width, s.part_height};
+}
+/// Of each pixel.
+inline SampleRange sample_range(const Settings& s) {
+    return {s.first_sample, s.sample_count == 0 ? s.samples - s.first_sample : s.sample_count};
 }
 
 }  // namespace rayleaf

@@ -491,6 +491,13 @@ class Settings:
     crop_width: int
     crop_height: int
     samples: int
+    part_x: int
+    part_y: int
+    part_width: int
+    part_height: int
+    first_sample: int
+    sample_count: int
+    keep_sums: bool
     seed: int
     threads: int
     tile_size: int
@@ -542,10 +549,23 @@ class Session:
     def pass_pixels(self, name: str) -> Floats:
         """(height, width, channels) of the cropped part, rows bottom to top; a copy of what is there now."""
     def statistics(self) -> dict[str, Any]: ...
+    def sums(self) -> dict[str, Doubles]:
+        """Of each pass that was computed, what `FilmSums.add` takes. For settings with `keep_sums`, after `render`."""
     def write_exr(self, path: str) -> None:
         """All passes as one multilayer EXR."""
     def write_ppm(self, path: str) -> None:
         """The combined pass as a binary PPM: 8 bits, sRGB, no alpha."""
+
+class FilmSums:
+    """Puts together what was rendered in parts: other pixels, other samples. The same bits as rendered at once."""
+
+    def __init__(self, width: int, height: int, passes: list[str]) -> None: ...
+    def add(self, x: int, y: int, samples: int, sums: dict[str, Doubles]) -> None:
+        """Samples of a rectangle from (x, y) on: of each pass (height, width, channels, terms), doubles that add up to the sum."""
+    def samples(self) -> tuple[int, int]:
+        """The fewest and the most that a pixel has."""
+    def pass_pixels(self, name: str) -> Floats:
+        """(height, width, channels), rows bottom to top, of the samples that there are."""
 
 class PixelFilterKind:
     """Shapes of the pixel filter."""

@@ -1,0 +1,47 @@
+// The sums of every pixel's samples, exactly, so that what was rendered apart can be put together: other pixels, or
+// other samples of the same pixels. All at once or in parts: the same bits.
+#pragma once
+
+#include "film/pixel_sums.h"
+
+#include <mutex>
+#include <vector>
+
+namespace rayleaf {
+
+class FilmSums {
+  public:
+    FilmSums(int width, int height, std::vector<Pass> passes);
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    const std::vector<Pass>& passes() const { return passes_; }
+    bool has(Pass pass) const;
+    size_t bytes() const;
+
+    /// Adds samples of one pixel; `sums` is used up. Safe from any thread.
+    void add(int x, int y, int samples, PixelSums& sums);
+
+    /// What the rest reads or gives is complete once nothing is added any more.
+    int least_samples() const;
+    int most_samples() const;
+    /// The terms of all sums of a pass, those of the same number together: each (row, column, channel), from below.
+    const std::vector<std::vector<double>>& terms(Pass pass) const { return terms_[static_cast<size_t>(pass)]; }
+    /// The picture of the samples that there are: (row, column, channel). The pass is one of `passes`.
+    std::vector<float> pixels(Pass pass) const;
+
+  private:
+    int width_, height_;
+    std::vector<Pass> passes_;
+    std::vector<int> samples_;  ///< of each pixel
+    std::array<std::vector<std::vector<double>>, kPassCount> terms_;
+    mutable std::mutex mutex_;
+
+    size_t pixel(int x, int y) const {
+        return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+    }
+    void add_terms(size_t pixel, Pass pass, PixelSums& sums) const;
+    void keep_terms(size_t pixel, Pass pass, PixelSums& sums);
+};
+
+}  // namespace rayleaf

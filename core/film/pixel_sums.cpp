@@ -1,0 +1,91 @@
+#include "film/pixel_sums.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace rayleaf {
+namespace {
+
+/// Sums of all passes in double precision.
+using RoundedSums = std::array<Vec4d, kPassCount>;
+
+Vec4f value(Pass pass, const RoundedSums& sums, int count) {
+    const PassRuleInfo info = rule(pass);
+    const Vec4d& sum = sums[static_cast<size_t>(pass)];
+    if (info.rule == PassRule::FirstSample) return Vec4f(sum);
+    if (info.rule == PassRule::Mean) {
+        Vec4f mean(sum / std::max(count, 1));
+        // Where a material passes and scatters more light than comes, alpha is right in the mean of many samples only.
+        if (pass == Pass::combined) mean.w = std::clamp(mean.w, 0.0f, 1.0f);
+        return mean;
+    }
+    const Vec4d& color = sums[static_cast<size_t>(info.color)];
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    Vec4f value(0.0f);
+    for (int i = 0; i < 3; ++i)
+        if (color[i] > 0.0) value[i] = static_cast<float>(std::clamp(sum[i] / color[i], -kLargest, kLargest));
+    return value;
+}
+
+}  // namespace
+
+PassRuleInfo rule(Pass pass) {
+    switch (pass) {
+        case Pass::depth:
+        case Pass::position:
+        case Pass::object_index:
+        case Pass::material_index:
+        case Pass::mask:
+        case Pass::tree_index:
+        case Pass::geometry_level:
+            return {PassRule::FirstSample, pass};
+        case Pass::diffuse_direct:
+        case Pass::diffuse_indirect:
+            return {PassRule::Divided, Pass::diffuse_color};
+        case Pass::glossy_direct:
+        case Pass::glossy_indirect:
+            return {PassRule::Divided, Pass::glossy_color};
+        case Pass::transmission_direct:
+        case Pass::transmission_indirect:
+            return {PassRule::Divided, Pass::transmission_color};
+        default:
+            return {PassRule::Mean, pass};
+    }
+}
+
+std::vector<Pass> computed_passes(const std::vector<Pass>& wanted) {
+    std::vector<Pass> computed;
+    const auto include = [&](Pass pass) {
+        if (std::find(computed.begin(), computed.end(), pass) == computed.end()) computed.push_back(pass);
+    };
+    for (const Pass pass : wanted) {
+        include(pass);
+        if (rule(pass).rule == PassRule::Divided) include(rule(pass).color);
+    }
+    return computed;
+}
+
+void PixelSums::add(const PixelSample& sample, int number, std::span<const Pass> passes) {
+    for (const Pass pass : passes) {
+        if (number > 0 && rule(pass).rule == PassRule::FirstSample) continue;
+        const Vec4f& value = sample[pass];
+        for (size_t c = 0; c < info(pass).channels.size(); ++c) sum(pass, c).add(value[static_cast<int>(c)]);
+    }
+}
+
+void PixelSums::clear(std::span<const Pass> passes) {
+    for (const Pass pass : passes) sums_[static_cast<size_t>(pass)].fill(ExactSum());
+}
+
+PixelValues PixelSums::values(std::span<const Pass> passes, int count) const {
+    RoundedSums rounded;
+    for (const Pass pass : passes)
+        for (size_t c = 0; c < 4; ++c)
+            rounded[static_cast<size_t>(pass)][static_cast<int>(c)] =
+                c < info(pass).channels.size() ? sums_[static_cast<size_t>(pass)][c].terms()[0] : 0.0;
+    PixelValues values;
+    for (const Pass pass : passes) values[static_cast<size_t>(pass)] = value(pass, rounded, count);
+    return values;
+}
+
+}  // namespace rayleaf

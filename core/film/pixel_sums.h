@@ -1,0 +1,46 @@
+// How the samples of a pixel become its value.
+#pragma once
+
+#include "film/exact_sum.h"
+#include "film/pass.h"
+#include "film/pixel.h"
+
+#include <span>
+#include <vector>
+
+namespace rayleaf {
+
+enum class PassRule {
+    Mean,         ///< of all samples
+    FirstSample,  ///< indices and places, which mean nothing when averaged
+    Divided       ///< mean, divided by the mean of a colour pass: light without the surface's colour
+};
+
+/// The rule of a pass, and for Divided the colour pass it is divided by.
+struct PassRuleInfo {
+    PassRule rule = PassRule::Mean;
+    Pass color = Pass::combined;
+};
+PassRuleInfo rule(Pass pass);
+
+/// Passes to compute for a list of wanted ones: each once, with the colours that Divided ones need.
+std::vector<Pass> computed_passes(const std::vector<Pass>& wanted);
+
+/// Values of all passes for one pixel. xyzw are the channels in order.
+using PixelValues = std::array<Vec4f, kPassCount>;
+
+/// Sums of one pixel's samples, or of some of them: what is summed apart has the same bits when it is put together.
+class PixelSums {
+  public:
+    /// `number`: which sample of the pixel it is.
+    void add(const PixelSample& sample, int number, std::span<const Pass> passes);
+    void clear(std::span<const Pass> passes);
+    ExactSum& sum(Pass pass, size_t channel) { return sums_[static_cast<size_t>(pass)][channel]; }
+    /// What the film shows of `count` samples, or of fewer as far as there are.
+    PixelValues values(std::span<const Pass> passes, int count) const;
+
+  private:
+    std::array<std::array<ExactSum, 4>, kPassCount> sums_;
+};
+
+}  // namespace rayleaf
