@@ -40,7 +40,8 @@ BorderPlace owner_place(const Shape& base, uint32_t element, const Vec2f& parame
 
 }  // namespace
 
-DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::shared_ptr<const Displacement> displacement)
+DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::shared_ptr<const Displacement> displacement,
+                                   const CancelToken& cancel)
     : Shape(ShapeKind::DisplacedSurface, base->name()), base_(std::move(base)), displacement_(std::move(displacement)) {
     object_bounds_ = base_->object_bounds();
     Box3d box = object_bounds_;
@@ -50,6 +51,7 @@ DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::share
         double farthest = 0.0;
         std::mutex mutex;
         tbb::parallel_for(uint32_t{0}, count, [&](uint32_t element) {
+            cancel.throw_if_cancelled();
             Box3d here;
             double longest = 0.0;
             for (int i = 0; i < along * along; ++i) {

@@ -5,6 +5,7 @@
 // every border has one owner, whose place counts for all (`owner_place` of the surfaces).
 #pragma once
 
+#include "base/cancel.h"
 #include "geometry/shape.h"
 
 #include <memory>
@@ -25,8 +26,9 @@ class DisplacedSurface final : public Shape {
     static bool can_displace(const Shape& base) {
         return base.kind() == ShapeKind::PatchSurface || base.kind() == ShapeKind::SubdivisionSurface;
     }
-    /// Throws InputError where a displacement is not finite.
-    DisplacedSurface(std::shared_ptr<const Shape> base, std::shared_ptr<const Displacement> displacement);
+    /// Throws InputError where a displacement is not finite, and Cancelled soon after `cancel` says so.
+    DisplacedSurface(std::shared_ptr<const Shape> base, std::shared_ptr<const Displacement> displacement,
+                     const CancelToken& cancel = kNeverCancelled);
 
     uint32_t element_count() const override { return base_->element_count(); }
     LocalSurface surface(const LocalHit& hit) const override;

@@ -6,6 +6,7 @@
 // a delta light. Black lamps are left out.
 #pragma once
 
+#include "base/cancel.h"
 #include "base/vector.h"
 #include "rays/ray.h"
 #include "trace/tracer.h"
@@ -75,9 +76,9 @@ struct EmittingInstance {
 class LightSet {
   public:
     /// `world_resolution` is the width of the table by which the world is importance sampled; 0: not sampled. Black and
-    /// constant worlds are sampled by scattering alone whatever it is.
+    /// constant worlds are sampled by scattering alone whatever it is. Throws Cancelled soon after `cancel` says so.
     LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
-             SurfaceEmission emission, WorldEmission world, int world_resolution);
+             SurfaceEmission emission, WorldEmission world, int world_resolution, const CancelToken& cancel);
     ~LightSet();
     LightSet(const LightSet&) = delete;
     LightSet& operator=(const LightSet&) = delete;

@@ -50,7 +50,7 @@ struct LightSet::Implementation {
         : surfaces(emitters, tracer, std::move(emission)), world_emission(std::move(world_function)) {}
 
     void add(const Lamp& lamp);
-    void build_tree();
+    void build_tree(const CancelToken& cancel);
 
     /// Whether light of the tree's item arrives at a position; the choice inside the tree asks it.
     auto reaches(const Vec3d& position) const {
@@ -89,30 +89,30 @@ void LightSet::Implementation::add(const Lamp& lamp) {
     if (has_size) lamps_with_size.push_back(static_cast<uint32_t>(lamps.size() - 1));
 }
 
-void LightSet::Implementation::build_tree() {
+void LightSet::Implementation::build_tree(const CancelToken& cancel) {
     std::vector<LightTreeItem> items;
     for (const PlacedLamp& lamp : lamps)
         std::visit([&](const auto& shape) { items.push_back({shape.bounds(), shape.intensity()}); }, lamp.shape);
     std::vector<LightTreeItem> with_size;
     for (const uint32_t index : lamps_with_size) with_size.push_back(items[index]);
-    hittable = LightTree(with_size);
-    const std::vector<LightTreeItem> of_surfaces = surfaces.tree_items();
+    hittable = LightTree(with_size, cancel);
+    const std::vector<LightTreeItem> of_surfaces = surfaces.tree_items(cancel);
     items.insert(items.end(), of_surfaces.begin(), of_surfaces.end());
-    tree = LightTree(items);
+    tree = LightTree(items, cancel);
 }
 
 LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
-                   SurfaceEmission emission, WorldEmission world, int world_resolution)
+                   SurfaceEmission emission, WorldEmission world, int world_resolution, const CancelToken& cancel)
     : implementation_(std::make_unique<Implementation>(emitters, tracer, std::move(emission), std::move(world))) {
     Implementation& set = *implementation_;
     for (const Lamp& lamp : lamps)
         if (shines(lamp)) set.add(lamp);
     if (world_resolution > 0 && set.world_emission) {
-        set.world.emplace(set.world_emission, world_resolution);
+        set.world.emplace(set.world_emission, world_resolution, cancel);
         if (set.world->is_uniform()) set.world.reset();
     }
     if (set.world) set.suns_and_world += set.world->irradiance();
-    set.build_tree();
+    set.build_tree(cancel);
 }
 
 LightSet::~LightSet() = default;

@@ -4,17 +4,18 @@
 
 namespace rayleaf {
 
-LightTree::LightTree(const std::vector<LightTreeItem>& items) : leaf_of_item_(items.size()) {
+LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel) : leaf_of_item_(items.size()) {
     if (items.empty()) return;
     std::vector<uint32_t> order(items.size());
     std::iota(order.begin(), order.end(), 0u);
     nodes_.reserve(2 * items.size() - 1);
     nodes_.emplace_back();
-    build(items, order, 0, order.size(), 0);
+    build(items, order, 0, order.size(), 0, cancel);
 }
 
 void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
-                      uint32_t node) {
+                      uint32_t node, const CancelToken& cancel) {
+    cancel.throw_if_cancelled();
     Box3d box, centers;
     double intensity = 0;
     for (size_t i = begin; i < end; ++i) {
@@ -41,8 +42,8 @@ void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint3
     nodes_.resize(nodes_.size() + 2);
     nodes_[node].left = left;
     nodes_[left].parent = nodes_[left + 1].parent = node;
-    build(items, order, begin, middle, left);
-    build(items, order, middle, end, left + 1);
+    build(items, order, begin, middle, left, cancel);
+    build(items, order, middle, end, left + 1, cancel);
 }
 
 double LightTree::irradiance(const Vec3d& position) const {

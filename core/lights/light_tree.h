@@ -6,6 +6,7 @@
 // choice is a pure function of the position and the random number.
 #pragma once
 
+#include "base/cancel.h"
 #include "base/vector.h"
 #include "rays/ray.h"
 
@@ -24,7 +25,8 @@ struct LightTreeItem {
 
 class LightTree {
   public:
-    explicit LightTree(const std::vector<LightTreeItem>& items);
+    /// Throws Cancelled soon after `cancel` says so.
+    explicit LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel = kNeverCancelled);
 
     bool empty() const { return nodes_.empty(); }
     /// Irradiance, very roughly, that all lights give to a point: what the tree is worth against suns and the world.
@@ -62,7 +64,7 @@ class LightTree {
     std::vector<uint32_t> leaf_of_item_;
 
     void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
-               uint32_t node);
+               uint32_t node, const CancelToken& cancel);
 
     template <typename Reaches>
     double importance(const Node& node, const Vec3d& position, const Reaches& reaches) const {

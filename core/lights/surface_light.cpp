@@ -67,9 +67,10 @@ SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, cons
     }
 }
 
-std::vector<LightTreeItem> SurfaceLights::tree_items() const {
+std::vector<LightTreeItem> SurfaceLights::tree_items(const CancelToken& cancel) const {
     std::vector<Estimate> estimates(elements_.size());
     tbb::parallel_for(size_t{0}, elements_.size(), [&](size_t i) {
+        cancel.throw_if_cancelled();
         estimates[i] = estimate(tracer_, emission_, elements_[i].instance, elements_[i].element);
     });
     double radiance = 0;

@@ -61,12 +61,13 @@ double cell_radiance(const WorldEmission& world, int x, int y, int width, int he
 
 }  // namespace
 
-WorldLight::WorldLight(const WorldEmission& world, int width)
+WorldLight::WorldLight(const WorldEmission& world, int width, const CancelToken& cancel)
     : width_(std::max(width, 2)), height_(std::max(width / 2, 1)) {
     std::vector<double> weights(static_cast<size_t>(width_) * height_), row_weights(height_), lows(height_),
         highs(height_);
     for (int y = 0; y <= height_; ++y) heights_.push_back(row_height(y, height_));
     tbb::parallel_for(0, height_, [&](int y) {
+        cancel.throw_if_cancelled();
         lows[y] = std::numeric_limits<double>::infinity();
         const double area = heights_[y] - heights_[y + 1];
         for (int x = 0; x < width_; ++x) {

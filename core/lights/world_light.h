@@ -11,8 +11,8 @@ namespace rayleaf {
 
 class WorldLight {
   public:
-    /// `width` cells around, half as many from pole to pole.
-    WorldLight(const WorldEmission& world, int width);
+    /// `width` cells around, half as many from pole to pole. Throws Cancelled soon after `cancel` says so.
+    WorldLight(const WorldEmission& world, int width, const CancelToken& cancel);
 
     /// True where the table found nothing, or the same everywhere: scattering alone samples such a world.
     bool is_uniform() const { return is_uniform_; }

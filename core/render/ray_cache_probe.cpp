@@ -298,7 +298,7 @@ void Probe::make_trees() {
         const PlannedRayCache& planned = candidates_[trial.candidate];
         give(trial, std::make_shared<const CachedObject>(0, trial.asked, planned.shape, planned.samples.kind,
                                                          planned.interpolation.thresholds.distance_threshold,
-                                                         neighbour_scale_));
+                                                         neighbour_scale_, cancel_));
     }
     if (scene_.needs_differentials()) interpolated_query_ += kDerivatives;
 }

@@ -38,7 +38,8 @@ GlassWay way_of(PathEnding ending) {
 }  // namespace
 
 CachedObject::CachedObject(uint32_t number, std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape,
-                           OutputKind kind, double distance_threshold, double neighbour_scale)
+                           OutputKind kind, double distance_threshold, double neighbour_scale,
+                           const CancelToken& cancel)
     : ObjectCache(number),
       cache_(std::move(cache)),
       shape_(std::move(shape)),
@@ -47,10 +48,10 @@ CachedObject::CachedObject(uint32_t number, std::shared_ptr<RayCache> cache, std
       neighbour_scale_(neighbour_scale) {
     const Box3d box(Vec3d(shape_->bounds().min), Vec3d(shape_->bounds().max));
     half_extent_ = box.isEmpty() ? 0.0 : 0.5 * max_component(box.size());
-    list_elements();
+    list_elements(cancel);
 }
 
-void CachedObject::list_elements() {
+void CachedObject::list_elements(const CancelToken& cancel) {
     const uint32_t count = shape_->element_count();
     const auto slot_of = [&](uint32_t element) {
         return shape_->material_slot(shape_->element_point(element, Vec2f(0.25f, 0.25f)).hit);
@@ -58,7 +59,8 @@ void CachedObject::list_elements() {
     bool one_slot = true;
     for (uint32_t element = 1; element < count && one_slot; ++element) one_slot = slot_of(element) == slot_of(0);
     if (one_slot) return;
-    const PatchClasses classes(*shape_, kind_ == OutputKind::Simple ? TextureSeams::Parted : TextureSeams::Joined);
+    const PatchClasses classes(*shape_, kind_ == OutputKind::Simple ? TextureSeams::Parted : TextureSeams::Joined,
+                               cancel);
     element_of_class_.assign(classes.count() + 1, 0);
     for (uint32_t element = count; element-- > 0;)
         if (classes.of_element(element) != kFacetedClass) element_of_class_[classes.of_element(element)] = element;

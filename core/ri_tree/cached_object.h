@@ -16,7 +16,7 @@ class CachedObject final : public ObjectCache {
     /// `neighbour_scale`: how far apart a picture's rays are against what their differentials say. Those are of one
     /// sample a pixel; with n samples rays lie closer by the root of n.
     CachedObject(uint32_t number, std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape, OutputKind kind,
-                 double distance_threshold, double neighbour_scale);
+                 double distance_threshold, double neighbour_scale, const CancelToken& cancel = kNeverCancelled);
 
     ObjectAnswer ask(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const override;
     LengthAnswer ask_length(const Vec3d& origin, const Vec3d& direction,
@@ -36,7 +36,7 @@ class CachedObject final : public ObjectCache {
 
     CachedAnswer answer(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours,
                         HitChanges& changes) const;
-    void list_elements();
+    void list_elements(const CancelToken& cancel);
 };
 
 }  // namespace rayleaf

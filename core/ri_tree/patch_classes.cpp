@@ -36,9 +36,10 @@ bool smooth_border(const PatchSurface& surface, uint32_t before, uint32_t after,
 /// Joins the neighbours along one direction of a spline; patch (i, j) is `first + i * step + j * other_step`.
 void join_along(const PatchSurface& surface, PatchDirection across, const std::vector<SplineSpan>& spans,
                 uint32_t first, uint32_t step, uint32_t other_count, uint32_t other_step, TextureSeams seams,
-                JoinedSets& joined) {
+                JoinedSets& joined, const CancelToken& cancel) {
     const auto count = static_cast<uint32_t>(spans.size());
     for (uint32_t i = 0; i < count; ++i) {
+        cancel.throw_if_cancelled();
         const bool seam = i + 1 == count;
         if (spans[i].continuity_after < 0 || (seam && (count == 1 || seams == TextureSeams::Parted))) continue;
         for (uint32_t j = 0; j < other_count; ++j) {
@@ -49,13 +50,15 @@ void join_along(const PatchSurface& surface, PatchDirection across, const std::v
     }
 }
 
-void join_patches(const PatchSurface& surface, TextureSeams seams, JoinedSets& joined) {
+void join_patches(const PatchSurface& surface, TextureSeams seams, JoinedSets& joined, const CancelToken& cancel) {
     for (const SplinePatches& spline : surface.splines()) {
         if (!spline.smooth) continue;
         const auto count_u = static_cast<uint32_t>(spline.spans_u.size());
         const auto count_v = static_cast<uint32_t>(spline.spans_v.size());
-        join_along(surface, PatchDirection::U, spline.spans_u, spline.first_patch, 1, count_v, count_u, seams, joined);
-        join_along(surface, PatchDirection::V, spline.spans_v, spline.first_patch, count_u, count_u, 1, seams, joined);
+        join_along(surface, PatchDirection::U, spline.spans_u, spline.first_patch, 1, count_v, count_u, seams, joined,
+                   cancel);
+        join_along(surface, PatchDirection::V, spline.spans_v, spline.first_patch, count_u, count_u, 1, seams, joined,
+                   cancel);
     }
 }
 
@@ -92,10 +95,11 @@ bool smooth_edge(const TriangleMesh& mesh, const EdgeSide& a, const EdgeSide& b,
            agree(at_corner(mesh, a.triangle, a.high_corner), at_corner(mesh, b.triangle, b.high_corner), seams);
 }
 
-void join_triangles(const TriangleMesh& mesh, TextureSeams seams, JoinedSets& joined) {
+void join_triangles(const TriangleMesh& mesh, TextureSeams seams, JoinedSets& joined, const CancelToken& cancel) {
     std::map<std::pair<uint32_t, uint32_t>, EdgeSide> first_at_edge;
     const std::vector<std::array<uint32_t, 3>>& triangles = mesh.triangles();
     for (uint32_t i = 0; i < triangles.size(); ++i) {
+        cancel.throw_if_cancelled();
         for (int corner = 0; corner < 3; ++corner) {
             const int next = (corner + 1) % 3;
             const uint32_t a = triangles[i][corner], b = triangles[i][next];
@@ -109,15 +113,16 @@ void join_triangles(const TriangleMesh& mesh, TextureSeams seams, JoinedSets& jo
 
 }  // namespace
 
-PatchClasses::PatchClasses(const Shape& shape, TextureSeams seams) : class_of_(shape.element_count(), kFacetedClass) {
+PatchClasses::PatchClasses(const Shape& shape, TextureSeams seams, const CancelToken& cancel)
+    : class_of_(shape.element_count(), kFacetedClass) {
     // Strands are too thin for rays to be interpolated between; rays against other surfaces are traced too.
     const bool is_mesh = shape.kind() == ShapeKind::TriangleMesh;
     if (!is_mesh && shape.kind() != ShapeKind::PatchSurface) return;
     JoinedSets joined(shape.element_count());
     if (is_mesh)
-        join_triangles(static_cast<const TriangleMesh&>(shape), seams, joined);
+        join_triangles(static_cast<const TriangleMesh&>(shape), seams, joined, cancel);
     else
-        join_patches(static_cast<const PatchSurface&>(shape), seams, joined);
+        join_patches(static_cast<const PatchSurface&>(shape), seams, joined, cancel);
     for (uint32_t i = 0; i < class_of_.size(); ++i) {
         if (!is_mesh && !static_cast<const PatchSurface&>(shape).spline_of(i).smooth) continue;
         const uint32_t root = joined.root(i);

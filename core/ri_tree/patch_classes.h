@@ -6,6 +6,7 @@
 // then.
 #pragma once
 
+#include "base/cancel.h"
 #include "geometry/shape.h"
 #include "rays/hit.h"
 
@@ -18,7 +19,8 @@ enum class TextureSeams : uint8_t { Joined, Parted };
 
 class PatchClasses {
   public:
-    PatchClasses(const Shape& shape, TextureSeams seams);
+    /// Throws Cancelled soon after `cancel` says so.
+    PatchClasses(const Shape& shape, TextureSeams seams, const CancelToken& cancel = kNeverCancelled);
 
     /// 1 and up, or kFacetedClass on splines that are shaded flat.
     uint32_t of(const Shape& shape, const LocalHit& hit) const { return class_of_[shape.element_of(hit)]; }

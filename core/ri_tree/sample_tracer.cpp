@@ -54,7 +54,7 @@ SampleTracer::SampleTracer(std::shared_ptr<const Shape> shape, const SampleSetti
                            const CancelToken& cancel)
     : shape_(std::move(shape)),
       settings_(checked(shape_->name(), settings)),
-      classes_(*shape_, seams_of(settings.kind)),
+      classes_(*shape_, seams_of(settings.kind), cancel),
       tracer_(in_local_space(shape_), even_view(settings.facet_tolerance), cancel) {}
 
 uint32_t SampleTracer::first_hit_class(const Ray& ray) const {

@@ -83,7 +83,8 @@ Look look_of(const Shape* shape, const std::vector<int>* list, const InstanceDes
 }  // namespace
 
 void displace(std::vector<TracedInstance>& traced, const SceneDescription& description,
-              const std::vector<const std::vector<int>*>& lists, const DisplacementSurroundings& surroundings) {
+              const std::vector<const std::vector<int>*>& lists, const DisplacementSurroundings& surroundings,
+              const CancelToken& cancel) {
     const auto displaces = [&](int material) {
         return material >= 0 && static_cast<size_t>(material) < description.materials.size() &&
                description.materials[static_cast<size_t>(material)].displacement.program != nullptr;
@@ -99,8 +100,9 @@ void displace(std::vector<TracedInstance>& traced, const SceneDescription& descr
             const InstanceInfo info{instance.object_to_world, instance.object_to_world.inverse(), instance.object_index,
                                     instance.random};
             made = std::make_shared<const DisplacedSurface>(
-                shape, std::make_shared<const ByMaterial>(materials_of(description, list), info, surroundings,
-                                                          shape->frame()));
+                shape,
+                std::make_shared<const ByMaterial>(materials_of(description, list), info, surroundings, shape->frame()),
+                cancel);
         }
         shape = made;
     }

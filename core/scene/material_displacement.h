@@ -18,8 +18,10 @@ struct DisplacementSurroundings {
 
 /// Puts displaced surfaces in place of the shapes of instances whose materials displace them. `lists` are the materials
 /// of the instances by slot. Instances that look alike share one; shapes that cannot be displaced stay as they are.
+/// Throws Cancelled soon after `cancel` says so.
 void displace(std::vector<TracedInstance>& traced, const SceneDescription& description,
-              const std::vector<const std::vector<int>*>& lists, const DisplacementSurroundings& surroundings);
+              const std::vector<const std::vector<int>*>& lists, const DisplacementSurroundings& surroundings,
+              const CancelToken& cancel);
 
 /// A shape displaced by one material, as an object that stands untransformed at the origin.
 std::shared_ptr<Shape> displaced(std::shared_ptr<const Shape> shape, const MaterialDisplacement& displacement);

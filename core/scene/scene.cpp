@@ -20,11 +20,13 @@ std::shared_ptr<const Program> neutral_program() {
 
 /// Elements of a shape whose material emits; `emits` is asked by slot.
 template <typename Emits>
-std::vector<uint32_t> emitting_elements(const Shape& shape, const Emits& emits) {
+std::vector<uint32_t> emitting_elements(const Shape& shape, const Emits& emits, const CancelToken& cancel) {
     std::vector<uint32_t> elements;
-    for (uint32_t element = 0; element < shape.element_count(); ++element)
+    for (uint32_t element = 0; element < shape.element_count(); ++element) {
+        cancel.throw_if_cancelled();
         if (emits(shape.material_slot(shape.element_point(element, Vec2f(0.25f, 0.25f)).hit)))
             elements.push_back(element);
+    }
     return elements;
 }
 
@@ -67,11 +69,11 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     std::vector<TracedInstance> traced = traced_instances(description, volumes_);
     std::vector<const std::vector<int>*> lists;
     for (uint32_t i = 0; i < traced.size(); ++i) lists.push_back(&material_list(i));
-    displace(traced, description, lists, {&camera_->info(), textures_});
+    displace(traced, description, lists, {&camera_->info(), textures_}, cancel);
     tracer_ =
         std::make_unique<Tracer>(std::move(traced), camera_->dicing_view(), cancel, geometry_cache_settings(settings));
     cancel.throw_if_cancelled();
-    commit_lights(description);
+    commit_lights(description, cancel);
     commit_glass(description, cancel);
 }
 
@@ -123,7 +125,7 @@ void Scene::set_ray_cache(uint32_t instance, std::shared_ptr<const ObjectCache> 
     tracer_->set_cache(instance, std::move(cache));
 }
 
-void Scene::commit_lights(const SceneDescription& description) {
+void Scene::commit_lights(const SceneDescription& description, const CancelToken& cancel) {
     std::vector<EmittingInstance> emitters;
     for (uint32_t i = 0; i < instance_lists_.size(); ++i) {
         const std::vector<int>& list = lists_[static_cast<size_t>(instance_lists_[i])];
@@ -131,7 +133,7 @@ void Scene::commit_lights(const SceneDescription& description) {
         bool any = false;
         for (uint32_t slot = 0; slot < list.size(); ++slot) any |= emits(slot);
         if (!any) continue;
-        std::vector<uint32_t> elements = emitting_elements(*tracer_->instance(i).shape, emits);
+        std::vector<uint32_t> elements = emitting_elements(*tracer_->instance(i).shape, emits, cancel);
         if (!elements.empty()) emitters.push_back({i, std::move(elements)});
     }
     PathState sampled_light;  // what lights show to those who sample them: not what they show to the camera
@@ -146,7 +148,7 @@ void Scene::commit_lights(const SceneDescription& description) {
     };
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
     lights_ = std::make_unique<LightSet>(description.lamps, emitters, *tracer_, emission, world_emission,
-                                         sampled ? description.world_resolution : 0);
+                                         sampled ? description.world_resolution : 0, cancel);
 }
 
 const Material& Scene::material_of(const std::vector<int>& list, uint32_t slot) const {

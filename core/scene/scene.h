@@ -84,7 +84,7 @@ class Scene {
 
     void commit_materials(const SceneDescription& description);
     void commit_glass(const SceneDescription& description, const CancelToken& cancel);
-    void commit_lights(const SceneDescription& description);
+    void commit_lights(const SceneDescription& description, const CancelToken& cancel);
     const Material& material_of(const std::vector<int>& list, uint32_t slot) const;
 };
 

@@ -64,7 +64,11 @@ ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const 
     cancel.throw_if_cancelled();
     ShapePlan plan;
     plan.shape = &shape;
-    std::unique_ptr<const Dicer> dicer = dicer_of(shape, tolerance);
+    // Dicers ask for the tolerance of every part: where they can be stopped.
+    std::unique_ptr<const Dicer> dicer = dicer_of(shape, [&](const Box3d& box) {
+        cancel.throw_if_cancelled();
+        return tolerance(box);
+    });
     if (!dicer) return plan;
     plan.surface.emplace(std::move(dicer), cancel);
     plan.blocks.emplace(*plan.surface->dicer, plan.surface->details, tolerance);

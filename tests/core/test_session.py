@@ -108,6 +108,31 @@ def test_cancelling_a_long_build_ends_it_soon(core):
     assert session.progress()[0] == "cancelled"
 
 
+@pytest.mark.parametrize("after", [0.4, 1.2])
+def test_cancelling_while_lights_are_built_ends_the_render_soon(core, after):
+    """Four hundred thousand triangles that glow by a noise of much detail take seconds to be looked at."""
+    program = core.Program("embers")
+    one = program.constant(1, 1, 1, 1)
+    place = program.operation("object_coordinates")
+    numbers = [program.constant(*[number] * 4) for number in (0, 5, 15, 0.5, 1)]
+    program.operation("emission", [one, program.operation("noise", [place, *numbers], ints=[3]), one])
+    corners = np.random.default_rng(1).uniform(-1, 1, (1_200_000, 3)).astype(np.float32)
+    triangles = np.arange(1_200_000, dtype=np.int32).reshape(-1, 3)
+    scene = core.SceneDescription()
+    materials = scene.add_material_list([scene.add_material("embers", program)])
+    scene.add_instance("embers", scene.add_mesh("embers", corners, triangles), scenes.matrix(), materials)
+    scenes.look_down(scene)
+    session = core.Session(scene, core.Settings(width=1, height=1, samples=1))
+    worker = threading.Thread(target=session.render)
+    worker.start()
+    time.sleep(after)
+    session.cancel()
+    worker.join(0.7)  # a tenth of a second, but for a machine that has other things to do
+    slow = worker.is_alive()
+    worker.join()
+    assert not slow and session.progress()[0] == "cancelled"
+
+
 def test_progress_ends_at_all_pixels(core):
     session = core.Session(scenes.small_scene(core), core.Settings(width=8, height=8, samples=1))
     assert session.progress() == ("waiting", 0.0)

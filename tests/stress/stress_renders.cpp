@@ -52,6 +52,7 @@ Settings settings(uint64_t ray_cache_bytes, double geometry_megabytes) {
     result.samples = 2;
     result.passes = {Pass::combined, Pass::mask};
     result.geometry_cache_megabytes = geometry_megabytes;
+    result.resident_megabytes = 0;  // all facets go through the cache
     result.ray_interpolation.mode = RayInterpolationMode::On;
     result.ray_interpolation.thresholds.cache_bytes = ray_cache_bytes;
     result.ray_interpolation.thresholds.rays_per_cell = 0;
