@@ -1,6 +1,7 @@
 #include "shading/noise.h"
 
 #include "base/float4.h"
+#include "shading/lattice_hash.h"
 
 #include <array>
 #include <bit>
@@ -10,7 +11,7 @@ namespace rayleaf {
 namespace {
 
 template <int N>
-using Point = std::array<float, N>;
+using Point = LatticePoint<N>;
 
 template <int N>
 Point<N> plus(Point<N> a, const Point<N>& b) {
@@ -21,37 +22,6 @@ template <int N>
 Point<N> times(Point<N> a, float factor) {
     for (float& x : a) x *= factor;
     return a;
-}
-
-/// lookup3's final mixing of three words.
-uint32_t final_mix(uint32_t a, uint32_t b, uint32_t c) {
-    const auto step = [](uint32_t& x, uint32_t y, int turn) {
-        x ^= y;
-        x -= std::rotl(y, turn);
-    };
-    step(c, b, 14);
-    step(a, c, 11);
-    step(b, a, 25);
-    step(c, b, 16);
-    step(a, c, 4);
-    step(b, a, 14);
-    step(c, b, 24);
-    return c;
-}
-
-/// lookup3's inner mixing, needed where there are more than three words.
-void inner_mix(uint32_t& a, uint32_t& b, uint32_t& c) {
-    const auto step = [](uint32_t& x, uint32_t& y, uint32_t& z, int turn) {
-        x -= z;
-        x ^= std::rotl(z, turn);
-        z += y;
-    };
-    step(a, b, c, 4);
-    step(b, c, a, 6);
-    step(c, a, b, 8);
-    step(a, b, c, 16);
-    step(b, c, a, 19);
-    step(c, a, b, 4);
 }
 
 /// The corners of a lattice cell, four at a time: what each computes is what it would alone.
@@ -79,20 +49,6 @@ Words4 jenkins_hash4(Words4 a, Words4 b, Words4 c) {
     step(b, a, 14);
     step(c, b, 24);
     return c;
-}
-
-template <size_t N>
-uint32_t jenkins_hash(const std::array<uint32_t, N>& key) {
-    const uint32_t start = 0xdeadbeefu + (static_cast<uint32_t>(N) << 2) + 13u;
-    uint32_t words[3] = {start, start, start};
-    words[0] += key[0];
-    if constexpr (N > 1) words[1] += key[1];
-    if constexpr (N > 2) words[2] += key[2];
-    if constexpr (N > 3) {
-        inner_mix(words[0], words[1], words[2]);
-        words[0] += key[3];
-    }
-    return final_mix(words[0], words[1], words[2]);
 }
 
 float negated_if(uint32_t condition, float x) {
@@ -155,7 +111,8 @@ void corner_values(const std::array<uint32_t, N>& cell, const Point<N>& fraction
     }
 }
 
-/// Noise in [-1, 1]. A coordinate beyond 32-bit lattice indices, or not finite, counts as 0.
+}  // namespace
+
 template <int N>
 float signed_noise(const Point<N>& p) {
     constexpr float kLatticeLimit = 2147483000.0f;                     // below 2^31
@@ -182,11 +139,21 @@ float signed_noise(const Point<N>& p) {
     return corners[0] * kScale[N - 1];
 }
 
+template float signed_noise<1>(const Point<1>&);
+template float signed_noise<2>(const Point<2>&);
+template float signed_noise<3>(const Point<3>&);
+template float signed_noise<4>(const Point<4>&);
+
+namespace {
+
 /// Octaves of noise in [0, 1], weighted by powers of the roughness.
 template <int N>
 float fractal_noise(const Point<N>& p, const NoiseParameters& parameters) {
-    constexpr float kMostOctaves = 15.0f;  // Blender's limit
     const float detail = parameters.detail > 0.0f ? std::min(parameters.detail, kMostOctaves) : 0.0f;
+    if (parameters.type != FractalType::FBM || !parameters.normalize)
+        return fractal<N>(parameters.type, p,
+                          {detail + 1.0f, std::max(parameters.roughness, 0.0f), parameters.lacunarity,
+                           parameters.offset, parameters.gain});
     const float roughness = parameters.roughness > 0.0f ? std::min(parameters.roughness, 1.0f) : 0.0f;
     const auto octave = [&p](float frequency) { return 0.5f * signed_noise<N>(times<N>(p, frequency)) + 0.5f; };
     float frequency = 1.0f, amplitude = 1.0f, sum = 0.0f, amplitudes = 0.0f;
@@ -194,7 +161,7 @@ float fractal_noise(const Point<N>& p, const NoiseParameters& parameters) {
         sum += octave(frequency) * amplitude;
         amplitudes += amplitude;
         amplitude *= roughness;
-        frequency *= 2.0f;
+        frequency *= parameters.lacunarity;
     }
     const float rest = detail - std::floor(detail);
     if (rest == 0.0f) return sum / amplitudes;
@@ -205,14 +172,9 @@ float fractal_noise(const Point<N>& p, const NoiseParameters& parameters) {
 /// Shifts that make one noise serve as several: 100..200 in each coordinate, from a hash of the seed.
 template <int N>
 Point<N> seed_offset(int seed) {
-    const auto unit = [](uint32_t hash) { return static_cast<float>(hash) * (1.0f / 4294967295.0f); };
     Point<N> offset{};
-    for (int i = 0; i < N; ++i) {
-        const uint32_t first = std::bit_cast<uint32_t>(static_cast<float>(seed));
-        const uint32_t second = std::bit_cast<uint32_t>(static_cast<float>(i));
-        const uint32_t hash = N == 1 ? jenkins_hash(std::array{first}) : jenkins_hash(std::array{first, second});
-        offset[i] = 100.0f + unit(hash) * 100.0f;
-    }
+    for (int i = 0; i < N; ++i)
+        offset[i] = 100.0f + 100.0f * (N == 1 ? unit_hash(float(seed)) : unit_hash(float(seed), float(i)));
     return offset;
 }
 

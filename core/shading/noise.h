@@ -1,17 +1,26 @@
-// Perlin's gradient noise and its fractal sum, as Blender's Noise Texture has them: gradients chosen by Bob Jenkins'
+// Perlin's gradient noise and its fractal sums, as Blender's Noise Texture has them: gradients chosen by Bob Jenkins'
 // lookup3 hash of the lattice point, quintic blending (Perlin, "Improving Noise", 2002), in one to four dimensions.
 #pragma once
 
 #include "base/vector.h"
+#include "shading/fractals.h"
 
 #include <cstdint>
 
 namespace rayleaf {
 
+/// Noise in [-1, 1], of one to four dimensions. A coordinate beyond 32-bit lattice indices, or not finite, counts as 0.
+template <int N>
+float signed_noise(const LatticePoint<N>& p);
+
 struct NoiseParameters {
     float detail = 0;       ///< octaves beyond the first, 0..15; a fraction blends in the next one
-    float roughness = 0.5;  ///< amplitude of an octave over that of the one before, 0..1
+    float roughness = 0.5;  ///< amplitude of an octave over that of the one before; normalized noise: 0..1
     float distortion = 0;   ///< how far noise displaces the coordinate before the sum
+    FractalType type = FractalType::FBM;
+    bool normalize = true;         ///< of FBM: the sum brought to 0..1
+    float lacunarity = 2;          ///< frequency of an octave over that of the one before
+    float offset = 0, gain = 1.0;  ///< of the types that have them (shading/fractals.h)
 };
 
 /// What is asked of a texture: one number, or three at thrice the cost.

@@ -31,8 +31,17 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::attribute:
         case Operation::component:
         case Operation::table:
-        case Operation::noise:
+        case Operation::musgrave:
+        case Operation::white_noise:
+        case Operation::magic:
             return {1, 1};
+        case Operation::noise:
+            return {1, 3};
+        case Operation::voronoi:
+            return {3, 3};
+        case Operation::wave:
+        case Operation::brick:
+            return {2, 2};
         case Operation::uv:
         case Operation::math:
         case Operation::map_range:
@@ -71,6 +80,10 @@ constexpr std::string_view kNormalMap[] = {RAYLEAF_NORMAL_MAP_VARIANTS(RAYLEAF_N
 constexpr std::string_view kMicrofacet[] = {RAYLEAF_MICROFACET_VARIANTS(RAYLEAF_NAME)};
 constexpr std::string_view kPrincipled[] = {RAYLEAF_PRINCIPLED_VARIANTS(RAYLEAF_NAME)};
 constexpr std::string_view kLightPath[] = {RAYLEAF_LIGHT_PATH_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kFractal[] = {RAYLEAF_FRACTAL_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kVoronoi[] = {RAYLEAF_VORONOI_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kGradient[] = {RAYLEAF_GRADIENT_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kWave[] = {RAYLEAF_WAVE_VARIANTS(RAYLEAF_NAME)};
 #undef RAYLEAF_NAME
 
 }  // namespace
@@ -105,6 +118,14 @@ std::span<const std::string_view> variants_of(Operation operation) {
             return kNormalMap;
         case Operation::light_path:
             return kLightPath;
+        case Operation::musgrave:
+            return kFractal;
+        case Operation::voronoi:
+            return kVoronoi;
+        case Operation::gradient:
+            return kGradient;
+        case Operation::wave:
+            return kWave;
         case Operation::glossy:
         case Operation::refraction:
         case Operation::glass:

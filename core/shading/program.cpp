@@ -35,7 +35,18 @@ IntRange int_range(Operation operation, size_t i) {
         case Operation::component:
             return {0, 3};
         case Operation::noise:
+            return i == 0 ? IntRange{1, 4} : IntRange{0, i == 1 ? 1 : 4};
+        case Operation::voronoi:
+            return i == 0 ? IntRange{1, 4} : IntRange{0, i == 1 ? 3 : 1};
+        case Operation::musgrave:
+        case Operation::white_noise:
             return {1, 4};
+        case Operation::wave:
+            return {0, i == 0 ? 1 : 3};
+        case Operation::magic:
+            return {0, 10};
+        case Operation::brick:
+            return {0, 99};
         case Operation::table:
         case Operation::math:
         case Operation::mix:

@@ -1,12 +1,12 @@
 // Running a program: the interpreter.
 #include "base/assert.h"
 #include "shading/neighbour.h"
-#include "shading/noise.h"
 #include "shading/operands.h"
 #include "shading/operations_closure.h"
 #include "shading/operations_color.h"
 #include "shading/operations_input.h"
 #include "shading/operations_math.h"
+#include "shading/operations_pattern.h"
 #include "shading/operations_texture.h"
 #include "shading/program.h"
 
@@ -19,22 +19,6 @@ constexpr size_t kStackRegisters = 256;
 constexpr size_t kPlaces = 3;
 /// Cycles' weights of linear Rec. 709: the second row of its matrix to XYZ.
 const Vec3f kLuminance(0.2126729f, 0.7151522f, 0.0721750f);
-
-Vec4f checker_operation(const Operands& operands) {
-    const float factor = checker_value(operands.vector(0) * operands.scalar(3));
-    return extended(factor == 1.0f ? operands.vector(1) : operands.vector(2), factor);
-}
-
-Vec4f noise_operation(uint8_t variant, const Operands& operands, int dimensions) {
-    const float scale = operands.scalar(2);
-    const Vec3f p = operands.vector(0) * scale;
-    const NoiseParameters parameters{operands.scalar(3), operands.scalar(4), operands.scalar(5)};
-    const auto use = static_cast<NoiseUse>(variant);
-    const NoiseChannels channels = use == NoiseUse::Factor ? NoiseChannels::Factor : NoiseChannels::All;
-    const Vec3f color =
-        noise_texture(dimensions, Vec4f(p.x, p.y, p.z, operands.scalar(1) * scale), parameters, channels);
-    return extended(color, color.x);
-}
 
 Vec4f math_operation(uint8_t variant, const Operands& operands, bool clamped) {
     const float value =
@@ -131,12 +115,8 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
         case Operation::table:
             return table_value({floats_.data() + instruction.first_float, instruction.float_count}, operands.scalar(0),
                                flag(0));
-        case Operation::checker:
-            return checker_operation(operands);
-        case Operation::noise:
-            return noise_operation(variant, operands, ints[0]);
         default:
-            return spread(0.0f);
+            return pattern_value(instruction.operation, variant, operands, ints);
     }
 }
 

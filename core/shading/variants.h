@@ -34,6 +34,12 @@ namespace rayleaf {
 #define RAYLEAF_LIGHT_PATH_VARIANTS(X) \
     X(is_camera) X(is_shadow) X(is_diffuse) X(is_glossy) X(is_singular) X(is_reflection) X(is_transmission) \
     X(ray_length) X(ray_depth) X(diffuse_depth) X(glossy_depth) X(transparent_depth) X(transmission_depth)
+#define RAYLEAF_FRACTAL_VARIANTS(X) \
+    X(FBM) X(MULTIFRACTAL) X(HYBRID_MULTIFRACTAL) X(RIDGED_MULTIFRACTAL) X(HETERO_TERRAIN)
+#define RAYLEAF_VORONOI_VARIANTS(X) X(F1) X(F2) X(SMOOTH_F1) X(DISTANCE_TO_EDGE) X(N_SPHERE_RADIUS)
+#define RAYLEAF_GRADIENT_VARIANTS(X) \
+    X(LINEAR) X(QUADRATIC) X(EASING) X(DIAGONAL) X(SPHERICAL) X(QUADRATIC_SPHERE) X(RADIAL)
+#define RAYLEAF_WAVE_VARIANTS(X) X(SIN) X(SAW) X(TRI)
 // clang-format on
 
 #define RAYLEAF_ENUMERATOR(name) name,
@@ -48,6 +54,10 @@ enum class NormalMapVariant : uint8_t { RAYLEAF_NORMAL_MAP_VARIANTS(RAYLEAF_ENUM
 enum class MicrofacetVariant : uint8_t { RAYLEAF_MICROFACET_VARIANTS(RAYLEAF_ENUMERATOR) };
 enum class PrincipledVariant : uint8_t { RAYLEAF_PRINCIPLED_VARIANTS(RAYLEAF_ENUMERATOR) };
 enum class LightPathVariant : uint8_t { RAYLEAF_LIGHT_PATH_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class FractalType : uint8_t { RAYLEAF_FRACTAL_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class VoronoiFeature : uint8_t { RAYLEAF_VORONOI_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class GradientVariant : uint8_t { RAYLEAF_GRADIENT_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class WaveProfile : uint8_t { RAYLEAF_WAVE_VARIANTS(RAYLEAF_ENUMERATOR) };
 #undef RAYLEAF_ENUMERATOR
 
 /// The variant of `noise`, which no text names: what the operations after it read. Unread counts as all.

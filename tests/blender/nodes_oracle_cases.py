@@ -2,6 +2,8 @@
 
 from typing import Any, Callable
 
+from nodes_oracle_patterns import pattern_cases
+
 _MATH = {
     1: "SQRT INVERSE_SQRT ABSOLUTE EXPONENT SIGN ROUND FLOOR CEIL TRUNC FRACT SINE COSINE TANGENT ARCSINE ARCCOSINE"
     " ARCTANGENT SINH COSH TANH RADIANS DEGREES",
@@ -67,17 +69,6 @@ def _colors(case: Callable[..., Any]) -> list[Any]:
 
 def _textures(case: Callable[..., Any], make_image: Callable[[str], Any]) -> list[Any]:
     found = []
-    for dimensions in ("1D", "2D", "3D", "4D"):
-        for detail, roughness, distortion in ((0.0, 0.5, 0.0), (2.0, 0.5, 0.0), (3.6, 0.7, 0.0), (2.0, 0.5, 1.3)):
-            inputs: dict[str, Any] = {"Scale": 1.7, "Detail": detail, "Roughness": roughness, "Distortion": distortion}
-            if dimensions != "1D":
-                inputs["Vector"] = "p"
-            if dimensions in ("1D", "4D"):
-                inputs["W"] = "x"
-            found.append(case("ShaderNodeTexNoise", {"noise_dimensions": dimensions}, inputs, "Color"))
-    found.append(case("ShaderNodeTexNoise", {}, {"Vector": "p", "Scale": 3.0}, "Fac"))
-    inputs = {"Vector": "p", "Color1": (0.8, 0.1, 0.2, 1), "Color2": (0.1, 0.2, 0.9, 1), "Scale": 1.9}
-    found += [case("ShaderNodeTexChecker", {}, inputs, output) for output in ("Color", "Fac")]
     # Cycles interpolates sRGB numbers and decodes the result; the core decodes first. So sRGB is compared at pixels only.
     for space, interpolations in (("sRGB", ("Closest",)), ("Non-Color", ("Linear", "Closest", "Cubic"))):
         image = make_image(space)
@@ -98,4 +89,4 @@ def _textures(case: Callable[..., Any], make_image: Callable[[str], Any]) -> lis
 
 def all_cases(case: Callable[..., Any], make_image: Callable[[str], Any]) -> list[Any]:
     """Every case; `case` makes one, `make_image` a small picture of a colour space."""
-    return _arithmetic(case) + _colors(case) + _textures(case, make_image)
+    return _arithmetic(case) + _colors(case) + _textures(case, make_image) + pattern_cases(case)

@@ -115,6 +115,7 @@ def test_an_unsupported_node_gives_one_message_and_a_neutral_value(run_blender):
     told = run_tree(
         run_blender,
         """
+forget("ShaderNodeTexWave")
 wave = nodes.new("ShaderNodeTexWave")
 wave.name = "My Wave"
 links.new(wave.outputs["Color"], shader.inputs["Color"])
@@ -130,6 +131,7 @@ def test_an_unsupported_shader_is_rendered_diffuse_in_its_colour(run_blender):
     run = run_blender(
         START
         + """
+forget("ShaderNodeBsdfToon")
 toon = nodes.new("ShaderNodeBsdfToon")
 toon.inputs["Color"].default_value = (1, 0.5, 0.25, 1)
 links.new(toon.outputs[0], output.inputs["Surface"])

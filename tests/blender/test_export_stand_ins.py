@@ -26,6 +26,7 @@ def test_an_unknown_node_passes_on_what_is_linked_or_written_to_an_input_of_its_
     told = run_tree(
         run_blender,
         """
+forget("ShaderNodeVectorRotate", "ShaderNodeTexBrick", "ShaderNodeBump")
 rotate, place = nodes.new("ShaderNodeVectorRotate"), nodes.new("ShaderNodeTexCoord")
 checker, brick = nodes.new("ShaderNodeTexChecker"), nodes.new("ShaderNodeTexBrick")
 links.new(place.outputs["Object"], rotate.inputs["Vector"])
@@ -48,6 +49,7 @@ def test_an_unknown_vector_of_its_own_is_a_texture_coordinate_not_one_point(run_
     told = run_tree(
         run_blender,
         """
+forget("ShaderNodeParticleInfo")
 particle = nodes.new("ShaderNodeParticleInfo")
 links.new(particle.outputs["Velocity"], shader.inputs["Color"])
 """,

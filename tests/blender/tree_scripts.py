@@ -20,6 +20,14 @@ def told(value):
         return value if value is None else [round(x, 5) for x in value]
     return [value["op"], value["text"], value["ints"]] + [told(each) for each in program.operands(value)]
 
+def forget(*kinds):
+    "Nodes of these kinds are from now on like those of a later Blender."
+    from rayleaf.export.nodes import compiler, load_nodes
+    load_nodes()
+    for kind in kinds:
+        compiler.VALUE_NODES.pop(kind, None)
+        compiler.CLOSURE_NODES.pop(kind, None)
+
 material, tree, output = scenes.material()
 item.data.materials.append(material)
 nodes, links = tree.nodes, tree.links

@@ -1,4 +1,4 @@
-"""Texture nodes."""
+"""Textures that look up pictures."""
 
 from .compiler import NodeView, value_node
 from .emitter import UNCONNECTED, Register
@@ -10,7 +10,7 @@ _PROJECTIONS = {"EQUIRECTANGULAR": 0, "MIRROR_BALL": 1}
 _PINK = (1.0, 0.0, 1.0, 1.0)
 
 
-def _name_hidden_mapping(view: NodeView) -> None:
+def name_hidden_mapping(view: NodeView) -> None:
     """Files of old Blenders move textures by settings of the node that no panel shows any more."""
     mapping = view.node.texture_mapping
     moved = (*mapping.translation, *mapping.rotation) != (0.0,) * 6 or tuple(mapping.scale) != (1.0,) * 3
@@ -31,7 +31,7 @@ def _texture(view: NodeView) -> int | None:
 @value_node("ShaderNodeTexImage")
 def image(view: NodeView, output: str) -> Register:
     """Image Texture. Without an image it is black, as in Blender; an image that cannot be read is pink."""
-    _name_hidden_mapping(view)
+    name_hidden_mapping(view)
     node, emitter = view.node, view.emitter
     if node.image is None:
         return emitter.scalar(0.0) if output == "Alpha" else emitter.constant(0, 0, 0)
@@ -53,7 +53,7 @@ def image(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeTexEnvironment")
 def environment(view: NodeView, output: str) -> Register:
     """Environment Texture."""
-    _name_hidden_mapping(view)
+    name_hidden_mapping(view)
     node, emitter = view.node, view.emitter
     if node.image is None:
         return emitter.constant(0, 0, 0)
@@ -65,30 +65,3 @@ def environment(view: NodeView, output: str) -> Register:
         direction = emitter.operation("position")
     ints = [texture, _PROJECTIONS[node.projection], _INTERPOLATIONS.get(node.interpolation, 0)]
     return emitter.operation("environment", [direction], ints)
-
-
-@value_node("ShaderNodeTexChecker")
-def checker(view: NodeView, output: str) -> Register:
-    """Checker Texture."""
-    _name_hidden_mapping(view)
-    operands = [view.vector("Vector"), view.input("Color1"), view.input("Color2"), view.input("Scale")]
-    result = view.emitter.operation("checker", operands)
-    return view.emitter.component(result, 3) if output == "Fac" else result
-
-
-@value_node("ShaderNodeTexNoise")
-def noise(view: NodeView, output: str) -> Register:
-    """Noise Texture."""
-    _name_hidden_mapping(view)
-    node = view.node
-    if getattr(node, "noise_type", "FBM") not in ("FBM", ""):
-        view.warn(f"noise of type {node.noise_type.title()} is not supported; taken as fBM")
-    if not getattr(node, "normalize", True):
-        view.warn("noise that is not normalized is not supported; taken as normalized")
-    lacunarity = view.emitter.value_of(view.input("Lacunarity", default=2.0))
-    if lacunarity is None or lacunarity[0] != 2.0:
-        view.warn("a lacunarity other than 2 is not supported; taken as 2")
-    operands = [view.vector("Vector"), view.input("W")]
-    operands += [view.input(name) for name in ("Scale", "Detail", "Roughness", "Distortion")]
-    result = view.emitter.operation("noise", operands, [int(node.noise_dimensions[0])])
-    return view.emitter.component(result, 3) if output == "Fac" else result

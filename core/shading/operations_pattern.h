@@ -1,0 +1,15 @@
+// Operations that compute textures from their coordinate alone.
+#pragma once
+
+#include "shading/operands.h"
+#include "shading/operation.h"
+
+#include <cstdint>
+#include <span>
+
+namespace rayleaf {
+
+/// The value of one of the table's operations of this kind, from operands and integers as written there; of others 0.
+Vec4f pattern_value(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints);
+
+}  // namespace rayleaf

@@ -1,0 +1,288 @@
+#include "shading/voronoi.h"
+
+#include "shading/lattice_hash.h"
+
+#include <limits>
+
+namespace rayleaf {
+namespace {
+
+template <int N>
+using Point = LatticePoint<N>;
+
+/// Farther than any point of the cubes around.
+constexpr float kFar = 8.0f;
+
+template <int N, typename Function>
+Point<N> each(const Point<N>& a, const Point<N>& b, Function function) {
+    Point<N> result{};
+    for (int i = 0; i < N; ++i) result[i] = function(a[i], b[i]);
+    return result;
+}
+template <int N>
+Point<N> plus(const Point<N>& a, const Point<N>& b) {
+    return each<N>(a, b, [](float x, float y) { return x + y; });
+}
+template <int N>
+Point<N> minus(const Point<N>& a, const Point<N>& b) {
+    return each<N>(a, b, [](float x, float y) { return x - y; });
+}
+template <int N>
+float dot(const Point<N>& a, const Point<N>& b) {
+    float sum = 0.0f;
+    for (int i = 0; i < N; ++i) sum += a[i] * b[i];
+    return sum;
+}
+template <int N>
+float length(const Point<N>& v) {
+    return std::sqrt(dot<N>(v, v));
+}
+
+// Where in its cube the point of a cell lies, each coordinate 0..1. The rules are Blender's.
+Point<1> chance(const Point<1>& c) {
+    return {unit_hash(c[0])};
+}
+Point<2> chance(const Point<2>& c) {
+    return {unit_hash(c[0], c[1]), unit_hash(c[0], c[1], 1.0f)};
+}
+Point<3> chance(const Point<3>& c) {
+    return {unit_hash(c[0], c[1], c[2]), unit_hash(c[0], c[1], c[2], 1.0f), unit_hash(c[0], c[1], c[2], 2.0f)};
+}
+Point<4> chance(const Point<4>& c) {
+    return {unit_hash(c[0], c[1], c[2], c[3]), unit_hash(c[3], c[0], c[1], c[2]), unit_hash(c[2], c[3], c[0], c[1]),
+            unit_hash(c[1], c[2], c[3], c[0])};
+}
+
+Color color_of(const Point<1>& c) {
+    return {unit_hash(c[0]), unit_hash(c[0], 1.0f), unit_hash(c[0], 2.0f)};
+}
+Color color_of(const Point<2>& c) {
+    return {unit_hash(c[0], c[1]), unit_hash(c[0], c[1], 1.0f), unit_hash(c[0], c[1], 2.0f)};
+}
+Color color_of(const Point<3>& c) {
+    const Point<3> p = chance(c);
+    return {p[0], p[1], p[2]};
+}
+Color color_of(const Point<4>& c) {
+    return {unit_hash(c[0], c[1], c[2], c[3]), unit_hash(c[2], c[0], c[3], c[1]), unit_hash(c[3], c[2], c[1], c[0])};
+}
+
+/// The texture around one place: its cell, and the place within it.
+template <int N>
+class Cells {
+  public:
+    Cells(const Point<N>& p, const VoronoiParameters& parameters)
+        : parameters_(parameters), randomness_(std::clamp(parameters.randomness, 0.0f, 1.0f)) {
+        for (int i = 0; i < N; ++i) {
+            const float x = std::isfinite(p[i]) ? p[i] : 0.0f;
+            cell_[i] = std::floor(x);
+            local_[i] = x - cell_[i];
+        }
+    }
+
+    VoronoiResult nearest() const;
+    VoronoiResult second_nearest() const;
+    VoronoiResult smooth() const;
+    float distance_to_edge() const;
+    float sphere_radius() const;
+
+  private:
+    /// Calls a function with the offset of each cell at most `reach` away, the first coordinate fastest.
+    template <typename Function>
+    static void around(int reach, Function function) {
+        Point<N> offset;
+        offset.fill(static_cast<float>(-reach));
+        for (;;) {
+            function(offset);
+            int i = 0;
+            for (; i < N && offset[i] == static_cast<float>(reach); ++i) offset[i] = static_cast<float>(-reach);
+            if (i == N) return;
+            offset[i] += 1.0f;
+        }
+    }
+    /// The point of a neighbouring cell, from this cell's corner.
+    Point<N> point_in(const Point<N>& offset) const {
+        Point<N> p = chance(plus<N>(cell_, offset));
+        for (int i = 0; i < N; ++i) p[i] = offset[i] + p[i] * randomness_;
+        return p;
+    }
+    float distance(const Point<N>& a, const Point<N>& b) const;
+    /// The cell whose point is nearest by Euclid's distance.
+    Point<N> nearest_cell(const Point<N>& from, const Point<N>* but) const;
+    VoronoiResult result(float distance, const Point<N>& offset) const;
+    Vec4f place(const Point<N>& p) const;
+
+    const VoronoiParameters& parameters_;
+    float randomness_;
+    Point<N> cell_{}, local_{};
+};
+
+template <int N>
+float Cells<N>::distance(const Point<N>& a, const Point<N>& b) const {
+    const Point<N> apart = each<N>(a, b, [](float x, float y) { return std::abs(x - y); });
+    if (N == 1) return apart[0];
+    float sum = 0.0f, largest = 0.0f;
+    switch (parameters_.metric) {
+        case VoronoiMetric::Euclidean:
+            return length<N>(apart);
+        case VoronoiMetric::Manhattan:
+            for (const float x : apart) sum += x;
+            return sum;
+        case VoronoiMetric::Chebychev:
+            for (const float x : apart) largest = std::max(largest, x);
+            return largest;
+        case VoronoiMetric::Minkowski:
+            for (const float x : apart) sum += std::pow(x, parameters_.exponent);
+            return std::pow(sum, 1.0f / parameters_.exponent);
+    }
+    return 0.0f;
+}
+
+template <int N>
+Vec4f Cells<N>::place(const Point<N>& p) const {
+    const Point<N> at = plus<N>(p, cell_);
+    if constexpr (N == 1) return Vec4f(0.0f, 0.0f, 0.0f, at[0]);
+    Vec4f result(0.0f, 0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < N; ++i) result[i] = at[i];
+    return result;
+}
+
+template <int N>
+VoronoiResult Cells<N>::result(float distance, const Point<N>& offset) const {
+    return {distance, color_of(plus<N>(cell_, offset)), place(point_in(offset))};
+}
+
+template <int N>
+VoronoiResult Cells<N>::nearest() const {
+    float least = kFar;
+    Point<N> found{};
+    around(1, [&](const Point<N>& offset) {
+        const float d = distance(point_in(offset), local_);
+        if (!(d < least)) return;
+        least = d;
+        found = offset;
+    });
+    return result(least, found);
+}
+
+template <int N>
+VoronoiResult Cells<N>::second_nearest() const {
+    float first = kFar, second = kFar;
+    Point<N> first_cell{}, second_cell{};
+    around(1, [&](const Point<N>& offset) {
+        const float d = distance(point_in(offset), local_);
+        if (d < first) {
+            second = first;
+            second_cell = first_cell;
+            first = d;
+            first_cell = offset;
+        } else if (d < second) {
+            second = d;
+            second_cell = offset;
+        }
+    });
+    return result(second, second_cell);
+}
+
+/// The nearest by a minimum that blends: where two distances differ by less than the smoothness, so do their cells. The
+/// order in which cells are blended counts a little.
+template <int N>
+VoronoiResult Cells<N>::smooth() const {
+    const float smoothness = std::clamp(0.5f * parameters_.smoothness, 0.0f, 0.5f);
+    if (!(smoothness > 0.0f)) return nearest();
+    float least = kFar;
+    Color color(0.0f);
+    Point<N> point{};
+    around(2, [&](const Point<N>& offset) {
+        const Point<N> candidate = point_in(offset);
+        const float d = distance(candidate, local_);
+        const float x = std::clamp(0.5f + 0.5f * (least - d) / smoothness, 0.0f, 1.0f);
+        const float share = x * x * (3.0f - 2.0f * x);
+        float sunk = smoothness * share * (1.0f - share);
+        const auto mixed = [&](float a, float b) { return a + (b - a) * share - sunk; };
+        least = mixed(least, d);
+        sunk /= 1.0f + 3.0f * smoothness;
+        const Color other = color_of(plus<N>(cell_, offset));
+        color = {mixed(color.x, other.x), mixed(color.y, other.y), mixed(color.z, other.z)};
+        point = each<N>(point, candidate, mixed);
+    });
+    return {least, color, place(point)};
+}
+
+template <int N>
+Point<N> Cells<N>::nearest_cell(const Point<N>& from, const Point<N>* but) const {
+    float least = std::numeric_limits<float>::max();
+    Point<N> found{};
+    around(1, [&](const Point<N>& step) {
+        const Point<N> offset = but != nullptr ? plus<N>(*but, step) : step;
+        if (but != nullptr && offset == *but) return;
+        const Point<N> away = minus<N>(point_in(offset), from);
+        const float d = dot<N>(away, away);
+        if (!(d < least)) return;
+        least = d;
+        found = offset;
+    });
+    return found;
+}
+
+template <>
+float Cells<1>::distance_to_edge() const {
+    const float middle = point_in({0.0f})[0], left = point_in({-1.0f})[0], right = point_in({1.0f})[0];
+    return std::min(std::abs(0.5f * (middle + left) - local_[0]), std::abs(0.5f * (middle + right) - local_[0]));
+}
+
+/// To the nearest plane halfway between the nearest point and another.
+template <int N>
+float Cells<N>::distance_to_edge() const {
+    constexpr float kSamePoint = 1e-4f;  // squared: the point itself
+    const Point<N> to_nearest = minus<N>(point_in(nearest_cell(local_, nullptr)), local_);
+    float least = kFar;
+    around(1, [&](const Point<N>& offset) {
+        const Point<N> to_other = minus<N>(point_in(offset), local_), between = minus<N>(to_other, to_nearest);
+        if (dot<N>(between, between) <= kSamePoint) return;
+        least = std::min(least, 0.5f * dot<N>(plus<N>(to_nearest, to_other), between) / length<N>(between));
+    });
+    return least;
+}
+
+/// Half the way from the nearest point to the point nearest to that.
+template <int N>
+float Cells<N>::sphere_radius() const {
+    const Point<N> cell = nearest_cell(local_, nullptr), center = point_in(cell);
+    return 0.5f * length<N>(minus<N>(point_in(nearest_cell(center, &cell)), center));
+}
+
+template <int N>
+VoronoiResult texture(const Point<N>& p, const VoronoiParameters& parameters) {
+    const Cells<N> cells(p, parameters);
+    switch (parameters.feature) {
+        case VoronoiFeature::F1:
+            return cells.nearest();
+        case VoronoiFeature::F2:
+            return cells.second_nearest();
+        case VoronoiFeature::SMOOTH_F1:
+            return cells.smooth();
+        case VoronoiFeature::DISTANCE_TO_EDGE:
+            return {cells.distance_to_edge(), Color(0.0f), Vec4f(0.0f, 0.0f, 0.0f, 0.0f)};
+        case VoronoiFeature::N_SPHERE_RADIUS:
+            return {cells.sphere_radius(), Color(0.0f), Vec4f(0.0f, 0.0f, 0.0f, 0.0f)};
+    }
+    return {};
+}
+
+}  // namespace
+
+VoronoiResult voronoi_texture(int dimensions, const Vec4f& point, const VoronoiParameters& parameters) {
+    switch (dimensions) {
+        case 1:
+            return texture<1>({point.w}, parameters);
+        case 2:
+            return texture<2>({point.x, point.y}, parameters);
+        case 3:
+            return texture<3>({point.x, point.y, point.z}, parameters);
+        default:
+            return texture<4>({point.x, point.y, point.z, point.w}, parameters);
+    }
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,117 @@
+"""Procedural textures: no operand, however absurd, makes a number that is not one; what they are by definition."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from rayleaf import _core
+from shading_support import UP, scalar
+
+EXTREMES = (0.0, 1e30, -1e30, -1e-30, 3e38, -7.5, 0.3)
+FRACTALS = ("FBM", "MULTIFRACTAL", "HYBRID_MULTIFRACTAL", "RIDGED_MULTIFRACTAL", "HETERO_TERRAIN")
+FEATURES = ("F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE", "N_SPHERE_RADIUS")
+GRADIENTS = ("LINEAR", "QUADRATIC", "EASING", "DIAGONAL", "SPHERICAL", "QUADRATIC_SPHERE", "RADIAL")
+
+# Operation, count of operands, texts, integers.
+OPERATIONS = [
+    *(("noise", 9, "", [n, normal, kind]) for n, normal, kind in product((1, 2, 3, 4), (0, 1), range(5))),
+    *(("musgrave", 8, kind, [n]) for kind, n in product(FRACTALS, (1, 2, 3, 4))),
+    *(("voronoi", 6, kind, [n, m, r]) for kind, n, m, r in product(FEATURES, (1, 2, 3, 4), range(4), (0, 1))),
+    *(("white_noise", 2, "", [n]) for n in (1, 2, 3, 4)),
+    *(("gradient", 1, kind, []) for kind in GRADIENTS),
+    *(("wave", 7, kind, [s, axis]) for kind, s, axis in product(("SIN", "SAW", "TRI"), (0, 1), range(4))),
+    *(("magic", 3, "", [depth]) for depth in (0, 5, 10)),
+    *(("brick", 12, "", [every, squash]) for every, squash in ((0, 0), (2, 3), (99, 1))),
+]
+
+
+def extreme_program(identifier, count, text, ints):
+    """A program of one operation with many operands that are too large, too small, or not finite."""
+    program = _core.Program("Extreme")
+    # What folds to a constant is made finite: these read the point.
+    zero = program.operation("component", [program.operation("position")], [0])
+    big = program.operation("math", [zero, scalar(program, 3e38)], [0], text="ADD")
+    infinite = program.operation("math", [big, big], [0], text="ADD")
+    numbers = [scalar(program, x) for x in EXTREMES]
+    numbers += [infinite, program.operation("math", [infinite, infinite], [0], text="SUBTRACT")]
+    chosen = np.random.default_rng(5).choice(len(numbers), (24, count))
+    results = [program.operation(identifier, [numbers[i] for i in row], ints, text=text) for row in chosen]
+    return program, results
+
+
+@pytest.mark.parametrize("identifier, count, text, ints", OPERATIONS)
+def test_operands_that_are_no_numbers_end_as_a_picture_of_numbers(identifier, count, text, ints):
+    program, results = extreme_program(identifier, count, text, ints)
+    one = scalar(program, 1.0)
+    for result in results:
+        program.operation("emission", [one, result, one])
+    point = _core.shading.surface_points(np.zeros((1, 3), np.float32), UP[None], UP[None])
+    assert np.isfinite(point.results(program)["emission"]).all()
+
+
+# Operands beside the coordinate, as Blender has them.
+DEFAULTS = {
+    "noise": (0.3, 5.0, 2.0, 0.5, 0.1, 2.0, 0.0, 1.0),
+    "musgrave": (0.3, 5.0, 2.5, 2.0, 2.0, 0.0, 1.0),
+    "voronoi": (0.3, 5.0, 1.0, 0.5, 1.0),
+    "white_noise": (0.3,),
+    "gradient": (),
+    "wave": (5.0, 1.0, 2.0, 1.0, 0.5, 0.0),
+    "magic": (5.0, 1.0),
+    "brick": (0.8, 0.2, 0.0, 5.0, 0.02, 0.1, 0.0, 0.5, 0.25, 0.5, 1.0),
+}
+
+
+@pytest.mark.parametrize("identifier, count, text, ints", OPERATIONS)
+def test_any_coordinate_gives_a_number(identifier, count, text, ints):
+    program = _core.Program("Far")
+    zero = program.operation("component", [program.operation("position")], [0])
+    big = program.operation("math", [zero, scalar(program, 3e38)], [0], text="ADD")
+    infinite = program.operation("math", [big, big], [0], text="ADD")
+    nothing = program.operation("math", [infinite, infinite], [0], text="SUBTRACT")
+    others = [scalar(program, x) for x in DEFAULTS[identifier]]
+    assert len(others) == count - 1
+    point = _core.shading.surface_points(np.zeros((1, 3), np.float32), UP[None], UP[None])
+    for place in (infinite, nothing, big, *(scalar(program, x) for x in EXTREMES)):
+        result = program.operation(identifier, [place, *others], ints, text=text)
+        assert np.isfinite(point.values(program, result)).all()
+
+
+def values(identifier, positions, operands, text="", ints=()):
+    program = _core.Program("Texture")
+    place = program.operation("position")
+    result = program.operation(identifier, [place, *(scalar(program, x) for x in operands)], ints, text=text)
+    up = np.tile(UP, (len(positions), 1))
+    return _core.shading.surface_points(np.float32(positions), up, up).values(program, result)
+
+
+def test_the_distance_of_a_cell_is_that_to_its_point():
+    places = np.random.default_rng(1).uniform(-9, 9, (500, 3)).astype(np.float32)
+    for feature in ("F1", "F2"):
+        distance = values("voronoi", places, (0, 1, 0, 1, 1), feature, [3, 0, 0])[:, 3]
+        point = values("voronoi", places, (0, 1, 0, 1, 1), feature, [3, 0, 1])[:, :3]
+        np.testing.assert_allclose(distance, np.linalg.norm(places - point, axis=1), atol=2e-6)
+
+
+def test_a_cells_border_lies_between_its_two_nearest_points():
+    places = np.random.default_rng(2).uniform(-9, 9, (500, 3)).astype(np.float32)
+    first, second = (values("voronoi", places, (0, 1, 0, 1, 1), f, [3, 0, 1])[:, :3] for f in ("F1", "F2"))
+    border = values("voronoi", places, (0, 1, 0, 1, 1), "DISTANCE_TO_EDGE", [3, 0, 0])[:, 3]
+    apart = second - first
+    to_plane = np.einsum("ij,ij->i", (first + second) / 2 - places, apart) / np.linalg.norm(apart, axis=1)
+    assert (border <= to_plane + 1e-5).all()
+    assert np.isclose(border, to_plane, atol=1e-5).mean() > 0.6
+
+
+def test_noise_of_later_blenders_is_musgraves_with_one_octave_more():
+    places = np.random.default_rng(3).uniform(-9, 9, (200, 3)).astype(np.float32)
+    for index, kind in enumerate(FRACTALS):
+        noise = values("noise", places, (0, 1.5, 2.5, 0.5, 0, 2.0, 0.7, 1.3), "", [3, 0, index])[:, 3]
+        musgrave = values("musgrave", places, (0, 1.5, 3.5, 1.0, 2.0, 0.7, 1.3), kind, [3])[:, 0]
+        np.testing.assert_allclose(noise, musgrave, atol=1e-5, err_msg=kind)
+
+
+def test_a_normalized_noise_is_its_sum_brought_to_the_unit_interval():
+    places = np.random.default_rng(4).uniform(-9, 9, (200, 3)).astype(np.float32)
+    plain, normal = (values("noise", places, (0, 1.5, 2, 0.5, 0, 2.3), "", [3, n, 0])[:, 3] for n in (0, 1))
+    np.testing.assert_allclose(normal, 0.5 + 0.5 * plain / 1.75, atol=1e-6)
