@@ -16,106 +16,313 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::CappedTag<float, kPacketSize>;
-using Vector = hn::Vec<Lanes>;
-constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
-
+#include "tessellation/block_lanes.inl"
 #include "tessellation/simd_lanes.inl"
 
-/// A vertex in the space of each lane's ray.
+/// What a facet that is hit for sure leaves of a ray, as LocalRay::float_distance has it.
+constexpr float kBeyond = 1.0f + 0x1p-20f, kBeyondBy = 0x1p-12f;
+
+/// A vertex in the space of a ray; z is scaled.
+template <class V>
 struct Corner {
-    Vector x, y, depth, size;
+    V x, y, depth;
 };
 
-HWY_INLINE Vector edge(const Corner& p, const Corner& q) {
+template <class V>
+HWY_INLINE V edge(const Corner<V>& p, const Corner<V>& q) {
     return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
 }
 
-/// Some lanes, whose rays all run mostly along one axis, against a block.
+template <class V>
+HWY_INLINE V size(const Corner<V>& p) {
+    return hn::Add(hn::Abs(p.x), hn::Abs(p.y));
+}
+
+/// How far the edge functions of a cell may be off: px qy - py qx by the error times all four numbers.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V error(D lanes, const Corner<V>& a, const Corner<V>& b, const Corner<V>& c, const Corner<V>& d) {
+    const V sizes = hn::Add(hn::Add(size(a), size(b)), hn::Add(size(c), size(d)));
+    return hn::Mul(hn::Add(sizes, hn::Set(lanes, kCornerError)), hn::Set(lanes, kCornerError));
+}
+
+/// A ray's way to the z axis; in a lane or in all.
+template <class D>
+struct RayLanes {
+    using V = hn::Vec<D>;
+    int axis_x, axis_y, axis_z;
+    V origin_x, origin_y, origin_z, shear_x, shear_y, scale_z, sure_from, sure_to;
+
+    /// `take` makes lanes of an array that has a number for each ray.
+    template <class Take>
+    HWY_INLINE RayLanes(const RayPacket& rays, int axis, const Take& take)
+        : axis_x((axis + 1) % 3), axis_y((axis + 2) % 3), axis_z(axis) {
+        origin_x = take(rays.near_origin[axis_x]);
+        origin_y = take(rays.near_origin[axis_y]);
+        origin_z = take(rays.near_origin[axis_z]);
+        shear_x = take(rays.shear_x);
+        shear_y = take(rays.shear_y);
+        scale_z = take(rays.scale_z);
+        sure_from = take(rays.sure_from);
+        sure_to = take(rays.sure_to);
+    }
+    /// `load` makes lanes of a block's vertices along one axis.
+    template <class Load>
+    HWY_INLINE Corner<V> corner(const float* vertices, const Load& load) const {
+        const V dz = hn::Sub(load(vertices + axis_z * kBlockSize), origin_z);
+        const V dx = hn::Sub(load(vertices + axis_x * kBlockSize), origin_x);
+        const V dy = hn::Sub(load(vertices + axis_y * kBlockSize), origin_y);
+        return {hn::Sub(dx, hn::Mul(shear_x, dz)), hn::Sub(dy, hn::Mul(shear_y, dz)), hn::Mul(dz, scale_z)};
+    }
+};
+
+/// A triangle: its edge functions, and its corners' depths.
+template <class D>
+struct TriangleLanes {
+    using V = hn::Vec<D>;
+    V pq, qr, rp, a, b, c;
+
+    HWY_INLINE hn::Mask<D> may_be_hit(V off) const {
+        return hn::Or(hn::Ge(smallest(), hn::Neg(off)), hn::Le(largest(), off));
+    }
+    HWY_INLINE hn::Mask<D> is_surely_hit(V off) const {
+        return hn::Or(hn::Gt(smallest(), off), hn::Lt(largest(), hn::Neg(off)));
+    }
+    HWY_INLINE V near() const { return hn::Min(a, hn::Min(b, c)); }
+    HWY_INLINE V far() const { return hn::Max(a, hn::Max(b, c)); }
+
+  private:
+    HWY_INLINE V smallest() const { return hn::Min(pq, hn::Min(qr, rp)); }
+    HWY_INLINE V largest() const { return hn::Max(pq, hn::Max(qr, rp)); }
+};
+
+/// The lanes of a mask's bits.
+template <class D>
+HWY_INLINE hn::Mask<D> mask_of(D lanes, uint32_t bits) {
+    static_assert(std::endian::native == std::endian::little);
+    const uint64_t room = bits;  // Highway wants 8 bytes.
+    return hn::LoadMaskBits(lanes, reinterpret_cast<const uint8_t*>(&room));
+}
+
+using Rays = hn::CappedTag<float, kPacketSize>;
+using RayVector = hn::Vec<Rays>;
+constexpr int kRayWidth = static_cast<int>(hn::MaxLanes(Rays()));
+
+/// Some rays, all of which run mostly along one axis, against a block.
 class BlockTest {
   public:
-    HWY_INLINE BlockTest(const float* vertices, const RayPacket& rays, int axis, int first_lane, const float* farthest)
-        : vertices_(vertices), axis_z_(axis), axis_x_((axis + 1) % 3), axis_y_((axis + 2) % 3) {
-        const Lanes lanes;
-        const auto load = [&](const float* from) { return hn::LoadU(lanes, from + first_lane); };
-        origin_x_ = load(rays.origin[axis_x_]);
-        origin_y_ = load(rays.origin[axis_y_]);
-        origin_z_ = load(rays.origin[axis_z_]);
-        shear_x_ = load(rays.shear_x);
-        shear_y_ = load(rays.shear_y);
-        scale_z_ = load(rays.scale_z);
-        farthest_ = load(farthest);
+    HWY_INLINE BlockTest(const float* vertices, uint32_t block, const RayPacket& rays, int axis, int first_lane,
+                         uint32_t mask, float* farthest, OpenFacets& open)
+        : vertices_(vertices),
+          block_(block),
+          first_lane_(static_cast<size_t>(first_lane)),
+          out_(farthest + first_lane),
+          open_(open),
+          active_(mask_of(Rays(), mask)),
+          rays_(rays, axis, [&](const float* from) { return hn::LoadU(Rays(), from + first_lane); }),
+          farthest_(hn::LoadU(Rays(), out_)) {}
+
+    /// Returns the lanes that are hit for sure; bit 0 is the first lane.
+    HWY_INLINE uint32_t run() {
+        Corner<RayVector> low[kBlockVertices], high[kBlockVertices];
+        Sides low_sides = load_row(0, low);
+        for (int j = 0; j < kBlockCells; ++j) {
+            const Sides high_sides = load_row(j + 1, high);
+            if (!hn::AllFalse(Rays(), low_sides.around(high_sides, active_))) add_row(j, low, high);
+            for (int i = 0; i < kBlockVertices; ++i) low[i] = high[i];
+            low_sides = high_sides;
+        }
+        if (sure_ != 0) hn::StoreU(farthest_, Rays(), out_);
+        return sure_;
     }
 
-    /// Adds what the lanes of `mask` may hit; bit 0 is the first lane.
-    HWY_INLINE void add(uint32_t mask, uint32_t* hits) const {
-        const Lanes lanes;
-        Corner low[kBlockVertices], high[kBlockVertices];
-        Vector along_low[kBlockCells], along_high[kBlockCells];  // edges from vertex i to i + 1
-        load_row(0, low, along_low);
-        for (int j = 0; j < kBlockCells; ++j) {
-            load_row(j + 1, high, along_high);
-            Vector left = edge(high[0], low[0]);  // d a
-            for (int i = 0; i < kBlockCells; ++i) {
-                const Corner &a = low[i], &b = low[i + 1], &c = high[i + 1], &d = high[i];
-                const Vector bc = edge(b, c), ac = edge(a, c);
-                const Vector sizes = hn::Add(hn::Add(a.size, b.size), hn::Add(c.size, d.size));
-                const Vector off = hn::Mul(hn::Add(sizes, hn::Set(lanes, kCornerError)), hn::Set(lanes, kCornerError));
-                const int triangle = 2 * (j * kBlockCells + i);
-                add_triangle(along_low[i], bc, hn::Neg(ac), off, {a.depth, b.depth, c.depth}, mask, triangle, hits);
-                add_triangle(ac, hn::Neg(along_high[i]), left, off, {a.depth, c.depth, d.depth}, mask, triangle + 1,
-                             hits);
-                left = hn::Neg(bc);
+  private:
+    /// How far some vertices reach aside.
+    struct Sides {
+        RayVector x_min, x_max, y_min, y_max;
+
+        /// The lanes whose ray may pass between these vertices and others.
+        HWY_INLINE hn::Mask<Rays> around(const Sides& other, hn::Mask<Rays> of) const {
+            const RayVector most = hn::Set(Rays(), kCornerError), least = hn::Set(Rays(), -kCornerError);
+            const auto x =
+                hn::And(hn::Le(hn::Min(x_min, other.x_min), most), hn::Ge(hn::Max(x_max, other.x_max), least));
+            const auto y =
+                hn::And(hn::Le(hn::Min(y_min, other.y_min), most), hn::Ge(hn::Max(y_max, other.y_max), least));
+            return hn::And(of, hn::And(x, y));
+        }
+    };
+
+    const float* vertices_;
+    uint32_t block_;
+    size_t first_lane_;
+    float* out_;
+    OpenFacets& open_;
+    hn::Mask<Rays> active_;
+    RayLanes<Rays> rays_;
+    RayVector farthest_;
+    uint32_t sure_ = 0;
+
+    HWY_INLINE Sides load_row(int j, Corner<RayVector> (&row)[kBlockVertices]) const {
+        for (int i = 0; i < kBlockVertices; ++i)
+            row[i] = rays_.corner(vertices_ + j * kBlockVertices + i,
+                                  [](const float* from) { return hn::Set(Rays(), *from); });
+        Sides sides{row[0].x, row[0].x, row[0].y, row[0].y};
+        for (int i = 1; i < kBlockVertices; ++i) {
+            sides.x_min = hn::Min(sides.x_min, row[i].x);
+            sides.x_max = hn::Max(sides.x_max, row[i].x);
+            sides.y_min = hn::Min(sides.y_min, row[i].y);
+            sides.y_max = hn::Max(sides.y_max, row[i].y);
+        }
+        return sides;
+    }
+    HWY_INLINE void add_row(int j, const Corner<RayVector>* low, const Corner<RayVector>* high) {
+        RayVector left = edge(high[0], low[0]);  // d a
+        for (int i = 0; i < kBlockCells; ++i) {
+            const Corner<RayVector>&a = low[i], &b = low[i + 1], &c = high[i + 1], &d = high[i];
+            const RayVector bc = edge(b, c), ac = edge(a, c), off = error(Rays(), a, b, c, d);
+            const auto triangle = static_cast<uint32_t>(2 * (j * kBlockCells + i));
+            add({edge(a, b), bc, hn::Neg(ac), a.depth, b.depth, c.depth}, off, triangle);
+            add({ac, edge(c, d), left, a.depth, c.depth, d.depth}, off, triangle + 1);
+            left = hn::Neg(bc);
+        }
+    }
+    HWY_INLINE void add(const TriangleLanes<Rays>& triangle, RayVector off, uint32_t number) {
+        const auto inside = hn::And(triangle.may_be_hit(off), active_);
+        if (hn::AllFalse(Rays(), inside)) return;
+        const RayVector near = triangle.near(), far = triangle.far();
+        const auto within = hn::And(hn::Ge(far, hn::Zero(Rays())), hn::Le(near, farthest_));
+        const auto open = hn::And(inside, within);
+        uint32_t bits = mask_bits(Rays(), open);
+        if (bits == 0) return;
+        HWY_ALIGN float begins[kRayWidth];
+        hn::Store(near, Rays(), begins);
+        for (; bits != 0; bits &= bits - 1) {
+            const auto lane = static_cast<size_t>(__builtin_ctz(bits));
+            open_.add(first_lane_ + lane, {block_, number, begins[lane]});
+        }
+        const auto counts = hn::And(hn::Ge(near, rays_.sure_from), hn::Le(far, rays_.sure_to));
+        const auto sure = hn::And(hn::And(open, counts), triangle.is_surely_hit(off));
+        const RayVector reach = hn::Add(hn::Mul(far, hn::Set(Rays(), kBeyond)), hn::Set(Rays(), kBeyondBy));
+        farthest_ = hn::IfThenElse(sure, hn::Min(farthest_, reach), farthest_);
+        sure_ |= mask_bits(Rays(), sure);
+    }
+};
+
+uint32_t find_together(const float* vertices, uint32_t block, const RayPacket& rays, uint32_t mask, float* farthest,
+                       OpenFacets& open) {
+    uint32_t sure = 0;
+    for (int first = 0; first < kPacketSize; first += kRayWidth) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const uint32_t bits = (mask & rays.by_axis[static_cast<size_t>(axis)]) >> first & ((1u << kRayWidth) - 1u);
+            if (bits != 0) sure |= BlockTest(vertices, block, rays, axis, first, bits, farthest, open).run() << first;
+        }
+    }
+    return sure;
+}
+
+/// Half a block: 16 lanes are slower where there are so many.
+using Cells = hn::CappedTag<float, 8>;
+using CellVector = hn::Vec<Cells>;
+constexpr int kCellWidth = static_cast<int>(hn::MaxLanes(Cells()));
+
+/// One ray against a block.
+class CellTest {
+  public:
+    float farthest;
+    bool sure = false;  ///< whether a facet was hit for sure
+
+    HWY_INLINE CellTest(uint32_t block, const RayPacket& rays, int axis, size_t lane, float t_max, OpenFacets& open)
+        : farthest(t_max), block_(block), lane_(lane), open_(open), rays_(rays, axis, [lane](const float* from) {
+              return hn::Set(Cells(), from[lane]);
+          }) {}
+
+    HWY_INLINE void run(const float* vertices) {
+        constexpr int kColumns = std::min(kCellWidth, kBlockCells), kRows = kCellWidth / kColumns;
+        const auto corner = [&](int index) {
+            return rays_.corner(vertices + index, [](const float* from) { return load_cells(Cells(), from); });
+        };
+        for (int row = 0; row < kBlockCells; row += kRows) {
+            for (int column = 0; column < kBlockCells; column += kColumns) {
+                const int index = row * kBlockVertices + column;
+                // Of cell (i, j): (i, j), (i+1, j), (i+1, j+1), (i, j+1).
+                const Corner<CellVector> a = corner(index), b = corner(index + 1);
+                const Corner<CellVector> c = corner(index + kBlockVertices + 1), d = corner(index + kBlockVertices);
+                const CellVector ac = edge(a, c), off = error(Cells(), a, b, c, d);
+                const auto first = static_cast<uint32_t>(2 * (row * kBlockCells + column));
+                add({edge(a, b), edge(b, c), hn::Neg(ac), a.depth, b.depth, c.depth}, off, first);
+                add({ac, edge(c, d), edge(d, a), a.depth, c.depth, d.depth}, off, first + 1);
             }
-            for (int i = 0; i < kBlockVertices; ++i) low[i] = high[i];
-            for (int i = 0; i < kBlockCells; ++i) along_low[i] = along_high[i];
         }
     }
 
   private:
-    const float* vertices_;
-    int axis_z_, axis_x_, axis_y_;
-    Vector origin_x_, origin_y_, origin_z_, shear_x_, shear_y_, scale_z_, farthest_;
+    uint32_t block_;
+    size_t lane_;
+    OpenFacets& open_;
+    RayLanes<Cells> rays_;
 
-    struct Depths {
-        Vector a, b, c;
-    };
-
-    HWY_INLINE Corner corner(int index) const {
-        const Lanes lanes;
-        const Vector dz = hn::Sub(hn::Set(lanes, vertices_[axis_z_ * kBlockSize + index]), origin_z_);
-        const Vector dx = hn::Sub(hn::Set(lanes, vertices_[axis_x_ * kBlockSize + index]), origin_x_);
-        const Vector dy = hn::Sub(hn::Set(lanes, vertices_[axis_y_ * kBlockSize + index]), origin_y_);
-        const Vector x = hn::Sub(dx, hn::Mul(shear_x_, dz)), y = hn::Sub(dy, hn::Mul(shear_y_, dz));
-        return {x, y, hn::Mul(dz, scale_z_), hn::Add(hn::Abs(x), hn::Abs(y))};
-    }
-    HWY_INLINE void load_row(int j, Corner (&row)[kBlockVertices], Vector (&along)[kBlockCells]) const {
-        for (int i = 0; i < kBlockVertices; ++i) row[i] = corner(j * kBlockVertices + i);
-        for (int i = 0; i < kBlockCells; ++i) along[i] = edge(row[i], row[i + 1]);
-    }
-    HWY_INLINE void add_triangle(Vector pq, Vector qr, Vector rp, Vector off, const Depths& depth, uint32_t mask,
-                                 int triangle, uint32_t* hits) const {
-        const Lanes lanes;
-        const Vector smallest = hn::Min(pq, hn::Min(qr, rp)), largest = hn::Max(pq, hn::Max(qr, rp));
-        const auto inside = hn::Or(hn::Ge(smallest, hn::Neg(off)), hn::Le(largest, off));
-        if (hn::AllFalse(lanes, inside)) return;
-        const Vector near = hn::Min(depth.a, hn::Min(depth.b, depth.c));
-        const Vector far = hn::Max(depth.a, hn::Max(depth.b, depth.c));
-        const auto within = hn::And(hn::Ge(far, hn::Zero(lanes)), hn::Le(near, farthest_));
-        for (uint32_t bits = mask_bits(lanes, hn::And(inside, within)) & mask; bits != 0; bits &= bits - 1)
-            hits[__builtin_ctz(bits)] |= 1u << triangle;
+    HWY_INLINE void add(const TriangleLanes<Cells>& triangle, CellVector off, uint32_t first) {
+        const auto inside = triangle.may_be_hit(off);
+        if (hn::AllFalse(Cells(), inside)) return;
+        const CellVector near = triangle.near(), far = triangle.far();
+        const auto within = hn::And(hn::Ge(far, hn::Zero(Cells())), hn::Le(near, hn::Set(Cells(), farthest)));
+        const auto open = hn::And(inside, within);
+        uint32_t bits = mask_bits(Cells(), open);
+        if (bits == 0) return;
+        const auto counts = hn::And(hn::Ge(near, rays_.sure_from), hn::Le(far, rays_.sure_to));
+        const uint32_t sure_bits = mask_bits(Cells(), hn::And(hn::And(open, counts), triangle.is_surely_hit(off)));
+        HWY_ALIGN float begins[kCellWidth], ends[kCellWidth];
+        hn::Store(near, Cells(), begins);
+        hn::Store(far, Cells(), ends);
+        for (; bits != 0; bits &= bits - 1) {
+            const auto cell = static_cast<size_t>(__builtin_ctz(bits));
+            open_.add(lane_, {block_, first + static_cast<uint32_t>(2 * cell), begins[cell]});
+            if ((sure_bits >> cell & 1u) == 0) continue;
+            sure = true;
+            farthest = std::min(farthest, ends[cell] * kBeyond + kBeyondBy);
+        }
     }
 };
 
-void find_in_block(const float* vertices, const RayPacket& rays, uint32_t mask, const float* farthest,
-                   PacketHits& hits) {
-    hits.fill(0);
-    for (int first = 0; first < kPacketSize; first += kWidth) {
-        for (int axis = 0; axis < 3; ++axis) {
-            const uint32_t bits = (mask & rays.by_axis[static_cast<size_t>(axis)]) >> first & ((1u << kWidth) - 1u);
-            if (bits != 0)
-                BlockTest(vertices, rays, axis, first, farthest).add(bits, &hits[static_cast<size_t>(first)]);
+uint32_t find_one_by_one(const float* vertices, uint32_t block, const RayPacket& rays, uint32_t mask, float* farthest,
+                         OpenFacets& open) {
+    uint32_t sure = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (uint32_t bits = mask & rays.by_axis[static_cast<size_t>(axis)]; bits != 0; bits &= bits - 1) {
+            const auto lane = static_cast<size_t>(__builtin_ctz(bits));
+            CellTest test(block, rays, axis, lane, farthest[lane], open);
+            test.run(vertices);
+            if (!test.sure) continue;
+            sure |= 1u << lane;
+            farthest[lane] = test.farthest;
         }
+    }
+    return sure;
+}
+
+void shear(RayPacket& rays, uint32_t mask) {
+    const Rays lanes;
+    rays.by_axis = {0, 0, 0};
+    for (int first = 0; first < kPacketSize; first += kRayWidth) {
+        const uint32_t bits = mask >> first & ((1u << kRayWidth) - 1u);
+        if (bits == 0) continue;
+        const RayVector x = hn::LoadU(lanes, rays.unit_direction[0] + first);
+        const RayVector y = hn::LoadU(lanes, rays.unit_direction[1] + first);
+        const RayVector z = hn::LoadU(lanes, rays.unit_direction[2] + first);
+        const RayVector size_x = hn::Abs(x), size_y = hn::Abs(y), size_z = hn::Abs(z);
+        const auto over_y = hn::Ge(size_x, size_y);
+        const auto along_x = hn::And(over_y, hn::Ge(size_x, size_z));
+        const auto along_y = hn::AndNot(over_y, hn::Ge(size_y, size_z));
+        const RayVector largest = hn::IfThenElse(along_x, x, hn::IfThenElse(along_y, y, z));
+        const RayVector next = hn::IfThenElse(along_x, y, hn::IfThenElse(along_y, z, x));
+        const RayVector last = hn::IfThenElse(along_x, z, hn::IfThenElse(along_y, x, y));
+        const RayVector scale = hn::Div(hn::Set(lanes, 1.0f), largest);
+        hn::StoreU(scale, lanes, rays.scale_z + first);
+        hn::StoreU(hn::Mul(next, scale), lanes, rays.shear_x + first);
+        hn::StoreU(hn::Mul(last, scale), lanes, rays.shear_y + first);
+        const uint32_t in_x = mask_bits(lanes, along_x) & bits, in_y = mask_bits(lanes, along_y) & bits;
+        rays.by_axis[0] |= in_x << first;
+        rays.by_axis[1] |= in_y << first;
+        rays.by_axis[2] |= (bits & ~(in_x | in_y)) << first;
     }
 }
 
@@ -126,25 +333,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace rayleaf {
 
-HWY_EXPORT(find_in_block);
+HWY_EXPORT(find_together);
+HWY_EXPORT(find_one_by_one);
+HWY_EXPORT(shear);
 
-FindInBlock packet_kernel() {
-    // The first call through the table chooses; the pointer must be taken after that.
+PacketKernels packet_kernels() {
+    // The first call through the table chooses; the pointers must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return &HWY_DYNAMIC_DISPATCH(find_in_block);
-}
-
-void RayPacket::set(int lane, const Vec3f& from, const Vec3f& direction) {
-    const Vec3f size(std::abs(direction.x), std::abs(direction.y), std::abs(direction.z));
-    const int z = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
-    for (int axis = 0; axis < 3; ++axis) {
-        origin[axis][lane] = from[axis];
-        by_axis[static_cast<size_t>(axis)] &= ~(1u << lane);
-    }
-    by_axis[static_cast<size_t>(z)] |= 1u << lane;
-    scale_z[lane] = 1.0f / direction[z];
-    shear_x[lane] = direction[(z + 1) % 3] * scale_z[lane];
-    shear_y[lane] = direction[(z + 2) % 3] * scale_z[lane];
+    return {&HWY_DYNAMIC_DISPATCH(shear), &HWY_DYNAMIC_DISPATCH(find_together), &HWY_DYNAMIC_DISPATCH(find_one_by_one)};
 }
 
 }  // namespace rayleaf

@@ -1,36 +1,58 @@
-// Sixteen rays at once against one block of facets: the rays in the lanes, the block's vertices one after the other.
+// Rays of a packet against one block of facets, in single precision.
 //
-// The test is that of a single ray (grid_intersection.h), in single precision and widened by what rounding may do, so
-// that it finds all facets that a true ray may hit; double precision decides (FacetRay). For rays that visit the same
-// blocks it costs a fraction of what they cost one by one.
+// The test is that of a single ray (grid_intersection.h), widened by what rounding may do, so that it finds all facets
+// that a true ray may hit. Double precision decides about those in the end (packet_decision.h). But where a ray passes
+// a facet's edges by more than rounding may do, it hits it for sure: then nothing beyond that facet matters, and for
+// shadows nothing else at all.
 #pragma once
 
-#include "base/vector.h"
-#include "rays/packet.h"
+#include "tessellation/ray_packet.h"
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 
 namespace rayleaf {
 
-/// Rays in the local space of a shape, by lane.
-struct alignas(64) RayPacket {
-    float origin[3][kPacketSize];                                            ///< coordinates of the order of 1
-    float shear_x[kPacketSize], shear_y[kPacketSize], scale_z[kPacketSize];  ///< as GridRay's
-    std::array<uint32_t, 3> by_axis{};  ///< lanes whose direction is largest along the axis, a bit each
+/// Facets that rays of a packet may hit, by lane. Not initialized but for the numbers.
+struct OpenFacets {
+    struct Facet {
+        uint32_t block, triangle;
+        float near;  ///< along the float ray: it lies nowhere nearer, but for rounding
+    };
+    /// Between two blocks a lane holds no more; one block may add all its facets.
+    static constexpr uint32_t kMost = 8;
+    static constexpr uint32_t kBlockTriangles = 32;
 
-    /// `direction` is unit.
-    void set(int lane, const Vec3f& from, const Vec3f& direction);
+    uint32_t count[kPacketSize] = {};
+    Facet facets[kPacketSize][kMost + kBlockTriangles];
+
+    void add(size_t lane, const Facet& facet) { facets[lane][count[lane]++] = facet; }
+    void clear() { std::fill_n(count, kPacketSize, 0u); }
+    /// Takes out one that is not beyond `farthest`, and those before it that are. False if there is none.
+    bool take(size_t lane, float farthest, Facet& facet) {
+        while (count[lane] > 0) {
+            facet = facets[lane][--count[lane]];
+            if (facet.near <= farthest) return true;
+        }
+        return false;
+    }
 };
 
-/// For each lane, which of a block's 32 triangles the ray may hit: bit 2 * (j * 4 + i) of cell (i, j), or the one
-/// after it.
-using PacketHits = std::array<uint32_t, kPacketSize>;
+/// Tests the lanes of `mask` up to `farthest`, the distance along the unit direction by lane, and adds what they may
+/// hit to `open`: triangle 2 * (j * 4 + i) of cell (i, j), or the one after it. `vertices` is [3][25]. Returns the
+/// lanes that hit one for sure; `farthest` is then how far the nearest such facet may reach.
+using FindInBlock = uint32_t (*)(const float* vertices, uint32_t block, const RayPacket& rays, uint32_t mask,
+                                 float* farthest, OpenFacets& open);
 
-/// Tests the lanes of `mask` up to `farthest`, the distance along the unit direction by lane. `vertices` is [3][25].
-using FindInBlock = void (*)(const float* vertices, const RayPacket& rays, uint32_t mask, const float* farthest,
-                             PacketHits& hits);
-/// The version for this machine's processor.
-FindInBlock packet_kernel();
+struct PacketKernels {
+    void (*shear)(RayPacket& rays, uint32_t lanes);
+    /// The rays in the lanes, the block's vertices one after the other: for rays that visit the same blocks it costs a
+    /// fraction of what they cost one by one.
+    FindInBlock together;
+    /// One ray after the other, the block's cells in the lanes.
+    FindInBlock one_by_one;
+};
+/// The versions for this machine's processor.
+PacketKernels packet_kernels();
 
 }  // namespace rayleaf

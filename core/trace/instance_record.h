@@ -4,6 +4,7 @@
 #include "geometry/surface_point.h"
 #include "rays/hit.h"
 #include "rays/ray.h"
+#include "trace/clipped_packet.h"
 #include "trace/local_ray.h"
 #include "trace/object_cache.h"
 #include "trace/shape_scene.h"
@@ -36,6 +37,7 @@ struct InstanceRecord {
     /// The translation is subtracted first: that rounds nothing where it matters, close to a far object.
     Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }
     Vec3d normal_to_world(const Vec3d& n) const { return normal_x * n.x + normal_y * n.y + normal_z * n.z; }
+    RayMap to_local() const { return {local_to_world.translation, to_local_x, to_local_y, to_local_z}; }
     Box3d world_box() const;
 
     /// How far from a facet a ray must start so that rounding cannot put it on the other side, world units. `size` is

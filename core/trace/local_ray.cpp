@@ -3,18 +3,13 @@
 #include <limits>
 
 namespace rayleaf {
-namespace {
 
-/// Of any direction: the square of a very short or long one is zero or infinite.
 double length_of(const Vec3d& direction) {
     const double squared = direction.dot(direction);
-    constexpr double kSmall = 1e-280, kLarge = 1e280;
-    if (squared > kSmall && squared < kLarge) return std::sqrt(squared);
+    if (squared > kSmallSquare && squared < kLargeSquare) return std::sqrt(squared);
     const double largest = max_abs(direction);
     return largest * (direction / largest).length();
 }
-
-}  // namespace
 
 RTCRay LocalRay::embree_ray() const {
     RTCRay ray;
@@ -70,9 +65,6 @@ std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const
     ray.start = std::max(stretch->begin, t_min) - kBackstep / ray.speed;
     ray.float_origin = Vec3f(origin + direction * ray.start);
     ray.float_direction = Vec3f(direction / ray.speed);
-    // An origin so far away that rounding leaves nothing of the way to the box. Embree ends the process for rays beyond
-    // 1.8e18.
-    constexpr float kFarOff = 1e18f;
     const bool is_near = is_finite(ray.float_origin) && max_abs(ray.float_origin) <= kFarOff;
     if (!is_near || !is_finite(ray.float_direction) || !(max_abs(ray.float_direction) > 0.0f)) made.reset();
     return made;

@@ -25,12 +25,26 @@ inline constexpr double kBackstep = 0x1p-12;
 /// Embree does not state for user geometry.
 inline constexpr double kBoxPadding = 0x1p-19;
 
+/// A float ray's origin so far away leaves nothing of the way to the box. Embree ends the process for rays
+/// beyond 1.8e18.
+inline constexpr float kFarOff = 1e18f;
+
+/// Squares of directions outside of these may be rounded to nothing or to infinity.
+inline constexpr double kSmallSquare = 1e-280, kLargeSquare = 1e280;
+/// Of a direction of any size.
+double length_of(const Vec3d& direction);
+
 /// RaySight in local space; its beam is to be read as LocalRay's.
 struct LocalSight {
     Vec3d origin{0, 0, 0}, direction{0, 0, 1};
     RayBeam beam;
     float reach = 0;  ///< from the ray's origin
 };
+
+/// Distance along a float ray within which everything with at most this t lies; infinity stays.
+inline float float_distance_of(double t, double start, double speed) {
+    return static_cast<float>((t - start) * speed * (1.0 + 0x1p-20) + kBackstep);
+}
 
 struct LocalRay {
     Vec3d origin{0, 0, 0};
@@ -48,10 +62,7 @@ struct LocalRay {
     Vec3f float_origin{0, 0, 0};     ///< local
     Vec3f float_direction{0, 0, 1};  ///< unit
 
-    /// Distance along the float ray within which everything with at most this t lies; infinity stays.
-    float float_distance(double t) const {
-        return static_cast<float>((t - start) * speed * (1.0 + 0x1p-20) + kBackstep);
-    }
+    float float_distance(double t) const { return float_distance_of(t, start, speed); }
     RTCRay embree_ray() const;
     RTCRayHit embree_ray_hit() const;
 };

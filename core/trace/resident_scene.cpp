@@ -2,6 +2,7 @@
 
 #include "tessellation/level.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 
@@ -24,7 +25,8 @@ ResidentScene::ResidentScene(const Shape& shape, DicedSurface surface, FacetBloc
     : ShapeScene(shape, FacetKind::Resident),
       dicer_(std::move(surface.dicer)),
       kernels_(grid_kernels()),
-      find_in_block_(packet_kernel()),
+      packet_kernels_(packet_kernels()),
+      meet_facets_(decision_kernel()),
       blocks_(std::move(blocks)) {
     blocks_.fill(*dicer_, surface.details, cancel);
     if (blocks_.block_count() == 0) return;
@@ -58,30 +60,49 @@ bool ResidentScene::visit(FacetQuery& query, const GridRay& ray, uint32_t number
     return found;
 }
 
-/// The same for lanes of a packet: those that found a nearer hit, a bit each. `t_max` is by lane.
-uint32_t ResidentScene::visit(PacketQuery& packet, uint32_t number, uint32_t lanes, const float* t_max) const {
-    uint32_t found = 0;
-    if (std::popcount(lanes) <= kFewRays) {
-        for_each_lane(lanes, [&](size_t lane) {
-            std::optional<GridRay>& ray = packet.alone[lane];
-            FacetQuery& query = packet.facets[lane];
-            if (!ray) ray.emplace(query.ray->float_origin, query.ray->float_direction);
-            if (visit(query, *ray, number, t_max[lane])) found |= 1u << lane;
-        });
-        return found;
-    }
-    const FacetBlock& block = blocks_[number];
+/// The same for lanes of a packet: those that surely hit something nearer, a bit each, and what may be hit is kept.
+uint32_t ResidentScene::visit(PacketQuery& packet, uint32_t number, uint32_t lanes, float* farthest) const {
     float room[3 * kBlockSize];
-    PacketHits hits;
-    find_in_block_(float_vertices(block, room), packet.rays, lanes, t_max, hits);
+    const FindInBlock find = std::popcount(lanes) <= kFewRays ? packet_kernels_.one_by_one : packet_kernels_.together;
+    const uint32_t sure =
+        find(float_vertices(blocks_[number], room), number, packet.rays, lanes, farthest, packet.open);
+    uint32_t crowded = 0;
     for_each_lane(lanes, [&](size_t lane) {
-        for_each_lane(hits[lane], [&](size_t triangle) {
-            const auto part = static_cast<uint32_t>(triangle);
-            if (packet.facets[lane].offer_uncertain({number, part}, block.corners(part, dicer_->format())))
-                found |= 1u << lane;
-        });
+        if (packet.open.count[lane] > OpenFacets::kMost) crowded |= 1u << lane;
     });
-    return found;
+    if (crowded != 0) decide(packet, crowded, farthest);
+    return sure;
+}
+
+void ResidentScene::begin(PacketQuery& packet) const {
+    packet.open.clear();
+    packet_kernels_.shear(packet.rays, packet.lanes);
+}
+
+void ResidentScene::end(PacketQuery& packet, const float* farthest) const {
+    alignas(64) float left[kPacketSize];
+    std::copy_n(farthest, kPacketSize, left);
+    decide(packet, packet.lanes, left);
+}
+
+/// Takes the nearest of the facets that these lanes may hit.
+void ResidentScene::decide(PacketQuery& packet, uint32_t lanes, float* farthest) const {
+    FacetLanes facets;
+    std::array<OpenFacets::Facet, kPacketSize> taken;
+    for (;;) {
+        uint32_t asked = 0;
+        for_each_lane(lanes, [&](size_t lane) {
+            if (!packet.open.take(lane, farthest[lane], taken[lane])) return;
+            facets.set(lane, blocks_[taken[lane].block].corners(taken[lane].triangle, dicer_->format()));
+            asked |= 1u << lane;
+        });
+        if (asked == 0) return;
+        for_each_lane(meet_facets_(packet.rays, asked, facets), [&](size_t lane) {
+            if (packet.take(lane, {taken[lane].block, taken[lane].triangle}, facets.hit(lane)))
+                farthest[lane] = std::min(farthest[lane], packet.float_farthest(lane));
+        });
+        lanes = asked;
+    }
 }
 
 void ResidentScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
@@ -101,11 +122,7 @@ void ResidentScene::closest_callback(const RTCIntersectFunctionNArguments* argum
             *t_max = query.ray().float_distance(query.facets.farthest);
         return;
     }
-    PacketQuery& packet = PacketQuery::of(arguments->context);
-    for (uint32_t found = self.visit(packet, arguments->primID, lanes, t_max); found != 0; found &= found - 1) {
-        const FacetQuery& query = packet.facets[static_cast<size_t>(__builtin_ctz(found))];
-        t_max[__builtin_ctz(found)] = query.ray->float_distance(query.farthest);
-    }
+    self.visit(PacketQuery::of(arguments->context), arguments->primID, lanes, t_max);
 }
 
 void ResidentScene::any_callback(const RTCOccludedFunctionNArguments* arguments) {
@@ -120,8 +137,11 @@ void ResidentScene::any_callback(const RTCOccludedFunctionNArguments* arguments)
         return;
     }
     PacketQuery& packet = PacketQuery::of(arguments->context);
-    for (uint32_t found = self.visit(packet, arguments->primID, lanes, t_max); found != 0; found &= found - 1)
-        t_max[__builtin_ctz(found)] = kHit;
+    packet.found |= self.visit(packet, arguments->primID, lanes, t_max);
+    for_each_lane(packet.found & lanes, [&](size_t lane) {
+        t_max[lane] = kHit;
+        packet.open.count[lane] = 0;
+    });
 }
 
 LocalHit ResidentScene::local_hit(const ShapeHit& hit) const {

@@ -6,6 +6,7 @@
 
 #include "tessellation/facet_blocks.h"
 #include "tessellation/grid_intersection.h"
+#include "tessellation/packet_decision.h"
 #include "trace/diced_surface.h"
 #include "trace/shape_scene.h"
 
@@ -31,12 +32,16 @@ class ResidentScene final : public ShapeScene {
   private:
     std::unique_ptr<const Dicer> dicer_;
     GridKernels kernels_;
-    FindInBlock find_in_block_;
+    PacketKernels packet_kernels_;
+    MeetFacets meet_facets_;
     FacetBlocks blocks_;
 
     const float* float_vertices(const FacetBlock& block, float* room) const;
     bool visit(FacetQuery& query, const GridRay& ray, uint32_t block, float t_max) const;
-    uint32_t visit(PacketQuery& packet, uint32_t block, uint32_t lanes, const float* t_max) const;
+    uint32_t visit(PacketQuery& packet, uint32_t block, uint32_t lanes, float* farthest) const;
+    void begin(PacketQuery& packet) const override;
+    void end(PacketQuery& packet, const float* farthest) const override;
+    void decide(PacketQuery& packet, uint32_t lanes, float* farthest) const;
 
     static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
     static void closest_callback(const RTCIntersectFunctionNArguments* arguments);

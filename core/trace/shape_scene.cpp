@@ -3,6 +3,8 @@
 #include "geometry/patch_surface.h"
 #include "geometry/subdivision_surface.h"
 
+#include <algorithm>
+
 namespace rayleaf {
 
 NormalCounters normal_counters(const Shape& shape) {
@@ -42,43 +44,56 @@ bool ShapeScene::occluded(const LocalRay& ray) const {
 namespace {
 
 /// Writes the lanes of a packet as Embree wants them. `valid`: -1 for rays that are asked.
-void fill(PacketQuery& packet, bool with_blocks, int* valid, RTCRay16& out) {
-    for (int lane = 0; lane < kPacketSize; ++lane) {
-        valid[lane] = (packet.lanes >> lane & 1u) != 0 ? -1 : 0;
-        if (valid[lane] == 0) continue;
-        const LocalRay& ray = *packet.facets[static_cast<size_t>(lane)].ray;
-        out.org_x[lane] = ray.float_origin.x;
-        out.org_y[lane] = ray.float_origin.y;
-        out.org_z[lane] = ray.float_origin.z;
-        out.tnear[lane] = 0.0f;
-        out.dir_x[lane] = ray.float_direction.x;
-        out.dir_y[lane] = ray.float_direction.y;
-        out.dir_z[lane] = ray.float_direction.z;
-        out.time[lane] = 0.0f;
-        out.tfar[lane] = ray.float_distance(ray.t_max);
-        out.mask[lane] = ~0u;
-        out.id[lane] = static_cast<unsigned>(lane);
-        out.flags[lane] = 0;
-        if (with_blocks) packet.rays.set(lane, ray.float_origin, ray.float_direction);
-    }
+void fill(const RayPacket& rays, uint32_t lanes, int* valid, RTCRay16& out) {
+    for (uint32_t lane = 0; lane < kPacketSize; ++lane) valid[lane] = -static_cast<int>(lanes >> lane & 1u);
+    const auto copy = [](const float(&from)[kPacketSize], float* to) { std::copy_n(from, kPacketSize, to); };
+    copy(rays.near_origin[0], out.org_x);
+    copy(rays.near_origin[1], out.org_y);
+    copy(rays.near_origin[2], out.org_z);
+    copy(rays.unit_direction[0], out.dir_x);
+    copy(rays.unit_direction[1], out.dir_y);
+    copy(rays.unit_direction[2], out.dir_z);
+    copy(rays.farthest, out.tfar);
+    std::fill_n(out.tnear, kPacketSize, 0.0f);
+    std::fill_n(out.time, kPacketSize, 0.0f);
+    std::fill_n(out.mask, kPacketSize, ~0u);
+    std::fill_n(out.id, kPacketSize, 0u);
+    std::fill_n(out.flags, kPacketSize, 0u);
 }
 
 }  // namespace
 
-void ShapeScene::closest(PacketQuery& packet) const {
+void embree_closest(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
+                    RTCRayHit16& result) {
     alignas(64) int valid[kPacketSize];
-    RTCRayHit16 rays;
-    fill(packet, kind_ == FacetKind::Resident, valid, rays.ray);
-    for (int lane = 0; lane < kPacketSize; ++lane)
-        rays.hit.geomID[lane] = rays.hit.primID[lane] = rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    embree_closest16(valid, scene_.get(), packet.context, packet.coherence, rays);
+    fill(rays, lanes, valid, result.ray);
+    std::fill_n(result.hit.geomID, kPacketSize, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(result.hit.primID, kPacketSize, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(result.hit.instID[0], kPacketSize, RTC_INVALID_GEOMETRY_ID);
+    embree_closest16(valid, scene, context, coherence, result);
+}
+
+void embree_any(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
+                RTCRay16& result) {
+    alignas(64) int valid[kPacketSize];
+    fill(rays, lanes, valid, result);
+    embree_any16(valid, scene, context, coherence, result);
+}
+
+void ShapeScene::closest(PacketQuery& packet) const {
+    packet.found = 0;
+    begin(packet);
+    RTCRayHit16 result;
+    embree_closest(scene_.get(), packet.context, packet.coherence, packet.rays, packet.lanes, result);
+    end(packet, result.ray.tfar);
 }
 
 void ShapeScene::occluded(PacketQuery& packet) const {
-    alignas(64) int valid[kPacketSize];
-    RTCRay16 rays;
-    fill(packet, kind_ == FacetKind::Resident, valid, rays);
-    embree_any16(valid, scene_.get(), packet.context, packet.coherence, rays);
+    packet.found = 0;
+    begin(packet);
+    RTCRay16 result;
+    embree_any(scene_.get(), packet.context, packet.coherence, packet.rays, packet.lanes, result);
+    end(packet, result.tfar);
 }
 
 }  // namespace rayleaf

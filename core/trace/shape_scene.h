@@ -109,23 +109,33 @@ struct PacketQuery {
     EmbreeContext context;
     Coherence coherence;
     uint32_t lanes = 0;  ///< those that are asked, a bit each
-    std::array<FacetQuery, kPacketSize> facets;
-    RayPacket rays;                                         ///< set for shapes of blocks
-    std::array<std::optional<GridRay>, kPacketSize> alone;  ///< of lanes that met a block with few others
+    uint32_t found = 0;  ///< those that hit something
+    RayPacket rays;
+    struct Best {
+        FacetId facet;
+        FacetHit point;
+    };
+    std::array<Best, kPacketSize> best;  ///< of the lanes that have found something
+    OpenFacets open;                     ///< of shapes of blocks
 
     explicit PacketQuery(Coherence alike) : coherence(alike) { initialize(context); }
     static PacketQuery& of(EmbreeContext* context) { return *reinterpret_cast<PacketQuery*>(context); }
-    /// For a shape that is asked next.
-    void clear() { lanes = 0; }
-    void add(size_t lane, const LocalRay& local, ShapeHit& hit) {
-        FacetQuery& query = facets[lane];
-        query.ray = &local;
-        query.best = &hit;
-        query.farthest = local.t_max;
-        query.found = false;
-        query.facet_ray.reset();
-        alone[lane].reset();
-        lanes |= 1u << lane;
+
+    bool has_found(size_t lane) const { return (found >> lane & 1u) != 0; }
+    /// t of the lane's best hit, or its t_max.
+    double farthest(size_t lane) const { return has_found(lane) ? best[lane].point.t : rays.t_max[lane]; }
+    /// LocalRay::float_distance of that.
+    float float_farthest(size_t lane) const {
+        return float_distance_of(farthest(lane), rays.start[lane], rays.speed[lane]);
+    }
+    /// Takes a hit if it is the nearest so far.
+    bool take(size_t lane, const FacetId& facet, const FacetHit& hit) {
+        if (!(hit.t >= rays.t_min[lane] && hit.t <= farthest(lane))) return false;
+        if (has_found(lane) && hit.t == best[lane].point.t && best[lane].facet < facet) return false;
+        best[lane].facet = facet;
+        best[lane].point = hit;
+        found |= 1u << lane;
+        return true;
     }
 };
 
@@ -141,6 +151,12 @@ inline uint32_t lanes_of(const int* valid, unsigned count) {
     for (unsigned lane = 0; lane < count; ++lane) lanes |= (static_cast<uint32_t>(valid[lane]) & 1u) << lane;
     return lanes;
 }
+
+/// Asks Embree for lanes of a packet.
+void embree_closest(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
+                    RTCRayHit16& result);
+void embree_any(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
+                RTCRay16& result);
 
 /// How often hits on a shape needed a limit normal; of shapes that count that.
 NormalCounters normal_counters(const Shape& shape);
@@ -204,6 +220,9 @@ class ShapeScene {
     uint32_t first_subpatch() const { return first_subpatch_; }
     /// Before a query of grids.
     virtual void prepare(ShapeQuery&) const {}
+    /// Before a query by packets, and after it: `farthest` is what it left of the lanes, along the float rays.
+    virtual void begin(PacketQuery&) const {}
+    virtual void end(PacketQuery&, const float* /*farthest*/) const {}
 
   private:
     double facet_distance_ = 0;

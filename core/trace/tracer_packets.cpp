@@ -14,22 +14,6 @@ namespace {
 /// So few rays meet an instance faster one by one.
 constexpr int kFewRays = 2;
 
-void set_ray(const LocalRay& local, size_t lane, RTCRay16& rays) {
-    const RTCRay ray = local.embree_ray();
-    rays.org_x[lane] = ray.org_x;
-    rays.org_y[lane] = ray.org_y;
-    rays.org_z[lane] = ray.org_z;
-    rays.tnear[lane] = ray.tnear;
-    rays.dir_x[lane] = ray.dir_x;
-    rays.dir_y[lane] = ray.dir_y;
-    rays.dir_z[lane] = ray.dir_z;
-    rays.time[lane] = ray.time;
-    rays.tfar[lane] = ray.tfar;
-    rays.mask[lane] = ray.mask;
-    rays.id[lane] = ray.id;
-    rays.flags[lane] = ray.flags;
-}
-
 }  // namespace
 
 void Tracer::Implementation::start(Packet& packet, std::span<const RayQuery> rays) const {
@@ -42,6 +26,12 @@ void Tracer::Implementation::start(Packet& packet, std::span<const RayQuery> ray
         if (!start(query, *rays[lane].ray, rays[lane].kind)) continue;
         query.reader = packet.reader ? &*packet.reader : nullptr;
         packet.lanes |= 1u << lane;
+        for (int axis = 0; axis < 3; ++axis) {
+            packet.world.origin[axis][lane] = query.ray->origin[axis];
+            packet.world.direction[axis][lane] = query.ray->direction[axis];
+        }
+        packet.world.t_min[lane] = query.ray->t_min;
+        packet.world.t_max[lane] = query.ray->t_max;
     }
 }
 
@@ -51,20 +41,18 @@ void Tracer::Implementation::ask_all(Packet& packet, Wanted wanted) const {
 }
 
 void Tracer::Implementation::ask_above(Packet& packet, Wanted wanted) const {
-    alignas(64) int valid[kPacketSize] = {};
-    RTCRayHit16 rays;
-    for_each_lane(packet.lanes, [&](size_t lane) {
-        Query& query = packet.queries[lane];
-        query.scene_ray = ray_above(*query.ray);
-        if (!query.scene_ray) return;
-        valid[lane] = -1;
-        set_ray(*query.scene_ray, lane, rays.ray);
-        rays.hit.geomID[lane] = rays.hit.primID[lane] = rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    });
-    if (wanted == Wanted::Any)
-        embree_any16(valid, scene.get(), packet.context, packet.shape.coherence, rays.ray);
-    else
-        embree_closest16(valid, scene.get(), packet.context, packet.shape.coherence, rays);
+    const double inverse = 1.0 / frame.scale;  // exact: a power of two
+    const RayMap map{frame.center, {inverse, 0, 0}, {0, inverse, 0}, {0, 0, inverse}};
+    const Box3d box((bounds.min - frame.center) * inverse, (bounds.max - frame.center) * inverse);
+    const uint32_t lanes = clip_packet(packet.world, packet.lanes, map, box, packet.above);
+    if (lanes == 0) return;
+    if (wanted == Wanted::Any) {
+        RTCRay16 result;
+        embree_any(scene.get(), packet.context, packet.shape.coherence, packet.above, lanes, result);
+    } else {
+        RTCRayHit16 result;
+        embree_closest(scene.get(), packet.context, packet.shape.coherence, packet.above, lanes, result);
+    }
 }
 
 void Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const {
@@ -85,21 +73,29 @@ void Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lane
 }
 
 void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const {
+    const InstanceRecord& record = records[index];
+    if (record.scene->box().isEmpty()) return;
     PacketQuery& shape = packet.shape;
-    shape.clear();
     for_each_lane(lanes, [&](size_t lane) {
-        std::optional<LocalRay>& local = packet.local_rays[lane];
-        local = local_ray(packet.queries[lane], index);
-        if (local) shape.add(lane, *local, packet.hits[lane]);
+        const Query& query = packet.queries[lane];
+        if ((instances[index].visibility & query.kind) == 0) lanes &= ~(1u << lane);
+        packet.world.t_max[lane] = query.farthest;
     });
+    shape.lanes = clip_packet(packet.world, lanes, record.to_local(), record.scene->box(), shape.rays);
     if (shape.lanes == 0) return;
-    wanted == Wanted::Any ? records[index].scene->occluded(shape) : records[index].scene->closest(shape);
-    for_each_lane(shape.lanes, [&](size_t lane) {
-        const FacetQuery& found = shape.facets[lane];
+    if (wanted == Wanted::Any) {
+        record.scene->occluded(shape);
+        for_each_lane(shape.found, [&](size_t lane) { packet.queries[lane].found = true; });
+        return;
+    }
+    record.scene->closest(shape);
+    for_each_lane(shape.found, [&](size_t lane) {
+        const PacketQuery::Best& best = shape.best[lane];
         Query& query = packet.queries[lane];
-        if (!found.found || (query.found && found.farthest == query.farthest && query.instance < index)) return;
-        query.best = packet.hits[lane];
-        query.farthest = found.farthest;
+        if (query.found && best.point.t == query.farthest && query.instance < index) return;
+        query.best.facet = best.facet;
+        query.best.point = best.point;
+        query.farthest = best.point.t;
         query.answer = RayAnswer::NotAsked;
         query.instance = index;
         query.found = true;
@@ -114,7 +110,8 @@ void Tracer::Implementation::packet_closest_callback(const RTCIntersectFunctionN
     float* t_max = &RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0);
     for_each_lane(lanes, [&](size_t lane) {
         const Query& query = packet.queries[lane];
-        if (query.found) t_max[lane] = query.scene_ray->float_distance(query.farthest);
+        if (query.found)
+            t_max[lane] = float_distance_of(query.farthest, packet.above.start[lane], packet.above.speed[lane]);
     });
 }
 

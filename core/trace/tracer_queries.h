@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tessellation/geometry_cache.h"
+#include "trace/clipped_packet.h"
 #include "trace/embree.h"
 #include "trace/instance_record.h"
 #include "trace/local_ray.h"
@@ -23,6 +24,7 @@ struct Tracer::Implementation {
     Box3d bounds;
     LocalFrame frame;  ///< world -> the space of the scene above the instances
     EmbreeScene scene;
+    ClipPacket clip_packet = clip_kernel();
     std::unique_ptr<GeometryCache> cache;  ///< null without patches
     uint64_t bvh_bytes = 0;  ///< what Embree held more after the build; tracers built at the same time blur it
 
@@ -71,12 +73,11 @@ struct Tracer::Implementation {
         EmbreeContext context;
         const Implementation* tracer = nullptr;
         uint32_t lanes = 0;  ///< those that can hit anything, a bit each
+        WorldPacket world;   ///< t_max: what is left of it
         std::array<Query, kPacketSize> queries;
         std::optional<GeometryCache::Reader> reader;
-        // In one shape after the other:
-        PacketQuery shape;
-        std::array<std::optional<LocalRay>, kPacketSize> local_rays;
-        std::array<ShapeHit, kPacketSize> hits;
+        RayPacket above;    ///< in the space above the instances
+        PacketQuery shape;  ///< in one shape after the other
 
         explicit Packet(Coherence coherence) : shape(coherence) {}
         static Packet& of(EmbreeContext* embree_context) { return *reinterpret_cast<Packet*>(embree_context); }

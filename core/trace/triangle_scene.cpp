@@ -7,29 +7,38 @@ const TriangleMesh& mesh_of(const RTCFilterFunctionNArguments* arguments) {
     return *static_cast<const TriangleMesh*>(arguments->geometryUserPtr);
 }
 
-bool offer(const RTCFilterFunctionNArguments* arguments, unsigned lane, FacetQuery& query) {
-    const TriangleMesh& mesh = mesh_of(arguments);
-    uint32_t triangle = RTCHitN_primID(arguments->hit, arguments->N, lane);
-    if (mesh.layout() == FacetLayout::Quads) {
-        RTCHitN* hit = arguments->hit;
-        const bool is_second = RTCHitN_u(hit, arguments->N, lane) + RTCHitN_v(hit, arguments->N, lane) > 1.0f;
-        triangle = 2 * triangle + (is_second ? 1 : 0);
-    }
-    return query.offer({triangle, 0}, mesh.corners(triangle));
+/// The triangle that Embree has found for a lane.
+uint32_t triangle_of(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
+    const uint32_t primitive = RTCHitN_primID(arguments->hit, arguments->N, lane);
+    if (mesh_of(arguments).layout() != FacetLayout::Quads) return primitive;
+    RTCHitN* hit = arguments->hit;
+    const bool is_second = RTCHitN_u(hit, arguments->N, lane) + RTCHitN_v(hit, arguments->N, lane) > 1.0f;
+    return 2 * primitive + (is_second ? 1 : 0);
 }
 
-/// The query of a lane: of a packet, or of a single ray.
-FacetQuery& query_of(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
-    return arguments->N == 1 ? ShapeQuery::of(arguments->context).facets
-                             : PacketQuery::of(arguments->context).facets[lane];
+/// Of a single ray or of a lane of a packet: whether the hit is the nearest so far.
+bool offer(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
+    const uint32_t triangle = triangle_of(arguments, lane);
+    const FacetCorners corners = mesh_of(arguments).corners(triangle);
+    if (arguments->N == 1) return ShapeQuery::of(arguments->context).facets.offer({triangle, 0}, corners);
+    PacketQuery& packet = PacketQuery::of(arguments->context);
+    const RayPacket& rays = packet.rays;
+    const std::optional<FacetHit> hit =
+        exact_facet_hit(corners, rays.origin_of(lane), rays.direction_of(lane), rays.speed[lane]);
+    return hit && packet.take(lane, {triangle, 0}, *hit);
+}
+
+float farthest(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
+    if (arguments->N > 1) return PacketQuery::of(arguments->context).float_farthest(lane);
+    const FacetQuery& query = ShapeQuery::of(arguments->context).facets;
+    return query.ray->float_distance(query.farthest);
 }
 
 void filter_closest(const RTCFilterFunctionNArguments* arguments) {
     for (unsigned lane = 0; lane < arguments->N; ++lane) {
         if (arguments->valid[lane] == 0) continue;
-        FacetQuery& query = query_of(arguments, lane);
-        if (offer(arguments, lane, query))
-            RTCRayN_tfar(arguments->ray, arguments->N, lane) = query.ray->float_distance(query.farthest);
+        if (offer(arguments, lane))
+            RTCRayN_tfar(arguments->ray, arguments->N, lane) = farthest(arguments, lane);
         else
             arguments->valid[lane] = 0;
     }
@@ -37,8 +46,7 @@ void filter_closest(const RTCFilterFunctionNArguments* arguments) {
 
 void filter_any(const RTCFilterFunctionNArguments* arguments) {
     for (unsigned lane = 0; lane < arguments->N; ++lane)
-        if (arguments->valid[lane] != 0 && !offer(arguments, lane, query_of(arguments, lane)))
-            arguments->valid[lane] = 0;
+        if (arguments->valid[lane] != 0 && !offer(arguments, lane)) arguments->valid[lane] = 0;
 }
 
 void set_triangles(RTCGeometry geometry, const TriangleMesh& mesh) {

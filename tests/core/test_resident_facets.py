@@ -115,6 +115,37 @@ def test_packets_find_the_very_hits_of_single_rays(coherent, count, resident):
         )
 
 
+@pytest.mark.parametrize("place", [1.0, 1e6])
+def test_packets_find_the_same_on_all_instruction_sets(place, any_target):
+    """Facets met at their edges, short rays and such that start on facets: where single precision cannot be sure."""
+    random = np.random.default_rng(21)
+    matrix = np.eye(4)
+    matrix[:3, 3] = place
+    results = []
+    for target in shapes.trace.simd_targets():
+        assert shapes.trace.use_simd_target(target)
+        shell = tracer((shapes.lumpy_torus(), matrix), (tube(), matrix), eye=(place, place, place + 3.0))
+        if not results:
+            points, middle = edge_targets("torus of bicubic patches", shell, random)
+            outer = middle + 2.0 * shapes.random_directions(random, len(middle))
+            on = shell.closest_hits(outer + place, shapes.unit(points - outer))
+            hit = np.flatnonzero(on["instance"] >= 0)
+            starts = np.concatenate([outer + place, on["facet_position"][hit]])
+            towards = np.concatenate([shapes.unit(points - outer), shapes.random_directions(random, len(hit))])
+        found = shapes.trace.closest_in_packets(shell, starts, towards)
+        reach = np.where(np.isfinite(found["t"]), found["t"], 1.0)
+        shadows = [shapes.trace.occluded_in_packets(shell, starts, towards, reach * part) for part in (0.5, 1.0, 2.0)]
+        results.append({**found, **dict(enumerate(shadows))})
+    alone = shell.closest_hits(starts, towards)
+    for part in ("t", "instance", "primitive"):
+        np.testing.assert_array_equal(results[0][part], alone[part], err_msg=part)
+    for part, reach_of in enumerate((0.5, 1.0, 2.0)):
+        np.testing.assert_array_equal(results[0][part], shell.occluded(starts, towards, t_max=reach * reach_of))
+    for other in results[1:]:
+        for key, value in results[0].items():
+            np.testing.assert_array_equal(value, other[key], err_msg=str(key))
+
+
 def test_what_does_not_fit_the_memory_goes_through_the_cache():
     """The torus takes more than the sphere."""
     both = [(shapes.nurbs_sphere(), np.eye(4)), (shapes.lumpy_torus(), np.eye(4))]

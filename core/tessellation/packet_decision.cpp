@@ -1,0 +1,141 @@
+#include "tessellation/packet_decision.h"
+
+#include "tessellation/simd.h"
+
+#include <bit>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tessellation/packet_decision.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rayleaf {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<double, 8>;
+using Vector = hn::Vec<Lanes>;
+using Mask = hn::Mask<Lanes>;
+constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
+
+#include "tessellation/simd_lanes.inl"
+
+struct Vector3 {
+    Vector x, y, z;
+};
+
+HWY_INLINE Vector3 operator-(const Vector3& a, const Vector3& b) {
+    return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+/// a + b u + c v
+HWY_INLINE Vector3 combined(const Vector3& a, const Vector3& b, Vector u, const Vector3& c, Vector v) {
+    const auto sum = [&](Vector p, Vector q, Vector r) { return hn::Add(hn::Add(p, hn::Mul(q, u)), hn::Mul(r, v)); };
+    return {sum(a.x, b.x, c.x), sum(a.y, b.y, c.y), sum(a.z, b.z, c.z)};
+}
+HWY_INLINE Vector edge(const Vector3& p, const Vector3& q) {
+    return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
+}
+/// As std::min(a, b).
+HWY_INLINE Vector least(Vector a, Vector b) {
+    return hn::IfThenElse(hn::Lt(b, a), b, a);
+}
+HWY_INLINE Vector3 load(const double (&from)[3][kPacketSize], int first) {
+    const Lanes lanes;
+    return {hn::Load(lanes, from[0] + first), hn::Load(lanes, from[1] + first), hn::Load(lanes, from[2] + first)};
+}
+HWY_INLINE Mask has_length(const Vector3& v) {
+    const Lanes lanes;
+    return hn::Or(hn::Ne(v.x, hn::Zero(lanes)), hn::Or(hn::Ne(v.y, hn::Zero(lanes)), hn::Ne(v.z, hn::Zero(lanes))));
+}
+HWY_INLINE Vector3 cross(const Vector3& a, const Vector3& b) {
+    const auto part = [](Vector p, Vector q, Vector r, Vector s) { return hn::Sub(hn::Mul(p, q), hn::Mul(r, s)); };
+    return {part(a.y, b.z, a.z, b.y), part(a.z, b.x, a.x, b.z), part(a.x, b.y, a.y, b.x)};
+}
+
+/// FacetRay by lane.
+class Frames {
+  public:
+    HWY_INLINE Frames(const RayPacket& rays, int first) {
+        const Lanes lanes;
+        const Vector3 origin = load(rays.origin, first), direction = load(rays.direction, first);
+        begin_ = hn::Load(lanes, rays.start + first);
+        origin_ = {hn::Add(origin.x, hn::Mul(direction.x, begin_)), hn::Add(origin.y, hn::Mul(direction.y, begin_)),
+                   hn::Add(origin.z, hn::Mul(direction.z, begin_))};
+        const Vector x = hn::Abs(direction.x), y = hn::Abs(direction.y), z = hn::Abs(direction.z);
+        const Mask over_y = hn::Ge(x, y);
+        along_x_ = hn::And(over_y, hn::Ge(x, z));
+        along_y_ = hn::AndNot(over_y, hn::Ge(y, z));
+        const Vector3 turned_direction = turned(direction);
+        scale_z_ = hn::Div(hn::Set(lanes, 1.0), turned_direction.z);
+        shear_x_ = hn::Div(turned_direction.x, turned_direction.z);
+        shear_y_ = hn::Div(turned_direction.y, turned_direction.z);
+    }
+    HWY_INLINE uint32_t meet(FacetLanes& facets, int first) const {
+        const Lanes lanes;
+        const Vector zero = hn::Zero(lanes), one = hn::Set(lanes, 1.0);
+        const Vector3 p = load(facets.corners[0], first), q = load(facets.corners[1], first);
+        const Vector3 r = load(facets.corners[2], first);
+        const Vector3 a = sheared(p), b = sheared(q), c = sheared(r);
+        const Vector ab = edge(a, b), bc = edge(b, c), ca = edge(c, a);
+        const Mask negative = hn::Or(hn::Lt(ab, zero), hn::Or(hn::Lt(bc, zero), hn::Lt(ca, zero)));
+        const Mask positive = hn::Or(hn::Gt(ab, zero), hn::Or(hn::Gt(bc, zero), hn::Gt(ca, zero)));
+        const Vector area = hn::Add(hn::Add(bc, ca), ab);
+        const Vector3 edge1 = q - p, edge2 = r - p;
+        const Vector u = least(hn::Div(ca, area), one), v = least(hn::Div(ab, area), hn::Sub(one, u));
+        const Vector depth = hn::Add(hn::Add(hn::Mul(bc, a.z), hn::Mul(ca, b.z)), hn::Mul(ab, c.z));
+        const Vector t = hn::Add(begin_, hn::Mul(hn::Div(depth, area), scale_z_));
+        const Vector3 position = combined(p, edge1, u, edge2, v);
+        hn::Store(t, lanes, facets.t + first);
+        hn::Store(u, lanes, facets.u + first);
+        hn::Store(v, lanes, facets.v + first);
+        hn::Store(position.x, lanes, facets.position[0] + first);
+        hn::Store(position.y, lanes, facets.position[1] + first);
+        hn::Store(position.z, lanes, facets.position[2] + first);
+        const Mask is_finite = hn::Lt(hn::Abs(t), hn::Set(lanes, std::numeric_limits<double>::infinity()));
+        const Mask has_area = hn::And(hn::Ne(area, zero), has_length(cross(edge1, edge2)));
+        return mask_bits(lanes, hn::AndNot(hn::And(negative, positive), hn::And(has_area, is_finite)));
+    }
+
+  private:
+    Vector3 origin_;
+    Vector begin_, shear_x_, shear_y_, scale_z_;
+    Mask along_x_, along_y_;
+
+    /// The axis along which the ray is largest becomes the last.
+    HWY_INLINE Vector3 turned(const Vector3& v) const {
+        return {hn::IfThenElse(along_x_, v.y, hn::IfThenElse(along_y_, v.z, v.x)),
+                hn::IfThenElse(along_x_, v.z, hn::IfThenElse(along_y_, v.x, v.y)),
+                hn::IfThenElse(along_x_, v.x, hn::IfThenElse(along_y_, v.y, v.z))};
+    }
+    HWY_INLINE Vector3 sheared(const Vector3& corner) const {
+        const Vector3 from = turned(corner - origin_);
+        return {hn::Sub(from.x, hn::Mul(shear_x_, from.z)), hn::Sub(from.y, hn::Mul(shear_y_, from.z)), from.z};
+    }
+};
+
+uint32_t meet_facets(const RayPacket& rays, uint32_t asked, FacetLanes& facets) {
+    uint32_t hits = 0;
+    for (int first = 0; first < kPacketSize; first += kWidth)
+        if ((asked >> first & ((1u << kWidth) - 1u)) != 0) hits |= Frames(rays, first).meet(facets, first) << first;
+    return hits & asked;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rayleaf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rayleaf {
+
+HWY_EXPORT(meet_facets);
+
+MeetFacets decision_kernel() {
+    // The first call through the table chooses; the pointer must be taken after that.
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    return &HWY_DYNAMIC_DISPATCH(meet_facets);
+}
+
+}  // namespace rayleaf
+#endif
