@@ -17,7 +17,7 @@ void for_each_packet(std::span<const uint32_t> paths, const Visit& visit) {
 }  // namespace
 
 PathStream::PathStream(const Scene& scene, const PathSettings& settings, const CancelToken& cancel, RayCounts& counts)
-    : scene_(scene), settings_(settings), cancel_(cancel), counts_(counts) {}
+    : scene_(scene), settings_(settings), cancel_(cancel), counts_(counts), vertices_(kMostPoints) {}
 
 void PathStream::add(const CameraRay& ray, const Sampler& sampler) {
     paths_.emplace_back(scene_, settings_, ray, sampler, counts_);
@@ -30,6 +30,8 @@ void PathStream::trace_all() {
     Coherence coherence = Coherence::Coherent;
     while (!active_.empty()) {
         trace_active(coherence);
+        bins_.for_each([this](const Program& program, std::span<const uint32_t> paths) { shade(program, paths); });
+        keep_those_that_go_on();
         trace_light_rays(coherence);
         coherence = Coherence::Incoherent;
     }
@@ -37,22 +39,50 @@ void PathStream::trace_all() {
 
 /// One ray of each path that goes on.
 void PathStream::trace_active(Coherence coherence) {
-    light_rays_.clear();
+    bins_.clear();
+    goes_on_.assign(paths_.size(), 0);
     std::array<RayQuery, kPacketSize> queries;
     std::array<ClosestHit, kPacketSize> found;
-    size_t kept = 0;
     for_each_packet(active_, [&](std::span<const uint32_t> paths) {
         cancel_.throw_if_cancelled();
         for (size_t i = 0; i < paths.size(); ++i) queries[i] = paths_[paths[i]].next_ray();
         scene_.tracer().closest({queries.data(), paths.size()}, coherence, found.data());
         for (size_t i = 0; i < paths.size(); ++i) {
-            const uint32_t number = paths[i];
-            PathTracer& path = paths_[number];
-            const bool goes_on = path.arrive(found[i]);
-            if (path.light_ray()) light_rays_.push_back(number);
-            if (goes_on) active_[kept++] = number;  // never beyond the path itself
+            PathTracer& path = paths_[paths[i]];
+            if (!path.arrive(found[i])) continue;
+            bins_.add(*scene_.material(path.hit().instance, path.hit().local).surface, paths[i]);
         }
     });
+}
+
+/// Paths that met surfaces of one material.
+void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
+    std::array<ShadingInputs, kMostPoints> inputs;
+    std::array<const ShadingInputs*, kMostPoints> of_point;
+    std::array<Closures*, kMostPoints> closures;
+    for (size_t first = 0; first < all.size(); first += kMostPoints) {
+        const std::span<const uint32_t> paths = all.subspan(first, std::min(kMostPoints, all.size() - first));
+        for (size_t i = 0; i < paths.size(); ++i) {
+            const PathTracer& path = paths_[paths[i]];
+            Vertex& vertex = vertices_[i];
+            vertex.point = scene_.tracer().surface_point(path.ray(), path.hit());
+            inputs[i] = path.approach(vertex);
+            of_point[i] = &inputs[i];
+            closures[i] = &vertex.closures;
+        }
+        program.evaluate({of_point.data(), paths.size()}, {closures.data(), paths.size()});
+        for (size_t i = 0; i < paths.size(); ++i) goes_on_[paths[i]] = paths_[paths[i]].shade(vertices_[i]) ? 1 : 0;
+    }
+}
+
+/// In the order of the paths, so that rays that run alike stay together.
+void PathStream::keep_those_that_go_on() {
+    light_rays_.clear();
+    size_t kept = 0;
+    for (const uint32_t path : active_) {
+        if (paths_[path].light_ray()) light_rays_.push_back(path);
+        if (goes_on_[path] != 0) active_[kept++] = path;
+    }
     active_.resize(kept);
 }
 

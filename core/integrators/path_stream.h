@@ -1,5 +1,6 @@
-// Many paths at once, stage by stage: their rays are traced in packets, then each path makes of its hit what it makes
-// of it alone (path_tracer.h), then the rays to the lights that were chosen are traced.
+// Many paths at once, stage by stage: their rays are traced in packets; then the surfaces that they met are shaded, all
+// of one material together; then each path makes of its vertex what it makes of it alone (path_tracer.h); then the rays
+// to the lights that were chosen are traced.
 //
 // A path's arithmetic does not depend on the others in the stream, so neither the stream's size nor the order of paths
 // shows in a picture. Streams are small enough that a thread's own cache holds them (Áfra, Benthin, Wald, Munkberg
@@ -7,6 +8,7 @@
 #pragma once
 
 #include "base/cancel.h"
+#include "integrators/material_bins.h"
 #include "integrators/path_tracer.h"
 
 #include <cstdint>
@@ -38,9 +40,14 @@ class PathStream {
     std::vector<PathTracer> paths_;
     std::vector<uint32_t> active_;      ///< paths that go on
     std::vector<uint32_t> light_rays_;  ///< paths that wait for light
+    MaterialBins bins_;                 ///< paths that met a surface
+    std::vector<uint8_t> goes_on_;      ///< by path
+    std::vector<Vertex> vertices_;      ///< of the paths that are shaded together
 
     void trace_all();
     void trace_active(Coherence coherence);
+    void shade(const Program& program, std::span<const uint32_t> paths);
+    void keep_those_that_go_on();
     void trace_light_rays(Coherence coherence);
     void trace_light_packet(std::span<const uint32_t> paths, Coherence coherence);
     Color light_through(const LightRay& light, const ClosestHit& nearest) const;

@@ -19,7 +19,7 @@ constexpr float kLeastSurvival = 0.05f;
 PixelSample PathTracer::trace() {
     for (bool goes_on = true; goes_on;) {
         const RayQuery query = next_ray();
-        goes_on = arrive(scene_.tracer().closest(*query.ray, query.kind, query.differential));
+        goes_on = arrive(scene_.tracer().closest(*query.ray, query.kind, query.differential)) && shade_alone();
         if (!light_ray_) continue;
         const LightRay& to_light = *light_ray_;
         receive(free_share(scene_, to_light.ray, to_light.differential, to_light.kind, to_light.state,
@@ -38,31 +38,37 @@ bool PathTracer::arrive(const ClosestHit& found) {
     take_hit(found);
     pass_volumes();
     add_lamps(hit_ ? hit_->t : std::numeric_limits<double>::infinity());
-    const bool goes_on = hit_ && shade(*hit_);
     if (!hit_) add_world();
-    ++vertex_;
-    return goes_on;
+    return hit_ && (!bounces_.is_last() || may_shine_or_let_through(*hit_));
 }
 
-/// The vertex at a hit; false if the path ends there.
-bool PathTracer::shade(const Hit& hit) {
-    if (bounces_.is_last() && !may_shine_or_let_through(hit)) return false;
+bool PathTracer::shade_alone() {
     Vertex vertex;
-    vertex.point = scene_.tracer().surface_point(ray_, hit);
+    vertex.point = scene_.tracer().surface_point(ray_, *hit_);
+    scene_.material(hit_->instance, hit_->local).surface->evaluate(approach(vertex), vertex.closures);
+    return shade(vertex);
+}
+
+ShadingInputs PathTracer::approach(Vertex& vertex) const {
     const Vec3f direction(ray_.direction);
     vertex.outgoing = -direction;
-    vertex.differential = differential_.transferred(direction, hit.t, vertex.point.facet_normal);
-    if (hit.is_interpolated()) {
+    vertex.differential = differential_.transferred(direction, hit_->t, vertex.point.facet_normal);
+    if (hit_->is_interpolated()) {
         vertex.point.dp_du = vertex.differential.dp_dx;
         vertex.point.dp_dv = vertex.differential.dp_dy;
     }
-    scene_.shade(vertex.point, vertex.outgoing, footprint_on(hit, vertex.differential), bounces_.at(hit.t),
-                 vertex.closures);
+    return scene_.shading_inputs(vertex.point, vertex.outgoing, footprint_on(*hit_, vertex.differential),
+                                 bounces_.at(hit_->t));
+}
+
+bool PathTracer::shade(const Vertex& vertex) {
     if (bounces_.count() == 0) record_surface(vertex);
     add_emission(vertex);
     if (bounces_.is_spent()) return false;
     if (!bounces_.is_last()) add_direct_light(vertex);
-    return leave(vertex);
+    const bool goes_on = leave(vertex);
+    ++vertex_;
+    return goes_on;
 }
 
 PixelSample PathTracer::finish() {

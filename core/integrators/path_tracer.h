@@ -55,8 +55,16 @@ class PathTracer {
     // The same in steps, so that the rays of many paths can be traced together:
     /// The ray to trace next. Valid until the path has arrived.
     RayQuery next_ray();
-    /// What the ray met. True if the path goes on from there; a ray to a light may be wanted either way.
+    /// What the ray met, and what that gives but for the surface there. True if the surface is to be shaded; else the
+    /// path has ended.
     bool arrive(const ClosestHit& found);
+    /// The ray that arrived, and its hit, where a surface is to be shaded.
+    const Ray& ray() const { return ray_; }
+    const Hit& hit() const { return *hit_; }
+    /// Completes a vertex of which the surface point is known, and says what the material's program is told.
+    ShadingInputs approach(Vertex& vertex) const;
+    /// True if the path goes on from a vertex whose closures are known; a ray to a light may be wanted either way.
+    bool shade(const Vertex& vertex);
     /// The ray to a light that was chosen where the path arrived last, if any.
     std::optional<LightRay>& light_ray() { return light_ray_; }
     /// The share of that light that arrives; before the path arrives again.
@@ -87,7 +95,7 @@ class PathTracer {
     float importance() const { return max_component(throughput_); }
     RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
     void take_hit(ClosestHit found);
-    bool shade(const Hit& hit);
+    bool shade_alone();
     void pass_volumes();
     float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
 

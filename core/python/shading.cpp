@@ -125,12 +125,19 @@ std::unique_ptr<ShadingPoints> world_directions(const Floats& direction, const O
     return result;
 }
 
-Floats program_values(const ShadingPoints& points, const Program& program, Register target) {
+Floats program_values(const ShadingPoints& points, const Program& program, Register target, size_t together) {
+    if (together < 1 || together > kMostPoints)
+        throw InputError(program.name(), "together", std::to_string(together), "1 to " + std::to_string(kMostPoints));
     if (target < 0 || target >= program.register_count())
         throw InputError(program.name(), "register", std::to_string(target),
                          "0 to " + std::to_string(program.register_count() - 1));
     Floats values = rows(points.inputs.size(), 4);
-    for (size_t i = 0; i < points.inputs.size(); ++i) put(values, i, program.value(target, points.inputs[i]));
+    std::vector<const ShadingInputs*> inputs;
+    for (const ShadingInputs& each : points.inputs) inputs.push_back(&each);
+    std::vector<Vec4f> results(inputs.size());
+    for (size_t i = 0; i < inputs.size(); i += together)
+        program.values(target, {&inputs[i], std::min(together, inputs.size() - i)}, &results[i]);
+    for (size_t i = 0; i < inputs.size(); ++i) put(values, i, results[i]);
     return values;
 }
 
@@ -245,7 +252,8 @@ void bind_program(py::module_& module) {
 void bind_points(py::module_& module) {
     using namespace py::literals;
     py::class_<ShadingPoints>(module, "Points", "Points to shade, as arrays.")
-        .def("values", &program_values, "program"_a, "register"_a, "What a register holds at each point: (n, 4).")
+        .def("values", &program_values, "program"_a, "register"_a, "together"_a = 1,
+             "What a register holds at each point: (n, 4); so many points run together, the values are the same.")
         .def("results", &program_results, "program"_a, "Emission, transparency, holdout, number of lobes, by name.")
         .def("closures", &closures_at, "program"_a, "index"_a, "The closures at one point.");
     module.def("surface_points", &surface_points, "position"_a, "normal"_a, "outgoing"_a, "uv"_a = py::none(),

@@ -162,9 +162,8 @@ const Material& Scene::material(uint32_t instance, const LocalHit& hit) const {
     return material_of(list, list.size() == 1 ? 0 : tracer_->instance(instance).shape->material_slot(hit));
 }
 
-void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
-                  const PathState& path, Closures& result) const {
-    const Material& surface = material(point.instance, point.local);
+ShadingInputs Scene::shading_inputs(const SurfacePoint& point, const Vec3f& outgoing,
+                                    const RayDifferential& differential, const PathState& path) const {
     ShadingInputs inputs;
     inputs.point = &point;
     inputs.instance = &infos_[point.instance];
@@ -173,8 +172,14 @@ void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDif
     inputs.outgoing = outgoing;
     inputs.differential = differential;
     inputs.path = path;
-    inputs.material_index = surface.pass_index;
-    surface.surface->evaluate(inputs, result);
+    inputs.material_index = material(point.instance, point.local).pass_index;
+    return inputs;
+}
+
+void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
+                  const PathState& path, Closures& result) const {
+    material(point.instance, point.local)
+        .surface->evaluate(shading_inputs(point, outgoing, differential, path), result);
 }
 
 Color Scene::world(const Vec3f& direction, const RayDifferential& differential, const PathState& path) const {

@@ -33,6 +33,9 @@ class Scene {
     /// Runs the material at a point.
     void shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                const PathState& path, Closures& result) const;
+    /// What a material's program is told of a point, which must stay.
+    ShadingInputs shading_inputs(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
+                                 const PathState& path) const;
     /// Radiance of the world seen along `direction`.
     Color world(const Vec3f& direction, const RayDifferential& differential, const PathState& path) const;
     const Material& material(uint32_t instance, const LocalHit& hit) const;

@@ -115,12 +115,10 @@ void corner_values(const std::array<uint32_t, N>& cell, const Point<N>& fraction
 
 template <int N>
 float signed_noise(const Point<N>& p) {
-    constexpr float kLatticeLimit = 2147483000.0f;                     // below 2^31
-    constexpr float kScale[4] = {0.2500f, 0.6616f, 0.9820f, 0.8344f};  // Blender's, make each dimension fill [-1, 1]
     Point<N> fraction{}, blend{};
     std::array<uint32_t, N> cell{};
     for (int i = 0; i < N; ++i) {
-        const float x = std::abs(p[i]) < kLatticeLimit ? p[i] : 0.0f;
+        const float x = std::abs(p[i]) < kNoiseLatticeLimit ? p[i] : 0.0f;
         const float base = std::floor(x);
         const float f = x - base;
         cell[i] = static_cast<uint32_t>(static_cast<int32_t>(base));
@@ -136,7 +134,7 @@ float signed_noise(const Point<N>& p) {
         count /= 2;
         for (int j = 0; j < count; ++j) corners[j] = (1.0f - blend[i]) * corners[2 * j] + blend[i] * corners[2 * j + 1];
     }
-    return corners[0] * kScale[N - 1];
+    return corners[0] * kNoiseScale[N - 1];
 }
 
 template float signed_noise<1>(const Point<1>&);
@@ -169,12 +167,10 @@ float fractal_noise(const Point<N>& p, const NoiseParameters& parameters) {
     return (1.0f - rest) * (sum / amplitudes) + rest * finer;
 }
 
-/// Shifts that make one noise serve as several: 100..200 in each coordinate, from a hash of the seed.
 template <int N>
 Point<N> seed_offset(int seed) {
     Point<N> offset{};
-    for (int i = 0; i < N; ++i)
-        offset[i] = 100.0f + 100.0f * (N == 1 ? unit_hash(float(seed)) : unit_hash(float(seed), float(i)));
+    for (int i = 0; i < N; ++i) offset[i] = noise_seed_offset(N, seed, i);
     return offset;
 }
 
@@ -190,6 +186,11 @@ Vec3f texture(const Point<N>& point, const NoiseParameters& parameters, NoiseCha
 }
 
 }  // namespace
+
+float noise_seed_offset(int dimensions, int seed, int axis) {
+    const auto a = static_cast<float>(seed), b = static_cast<float>(axis);
+    return 100.0f + 100.0f * (dimensions == 1 ? unit_hash(a) : unit_hash(a, b));
+}
 
 Vec3f noise_texture(int dimensions, const Vec4f& point, const NoiseParameters& parameters, NoiseChannels channels) {
     switch (dimensions) {

@@ -30,4 +30,11 @@ enum class NoiseChannels : uint8_t { Factor, All };
 /// independent, the first is Blender's factor; if that is all that is asked for, it stands in all three.
 Vec3f noise_texture(int dimensions, const Vec4f& point, const NoiseParameters& parameters, NoiseChannels channels);
 
+// Of the texture, for those who compute it in other ways (noise_lanes.cpp):
+inline constexpr float kNoiseLatticeLimit = 2147483000.0f;                     ///< below 2^31
+inline constexpr float kNoiseScale[4] = {0.2500f, 0.6616f, 0.9820f, 0.8344f};  ///< Blender's, make each dimension
+                                                                               ///< fill [-1, 1]
+/// Shifts that make one noise serve as several: 100..200 in each coordinate, from a hash of the seed.
+float noise_seed_offset(int dimensions, int seed, int axis);
+
 }  // namespace rayleaf

@@ -1,29 +1,60 @@
 // What an operation is given at run time: its operands' registers.
+//
+// A program runs for several points at once. Registers lie apart by component and point, [register][component][point],
+// so that what is done for each point can be done for several in the lanes of a vector; with one point they are vectors
+// of four.
 #pragma once
 
 #include "base/vector.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace rayleaf {
 
+/// The registers of all points of a run.
+struct RegisterBank {
+    float* numbers = nullptr;
+    uint32_t points = 1;
+
+    /// A component of a register: one number for each point.
+    float* component(int32_t index, uint32_t i) const {
+        return numbers + (static_cast<size_t>(index) * 4 + i) * points;
+    }
+    Vec4f value(int32_t index, uint32_t point) const {
+        const float* at = component(index, 0) + point;
+        return Vec4f(at[0], at[points], at[2 * size_t{points}], at[3 * size_t{points}]);
+    }
+    void set(int32_t index, uint32_t point, const Vec4f& value) const {
+        float* at = component(index, 0) + point;
+        at[0] = value.x;
+        at[points] = value.y;
+        at[2 * size_t{points}] = value.z;
+        at[3 * size_t{points}] = value.w;
+    }
+};
+
+/// The operands of one operation at one point.
 class Operands {
   public:
-    Operands(const Vec4f* registers, const int32_t* indices, uint32_t count)
-        : registers_(registers), indices_(indices), count_(count) {}
+    Operands(const RegisterBank& registers, uint32_t point, const int32_t* indices, uint32_t count)
+        : registers_(registers), point_(point), indices_(indices), count_(count) {}
 
     /// False where the operand was left out or is -1.
     bool connected(uint32_t i) const { return i < count_ && indices_[i] >= 0; }
-    const Vec4f& value(uint32_t i) const { return registers_[indices_[i]]; }
-    float scalar(uint32_t i, float otherwise = 0.0f) const { return connected(i) ? value(i).x : otherwise; }
+    Vec4f value(uint32_t i) const { return registers_.value(indices_[i], point_); }
+    float scalar(uint32_t i, float otherwise = 0.0f) const {
+        return connected(i) ? registers_.component(indices_[i], 0)[point_] : otherwise;
+    }
     Vec3f vector(uint32_t i, const Vec3f& otherwise = Vec3f(0.0f)) const {
         if (!connected(i)) return otherwise;
-        const Vec4f& v = value(i);
+        const Vec4f v = value(i);
         return {v.x, v.y, v.z};
     }
 
   private:
-    const Vec4f* registers_;
+    RegisterBank registers_;
+    uint32_t point_;
     const int32_t* indices_;
     uint32_t count_;
 };

@@ -10,22 +10,16 @@
 namespace rayleaf {
 namespace {
 
-/// What is not finite, and beyond what textures can tell apart, counts as 0.
-float sound(float x) {
-    constexpr float kFarthest = 1e18f;  // its square is finite
-    return std::abs(x) < kFarthest ? x : 0.0f;
-}
-
 /// The first operand, a coordinate.
 Vec3f coordinate3(const Operands& operands, float scale) {
     const Vec3f p = operands.vector(0) * scale;
-    return {sound(p.x), sound(p.y), sound(p.z)};
+    return {sound_coordinate(p.x), sound_coordinate(p.y), sound_coordinate(p.z)};
 }
 
 /// A coordinate of four dimensions: `vector` and `w`, the first two operands.
 Vec4f coordinate(const Operands& operands, float scale) {
     const Vec3f p = coordinate3(operands, scale);
-    return Vec4f(p.x, p.y, p.z, sound(operands.scalar(1) * scale));
+    return Vec4f(p.x, p.y, p.z, sound_coordinate(operands.scalar(1) * scale));
 }
 
 Vec4f checker(const Operands& operands) {

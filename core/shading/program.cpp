@@ -132,7 +132,8 @@ Register Program::operation(const std::string& identifier, std::span<const Regis
 
     if (family == OperationFamily::Arithmetic &&
         std::all_of(operands.begin(), operands.end(), [this](Register r) { return is_constant_register(r); })) {
-        const Vec4f value = arithmetic(instruction, operands_of(instruction, registers_.data()));
+        const Vec4f value =
+            arithmetic(instruction, operands_of(instruction, RegisterBank{&registers_.front().x, 1}, 0));
         operands_.resize(instruction.first_operand);
         ints_.resize(instruction.first_int);
         floats_.resize(instruction.first_float);

@@ -19,8 +19,13 @@
 namespace rayleaf {
 
 class Operands;
+struct RegisterBank;
 
 using Register = int32_t;  ///< -1: not connected
+
+/// The most points that a program runs for at once: enough that finding out what to do costs little beside doing it,
+/// and few enough that their registers stay in a core's own cache.
+inline constexpr size_t kMostPoints = 32;
 
 /// A program under construction. Every mistake throws InputError that names the material.
 /// Once built it is only read, by all threads.
@@ -40,10 +45,14 @@ class Program {
     /// Runs the program: closures, emission and transparency of one point, in place of what `result` held. Pure; never
     /// NaN.
     void evaluate(const ShadingInputs& inputs, Closures& result) const;
+    /// The same for up to kMostPoints points at once: the same bits, in less time.
+    void evaluate(std::span<const ShadingInputs* const> inputs, std::span<Closures* const> results) const;
 
     /// What a register holds after a run: for tests, and for programs that serve as functions. A closure's register
     /// (-1) is not allowed.
     Vec4f value(Register target, const ShadingInputs& inputs) const;
+    /// The same for several points that run together.
+    void values(Register target, std::span<const ShadingInputs* const> inputs, Vec4f* values) const;
     int register_count() const { return static_cast<int>(registers_.size()); }
 
     /// What the program may do, so that a scene pays only for what it uses.
@@ -79,14 +88,24 @@ class Program {
     bool is_constant_register(Register r) const { return r < 0 || origins_[static_cast<size_t>(r)] == kConstant; }
     [[noreturn]] void reject(const std::string& argument, const std::string& got, const std::string& wanted) const;
 
-    Operands operands_of(const Instruction& instruction, const Vec4f* registers) const;
+    using Inputs = std::span<const ShadingInputs* const>;
+    using Results = std::span<Closures* const>;
+
+    Operands operands_of(const Instruction& instruction, const RegisterBank& registers, uint32_t point) const;
     std::span<const int32_t> ints_of(const Instruction& instruction) const;
     Vec4f arithmetic(const Instruction& instruction, const Operands& operands) const;
-    Vec4f value_at(const Instruction& instruction, const Vec4f* registers, const ShadingInputs& inputs) const;
-    void run(const ShadingInputs& inputs, Vec4f* registers, Closures& result) const;
-    void run_textured(const ShadingInputs& inputs, Vec4f* registers, Closures& result) const;
+    Vec4f value_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const;
+    RegisterBank filled(float* numbers, size_t points) const;
+    void compute(const Instruction& instruction, const RegisterBank& registers, Inputs inputs) const;
+    bool compute_together(const Instruction& instruction, const RegisterBank& registers) const;
+    void add_closures(const Instruction& instruction, const RegisterBank& registers, Inputs inputs,
+                      Results results) const;
+    void look_up(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const;
+    void run(Inputs inputs, const RegisterBank& registers, Results results) const;
+    void run_textured(Inputs inputs, std::span<const RegisterBank> places, Results results) const;
     template <typename Function>
-    void with_registers(Function function) const;
+    void with_registers(size_t points, Function function) const;
+    void execute(Inputs inputs, float* numbers, Results results) const;
 
     std::string name_;
     std::vector<Instruction> instructions_;

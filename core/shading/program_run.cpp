@@ -1,6 +1,7 @@
-// Running a program: the interpreter.
+// Running a program: the interpreter. Each operation is done for all points of the run before the next one.
 #include "base/assert.h"
 #include "shading/neighbour.h"
+#include "shading/noise_lanes.h"
 #include "shading/operands.h"
 #include "shading/operations_closure.h"
 #include "shading/operations_color.h"
@@ -10,11 +11,15 @@
 #include "shading/operations_texture.h"
 #include "shading/program.h"
 
+#include <array>
+#include <cstddef>
+#include <new>
+
 namespace rayleaf {
 namespace {
 
-/// Programs up to this many registers run on the stack.
-constexpr size_t kStackRegisters = 256;
+/// Runs of up to this many numbers keep them on the stack.
+constexpr size_t kStackNumbers = 4096;
 /// The hit and its two neighbours.
 constexpr size_t kPlaces = 3;
 /// Cycles' weights of linear Rec. 709: the second row of its matrix to XYZ.
@@ -55,8 +60,8 @@ Color finite_and_positive(const Color& c) {
 
 }  // namespace
 
-Operands Program::operands_of(const Instruction& instruction, const Vec4f* registers) const {
-    return {registers, operands_.data() + instruction.first_operand, instruction.operand_count};
+Operands Program::operands_of(const Instruction& instruction, const RegisterBank& registers, uint32_t point) const {
+    return {registers, point, operands_.data() + instruction.first_operand, instruction.operand_count};
 }
 
 std::span<const int32_t> Program::ints_of(const Instruction& instruction) const {
@@ -120,88 +125,167 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
     }
 }
 
-Vec4f Program::value_at(const Instruction& instruction, const Vec4f* registers, const ShadingInputs& inputs) const {
-    const Operands operands = operands_of(instruction, registers);
+Vec4f Program::value_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const {
     if (operation_info(instruction.operation).family == OperationFamily::Input)
         return input_value(instruction.operation, instruction.variant, operands, ints_of(instruction), inputs);
     return arithmetic(instruction, operands);
 }
 
-void Program::run(const ShadingInputs& inputs, Vec4f* registers, Closures& result) const {
-    std::copy(registers_.begin(), registers_.end(), registers);
+/// The registers of a run with the constants in them; each other one is written before it is read.
+RegisterBank Program::filled(float* numbers, size_t points) const {
+    const RegisterBank bank{numbers, static_cast<uint32_t>(points)};
+    for (size_t r = 0; r < registers_.size(); ++r) {
+        if (origins_[r] != kConstant) continue;
+        const Vec4f& value = registers_[r];
+        for (uint32_t i = 0; i < 4; ++i)
+            std::fill_n(bank.component(static_cast<Register>(r), i), points, value[static_cast<int>(i)]);
+    }
+    return bank;
+}
+
+/// Does operations that are done for all points together; false: this one is done point by point.
+bool Program::compute_together(const Instruction& instruction, const RegisterBank& registers) const {
+    const std::span<const int32_t> ints = ints_of(instruction);
+    const bool is_plain_noise =  // Perlin's, its octaves brought to 0..1
+        instruction.operation == Operation::noise && (ints.size() < 2 || ints[1] != 0) &&
+        (ints.size() < 3 || static_cast<FractalType>(ints[2]) == FractalType::FBM);
+    if (!is_plain_noise || registers.points < kLeastNoiseLanes) return false;
+    const Register* operands = operands_.data() + instruction.first_operand;
+    const auto number = [&](uint32_t i) -> const float* {
+        const bool connected = i < instruction.operand_count && operands[i] >= 0;
+        return connected ? registers.component(operands[i], 0) : nullptr;
+    };
+    NoiseLanes lanes;
+    lanes.set_points(number(0), number(1), number(2), registers.points);
+    lanes.set_parameters(number(3), number(4), number(5), number(6));
+    const bool only_factor = static_cast<NoiseUse>(instruction.variant) == NoiseUse::Factor;
+    noise_texture(ints[0], only_factor ? NoiseChannels::Factor : NoiseChannels::All, lanes);
+    for (uint32_t i = 0; i < 4; ++i) {
+        const float* channel = lanes.channels[only_factor || i == 3 ? 0 : i];
+        std::copy_n(channel, registers.points, registers.component(instruction.result, i));
+    }
+    return true;
+}
+
+void Program::compute(const Instruction& instruction, const RegisterBank& registers, Inputs inputs) const {
+    if (compute_together(instruction, registers)) return;
+    for (uint32_t i = 0; i < registers.points; ++i)
+        registers.set(instruction.result, i, value_at(instruction, operands_of(instruction, registers, i), *inputs[i]));
+}
+
+void Program::add_closures(const Instruction& instruction, const RegisterBank& registers, Inputs inputs,
+                           Results results) const {
+    for (uint32_t i = 0; i < registers.points; ++i)
+        add_closure(instruction.operation, instruction.variant, operands_of(instruction, registers, i), *inputs[i],
+                    *results[i]);
+}
+
+void Program::run(Inputs inputs, const RegisterBank& registers, Results results) const {
     for (const Instruction& instruction : instructions_) {
-        if (instruction.result < 0) {
-            add_closure(instruction.operation, instruction.variant, operands_of(instruction, registers), inputs,
-                        result);
-        } else {
-            registers[instruction.result] = value_at(instruction, registers, inputs);
+        if (instruction.result < 0)
+            add_closures(instruction, registers, inputs, results);
+        else
+            compute(instruction, registers, inputs);
+    }
+}
+
+/// `places` are the hit and its two neighbours.
+void Program::look_up(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const {
+    const auto at = [&](size_t place, uint32_t i) { return operands_of(instruction, places[place], i).vector(0); };
+    // The neighbours of a lookup that another lookup depends on share its footprint.
+    const size_t lookups = instruction.differentiated ? kPlaces : 1;
+    for (uint32_t i = 0; i < inputs.size(); ++i) {
+        const Vec3f here = at(0, i);
+        CoordinateFootprint coordinate{here, at(1, i) - here, at(2, i) - here};
+        for (size_t place = 0; place < lookups; ++place) {
+            coordinate.value = at(place, i);
+            places[place].set(instruction.result, i,
+                              image_value(instruction.operation, ints_of(instruction), coordinate, *inputs[i]));
         }
     }
 }
 
-void Program::run_textured(const ShadingInputs& inputs, Vec4f* registers, Closures& result) const {
-    const size_t count = registers_.size();
-    Vec4f* const banks[kPlaces] = {registers, registers + count, registers + 2 * count};
-    for (Vec4f* bank : banks) std::copy(registers_.begin(), registers_.end(), bank);
+void Program::run_textured(Inputs inputs, std::span<const RegisterBank> places, Results results) const {
     const NeighbourAttributes attributes =
         differentiates_attributes_ ? NeighbourAttributes::Exact : NeighbourAttributes::None;
-    const Neighbours neighbours(inputs, attributes);
-    const ShadingInputs* const places[kPlaces] = {&inputs, &neighbours.right(), &neighbours.above()};
+    static_assert(std::is_trivially_destructible_v<Neighbours>);
+    alignas(Neighbours) std::byte room[kMostPoints * sizeof(Neighbours)];  // made for the points there are
+    std::array<const ShadingInputs*, kMostPoints> right, above;
+    for (size_t i = 0; i < inputs.size(); ++i) {
+        const auto* neighbours = new (room + i * sizeof(Neighbours)) Neighbours(*inputs[i], attributes);
+        right[i] = &neighbours->right();
+        above[i] = &neighbours->above();
+    }
+    const std::array<Inputs, kPlaces> inputs_of = {
+        inputs, {right.data(), inputs.size()}, {above.data(), inputs.size()}};
     for (const Instruction& instruction : instructions_) {
         if (instruction.result < 0) {
-            add_closure(instruction.operation, instruction.variant, operands_of(instruction, registers), inputs,
-                        result);
-            continue;
-        }
-        const size_t runs = instruction.differentiated ? kPlaces : 1;
-        if (operation_info(instruction.operation).family != OperationFamily::Texture) {
-            for (size_t i = 0; i < runs; ++i)
-                banks[i][instruction.result] = value_at(instruction, banks[i], *places[i]);
-            continue;
-        }
-        // The neighbours of a lookup that another lookup depends on share its footprint.
-        const Vec3f here = operands_of(instruction, banks[0]).vector(0);
-        CoordinateFootprint coordinate{here, operands_of(instruction, banks[1]).vector(0) - here,
-                                       operands_of(instruction, banks[2]).vector(0) - here};
-        for (size_t i = 0; i < runs; ++i) {
-            coordinate.value = operands_of(instruction, banks[i]).vector(0);
-            banks[i][instruction.result] = image_value(instruction.operation, ints_of(instruction), coordinate, inputs);
+            add_closures(instruction, places[0], inputs, results);
+        } else if (operation_info(instruction.operation).family == OperationFamily::Texture) {
+            look_up(instruction, places, inputs);
+        } else {
+            const size_t runs = instruction.differentiated ? kPlaces : 1;
+            for (size_t place = 0; place < runs; ++place) compute(instruction, places[place], inputs_of[place]);
         }
     }
 }
 
 template <typename Function>
-void Program::with_registers(Function function) const {
-    const size_t count = registers_.size() * (textured_ ? kPlaces : 1);
-    if (count <= kStackRegisters) {
-        Vec4f registers[kStackRegisters];
-        function(registers);
+void Program::with_registers(size_t points, Function function) const {
+    const size_t count = registers_.size() * 4 * points * (textured_ ? kPlaces : 1);
+    if (count <= kStackNumbers) {
+        alignas(64) float numbers[kStackNumbers];
+        function(numbers);
     } else {
-        static thread_local std::vector<Vec4f> registers;
-        if (registers.size() < count) registers.resize(count);
-        function(registers.data());
+        static thread_local std::vector<float> numbers;
+        if (numbers.size() < count) numbers.resize(count);
+        function(numbers.data());
+    }
+}
+
+void Program::execute(Inputs inputs, float* numbers, Results results) const {
+    if (!textured_) return run(inputs, filled(numbers, inputs.size()), results);
+    std::array<RegisterBank, kPlaces> places;
+    for (size_t i = 0; i < kPlaces; ++i)
+        places[i] = filled(numbers + i * registers_.size() * 4 * inputs.size(), inputs.size());
+    run_textured(inputs, places, results);
+}
+
+void Program::evaluate(std::span<const ShadingInputs* const> inputs, std::span<Closures* const> results) const {
+    RAYLEAF_ASSERT_LE(inputs.size(), kMostPoints);
+    for (Closures* result : results) result->clear();
+    with_registers(inputs.size(), [&](float* numbers) { execute(inputs, numbers, results); });
+    for (Closures* result : results) {
+        result->emission = finite_and_positive(result->emission);
+        result->transparency = finite_and_positive(result->transparency);
+        result->holdout = saturate(finite(result->holdout));
     }
 }
 
 void Program::evaluate(const ShadingInputs& inputs, Closures& result) const {
-    result.clear();
-    with_registers([&](Vec4f* registers) {
-        textured_ ? run_textured(inputs, registers, result) : run(inputs, registers, result);
+    Closures* const results[] = {&result};
+    const ShadingInputs* const points[] = {&inputs};
+    evaluate(points, results);
+}
+
+void Program::values(Register target, std::span<const ShadingInputs* const> inputs, Vec4f* values) const {
+    RAYLEAF_ASSERT_GE(target, 0);
+    RAYLEAF_ASSERT_LT(target, register_count());
+    RAYLEAF_ASSERT_LE(inputs.size(), kMostPoints);
+    std::vector<Closures> ignored(inputs.size());
+    std::array<Closures*, kMostPoints> results;
+    for (size_t i = 0; i < inputs.size(); ++i) results[i] = &ignored[i];
+    with_registers(inputs.size(), [&](float* numbers) {
+        execute(inputs, numbers, {results.data(), inputs.size()});
+        const RegisterBank bank{numbers, static_cast<uint32_t>(inputs.size())};
+        for (uint32_t i = 0; i < bank.points; ++i) values[i] = bank.value(target, i);
     });
-    result.emission = finite_and_positive(result.emission);
-    result.transparency = finite_and_positive(result.transparency);
-    result.holdout = saturate(finite(result.holdout));
 }
 
 Vec4f Program::value(Register target, const ShadingInputs& inputs) const {
-    RAYLEAF_ASSERT_GE(target, 0);
-    RAYLEAF_ASSERT_LT(target, register_count());
-    Closures ignored;
+    const ShadingInputs* const points[] = {&inputs};
     Vec4f value;
-    with_registers([&](Vec4f* registers) {
-        textured_ ? run_textured(inputs, registers, ignored) : run(inputs, registers, ignored);
-        value = registers[target];
-    });
+    values(target, points, &value);
     return value;
 }
 

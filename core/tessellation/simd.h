@@ -1,6 +1,4 @@
-// Which instruction sets the SIMD kernels are compiled for; Highway picks the best one the machine has at run time.
-// Results are the same bits on all of them: each lane does the same operations, and none is a fused multiply-add.
+// The instruction sets of the kernels that meet grids: those of all kernels.
 #pragma once
 
-// Widths of 4, 8 and 16 lanes, and the baseline. What lies between them would only make the library larger.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include "base/simd.h"

@@ -25,13 +25,13 @@ std::vector<std::string> simd_targets() {
 
 bool use_simd_target(const std::string& name) {
     hwy::DisableTargets(0);
-    if (name.empty()) return true;
     int64_t chosen = 0;
     for_each_target([&](int64_t target) {
         if (name == hwy::TargetName(target)) chosen = target;
     });
-    if (chosen == 0) return false;
-    hwy::DisableTargets(~chosen);
+    if (!name.empty() && chosen == 0) return false;
+    if (!name.empty()) hwy::DisableTargets(~chosen);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());  // kernels that are chosen anew with each call
     return true;
 }
 

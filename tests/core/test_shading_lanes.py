@@ -1,0 +1,79 @@
+"""A program that runs for many points at once finds the bits that it finds point by point."""
+
+import numpy as np
+import pytest
+from rayleaf import _core
+
+TOGETHER = (2, 3, 5, 16, 17, 32)
+UP = np.float32((0, 0, 1))
+
+
+@pytest.fixture(params=_core.trace.simd_targets())
+def target(request):
+    assert _core.trace.use_simd_target(request.param)
+    return request.param
+
+
+def scattered_points(seed=0, count=193):
+    """Points of all sizes, some of them nasty."""
+    random = np.random.default_rng(seed)
+    positions = (random.normal(size=(count, 3)) * 10.0 ** random.uniform(-3, 3, size=(count, 1))).astype(np.float32)
+    nasty = (0.0, -0.0, 1.0, -1.0, 0.5, np.inf, -np.inf, np.nan, 3e9, -3e9, 1e38, 1e-40)
+    for i, number in enumerate(nasty):
+        positions[7 * i, i % 3] = number
+    normals = np.tile(UP, (count, 1))
+    return _core.shading.surface_points(positions, normals, normals, uv=random.random((count, 2), np.float32))
+
+
+def check_lanes(points, program, register):
+    alone = points.values(program, register)
+    assert len(np.unique(alone, axis=0)) > 3
+    for together in TOGETHER:
+        found = points.values(program, register, together=together)
+        np.testing.assert_array_equal(found.view(np.uint32), alone.view(np.uint32), err_msg=f"{together} together")
+
+
+def component(program, register, i):
+    return program.operation("component", [register], [i])
+
+
+@pytest.mark.parametrize("factor_alone", [False, True])
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 4])
+@pytest.mark.parametrize(
+    "detail, roughness, distortion",
+    [(0.0, 0.5, 0.0), (2.0, 0.5, 0.0), (1.3, 0.8, 0.7), (None, None, None), (20.0, -1.0, 0.0), (-3.0, 2.0, 1e3)],
+)
+def test_noise_has_the_same_bits_in_lanes(target, dimensions, factor_alone, detail, roughness, distortion):
+    """None: another one at each point."""
+    program = _core.Program("Noise")
+    position, uv = program.operation("position"), program.operation("uv")
+
+    def number(value, axis, scale):
+        if value is not None:
+            return program.constant(value, value, value, value)
+        factor = program.constant(scale, scale, scale, scale)
+        return program.operation("math", [component(program, uv, axis), factor], text="MULTIPLY")
+
+    scale = program.constant(1.7, 1.7, 1.7, 1.7)
+    operands = [position, component(program, position, 1), scale]
+    operands += [number(detail, 0, 4.0), number(roughness, 1, 1.2), number(distortion, 0, 1.0)]
+    if detail is None:
+        operands += [number(None, 1, 3.0), -1, -1]
+    noise = program.operation("noise", operands, [dimensions])
+    result = component(program, noise, 3) if factor_alone else noise
+    check_lanes(scattered_points(dimensions), program, result)
+
+
+def test_noise_without_operands_has_the_same_bits_in_lanes(target):
+    program = _core.Program("Noise")
+    uv = program.operation("uv")
+    noise = program.operation("noise", [-1, -1, -1, -1, -1, component(program, uv, 0)], [3])
+    check_lanes(scattered_points(), program, noise)
+
+
+def test_the_number_of_points_that_run_together_is_checked():
+    program = _core.Program("Short")
+    position = program.operation("position")
+    for together in (0, 33):
+        with pytest.raises(_core.InputError, match=f"'Short': together is {together}, expected 1 to 32"):
+            scattered_points().values(program, position, together=together)
