@@ -1,6 +1,7 @@
 """Renders the file that Blender has open; `rayleaf render` starts Blender with this script.
 
-Each frame becomes a PNG and a multilayer EXR, saved by Blender from its Render Result. The add-on adds a line of
+Each frame becomes a PNG and a multilayer EXR, saved by Blender from its Render Result; or a part of it becomes a file in the
+folder OUTPUT.parts, or the pictures are made of those files (rayleaf/parts.py). The add-on adds a line of
 statistics for each view layer to the file that RAYLEAF_STATS names; they are printed and, on demand, gathered:
 {"file": path, "frames": [{"frame": number, "seconds": s, "png": path, "exr": path, "view_layers": [{…}]}]}.
 """
@@ -8,6 +9,7 @@ statistics for each view layer to the file that RAYLEAF_STATS names; they are pr
 import argparse
 import json
 import os
+import shutil
 import sys
 import tempfile
 import time
@@ -15,8 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from rayleaf.versions import choose_file_format
+from rayleaf import part_render, parts
 from rayleaf.names import name_of
+from rayleaf.versions import choose_file_format, compositor
 
 
 def arguments() -> argparse.Namespace:
@@ -27,6 +30,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--start", type=int)
     parser.add_argument("--end", type=int)
     parser.add_argument("--stats", type=Path)
+    parser.add_argument("--tile", type=parts.Share.parsed)
+    parser.add_argument("--sample-range", type=parts.Share.parsed)
+    parser.add_argument("--merge", action="store_true")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
 
 
@@ -43,15 +49,20 @@ def frames_and_outputs(options: argparse.Namespace) -> list[tuple[int, Path]]:
 
 
 def save(path: Path, file_format: str, color_depth: str) -> None:
-    """Save Blender's Render Result."""
+    """Save Blender's Render Result: beside first, then renamed, so that no half file has the name."""
     scene = bpy.context.scene
     settings = scene.render.image_settings
     choose_file_format(settings, file_format)
     settings.color_mode = "RGBA" if scene.render.film_transparent or file_format != "PNG" else "RGB"
     settings.color_depth = color_depth
-    bpy.data.images["Render Result"].save_render(str(path), scene=scene)
-    if not path.is_file():
-        raise RuntimeError(f"Blender did not write {path}")
+    beside = path.with_name(f".{path.stem}.{os.uname().nodename}.{os.getpid()}{path.suffix}")
+    try:
+        bpy.data.images["Render Result"].save_render(str(beside), scene=scene)
+        if not beside.is_file():
+            raise RuntimeError(f"Blender did not write {beside}")
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def with_ending(output: Path, ending: str) -> Path:
@@ -59,10 +70,9 @@ def with_ending(output: Path, ending: str) -> Path:
     return output.with_name(output.name + ending)
 
 
-def render(frame: int, output: Path, statistics_path: Path) -> dict[str, Any]:
-    """Render one frame, save it, and tell what happened."""
+def rendered_layers(frame: int, statistics_path: Path) -> list[dict[str, Any]]:
+    """Render one frame in Blender; what happened to each view layer."""
     statistics_path.write_text("")
-    started = time.perf_counter()
     bpy.context.scene.frame_set(frame)
     bpy.ops.render.render()
     layers = [json.loads(line) for line in statistics_path.read_text().splitlines()]
@@ -71,12 +81,57 @@ def render(frame: int, output: Path, statistics_path: Path) -> dict[str, Any]:
     }
     if missing:
         raise RuntimeError(f"frame {frame}: not rendered: {', '.join(sorted(missing))}; the messages above say why")
+    return layers
+
+
+def render(frame: int, output: Path, statistics_path: Path) -> dict[str, Any]:
+    """Render one frame, save it, and tell what happened."""
+    started = time.perf_counter()
+    layers = rendered_layers(frame, statistics_path)
     png, exr = with_ending(output, ".png"), with_ending(output, ".exr")
     output.parent.mkdir(parents=True, exist_ok=True)
     save(png, "PNG", "8")
     save(exr, "OPEN_EXR_MULTILAYER", "32")
     seconds = time.perf_counter() - started
     return {"frame": frame, "seconds": seconds, "png": str(png), "exr": str(exr), "view_layers": layers}
+
+
+def parts_folder(output: Path) -> Path:
+    """Where the parts of a frame lie."""
+    return with_ending(output, ".parts")
+
+
+def mute_file_outputs(tree: Any) -> None:
+    """The compositor writes no files of a picture that is not whole."""
+    for node in tree.nodes if tree is not None else ():
+        if node.type == "OUTPUT_FILE":
+            node.mute = True
+        elif node.type == "GROUP":
+            mute_file_outputs(node.node_tree)
+
+
+def render_part(frame: int, output: Path, cut: parts.Cut, statistics_path: Path) -> dict[str, Any]:
+    """Render a part of a frame into its file, unless it has been."""
+    started = time.perf_counter()
+    source = parts.source_of(Path(bpy.data.filepath), frame)
+    path = parts.path_in(parts_folder(output), cut)
+    layers = []
+    if not parts.is_finished(path, source):
+        mute_file_outputs(compositor(bpy.context.scene))
+        part_render.task = task = part_render.PartTask(cut)
+        layers = rendered_layers(frame, statistics_path)
+        parts.write(path, source, cut, task.layers)
+    return {"frame": frame, "seconds": time.perf_counter() - started, "part": str(path), "view_layers": layers}
+
+
+def merge(frame: int, output: Path, statistics_path: Path) -> dict[str, Any]:
+    """Make a frame's pictures of its parts, which are not needed any more then."""
+    folder = parts_folder(output)
+    found = parts.Parts(folder, parts.source_of(Path(bpy.data.filepath), frame))
+    part_render.task = part_render.MergeTask(found)
+    done = render(frame, output, statistics_path)
+    shutil.rmtree(folder)
+    return done
 
 
 def readable(value: Any) -> str:
@@ -108,6 +163,17 @@ def summary(statistics: dict[str, Any], indent: int = 2) -> list[str]:
     return lines
 
 
+def rendered(options: argparse.Namespace, frame: int, output: Path, statistics_path: Path) -> dict[str, Any]:
+    """What the options ask for, of one frame."""
+    if options.merge:
+        return merge(frame, output, statistics_path)
+    if options.tile or options.sample_range:
+        whole = parts.Share(1, 1)
+        cut = parts.Cut(options.tile or whole, options.sample_range or whole)
+        return render_part(frame, output, cut, statistics_path)
+    return render(frame, output, statistics_path)
+
+
 def main() -> None:
     options = arguments()
     done = []
@@ -115,8 +181,9 @@ def main() -> None:
         statistics_path = Path(folder) / "statistics.json"
         os.environ["RAYLEAF_STATS"] = str(statistics_path)
         for frame, output in frames_and_outputs(options):
-            done.append(render(frame, output, statistics_path))
-            print(f"\nframe {frame}: {done[-1]['seconds']:.2f} s\n  {done[-1]['png']}\n  {done[-1]['exr']}")
+            done.append(rendered(options, frame, output, statistics_path))
+            files = "\n".join(f"  {done[-1][kind]}" for kind in ("png", "exr", "part") if kind in done[-1])
+            print(f"\nframe {frame}: {done[-1]['seconds']:.2f} s\n{files}")
             for layer in done[-1]["view_layers"]:
                 print("\n".join(summary(layer)), flush=True)
     if options.stats:
@@ -127,5 +194,9 @@ def main() -> None:
 if __name__ == "__main__":
     try:
         main()
-    except (RuntimeError, OSError) as error:  # what Blender's operators raise, and a full disk: no traceback needed
+    except (
+        RuntimeError,
+        OSError,
+        parts.PartError,
+    ) as error:  # of Blender's operators, and a full disk: no traceback needed
         sys.exit(f"rayleaf: rendering failed: {str(error).strip()}")

@@ -25,10 +25,10 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
                 raise core_module.CoreError(enabling.problem)
             core = core_module.load()
             from .animation import KEPT
-            from .frame import FrameRender
+            from .part_render import renderer
 
             ray_caches = KEPT.for_frame(core, depsgraph.scene_eval, self.is_animation)
-            FrameRender(self, depsgraph, core, ray_caches).run()
+            renderer()(self, depsgraph, core, ray_caches).run()
         except Exception as error:
             failures.report(self, error)
 

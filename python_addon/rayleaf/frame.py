@@ -40,14 +40,14 @@ class FrameRender:
 
     def __init__(self, engine: Any, depsgraph: Any, core: ModuleType, ray_caches: Any = None) -> None:
         """`ray_caches`: a RayCacheStore that outlives the frame, or None."""
-        self._engine, self._depsgraph, self._core = engine, depsgraph, core
+        self._engine, self.depsgraph, self.core = engine, depsgraph, core
         self._ray_caches = ray_caches
         self._messages = Messages(self._tell)
         self._scene = depsgraph.scene_eval
         self._layer_name = name_of(depsgraph.view_layer)
         self._layer = ""  # what Blender's result is told of the name; empty: any layer
-        self._frame: Frame = frame_of(self._scene)
-        self._crop: CropRectangle = crop_of(self._scene, self._frame)
+        self.frame: Frame = frame_of(self._scene)
+        self.crop: CropRectangle = crop_of(self._scene, self.frame)
         self._passes = passes.enabled(depsgraph.view_layer)
         self._status_text = ""
 
@@ -61,7 +61,7 @@ class FrameRender:
             self._run()
         except ExportCancelled:
             pass
-        except (ExportError, self._core.InputError) as error:
+        except (ExportError, self.core.InputError) as error:
             self._messages.error(str(error))
             self._engine.error_set(str(error))
 
@@ -69,13 +69,10 @@ class FrameRender:
         self._add_passes()
         began = time.perf_counter()
         self._status("exporting", 0.0)
-        exporter = SceneExporter(self._core, self._depsgraph, self._messages, self._engine.test_break)
-        description = exporter.export(self._frame, needs_uv=any(entry.identifier == "uv" for entry in self._passes))
+        exporter = SceneExporter(self.core, self.depsgraph, self._messages, self._engine.test_break)
+        description = exporter.export(self.frame, needs_uv=any(entry.identifier == "uv" for entry in self._passes))
         exported = time.perf_counter()
-        settings = self._core.Settings(
-            **core_settings(self._core, self._scene, self._depsgraph.view_layer, self._frame, self._crop, self._passes)
-        )
-        session = RenderThread(self._core, description, settings, self._ray_caches)
+        session = RenderThread(self.core, description, self.core.Settings(**self._settings()), self._ray_caches)
         try:
             session.start()
             self._follow(session)
@@ -87,9 +84,12 @@ class FrameRender:
         finally:
             session.close()
 
+    def _settings(self) -> dict[str, Any]:
+        return core_settings(self.core, self._scene, self.depsgraph.view_layer, self.frame, self.crop, self._passes)
+
     def _add_passes(self) -> None:
         """Blender makes room for its own passes only."""
-        self._layer = _layer_argument(self._depsgraph)
+        self._layer = _layer_argument(self.depsgraph)
         for entry in self._passes:
             if entry.is_own:
                 self._engine.add_pass(entry.name, len(entry.channels), entry.channels, layer=self._layer)
@@ -122,9 +122,12 @@ class FrameRender:
             self._engine.update_memory_stats(memory_used=memory[0], memory_peak=memory[1])
 
     def _write_result(self, session: RenderThread) -> None:
-        """Hand over the passes as they are. All is made ready before Blender's result is opened."""
-        pixels = {entry.name: session.pixels(entry.identifier) for entry in self._passes}
-        result = self._engine.begin_result(0, 0, self._crop.width, self._crop.height, layer=self._layer)
+        """Hand over the passes as they are."""
+        self._hand_over({entry.name: session.pixels(entry.identifier) for entry in self._passes})
+
+    def _hand_over(self, pixels: dict[str, Any]) -> None:
+        """By Blender's pass name. All is ready before Blender's result is opened."""
+        result = self._engine.begin_result(0, 0, self.crop.width, self.crop.height, layer=self._layer)
         try:
             versions.write_passes(result.layers[0], pixels)
         finally:

@@ -62,6 +62,10 @@ class RenderThread:
         """(height, width, channels) of a pass as far as it is rendered, rows bottom to top."""
         return self._session.pass_pixels(name)
 
+    def sums(self) -> dict[str, Any]:
+        """The exact sums of all passes, where the settings keep them."""
+        return dict(self._session.sums())
+
     def statistics(self) -> dict[str, Any]:
         """The core's counters."""
         return dict(self._session.statistics())

@@ -115,6 +115,13 @@ def choose_file_format(image_settings: Any, file_format: str) -> None:
     image_settings.file_format = file_format
 
 
+def compositor(scene: Any) -> Any:
+    """The node tree of a scene's compositor; None where it has none."""
+    if hasattr(scene, "compositing_node_group"):  # 5.0
+        return scene.compositing_node_group
+    return scene.node_tree if scene.use_nodes else None
+
+
 def lamp_factor(lamp: Any) -> float:
     """What a lamp's power is multiplied by to give what it meant in Blender 3.
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-COMMANDS = ("render", "test", "bench", "lint", "blender", "package")
+COMMANDS = ("render", "farm", "test", "bench", "lint", "blender", "package")
 
 MAKE_SCENE = """
 import sys

@@ -1,0 +1,102 @@
+"""What is to be rendered, cut into tasks; kept as a file that submitter and nodes share. Runs in Debian's Python, without Blender."""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+MARKERS = "done"
+
+
+@dataclass(frozen=True)
+class Task:
+    """A frame, a part of one, or the merging of a frame's parts."""
+
+    frame: int
+    tile: str = ""  # as `rayleaf render` takes it, like 2/4
+    samples: str = ""
+    merges: bool = False
+
+    @property
+    def name(self) -> str:
+        """Unique among a file's tasks, whatever else it is cut into."""
+        words = [f"{self.frame:04d}", *([f"tile-{self.tile}"] if self.tile else [])]
+        words += [f"samples-{self.samples}"] if self.samples else []
+        return "_".join([*words, *(["merged"] if self.merges else [])]).replace("/", "-of-")
+
+    def options(self) -> list[str]:
+        """Of `rayleaf render`."""
+        cut = (["--tile", self.tile] if self.tile else []) + (["--sample-range", self.samples] if self.samples else [])
+        return ["-f", str(self.frame), *cut, *(["--merge"] if self.merges else [])]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All frames of one submission."""
+
+    file: str  # the .blend
+    content: str  # a hash of it
+    output: str  # path of the pictures, without frame number and ending
+    frames: list[int]
+    tiles: int
+    sample_ranges: int
+
+    def parts(self) -> list[Task]:
+        """What can be rendered at once, in order of frames."""
+        return [Task(frame, *cut) for frame in self.frames for cut in self._cuts()]
+
+    def _cuts(self) -> Iterator[tuple[str, str]]:
+        for tile in range(1, self.tiles + 1):
+            for samples in range(1, self.sample_ranges + 1):
+                yield (
+                    f"{tile}/{self.tiles}" if self.tiles > 1 else "",
+                    f"{samples}/{self.sample_ranges}" if self.sample_ranges > 1 else "",
+                )
+
+    def merges(self) -> list[Task]:
+        """What follows when all parts are there."""
+        return [Task(frame, merges=True) for frame in self.frames] if self.is_cut else []
+
+    @property
+    def is_cut(self) -> bool:
+        """True if frames are rendered in parts."""
+        return self.tiles * self.sample_ranges > 1
+
+    def picture(self, frame: int) -> Path:
+        """A frame's pictures, without ending."""
+        return Path(f"{self.output}_{frame:04d}")
+
+    @property
+    def folder(self) -> Path:
+        """Where plans, markers and logs of this output lie."""
+        return Path(f"{self.output}.farm")
+
+    def marker(self, task: Task) -> Path:
+        """A file that is there once a task has been finished, for this content of the file."""
+        return self.folder / MARKERS / self.content[:16] / task.name
+
+    def is_finished(self, task: Task) -> bool:
+        """Parts are not needed any more once their frame is merged."""
+        merged = Task(task.frame, merges=True)
+        is_merged = self.is_cut and self.marker(merged).exists() and self._has_pictures(task.frame)
+        if task.merges or not self.is_cut:
+            return is_merged or (not self.is_cut and self.marker(task).exists() and self._has_pictures(task.frame))
+        return is_merged or (self.marker(task).exists() and Path(f"{self.picture(task.frame)}.parts").is_dir())
+
+    def _has_pictures(self, frame: int) -> bool:
+        return all(Path(f"{self.picture(frame)}{ending}").is_file() for ending in (".png", ".exr"))
+
+    def write(self, path: Path) -> None:
+        """For `read`."""
+        path.write_text(json.dumps(asdict(self), indent=2) + "\n")
+
+
+def read(path: Path) -> Plan:
+    """What was submitted."""
+    return Plan(**json.loads(path.read_text()))
+
+
+def content_of(file: Path) -> str:
+    """A hash that tells whether the .blend has changed."""
+    return hashlib.sha256(file.read_bytes()).hexdigest()
