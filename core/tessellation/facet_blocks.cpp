@@ -85,7 +85,7 @@ FacetBlocks::FacetBlocks(const Dicer& dicer, std::span<const SubpatchDetail> det
 }
 
 void FacetBlocks::fill(const Dicer& dicer, std::span<const SubpatchDetail> details, const CancelToken& cancel) {
-    blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(block_count());  // NOLINT(modernize-avoid-c-arrays)
+    blocks_ = LargeArray<FacetBlock>(block_count());
     tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(resolutions_.size()), [&](uint32_t subpatch) {
         cancel.throw_if_cancelled();
         if (const LevelDicer* levels = dicer.levels())

@@ -7,13 +7,13 @@
 #pragma once
 
 #include "base/cancel.h"
+#include "base/large_memory.h"
 #include "geometry/facet.h"
 #include "tessellation/dicer.h"
 #include "tessellation/level.h"
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -83,8 +83,8 @@ class FacetBlocks {
   private:
     VertexFormat format_;
     std::vector<Resolution> resolutions_;
-    std::vector<uint64_t> first_;           ///< of each subpatch, its first block; at the end, their number
-    std::unique_ptr<FacetBlock[]> blocks_;  // NOLINT(modernize-avoid-c-arrays): not initialized
+    std::vector<uint64_t> first_;  ///< of each subpatch, its first block; at the end, their number
+    LargeArray<FacetBlock> blocks_;
 
     void fill_levels(const LevelDicer& dicer, uint32_t subpatch, const SubpatchDetail& detail);
     void fill_fixed(const Dicer& dicer, uint32_t subpatch);

@@ -4,7 +4,9 @@
 #include "tessellation/grid_intersection.h"
 #include "tessellation/simd.h"
 
+#include <array>
 #include <bit>
+#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tessellation/packet_intersection.cpp"
@@ -16,7 +18,6 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#include "tessellation/block_lanes.inl"
 #include "tessellation/simd_lanes.inl"
 
 /// What a facet that is hit for sure leaves of a ray, as LocalRay::float_distance has it.
@@ -219,67 +220,77 @@ uint32_t find_together(const float* vertices, uint32_t block, const RayPacket& r
     return sure;
 }
 
-/// Half a block: 16 lanes are slower where there are so many.
-using Cells = hn::CappedTag<float, 8>;
-using CellVector = hn::Vec<Cells>;
-constexpr int kCellWidth = static_cast<int>(hn::MaxLanes(Cells()));
-
-/// One ray against a block.
-class CellTest {
+/// One ray against a block: its vertices in the lanes, then the few cells that the ray may pass, one by one.
+class VertexTest {
   public:
     float farthest;
     bool sure = false;  ///< whether a facet was hit for sure
 
-    HWY_INLINE CellTest(uint32_t block, const RayPacket& rays, int axis, size_t lane, float t_max, OpenFacets& open)
-        : farthest(t_max), block_(block), lane_(lane), open_(open), rays_(rays, axis, [lane](const float* from) {
-              return hn::Set(Cells(), from[lane]);
-          }) {}
+    VertexTest(uint32_t block, const RayPacket& rays, size_t lane, float t_max, OpenFacets& open)
+        : farthest(t_max),
+          block_(block),
+          lane_(lane),
+          open_(open),
+          sure_from_(rays.sure_from[lane]),
+          sure_to_(rays.sure_to[lane]) {}
 
-    HWY_INLINE void run(const float* vertices) {
-        constexpr int kColumns = std::min(kCellWidth, kBlockCells), kRows = kCellWidth / kColumns;
-        const auto corner = [&](int index) {
-            return rays_.corner(vertices + index, [](const float* from) { return load_cells(Cells(), from); });
-        };
-        for (int row = 0; row < kBlockCells; row += kRows) {
-            for (int column = 0; column < kBlockCells; column += kColumns) {
-                const int index = row * kBlockVertices + column;
-                // Of cell (i, j): (i, j), (i+1, j), (i+1, j+1), (i, j+1).
-                const Corner<CellVector> a = corner(index), b = corner(index + 1);
-                const Corner<CellVector> c = corner(index + kBlockVertices + 1), d = corner(index + kBlockVertices);
-                const CellVector ac = edge(a, c), off = error(Cells(), a, b, c, d);
-                const auto first = static_cast<uint32_t>(2 * (row * kBlockCells + column));
-                add({edge(a, b), edge(b, c), hn::Neg(ac), a.depth, b.depth, c.depth}, off, first);
-                add({ac, edge(c, d), edge(d, a), a.depth, c.depth, d.depth}, off, first + 1);
-            }
+    HWY_INLINE void run(const float* vertices, const RayPacket& rays, int axis) {
+        const size_t lane = lane_;
+        const RayLanes<Rays> ray(rays, axis, [lane](const float* from) { return hn::Set(Rays(), from[lane]); });
+        const auto load = [](const float* from) { return hn::LoadU(Rays(), from); };
+        const RayVector most = hn::Set(Rays(), kCornerError), least = hn::Set(Rays(), -kCornerError);
+        uint32_t right = 0, left = 0, above = 0, below = 0;
+        for (int start = 0; start < kBlockSize; start += kRayWidth) {
+            const int first = std::min(start, kBlockSize - kRayWidth);
+            const Corner<RayVector> corner = ray.corner(vertices + first, load);
+            hn::StoreU(corner.x, Rays(), x_ + first);
+            hn::StoreU(corner.y, Rays(), y_ + first);
+            hn::StoreU(corner.depth, Rays(), depth_ + first);
+            right |= mask_bits(Rays(), hn::Gt(corner.x, most)) << first;
+            left |= mask_bits(Rays(), hn::Lt(corner.x, least)) << first;
+            above |= mask_bits(Rays(), hn::Gt(corner.y, most)) << first;
+            below |= mask_bits(Rays(), hn::Lt(corner.y, least)) << first;
         }
+        const uint32_t passed = all_corners(right) | all_corners(left) | all_corners(above) | all_corners(below);
+        for (uint32_t cells = kCells & ~passed; cells != 0; cells &= cells - 1) add_cell(__builtin_ctz(cells));
     }
 
   private:
+    /// Cell (i, j) at j * 5 + i, the number of its first corner.
+    static constexpr uint32_t kCells = 0xf | 0xf << 5 | 0xf << 10 | 0xf << 15;
+
     uint32_t block_;
     size_t lane_;
     OpenFacets& open_;
-    RayLanes<Cells> rays_;
+    float sure_from_, sure_to_;
+    float x_[kBlockSize], y_[kBlockSize], depth_[kBlockSize];
 
-    HWY_INLINE void add(const TriangleLanes<Cells>& triangle, CellVector off, uint32_t first) {
-        const auto inside = triangle.may_be_hit(off);
-        if (hn::AllFalse(Cells(), inside)) return;
-        const CellVector near = triangle.near(), far = triangle.far();
-        const auto within = hn::And(hn::Ge(far, hn::Zero(Cells())), hn::Le(near, hn::Set(Cells(), farthest)));
-        const auto open = hn::And(inside, within);
-        uint32_t bits = mask_bits(Cells(), open);
-        if (bits == 0) return;
-        const auto counts = hn::And(hn::Ge(near, rays_.sure_from), hn::Le(far, rays_.sure_to));
-        const uint32_t sure_bits = mask_bits(Cells(), hn::And(hn::And(open, counts), triangle.is_surely_hit(off)));
-        HWY_ALIGN float begins[kCellWidth], ends[kCellWidth];
-        hn::Store(near, Cells(), begins);
-        hn::Store(far, Cells(), ends);
-        for (; bits != 0; bits &= bits - 1) {
-            const auto cell = static_cast<size_t>(__builtin_ctz(bits));
-            open_.add(lane_, {block_, first + static_cast<uint32_t>(2 * cell), begins[cell]});
-            if ((sure_bits >> cell & 1u) == 0) continue;
-            sure = true;
-            farthest = std::min(farthest, ends[cell] * kBeyond + kBeyondBy);
-        }
+    /// The cells whose four corners all have their bit.
+    static uint32_t all_corners(uint32_t vertices) {
+        const uint32_t pairs = vertices & vertices >> 1;
+        return pairs & pairs >> kBlockVertices;
+    }
+    HWY_INLINE float edge_of(int p, int q) const { return x_[p] * y_[q] - y_[p] * x_[q]; }
+    HWY_INLINE float size_of(int p) const { return std::abs(x_[p]) + std::abs(y_[p]); }
+    HWY_INLINE void add_cell(int a) {
+        const int b = a + 1, c = a + kBlockVertices + 1, d = a + kBlockVertices;
+        const float off = (((size_of(a) + size_of(b)) + (size_of(c) + size_of(d))) + kCornerError) * kCornerError;
+        const float ac = edge_of(a, c);
+        const auto triangle = static_cast<uint32_t>(2 * (a / kBlockVertices * kBlockCells + a % kBlockVertices));
+        add(edge_of(a, b), edge_of(b, c), -ac, off, {a, b, c}, triangle);
+        add(ac, edge_of(c, d), edge_of(d, a), off, {a, c, d}, triangle + 1);
+    }
+    HWY_INLINE void add(float pq, float qr, float rp, float off, const std::array<int, 3>& corners, uint32_t triangle) {
+        const float smallest = std::min(pq, std::min(qr, rp)), largest = std::max(pq, std::max(qr, rp));
+        if (smallest < -off && largest > off) return;
+        const float p = depth_[corners[0]], q = depth_[corners[1]], r = depth_[corners[2]];
+        const float near = std::min(p, std::min(q, r)), far = std::max(p, std::max(q, r));
+        if (!(far >= 0.0f && near <= farthest)) return;
+        open_.add(lane_, {block_, triangle, near});
+        const bool inside = smallest > off || largest < -off;
+        if (!inside || near < sure_from_ || far > sure_to_) return;
+        sure = true;
+        farthest = std::min(farthest, far * kBeyond + kBeyondBy);
     }
 };
 
@@ -289,8 +300,8 @@ uint32_t find_one_by_one(const float* vertices, uint32_t block, const RayPacket&
     for (int axis = 0; axis < 3; ++axis) {
         for (uint32_t bits = mask & rays.by_axis[static_cast<size_t>(axis)]; bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<size_t>(__builtin_ctz(bits));
-            CellTest test(block, rays, axis, lane, farthest[lane], open);
-            test.run(vertices);
+            VertexTest test(block, rays, lane, farthest[lane], open);
+            test.run(vertices, rays, axis);
             if (!test.sure) continue;
             sure |= 1u << lane;
             farthest[lane] = test.farthest;

@@ -49,7 +49,7 @@ struct PacketKernels {
     /// The rays in the lanes, the block's vertices one after the other: for rays that visit the same blocks it costs a
     /// fraction of what they cost one by one.
     FindInBlock together;
-    /// One ray after the other, the block's cells in the lanes.
+    /// One ray after the other, the block's vertices in the lanes.
     FindInBlock one_by_one;
 };
 /// The versions for this machine's processor.

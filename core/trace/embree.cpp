@@ -23,11 +23,6 @@ RTCDevice make_device() {
     return device;
 }
 
-/// Embree's question during a build whether to go on.
-bool goes_on(void* token, double /*share*/) {
-    return !static_cast<const CancelToken*>(token)->cancelled();
-}
-
 const char* error_text(RTCError error) {
     switch (error) {
         case RTC_ERROR_OUT_OF_MEMORY:
@@ -46,6 +41,16 @@ const char* error_text(RTCError error) {
 
 }  // namespace
 
+bool embree_goes_on(void* token, double /*share*/) {
+    return !static_cast<const CancelToken*>(token)->cancelled();
+}
+
+void throw_embree_error() {
+    const RTCError error = rtcGetDeviceError(embree_device());
+    if (error == RTC_ERROR_CANCELLED) throw Cancelled();
+    if (error != RTC_ERROR_NONE) throw std::runtime_error(std::string("Embree: ") + error_text(error));
+}
+
 RTCDevice embree_device() {
     static RTCDevice device = make_device();
     return device;
@@ -56,7 +61,7 @@ EmbreeScene new_embree_scene(const CancelToken& cancel) {
     rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
     if (&cancel != &kNeverCancelled)
-        rtcSetSceneProgressMonitorFunction(scene.get(), goes_on, const_cast<CancelToken*>(&cancel));
+        rtcSetSceneProgressMonitorFunction(scene.get(), embree_goes_on, const_cast<CancelToken*>(&cancel));
     return scene;
 }
 
@@ -85,9 +90,7 @@ void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry) {
     rtcAttachGeometryByID(scene.get(), geometry, 0);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene.get());
-    const RTCError error = rtcGetDeviceError(embree_device());
-    if (error == RTC_ERROR_CANCELLED) throw Cancelled();
-    if (error != RTC_ERROR_NONE) throw std::runtime_error(std::string("Embree: ") + error_text(error));
+    throw_embree_error();
 }
 
 uint64_t embree_bytes() {

@@ -12,6 +12,9 @@ namespace {
 /// So few rays are tested against a block faster one by one.
 constexpr int kFewRays = 3;
 
+/// What is left of the way of a ray that needs no other hit.
+constexpr float kDone = -std::numeric_limits<float>::infinity();
+
 /// The level of the geometry cache that is no coarser: of 1, 4 or 16 cells along a side.
 SubpatchLevels nearest_levels(const Resolution& resolution) {
     SubpatchLevels levels;
@@ -27,13 +30,12 @@ ResidentScene::ResidentScene(const Shape& shape, DicedSurface surface, FacetBloc
       kernels_(grid_kernels()),
       packet_kernels_(packet_kernels()),
       meet_facets_(decision_kernel()),
-      blocks_(std::move(blocks)) {
+      blocks_(std::move(blocks)),
+      traversal_(box_traversal()) {
     blocks_.fill(*dicer_, surface.details, cancel);
-    if (blocks_.block_count() == 0) return;
-    EmbreeScene scene = new_embree_scene(cancel);
-    build_embree_scene(
-        scene, new_user_geometry(this, blocks_.block_count(), {bounds_callback, closest_callback, any_callback}));
-    set_scene(std::move(scene), surface.box);
+    tree_ = BoxTree(
+        static_cast<uint32_t>(blocks_.block_count()), [&](uint32_t i) { return blocks_.box(i); }, cancel);
+    if (!tree_.empty()) set_box(surface.box);
 }
 
 /// A block's vertices in single precision, [3][25].
@@ -45,27 +47,59 @@ const float* ResidentScene::float_vertices(const FacetBlock& block, float* room)
     return room;
 }
 
+/// A ray alone.
+struct ResidentScene::Query {
+    const ResidentScene* scene;
+    FacetQuery facets;
+    GridRay ray;
+    Wanted wanted;
+};
+
 /// Offers the facets of a block that the ray may meet; the exact hit decides.
-bool ResidentScene::visit(FacetQuery& query, const GridRay& ray, uint32_t number, float t_max) const {
+bool ResidentScene::visit(Query& query, uint32_t number, float t_max) const {
     const FacetBlock& block = blocks_[number];
     float room[3 * kBlockSize];
     GridCandidates candidates;
-    kernels_.add_block_of_floats(float_vertices(block, room), ray, t_max, candidates);
+    kernels_.add_block_of_floats(float_vertices(block, room), query.ray, t_max, candidates);
+    FacetQuery& facets = query.facets;
     bool found = false;
     while (!candidates.empty()) {
         const auto [t, triangle] = candidates.take_nearest();
-        if (found && t > query.ray->float_distance(query.farthest)) break;
-        found |= query.offer_uncertain({number, triangle}, block.corners(triangle, dicer_->format()));
+        if (found && t > facets.ray->float_distance(facets.farthest)) break;
+        found |= facets.offer_uncertain({number, triangle}, block.corners(triangle, dicer_->format()));
     }
     return found;
+}
+
+bool ResidentScene::find(const LocalRay& ray, ShapeHit& hit, Wanted wanted) const {
+    if (tree_.empty()) return false;
+    Query query{this, FacetQuery(ray, hit), GridRay(ray.float_origin, ray.float_direction), wanted};
+    const auto visit_block = [](void* owner, uint32_t block, uint32_t, float* farthest) {
+        Query& asked = *static_cast<Query*>(owner);
+        if (!asked.scene->visit(asked, block, *farthest)) return;
+        *farthest = asked.wanted == Wanted::Any ? kDone : asked.facets.ray->float_distance(asked.facets.farthest);
+    };
+    float farthest = ray.float_distance(ray.t_max);
+    traversal_.alone(tree_.nodes(), ray.float_origin, ray.float_direction, &farthest, {visit_block, &query});
+    return query.facets.found;
+}
+
+bool ResidentScene::closest(const LocalRay& ray, ShapeHit& hit) const {
+    return find(ray, hit, Wanted::Closest);
+}
+
+bool ResidentScene::occluded(const LocalRay& ray) const {
+    ShapeHit hit;
+    return find(ray, hit, Wanted::Any);
 }
 
 /// The same for lanes of a packet: those that surely hit something nearer, a bit each, and what may be hit is kept.
 uint32_t ResidentScene::visit(PacketQuery& packet, uint32_t number, uint32_t lanes, float* farthest) const {
     float room[3 * kBlockSize];
-    const FindInBlock find = std::popcount(lanes) <= kFewRays ? packet_kernels_.one_by_one : packet_kernels_.together;
+    const FindInBlock test_block =
+        std::popcount(lanes) <= kFewRays ? packet_kernels_.one_by_one : packet_kernels_.together;
     const uint32_t sure =
-        find(float_vertices(blocks_[number], room), number, packet.rays, lanes, farthest, packet.open);
+        test_block(float_vertices(blocks_[number], room), number, packet.rays, lanes, farthest, packet.open);
     uint32_t crowded = 0;
     for_each_lane(lanes, [&](size_t lane) {
         if (packet.open.count[lane] > OpenFacets::kMost) crowded |= 1u << lane;
@@ -74,15 +108,44 @@ uint32_t ResidentScene::visit(PacketQuery& packet, uint32_t number, uint32_t lan
     return sure;
 }
 
-void ResidentScene::begin(PacketQuery& packet) const {
+struct ResidentScene::Packet {
+    const ResidentScene* scene;
+    PacketQuery* query;
+};
+
+void ResidentScene::find(PacketQuery& packet, Wanted wanted) const {
+    packet.found = 0;
+    if (tree_.empty()) return;
     packet.open.clear();
     packet_kernels_.shear(packet.rays, packet.lanes);
+    const auto visit_closest = [](void* owner, uint32_t block, uint32_t lanes, float* farthest) {
+        const Packet& asked = *static_cast<const Packet*>(owner);
+        asked.scene->visit(*asked.query, block, lanes, farthest);
+    };
+    const auto visit_any = [](void* owner, uint32_t block, uint32_t lanes, float* farthest) {
+        const Packet& asked = *static_cast<const Packet*>(owner);
+        PacketQuery& query = *asked.query;
+        query.found |= asked.scene->visit(query, block, lanes, farthest);
+        for_each_lane(query.found & lanes, [&](size_t lane) {
+            farthest[lane] = kDone;
+            query.open.count[lane] = 0;
+        });
+    };
+    alignas(64) float farthest[kPacketSize];
+    std::copy_n(packet.rays.farthest, kPacketSize, farthest);
+    Packet asked{this, &packet};
+    const BoxVisitor visitor{wanted == Wanted::Any ? BoxVisitor::Visit{visit_any} : BoxVisitor::Visit{visit_closest},
+                             &asked};
+    traversal_.packet(tree_.nodes(), packet.rays, packet.lanes, kFewRays, farthest, visitor);
+    decide(packet, packet.lanes, farthest);
 }
 
-void ResidentScene::end(PacketQuery& packet, const float* farthest) const {
-    alignas(64) float left[kPacketSize];
-    std::copy_n(farthest, kPacketSize, left);
-    decide(packet, packet.lanes, left);
+void ResidentScene::find_closest(PacketQuery& packet) const {
+    find(packet, Wanted::Closest);
+}
+
+void ResidentScene::find_any(PacketQuery& packet) const {
+    find(packet, Wanted::Any);
 }
 
 /// Takes the nearest of the facets that these lanes may hit.
@@ -103,45 +166,6 @@ void ResidentScene::decide(PacketQuery& packet, uint32_t lanes, float* farthest)
         });
         lanes = asked;
     }
-}
-
-void ResidentScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
-    const auto& self = *static_cast<const ResidentScene*>(arguments->geometryUserPtr);
-    const Box3f box = self.blocks_.box(arguments->primID);
-    *arguments->bounds_o = {box.min.x, box.min.y, box.min.z, 0.0f, box.max.x, box.max.y, box.max.z, 0.0f};
-}
-
-void ResidentScene::closest_callback(const RTCIntersectFunctionNArguments* arguments) {
-    const auto& self = *static_cast<const ResidentScene*>(arguments->geometryUserPtr);
-    const uint32_t lanes = lanes_of(arguments->valid, arguments->N);
-    if (lanes == 0) return;
-    float* t_max = &RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0);
-    if (arguments->N == 1) {
-        ShapeQuery& query = ShapeQuery::of(arguments->context);
-        if (self.visit(query.facets, query.grid_ray, arguments->primID, *t_max))
-            *t_max = query.ray().float_distance(query.facets.farthest);
-        return;
-    }
-    self.visit(PacketQuery::of(arguments->context), arguments->primID, lanes, t_max);
-}
-
-void ResidentScene::any_callback(const RTCOccludedFunctionNArguments* arguments) {
-    const auto& self = *static_cast<const ResidentScene*>(arguments->geometryUserPtr);
-    const uint32_t lanes = lanes_of(arguments->valid, arguments->N);
-    if (lanes == 0) return;
-    float* t_max = &RTCRayN_tfar(arguments->ray, arguments->N, 0);
-    constexpr float kHit = -std::numeric_limits<float>::infinity();
-    if (arguments->N == 1) {
-        ShapeQuery& query = ShapeQuery::of(arguments->context);
-        if (self.visit(query.facets, query.grid_ray, arguments->primID, *t_max)) *t_max = kHit;
-        return;
-    }
-    PacketQuery& packet = PacketQuery::of(arguments->context);
-    packet.found |= self.visit(packet, arguments->primID, lanes, t_max);
-    for_each_lane(packet.found & lanes, [&](size_t lane) {
-        t_max[lane] = kHit;
-        packet.open.count[lane] = 0;
-    });
 }
 
 LocalHit ResidentScene::local_hit(const ShapeHit& hit) const {

@@ -1,4 +1,4 @@
-// A surface whose facets stay in memory, as Embree's user geometry: one primitive a block of 4 x 4 cells.
+// A surface whose facets stay in memory: a tree over blocks of 4 x 4 cells.
 //
 // Every ray sees the same facets, which the view made as fine as it needs: there is no level to choose, nothing to look
 // up, and nothing that a ray must know of the one before it.
@@ -7,6 +7,7 @@
 #include "tessellation/facet_blocks.h"
 #include "tessellation/grid_intersection.h"
 #include "tessellation/packet_decision.h"
+#include "trace/box_traversal.h"
 #include "trace/diced_surface.h"
 #include "trace/shape_scene.h"
 
@@ -19,6 +20,10 @@ class ResidentScene final : public ShapeScene {
     /// `blocks` are the surface's, not yet filled.
     ResidentScene(const Shape& shape, DicedSurface surface, FacetBlocks blocks, const CancelToken& cancel);
 
+    bool closest(const LocalRay& ray, ShapeHit& hit) const override;
+    bool occluded(const LocalRay& ray) const override;
+    void find_closest(PacketQuery& packet) const override;
+    void find_any(PacketQuery& packet) const override;
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override;
     uint32_t subpatch_count() const override { return dicer_->subpatch_count(); }
@@ -27,6 +32,7 @@ class ResidentScene final : public ShapeScene {
     double vertex_error() const override { return kFinestTolerance; }
     NormalCounters limit_normals() const override { return normal_counters(shape()); }
     uint64_t facet_bytes() const override { return blocks_.bytes(); }
+    uint64_t tree_bytes() const override { return tree_.bytes(); }
     uint64_t record_bytes() const override { return dicer_->bytes(); }
 
   private:
@@ -36,16 +42,19 @@ class ResidentScene final : public ShapeScene {
     MeetFacets meet_facets_;
     FacetBlocks blocks_;
 
-    const float* float_vertices(const FacetBlock& block, float* room) const;
-    bool visit(FacetQuery& query, const GridRay& ray, uint32_t block, float t_max) const;
-    uint32_t visit(PacketQuery& packet, uint32_t block, uint32_t lanes, float* farthest) const;
-    void begin(PacketQuery& packet) const override;
-    void end(PacketQuery& packet, const float* farthest) const override;
-    void decide(PacketQuery& packet, uint32_t lanes, float* farthest) const;
+    BoxTraversal traversal_;
+    BoxTree tree_;  ///< of blocks
 
-    static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
-    static void closest_callback(const RTCIntersectFunctionNArguments* arguments);
-    static void any_callback(const RTCOccludedFunctionNArguments* arguments);
+    struct Query;
+    struct Packet;
+    enum class Wanted : uint8_t { Closest, Any };
+
+    const float* float_vertices(const FacetBlock& block, float* room) const;
+    bool find(const LocalRay& ray, ShapeHit& hit, Wanted wanted) const;
+    void find(PacketQuery& packet, Wanted wanted) const;
+    bool visit(Query& query, uint32_t block, float t_max) const;
+    uint32_t visit(PacketQuery& packet, uint32_t block, uint32_t lanes, float* farthest) const;
+    void decide(PacketQuery& packet, uint32_t lanes, float* farthest) const;
 };
 
 }  // namespace rayleaf

@@ -16,6 +16,10 @@ NormalCounters normal_counters(const Shape& shape) {
 
 void ShapeScene::set_scene(EmbreeScene scene, const Box3f& box) {
     scene_ = std::move(scene);
+    set_box(box);
+}
+
+void ShapeScene::set_box(const Box3f& box) {
     const Vec3d padding(kBoxPadding);
     box_ = Box3d(Vec3d(box.min) - padding, Vec3d(box.max) + padding);
 }
@@ -80,20 +84,16 @@ void embree_any(RTCScene scene, EmbreeContext& context, Coherence coherence, con
     embree_any16(valid, scene, context, coherence, result);
 }
 
-void ShapeScene::closest(PacketQuery& packet) const {
+void ShapeScene::find_closest(PacketQuery& packet) const {
     packet.found = 0;
-    begin(packet);
     RTCRayHit16 result;
     embree_closest(scene_.get(), packet.context, packet.coherence, packet.rays, packet.lanes, result);
-    end(packet, result.ray.tfar);
 }
 
-void ShapeScene::occluded(PacketQuery& packet) const {
+void ShapeScene::find_any(PacketQuery& packet) const {
     packet.found = 0;
-    begin(packet);
     RTCRay16 result;
     embree_any(scene_.get(), packet.context, packet.coherence, packet.rays, packet.lanes, result);
-    end(packet, result.tfar);
 }
 
 }  // namespace rayleaf

@@ -177,8 +177,8 @@ class ShapeScene {
     /// Whether the shape can be asked by packets.
     bool takes_packets() const { return kind_ == FacetKind::Triangles || kind_ == FacetKind::Resident; }
     /// The same for a packet: `found` tells of each lane. Of occluded, any hit will do.
-    void closest(PacketQuery& packet) const;
-    void occluded(PacketQuery& packet) const;
+    virtual void find_closest(PacketQuery& packet) const;
+    virtual void find_any(PacketQuery& packet) const;
 
     virtual LocalHit local_hit(const ShapeHit& hit) const = 0;
     /// A point of an element as if a ray had hit its facet there.
@@ -199,7 +199,9 @@ class ShapeScene {
     virtual uint32_t cached_subpatches() const { return 0; }
     /// Of facets that stay in memory; 0 where there are none.
     virtual uint64_t facet_bytes() const { return 0; }
-    /// What is held beside Embree's tree, the grids and the facets.
+    /// Of a tree of its own.
+    virtual uint64_t tree_bytes() const { return 0; }
+    /// What is held beside the trees, the grids and the facets.
     virtual uint64_t record_bytes() const { return 0; }
     /// Whether it matters how wide rays are.
     bool has_levels() const { return kind_ == FacetKind::Grids; }
@@ -215,14 +217,13 @@ class ShapeScene {
     ShapeScene(const Shape& shape, FacetKind kind) : shape_(&shape), kind_(kind) {}
     /// Embree's scene of the facets; the box is that of the facets, not yet padded.
     void set_scene(EmbreeScene scene, const Box3f& box);
+    /// The same of a shape that has a tree of its own.
+    void set_box(const Box3f& box);
     RTCScene embree_scene() const { return scene_.get(); }
     const GeometryCache* geometry_cache() const { return geometry_cache_; }
     uint32_t first_subpatch() const { return first_subpatch_; }
     /// Before a query of grids.
     virtual void prepare(ShapeQuery&) const {}
-    /// Before a query by packets, and after it: `farthest` is what it left of the lanes, along the float rays.
-    virtual void begin(PacketQuery&) const {}
-    virtual void end(PacketQuery&, const float* /*farthest*/) const {}
 
   private:
     double facet_distance_ = 0;

@@ -165,6 +165,7 @@ TraceStatistics Tracer::statistics() const {
         result.subpatches += shape->subpatch_count();
         result.record_bytes += shape->record_bytes();
         result.facet_bytes += shape->facet_bytes();
+        result.bvh_bytes += shape->tree_bytes();
         result.resident_shapes += shape->facet_bytes() > 0 ? 1 : 0;
         result.triangles += shape->triangle_count();
         result.limit_normals += shape->limit_normals();

@@ -84,11 +84,11 @@ void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_
     shape.lanes = clip_packet(packet.world, lanes, record.to_local(), record.scene->box(), shape.rays);
     if (shape.lanes == 0) return;
     if (wanted == Wanted::Any) {
-        record.scene->occluded(shape);
+        record.scene->find_any(shape);
         for_each_lane(shape.found, [&](size_t lane) { packet.queries[lane].found = true; });
         return;
     }
-    record.scene->closest(shape);
+    record.scene->find_closest(shape);
     for_each_lane(shape.found, [&](size_t lane) {
         const PacketQuery::Best& best = shape.best[lane];
         Query& query = packet.queries[lane];

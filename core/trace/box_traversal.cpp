@@ -1,0 +1,241 @@
+#include "trace/box_traversal.h"
+
+#include "tessellation/simd.h"
+
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "trace/box_traversal.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rayleaf {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#include "tessellation/simd_lanes.inl"
+
+/// Far beyond any box, yet times a box's size still finite.
+constexpr float kHuge = 1e18f;
+/// A node leaves room for its children: of each level, all but the one that is visited wait.
+constexpr int kMostWaiting = (BoxNode::kMostChildren - 1) * (BoxNode::kDeepest + 2) + 1;
+
+/// What waits to be visited, as one number that can be sorted: where it begins, which is not negative, and what it is.
+HWY_INLINE uint64_t waiting_at(float near, uint32_t child) {
+    return uint64_t{std::bit_cast<uint32_t>(near)} << 32 | child;
+}
+HWY_INLINE float near_of(uint64_t waiting) {
+    return std::bit_cast<float>(static_cast<uint32_t>(waiting >> 32));
+}
+
+using Boxes = hn::CappedTag<float, BoxNode::kMostChildren>;
+using BoxVector = hn::Vec<Boxes>;
+constexpr int kBoxWidth = static_cast<int>(hn::MaxLanes(Boxes()));
+
+/// One ray: the children of a node in the lanes.
+class OneRay {
+  public:
+    HWY_INLINE OneRay(const float (&origin)[3], const float (&direction)[3]) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const float component = direction[axis];
+            const float inverse =
+                std::abs(component) > 1.0f / kHuge ? 1.0f / component : std::copysign(kHuge, component);
+            near_side_[axis] = inverse < 0.0f ? 1 : 0;
+            inverse_[axis] = hn::Set(Boxes(), inverse);
+            offset_[axis] = hn::Set(Boxes(), origin[axis] * inverse);
+        }
+    }
+    HWY_INLINE void visit(const BoxNode* nodes, uint32_t root, uint32_t lane, float* farthest,
+                          const BoxVisitor& visitor) const {
+        uint64_t waiting[kMostWaiting];
+        int count = 0;
+        waiting[count++] = waiting_at(0.0f, root);
+        while (count > 0) {
+            const uint64_t next = waiting[--count];
+            if (!(near_of(next) <= farthest[lane])) continue;
+            const auto child = static_cast<uint32_t>(next);
+            if ((child & BoxNode::kLeaf) != 0)
+                visitor.visit(visitor.owner, child & ~BoxNode::kLeaf, 1u << lane, farthest);
+            else
+                count = add_children(nodes[child], farthest[lane], waiting, count);
+        }
+    }
+
+  private:
+    int near_side_[3];
+    BoxVector inverse_[3], offset_[3];
+
+    /// The nearest comes last, to be visited first.
+    HWY_INLINE int add_children(const BoxNode& node, float farthest, uint64_t* waiting, int count) const {
+        HWY_ALIGN float nears[BoxNode::kMostChildren];
+        uint32_t bits = 0;
+        for (int first = 0; first < BoxNode::kMostChildren; first += kBoxWidth) {
+            BoxVector near = hn::Zero(Boxes()), far = hn::Set(Boxes(), farthest);
+            for (int axis = 0; axis < 3; ++axis) {
+                const int side = near_side_[axis];
+                const BoxVector entry = hn::Load(Boxes(), node.bounds[axis][side] + first);
+                const BoxVector exit = hn::Load(Boxes(), node.bounds[axis][1 - side] + first);
+                near = hn::Max(near, hn::MulSub(entry, inverse_[axis], offset_[axis]));
+                far = hn::Min(far, hn::MulSub(exit, inverse_[axis], offset_[axis]));
+            }
+            bits |= mask_bits(Boxes(), hn::Le(near, far)) << first;
+            hn::Store(near, Boxes(), nears + first);
+        }
+        const int bottom = count;
+        for (bits &= (1u << node.count) - 1u; bits != 0; bits &= bits - 1) {
+            const auto child = static_cast<size_t>(__builtin_ctz(bits));
+            const uint64_t met = waiting_at(nears[child], node.child[child]);
+            int at = count++;
+            for (; at > bottom && waiting[at - 1] < met; --at) waiting[at] = waiting[at - 1];
+            waiting[at] = met;
+        }
+        return count;
+    }
+};
+
+using Rays = hn::CappedTag<float, kPacketSize>;
+using RayVector = hn::Vec<Rays>;
+constexpr int kRayWidth = static_cast<int>(hn::MaxLanes(Rays()));
+
+/// A packet: the rays in the lanes, the children of a node one after the other.
+class ManyRays {
+  public:
+    HWY_INLINE ManyRays(const RayPacket& rays, int few, const BoxVisitor& visitor)
+        : rays_(rays), few_(few), visitor_(visitor) {
+        const RayVector huge = hn::Set(Rays(), kHuge), least = hn::Set(Rays(), 1.0f / kHuge);
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int first = 0; first < kPacketSize; first += kRayWidth) {
+                const RayVector component = hn::Load(Rays(), rays.unit_direction[axis] + first);
+                const auto usual = hn::Gt(hn::Abs(component), least);
+                const RayVector inverse =
+                    hn::IfThenElse(usual, hn::Div(hn::Set(Rays(), 1.0f), component), hn::CopySign(huge, component));
+                const RayVector origin = hn::Load(Rays(), rays.near_origin[axis] + first);
+                hn::Store(inverse, Rays(), inverse_[axis] + first);
+                hn::Store(hn::Mul(origin, inverse), Rays(), offset_[axis] + first);
+            }
+        }
+    }
+    HWY_INLINE void visit(const BoxNode* nodes, uint32_t lanes, float* farthest) {
+        count_ = 0;
+        WaitingPacket& root = waiting_[count_++];
+        root.child = 0;
+        root.lanes = lanes;
+        for (float& near : root.near) near = 0.0f;
+        while (count_ > 0) {
+            const WaitingPacket& next = waiting_[--count_];
+            const uint32_t child = next.child, left = next.lanes & reached(next.near, farthest);
+            if (left == 0) continue;
+            if ((child & BoxNode::kLeaf) != 0)
+                visitor_.visit(visitor_.owner, child & ~BoxNode::kLeaf, left, farthest);
+            else if (std::popcount(left) > few_)
+                add_children(nodes[child], left, farthest);
+            else
+                visit_one_by_one(nodes, child, left, farthest);
+        }
+    }
+
+  private:
+    struct alignas(64) WaitingPacket {
+        float near[kPacketSize];
+        uint32_t child, lanes;
+    };
+    const RayPacket& rays_;
+    int few_, count_ = 0;
+    const BoxVisitor& visitor_;
+    alignas(64) float inverse_[3][kPacketSize];
+    alignas(64) float offset_[3][kPacketSize];
+    WaitingPacket waiting_[kMostWaiting];
+
+    static HWY_INLINE uint32_t reached(const float* near, const float* farthest) {
+        uint32_t bits = 0;
+        for (int first = 0; first < kPacketSize; first += kRayWidth)
+            bits |= mask_bits(Rays(), hn::Le(hn::Load(Rays(), near + first), hn::LoadU(Rays(), farthest + first)))
+                    << first;
+        return bits;
+    }
+    HWY_INLINE void visit_one_by_one(const BoxNode* nodes, uint32_t child, uint32_t lanes, float* farthest) const {
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const auto lane = static_cast<uint32_t>(__builtin_ctz(lanes));
+            const float origin[3] = {rays_.near_origin[0][lane], rays_.near_origin[1][lane],
+                                     rays_.near_origin[2][lane]};
+            const float direction[3] = {rays_.unit_direction[0][lane], rays_.unit_direction[1][lane],
+                                        rays_.unit_direction[2][lane]};
+            OneRay(origin, direction).visit(nodes, child, lane, farthest, visitor_);
+        }
+    }
+    /// The one that is nearest to the first ray comes last, to be visited first.
+    HWY_INLINE void add_children(const BoxNode& node, uint32_t lanes, const float* farthest) {
+        alignas(64) float nears[BoxNode::kMostChildren][kPacketSize];
+        uint32_t met[BoxNode::kMostChildren];
+        float keys[BoxNode::kMostChildren];
+        uint32_t order[BoxNode::kMostChildren];
+        int found = 0;
+        for (uint32_t child = 0; child < node.count; ++child) {
+            met[child] = meet(node, child, farthest, nears[child]) & lanes;
+            if (met[child] == 0) continue;
+            keys[child] = nears[child][__builtin_ctz(met[child])];
+            int at = found++;
+            for (; at > 0 && keys[order[at - 1]] < keys[child]; --at) order[at] = order[at - 1];
+            order[at] = child;
+        }
+        for (int i = 0; i < found; ++i) {
+            WaitingPacket& entry = waiting_[count_++];
+            for (int first = 0; first < kPacketSize; first += kRayWidth)
+                hn::Store(hn::Load(Rays(), nears[order[i]] + first), Rays(), entry.near + first);
+            entry.child = node.child[order[i]];
+            entry.lanes = met[order[i]];
+        }
+    }
+    /// The lanes that meet a child.
+    HWY_INLINE uint32_t meet(const BoxNode& node, uint32_t child, const float* farthest, float* nears) const {
+        uint32_t bits = 0;
+        for (int first = 0; first < kPacketSize; first += kRayWidth) {
+            RayVector near = hn::Zero(Rays()), far = hn::LoadU(Rays(), farthest + first);
+            for (int axis = 0; axis < 3; ++axis) {
+                const RayVector inverse = hn::Load(Rays(), inverse_[axis] + first);
+                const RayVector offset = hn::Load(Rays(), offset_[axis] + first);
+                const RayVector a = hn::MulSub(hn::Set(Rays(), node.bounds[axis][0][child]), inverse, offset);
+                const RayVector b = hn::MulSub(hn::Set(Rays(), node.bounds[axis][1][child]), inverse, offset);
+                near = hn::Max(near, hn::Min(a, b));
+                far = hn::Min(far, hn::Max(a, b));
+            }
+            bits |= mask_bits(Rays(), hn::Le(near, far)) << first;
+            hn::Store(near, Rays(), nears + first);
+        }
+        return bits;
+    }
+};
+
+void traverse_packet(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, int few, float* farthest,
+                     const BoxVisitor& visitor) {
+    ManyRays(rays, few, visitor).visit(nodes, lanes, farthest);
+}
+
+void traverse_alone(const BoxNode* nodes, const Vec3f& origin, const Vec3f& direction, float* farthest,
+                    const BoxVisitor& visitor) {
+    const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {direction.x, direction.y, direction.z};
+    OneRay(from, along).visit(nodes, 0, 0, farthest, visitor);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rayleaf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rayleaf {
+
+HWY_EXPORT(traverse_packet);
+HWY_EXPORT(traverse_alone);
+
+BoxTraversal box_traversal() {
+    // The first call through the table chooses; the pointers must be taken after that.
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    return {&HWY_DYNAMIC_DISPATCH(traverse_packet), &HWY_DYNAMIC_DISPATCH(traverse_alone)};
+}
+
+}  // namespace rayleaf
+#endif

@@ -1,0 +1,32 @@
+// Rays on their way through a tree of boxes: a packet together while several of its rays meet a node, then each alone.
+//
+// Boxes are met in single precision; they are padded by more than rounding moves a ray or a box (kBoxPadding).
+#pragma once
+
+#include "tessellation/ray_packet.h"
+#include "trace/box_tree.h"
+
+#include <cstdint>
+
+namespace rayleaf {
+
+/// What is done at an item that rays may meet: `visit` tests the lanes and lowers their `farthest`, below zero where a
+/// ray need not go on.
+struct BoxVisitor {
+    using Visit = void (*)(void* owner, uint32_t item, uint32_t lanes, float* farthest);
+    Visit visit;
+    void* owner;
+};
+
+struct BoxTraversal {
+    /// `lanes` meet a node together while there are more than `few`. `farthest` is by lane, along the unit direction.
+    void (*packet)(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, int few, float* farthest,
+                   const BoxVisitor& visitor);
+    /// A ray of its own, as lane 0.
+    void (*alone)(const BoxNode* nodes, const Vec3f& origin, const Vec3f& direction, float* farthest,
+                  const BoxVisitor& visitor);
+};
+/// The versions for this machine's processor.
+BoxTraversal box_traversal();
+
+}  // namespace rayleaf
