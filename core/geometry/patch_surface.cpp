@@ -191,12 +191,6 @@ BorderPlace PatchSurface::owner_place(const BorderPlace& place) const {
     return {index(span), at};
 }
 
-PatchView PatchSurface::patch(uint32_t patch) const {
-    const SplinePatches& spline = spline_of(patch);
-    const Vec4d* points = &points_[spline.first_point + (patch - spline.first_patch) * spline.points_per_patch()];
-    return {spline.degree_u, spline.degree_v, spline.rational, points};
-}
-
 LocalSurface PatchSurface::surface(const LocalHit& hit) const {
     return surface(hit, spline_of(hit.primitive), patch(hit.primitive).evaluate(hit.u, hit.v), std::nullopt);
 }

@@ -54,7 +54,11 @@ class PatchSurface final : public Shape {
     const std::vector<SplinePatches>& splines() const { return splines_; }
     const SplinePatches& spline_of(uint32_t patch) const;
     /// Local space.
-    PatchView patch(uint32_t patch) const;
+    PatchView patch(uint32_t patch) const { return this->patch(patch, spline_of(patch)); }
+    PatchView patch(uint32_t patch, const SplinePatches& spline) const {
+        const Vec4d* points = &points_[spline.first_point + (patch - spline.first_patch) * spline.points_per_patch()];
+        return {spline.degree_u, spline.degree_v, spline.rational, points};
+    }
     /// The same point by the patch that speaks for all that meet there: on borders within a spline, and at poles.
     BorderPlace owner_place(const BorderPlace& place) const;
     /// How often hits so far needed a limit normal, by the stage that gave it; Regular is not counted.

@@ -60,13 +60,18 @@ void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
     std::array<ShadingInputs, kMostPoints> inputs;
     std::array<const ShadingInputs*, kMostPoints> of_point;
     std::array<Closures*, kMostPoints> closures;
+    std::array<SurfaceQuery, kMostPoints> surfaces;
+    const SurfaceDetail detail = scene_.needs_footprints() ? SurfaceDetail::Curvature : SurfaceDetail::Normal;
     for (size_t first = 0; first < all.size(); first += kMostPoints) {
         const std::span<const uint32_t> paths = all.subspan(first, std::min(kMostPoints, all.size() - first));
         for (size_t i = 0; i < paths.size(); ++i) {
             const PathTracer& path = paths_[paths[i]];
+            surfaces[i] = {&path.ray(), &path.hit(), &vertices_[i].point};
+        }
+        scene_.tracer().surface_points({surfaces.data(), paths.size()}, detail);
+        for (size_t i = 0; i < paths.size(); ++i) {
             Vertex& vertex = vertices_[i];
-            vertex.point = scene_.tracer().surface_point(path.ray(), path.hit());
-            inputs[i] = path.approach(vertex);
+            inputs[i] = paths_[paths[i]].approach(vertex);
             of_point[i] = &inputs[i];
             closures[i] = &vertex.closures;
         }
@@ -94,7 +99,7 @@ void PathStream::trace_light_packet(std::span<const uint32_t> paths, Coherence c
     std::array<RayQuery, kPacketSize> queries;
     for (size_t i = 0; i < paths.size(); ++i) {
         LightRay& light = *paths_[paths[i]].light_ray();
-        light.ray = with_width(light.ray, light.differential, light.widening);
+        if (scene_.needs_footprints()) light.ray = with_width(light.ray, light.differential, light.widening);
         queries[i] = {&light.ray, light.kind, nullptr};
     }
     const std::span<const RayQuery> rays(queries.data(), paths.size());

@@ -30,7 +30,7 @@ PixelSample PathTracer::trace() {
 
 RayQuery PathTracer::next_ray() {
     ++counts_[use_];
-    ray_ = with_width(ray_, differential_, widening());
+    if (has_footprint_) ray_ = with_width(ray_, differential_, widening());
     return {&ray_, bounces_.ray_kind(), scene_.needs_differentials() ? &differential_ : nullptr};
 }
 
@@ -52,7 +52,7 @@ bool PathTracer::shade_alone() {
 ShadingInputs PathTracer::approach(Vertex& vertex) const {
     const Vec3f direction(ray_.direction);
     vertex.outgoing = -direction;
-    vertex.differential = differential_.transferred(direction, hit_->t, vertex.point.facet_normal);
+    if (has_footprint_) vertex.differential = differential_.transferred(direction, hit_->t, vertex.point.facet_normal);
     if (hit_->is_interpolated()) {
         vertex.point.dp_du = vertex.differential.dp_dx;
         vertex.point.dp_dv = vertex.differential.dp_dy;
@@ -166,7 +166,7 @@ void PathTracer::add_direct_light(const Vertex& vertex) {
     const std::optional<Ray> ray = shadow_ray(scene_, vertex.point, *light);
     if (!ray) return receive(Color(1.0f));
     to_light.ray = *ray;
-    to_light.differential = shadow_differential(vertex.differential, *light, kPathSiblings);
+    if (has_footprint_) to_light.differential = shadow_differential(vertex.differential, *light, kPathSiblings);
     to_light.state = bounces_.of_shadow_ray();
     to_light.transparent_left = bounces_.transparent_left();
     to_light.widening = settings_.widening(importance(), false);
@@ -237,7 +237,8 @@ bool PathTracer::scatter(const Vertex& vertex) {
     use_ = use_of_scattered(use_, *sample);
     if (!survives_roulette()) return false;
     const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
-    differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
+    if (has_footprint_)
+        differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
     departure_ = {vertex.point.position, sample->singular ? 0.0f : sample->density};
     ray_ = Ray{};
     vertex.point.release(ray_, sample->direction);

@@ -47,7 +47,8 @@ class PathTracer {
           differential_(camera_ray.differential),
           departure_{camera_ray.ray.origin},
           bounces_(settings),
-          light_(settings) {}
+          light_(settings),
+          has_footprint_(scene.needs_footprints()) {}
 
     /// All of the path, ray by ray.
     PixelSample trace();
@@ -84,6 +85,7 @@ class PathTracer {
     Contributions light_;
     ByKind first_shares_;  ///< of the first scattering
     float alpha_ = 1;
+    bool has_footprint_;  ///< differentials count, and are kept
     bool surface_recorded_ = false;
     int vertex_ = 0;
     RayUse use_ = RayUse::Camera;  ///< of the ray under way

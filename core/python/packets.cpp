@@ -84,4 +84,18 @@ void bind_packets(py::module_& module) {
                py::arg("coherent") = false, "As Tracer.occluded, sixteen rays at once.");
 }
 
+FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Visibility kind) {
+    FoundPoints found{std::vector<std::optional<Hit>>(rays.size()), std::vector<SurfacePoint>(rays.size())};
+    std::vector<SurfaceQuery> queries;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        found.hits[i] = tracer.closest_hit(rays[i], kind);
+        if (found.hits[i]) queries.push_back({&rays[i], &*found.hits[i], &found.points[i]});
+    }
+    if (rays.size() > 1)
+        tracer.surface_points(queries, SurfaceDetail::Curvature);
+    else
+        for (const SurfaceQuery& each : queries) *each.point = tracer.surface_point(*each.ray, *each.hit);
+    return found;
+}
+
 }  // namespace rayleaf

@@ -2,9 +2,20 @@
 #pragma once
 
 #include "python/bindings.h"
+#include "trace/tracer.h"
+
+#include <optional>
+#include <vector>
 
 namespace rayleaf {
 
 void bind_packets(py::module_& module);
+
+/// What rays hit, and the surface points there: of several found together, of one alone.
+struct FoundPoints {
+    std::vector<std::optional<Hit>> hits;
+    std::vector<SurfacePoint> points;
+};
+FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Visibility kind);
 
 }  // namespace rayleaf

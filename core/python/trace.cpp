@@ -117,10 +117,11 @@ void store_vector(const V& value, T* out) {
 
 py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
                       const Array<double>& t_min, const Array<double>& t_max, int kind, const Array<float>& width,
-                      const Array<float>& spread, const Array<uint32_t>& starts) {
+                      const Array<float>& spread, const Array<uint32_t>& starts, size_t together) {
     const RayArrays rays{origins, directions, t_min, t_max, width, spread, starts};
     rays.check();
     const size_t n = rays.size();
+    if (together < 1) throw InputError("rays", "together", "0", "at least 1");
     py::array_t<uint32_t> anchors = columns<uint32_t>(n, 3);
     uint32_t* anchors_out = anchors.mutable_data();
     py::array_t<double> t(n), offset(n), position = columns<double>(n, 3), facet = columns<double>(n, 3);
@@ -134,11 +135,7 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
     float *u_out = u.mutable_data(), *v_out = v.mutable_data(), *uv_out = uv.mutable_data();
     float *normal_out = normal.mutable_data(), *facet_normal_out = facet_normal.mutable_data();
     float* derivatives_out = derivatives.mutable_data();
-    const auto trace = [&](size_t i) {
-        const Ray ray = rays[i];
-        const std::optional<Hit> hit = tracer.closest_hit(ray, static_cast<Visibility>(kind));
-        SurfacePoint point;
-        if (hit) point = tracer.surface_point(ray, *hit);
+    const auto store = [&](size_t i, const std::optional<Hit>& hit, const SurfacePoint& point) {
         t_out[i] = hit ? hit->t : std::numeric_limits<double>::infinity();
         instance_out[i] = hit ? static_cast<int32_t>(hit->instance) : -1;
         primitive_out[i] = hit ? static_cast<int32_t>(hit->local.primitive) : -1;
@@ -160,9 +157,15 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
         store_vector(point.dn_du, derivatives_out + 12 * i + 6);
         store_vector(point.dn_dv, derivatives_out + 12 * i + 9);
     };
+    const auto trace = [&](size_t first) {
+        std::vector<Ray> chunk;
+        for (size_t i = first; i < std::min(first + together, n); ++i) chunk.push_back(rays[i]);
+        const FoundPoints found = found_points(tracer, chunk, static_cast<Visibility>(kind));
+        for (size_t i = 0; i < chunk.size(); ++i) store(first + i, found.hits[i], found.points[i]);
+    };
     {
         const py::gil_scoped_release released;
-        tbb::parallel_for(size_t{0}, n, trace);
+        tbb::parallel_for(size_t{0}, (n + together - 1) / together, [&](size_t i) { trace(i * together); });
     }
     py::dict result;
     result["t"] = t;
@@ -356,8 +359,9 @@ void bind_trace(py::module_& parent) {
         .def("closest_hits", &closest_hits, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll),
              py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
-             py::arg("starts") = Array<uint32_t>(0),
-             "anchors: instance, subpatch and levels of a hit, which rays that leave it may be given as starts")
+             py::arg("starts") = Array<uint32_t>(0), py::arg("together") = 1,
+             "anchors: instance, subpatch and levels of a hit, which rays that leave it may be given as starts. The "
+             "surface points of so many rays are found together; they are the same.")
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
         .def("timed_closest", &timed<Tracer>, py::arg("origins"), py::arg("directions"),

@@ -60,6 +60,9 @@ class Scene {
     void set_ray_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache);
     /// Whether what is seen by way of an interpolated hit depends on its ray differential.
     bool needs_differentials() const { return textures_ != nullptr || cached_ > 1; }
+    /// Whether anything depends on how far apart the rays of a picture are: dicing by the width of rays, textures, ray
+    /// caches. If not, nobody needs to know.
+    bool needs_footprints() const { return textures_ != nullptr || cached_ > 0 || tracer_->has_levels(); }
     float object_index(uint32_t instance) const { return infos_[instance].object_index; }
     /// Whether any material lets light straight through, so that shadow rays have to ask.
     bool has_transparency() const { return has_transparency_; }

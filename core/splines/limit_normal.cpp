@@ -8,8 +8,6 @@ namespace rayleaf {
 
 namespace {
 
-/// Derivatives this much shorter than the other one or than the position are compared with their rounding error.
-constexpr double kSuspiciousRatio = 1e-6, kSuspiciousLength = 1e-9;
 /// A first-order term below this share of the products it is made of is cancellation, not a direction.
 constexpr double kCancellationShare = 1e-8;
 

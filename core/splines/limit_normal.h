@@ -31,6 +31,8 @@ inline constexpr size_t kNormalStageCount = 5;
 inline constexpr double kInset = 1e-3;
 /// |P_u x P_v|² of less than this share of |P_u|² |P_v|² counts as degenerate (an angle of 1e-5).
 inline constexpr double kDegenerateShare = 1e-10;
+/// Derivatives this much shorter than the other one or than the position are compared with their rounding error.
+inline constexpr double kSuspiciousRatio = 1e-6, kSuspiciousLength = 1e-9;
 
 struct LimitNormal {
     Vec3d normal{0, 0, 1};                 ///< unit

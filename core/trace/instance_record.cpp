@@ -30,6 +30,12 @@ RayNeighbours neighbours_of(const Ray& ray, double t, double local_per_world) {
             ray.neighbour_angle};
 }
 
+/// A unit normal in the world. Not inlined: where GCC 12 puts two numbers into one vector, it drops a rounding to float
+/// that is followed by a conversion to double, and callers would go on with other numbers than they store.
+[[gnu::noinline]] Vec3f world_normal(const InstanceRecord& record, const Vec3f& n) {
+    return Vec3f(normalized_or(record.normal_to_world(Vec3d(n)), Vec3d(n)));
+}
+
 }  // namespace
 
 void InstanceRecord::place(const Shape& shape, const Affine3d& object_to_world) {
@@ -70,12 +76,11 @@ Box3d InstanceRecord::world_box() const {
 /// the sum of its axes. Each local axis takes part with the length of its row in the inverse times its column, 3 in all
 /// unless the map shears. The factor 64 covers the number of operations.
 double InstanceRecord::start_offset(const Vec3d& position, const Vec3d& normal, double size) const {
-    constexpr double kUnit = 64 * 0x1p-53;
     const Affine3d& map = local_to_world;
     const double float_error =
         scene->float_error() * Vec3d(map.x.dot(normal), map.y.dot(normal), map.z.dot(normal)).length();
     const double world = size + max_abs(position) + max_abs(map.translation);
-    return float_error + kUnit * (shear * world + sum_of_lengths);
+    return float_error + kRoundingUnit * (shear * world + sum_of_lengths);
 }
 
 ObjectAnswer InstanceRecord::ask(const Ray& world_ray, const LocalRay& ray, const RayDifferential* differential) const {
@@ -164,7 +169,6 @@ LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
 SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, double size,
                                            const InterpolatedHit* interpolated) const {
     const Affine3d& map = local_to_world;
-    const auto world_normal = [&](const Vec3f& n) { return Vec3f(normalized_or(normal_to_world(Vec3d(n)), Vec3d(n))); };
     LocalSurface local{hit.position, hit.normal};
     if (interpolated) {
         local.uv = interpolated->uv;
@@ -180,8 +184,8 @@ SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, 
     point.instance = index;
     point.position = map.point(local.position);
     point.facet_position = map.point(hit.position);
-    point.facet_normal = world_normal(hit.normal);
-    point.normal = world_normal(local.normal);
+    point.facet_normal = world_normal(*this, hit.normal);
+    point.normal = world_normal(*this, local.normal);
     point.dp_du = Vec3f(map.vector(Vec3d(local.dp_du)));
     point.dp_dv = Vec3f(map.vector(Vec3d(local.dp_dv)));
     // Derivative of N = m/|m|, m the mapped normal: (m' - N (N.m')) / |m|.

@@ -33,6 +33,9 @@ struct InstanceRecord {
     /// Sets the maps. Throws InputError if they are singular.
     void place(const Shape& shape, const Affine3d& object_to_world);
 
+    /// How far one number may be rounded beside another of size 1, times the operations on the way (start_offset).
+    static constexpr double kRoundingUnit = 64 * 0x1p-53;
+
     Vec3d vector_to_local(const Vec3d& v) const { return to_local_x * v.x + to_local_y * v.y + to_local_z * v.z; }
     /// The translation is subtracted first: that rounds nothing where it matters, close to a far object.
     Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }

@@ -140,6 +140,10 @@ const ObjectCache* Tracer::cache(uint32_t instance) const {
     return implementation_->records[instance].cache.get();
 }
 
+bool Tracer::has_levels() const {
+    return implementation_->cache != nullptr;
+}
+
 const TracedInstance& Tracer::instance(uint32_t index) const {
     return implementation_->instances[index];
 }

@@ -71,6 +71,17 @@ struct RayQuery {
     const RayDifferential* differential = nullptr;  ///< as of Tracer::closest
 };
 
+/// How the point of a surface is wanted. Normal: nobody asks how the normal changes, which costs as much as the rest;
+/// whether dn_du and dn_dv are filled is open then.
+enum class SurfaceDetail : uint8_t { Normal, Curvature };
+
+/// A hit whose surface point is wanted.
+struct SurfaceQuery {
+    const Ray* ray = nullptr;
+    const Hit* hit = nullptr;
+    SurfacePoint* point = nullptr;  ///< where to put it
+};
+
 class Tracer {
   public:
     /// Throws Cancelled soon after `cancel` says so.
@@ -102,12 +113,16 @@ class Tracer {
     uint32_t occluded(std::span<const RayQuery> rays, Coherence coherence) const;
     /// Everything about a hit that shading needs, in world space.
     SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+    /// The same for many hits at once: the same bits, in less time.
+    void surface_points(std::span<const SurfaceQuery> queries, SurfaceDetail detail) const;
     /// The same for a point chosen on an element of an instance, for emitting surfaces. `t` is 0.
     SurfacePoint surface_point(uint32_t instance, const LocalHit& hit) const;
 
     const TracedInstance& instance(uint32_t index) const;
     /// Local space of an instance's shape -> world.
     const Affine3d& local_to_world(uint32_t index) const;
+    /// Whether any surface is diced by the width of rays.
+    bool has_levels() const;
     /// Bounds of everything, world space; empty for an empty scene.
     Box3d bounds() const;
     Box3d bounds(uint32_t instance) const;

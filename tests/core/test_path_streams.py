@@ -34,3 +34,17 @@ def test_streams_count_the_rays_of_single_paths(core):
     counts = [path_scenes.render(core, scene, stream_paths=paths).statistics()["rays"] for paths in (0, 100)]
     assert counts[0] == counts[1]
     assert counts[0]["camera"] > 0 and counts[0]["shadow"] > 0
+
+
+def test_what_nobody_asks_of_rays_is_left_out_and_leaves_the_picture_alone(core):
+    """An image, though nothing shows it, makes paths carry the distance of their neighbours."""
+    pictures = []
+    for with_image in (False, True):
+        scene = path_scenes.varied_scene(core)
+        if with_image:
+            scene.add_image_pixels("unseen", np.ones((2, 2, 4), np.float32), "LINEAR")
+        for paths in (0, 100):
+            pictures.append(passes_of(core, scene, stream_paths=paths))
+    for other in pictures[1:]:
+        for name in path_scenes.ALL_PASSES:
+            np.testing.assert_array_equal(other[name], pictures[0][name], err_msg=name)

@@ -1,0 +1,75 @@
+"""Points on the surface of splines that are found for several hits at once have the bits of those found alone."""
+
+import numpy as np
+import pytest
+import shapes
+from rayleaf import _core
+
+trace = _core.trace
+POINT = ("position", "facet_position", "normal", "facet_normal", "start_offset", "uv", "derivatives")
+
+
+@pytest.fixture(params=trace.simd_targets())
+def target(request):
+    assert trace.use_simd_target(request.param)
+    return request.param
+
+
+def cusp():
+    """A bicubic patch that is rational, and collapsed along one border."""
+    random = np.random.default_rng(5)
+    x, y = np.meshgrid(np.linspace(-1, 1, 4), np.linspace(-1, 1, 4))
+    points = np.stack([x, y, random.normal(size=x.shape) * 0.3, random.uniform(0.5, 2.0, x.shape)], axis=2)
+    points[0, :, :3] = points[0, 0, :3]
+    return trace.PatchSurface("cusp", [(points, (4, False, True, True), (4, False, True, True), True, 0)])
+
+
+def quartic():
+    """A patch of a degree that has no version for lanes, beside others."""
+    x, y = np.meshgrid(np.linspace(-1, 1, 5), np.linspace(-1, 1, 5))
+    points = np.stack([x, y, np.sin(x * 3) * 0.2, np.ones_like(x)], axis=2)
+    return trace.PatchSurface("quartic", [(points, (5, False, True, True), (5, False, True, True), True, 0)])
+
+
+def placed(shape, random, size=1.0):
+    matrix = np.eye(4)
+    matrix[:3, :3] = random.normal(size=(3, 3)) * size
+    matrix[:3, 3] = random.normal(size=3) * 3
+    return shape, matrix
+
+
+def scenes():
+    random = np.random.default_rng(2)
+    alone = [shapes.nurbs_sphere(), shapes.nurbs_torus(), shapes.lumpy_torus(), cusp(), quartic()]
+    for shape in alone:
+        yield [(shape, np.eye(4))]
+    yield [(shapes.nurbs_sphere(smooth=False), np.eye(4))]
+    yield [(shapes.lumpy_torus(), shapes.moved(1e6, 1e-3)), (shapes.nurbs_sphere(scale=1e-3), shapes.moved(1e6, 1.0))]
+    shared = shapes.lumpy_torus()
+    yield [placed(shape, random) for shape in [shared, shared, *alone, shapes.nurbs_sphere(smooth=False)]]
+
+
+def rays_at(tracer, random, count):
+    """Some of them aimed at poles and along axes, where borders lie."""
+    low, high = tracer.bounds()
+    center, reach = (np.asarray(low) + high) / 2, np.linalg.norm(np.asarray(high) - low)
+    origins = center + shapes.random_directions(random, count) * reach
+    targets = center + random.uniform(-0.25, 0.25, size=(count, 3)) * (np.asarray(high) - low)
+    targets[: count // 4] = center
+    origins[: count // 8, :2] = center[:2]
+    return origins, shapes.unit(targets - origins)
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_surface_points_have_the_same_bits_in_lanes(target, number):
+    tracer = trace.Tracer([(*each, shapes.EVERYTHING) for each in list(scenes())[number]])
+    origins, directions = rays_at(tracer, np.random.default_rng(number), 1000)
+    alone = tracer.closest_hits(origins, directions)
+    assert np.isfinite(alone["t"]).sum() > 100
+    for together in (2, 3, 7, 32):
+        found = tracer.closest_hits(origins, directions, together=together)
+        for name in POINT:
+            kind = np.uint64 if found[name].dtype == np.float64 else np.uint32
+            np.testing.assert_array_equal(
+                np.ascontiguousarray(found[name]).view(kind), np.ascontiguousarray(alone[name]).view(kind), err_msg=name
+            )
