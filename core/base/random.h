@@ -52,15 +52,16 @@ inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
     return reverse_bits(laine_karras(reverse_bits(x), seed));
 }
 
-/// Second Sobol dimension of a 32-bit index. Its generator matrix is Pascal's triangle mod 2, a tensor power of
+/// Second Sobol dimension of a 32-bit index, its digits in reverse order. Its generator matrix is Pascal's triangle mod
+/// 2, a tensor power of
 /// ((1, 1), (0, 1)): five steps, each adding every digit with a bit of its place set to the digit without it.
-inline uint32_t sobol_second(uint32_t index) {
+inline uint32_t sobol_second_reversed(uint32_t index) {
     index ^= (index & 0xaaaaaaaau) >> 1;
     index ^= (index & 0xccccccccu) >> 2;
     index ^= (index & 0xf0f0f0f0u) >> 4;
     index ^= (index & 0xff00ff00u) >> 8;
     index ^= (index & 0xffff0000u) >> 16;
-    return reverse_bits(index);
+    return index;
 }
 
 /// The random numbers of one (pixel, sample). Dimensions are named by the caller; equal arguments give equal numbers.
@@ -76,8 +77,13 @@ class Sampler {
     /// Three numbers: a stratified pair and the first of the next sequence.
     Vec3f get3(uint32_t dimension) const {
         const Vec2f a = get2(dimension);
-        return {a.x, a.y, get2(dimension ^ 0x40000000u).x};
+        return {a.x, a.y, get2(joined(dimension)).x};
     }
+    /// The dimension whose first number is the third of get3.
+    static constexpr uint32_t joined(uint32_t dimension) { return dimension ^ 0x40000000u; }
+
+    uint32_t pixel_hash() const { return pixel_hash_; }
+    uint32_t sample() const { return sample_; }
 
     /// The numbers of sub-ray `index` of `count` that this sample sends for the purpose `tag`: stratified over the
     /// sub-rays of all samples of the pixel, and best so where `count` is a power of two.
@@ -96,8 +102,9 @@ class Sampler {
 inline Vec2f Sampler::get2(uint32_t dimension) const {
     const uint32_t seed = hash_combine(pixel_hash_, dimension);
     const uint32_t index = owen_scramble(sample_, seed);
-    const uint32_t x = owen_scramble(reverse_bits(index), hash_combine(seed, 1));
-    const uint32_t y = owen_scramble(sobol_second(index), hash_combine(seed, 2));
+    // owen_scramble() of both dimensions; what it would reverse a second time is left as it is.
+    const uint32_t x = reverse_bits(laine_karras(index, hash_combine(seed, 1)));
+    const uint32_t y = reverse_bits(laine_karras(sobol_second_reversed(index), hash_combine(seed, 2)));
     return {unit_float(x), unit_float(y)};
 }
 

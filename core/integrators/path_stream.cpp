@@ -55,6 +55,8 @@ void PathStream::trace_active(Coherence coherence) {
     });
 }
 
+static_assert(kMostPoints * PathTracer::kPairsOfVertex <= SamplePairs::kMost);
+
 /// Paths that met surfaces of one material.
 void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
     std::array<ShadingInputs, kMostPoints> inputs;
@@ -76,7 +78,13 @@ void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
             closures[i] = &vertex.closures;
         }
         program.evaluate({of_point.data(), paths.size()}, {closures.data(), paths.size()});
-        for (size_t i = 0; i < paths.size(); ++i) goes_on_[paths[i]] = paths_[paths[i]].shade(vertices_[i]) ? 1 : 0;
+        SamplePairs pairs;
+        for (const uint32_t path : paths) paths_[path].ask_numbers(pairs);
+        pairs.compute();
+        for (size_t i = 0; i < paths.size(); ++i) {
+            const VertexNumbers numbers = PathTracer::numbers(pairs, i * PathTracer::kPairsOfVertex);
+            goes_on_[paths[i]] = paths_[paths[i]].shade(vertices_[i], numbers) ? 1 : 0;
+        }
     }
 }
 

@@ -46,7 +46,12 @@ bool PathTracer::shade_alone() {
     Vertex vertex;
     vertex.point = scene_.tracer().surface_point(ray_, *hit_);
     scene_.material(hit_->instance, hit_->local).surface->evaluate(approach(vertex), vertex.closures);
-    return shade(vertex);
+    return shade(vertex, {random3(PathDimension::Light), random3(PathDimension::Scatter)});
+}
+
+void PathTracer::ask_numbers(SamplePairs& pairs) const {
+    pairs.add3(sampler_, dimension(vertex_, PathDimension::Light));
+    pairs.add3(sampler_, dimension(vertex_, PathDimension::Scatter));
 }
 
 ShadingInputs PathTracer::approach(Vertex& vertex) const {
@@ -61,12 +66,12 @@ ShadingInputs PathTracer::approach(Vertex& vertex) const {
                                  bounces_.at(hit_->t));
 }
 
-bool PathTracer::shade(const Vertex& vertex) {
+bool PathTracer::shade(const Vertex& vertex, const VertexNumbers& numbers) {
     if (bounces_.count() == 0) record_surface(vertex);
     add_emission(vertex);
     if (bounces_.is_spent()) return false;
-    if (!bounces_.is_last()) add_direct_light(vertex);
-    const bool goes_on = leave(vertex);
+    if (!bounces_.is_last()) add_direct_light(vertex, numbers.light);
+    const bool goes_on = leave(vertex, numbers.scatter);
     ++vertex_;
     return goes_on;
 }
@@ -144,10 +149,9 @@ void PathTracer::add_emission(const Vertex& vertex) {
     add(vertex.closures.emission * departure_.weight(density), Pass::emission);
 }
 
-void PathTracer::add_direct_light(const Vertex& vertex) {
+void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    const std::optional<LightSample> light =
-        scene_.lights().sample(vertex.point.position, sampler_.get3(dimension(vertex_, PathDimension::Light)));
+    const std::optional<LightSample> light = scene_.lights().sample(vertex.point.position, random);
     if (!light) return;
     const bool first = bounces_.count() == 0;
     const LitLobes lit = (first && settings_.light_passes) || light->visibility != kVisibleAll
@@ -206,13 +210,13 @@ float PathTracer::straight_probability(const Closures& closures) const {
     return straight / (straight + scattered);
 }
 
-bool PathTracer::leave(const Vertex& vertex) {
+bool PathTracer::leave(const Vertex& vertex, const Vec3f& random) {
     const float straight = straight_probability(vertex.closures);
-    if (straight >= 1.0f || (straight > 0.0f && random(PathDimension::Transparency) < straight))
+    if (straight >= 1.0f || (straight > 0.0f && this->random(PathDimension::Transparency) < straight))
         return pass_through(vertex, straight);
     if (bounces_.is_last() || vertex.closures.size() == 0) return false;
     throughput_ /= 1.0f - straight;
-    return scatter(vertex);
+    return scatter(vertex, random);
 }
 
 bool PathTracer::pass_through(const Vertex& vertex, float probability) {
@@ -225,10 +229,9 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     return true;
 }
 
-bool PathTracer::scatter(const Vertex& vertex) {
+bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
     const Vec3f& facet = vertex.point.facet_normal;
-    const std::optional<LobeSample> sample =
-        vertex.closures.sample(vertex.outgoing, facet, sampler_.get3(dimension(vertex_, PathDimension::Scatter)));
+    const std::optional<LobeSample> sample = vertex.closures.sample(vertex.outgoing, facet, random);
     if (!sample) return false;
     if (bounces_.count() == 0 && settings_.light_passes)
         first_shares_ = shares_of_scattering(vertex, vertex.closures, *sample);

@@ -1,6 +1,7 @@
 // One path, in steps: what it must trace next, and what it makes of the answer.
 #pragma once
 
+#include "base/sample_pairs.h"
 #include "integrators/bounces.h"
 #include "integrators/contributions.h"
 #include "integrators/dimensions.h"
@@ -23,6 +24,11 @@ struct LightRay {
     ByKind shares;            ///< where the vertex is the first: in the kinds of its lobes
     bool first = false;
     int scatterings = 1;  ///< on the way from the light to the camera
+};
+
+/// The random numbers of a vertex that nearly each one needs.
+struct VertexNumbers {
+    Vec3f light, scatter;  ///< PathDimension's
 };
 
 /// How the ray under way came about: what light sampling would have done instead.
@@ -64,8 +70,15 @@ class PathTracer {
     const Hit& hit() const { return *hit_; }
     /// Completes a vertex of which the surface point is known, and says what the material's program is told.
     ShadingInputs approach(Vertex& vertex) const;
+    /// Asks for the random numbers of the vertex: kPairsOfVertex of them.
+    void ask_numbers(SamplePairs& pairs) const;
+    static constexpr size_t kPairsOfVertex = 4;
+    /// What was asked for; `first` is the first pair.
+    static VertexNumbers numbers(const SamplePairs& pairs, size_t first) {
+        return {pairs.triple(first), pairs.triple(first + 2)};
+    }
     /// True if the path goes on from a vertex whose closures are known; a ray to a light may be wanted either way.
-    bool shade(const Vertex& vertex);
+    bool shade(const Vertex& vertex, const VertexNumbers& numbers);
     /// The ray to a light that was chosen where the path arrived last, if any.
     std::optional<LightRay>& light_ray() { return light_ray_; }
     /// The share of that light that arrives; before the path arrives again.
@@ -99,6 +112,7 @@ class PathTracer {
     void take_hit(ClosestHit found);
     bool shade_alone();
     void pass_volumes();
+    Vec3f random3(PathDimension use) const { return sampler_.get3(dimension(vertex_, use)); }
     float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
 
     /// Whether a surface that scatters no more can still matter.
@@ -118,13 +132,13 @@ class PathTracer {
     void add_lamps(double t_max);
     void add_world();
     void add_emission(const Vertex& vertex);
-    void add_direct_light(const Vertex& vertex);
+    void add_direct_light(const Vertex& vertex, const Vec3f& random);
     void record_surface(const Vertex& vertex);
 
     /// True if the path goes on past the surface.
-    bool leave(const Vertex& vertex);
+    bool leave(const Vertex& vertex, const Vec3f& random);
     bool pass_through(const Vertex& vertex, float probability);
-    bool scatter(const Vertex& vertex);
+    bool scatter(const Vertex& vertex, const Vec3f& random);
     bool cross_glass(const GlassBody& body, const Vertex& vertex);
     bool cross_inside(LobeKind kind, const Color& factor);
     bool survives_roulette();

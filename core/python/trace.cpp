@@ -13,7 +13,6 @@
 #include "trace/baselines.h"
 #include "trace/tracer.h"
 
-#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
 namespace rayleaf {
@@ -152,10 +151,8 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
         anchors_out[3 * i] = anchor.instance;
         anchors_out[3 * i + 1] = anchor.subpatch;
         anchors_out[3 * i + 2] = anchor.levels;
-        store_vector(point.dp_du, derivatives_out + 12 * i);
-        store_vector(point.dp_dv, derivatives_out + 12 * i + 3);
-        store_vector(point.dn_du, derivatives_out + 12 * i + 6);
-        store_vector(point.dn_dv, derivatives_out + 12 * i + 9);
+        const Vec3f* const slopes[] = {&point.dp_du, &point.dp_dv, &point.dn_du, &point.dn_dv};
+        for (size_t k = 0; k < 4; ++k) store_vector(*slopes[k], derivatives_out + 12 * i + 3 * k);
     };
     const auto trace = [&](size_t first) {
         std::vector<Ray> chunk;

@@ -1,7 +1,7 @@
 #include "render/session.h"
 
 #include "base/error.h"
-#include "base/random.h"
+#include "base/sample_pairs.h"
 #include "geometry/displaced_surface.h"
 #include "integrators/dimensions.h"
 #include "integrators/distribution.h"
@@ -9,6 +9,7 @@
 #include "integrators/path_stream.h"
 #include "trace/float_environment.h"
 
+#include <array>
 #include <chrono>
 #include <unordered_set>
 
@@ -18,6 +19,9 @@
 
 namespace rayleaf {
 namespace {
+
+/// Camera rays that are made together, of two pairs of random numbers each.
+constexpr size_t kMostCameraSamples = SamplePairs::kMost / 2;
 
 /// Paths between two looks at the cancel token: well under a frame of a display for any scene.
 constexpr int kSamplesPerLook = 4;
@@ -48,6 +52,7 @@ struct Session::Frame {
     PathSettings path;
     DistributionFrame distribution;
     IntegratorKind integrator;
+    bool has_lens;  ///< else no ray asks where it passes the lens
 };
 
 Session::Session(std::shared_ptr<const SceneDescription> description, Settings settings,
@@ -101,7 +106,8 @@ void Session::render_tiles() {
     const Frame frame{PixelFilter(settings_.filter, settings_.filter_width),
                       PathSettings(settings_),
                       {*scene_, distribution, cache.get()},
-                      settings_.integrator};
+                      settings_.integrator,
+                      description_->camera()->aperture_radius > 0};
     oneapi::tbb::parallel_for(
         size_t{0}, tiles.size(), [&](size_t i) { render_tile(tiles[i], frame); }, oneapi::tbb::simple_partitioner());
 }
@@ -147,23 +153,46 @@ bool Session::render_streams(const Window& tile, const Frame& frame, TileSums& s
     const SampleRange range = sample_range(settings_);
     const auto samples = static_cast<size_t>(range.count);
     const size_t paths = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height) * samples;
-    for (size_t i = 0; i < paths; ++i) {
-        const int place = static_cast<int>(i / samples), x = place % tile.width, y = place / tile.width;
-        const int number = range.first + static_cast<int>(i % samples);
-        const CameraSample sample = camera_sample(tile.x + x, tile.y + y, number, frame);
-        stream.add(sample.ray, sample.sampler);
-        if (stream.size() < static_cast<size_t>(settings_.stream_paths) && i + 1 < paths) continue;
+    const auto most = static_cast<size_t>(settings_.stream_paths);
+    for (size_t i = 0; i < paths;) {
+        const size_t count = std::min({most - stream.size(), paths - i, kMostCameraSamples});
+        std::array<CameraPlace, kMostCameraSamples> places;
+        for (size_t k = 0; k < count; ++k, ++i) {
+            const int place = static_cast<int>(i / samples), x = place % tile.width, y = place / tile.width;
+            places[k] = {tile.x + x, tile.y + y, range.first + static_cast<int>(i % samples)};
+        }
+        add_paths({places.data(), count}, frame, stream);
+        if (stream.size() < most && i < paths) continue;
         if (cancel_.cancelled()) return false;
         stream.trace([&](const PixelSample& value) { sums.add(value); });
     }
     return true;
 }
 
-Session::CameraSample Session::camera_sample(int x, int y, int sample, const Frame& frame) const {
-    const auto pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(x);
-    const Sampler sampler(pixel, static_cast<uint32_t>(sample), settings_.seed);
-    const Vec2d place = Vec2d(x + 0.5, y + 0.5) + frame.filter.offset(sampler.get2(kFilterDimension));
-    return {scene_->camera().ray(place, sampler.get2(kLensDimension)), sampler};
+Sampler Session::sampler_at(const CameraPlace& place) const {
+    const auto pixel =
+        static_cast<uint32_t>(place.y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(place.x);
+    return {pixel, static_cast<uint32_t>(place.sample), settings_.seed};
+}
+
+CameraRay Session::camera_ray(const CameraPlace& place, const Vec2f& filter, const Vec2f& lens,
+                              const Frame& frame) const {
+    return scene_->camera().ray(Vec2d(place.x + 0.5, place.y + 0.5) + frame.filter.offset(filter), lens);
+}
+
+/// The paths of up to kMostCameraSamples places.
+void Session::add_paths(std::span<const CameraPlace> places, const Frame& frame, PathStream& stream) const {
+    SamplePairs pairs;
+    for (const CameraPlace& place : places) {
+        pairs.add(sampler_at(place), kFilterDimension);
+        if (frame.has_lens) pairs.add(sampler_at(place), kLensDimension);
+    }
+    pairs.compute();
+    size_t pair = 0;
+    for (const CameraPlace& place : places) {
+        const Vec2f filter = pairs.pair(pair++), lens = frame.has_lens ? pairs.pair(pair++) : Vec2f(0.0f);
+        stream.add(camera_ray(place, filter, lens, frame), sampler_at(place));
+    }
 }
 
 void Session::add_counts(const RayCounts& counts) {
@@ -175,7 +204,10 @@ bool Session::render_pixel(int x, int y, const Frame& frame, TileSums& sums, Ray
     const SampleRange range = sample_range(settings_);
     for (int s = range.first; s < range.first + range.count; ++s) {
         if ((s - range.first) % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
-        const auto [ray, sampler] = camera_sample(x, y, s, frame);
+        const CameraPlace place{x, y, s};
+        const Sampler sampler = sampler_at(place);
+        const Vec2f lens = frame.has_lens ? sampler.get2(kLensDimension) : Vec2f(0.0f);
+        const CameraRay ray = camera_ray(place, sampler.get2(kFilterDimension), lens, frame);
         const uint64_t misses = frame.path.wants(Pass::geometry_misses) ? scene_->tracer().thread_misses() : 0;
         PixelSample value = frame.integrator == IntegratorKind::Distribution
                                 ? trace_distributed(frame.distribution, ray, sampler, counts)

@@ -22,6 +22,8 @@
 
 namespace rayleaf {
 
+class PathStream;
+
 enum class RenderState { Waiting, Building, Rendering, Done, Cancelled };
 
 struct Progress {
@@ -88,11 +90,14 @@ class Session {
     std::unique_ptr<const IrradianceCache> filled_cache();
     struct Frame;  ///< what all tiles share
     void render_tile(const Window& tile, const Frame& frame);
-    struct CameraSample {
-        CameraRay ray;
-        Sampler sampler;
+    /// A pixel and the number of a sample in it.
+    struct CameraPlace {
+        int x = 0, y = 0, sample = 0;
     };
-    CameraSample camera_sample(int x, int y, int sample, const Frame& frame) const;
+    Sampler sampler_at(const CameraPlace& place) const;
+    /// `filter` and `lens` in [0,1)².
+    CameraRay camera_ray(const CameraPlace& place, const Vec2f& filter, const Vec2f& lens, const Frame& frame) const;
+    void add_paths(std::span<const CameraPlace> places, const Frame& frame, PathStream& stream) const;
     bool render_paths(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     bool render_streams(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     bool render_pixel(int x, int y, const Frame& frame, TileSums& sums, RayCounts& counts) const;

@@ -574,8 +574,9 @@ class PixelFilterKind:
     GAUSSIAN: PixelFilterKind
     BLACKMAN_HARRIS: PixelFilterKind
 
-def sampler_pairs(pixel: int, samples: int, dimension: int, seed: int = 0) -> Floats:
-    """The renderer's random numbers for samples 0..n-1 of a pixel in one dimension: (n, 2) in [0, 1)."""
+def sampler_pairs(pixel: int, samples: int, dimension: int, seed: int = 0, together: int = 1) -> Floats:
+    """The renderer's random numbers for samples 0..n-1 of a pixel in one dimension: (n, 2) in [0, 1); so many are
+    computed together, they are the same."""
 
 def filter_offsets(kind: PixelFilterKind, width: float, random: Floats) -> Doubles:
     """Where the pixel filter puts samples: offsets (n, 2) from the pixel's centre for random numbers (n, 2)."""

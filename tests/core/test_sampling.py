@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rayleaf._core import trace as core_trace
 
 
 @pytest.mark.parametrize("pixel,dimension", [(0, 0), (12345, 17), (2**31, 400)])
@@ -56,3 +57,12 @@ def test_offsets_follow_the_filter(core, name, shape, support):
 def test_a_filter_of_no_width_puts_samples_at_the_centre(core):
     offsets = core.filter_offsets(core.PixelFilterKind.BLACKMAN_HARRIS, 0.0, np.random.rand(10, 2).astype(np.float32))
     assert np.all(offsets == 0.0)
+
+
+@pytest.mark.parametrize("target", core_trace.simd_targets())
+def test_numbers_that_are_computed_together_have_the_bits_of_single_ones(core, target):
+    assert core_trace.use_simd_target(target)
+    for pixel, dimension, seed in ((0, 0, 0), (12345, 17, 3), (2**31 + 5, 0x40000011, 2**32 - 1)):
+        alone = core.sampler_pairs(pixel, 300, dimension, seed)
+        for together in (2, 15, 16, 17, 128):
+            np.testing.assert_array_equal(core.sampler_pairs(pixel, 300, dimension, seed, together=together), alone)
