@@ -90,7 +90,7 @@ def run_blender(tmp_path: Path, addons: Path) -> Callable[..., BlenderRun]:
                 stderr=subprocess.STDOUT,
                 text=True,
                 errors="replace",
-                timeout=timeout,
+                timeout=timeout * float(os.environ.get("RAYLEAF_PATIENCE", "1")),
             )
         except subprocess.TimeoutExpired as expired:
             log = (expired.stdout or b"").decode(errors="replace")

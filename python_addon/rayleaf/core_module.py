@@ -87,6 +87,10 @@ def _explained(raised: ImportError, folder: Path) -> str:
         return (
             f"This Linux is too old for Rayleaf: its {library} lacks {found[1]}{has}. Rayleaf needs one like Debian 12."
         )
+    if "needs NumPy" in error:
+        return (
+            "Rayleaf needs NumPy, which this Blender's Python lacks. Install it; in Debian, the package python3-numpy."
+        )
     if found := re.search(r"^(\S+): cannot open shared object file", error):
         return f"Rayleaf's library {found[1]} is missing. {_AGAIN}"
     if re.search(

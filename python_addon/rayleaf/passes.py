@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ class Pass:
     """One line of the table."""
 
     identifier: str  # the core's name
-    name: str  # Blender's name, in results and on compositor sockets
+    name: str  # Blender's name, in results and on compositor sockets; in the table, that before 5.0
     channels: str  # one letter each
     switch: str  # property of a view layer that switches the pass on; empty: always on
     meaning: str
@@ -84,8 +84,10 @@ def table() -> tuple[Pass, ...]:
 
 
 def enabled(view_layer: Any) -> list[Pass]:
-    """The passes a view layer asks for."""
-    return [entry for entry in table() if entry.is_wanted(view_layer)]
+    """The passes a view layer asks for, by the names of the Blender that runs."""
+    from .versions import pass_name  # which wants Blender, as the table does not
+
+    return [replace(entry, name=pass_name(entry.name)) for entry in table() if entry.is_wanted(view_layer)]
 
 
 def by_name(names: Iterable[str]) -> dict[str, Pass]:

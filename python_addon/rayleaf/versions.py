@@ -23,6 +23,30 @@ PRINCIPLED_SOCKETS = {
 }
 
 
+# Since 5.0 passes have names without abbreviations.
+_FULL_PASS_NAMES = {
+    "IndexOB": "Object Index",
+    "IndexMA": "Material Index",
+    "DiffDir": "Diffuse Direct",
+    "DiffInd": "Diffuse Indirect",
+    "DiffCol": "Diffuse Color",
+    "GlossDir": "Glossy Direct",
+    "GlossInd": "Glossy Indirect",
+    "GlossCol": "Glossy Color",
+    "TransDir": "Transmission Direct",
+    "TransInd": "Transmission Indirect",
+    "TransCol": "Transmission Color",
+    "Emit": "Emission",
+    "Env": "Environment",
+    "AO": "Ambient Occlusion",
+}
+
+
+def pass_name(name: str) -> str:
+    """What this Blender calls a pass, for its name before 5.0."""
+    return _FULL_PASS_NAMES.get(name, name) if bpy.app.version >= (5, 0, 0) else name
+
+
 def corner_normals(mesh: Any) -> Floats:
     """(corners, 3): the normals that Blender shades with, sharp edges, flat faces and custom normals respected."""
     normals = np.empty(len(mesh.loops) * 3, np.float32)

@@ -1,11 +1,27 @@
-"""Reads the plainest OpenEXR files: scan lines, 32-bit floats, no compression (Blender's codec NONE)."""
+"""Reads the plainest OpenEXR files: scan lines, 32-bit floats, no compression (Blender's codec NONE).
+
+Since 5.0 Blender writes a part for each pass, before that one for all, and gives passes full names: here they have those
+of before.
+"""
 
 import struct
 from pathlib import Path
 
 import numpy as np
 
+SHORT_NAMES = {
+    "Object Index": "IndexOB",
+    "Material Index": "IndexMA",
+    "Emission": "Emit",
+    "Environment": "Env",
+    "Ambient Occlusion": "AO",
+} | {
+    f"{kind} {part}": f"{kind[:length]}{part[:3]}"
+    for kind, length in (("Diffuse", 4), ("Glossy", 5), ("Transmission", 5))
+    for part in ("Direct", "Indirect", "Color")
+}
 FLOAT = 2  # pixel type
+MULTIPART = 0x1000  # of the flags
 
 
 def _text(data, at):
@@ -13,9 +29,9 @@ def _text(data, at):
     return data[at:end].decode(), end + 1
 
 
-def _header(data):
+def _header(data, at):
     """Channel names in file order and the data window (x min, y min, x max, y max), then where the header ends."""
-    at, channels, window = 8, [], None
+    channels, window = [], None
     while data[at] != 0:
         name, at = _text(data, at)
         _, at = _text(data, at)
@@ -35,14 +51,37 @@ def _header(data):
     return channels, window, at + 1
 
 
+def _short(channel):
+    """ "ViewLayer.DiffDir.R" of "ViewLayer.Diffuse Direct.R"."""
+    layer_and_pass, _, letter = channel.rpartition(".")
+    layer, _, name = layer_and_pass.rpartition(".")
+    return f"{layer}.{SHORT_NAMES[name]}.{letter}" if name in SHORT_NAMES else channel
+
+
+def _part(data, channels, window, at, before):
+    """Channel name -> (height, width); the table of offsets is at `at`, `before` bytes lie before each row's number."""
+    x_min, y_min, x_max, y_max = window
+    width, height = x_max - x_min + 1, y_max - y_min + 1
+    picture = np.empty((height, len(channels), width), np.float32)
+    for offset in struct.unpack_from(f"<{height}Q", data, at):
+        (y,) = struct.unpack_from("<i", data, offset + before)
+        row = np.frombuffer(data, "<f4", len(channels) * width, offset + before + 8)
+        picture[y - y_min] = row.reshape(-1, width)
+    return {_short(name): picture[::-1, index] for index, name in enumerate(channels)}, at + 8 * height
+
+
 def read(path):
     """Channel name -> (height, width), rows bottom to top as Blender counts them."""
     data = Path(path).read_bytes()
-    channels, (x_min, y_min, x_max, y_max), at = _header(data)
-    width, height = x_max - x_min + 1, y_max - y_min + 1
-    offsets = struct.unpack_from(f"<{height}Q", data, at)
-    picture = np.empty((height, len(channels), width), np.float32)
-    for offset in offsets:
-        (y,) = struct.unpack_from("<i", data, offset)
-        picture[y - y_min] = np.frombuffer(data, "<f4", len(channels) * width, offset + 8).reshape(-1, width)
-    return {name: picture[::-1, index] for index, name in enumerate(channels)}
+    is_multipart = bool(struct.unpack_from("<I", data, 4)[0] & MULTIPART)
+    channels, window, at = _header(data, 8)
+    headers = [(channels, window)]
+    while is_multipart and data[at] != 0:
+        channels, window, at = _header(data, at)
+        headers.append((channels, window))
+    at += is_multipart  # headers of several parts end with an empty one
+    pixels = {}
+    for channels, window in headers:
+        part, at = _part(data, channels, window, at, 4 if is_multipart else 0)
+        pixels |= part
+    return pixels

@@ -90,3 +90,46 @@ def material(name="Material"):
     tree = result.node_tree
     tree.nodes.clear()
     return result, tree, tree.nodes.new("ShaderNodeOutputMaterial")
+
+
+def fcurves(owner):
+    """Of an animated data block's action."""
+    action = owner.animation_data.action
+    if hasattr(action, "fcurves"):
+        return action.fcurves
+    return action.layers[0].strips[0].channelbag(owner.animation_data.action_slot).fcurves  # 5.0
+
+
+def compositor(scene):
+    """The scene's compositor with a Render Layers node in it."""
+    if hasattr(scene, "compositing_node_group"):  # 5.0
+        scene.compositing_node_group = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        scene.compositing_node_group.nodes.new("CompositorNodeRLayers")
+        return scene.compositing_node_group
+    scene.use_nodes = True
+    return scene.node_tree
+
+
+def compositor_output(tree):
+    """The node that takes the picture."""
+    if bpy.app.version < (5, 0, 0):
+        return tree.nodes.new("CompositorNodeComposite")
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    return tree.nodes.new("NodeGroupOutput")
+
+
+def plain_world(color):
+    """A world of an even colour. Since 5.0 each has nodes."""
+    world = bpy.context.scene.world = bpy.data.worlds.new("World")
+    world.color = color
+    if world.use_nodes:
+        world.node_tree.nodes["Background"].inputs["Color"].default_value = (*color, 1)
+    return world
+
+
+def diffuse_alone(tree):
+    """A diffuse shader in place of what a material's tree has."""
+    tree.nodes.clear()
+    shader, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    return shader

@@ -132,7 +132,7 @@ cube = bpy.data.objects["Cube"]
 for frame in (3, 5):
     cube.location.x = frame
     cube.keyframe_insert("location", index=0, frame=frame)
-for curve in cube.animation_data.action.fcurves:
+for curve in scenes.fcurves(cube):
     for point in curve.keyframe_points:
         point.interpolation = "LINEAR"
 bpy.ops.render.render(animation=True)
@@ -146,22 +146,17 @@ report(places=[d.instances["matrices"][0][0][3] for d in recording_core.RECORDED
 
 def test_the_compositor_finds_a_socket_for_every_pass(run_blender):
     script = """
-import bpy
+import bpy, scenes
 from rayleaf import passes
 scene = bpy.context.scene
 scene.render.engine = "RAYLEAF"
 for entry in passes.table():
     if entry.switch:
         setattr(*entry.place(bpy.context.view_layer), True)
-if bpy.app.version >= (5, 0, 0):
-    tree = scene.compositing_node_group = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
-    tree.nodes.new("CompositorNodeRLayers")
-else:
-    scene.use_nodes = True
-    tree = scene.node_tree
+tree = scenes.compositor(scene)
 bpy.context.view_layer.update()
 node = next(node for node in tree.nodes if node.bl_idname == "CompositorNodeRLayers")
-report(sockets=[s.name for s in node.outputs if s.enabled], passes=[entry.name for entry in passes.table()])
+report(sockets=[s.name for s in node.outputs if s.enabled], passes=[entry.name for entry in passes.enabled(bpy.context.view_layer)])
 """
     run = run_blender(script)
     sockets = run.report["sockets"]

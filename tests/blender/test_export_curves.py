@@ -318,7 +318,7 @@ point.keyframe_insert("co", frame=1)
 item.data.bevel_depth, point.co = 0.5, (2, 4, 0)
 item.data.keyframe_insert("bevel_depth", frame=11)
 point.keyframe_insert("co", frame=11)
-for curves in (item.data.animation_data.action.fcurves,):
+for curves in (scenes.fcurves(item.data),):
     for each in curves:
         for key in each.keyframe_points:
             key.interpolation = "LINEAR"

@@ -104,8 +104,7 @@ def background(sent):
     return [round(x, 5) for value in sent.world.operands(sent.world.line("background")) for x in value]
 
 report(none=recording_core.export()[0].world is None)
-world = scene.world = bpy.data.worlds.new("World")
-world.color = (0.25, 0.5, 0.75)
+world = scenes.plain_world((0.25, 0.5, 0.75))
 report(plain=background(recording_core.export()[0]))
 world.use_nodes = True
 node = world.node_tree.nodes["Background"]

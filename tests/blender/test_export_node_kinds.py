@@ -32,8 +32,13 @@ def variants(node):
             yield f"{prop.identifier}={choice.identifier}"
         setattr(node, prop.identifier, prop.default)
 
+def is_known(kind):
+    "Old nodes leave Blender: HSV in 5.0, Musgrave in 4.1."
+    return hasattr(bpy.types, kind)
+
 failures, count = [], 0
-for kind in sorted(set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | {"ShaderNodeMixShader", "ShaderNodeAddShader"}):
+kinds = {*compiler.VALUE_NODES, *compiler.CLOSURE_NODES, "ShaderNodeMixShader", "ShaderNodeAddShader"}
+for kind in sorted(filter(is_known, kinds)):
     material, tree, output = scenes.material()
     node = tree.nodes.new(kind)
     if hasattr(node, "image"):

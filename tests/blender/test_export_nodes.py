@@ -180,6 +180,9 @@ def test_a_material_without_nodes_is_its_viewport_colour_and_an_empty_tree_is_bl
         + """
 plain = bpy.data.materials.new("Plain")
 plain.diffuse_color, plain.pass_index = (0.25, 0.5, 0.75, 1), 9
+if plain.use_nodes:  # since 5.0 always
+    shader = scenes.diffuse_alone(plain.node_tree)
+    shader.inputs["Color"].default_value = plain.diffuse_color
 item.data.materials.append(plain)
 item.data.materials.append(None)
 sent, _, texts = recording_core.export()

@@ -10,15 +10,15 @@ other = bpy.context.scene
 other.name = "Other"
 next(item for item in other.objects if item.type == "SURFACE").data.splines[0].points[0].co.x += 0.1
 bpy.context.window.scene = scene
-scene.use_nodes = True
-nodes = scene.node_tree.nodes
-nodes.clear()
-first, second = (nodes.new("CompositorNodeRLayers") for _ in range(2))
+tree = scenes.compositor(scene)
+tree.nodes.clear()
+first, second = (tree.nodes.new("CompositorNodeRLayers") for _ in range(2))
 second.scene = other
-mix, out = nodes.new("CompositorNodeMixRGB"), nodes.new("CompositorNodeComposite")
-for i, node in enumerate((first, second)):
-    scene.node_tree.links.new(node.outputs["Image"], mix.inputs[i + 1])
-scene.node_tree.links.new(mix.outputs[0], out.inputs[0])
+over, out = tree.nodes.new("CompositorNodeAlphaOver"), scenes.compositor_output(tree)
+images = [socket for socket in over.inputs if socket.type == "RGBA"]
+for node, socket in zip((first, second), images):
+    tree.links.new(node.outputs["Image"], socket)
+tree.links.new(over.outputs[0], out.inputs[0])
 scene.render.filepath = sys.argv[1]
 taken = []
 from rayleaf import statistics

@@ -8,6 +8,7 @@ import pytest
 SCRIPT = """
 import bpy
 import numpy as np
+import scenes
 from rayleaf import _core as core
 from rayleaf.export import lights
 from rayleaf.messages import Messages
@@ -39,8 +40,7 @@ def cycles_scene():
     scene.cycles.pixel_filter_type = "BOX"  # one pixel wide
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-    scene.world = bpy.data.worlds.new("black")
-    scene.world.color = (0, 0, 0)
+    scenes.plain_world((0, 0, 0))
     mesh = bpy.data.meshes.new("plane")
     mesh.from_pydata([(-50, -50, 0), (50, -50, 0), (50, 50, 0), (-50, 50, 0)], [], [(0, 1, 2, 3)])
     material = bpy.data.materials.new("white")

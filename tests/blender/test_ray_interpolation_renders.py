@@ -96,8 +96,7 @@ write_layers()
 
 def test_the_passes_appear_in_the_compositor_when_switched_on_and_leave_when_switched_off(run_blender):
     script = """
-scene.use_nodes = True
-node = next(node for node in scene.node_tree.nodes if node.bl_idname == "CompositorNodeRLayers")
+node = next(node for node in scenes.compositor(scene).nodes if node.bl_idname == "CompositorNodeRLayers")
 def shown():
     return sorted(s.name for s in node.outputs if s.enabled and s.name.startswith("Rayleaf"))
 settings = bpy.context.view_layer.rayleaf

@@ -7,10 +7,15 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import debian_releases
+
+ROOT = Path(__file__).resolve().parents[2]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "rayleaf" / "compat"
 LAUNCHER = Path(__file__).with_name("blender_of_module.py")
 # Blender as a Python module: version -> the Python that it needs. The newest patch is taken.
 MODULES = {"4.2": "3.11", "4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
+# Of other Debian releases, those whose Blender there is.
+RELEASES = ("trixie", "sid")
 # Blender's libraries that have the names of ours, in the global scope of its official programs.
 FOREIGN = ("libembree", "libtbb", "libOpenImageIO", "libosdCPU", "libImath")
 
@@ -22,6 +27,7 @@ class Blender:
     name: str
     program: Path
     libraries: tuple[Path, ...] = ()
+    has_commands: bool = False  # `blender --command`, which the module lacks
 
     @property
     def has_extensions(self) -> bool:
@@ -34,6 +40,21 @@ def debian() -> Blender:
     program = Path(os.environ.get("BLENDER") or "/usr/bin/blender")
     version = subprocess.run([str(program), "--version"], check=True, capture_output=True, text=True).stdout.split()[1]
     return Blender(version, program)
+
+
+def of_release(release: str) -> Blender:
+    """The Blender of another Debian. Raises debian_releases.Unavailable."""
+    program = debian_releases.installed(release, CACHE, [ROOT])
+    said = subprocess.run([str(program), "--version"], check=True, capture_output=True, text=True).stdout
+    version = next(line.split()[1] for line in said.splitlines() if line.startswith("Blender "))
+    return Blender(f"{version} (Debian {release})", program, has_commands=True)
+
+
+def called(name: str) -> Blender:
+    """The Blender that `rayleaf test compat` knows by this name."""
+    if name == "debian":
+        return debian()
+    return of_release(name) if name in RELEASES else module(name)
 
 
 def module(version: str) -> Blender:

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -12,6 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import blenders
+import debian_releases
+import extension_commands
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "blender"))
@@ -39,15 +42,20 @@ class Row:
     surrounded: str = ""
     scenes: str = ""
     tests: str = ""
+    commands: str = ""
     warnings: int = 0
     faults: list[str] = field(default_factory=list)
 
     def cells(self) -> list[str]:
         """As the table has them."""
-        return [self.version, self.installed, self.surrounded, self.scenes, self.tests, str(self.warnings)]
+        columns = [self.installed, self.surrounded, self.commands, self.scenes, self.tests, str(self.warnings)]
+        return [self.version, *columns]
 
 
-HEADINGS = ["Blender", "installed", "among Blender's libraries", "scenes as in 3.4", "tests passed", "warnings"]
+HEADINGS = [
+    *("Blender", "installed", "among Blender's libraries", "extension commands"),
+    *("scenes as in 3.4", "tests passed", "warnings"),
+]
 
 
 def environment(user: Path, **more: str) -> dict[str, str]:
@@ -82,6 +90,9 @@ def install_and_render(
     )
     results = dict(line.split(" ", 2)[1:] for line in done.stdout.splitlines() if line.startswith("RESULT "))
     row.warnings = max(row.warnings, int(results.get("warnings", 0)))
+    if refused := re.search(r"This Python version \(([\d.]+)\) isn't compatible", done.stdout + done.stderr):
+        row.installed = f"no: Python {refused[1]}"  # Blender says so, in the same words
+        return None
     wanted = {"installed": "yes", "problem": "none", "self-test": "FINISHED", "completed": "True"}
     if any(results.get(key) != value for key, value in wanted.items()) or not picture.is_file():
         row.faults.append(
@@ -119,6 +130,7 @@ def run_tests(row: Row, blender: blenders.Blender, scripts: Path, folder: Path, 
     report = folder / f"{Path(tests[0]).name}.xml"
     settings = {"BLENDER": str(blender.program), "RAYLEAF_BLENDER_SCRIPTS": str(scripts)}
     settings["RAYLEAF_PACKAGE_DIR"] = str(scripts / "addons")
+    settings["RAYLEAF_PATIENCE"] = "5"  # all cores are busy
     command = [
         sys.executable,
         "-m",
@@ -156,6 +168,10 @@ def repository(extension: Path, folder: Path, blender: blenders.Blender) -> Path
     """A repository index that this Blender's own command has made of the extension, after it has validated it."""
     folder.mkdir()
     (folder / extension.name).write_bytes(extension.read_bytes())
+    if blender.has_commands:
+        command = [str(blender.program), "--command", "extension", "server-generate", "--repo-dir", str(folder)]
+        subprocess.run(command, check=True, capture_output=True)
+        return folder / "index.json"
     tool = next(
         blender.program.parent.glob("lib/python*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
     )
@@ -173,6 +189,12 @@ def tried(blender: blenders.Blender, quick: bool) -> Row:
         folder = Path(temporary)
         archive = repository(extension, folder / "repository", blender) if blender.has_extensions else add_on
         try_installing(row, blender, archive, folder)
+        if row.installed != "yes":
+            return row
+        if blender.has_commands:
+            faults = extension_commands.faults(blender, extension, folder / "commands")
+            row.faults += faults
+            row.commands = "fail" if faults else "accept it"
         scripts = folder / "scripts"
         with zipfile.ZipFile(add_on) as content:
             content.extractall(scripts / "addons")
@@ -190,7 +212,7 @@ def table(rows: list[Row]) -> str:
 
 
 def main() -> None:
-    known = ["debian", *blenders.MODULES]
+    known = ["debian", *blenders.MODULES, *blenders.RELEASES]
     parser = argparse.ArgumentParser(prog="rayleaf test compat", description=__doc__)
     parser.add_argument("version", nargs="*", choices=[*known, []], help=f"one of {', '.join(known)}; default: all")
     parser.add_argument("--quick", action="store_true", help="without the tests that run inside Blender")
@@ -198,7 +220,11 @@ def main() -> None:
     rows = []
     for version in options.version or known:
         began = time.monotonic()
-        blender = blenders.debian() if version == "debian" else blenders.module(version)
+        try:
+            blender = blenders.called(version)
+        except debian_releases.Unavailable as reason:
+            print(f"{version} is left out: {reason}", file=sys.stderr, flush=True)
+            continue
         rows.append(tried(blender, options.quick))
         print(
             f"{blender.name}: {time.monotonic() - began:.0f} s, {len(rows[-1].faults)} faults",

@@ -32,7 +32,10 @@ print(rayleaf._core.Program("a").name)
 
 def test_an_import_without_numpy_says_so_every_time_and_a_later_one_succeeds(addons):
     done = subprocess.run(
-        [sys.executable, "-c", WITHOUT_NUMPY], env={**os.environ, "PYTHONPATH": str(addons)}, capture_output=True, text=True
+        [sys.executable, "-c", WITHOUT_NUMPY],
+        env={**os.environ, "PYTHONPATH": str(addons)},
+        capture_output=True,
+        text=True,
     )
     *without, name = done.stdout.splitlines()
     assert done.returncode == 0, done.stderr

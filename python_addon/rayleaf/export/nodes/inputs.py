@@ -128,9 +128,15 @@ def hair_info(view: NodeView, output: str) -> Register:
     return emitter.operation("attribute", ints=[view.resources.attribute(name)])
 
 
+# Outputs of Light Path for what Rayleaf's rays never do: scatter in volumes, pass portals.
+_NEVER_MET = ("Is Volume Scatter Ray", "Portal Depth")
+
+
 @value_node("ShaderNodeLightPath")
 def light_path(view: NodeView, output: str) -> Register:
     """Light Path: "Is Camera Ray" is the core's is_camera, "Ray Depth" its ray_depth."""
+    if output in _NEVER_MET:
+        return view.emitter.scalar(0.0)
     return view.emitter.operation("light_path", text=output.lower().replace(" ", "_").removesuffix("_ray"))
 
 
