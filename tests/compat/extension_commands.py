@@ -30,9 +30,9 @@ class Commands:
         for each in self._folders.values():
             Path(each).mkdir(parents=True)
 
-    def start(self, *arguments: object) -> str:
-        """What Blender prints; with its exit code where that is not 0."""
-        command = [str(self._blender.program), *map(str, arguments)]
+    def start(self, *arguments: object, before: tuple[str, ...] = ()) -> str:
+        """What Blender prints; with its exit code where that is not 0. `before`: words in front of its command line."""
+        command = [*before, str(self._blender.program), *map(str, arguments)]
         done = subprocess.run(
             command,
             env=os.environ | self._folders,
@@ -47,10 +47,19 @@ class Commands:
         """The same of `--command extension`."""
         return self.start("--online-mode", "--command", "extension", *arguments)
 
+    def where_nothing_can_be_written(self, *arguments: object) -> str:
+        """`extension`, with a folder for extensions on a file system that is read alone."""
+        script = 'mount --bind "$0" "$0" && mount -o remount,bind,ro "$0" && exec "$@"'
+        before = ("unshare", "--mount", "sh", "-c", script, self._folders["BLENDER_USER_EXTENSIONS"])
+        return self.start("--online-mode", "--command", "extension", *arguments, before=before)
+
+    def render(self, module: str) -> str:
+        """What is said where an extension is to render."""
+        return self.start("--background", "--addons", module, "--python-expr", _RENDER, "--", module)
+
     def renders(self, module: str) -> bool:
-        """Whether the installed extension does."""
-        said = self.start("--background", "--addons", module, "--python-expr", _RENDER, "--", module)
-        return "RENDERED True" in said
+        """Whether it does."""
+        return "RENDERED True" in self.render(module)
 
 
 def faults(blender: blenders.Blender, extension: Path, folder: Path) -> list[str]:

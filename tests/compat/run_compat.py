@@ -12,6 +12,7 @@ import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import bad_packages
 import blenders
 import debian_releases
 import extension_commands
@@ -193,6 +194,7 @@ def tried(blender: blenders.Blender, quick: bool) -> Row:
             return row
         if blender.has_commands:
             faults = extension_commands.faults(blender, extension, folder / "commands")
+            faults += bad_packages.faults(blender, extension, folder / "bad")
             row.faults += faults
             row.commands = "fail" if faults else "accept it"
         scripts = folder / "scripts"
