@@ -278,7 +278,7 @@ void PatchSurface::line_points(uint32_t element, float u, std::span<const float>
     }
 }
 
-std::optional<ContentHash> PatchSurface::content_hash() const {
+std::optional<ContentHash> PatchSurface::hash_of_content() const {
     ContentHasher hasher;
     add_to(hasher);
     for (const SplinePatches& spline : splines_) {

@@ -48,7 +48,7 @@ class PatchSurface final : public Shape {
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
     ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
     void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const override;
-    std::optional<ContentHash> content_hash() const override;
+    std::optional<ContentHash> hash_of_content() const override;
     size_t bytes() const override;
 
     const std::vector<SplinePatches>& splines() const { return splines_; }

@@ -6,6 +6,7 @@
 #include "rays/hit.h"
 
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -102,12 +103,16 @@ class Shape {
     virtual ElementPoint element_point(uint32_t element, const Vec2f& parameters) const = 0;
     /// Points of an element along a line of constant u, one for each v: as element_point and surface give them.
     virtual void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const;
-    /// Equal for shapes that rays cannot tell apart, names aside; empty where that is not known.
-    virtual std::optional<ContentHash> content_hash() const { return std::nullopt; }
+    /// Equal for shapes that rays cannot tell apart, names aside; empty where that is not known. Computed once.
+    const std::optional<ContentHash>& content_hash() const {
+        std::call_once(hashed_, [this] { content_hash_ = hash_of_content(); });
+        return content_hash_;
+    }
     /// Bytes held, itself included.
     virtual size_t bytes() const = 0;
 
   protected:
+    virtual std::optional<ContentHash> hash_of_content() const { return std::nullopt; }
     /// Starts a content hash with what every shape has.
     void add_to(ContentHasher& hasher) const {
         hasher.add(static_cast<int>(kind_));
@@ -122,6 +127,8 @@ class Shape {
   private:
     ShapeKind kind_;
     std::string name_;
+    mutable std::once_flag hashed_;
+    mutable std::optional<ContentHash> content_hash_;
 };
 
 }  // namespace rayleaf

@@ -189,7 +189,7 @@ ElementPoint TriangleMesh::element_point(uint32_t element, const Vec2f& paramete
     return result;
 }
 
-std::optional<ContentHash> TriangleMesh::content_hash() const {
+std::optional<ContentHash> TriangleMesh::hash_of_content() const {
     ContentHasher hasher;
     add_to(hasher);
     hasher.add(vertices_);

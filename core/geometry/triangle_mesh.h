@@ -51,7 +51,7 @@ class TriangleMesh final : public Shape {
     uint32_t material_slot(const LocalHit& hit) const override;
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
     ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
-    std::optional<ContentHash> content_hash() const override;
+    std::optional<ContentHash> hash_of_content() const override;
     size_t bytes() const override;
 
     /// Local space.

@@ -45,9 +45,19 @@ double tolerance_for(const LocalView& local, const DicingView& view, const Box3d
     return view.pixels * pixel / local.world_per_local;
 }
 
+ContentHash hash_of(const std::vector<LocalView>& views, const DicingView& view) {
+    ContentHasher hasher;
+    for (const double number : {view.pixel_angle, view.pixel_width, view.pixels}) hasher.add(number);
+    for (const LocalView& local : views)
+        for (const double number :
+             {local.eye.x, local.eye.y, local.eye.z, local.world_per_local, local.local_per_world})
+            hasher.add(number);
+    return hasher.value();
+}
+
 }  // namespace
 
-std::vector<FacetTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
+std::vector<ShapeTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
                                              const std::vector<size_t>& shape_of, const DicingView& view) {
     std::vector<std::vector<LocalView>> views(shape_count);
     const auto nearer = [](const LocalView& a, const LocalView& b) { return a.eye.length() < b.eye.length(); };
@@ -60,14 +70,17 @@ std::vector<FacetTolerance> facet_tolerances(const std::vector<TracedInstance>& 
         std::pop_heap(of_shape.begin(), of_shape.end(), nearer);
         of_shape.pop_back();
     }
-    std::vector<FacetTolerance> tolerances;
+    std::vector<ShapeTolerance> tolerances;
     tolerances.reserve(shape_count);
     for (std::vector<LocalView>& of_shape : views) {
-        tolerances.emplace_back([local = std::move(of_shape), view](const Box3d& box) {
-            double smallest = kCoarsestTolerance;
-            for (const LocalView& each : local) smallest = std::min(smallest, tolerance_for(each, view, box));
-            return std::max(smallest, kFinestTolerance);
-        });
+        const ContentHash key = hash_of(of_shape, view);
+        tolerances.push_back({[local = std::move(of_shape), view](const Box3d& box) {
+                                  double smallest = kCoarsestTolerance;
+                                  for (const LocalView& each : local)
+                                      smallest = std::min(smallest, tolerance_for(each, view, box));
+                                  return std::max(smallest, kFinestTolerance);
+                              },
+                              key});
     }
     return tolerances;
 }

@@ -1,6 +1,7 @@
 // How fine a shape's facets must be: from its instances and the view.
 #pragma once
 
+#include "base/content_hash.h"
 #include "tessellation/dicer.h"
 #include "trace/tracer.h"
 
@@ -12,9 +13,15 @@ namespace rayleaf {
 /// between 1/2 and 1. Reflections and shadows of what lies off the picture need some shape too.
 inline constexpr double kCoarsestTolerance = 1e-4;
 
+/// How fine a shape's facets must be, and a hash of all that this depends on.
+struct ShapeTolerance {
+    FacetTolerance tolerance;
+    ContentHash key;
+};
+
 /// The tolerance of each shape that is diced: the wanted fraction of a pixel at the instance where that is smallest in
 /// local units, at the point of the part's box nearest to the eye.
-std::vector<FacetTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
+std::vector<ShapeTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
                                              const std::vector<size_t>& shape_of, const DicingView& view);
 
 }  // namespace rayleaf

@@ -88,17 +88,16 @@ std::unique_ptr<ShapeScene> make_scene(ShapePlan plan, Residence residence, cons
     return scene;
 }
 
-std::vector<Residence> choose_residents(std::span<const ShapePlan> plans, std::span<const uint32_t> instances,
+std::vector<Residence> choose_residents(std::span<const uint64_t> bytes, std::span<const uint32_t> instances,
                                         uint64_t budget) {
-    std::vector<size_t> order(plans.size());
+    std::vector<size_t> order(bytes.size());
     std::iota(order.begin(), order.end(), size_t{0});
-    const auto cost = [&](size_t i) { return static_cast<double>(plans[i].resident_bytes()) / instances[i]; };
+    const auto cost = [&](size_t i) { return static_cast<double>(bytes[i]) / instances[i]; };
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return cost(a) < cost(b); });
-    std::vector<Residence> chosen(plans.size(), Residence::Cached);
+    std::vector<Residence> chosen(bytes.size(), Residence::Cached);
     for (const size_t i : order) {
-        const uint64_t bytes = plans[i].resident_bytes();
-        if (bytes > budget) continue;
-        budget -= bytes;
+        if (bytes[i] > budget) continue;
+        budget -= bytes[i];
         chosen[i] = Residence::Resident;
     }
     return chosen;

@@ -28,8 +28,8 @@ ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const 
 std::unique_ptr<ShapeScene> make_scene(ShapePlan plan, Residence residence, const CancelToken& cancel);
 
 /// Which of the shapes stay in memory: those whose facets cost the least for each instance, as long as the budget
-/// lasts.
-std::vector<Residence> choose_residents(std::span<const ShapePlan> plans, std::span<const uint32_t> instances,
+/// lasts. `bytes` are their plans' resident_bytes.
+std::vector<Residence> choose_residents(std::span<const uint64_t> bytes, std::span<const uint32_t> instances,
                                         uint64_t budget);
 
 }  // namespace rayleaf

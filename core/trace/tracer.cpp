@@ -13,31 +13,63 @@
 namespace rayleaf {
 namespace {
 
+/// The shapes as they are traced, those that the store knows from there. It may be null.
+std::vector<std::shared_ptr<ShapeScene>> traced_shapes(std::span<const std::shared_ptr<const Shape>> unique,
+                                                       std::span<const uint32_t> uses,
+                                                       std::span<const ShapeTolerance> tolerances,
+                                                       uint64_t resident_budget, TracedShapeStore* store,
+                                                       const CancelToken& cancel) {
+    const size_t count = unique.size();
+    std::vector<TracedShapeKey> keys(count);
+    std::vector<KeptShape> kept(count);
+    std::vector<std::optional<ShapePlan>> plans(count);
+    std::vector<uint64_t> bytes(count);
+    if (store) store->next_tracer();
+    const auto plan = [&](size_t i) { plans[i] = plan_shape(*unique[i], tolerances[i].tolerance, cancel); };
+    tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+        if (store) {
+            keys[i] = key_of(*unique[i], tolerances[i].key);
+            kept[i] = store->find(keys[i]);
+        }
+        if (!kept[i].scene) plan(i);
+        bytes[i] = plans[i] ? plans[i]->resident_bytes() : kept[i].resident_bytes;
+    });
+    const std::vector<Residence> residence = choose_residents(bytes, uses, resident_budget);
+    std::vector<std::shared_ptr<ShapeScene>> shapes(count);
+    tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+        // What goes through the geometry cache has numbers of this tracer; shapes that are not diced take no bytes.
+        const bool lasts = bytes[i] == 0 || residence[i] == Residence::Resident;
+        if (kept[i].scene && lasts) {
+            shapes[i] = std::move(kept[i].scene);
+            return;
+        }
+        if (!plans[i]) plan(i);
+        shapes[i] = make_scene(std::move(*plans[i]), residence[i], cancel);
+        if (store && lasts) store->keep(keys[i], {unique[i], shapes[i], bytes[i]});
+    });
+    return shapes;
+}
+
 /// Up to so many instances are asked one after the other, without an Embree scene above them.
 constexpr size_t kDirectInstances = 3;
 
 }  // namespace
 
-void Tracer::Implementation::build_shapes(const DicingView& view, uint64_t resident_budget, const CancelToken& cancel) {
+void Tracer::Implementation::build_shapes(const DicingView& view, uint64_t resident_budget, TracedShapeStore* store,
+                                          const CancelToken& cancel) {
     std::unordered_map<const Shape*, size_t> numbers;
-    std::vector<const Shape*> unique;
+    std::vector<std::shared_ptr<const Shape>> unique;
     std::vector<size_t> shape_of;
     shape_of.reserve(instances.size());
     for (const TracedInstance& instance : instances) {
         const auto [entry, added] = numbers.try_emplace(instance.shape.get(), unique.size());
-        if (added) unique.push_back(instance.shape.get());
+        if (added) unique.push_back(instance.shape);
         shape_of.push_back(entry->second);
     }
-    const std::vector<FacetTolerance> tolerances = facet_tolerances(instances, unique.size(), shape_of, view);
+    const std::vector<ShapeTolerance> tolerances = facet_tolerances(instances, unique.size(), shape_of, view);
     std::vector<uint32_t> uses(unique.size());
     for (const size_t shape : shape_of) ++uses[shape];
-    std::vector<ShapePlan> plans(unique.size());
-    tbb::parallel_for(size_t{0}, unique.size(),
-                      [&](size_t i) { plans[i] = plan_shape(*unique[i], tolerances[i], cancel); });
-    const std::vector<Residence> residence = choose_residents(plans, uses, resident_budget);
-    shapes.resize(unique.size());
-    tbb::parallel_for(size_t{0}, unique.size(),
-                      [&](size_t i) { shapes[i] = make_scene(std::move(plans[i]), residence[i], cancel); });
+    shapes = traced_shapes(unique, uses, tolerances, resident_budget, store, cancel);
     records.resize(instances.size());
     for (size_t i = 0; i < instances.size(); ++i) records[i].scene = shapes[shape_of[i]].get();
 }
@@ -60,25 +92,25 @@ void Tracer::Implementation::build_scene(const CancelToken& cancel) {
 
 void Tracer::Implementation::build_cache(const GeometryCacheSettings& settings) {
     uint64_t subpatches = 0;
-    for (const std::unique_ptr<ShapeScene>& shape : shapes) subpatches += shape->cached_subpatches();
+    for (const std::shared_ptr<ShapeScene>& shape : shapes) subpatches += shape->cached_subpatches();
     if (subpatches >= GridArena::kMostSubpatches)
         throw InputError("scene", "subpatches", std::to_string(subpatches),
                          "fewer than " + std::to_string(GridArena::kMostSubpatches));
     if (subpatches == 0) return;
     cache = std::make_unique<GeometryCache>(settings, static_cast<uint32_t>(subpatches));
     uint32_t first = 0;
-    for (const std::unique_ptr<ShapeScene>& shape : shapes) {
+    for (const std::shared_ptr<ShapeScene>& shape : shapes) {
         shape->set_geometry_cache(*cache, first);
         first += shape->cached_subpatches();
     }
 }
 
 Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel,
-               const GeometryCacheSettings& cache)
+               const GeometryCacheSettings& cache, TracedShapeStore* kept)
     : implementation_(std::make_unique<Implementation>()) {
     const uint64_t before = embree_bytes();
     implementation_->instances = std::move(instances);
-    implementation_->build_shapes(view, cache.resident_budget, cancel);
+    implementation_->build_shapes(view, cache.resident_budget, kept, cancel);
     implementation_->build_records();
     implementation_->build_scene(cancel);
     implementation_->build_cache(cache);
@@ -165,7 +197,7 @@ TraceStatistics Tracer::statistics() const {
     result.instances = implementation_->instances.size();
     result.shapes = implementation_->shapes.size();
     result.bvh_bytes = implementation_->bvh_bytes;
-    for (const std::unique_ptr<ShapeScene>& shape : implementation_->shapes) {
+    for (const std::shared_ptr<ShapeScene>& shape : implementation_->shapes) {
         result.subpatches += shape->subpatch_count();
         result.record_bytes += shape->record_bytes();
         result.facet_bytes += shape->facet_bytes();

@@ -82,11 +82,13 @@ struct SurfaceQuery {
     SurfacePoint* point = nullptr;  ///< where to put it
 };
 
+class TracedShapeStore;  // trace/traced_shape_store.h
+
 class Tracer {
   public:
-    /// Throws Cancelled soon after `cancel` says so.
+    /// Shapes that `kept` knows are not built again; it may be null. Throws Cancelled soon after `cancel` says so.
     Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel = kNeverCancelled,
-           const GeometryCacheSettings& cache = {});
+           const GeometryCacheSettings& cache = {}, TracedShapeStore* kept = nullptr);
     ~Tracer();
     Tracer(const Tracer&) = delete;
     Tracer& operator=(const Tracer&) = delete;

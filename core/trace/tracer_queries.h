@@ -7,6 +7,7 @@
 #include "trace/instance_record.h"
 #include "trace/local_ray.h"
 #include "trace/shape_scene.h"
+#include "trace/traced_shape_store.h"
 #include "trace/tracer.h"
 
 #include <array>
@@ -20,7 +21,7 @@ namespace rayleaf {
 struct Tracer::Implementation {
     std::vector<TracedInstance> instances;
     std::vector<InstanceRecord> records;
-    std::vector<std::unique_ptr<ShapeScene>> shapes;
+    std::vector<std::shared_ptr<ShapeScene>> shapes;
     Box3d bounds;
     LocalFrame frame;  ///< world -> the space of the scene above the instances
     EmbreeScene scene;
@@ -49,7 +50,8 @@ struct Tracer::Implementation {
         static Query& of(EmbreeContext* embree_context) { return *reinterpret_cast<Query*>(embree_context); }
     };
 
-    void build_shapes(const DicingView& view, uint64_t resident_budget, const CancelToken& cancel);
+    void build_shapes(const DicingView& view, uint64_t resident_budget, TracedShapeStore* kept,
+                      const CancelToken& cancel);
     void build_records();
     void build_scene(const CancelToken& cancel);
     void build_cache(const GeometryCacheSettings& settings);

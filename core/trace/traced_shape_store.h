@@ -1,0 +1,54 @@
+// Shapes as they are traced, kept from one tracer to the next: an edit, or another frame, builds anew what has changed.
+//
+// A traced shape depends on its content and, where it is diced, on how finely each part of it is wanted. Shapes that go
+// through the geometry cache are not kept: their subpatches have numbers in one tracer.
+#pragma once
+
+#include "base/content_hash.h"
+#include "trace/shape_scene.h"
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace rayleaf {
+
+struct TracedShapeKey {
+    ContentHash shape{};
+    ContentHash tolerance{};  ///< of shapes that are diced
+
+    auto operator<=>(const TracedShapeKey&) const = default;  // NOLINT(modernize-use-nullptr): it has no pointers
+};
+
+struct KeptShape {
+    std::shared_ptr<const Shape> shape;  ///< what the scene is of
+    std::shared_ptr<ShapeScene> scene;
+    uint64_t resident_bytes = 0;  ///< as of the plan
+};
+
+/// The key of a shape: of its content, or, where that has no hash, of the very object, which the store then keeps.
+TracedShapeKey key_of(const Shape& shape, const ContentHash& tolerance);
+
+/// Thread-safe. What no tracer has asked for while the last two were built is dropped.
+class TracedShapeStore {
+  public:
+    /// For each tracer, before it asks.
+    void next_tracer();
+    /// Empty where the shape is not kept.
+    KeptShape find(const TracedShapeKey& key);
+    void keep(const TracedShapeKey& key, KeptShape kept);
+    size_t count() const;
+
+  private:
+    struct Entry {
+        KeptShape kept;
+        uint64_t asked = 0;  ///< tracer that asked last
+    };
+    mutable std::mutex mutex_;
+    std::map<TracedShapeKey, Entry> entries_;
+    uint64_t tracers_ = 0;
+};
+
+}  // namespace rayleaf
