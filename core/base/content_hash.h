@@ -28,6 +28,10 @@ class ContentHasher {
     /// Numbers without padding between them: their bytes.
     template <typename T>
     void add(const std::vector<T>& values) {
+        add(std::span<const T>(values));
+    }
+    template <typename T>
+    void add(std::span<const T> values) {
         static_assert(std::is_trivially_destructible_v<T>);
         add(static_cast<uint64_t>(values.size()));
         add_bytes({reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(T)});

@@ -73,12 +73,15 @@ struct EmittingInstance {
     std::vector<uint32_t> elements;
 };
 
+class WorldLight;  // lights/world_light.h
+
 class LightSet {
   public:
-    /// `world_resolution` is the width of the table by which the world is importance sampled; 0: not sampled. Black and
-    /// constant worlds are sampled by scattering alone whatever it is. Throws Cancelled soon after `cancel` says so.
+    /// `world_light` is the table by which the world is importance sampled; null: not sampled. Black and constant
+    /// worlds are sampled by scattering alone whatever it is. Throws Cancelled soon after `cancel` says so.
     LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
-             SurfaceEmission emission, WorldEmission world, int world_resolution, const CancelToken& cancel);
+             SurfaceEmission emission, WorldEmission world, std::shared_ptr<const WorldLight> world_light,
+             const CancelToken& cancel);
     ~LightSet();
     LightSet(const LightSet&) = delete;
     LightSet& operator=(const LightSet&) = delete;

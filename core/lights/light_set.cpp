@@ -41,7 +41,7 @@ struct LightSet::Implementation {
     LightTree hittable{{}};                 ///< over those
     SurfaceLights surfaces;
     WorldEmission world_emission;
-    std::optional<WorldLight> world;
+    std::shared_ptr<const WorldLight> world;
     LightTree tree{{}};
     double suns_and_world = 0;  ///< sum of irradiances
 
@@ -102,15 +102,13 @@ void LightSet::Implementation::build_tree(const CancelToken& cancel) {
 }
 
 LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
-                   SurfaceEmission emission, WorldEmission world, int world_resolution, const CancelToken& cancel)
+                   SurfaceEmission emission, WorldEmission world, std::shared_ptr<const WorldLight> world_light,
+                   const CancelToken& cancel)
     : implementation_(std::make_unique<Implementation>(emitters, tracer, std::move(emission), std::move(world))) {
     Implementation& set = *implementation_;
     for (const Lamp& lamp : lamps)
         if (shines(lamp)) set.add(lamp);
-    if (world_resolution > 0 && set.world_emission) {
-        set.world.emplace(set.world_emission, world_resolution, cancel);
-        if (set.world->is_uniform()) set.world.reset();
-    }
+    if (world_light && !world_light->is_uniform()) set.world = std::move(world_light);
     if (set.world) set.suns_and_world += set.world->irradiance();
     set.build_tree(cancel);
 }

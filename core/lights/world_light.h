@@ -4,10 +4,21 @@
 // asked for a direction is exactly the one it is sampled with. A small share is uniform, for what the table missed.
 #pragma once
 
+#include "base/content_hash.h"
 #include "lights/lamp_sample.h"
 #include "lights/light.h"
 
+#include <memory>
+#include <mutex>
+
 namespace rayleaf {
+
+/// All that a world's table depends on.
+struct WorldLightKey {
+    ContentHash world{};
+    int width = 0;
+    bool operator==(const WorldLightKey&) const = default;
+};
 
 class WorldLight {
   public:
@@ -33,6 +44,19 @@ class WorldLight {
 
     const float* row(int y) const { return cells_.data() + static_cast<size_t>(y) * (static_cast<size_t>(width_) + 1); }
     double cell_density(int x, int y) const;
+};
+
+/// Keeps the world's table that was used last. Thread-safe.
+class WorldLightStore {
+  public:
+    /// Makes it where it is another one.
+    std::shared_ptr<const WorldLight> find_or_make(const WorldLightKey& key, const WorldEmission& world,
+                                                   const CancelToken& cancel);
+
+  private:
+    std::mutex mutex_;
+    WorldLightKey key_;
+    std::shared_ptr<const WorldLight> kept_;
 };
 
 }  // namespace rayleaf

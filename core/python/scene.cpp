@@ -4,6 +4,7 @@
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "scene/description.h"
+#include "scene/scene_parts.h"
 #include "splines/nurbs.h"
 
 #include <array>
@@ -208,10 +209,14 @@ int add_image_pixels(SceneDescription& scene, const std::string& name, const Arr
 
 void bind_scene(py::module_& module) {
     using namespace py::literals;
+    py::class_<SceneParts, std::shared_ptr<SceneParts>>(
+        module, "SceneParts",
+        "What renders of like scenes share: shapes built for tracing, converted textures, the world's table.")
+        .def(py::init<>());
     py::class_<SceneDescription, std::shared_ptr<SceneDescription>>(
         module, "SceneDescription",
         "A scene. Each add_... returns an index for later calls, or raises and leaves the scene as it was.")
-        .def(py::init<>())
+        .def(py::init<std::shared_ptr<SceneParts>>(), "parts"_a = py::none())
         .def("attribute", &SceneDescription::attribute, "name"_a)
         .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a, "corner_normals"_a = py::none(),
              "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none())

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/largest.h"
+#include "scene/scene_parts.h"
 
 namespace rayleaf {
 namespace {
@@ -54,6 +55,9 @@ void check_displacement(const std::string& owner, const MaterialDisplacement& di
         if (target < -1 || target >= displacement.program->register_count())
             throw InputError(owner, "displacement", std::to_string(target), "-1 or a register of its program");
 }
+
+SceneDescription::SceneDescription(std::shared_ptr<SceneParts> kept)
+    : parts(kept ? std::move(kept) : std::make_shared<SceneParts>()) {}
 
 int SceneDescription::add_shape(std::shared_ptr<const Shape> shape) {
     shapes.push_back(std::move(shape));
@@ -116,7 +120,7 @@ AttributeId SceneDescription::attribute(const std::string& name) {
 }
 
 std::shared_ptr<TextureStore> SceneDescription::textures() {
-    if (!textures_) textures_ = std::make_shared<TextureStore>(texture_memory);
+    if (!textures_) textures_ = std::make_shared<TextureStore>(texture_memory, parts->textures);
     return textures_;
 }
 

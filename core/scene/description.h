@@ -54,8 +54,13 @@ struct InstanceDescription {
     int ray_interpolation = -1;  ///< index of the object's own; -1: the scene's
 };
 
+struct SceneParts;  // scene/scene_parts.h
+
 class SceneDescription {
   public:
+    /// `kept`: what was made for other renders; null: nothing.
+    explicit SceneDescription(std::shared_ptr<SceneParts> kept = nullptr);
+
     int add_shape(std::shared_ptr<const Shape> shape);
     int add_material(Material material);
     int add_material_list(std::vector<int> materials);
@@ -78,6 +83,7 @@ class SceneDescription {
     std::shared_ptr<const Program> world;
     int world_resolution = 0;
     size_t texture_memory = size_t{1} << 30;
+    std::shared_ptr<SceneParts> parts;  ///< never null
 
     const std::optional<CameraDescription>& camera() const { return camera_; }
     const std::shared_ptr<TextureStore>& existing_textures() const { return textures_; }

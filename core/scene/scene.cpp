@@ -4,6 +4,7 @@
 #include "scene/material_displacement.h"
 #include "scene/occupancy.h"
 #include "scene/ray_cache_plan.h"
+#include "scene/scene_parts.h"
 
 namespace rayleaf {
 namespace {
@@ -33,6 +34,22 @@ std::vector<uint32_t> emitting_elements(const Shape& shape, const Emits& emits, 
 const CameraDescription& required_camera(const SceneDescription& description) {
     if (!description.camera()) throw InputError("scene", "camera", "missing", "a camera to look through");
     return *description.camera();
+}
+
+/// Textures are known by their numbers in programs: all of them are part of what a program shows.
+WorldLightKey world_light_key(const SceneDescription& description, const CameraInfo& camera) {
+    ContentHasher hasher;
+    description.world->add_to(hasher);
+    if (description.existing_textures()) description.existing_textures()->add_to(hasher);
+    if (description.world->reads_camera()) {
+        const Affine3d& m = camera.world_to_camera;
+        for (const Vec3d& column : {m.x, m.y, m.z, m.translation})
+            for (int axis = 0; axis < 3; ++axis) hasher.add(column[axis]);
+        for (const double number :
+             {camera.window_min.x, camera.window_min.y, camera.window_size.x, camera.window_size.y})
+            hasher.add(number);
+    }
+    return {hasher.value(), description.world_resolution};
 }
 
 /// Volume objects have no surface that a ray could meet.
@@ -70,8 +87,8 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     std::vector<const std::vector<int>*> lists;
     for (uint32_t i = 0; i < traced.size(); ++i) lists.push_back(&material_list(i));
     displace(traced, description, lists, {&camera_->info(), textures_}, cancel);
-    tracer_ =
-        std::make_unique<Tracer>(std::move(traced), camera_->dicing_view(), cancel, geometry_cache_settings(settings));
+    tracer_ = std::make_unique<Tracer>(std::move(traced), camera_->dicing_view(), cancel,
+                                       geometry_cache_settings(settings), &description.parts->shapes);
     cancel.throw_if_cancelled();
     commit_lights(description, cancel);
     commit_glass(description, cancel);
@@ -147,8 +164,12 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
         return world(direction, {}, sampled_light);
     };
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
+    std::shared_ptr<const WorldLight> table;
+    if (sampled && description.world_resolution > 0)
+        table = description.parts->world_lights.find_or_make(world_light_key(description, camera_->info()),
+                                                             world_emission, cancel);
     lights_ = std::make_unique<LightSet>(description.lamps, emitters, *tracer_, emission, world_emission,
-                                         sampled ? description.world_resolution : 0, cancel);
+                                         std::move(table), cancel);
 }
 
 const Material& Scene::material_of(const std::vector<int>& list, uint32_t slot) const {

@@ -234,4 +234,24 @@ void Program::differentiate(Register target) {
     }
 }
 
+void Program::add_to(ContentHasher& hasher) const {
+    for (const Instruction& instruction : instructions_) {
+        hasher.add(static_cast<int>(instruction.operation));
+        hasher.add(int{instruction.variant});
+        hasher.add(instruction.result);
+        for (const uint32_t count : {instruction.operand_count, instruction.int_count, instruction.float_count})
+            hasher.add(count);
+    }
+    hasher.add(operands_);
+    hasher.add(ints_);
+    hasher.add(floats_);
+    hasher.add(registers_);
+}
+
+bool Program::reads_camera() const {
+    return std::any_of(instructions_.begin(), instructions_.end(), [](const Instruction& instruction) {
+        return instruction.operation == Operation::camera_coordinates || instruction.operation == Operation::window;
+    });
+}
+
 }  // namespace rayleaf

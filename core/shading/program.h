@@ -5,6 +5,7 @@
 // points one pixel step away by the ray's differential. That is exact to first order whatever the nodes between do.
 #pragma once
 
+#include "base/content_hash.h"
 #include "base/vector.h"
 #include "shading/closures.h"
 #include "shading/inputs.h"
@@ -41,6 +42,8 @@ class Program {
                        const std::string& text = {});
 
     const std::string& name() const { return name_; }
+    /// All that its results depend on beside the inputs; textures by their numbers.
+    void add_to(ContentHasher& hasher) const;
 
     /// Runs the program: closures, emission and transparency of one point, in place of what `result` held. Pure; never
     /// NaN.
@@ -64,6 +67,8 @@ class Program {
     bool has_even_closures() const { return !reads_inputs_; }
     /// True if it reads the active texture coordinate, as such.
     bool reads_uv() const { return reads_uv_; }
+    /// True if it reads where the camera is.
+    bool reads_camera() const;
     /// True if it reads what only an element of the shape knows, or its direction of u: attributes, named texture
     /// coordinates, tangents.
     bool reads_element() const { return reads_element_; }

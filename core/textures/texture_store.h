@@ -1,6 +1,7 @@
 // The scene's image textures: footprint in, filtered linear colour out, through OpenImageIO's TextureSystem.
 #pragma once
 
+#include "base/content_hash.h"
 #include "base/vector.h"
 
 #include <cstdint>
@@ -11,6 +12,8 @@
 namespace rayleaf {
 
 using TextureId = int32_t;
+
+class ConvertedTextures;  // textures/converted_textures.h
 
 enum class ColorSpace : uint8_t { Srgb, Linear, NonColor };
 enum class TextureExtension : uint8_t {
@@ -27,8 +30,8 @@ enum class TextureInterpolation : uint8_t { Linear, Closest, Cubic };
 class TextureStore {
   public:
     /// `memory_limit` in bytes, for cached tiles, at least 10 MB. Stores that live at the same time share one cache;
-    /// the limit is that of the newest.
-    explicit TextureStore(size_t memory_limit);
+    /// the limit is that of the newest. `converted`: images that were converted before; null: none.
+    explicit TextureStore(size_t memory_limit, std::shared_ptr<ConvertedTextures> converted = nullptr);
     ~TextureStore();
     TextureStore(const TextureStore&) = delete;
     TextureStore& operator=(const TextureStore&) = delete;
@@ -38,6 +41,9 @@ class TextureStore {
     /// Pixels as Blender holds them: `channels` floats each (1, 3 or 4), rows bottom to top, alpha straight.
     TextureId add_pixels(const std::string& name, std::span<const float> pixels, int width, int height, int channels,
                          ColorSpace space);
+
+    /// All that lookups depend on.
+    void add_to(ContentHasher& hasher) const;
 
     /// Filtered linear colour with alpha in w at (u, v), v up as in Blender. The derivatives are changes of (u, v) per
     /// pixel.

@@ -5,6 +5,7 @@
 #include "trace/make_scene.h"
 #include "trace/tracer_queries.h"
 
+#include <atomic>
 #include <unordered_map>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -13,12 +14,15 @@
 namespace rayleaf {
 namespace {
 
+struct TracedShapes {
+    std::vector<std::shared_ptr<ShapeScene>> all;
+    uint64_t kept = 0;  ///< of those
+};
+
 /// The shapes as they are traced, those that the store knows from there. It may be null.
-std::vector<std::shared_ptr<ShapeScene>> traced_shapes(std::span<const std::shared_ptr<const Shape>> unique,
-                                                       std::span<const uint32_t> uses,
-                                                       std::span<const ShapeTolerance> tolerances,
-                                                       uint64_t resident_budget, TracedShapeStore* store,
-                                                       const CancelToken& cancel) {
+TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique, std::span<const uint32_t> uses,
+                           std::span<const ShapeTolerance> tolerances, uint64_t resident_budget,
+                           TracedShapeStore* store, const CancelToken& cancel) {
     const size_t count = unique.size();
     std::vector<TracedShapeKey> keys(count);
     std::vector<KeptShape> kept(count);
@@ -36,18 +40,20 @@ std::vector<std::shared_ptr<ShapeScene>> traced_shapes(std::span<const std::shar
     });
     const std::vector<Residence> residence = choose_residents(bytes, uses, resident_budget);
     std::vector<std::shared_ptr<ShapeScene>> shapes(count);
+    std::atomic<uint64_t> found{0};  // read when all are built
     tbb::parallel_for(size_t{0}, count, [&](size_t i) {
         // What goes through the geometry cache has numbers of this tracer; shapes that are not diced take no bytes.
         const bool lasts = bytes[i] == 0 || residence[i] == Residence::Resident;
         if (kept[i].scene && lasts) {
             shapes[i] = std::move(kept[i].scene);
+            ++found;
             return;
         }
         if (!plans[i]) plan(i);
         shapes[i] = make_scene(std::move(*plans[i]), residence[i], cancel);
         if (store && lasts) store->keep(keys[i], {unique[i], shapes[i], bytes[i]});
     });
-    return shapes;
+    return {std::move(shapes), found};
 }
 
 /// Up to so many instances are asked one after the other, without an Embree scene above them.
@@ -69,7 +75,9 @@ void Tracer::Implementation::build_shapes(const DicingView& view, uint64_t resid
     const std::vector<ShapeTolerance> tolerances = facet_tolerances(instances, unique.size(), shape_of, view);
     std::vector<uint32_t> uses(unique.size());
     for (const size_t shape : shape_of) ++uses[shape];
-    shapes = traced_shapes(unique, uses, tolerances, resident_budget, store, cancel);
+    TracedShapes traced = traced_shapes(unique, uses, tolerances, resident_budget, store, cancel);
+    shapes = std::move(traced.all);
+    kept_shapes = traced.kept;
     records.resize(instances.size());
     for (size_t i = 0; i < instances.size(); ++i) records[i].scene = shapes[shape_of[i]].get();
 }
@@ -100,6 +108,7 @@ void Tracer::Implementation::build_cache(const GeometryCacheSettings& settings) 
     cache = std::make_unique<GeometryCache>(settings, static_cast<uint32_t>(subpatches));
     uint32_t first = 0;
     for (const std::shared_ptr<ShapeScene>& shape : shapes) {
+        if (shape->cached_subpatches() == 0) continue;  // it may be another tracer's too
         shape->set_geometry_cache(*cache, first);
         first += shape->cached_subpatches();
     }
@@ -196,6 +205,7 @@ TraceStatistics Tracer::statistics() const {
     TraceStatistics result;
     result.instances = implementation_->instances.size();
     result.shapes = implementation_->shapes.size();
+    result.kept_shapes = implementation_->kept_shapes;
     result.bvh_bytes = implementation_->bvh_bytes;
     for (const std::shared_ptr<ShapeScene>& shape : implementation_->shapes) {
         result.subpatches += shape->subpatch_count();

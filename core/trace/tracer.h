@@ -52,6 +52,7 @@ struct DicingView {
 struct TraceStatistics {
     uint64_t subpatches = 0, bvh_bytes = 0, triangles = 0, instances = 0, shapes = 0;
     uint64_t record_bytes = 0;         ///< what is held for each subpatch beside the tree, the grids and the facets
+    uint64_t kept_shapes = 0;          ///< that were not built for this tracer (trace/traced_shape_store.h)
     uint64_t resident_shapes = 0;      ///< diced shapes whose facets stay in memory
     uint64_t facet_bytes = 0;          ///< of those facets
     GeometryCacheStatistics geometry;  ///< all zero without patches

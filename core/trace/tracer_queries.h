@@ -22,6 +22,7 @@ struct Tracer::Implementation {
     std::vector<TracedInstance> instances;
     std::vector<InstanceRecord> records;
     std::vector<std::shared_ptr<ShapeScene>> shapes;
+    uint64_t kept_shapes = 0;  ///< of those
     Box3d bounds;
     LocalFrame frame;  ///< world -> the space of the scene above the instances
     EmbreeScene scene;

@@ -376,10 +376,15 @@ class SubdivisionSurface:
 def displaced(shape: Any, program: Program, object: int = -1, world: int = -1) -> Any:
     """A spline or subdivision surface whose points are moved by the vectors in a program's registers (-1: none)."""
 
+class SceneParts:
+    """What renders of like scenes share: shapes built for tracing, converted textures, the world's table."""
+
+    def __init__(self) -> None: ...
+
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
 
-    def __init__(self) -> None: ...
+    def __init__(self, parts: SceneParts | None = None) -> None: ...
     def attribute(self, name: str) -> int:
         """The id of an attribute name (UV map, colour attribute), for operations and shapes."""
     def add_mesh(

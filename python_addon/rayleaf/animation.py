@@ -1,5 +1,7 @@
-"""What is kept from one frame of an animation to the next: ray caches. Nothing is kept after an animation, nor of single
-pictures."""
+"""What is kept from one frame of an animation to the next: ray caches, and the parts of scenes that do not change.
+
+After an animation, and of single pictures, nothing is kept, but for parts of scenes where Blender's Persistent Data says
+so."""
 
 from types import ModuleType
 from typing import Any
@@ -10,12 +12,14 @@ from bpy.app.handlers import persistent
 from .names import name_of
 
 
-class KeptRayCaches:
-    """The ray caches of the animation under way."""
+class Kept:
+    """The ray caches of the animation under way, and the parts of its scenes."""
 
     def __init__(self) -> None:
         self._store: Any | None = None
         self._frames: dict[str, tuple[int, float]] = {}  # by scene: the one that was rendered last
+        self._parts: Any | None = None
+        self._keeps_parts = False  # after the animation too
 
     def for_frame(self, core: ModuleType, scene: Any, is_animation: bool) -> Any:
         """The store to render a scene's frame with. What the scene's frame before did not use is dropped from it.
@@ -34,31 +38,57 @@ class KeptRayCaches:
         self._frames[name] = frame
         return store
 
-    def clear(self) -> None:
-        """Forget everything."""
+    def parts(self, core: ModuleType, scene: Any, is_animation: bool) -> Any:
+        """The SceneParts to render a scene's frame with."""
+        if not is_animation and self._store is None and not scene.render.use_persistent_data:
+            self._parts = None
+            return core.SceneParts()
+        if self._parts is None:
+            self._parts = core.SceneParts()
+        self._keeps_parts = scene.render.use_persistent_data
+        return self._parts
+
+    def end_animation(self) -> None:
+        """Forget what is kept for the next frame."""
         self._store = None
         self._frames = {}
+        if not self._keeps_parts:
+            self._parts = None
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._keeps_parts = False
+        self.end_animation()
 
 
-KEPT = KeptRayCaches()
+KEPT = Kept()
 
 
 @persistent
 def _end(_scene: Any, _depsgraph: Any = None) -> None:
+    KEPT.end_animation()
+
+
+@persistent
+def _forget(_scene: Any, _depsgraph: Any = None) -> None:
     KEPT.clear()
 
 
-_HANDLERS = (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel, bpy.app.handlers.load_pre)
+_HANDLERS = (
+    (bpy.app.handlers.render_complete, _end),
+    (bpy.app.handlers.render_cancel, _end),
+    (bpy.app.handlers.load_pre, _forget),
+)
 
 
 def register() -> None:
     """Learn from Blender when an animation ends."""
-    for handlers in _HANDLERS:
-        handlers.append(_end)
+    for handlers, handler in _HANDLERS:
+        handlers.append(handler)
 
 
 def unregister() -> None:
     """Stop that, and forget everything."""
-    for handlers in _HANDLERS:
-        handlers.remove(_end)
+    for handlers, handler in _HANDLERS:
+        handlers.remove(handler)
     KEPT.clear()

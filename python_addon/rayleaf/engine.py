@@ -28,7 +28,8 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
             from .part_render import renderer
 
             ray_caches = KEPT.for_frame(core, depsgraph.scene_eval, self.is_animation)
-            renderer()(self, depsgraph, core, ray_caches).run()
+            parts = KEPT.parts(core, depsgraph.scene_eval, self.is_animation)
+            renderer()(self, depsgraph, core, ray_caches, parts).run()
         except Exception as error:
             failures.report(self, error)
 

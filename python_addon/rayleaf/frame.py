@@ -38,10 +38,12 @@ def _layer_argument(depsgraph: Any) -> str:
 class FrameRender:
     """Renders one view layer through Blender's engine object."""
 
-    def __init__(self, engine: Any, depsgraph: Any, core: ModuleType, ray_caches: Any = None) -> None:
-        """`ray_caches`: a RayCacheStore that outlives the frame, or None."""
+    def __init__(
+        self, engine: Any, depsgraph: Any, core: ModuleType, ray_caches: Any = None, parts: Any = None
+    ) -> None:
+        """`ray_caches`: a RayCacheStore, `parts`: SceneParts that outlive the frame, or None."""
         self._engine, self.depsgraph, self.core = engine, depsgraph, core
-        self._ray_caches = ray_caches
+        self._ray_caches, self._parts = ray_caches, parts
         self._messages = Messages(self._tell)
         self._scene = depsgraph.scene_eval
         self._layer_name = name_of(depsgraph.view_layer)
@@ -69,7 +71,7 @@ class FrameRender:
         self._add_passes()
         began = time.perf_counter()
         self._status("exporting", 0.0)
-        exporter = SceneExporter(self.core, self.depsgraph, self._messages, self._engine.test_break)
+        exporter = SceneExporter(self.core, self.depsgraph, self._messages, self._engine.test_break, self._parts)
         description = exporter.export(self.frame, needs_uv=any(entry.identifier == "uv" for entry in self._passes))
         exported = time.perf_counter()
         session = RenderThread(self.core, description, self.core.Settings(**self._settings()), self._ray_caches)

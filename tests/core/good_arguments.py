@@ -53,9 +53,9 @@ def scene() -> Any:
     return made
 
 
-def settings() -> Any:
+def settings(**more: Any) -> Any:
     """A picture of a few pixels."""
-    return _core.Settings(width=4, height=3, crop_width=4, crop_height=3, samples=1, threads=1)
+    return _core.Settings(width=4, height=3, crop_width=4, crop_height=3, samples=1, threads=1, **more)
 
 
 def session(rendered: bool = False) -> Any:

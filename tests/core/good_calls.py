@@ -36,6 +36,11 @@ from core.good_arguments import (
 from rayleaf import _core
 
 
+def film_sums():
+    """Of a picture without samples yet."""
+    return _core.FilmSums(2, 2, ["combined"])
+
+
 CALLS: dict[str, Call] = {
     "Program": ctor(_core.Program, name="material"),
     "Program.constant": method(program, "constant", x=1.0, y=2.0, z=3.0, w=4.0),
@@ -105,7 +110,12 @@ CALLS: dict[str, Call] = {
         CUBE.surface, "values", attribute=0, elements=np.zeros(2, np.int32), parameters=np.zeros((2, 2))
     ),
     "displaced": later(_core.displaced, shape=CUBE.surface, program=program, object=lambda: 0, world=lambda: -1),
-    "SceneDescription": ctor(_core.SceneDescription),
+    "FilmSums": ctor(_core.FilmSums, width=2, height=2, passes=["combined"]),
+    "FilmSums.add": method(film_sums, "add", x=0, y=0, samples=1, sums={"combined": np.ones((2, 2, 4, 1), np.float64)}),
+    "FilmSums.samples": method(film_sums, "samples"),
+    "FilmSums.pass_pixels": method(film_sums, "pass_pixels", name="combined"),
+    "SceneParts": ctor(_core.SceneParts),
+    "SceneDescription": ctor(_core.SceneDescription, parts=_core.SceneParts()),
     "SceneDescription.attribute": method(scene, "attribute", name="UVMap"),
     "SceneDescription.add_mesh": method(
         scene,
@@ -149,6 +159,7 @@ CALLS: dict[str, Call] = {
     "Session.progress": method(session, "progress"),
     "Session.pass_pixels": method(lambda: session(True), "pass_pixels", name="combined"),
     "Session.statistics": method(session, "statistics"),
+    "Session.sums": method(lambda: _core.Session(scene(), settings(keep_sums=True)), "sums"),
     "Session.write_exr": method(lambda: session(True), "write_exr", path=in_temporary("rayleaf_bad_arguments.exr")),
     "Session.write_ppm": method(lambda: session(True), "write_ppm", path=in_temporary("rayleaf_bad_arguments.ppm")),
     "sampler_pairs": ctor(_core.sampler_pairs, pixel=1, samples=4, dimension=2),

@@ -74,14 +74,19 @@ class SceneExporter:
     """Exports one view layer once."""
 
     def __init__(
-        self, core: ModuleType, depsgraph: Any, messages: Messages, should_stop: Callable[[], bool] = lambda: False
+        self,
+        core: ModuleType,
+        depsgraph: Any,
+        messages: Messages,
+        should_stop: Callable[[], bool] = lambda: False,
+        parts: Any = None,
     ) -> None:
-        """`should_stop` is asked often; when it says so, `export` raises ExportCancelled."""
+        """`should_stop` is asked often; when it says so, `export` raises ExportCancelled. `parts`: SceneParts, or None."""
         self._core, self._depsgraph, self._messages = core, depsgraph, messages
         self._check_cancel = CancelCheck(should_stop)
         self._blender_scene = depsgraph.scene_eval
         self._view_layer = depsgraph.view_layer
-        self.scene = core.SceneDescription()
+        self.scene = core.SceneDescription(parts)
         self.report = ExportReport()
         images = ImageLibrary(core, self.scene, messages, self._check_cancel)
         self._resources = Resources(

@@ -1,0 +1,20 @@
+// What is made of a scene's content and can be used again: by the next frame, by another view, after an edit. Who
+// renders more than once makes one and gives it to each description; without, every render makes all anew.
+//
+// Everything here is known by its content, so that nothing has to be told what has changed, and a picture has the same
+// bits with and without.
+#pragma once
+
+#include "lights/world_light.h"
+#include "textures/converted_textures.h"
+#include "trace/traced_shape_store.h"
+
+namespace rayleaf {
+
+struct SceneParts {
+    TracedShapeStore shapes;
+    WorldLightStore world_lights;
+    std::shared_ptr<ConvertedTextures> textures = std::make_shared<ConvertedTextures>();
+};
+
+}  // namespace rayleaf

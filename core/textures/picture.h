@@ -1,0 +1,27 @@
+// Pixels in memory, on their way from a file or from Blender to a texture.
+#pragma once
+
+#include "textures/texture_store.h"
+
+#include <vector>
+
+namespace rayleaf {
+
+/// Whether the pixels that come in have been multiplied by their alpha.
+enum class Alpha : uint8_t { Straight, Associated };
+
+/// Rows top to bottom, straight or associated as they came.
+struct Picture {
+    std::vector<float> pixels;
+    int width = 0, height = 0, channels = 0;
+    Alpha alpha = Alpha::Straight;
+    bool precise = false;  ///< wants more than half floats
+
+    int alpha_channel() const { return channels == 4 ? 3 : -1; }
+};
+
+/// Makes it what textures are filtered from: one, three or four channels of finite numbers, linear light with
+/// associated alpha. Data images keep their channels as they are.
+void prepare(Picture& picture, ColorSpace space);
+
+}  // namespace rayleaf
