@@ -260,30 +260,27 @@ HWY_EXPORT(noise_of_lanes);
 
 namespace {
 
-/// A row of numbers, `otherwise` where there are none and beyond the last.
-void fill(float* row, const float* numbers, size_t count, float otherwise = 0.0f) {
-    if (numbers) std::copy_n(numbers, count, row);
-    std::fill(row + (numbers ? count : 0), row + NoiseLanes::kMost, otherwise);
+/// A row of numbers, zero beyond the last.
+void fill(float* row, const NumberRow& numbers, size_t count) {
+    for (size_t i = 0; i < count; ++i) row[i] = numbers[i];
+    std::fill(row + count, row + NoiseLanes::kMost, 0.0f);
 }
 
 }  // namespace
 
-void NoiseLanes::set_points(const float* vector, const float* w, const float* scale, size_t points) {
-    count = points;
+void NoiseLanes::set_points(const std::array<NumberRow, 4>& coordinates, const NumberRow& scale) {
     for (size_t axis = 0; axis < 4; ++axis) {
-        const float* coordinate = axis == 3 ? w : (vector ? vector + axis * points : nullptr);
-        fill(point[axis], coordinate, points);
-        for (size_t i = 0; i < points; ++i)
-            point[axis][i] = sound_coordinate(point[axis][i] * (scale ? scale[i] : 0.0f));
+        fill(point[axis], coordinates[axis], count);
+        for (size_t i = 0; i < count; ++i) point[axis][i] = sound_coordinate(point[axis][i] * scale[i]);
     }
 }
 
-void NoiseLanes::set_parameters(const float* details, const float* roughnesses, const float* distortions,
-                                const float* lacunarities) {
+void NoiseLanes::set_parameters(const NumberRow& details, const NumberRow& roughnesses, const NumberRow& distortions,
+                                const NumberRow& lacunarities) {
     fill(detail, details, count);
     fill(roughness, roughnesses, count);
     fill(distortion, distortions, count);
-    fill(lacunarity, lacunarities, count, 2.0f);
+    fill(lacunarity, lacunarities, count);
 }
 
 void noise_texture(int dimensions, NoiseChannels channels, NoiseLanes& lanes) {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "shading/noise.h"
+#include "shading/operands.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -21,12 +23,10 @@ struct NoiseLanes {
     alignas(64) float channels[3][kMost];
     size_t count = 0;
 
-    /// From registers: `vector` has x, y and z of `points` points after one another; null numbers are the operation's
-    /// defaults.
-    void set_points(const float* vector, const float* w, const float* scale, size_t points);
-    /// Of those points.
-    void set_parameters(const float* details, const float* roughnesses, const float* distortions,
-                        const float* lacunarities);
+    /// Of `count` points; x, y, z and w, which are multiplied by a scale.
+    void set_points(const std::array<NumberRow, 4>& coordinates, const NumberRow& scale);
+    void set_parameters(const NumberRow& details, const NumberRow& roughnesses, const NumberRow& distortions,
+                        const NumberRow& lacunarities);
 };
 
 /// Fills `channels`, or only the first of them.

@@ -12,16 +12,34 @@
 
 namespace rayleaf {
 
-/// The registers of all points of a run.
+/// From here on, an operand's index names a constant.
+inline constexpr int32_t kFirstConstant = 1 << 30;
+
+/// One number for each point; the next lies `step` further, 0: all points have the same.
+struct NumberRow {
+    const float* first;
+    size_t step;
+
+    float operator[](size_t point) const { return first[point * step]; }
+};
+
+/// The registers of all points of a run, and the constants, which all points share.
 struct RegisterBank {
     float* numbers = nullptr;
     uint32_t points = 1;
+    const Vec4f* constants = nullptr;
 
     /// A component of a register: one number for each point.
     float* component(int32_t index, uint32_t i) const {
         return numbers + (static_cast<size_t>(index) * 4 + i) * points;
     }
+    /// The same of a register or a constant.
+    NumberRow row(int32_t index, uint32_t i) const {
+        if (index >= kFirstConstant) return {&constants[index - kFirstConstant].x + i, 0};
+        return {component(index, i), 1};
+    }
     Vec4f value(int32_t index, uint32_t point) const {
+        if (index >= kFirstConstant) return constants[index - kFirstConstant];
         const float* at = component(index, 0) + point;
         return Vec4f(at[0], at[points], at[2 * size_t{points}], at[3 * size_t{points}]);
     }
@@ -44,7 +62,7 @@ class Operands {
     bool connected(uint32_t i) const { return i < count_ && indices_[i] >= 0; }
     Vec4f value(uint32_t i) const { return registers_.value(indices_[i], point_); }
     float scalar(uint32_t i, float otherwise = 0.0f) const {
-        return connected(i) ? registers_.component(indices_[i], 0)[point_] : otherwise;
+        return connected(i) ? registers_.row(indices_[i], 0)[point_] : otherwise;
     }
     Vec3f vector(uint32_t i, const Vec3f& otherwise = Vec3f(0.0f)) const {
         if (!connected(i)) return otherwise;

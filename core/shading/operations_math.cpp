@@ -256,8 +256,11 @@ struct Rotation {
     Vec3f x, y, z;
 
     explicit Rotation(const Vec3f& euler) {
-        const float cx = std::cos(euler.x), cy = std::cos(euler.y), cz = std::cos(euler.z);
-        const float sx = std::sin(euler.x), sy = std::sin(euler.y), sz = std::sin(euler.z);
+        // Most are not turned.
+        const auto cosine = [](float angle) { return angle == 0.0f ? 1.0f : std::cos(angle); };
+        const auto sine = [](float angle) { return angle == 0.0f ? angle : std::sin(angle); };
+        const float cx = cosine(euler.x), cy = cosine(euler.y), cz = cosine(euler.z);
+        const float sx = sine(euler.x), sy = sine(euler.y), sz = sine(euler.z);
         x = Vec3f(cy * cz, cy * sz, -sy);
         y = Vec3f(sy * sx * cz - cx * sz, sy * sx * sz + cx * cz, cy * sx);
         z = Vec3f(sy * cx * cz + sx * sz, sy * cx * sz - sx * cz, cy * cx);

@@ -39,7 +39,10 @@ Vec4f environment_value(const TextureStore& textures, std::span<const int32_t> i
     const bool ball = projection == Projection::MirrorBall;
     const auto project = ball ? mirror_ball : equirectangular;
     const Vec2f uv = project(direction.value);
-    Vec2f dx = project(direction.value + direction.dx) - uv, dy = project(direction.value + direction.dy) - uv;
+    const auto change = [&](const Vec3f& step) {
+        return is_black(step) ? Vec2f(0.0f) : project(direction.value + step) - uv;
+    };
+    Vec2f dx = change(direction.dx), dy = change(direction.dy);
     if (!ball) {  // a step across the seam at -x is a small one
         dx.x -= std::round(dx.x);
         dy.x -= std::round(dy.x);

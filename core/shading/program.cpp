@@ -126,14 +126,14 @@ Register Program::operation(const std::string& identifier, std::span<const Regis
     instruction.operand_count = static_cast<uint32_t>(operands.size());
     instruction.int_count = static_cast<uint32_t>(ints.size());
     instruction.float_count = static_cast<uint32_t>(floats.size());
-    operands_.insert(operands_.end(), operands.begin(), operands.end());
+    for (const Register r : operands) operands_.push_back(r >= 0 && is_constant_register(r) ? kFirstConstant + r : r);
     ints_.insert(ints_.end(), ints.begin(), ints.end());
     floats_.insert(floats_.end(), floats.begin(), floats.end());
 
     if (family == OperationFamily::Arithmetic &&
         std::all_of(operands.begin(), operands.end(), [this](Register r) { return is_constant_register(r); })) {
         const Vec4f value =
-            arithmetic(instruction, operands_of(instruction, RegisterBank{&registers_.front().x, 1}, 0));
+            arithmetic(instruction, operands_of(instruction, RegisterBank{nullptr, 1, registers_.data()}, 0));
         operands_.resize(instruction.first_operand);
         ints_.resize(instruction.first_int);
         floats_.resize(instruction.first_float);
@@ -224,7 +224,7 @@ void Program::differentiate(Register target) {
     while (!open.empty()) {
         const Register r = open.back();
         open.pop_back();
-        if (is_constant_register(r)) continue;
+        if (r >= kFirstConstant || is_constant_register(r)) continue;
         Instruction& instruction = instructions_[static_cast<size_t>(origins_[static_cast<size_t>(r)])];
         if (instruction.differentiated) continue;
         instruction.differentiated = true;

@@ -95,12 +95,13 @@ class Program {
 
     using Inputs = std::span<const ShadingInputs* const>;
     using Results = std::span<Closures* const>;
+    class Beside;
 
     Operands operands_of(const Instruction& instruction, const RegisterBank& registers, uint32_t point) const;
     std::span<const int32_t> ints_of(const Instruction& instruction) const;
     Vec4f arithmetic(const Instruction& instruction, const Operands& operands) const;
     Vec4f value_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const;
-    RegisterBank filled(float* numbers, size_t points) const;
+    RegisterBank bank(float* numbers, size_t points) const;
     void compute(const Instruction& instruction, const RegisterBank& registers, Inputs inputs) const;
     bool compute_together(const Instruction& instruction, const RegisterBank& registers) const;
     void add_closures(const Instruction& instruction, const RegisterBank& registers, Inputs inputs,

@@ -51,6 +51,12 @@ float component(const Vec4f& v, int i) {
     }
 }
 
+/// Whether images are looked up over an area; else at a point.
+bool has_footprint(const ShadingInputs& inputs) {
+    const RayDifferential& d = inputs.differential;
+    return !(is_black(d.dp_dx) && is_black(d.dp_dy) && is_black(d.dd_dx) && is_black(d.dd_dy));
+}
+
 float finite(float x) {
     return std::isfinite(x) ? x : 0.0f;
 }
@@ -131,16 +137,8 @@ Vec4f Program::value_at(const Instruction& instruction, const Operands& operands
     return arithmetic(instruction, operands);
 }
 
-/// The registers of a run with the constants in them; each other one is written before it is read.
-RegisterBank Program::filled(float* numbers, size_t points) const {
-    const RegisterBank bank{numbers, static_cast<uint32_t>(points)};
-    for (size_t r = 0; r < registers_.size(); ++r) {
-        if (origins_[r] != kConstant) continue;
-        const Vec4f& value = registers_[r];
-        for (uint32_t i = 0; i < 4; ++i)
-            std::fill_n(bank.component(static_cast<Register>(r), i), points, value[static_cast<int>(i)]);
-    }
-    return bank;
+RegisterBank Program::bank(float* numbers, size_t points) const {
+    return {numbers, static_cast<uint32_t>(points), registers_.data()};
 }
 
 /// Does operations that are done for all points together; false: this one is done point by point.
@@ -150,14 +148,15 @@ bool Program::compute_together(const Instruction& instruction, const RegisterBan
         instruction.operation == Operation::noise && (ints.size() < 2 || ints[1] != 0) &&
         (ints.size() < 3 || static_cast<FractalType>(ints[2]) == FractalType::FBM);
     if (!is_plain_noise || registers.points < kLeastNoiseLanes) return false;
-    const Register* operands = operands_.data() + instruction.first_operand;
-    const auto number = [&](uint32_t i) -> const float* {
-        const bool connected = i < instruction.operand_count && operands[i] >= 0;
-        return connected ? registers.component(operands[i], 0) : nullptr;
+    const auto row = [&](uint32_t i, uint32_t component, const float& otherwise) -> NumberRow {
+        const Register index = i < instruction.operand_count ? operands_[instruction.first_operand + i] : -1;
+        return index >= 0 ? registers.row(index, component) : NumberRow{&otherwise, 0};
     };
+    constexpr float kNone = 0.0f, kLacunarity = 2.0f;
     NoiseLanes lanes;
-    lanes.set_points(number(0), number(1), number(2), registers.points);
-    lanes.set_parameters(number(3), number(4), number(5), number(6));
+    lanes.count = registers.points;
+    lanes.set_points({row(0, 0, kNone), row(0, 1, kNone), row(0, 2, kNone), row(1, 0, kNone)}, row(2, 0, kNone));
+    lanes.set_parameters(row(3, 0, kNone), row(4, 0, kNone), row(5, 0, kNone), row(6, 0, kLacunarity));
     const bool only_factor = static_cast<NoiseUse>(instruction.variant) == NoiseUse::Factor;
     noise_texture(ints[0], only_factor ? NoiseChannels::Factor : NoiseChannels::All, lanes);
     for (uint32_t i = 0; i < 4; ++i) {
@@ -189,14 +188,18 @@ void Program::run(Inputs inputs, const RegisterBank& registers, Results results)
     }
 }
 
-/// `places` are the hit and its two neighbours.
+/// `places` are the hit and its two neighbours, or the hit alone where no point has a footprint.
 void Program::look_up(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const {
     const auto at = [&](size_t place, uint32_t i) { return operands_of(instruction, places[place], i).vector(0); };
     // The neighbours of a lookup that another lookup depends on share its footprint.
-    const size_t lookups = instruction.differentiated ? kPlaces : 1;
+    const size_t lookups = instruction.differentiated ? places.size() : 1;
     for (uint32_t i = 0; i < inputs.size(); ++i) {
         const Vec3f here = at(0, i);
-        CoordinateFootprint coordinate{here, at(1, i) - here, at(2, i) - here};
+        CoordinateFootprint coordinate{here, Vec3f(0.0f), Vec3f(0.0f)};
+        if (has_footprint(*inputs[i])) {
+            coordinate.dx = at(1, i) - here;
+            coordinate.dy = at(2, i) - here;
+        }
         for (size_t place = 0; place < lookups; ++place) {
             coordinate.value = at(place, i);
             places[place].set(instruction.result, i,
@@ -205,26 +208,38 @@ void Program::look_up(const Instruction& instruction, std::span<const RegisterBa
     }
 }
 
+/// The hits' neighbours, made for the points there are.
+class Program::Beside {
+  public:
+    Beside(Inputs inputs, NeighbourAttributes attributes) : count_(inputs.size()) {
+        static_assert(std::is_trivially_destructible_v<Neighbours>);
+        for (size_t i = 0; i < count_; ++i) {
+            const auto* neighbours = new (room_ + i * sizeof(Neighbours)) Neighbours(*inputs[i], attributes);
+            right_[i] = &neighbours->right();
+            above_[i] = &neighbours->above();
+        }
+    }
+    Inputs right() const { return {right_.data(), count_}; }
+    Inputs above() const { return {above_.data(), count_}; }
+
+  private:
+    size_t count_;
+    std::array<const ShadingInputs*, kMostPoints> right_, above_;
+    alignas(Neighbours) std::byte room_[kMostPoints * sizeof(Neighbours)];
+};
+
 void Program::run_textured(Inputs inputs, std::span<const RegisterBank> places, Results results) const {
     const NeighbourAttributes attributes =
         differentiates_attributes_ ? NeighbourAttributes::Exact : NeighbourAttributes::None;
-    static_assert(std::is_trivially_destructible_v<Neighbours>);
-    alignas(Neighbours) std::byte room[kMostPoints * sizeof(Neighbours)];  // made for the points there are
-    std::array<const ShadingInputs*, kMostPoints> right, above;
-    for (size_t i = 0; i < inputs.size(); ++i) {
-        const auto* neighbours = new (room + i * sizeof(Neighbours)) Neighbours(*inputs[i], attributes);
-        right[i] = &neighbours->right();
-        above[i] = &neighbours->above();
-    }
-    const std::array<Inputs, kPlaces> inputs_of = {
-        inputs, {right.data(), inputs.size()}, {above.data(), inputs.size()}};
+    const Beside beside(places.size() > 1 ? inputs : Inputs(), attributes);
+    const std::array<Inputs, kPlaces> inputs_of = {inputs, beside.right(), beside.above()};
     for (const Instruction& instruction : instructions_) {
         if (instruction.result < 0) {
             add_closures(instruction, places[0], inputs, results);
         } else if (operation_info(instruction.operation).family == OperationFamily::Texture) {
             look_up(instruction, places, inputs);
         } else {
-            const size_t runs = instruction.differentiated ? kPlaces : 1;
+            const size_t runs = instruction.differentiated ? places.size() : 1;
             for (size_t place = 0; place < runs; ++place) compute(instruction, places[place], inputs_of[place]);
         }
     }
@@ -244,11 +259,12 @@ void Program::with_registers(size_t points, Function function) const {
 }
 
 void Program::execute(Inputs inputs, float* numbers, Results results) const {
-    if (!textured_) return run(inputs, filled(numbers, inputs.size()), results);
+    if (!textured_) return run(inputs, bank(numbers, inputs.size()), results);
     std::array<RegisterBank, kPlaces> places;
     for (size_t i = 0; i < kPlaces; ++i)
-        places[i] = filled(numbers + i * registers_.size() * 4 * inputs.size(), inputs.size());
-    run_textured(inputs, places, results);
+        places[i] = bank(numbers + i * registers_.size() * 4 * inputs.size(), inputs.size());
+    const bool any = std::any_of(inputs.begin(), inputs.end(), [](const auto* each) { return has_footprint(*each); });
+    run_textured(inputs, {places.data(), any ? kPlaces : 1}, results);
 }
 
 void Program::evaluate(std::span<const ShadingInputs* const> inputs, std::span<Closures* const> results) const {
@@ -277,8 +293,9 @@ void Program::values(Register target, std::span<const ShadingInputs* const> inpu
     for (size_t i = 0; i < inputs.size(); ++i) results[i] = &ignored[i];
     with_registers(inputs.size(), [&](float* numbers) {
         execute(inputs, numbers, {results.data(), inputs.size()});
-        const RegisterBank bank{numbers, static_cast<uint32_t>(inputs.size())};
-        for (uint32_t i = 0; i < bank.points; ++i) values[i] = bank.value(target, i);
+        const RegisterBank registers = bank(numbers, inputs.size());
+        const Register index = is_constant_register(target) ? kFirstConstant + target : target;
+        for (uint32_t i = 0; i < registers.points; ++i) values[i] = registers.value(index, i);
     });
 }
 

@@ -77,3 +77,33 @@ def test_the_number_of_points_that_run_together_is_checked():
     for together in (0, 33):
         with pytest.raises(_core.InputError, match=f"'Short': together is {together}, expected 1 to 32"):
             scattered_points().values(program, position, together=together)
+
+
+def test_images_have_the_same_bits_whatever_else_is_looked_up_with_them(target):
+    """Half of the points have no footprint; a second image is looked up where the first one says."""
+    random = np.random.default_rng(3)
+    count = 97
+    store = _core.shading.TextureStore(1 << 27)
+    first, second = (
+        store.add_pixels(name, random.random((64, 64, 4)).astype(np.float32), _core.shading.ColorSpace.LINEAR)
+        for name in ("first", "second")
+    )
+    steps = random.normal(size=(2, count, 3)).astype(np.float32) * np.float32(0.05)
+    steps[:, ::2] = 0
+    normals = np.tile(UP, (count, 1))
+    points = _core.shading.surface_points(
+        random.random((count, 3), np.float32),
+        normals,
+        normals,
+        uv=random.random((count, 2), np.float32),
+        dp_du=np.tile(np.float32((1, 0, 0)), (count, 1)),
+        dp_dv=np.tile(np.float32((0, 1, 0)), (count, 1)),
+        dp_dx=steps[0],
+        dp_dy=steps[1],
+        textures=store,
+    )
+    program = _core.Program("Images")
+    scale, none = program.constant(3, 2, 1, 1), program.constant(0, 0, 0, 0)
+    place = program.operation("mapping", [program.operation("uv"), none, none, scale], text="POINT")
+    found = program.operation("image", [place], [first, 0, 0])
+    check_lanes(points, program, program.operation("image", [found], [second, 0, 0]))
