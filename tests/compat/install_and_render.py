@@ -55,6 +55,7 @@ def render(scene_file, picture):
 
 def main():
     archive, scene_file, picture = sys.argv[sys.argv.index("--") + 1 :]
+    result("python", "%d.%d" % sys.version_info[:2])
     name = install(archive)
     result("installed", "yes")
     result("problem", importlib.import_module(f"{name}.enabling").problem or "none")

@@ -91,8 +91,8 @@ def install_and_render(
     )
     results = dict(line.split(" ", 2)[1:] for line in done.stdout.splitlines() if line.startswith("RESULT "))
     row.warnings = max(row.warnings, int(results.get("warnings", 0)))
-    if refused := re.search(r"This Python version \(([\d.]+)\) isn't compatible", done.stdout + done.stderr):
-        row.installed = f"no: Python {refused[1]}"  # Blender says so, in the same words
+    if re.search("isn't compatible with|found but not compatible with this system", done.stdout + done.stderr):
+        row.installed = f"no: Blender refuses it for its Python {results.get('python')}"
         return None
     wanted = {"installed": "yes", "problem": "none", "self-test": "FINISHED", "completed": "True"}
     if any(results.get(key) != value for key, value in wanted.items()) or not picture.is_file():
@@ -182,10 +182,9 @@ def repository(extension: Path, folder: Path, blender: blenders.Blender) -> Path
     return folder / "index.json"
 
 
-def tried(blender: blenders.Blender, quick: bool) -> Row:
+def tried(blender: blenders.Blender, extension: Path, add_on: Path, quick: bool) -> Row:
     """The row of one Blender."""
     row = Row(blender.name)
-    extension, add_on = zips()
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         archive = repository(extension, folder / "repository", blender) if blender.has_extensions else add_on
@@ -220,6 +219,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="without the tests that run inside Blender")
     options = parser.parse_args()
     rows = []
+    extension, add_on = zips()
     for version in options.version or known:
         began = time.monotonic()
         try:
@@ -227,7 +227,7 @@ def main() -> None:
         except debian_releases.Unavailable as reason:
             print(f"{version} is left out: {reason}", file=sys.stderr, flush=True)
             continue
-        rows.append(tried(blender, options.quick))
+        rows.append(tried(blender, extension, add_on, options.quick))
         print(
             f"{blender.name}: {time.monotonic() - began:.0f} s, {len(rows[-1].faults)} faults",
             file=sys.stderr,

@@ -12,23 +12,35 @@ from .points import Point
 
 
 _CHANNELS = "RXUGYVBZA"  # as they are to stand
+# Passes of colours, by their names before 5.0 and since; light passes end in "Dir" and so on.
+_COLORS = ("Combined", "Rayleaf Mask Colors", "AO", "Env", "Emit", "Ambient Occlusion", "Environment", "Emission")
+_COLOR_ENDINGS = ("Dir", "Ind", "Col", " Direct", " Indirect", " Color")
 
 
 def read_layers(path: Path) -> dict[str, Any]:
     """Pass name -> (height, width, channels), rows bottom to top, channels as R, G, B, A or X, Y, Z or U, V, A; of the
-    first view layer of Blender's file."""
+    first view layer of Blender's file. Since 5.0 each pass is a part of its own."""
     import OpenImageIO as oiio
 
     source = oiio.ImageInput.open(str(path))
     if source is None:
         raise RuntimeError(f"{path}: {oiio.geterror()}")
+    found: dict[str, Any] = {}
     try:
-        names = list(source.spec().channelnames)
-        pixels = source.read_image(oiio.FLOAT)[::-1]
+        number = 0
+        while source.seek_subimage(number, 0):
+            pixels = source.read_image(number, 0, 0, source.spec().nchannels, oiio.FLOAT)[::-1]
+            found |= _passes(list(source.spec().channelnames), pixels)
+            number += 1
     finally:
         source.close()
+    return found
+
+
+def _passes(names: list[str], pixels: Any) -> dict[str, Any]:
+    """Of one part, whose channels have these names: "View Layer.Pass.Channel"."""
     found: dict[str, list[int]] = {}
-    for index, name in enumerate(names):  # "View Layer.Pass.Channel"
+    for index, name in enumerate(names):
         parts = name.split(".")
         if len(parts) >= 3:
             found.setdefault(".".join(parts[1:-1]), []).append(index)
@@ -42,7 +54,7 @@ def visible(name: str, values: Any) -> Any | None:
     finite = np.where(np.abs(values) < 1e9, np.nan_to_num(values), 0.0)
     if not np.any(finite[..., :3]):
         return None
-    if name in ("Combined", "Rayleaf Mask Colors", "AO", "Env", "Emit") or name.endswith(("Dir", "Ind", "Col")):
+    if name in _COLORS or name.endswith(_COLOR_ENDINGS):
         return finite[..., :3]
     if name in ("Normal", "Position", "UV"):
         low, high = finite.min(), finite.max()
