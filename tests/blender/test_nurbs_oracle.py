@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-# Measured: 5.1e-7 on surfaces, 2.8e-7 on NURBS curves (7.1e-7 by Blender 5.0, which sums otherwise), 1.4e-6 on Bezier curves, which Blender draws by forward
-# differences. All are a few float roundings of sums of up to 36 products, or of a dozen accumulated differences.
+# Measured: 5.1e-7 on surfaces, 2.8e-7 on NURBS curves (7.1e-7 by Blender 5.0, which sums otherwise), 1.4e-6 on Bezier
+# curves, which Blender draws by forward differences. All are a few float roundings of sums of up to 36 products, or of a
+# dozen accumulated differences.
 SURFACE_TOLERANCE = 1e-6
 CURVE_TOLERANCE = 9e-7
 BEZIER_TOLERANCE = 3e-6
