@@ -1,5 +1,7 @@
 #include "film/film.h"
 
+#include <algorithm>
+
 namespace rayleaf {
 
 Film::Film(int width, int height, std::vector<Pass> passes)
@@ -22,6 +24,38 @@ void Film::put(int x, int y, int width, int height, std::span<const PixelValues>
                     static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(column);
                 const Vec4f& value = values[pixel][static_cast<size_t>(pass)];
                 for (size_t c = 0; c < channels; ++c) *out++ = value[static_cast<int>(c)];
+            }
+        }
+    }
+}
+
+void Film::refine(int x, int y, int width, int height, std::span<const PixelValues> values, float share) {
+    const std::scoped_lock lock(mutex_);
+    for (const Pass pass : passes_) {
+        if (rule(pass).rule == PassRule::FirstSample) continue;
+        const size_t channels = info(pass).channels.size();
+        for (int row = 0; row < height; ++row) {
+            float* out = at(pass, x, y + row);
+            for (int column = 0; column < width; ++column) {
+                const Vec4f& value = values[static_cast<size_t>(row * width + column)][static_cast<size_t>(pass)];
+                for (size_t c = 0; c < channels; ++c, ++out) *out += (value[static_cast<int>(c)] - *out) * share;
+            }
+        }
+    }
+}
+
+void Film::put_blocks(int x, int y, int width, std::span<const PixelValues> values, int size) {
+    const std::scoped_lock lock(mutex_);
+    for (size_t i = 0; i < values.size(); ++i) {
+        const int left = (x + static_cast<int>(i) % width) * size, low = (y + static_cast<int>(i) / width) * size;
+        const int right = std::min(left + size, width_), high = std::min(low + size, height_);
+        for (const Pass pass : passes_) {
+            const Vec4f& value = values[i][static_cast<size_t>(pass)];
+            const size_t channels = info(pass).channels.size();
+            for (int row = low; row < high; ++row) {
+                float* out = at(pass, left, row);
+                for (int column = left; column < right; ++column)
+                    for (size_t c = 0; c < channels; ++c) *out++ = value[static_cast<int>(c)];
             }
         }
     }

@@ -22,6 +22,12 @@ class Film {
 
     /// Stores a tile of finished pixels (row by row, x from left, y from below).
     void put(int x, int y, int width, int height, std::span<const PixelValues> values);
+    /// Moves pixels by that share of the way to new values, as a mean does that takes more samples in; what means
+    /// nothing when averaged stays.
+    void refine(int x, int y, int width, int height, std::span<const PixelValues> values, float share);
+    /// Stores values each of which stands for a block of pixels, those beyond the right and upper border for fewer.
+    /// `x` and `y` count blocks.
+    void put_blocks(int x, int y, int width, std::span<const PixelValues> values, int size);
     /// Copies a pass, channels interleaved; empty if the film has none of it. Safe while tiles arrive.
     std::vector<float> pixels(Pass pass) const;
     bool has(Pass pass) const { return !data_[static_cast<size_t>(pass)].empty(); }
@@ -32,6 +38,11 @@ class Film {
     std::vector<Pass> passes_;
     std::array<std::vector<float>, kPassCount> data_;
     mutable std::mutex mutex_;
+
+    float* at(Pass pass, int x, int y) {
+        const size_t pixel = static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+        return &data_[static_cast<size_t>(pass)][pixel * info(pass).channels.size()];
+    }
 };
 
 /// Writes all passes as one multilayer EXR, channels named `Pass.channel`, 32-bit floats.

@@ -169,7 +169,7 @@ void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, i
 void set_camera(SceneDescription& scene, const std::string& kind, const Array<double>& matrix,
                 std::pair<double, double> window_min, std::pair<double, double> window_max, double clip_start,
                 double clip_end, double aperture_radius, double focus_distance, int blades, double blade_rotation,
-                double aperture_ratio) {
+                double aperture_ratio, bool dicing) {
     if (kind != "PERSPECTIVE" && kind != "ORTHOGRAPHIC")
         throw InputError("camera", "kind", "'" + kind + "'", "PERSPECTIVE or ORTHOGRAPHIC");
     CameraDescription camera;
@@ -184,7 +184,7 @@ void set_camera(SceneDescription& scene, const std::string& kind, const Array<do
     camera.blades = blades;
     camera.blade_rotation = blade_rotation;
     camera.aperture_ratio = aperture_ratio;
-    scene.set_camera(camera);
+    dicing ? scene.set_dicing_camera(camera) : scene.set_camera(camera);
 }
 
 // Converting a large image takes seconds; Python goes on meanwhile.
@@ -241,7 +241,7 @@ void bind_scene(py::module_& module) {
         .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024)
         .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,
              "clip_end"_a, "aperture_radius"_a = 0.0, "focus_distance"_a = 10.0, "blades"_a = 0,
-             "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0)
+             "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0, "dicing"_a = false)
         .def("add_image_file", &add_image_file, "name"_a, "path"_a, "color_space"_a)
         .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a)
         .def_readwrite("texture_memory", &SceneDescription::texture_memory);

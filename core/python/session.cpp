@@ -133,6 +133,18 @@ py::dict statistics(const Session& session) {
                     "shape_bytes"_a = shape_bytes(s.shapes_of), "left_out"_a = left_out(s, session.film()));
 }
 
+int checked_blocks(int size) {
+    if (size < 1) throw InputError("session", "size of blocks", std::to_string(size), "at least 1");
+    return size;
+}
+
+int checked_samples(int count) {
+    constexpr int kMost = 1 << 20;
+    if (count < 1 || count > kMost)
+        throw InputError("session", "number of samples", std::to_string(count), "1 to " + std::to_string(kMost));
+    return count;
+}
+
 }  // namespace
 
 void bind_session(py::module_& module) {
@@ -150,6 +162,18 @@ void bind_session(py::module_& module) {
                  const py::gil_scoped_release released;
                  return session.render();
              })
+        .def("build",
+             [](Session& session) {
+                 session.take_scene();
+                 const py::gil_scoped_release released;
+                 return session.build();
+             })
+        .def(
+            "render_blocks", [](Session& session, int size) { return session.render_blocks(checked_blocks(size)); },
+            "size"_a, py::call_guard<py::gil_scoped_release>())
+        .def(
+            "render_more", [](Session& session, int count) { return session.render_more(checked_samples(count)); },
+            "count"_a, py::call_guard<py::gil_scoped_release>())
         .def("cancel", &Session::cancel)
         .def("progress",
              [](const Session& session) {

@@ -53,6 +53,8 @@ struct Session::Frame {
     DistributionFrame distribution;
     IntegratorKind integrator;
     bool has_lens;  ///< else no ray asks where it passes the lens
+    SampleRange samples;
+    int step;  ///< tiles count blocks of so many pixels along a side
 };
 
 Session::Session(std::shared_ptr<const SceneDescription> description, Settings settings,
@@ -71,7 +73,7 @@ void Session::take_scene() {
     description_ = std::make_shared<const SceneDescription>(*description_);
 }
 
-bool Session::render() {
+bool Session::run(const std::function<void()>& work) {
     // Before the arena is made, which hands this thread's on to all that work in it.
     const FloatEnvironment environment;
     const int threads = settings_.threads > 0 ? settings_.threads : oneapi::tbb::this_task_arena::max_concurrency();
@@ -80,34 +82,70 @@ bool Session::render() {
                                             static_cast<size_t>(threads));
     oneapi::tbb::task_arena arena(threads);
     try {
-        arena.execute([this] { render_building_first(); });
+        arena.execute(work);
     } catch (const Cancelled&) {  // the token says it too
     }
-    const bool finished = !cancel_.cancelled();
-    state_ = finished ? RenderState::Done : RenderState::Cancelled;
+    if (cancel_.cancelled()) state_ = RenderState::Cancelled;
+    return !cancel_.cancelled();
+}
+
+bool Session::render() {
+    const bool finished = run([this] {
+        build_scene();
+        const auto start = std::chrono::steady_clock::now();
+        render_tiles(sample_range(settings_), 1);
+        gather_statistics(build_seconds_, seconds_since(start));
+    });
+    if (finished) state_ = RenderState::Done;
     return finished;
 }
 
-void Session::render_building_first() {
+bool Session::build() {
+    return run([this] { build_scene(); });
+}
+
+bool Session::render_blocks(int size) {
+    return run([this, size] {
+        if (!scene_) build_scene();
+        render_tiles({0, 1}, size);
+    });
+}
+
+bool Session::render_more(int count) {
+    const auto start = std::chrono::steady_clock::now();
+    const bool finished = run([this, count, start] {
+        if (!scene_) build_scene();
+        finished_pixels_ = 0;
+        render_tiles({samples_taken_, count}, 1);
+        gather_statistics(build_seconds_, seconds_since(start));
+    });
+    if (finished) samples_taken_ += count;
+    return finished;
+}
+
+void Session::build_scene() {
     const auto start = std::chrono::steady_clock::now();
     state_ = RenderState::Building;
     scene_ = std::make_unique<Scene>(*description_, settings_, cancel_);
     caches_ = std::make_unique<RayCaches>(*description_, *scene_, settings_, ray_caches_.get(), cancel_);
-    const double build = seconds_since(start);
+    build_seconds_ = seconds_since(start);
     state_ = RenderState::Rendering;
-    render_tiles();
-    gather_statistics(build, seconds_since(start) - build);
 }
 
-void Session::render_tiles() {
-    const std::vector<Window> tiles = tiles_of(part(settings_), settings_.tile_size);
+void Session::render_tiles(const SampleRange& samples, int step) {
+    Window window = part(settings_);
+    window.width = (window.width + step - 1) / step;
+    window.height = (window.height + step - 1) / step;
+    const std::vector<Window> tiles = tiles_of(window, settings_.tile_size);
     const DistributionSettings distribution(settings_);
     const std::unique_ptr<const IrradianceCache> cache = filled_cache();
     const Frame frame{PixelFilter(settings_.filter, settings_.filter_width),
                       PathSettings(settings_),
                       {*scene_, distribution, cache.get()},
                       settings_.integrator,
-                      description_->camera()->aperture_radius > 0};
+                      description_->camera()->aperture_radius > 0,
+                      samples,
+                      step};
     oneapi::tbb::parallel_for(
         size_t{0}, tiles.size(), [&](size_t i) { render_tile(tiles[i], frame); }, oneapi::tbb::simple_partitioner());
 }
@@ -128,15 +166,27 @@ std::unique_ptr<const IrradianceCache> Session::filled_cache() {
 void Session::render_tile(const Window& tile, const Frame& frame) {
     const Window whole = part(settings_);
     const int x = tile.x - whole.x, y = tile.y - whole.y;
-    TileSums sums(x, y, tile.width, sample_range(settings_), settings_.passes, sums_.get());
+    TileSums sums(x, y, tile.width, frame.samples, settings_.passes, sums_.get());
     RayCounts counts;
     // Which pixel pays for a tessellation is known of single paths only.
     const bool alone = frame.integrator != IntegratorKind::Path || settings_.stream_paths == 0 ||
                        frame.path.wants(Pass::geometry_misses);
     if (!(alone ? render_paths(tile, frame, sums, counts) : render_streams(tile, frame, sums, counts))) return;
-    film_.put(x, y, tile.width, tile.height, sums.values());
+    store({x, y, tile.width, tile.height}, frame, sums.values());
     finished_pixels_ += sums.values().size();
     add_counts(counts);
+}
+
+/// Puts a tile of the film's pixels, or blocks of them, where it belongs.
+void Session::store(const Window& tile, const Frame& frame, std::span<const PixelValues> values) {
+    if (frame.step > 1)
+        film_.put_blocks(tile.x, tile.y, tile.width, values, frame.step);
+    else if (samples_taken_ == 0)
+        film_.put(tile.x, tile.y, tile.width, tile.height, values);
+    else
+        film_.refine(
+            tile.x, tile.y, tile.width, tile.height, values,
+            static_cast<float>(frame.samples.count) / static_cast<float>(samples_taken_ + frame.samples.count));
 }
 
 /// One path after the other.
@@ -150,7 +200,7 @@ bool Session::render_paths(const Window& tile, const Frame& frame, TileSums& sum
 /// The paths of a tile, pixel by pixel, as many at once as a stream takes.
 bool Session::render_streams(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const {
     PathStream stream(*scene_, frame.path, cancel_, counts);
-    const SampleRange range = sample_range(settings_);
+    const SampleRange range = frame.samples;
     const auto samples = static_cast<size_t>(range.count);
     const size_t paths = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height) * samples;
     const auto most = static_cast<size_t>(settings_.stream_paths);
@@ -159,7 +209,7 @@ bool Session::render_streams(const Window& tile, const Frame& frame, TileSums& s
         std::array<CameraPlace, kMostCameraSamples> places;
         for (size_t k = 0; k < count; ++k, ++i) {
             const int place = static_cast<int>(i / samples), x = place % tile.width, y = place / tile.width;
-            places[k] = {tile.x + x, tile.y + y, range.first + static_cast<int>(i % samples)};
+            places[k] = place_of(tile.x + x, tile.y + y, range.first + static_cast<int>(i % samples), frame);
         }
         add_paths({places.data(), count}, frame, stream);
         if (stream.size() < most && i < paths) continue;
@@ -167,6 +217,15 @@ bool Session::render_streams(const Window& tile, const Frame& frame, TileSums& s
         stream.trace([&](const PixelSample& value) { sums.add(value); });
     }
     return true;
+}
+
+/// The sample of a pixel, or of the pixel in the middle of a block.
+Session::CameraPlace Session::place_of(int x, int y, int sample, const Frame& frame) const {
+    const Window whole = part(settings_);
+    const auto middle = [&](int at, int first, int size) {
+        return first + std::min((at - first) * frame.step + frame.step / 2, size - 1);
+    };
+    return {middle(x, whole.x, whole.width), middle(y, whole.y, whole.height), sample};
 }
 
 Sampler Session::sampler_at(const CameraPlace& place) const {
@@ -201,10 +260,10 @@ void Session::add_counts(const RayCounts& counts) {
 }
 
 bool Session::render_pixel(int x, int y, const Frame& frame, TileSums& sums, RayCounts& counts) const {
-    const SampleRange range = sample_range(settings_);
+    const SampleRange range = frame.samples;
     for (int s = range.first; s < range.first + range.count; ++s) {
         if ((s - range.first) % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
-        const CameraPlace place{x, y, s};
+        const CameraPlace place = place_of(x, y, s, frame);
         const Sampler sampler = sampler_at(place);
         const Vec2f lens = frame.has_lens ? sampler.get2(kLensDimension) : Vec2f(0.0f);
         const CameraRay ray = camera_ray(place, sampler.get2(kFilterDimension), lens, frame);

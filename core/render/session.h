@@ -15,6 +15,7 @@
 #include "scene/settings.h"
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -59,6 +60,15 @@ class Session {
     void take_scene();
     /// Commits the scene that was taken and renders it; blocks. False if it was cancelled.
     bool render();
+    // The same step by step, for pictures that are looked at while they get better. Each blocks; false if cancelled.
+    /// Commits the scene.
+    bool build();
+    /// One sample for each block of so many pixels along a side.
+    bool render_blocks(int size);
+    /// The next samples of each pixel.
+    bool render_more(int count);
+    /// Samples of each pixel so far.
+    int samples_taken() const { return samples_taken_; }
     /// From any thread: `render` returns as soon as the samples in flight are done.
     void cancel() { cancel_.cancel(); }
     Progress progress() const;
@@ -84,16 +94,24 @@ class Session {
     mutable std::mutex mutex_;  ///< guards statistics_
     RenderStatistics statistics_;
 
-    void render_building_first();
-    void render_tiles();
+    int samples_taken_ = 0;
+    double build_seconds_ = 0;
+
+    /// In an arena of as many threads as are set; false if cancelled.
+    bool run(const std::function<void()>& work);
+    void build_scene();
+    /// `step`: pixels along a side of the block that a sample stands for.
+    void render_tiles(const SampleRange& samples, int step);
     /// Null where the settings want none.
     std::unique_ptr<const IrradianceCache> filled_cache();
     struct Frame;  ///< what all tiles share
     void render_tile(const Window& tile, const Frame& frame);
+    void store(const Window& tile, const Frame& frame, std::span<const PixelValues> values);
     /// A pixel and the number of a sample in it.
     struct CameraPlace {
         int x = 0, y = 0, sample = 0;
     };
+    CameraPlace place_of(int x, int y, int sample, const Frame& frame) const;
     Sampler sampler_at(const CameraPlace& place) const;
     /// `filter` and `lens` in [0,1)².
     CameraRay camera_ray(const CameraPlace& place, const Vec2f& filter, const Vec2f& lens, const Frame& frame) const;

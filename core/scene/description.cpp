@@ -115,6 +115,11 @@ void SceneDescription::set_camera(const CameraDescription& camera) {
     camera_ = camera;
 }
 
+void SceneDescription::set_dicing_camera(const CameraDescription& camera) {
+    validate(camera);
+    dicing_camera_ = camera;
+}
+
 AttributeId SceneDescription::attribute(const std::string& name) {
     return attributes_.try_emplace(name, static_cast<AttributeId>(attributes_.size())).first->second;
 }

@@ -69,6 +69,8 @@ class SceneDescription {
     int add_lamp(const Lamp& lamp);
     void set_world(std::shared_ptr<const Program> world, int sampling_resolution);
     void set_camera(const CameraDescription& camera);
+    /// The camera whose pixels facets are made fine enough for, where it is another: one that moves keeps its facets.
+    void set_dicing_camera(const CameraDescription& camera);
     /// The id of an attribute name, new or old.
     AttributeId attribute(const std::string& name);
     /// The scene's textures; created by the first call.
@@ -86,10 +88,11 @@ class SceneDescription {
     std::shared_ptr<SceneParts> parts;  ///< never null
 
     const std::optional<CameraDescription>& camera() const { return camera_; }
+    const std::optional<CameraDescription>& dicing_camera() const { return dicing_camera_ ? dicing_camera_ : camera_; }
     const std::shared_ptr<TextureStore>& existing_textures() const { return textures_; }
 
   private:
-    std::optional<CameraDescription> camera_;
+    std::optional<CameraDescription> camera_, dicing_camera_;
     std::unordered_map<std::string, AttributeId> attributes_;
     std::shared_ptr<TextureStore> textures_;
 };

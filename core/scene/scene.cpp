@@ -87,8 +87,9 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     std::vector<const std::vector<int>*> lists;
     for (uint32_t i = 0; i < traced.size(); ++i) lists.push_back(&material_list(i));
     displace(traced, description, lists, {&camera_->info(), textures_}, cancel);
-    tracer_ = std::make_unique<Tracer>(std::move(traced), camera_->dicing_view(), cancel,
-                                       geometry_cache_settings(settings), &description.parts->shapes);
+    tracer_ = std::make_unique<Tracer>(
+        std::move(traced), Camera(*description.dicing_camera(), settings.width, settings.height).dicing_view(), cancel,
+        geometry_cache_settings(settings), &description.parts->shapes);
     cancel.throw_if_cancelled();
     commit_lights(description, cancel);
     commit_glass(description, cancel);

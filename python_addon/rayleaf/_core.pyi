@@ -477,6 +477,7 @@ class SceneDescription:
         blades: int = 0,
         blade_rotation: float = 0.0,
         aperture_ratio: float = 1.0,
+        dicing: bool = False,
     ) -> None:
         """kind: PERSPECTIVE (window on the plane at distance 1) or ORTHOGRAPHIC (world units); whole picture."""
     def add_image_file(self, name: str, path: str | bytes, color_space: str) -> int:
@@ -547,6 +548,12 @@ class Session:
     def render(self) -> bool:
         """Blocks, without the GIL, until done (True) or cancelled (False). Once; what is added to the scene meanwhile is
         not in the picture."""
+    def build(self) -> bool:
+        """Commit the scene, to render it step by step; False if it was cancelled."""
+    def render_blocks(self, size: int) -> bool:
+        """One sample for each block of `size` x `size` pixels; False if it was cancelled."""
+    def render_more(self, count: int) -> bool:
+        """The next `count` samples of each pixel; False if it was cancelled."""
     def cancel(self) -> None:
         """From any thread; `render` returns soon after."""
     def progress(self) -> tuple[str, float]:

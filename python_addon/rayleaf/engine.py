@@ -1,5 +1,7 @@
 """Blender's RenderEngine: each method hands on."""
 
+import sys
+from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -18,6 +20,32 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
 
+    def __del__(self) -> None:
+        viewport = getattr(self, "_viewport", None)
+        if viewport is not None:
+            viewport.close()
+
+    def view_update(self, context: Any, depsgraph: Any) -> None:
+        """What a view in Rendered shading shows has changed."""
+        self._in_view(lambda viewport: viewport.update(context, depsgraph))
+
+    def view_draw(self, context: Any, depsgraph: Any) -> None:
+        """Draw a view in Rendered shading."""
+        self._in_view(lambda viewport: viewport.draw(context, depsgraph))
+
+    def _in_view(self, work: Callable[[Any], None]) -> None:
+        """Errors stand in the view's corner, and end nothing."""
+        try:
+            if enabling.problem is not None:
+                raise core_module.CoreError(enabling.problem)
+            if getattr(self, "_viewport", None) is None:
+                from .viewport.viewport import Viewport
+
+                self._viewport = Viewport(self, core_module.load())
+            work(self._viewport)
+        except Exception as error:
+            failures.report_in_view(self, error)
+
     def render(self, depsgraph: Any) -> None:
         """Render one view layer of one frame. The core is loaded here first. Whatever goes wrong ends this render alone."""
         try:
@@ -29,7 +57,14 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
 
             ray_caches = KEPT.for_frame(core, depsgraph.scene_eval, self.is_animation)
             parts = KEPT.parts(core, depsgraph.scene_eval, self.is_animation)
-            renderer()(self, depsgraph, core, ray_caches, parts).run()
+            viewports = sys.modules.get(f"{__package__}.viewport.viewport")  # loaded by the first view
+            if viewports is not None:
+                viewports.pause_all()
+            try:
+                renderer()(self, depsgraph, core, ray_caches, parts).run()
+            finally:
+                if viewports is not None:
+                    viewports.resume_all()
         except Exception as error:
             failures.report(self, error)
 

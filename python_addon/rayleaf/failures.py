@@ -8,6 +8,8 @@ from . import kept_messages
 from .core_module import CoreError
 from .messages import Message, printable
 
+_TOLD_IN_VIEWS: set[str] = set()
+
 
 def told(error: Exception) -> str:
     """An exception in a line."""
@@ -26,3 +28,12 @@ def report(engine: Any, error: Exception) -> None:
     kept_messages.keep(Message("ERROR", text))
     engine.report({"ERROR"}, text)
     engine.error_set(text)
+
+
+def report_in_view(engine: Any, error: Exception) -> None:
+    """Show in a view's corner what went wrong there; the console says where, once."""
+    text = printable(told(error))
+    if not isinstance(error, CoreError) and text not in _TOLD_IN_VIEWS:
+        _TOLD_IN_VIEWS.add(text)
+        sys.stderr.write(printable("".join(traceback.format_exception(error))))
+    engine.update_stats("Rayleaf", text)

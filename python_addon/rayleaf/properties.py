@@ -48,6 +48,13 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
     """What is set per scene."""
 
     samples: IntProperty(name="Samples", description="Paths per pixel", default=64, min=1, max=1 << 20)  # type: ignore
+    preview_samples: IntProperty(  # type: ignore
+        name="Viewport Samples",
+        description="Paths per pixel of 3-D views in Rendered shading, which are refined until they have as many",
+        default=32,
+        min=1,
+        max=1 << 20,
+    )
     seed: IntProperty(name="Seed", description="Another number gives other noise", default=0, min=0)  # type: ignore
     use_animated_seed: BoolProperty(  # type: ignore
         name="Animate Seed", description="Other noise in every frame", default=False

@@ -79,6 +79,7 @@ class RAYLEAF_PT_sampling(_Panel, bpy.types.Panel):
     def draw(self, context: Any) -> None:
         column, settings = self._column(), context.scene.rayleaf
         column.prop(settings, "samples")
+        column.prop(settings, "preview_samples")
         row = column.row(align=True)
         row.prop(settings, "seed")
         row.prop(settings, "use_animated_seed", text="", icon="TIME")

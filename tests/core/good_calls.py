@@ -36,6 +36,13 @@ from core.good_arguments import (
 from rayleaf import _core
 
 
+def built():
+    """A session whose scene is built."""
+    made = session()
+    assert made.build()
+    return made
+
+
 def film_sums():
     """Of a picture without samples yet."""
     return _core.FilmSums(2, 2, ["combined"])
@@ -155,6 +162,9 @@ CALLS: dict[str, Call] = {
     "Settings": ctor(_core.Settings),
     "Session": later(_core.Session, scene=scene, settings=settings, ray_caches=_core.RayCacheStore),
     "Session.render": method(session, "render"),
+    "Session.build": method(session, "build"),
+    "Session.render_blocks": method(built, "render_blocks", size=2),
+    "Session.render_more": method(built, "render_more", count=1),
     "Session.cancel": method(session, "cancel"),
     "Session.progress": method(session, "progress"),
     "Session.pass_pixels": method(lambda: session(True), "pass_pixels", name="combined"),

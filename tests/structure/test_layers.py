@@ -42,6 +42,7 @@ MEET_BLENDER = {
         "versions.py",
     ),
     *("export/images.py", "report/panel.py", "report/render_points.py", "report/render_silhouettes.py"),
+    "viewport/viewport.py",
 }
 # The files that import the core; the others get it, or what it made, handed over.
 MEET_CORE = {"core_module.py", "report/curve_primitives.py"}

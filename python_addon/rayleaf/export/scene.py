@@ -97,10 +97,14 @@ class SceneExporter:
         )
         self._materials = MaterialLibrary(core, self.scene, self._resources, messages, depsgraph, self._check_cancel)
 
-    def export(self, frame: camera.Frame, needs_uv: bool) -> Any:
-        """The scene description. `needs_uv`: a pass shows the UV map. Raises ExportError, InputError, ExportCancelled."""
+    def export(self, frame: camera.Frame, needs_uv: bool, camera_arguments: dict[str, Any] | None = None) -> Any:
+        """The scene description. `needs_uv`: a pass shows the UV map. `camera_arguments`: of the core's `set_camera`, where
+        the scene is not seen by its own. Raises ExportError, InputError, ExportCancelled."""
         self.scene.texture_memory = self._blender_scene.rayleaf.texture_memory * _BYTES_PER_MEGABYTE
-        self._export_camera(frame)
+        if camera_arguments is None:
+            self._export_camera(frame)
+        else:
+            self.scene.set_camera(**camera_arguments)
         unsupported.name_scene_settings(self._blender_scene, self._messages)
         unsupported.name_passes(self._view_layer, self._messages)
         listed = instances.collect(self._core, self._depsgraph, self._check_cancel)

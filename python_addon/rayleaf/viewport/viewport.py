@@ -1,0 +1,149 @@
+"""One 3-D view in Rendered shading."""
+
+import weakref
+from types import ModuleType
+from typing import Any
+
+import gpu
+import numpy as np
+from gpu_extras.presets import draw_texture_2d
+
+from .. import kept_messages, passes
+from ..export import ExportError
+from ..export.scene import SceneExporter
+from ..messages import Messages
+from . import view
+from .worker import Picture, Request, Worker, same_camera
+
+_OPEN: "weakref.WeakSet[Viewport]" = weakref.WeakSet()
+
+
+def pause_all() -> None:
+    """Have all views wait, for a final render."""
+    for viewport in list(_OPEN):
+        viewport.pause()
+
+
+def resume_all() -> None:
+    """Have them go on."""
+    for viewport in list(_OPEN):
+        viewport.resume()
+
+
+class Viewport:
+    """What Blender's engine object of a view hands its calls to."""
+
+    def __init__(self, engine: Any, core: ModuleType) -> None:
+        self._core = core
+        self._engine = weakref.ref(engine)
+        self._parts = core.SceneParts()
+        self._scene: Any | None = None  # the core's
+        self._request: Request | None = None
+        self._texture: Any | None = None
+        self._drawn: Picture | None = None
+        self._worker = Worker(core, self._redraw)
+        self._problem = ""
+        _OPEN.add(self)
+
+    def close(self) -> None:
+        """Stop rendering."""
+        _OPEN.discard(self)
+        self._worker.close()
+
+    def pause(self) -> None:
+        """Wait."""
+        self._worker.pause()
+
+    def resume(self) -> None:
+        """Go on."""
+        self._worker.resume(self._request)
+
+    def update(self, context: Any, depsgraph: Any) -> None:
+        """The scene has changed: export it."""
+        messages = Messages(kept_messages.keep)
+        exporter = SceneExporter(self._core, depsgraph, messages, parts=self._parts)
+        try:
+            camera = view.camera_of(context, depsgraph)
+            self._scene = exporter.export(view.frame_of(context), needs_uv=False, camera_arguments=camera)
+            self._problem = ""
+        except (ExportError, self._core.InputError) as error:
+            self._scene, self._problem = None, str(error)
+        self._ask(context, depsgraph)
+
+    def draw(self, context: Any, depsgraph: Any) -> None:
+        """Draw what there is; ask for another picture where the view has changed."""
+        self._ask(context, depsgraph)
+        self._tell()
+        if self._scene is None:
+            return
+        picture = self._worker.picture()
+        if picture is None:
+            return
+        if picture is not self._drawn:
+            self._texture, self._drawn = _texture_of(picture), picture
+        engine = self._engine()
+        gpu.state.blend_set("ALPHA_PREMULT")
+        engine.bind_display_space_shader(depsgraph.scene)
+        draw_texture_2d(self._texture, (0, 0), context.region.width, context.region.height)
+        engine.unbind_display_space_shader()
+        gpu.state.blend_set("NONE")
+
+    def _ask(self, context: Any, depsgraph: Any) -> None:
+        if self._scene is None:
+            return
+        scene = depsgraph.scene
+        camera = view.camera_of(context, depsgraph)
+        settings = view.settings_of(self._core, scene, depsgraph.view_layer, view.frame_of(context), _combined())
+        request = Request(self._scene, settings, camera, scene.rayleaf.preview_samples)
+        before = self._request
+        is_edit = not request.is_same_scene(before)
+        if before is not None and not is_edit:
+            same_view = same_camera(before.camera, camera)
+            if (
+                same_view
+                and _told_apart(before.settings) == _told_apart(settings)
+                and before.samples == request.samples
+            ):
+                return
+        self._request = request
+        self._worker.show(request, is_edit)
+
+    def _tell(self) -> None:
+        engine = self._engine()
+        if self._problem:
+            engine.update_stats("Rayleaf", self._problem)
+            return
+        wanted = self._request.samples if self._request else 0
+        taken = self._drawn.samples if self._drawn else 0
+        engine.update_stats("", f"Rayleaf | Sample {taken}/{wanted}")
+
+    def _redraw(self) -> None:
+        engine = self._engine()
+        if engine is None:
+            return
+        try:
+            engine.tag_redraw()
+        except ReferenceError:  # Blender has closed the view meanwhile
+            pass
+
+
+def _combined() -> passes.Pass:
+    return next(entry for entry in passes.table() if entry.identifier == "combined")
+
+
+def _told_apart(settings: dict[str, Any]) -> dict[str, str]:
+    """What tells settings of the core apart: their objects are made anew each time."""
+    return {name: _plain(value) for name, value in settings.items()}
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, int | float | str | bool | list | tuple):
+        return repr(value)
+    return repr({name: getattr(value, name) for name in dir(value) if not name.startswith("_")})
+
+
+def _texture_of(picture: Picture) -> Any:
+    height, width = picture.pixels.shape[:2]
+    values = np.ascontiguousarray(picture.pixels, np.float32)
+    buffer = gpu.types.Buffer("FLOAT", height * width * 4, values.ravel())
+    return gpu.types.GPUTexture((width, height), format="RGBA16F", data=buffer)

@@ -1,0 +1,193 @@
+"""The thread that renders what a view shows, better and better, until it shows something else. Knows nothing of Blender."""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+# Pixels along a side of the blocks that are shown first, coarsest first.
+_BLOCKS = (8, 4, 2)
+# Samples are taken in rounds of at most about so many seconds, so that the picture is seen to get better.
+_ROUND_SECONDS = 0.25
+# After so long without another camera, facets are made for the camera that there is.
+_REST_SECONDS = 0.4
+# A picture that takes longer to appear than this is given up for a newer view.
+_FIRST_SECONDS = 0.5
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a view shows."""
+
+    scene: Any  # a core SceneDescription
+    settings: dict[str, Any]  # of core.Settings
+    camera: dict[str, Any]  # of SceneDescription.set_camera
+    samples: int
+
+    def is_same_scene(self, other: "Request | None") -> bool:
+        """Whether only the view differs."""
+        return other is not None and self.scene is other.scene
+
+
+def same_camera(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Whether two cameras see the same."""
+    return one.keys() == other.keys() and all(np.array_equal(one[name], other[name]) for name in other)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What has been rendered so far."""
+
+    pixels: Any  # (height, width, 4), linear light, rows bottom to top
+    samples: int  # 0: blocks
+
+
+class Worker:
+    """Renders the newest request. All methods are for one thread; the work is done in another."""
+
+    def __init__(self, core: ModuleType, redraw: Callable[[], None]) -> None:
+        """`redraw` is called from the worker's thread when there is a new picture, or an error."""
+        self._core, self._redraw = core, redraw
+        self._ray_caches = core.RayCacheStore()
+        self._condition = threading.Condition()
+        self._wanted: Request | None = None  # not begun
+        self._session: Any | None = None
+        self._began = 0.0
+        self._picture: Picture | None = None
+        self._is_new = True  # nothing of the request under way has been shown
+        self._error: Exception | None = None
+        self._closing = self._paused = self._working = False
+        self._dicing: tuple[Any, dict[str, Any]] | None = None  # scene and camera that facets are made for
+        self._thread = threading.Thread(target=self._serve, name="rayleaf viewport", daemon=True)
+        self._thread.start()
+
+    def show(self, request: Request, is_edit: bool) -> None:
+        """Render this from now on. `is_edit`: what is being rendered is no longer true, and is given up at once."""
+        with self._condition:
+            self._wanted = request
+            late = time.monotonic() - self._began > _FIRST_SECONDS
+            if self._session is not None and (is_edit or late or not self._is_new):
+                self._session.cancel()
+            self._condition.notify()
+
+    def picture(self) -> Picture | None:
+        """The newest one. Raises what the render raised."""
+        with self._condition:
+            if self._error is not None:
+                raise self._error
+            return self._picture
+
+    def is_idle(self) -> bool:
+        """Whether all that was asked for is done."""
+        with self._condition:
+            return self._wanted is None and not self._working
+
+    def pause(self) -> None:
+        """Stop; `resume` goes on. Returns at once."""
+        with self._condition:
+            self._paused = True
+            if self._session is not None:
+                self._session.cancel()
+
+    def resume(self, request: Request | None) -> None:
+        """Render again, from the start."""
+        with self._condition:
+            self._paused = False
+            self._wanted = self._wanted or request
+            self._condition.notify()
+
+    def close(self) -> None:
+        """Stop and wait until it has stopped. More than once is fine."""
+        with self._condition:
+            self._closing = True
+            if self._session is not None:
+                self._session.cancel()
+            self._condition.notify()
+        if threading.current_thread() is not self._thread:
+            self._thread.join()
+
+    def _serve(self) -> None:
+        while True:
+            with self._condition:
+                while not self._closing and (self._wanted is None or self._paused):
+                    self._condition.wait()
+                if self._closing:
+                    return
+                request, self._wanted = self._wanted, None
+                self._error, self._working = None, True
+            try:
+                self._render(request)
+            except Exception as error:  # told by whoever asks for the picture
+                with self._condition:
+                    self._error = error
+                self._redraw()
+            with self._condition:
+                self._working = False
+
+    def _render(self, request: Any) -> None:
+        if self._dicing is None or self._dicing[0] is not request.scene:
+            self._dicing = request.scene, request.camera
+        moved = not same_camera(self._dicing[1], request.camera)
+        session = self._begin(request)
+        if session is None or not self._show_blocks(session):
+            return
+        if moved:  # the picture is shown coarsely until the view rests
+            with self._condition:
+                if self._condition.wait_for(lambda: self._is_over(), _REST_SECONDS):
+                    return
+            self._dicing = request.scene, request.camera
+            session = self._begin(request)
+            if session is None:
+                return
+        self._refine(session, request.samples)
+
+    def _is_over(self) -> bool:
+        return self._closing or self._paused or self._wanted is not None
+
+    def _begin(self, request: Request) -> Any | None:
+        """A session whose scene is built; None if there is something newer to do."""
+        assert self._dicing is not None
+        request.scene.set_camera(**request.camera)
+        request.scene.set_camera(**self._dicing[1], dicing=True)
+        self._ray_caches.next_frame()
+        session = self._core.Session(request.scene, self._core.Settings(**request.settings), self._ray_caches)
+        with self._condition:
+            if self._is_over():
+                return None
+            self._session, self._is_new, self._began = session, True, time.monotonic()
+        return session if session.build() else None
+
+    def _show_blocks(self, session: Any) -> bool:
+        for size in _BLOCKS:
+            if not session.render_blocks(size):
+                return False
+            self._publish(session, 0)
+            with self._condition:
+                if self._is_over():
+                    return False
+        return True
+
+    def _refine(self, session: Any, samples: int) -> None:
+        taken, count = 0, 1
+        while taken < samples:
+            began = time.monotonic()
+            count = min(count, samples - taken)
+            if not session.render_more(count):
+                return
+            taken += count
+            self._publish(session, taken)
+            if time.monotonic() - began < 0.5 * _ROUND_SECONDS:
+                count *= 2
+            with self._condition:
+                if self._is_over():
+                    return
+
+    def _publish(self, session: Any, samples: int) -> None:
+        pixels = session.pass_pixels("combined")
+        with self._condition:
+            self._picture, self._is_new = Picture(pixels, samples), False
+        self._redraw()

@@ -1,0 +1,89 @@
+"""Pictures that are looked at while they get better: blocks, then sample after sample."""
+
+import numpy as np
+import pytest
+import scenes
+from path_scenes import varied_scene
+
+PASSES = ["combined", "normal", "object_index"]
+
+
+def session_of(core, width=17, height=13, **settings):
+    session = core.Session(varied_scene(core), core.Settings(width=width, height=height, passes=PASSES, **settings))
+    assert session.build()
+    return session
+
+
+@pytest.mark.parametrize("rounds", [(8,), (1, 7), (3, 1, 4), (1,) * 8])
+def test_samples_in_rounds_are_those_of_a_render(core, rounds):
+    whole = core.Session(varied_scene(core), core.Settings(width=17, height=13, samples=8, passes=PASSES))
+    assert whole.render()
+    session = session_of(core)
+    for count in rounds:
+        assert session.render_more(count)
+    for name in PASSES:
+        expected, found = whole.pass_pixels(name), session.pass_pixels(name)
+        # A mean of means rounds each time; of one round it is that of the render.
+        tolerance = 0 if len(rounds) == 1 else 1e-5
+        np.testing.assert_allclose(found, expected, rtol=tolerance, atol=tolerance)
+
+
+@pytest.mark.parametrize("size", [1, 2, 4, 8, 64])
+def test_a_block_shows_the_pixel_in_its_middle(core, size):
+    session = session_of(core)
+    assert session.render_blocks(size)
+    found = session.pass_pixels("combined")
+    single = session_of(core)
+    assert single.render_more(1)
+    pixels = single.pass_pixels("combined")
+    height, width = found.shape[:2]
+    y, x = np.mgrid[:height, :width]
+    middle = [np.minimum(at // size * size + size // 2, most - 1) for at, most in ((y, height), (x, width))]
+    np.testing.assert_array_equal(found, pixels[middle[0], middle[1]])
+
+
+def test_samples_after_blocks_take_their_place(core):
+    session, plain = session_of(core), session_of(core)
+    for size in (8, 4, 2):
+        assert session.render_blocks(size)
+    for each in (session, plain):
+        assert each.render_more(2) and each.render_more(1)
+    np.testing.assert_array_equal(session.pass_pixels("combined"), plain.pass_pixels("combined"))
+
+
+@pytest.mark.parametrize("threads", [1, 5])
+@pytest.mark.parametrize("stream", [0, 7, 512])
+def test_rounds_are_the_same_for_any_thread_count_and_stream(core, threads, stream):
+    session = session_of(core, threads=threads, stream_paths=stream, tile_size=5)
+    plain = session_of(core, threads=1)
+    for each in (session, plain):
+        assert each.render_blocks(4) and each.render_more(1) and each.render_more(3)
+    np.testing.assert_array_equal(session.pass_pixels("combined"), plain.pass_pixels("combined"))
+
+
+def test_facets_may_be_those_of_another_camera(core):
+    """A dicing camera of a hundred times the focal length wants finer facets than the picture's own."""
+
+    def pixels(half):
+        scene = core.SceneDescription()
+        ball = scene.add_surface("ball", [scenes.sphere_spline(core)])
+        scene.add_instance("ball", ball, scenes.matrix())
+        scene.set_world(scenes.background(core))
+        scenes.look_down(scene, 4.0, 0.2)
+        if half is not None:
+            window = (-half, -half), (half, half)
+            scene.set_camera("PERSPECTIVE", scenes.matrix((0, 0, 4.0)), *window, 0.1, 1e6, dicing=True)
+        session = core.Session(scene, core.Settings(width=64, height=64, samples=1))
+        assert session.render()
+        return session.pass_pixels("combined"), session.statistics()["memory"]["facets"]
+
+    plain, same, fine = pixels(None), pixels(0.2), pixels(0.002)
+    np.testing.assert_array_equal(plain[0], same[0])
+    assert fine[1] > 2 * plain[1]
+    assert np.isfinite(fine[0]).all()
+
+
+def test_a_cancelled_round_says_so(core):
+    session = session_of(core)
+    session.cancel()
+    assert not session.render_more(1) and not session.render_blocks(2)
