@@ -310,6 +310,13 @@ uint32_t find_one_by_one(const float* vertices, uint32_t block, const RayPacket&
     return sure;
 }
 
+void to_floats(const int32_t* fixed, float* vertices) {
+    const hn::Rebind<int32_t, Rays> integers;
+    const RayVector step = hn::Set(Rays(), static_cast<float>(kFixedStep));
+    for (int i = 0; i < 3 * kBlockSize; i += kRayWidth)
+        hn::StoreU(hn::Mul(hn::ConvertTo(Rays(), hn::LoadU(integers, fixed + i)), step), Rays(), vertices + i);
+}
+
 void shear(RayPacket& rays, uint32_t mask) {
     const Rays lanes;
     rays.by_axis = {0, 0, 0};
@@ -347,11 +354,13 @@ namespace rayleaf {
 HWY_EXPORT(find_together);
 HWY_EXPORT(find_one_by_one);
 HWY_EXPORT(shear);
+HWY_EXPORT(to_floats);
 
 PacketKernels packet_kernels() {
     // The first call through the table chooses; the pointers must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return {&HWY_DYNAMIC_DISPATCH(shear), &HWY_DYNAMIC_DISPATCH(find_together), &HWY_DYNAMIC_DISPATCH(find_one_by_one)};
+    return {&HWY_DYNAMIC_DISPATCH(to_floats), &HWY_DYNAMIC_DISPATCH(shear), &HWY_DYNAMIC_DISPATCH(find_together),
+            &HWY_DYNAMIC_DISPATCH(find_one_by_one)};
 }
 
 }  // namespace rayleaf

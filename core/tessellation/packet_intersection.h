@@ -45,6 +45,8 @@ using FindInBlock = uint32_t (*)(const float* vertices, uint32_t block, const Ra
                                  float* farthest, OpenFacets& open);
 
 struct PacketKernels {
+    /// A block's vertices in steps of a fixed number (VertexFormat::Fixed) as floats; both [3][25], with room behind.
+    void (*to_floats)(const int32_t* fixed, float* vertices);
     void (*shear)(RayPacket& rays, uint32_t lanes);
     /// The rays in the lanes, the block's vertices one after the other: for rays that visit the same blocks it costs a
     /// fraction of what they cost one by one.

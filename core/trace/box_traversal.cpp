@@ -57,11 +57,11 @@ class OneRay {
         while (count > 0) {
             const uint64_t next = waiting[--count];
             if (!(near_of(next) <= farthest[lane])) continue;
-            const auto child = static_cast<uint32_t>(next);
+            auto child = static_cast<uint32_t>(next);
+            while ((child & BoxNode::kLeaf) == 0 && go_down(nodes[child], farthest[lane], child, waiting, count)) {
+            }
             if ((child & BoxNode::kLeaf) != 0)
                 visitor.visit(visitor.owner, child & ~BoxNode::kLeaf, 1u << lane, farthest);
-            else
-                count = add_children(nodes[child], farthest[lane], waiting, count);
         }
     }
 
@@ -69,9 +69,28 @@ class OneRay {
     int near_side_[3];
     BoxVector inverse_[3], offset_[3];
 
-    /// The nearest comes last, to be visited first.
-    HWY_INLINE int add_children(const BoxNode& node, float farthest, uint64_t* waiting, int count) const {
+    /// Makes `next` the nearest child that is met; the others wait, the nearest of them last. False if none is.
+    HWY_INLINE bool go_down(const BoxNode& node, float farthest, uint32_t& next, uint64_t* waiting, int& count) const {
         HWY_ALIGN float nears[BoxNode::kMostChildren];
+        uint32_t bits = meet(node, farthest, nears);
+        if (bits == 0) return false;
+        const auto take = [&] {
+            const auto child = static_cast<size_t>(__builtin_ctz(bits));
+            bits &= bits - 1;
+            return waiting_at(nears[child], node.child[child]);
+        };
+        uint64_t nearest = take();
+        for (const int bottom = count; bits != 0;) {
+            uint64_t other = take();
+            if (other < nearest) std::swap(other, nearest);
+            int at = count++;
+            for (; at > bottom && waiting[at - 1] < other; --at) waiting[at] = waiting[at - 1];
+            waiting[at] = other;
+        }
+        next = static_cast<uint32_t>(nearest);
+        return true;
+    }
+    HWY_INLINE uint32_t meet(const BoxNode& node, float farthest, float* nears) const {
         uint32_t bits = 0;
         for (int first = 0; first < BoxNode::kMostChildren; first += kBoxWidth) {
             BoxVector near = hn::Zero(Boxes()), far = hn::Set(Boxes(), farthest);
@@ -85,15 +104,7 @@ class OneRay {
             bits |= mask_bits(Boxes(), hn::Le(near, far)) << first;
             hn::Store(near, Boxes(), nears + first);
         }
-        const int bottom = count;
-        for (bits &= (1u << node.count) - 1u; bits != 0; bits &= bits - 1) {
-            const auto child = static_cast<size_t>(__builtin_ctz(bits));
-            const uint64_t met = waiting_at(nears[child], node.child[child]);
-            int at = count++;
-            for (; at > bottom && waiting[at - 1] < met; --at) waiting[at] = waiting[at - 1];
-            waiting[at] = met;
-        }
-        return count;
+        return bits & ((1u << node.count) - 1u);
     }
 };
 

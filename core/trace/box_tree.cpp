@@ -22,6 +22,7 @@ struct Node : Part {
 
 void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void*) {
     auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(Node), alignof(Node))) Node;
+    node->boxes = {};  // also of the children that there are not
     node->boxes.count = count;
     return node;
 }
@@ -79,7 +80,7 @@ BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, c
     if (items.empty()) return;
     if (items.size() == 1) {
         nodes_ = LargeArray<BoxNode>(1);
-        BoxNode& root = nodes_[0];
+        BoxNode& root = nodes_[0] = {};
         const RTCBuildPrimitive& item = items[0];
         set_box(root, 0, {item.lower_x, item.lower_y, item.lower_z, 0, item.upper_x, item.upper_y, item.upper_z, 0});
         root.child[0] = BoxNode::kLeaf | item.primID;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <limits>
 
 namespace rayleaf {
@@ -11,6 +12,9 @@ namespace {
 
 /// So few rays are tested against a block faster one by one.
 constexpr int kFewRays = 3;
+
+/// A block's vertices, filled up to whole vectors.
+constexpr int kVertexRoom = (3 * kBlockSize + kPacketSize - 1) / kPacketSize * kPacketSize;
 
 /// What is left of the way of a ray that needs no other hit.
 constexpr float kDone = -std::numeric_limits<float>::infinity();
@@ -41,9 +45,8 @@ ResidentScene::ResidentScene(const Shape& shape, DicedSurface surface, FacetBloc
 /// A block's vertices in single precision, [3][25].
 const float* ResidentScene::float_vertices(const FacetBlock& block, float* room) const {
     if (dicer_->format() == VertexFormat::Float) return block.vertices[0];
-    for (int axis = 0; axis < 3; ++axis)
-        for (int k = 0; k < kBlockSize; ++k)
-            room[axis * kBlockSize + k] = static_cast<float>(block.fixed[axis][k]) * static_cast<float>(kFixedStep);
+    static_assert(offsetof(FacetBlock, fixed) + kVertexRoom * sizeof(int32_t) <= sizeof(FacetBlock));
+    packet_kernels_.to_floats(block.fixed[0], room);
     return room;
 }
 
@@ -58,7 +61,7 @@ struct ResidentScene::Query {
 /// Offers the facets of a block that the ray may meet; the exact hit decides.
 bool ResidentScene::visit(Query& query, uint32_t number, float t_max) const {
     const FacetBlock& block = blocks_[number];
-    float room[3 * kBlockSize];
+    float room[kVertexRoom];
     GridCandidates candidates;
     kernels_.add_block_of_floats(float_vertices(block, room), query.ray, t_max, candidates);
     FacetQuery& facets = query.facets;
@@ -95,7 +98,7 @@ bool ResidentScene::occluded(const LocalRay& ray) const {
 
 /// The same for lanes of a packet: those that surely hit something nearer, a bit each, and what may be hit is kept.
 uint32_t ResidentScene::visit(PacketQuery& packet, uint32_t number, uint32_t lanes, float* farthest) const {
-    float room[3 * kBlockSize];
+    float room[kVertexRoom];
     const FindInBlock test_block =
         std::popcount(lanes) <= kFewRays ? packet_kernels_.one_by_one : packet_kernels_.together;
     const uint32_t sure =
