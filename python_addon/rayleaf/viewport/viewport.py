@@ -1,6 +1,7 @@
 """One 3-D view in Rendered shading."""
 
 import weakref
+from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
@@ -35,7 +36,7 @@ class Viewport:
 
     def __init__(self, engine: Any, core: ModuleType) -> None:
         self._core = core
-        self._engine = weakref.ref(engine)
+        self._engine: Callable[[], Any] = weakref.ref(engine)
         self._parts = core.SceneParts()
         self._scene: Any | None = None  # the core's
         self._request: Request | None = None
