@@ -107,15 +107,38 @@ int add_material(SceneDescription& scene, const std::string& name, const std::sh
 
 int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
                  int material_list, int object_index, float random, int visibility, int ray_interpolation) {
-    return scene.add_instance({name, shape, affine_of(name, matrix), material_list, static_cast<float>(object_index),
-                               random, visibility_of(name, visibility), ray_interpolation});
+    return scene.add_instance({name,
+                               shape,
+                               affine_of(name, matrix),
+                               material_list,
+                               static_cast<float>(object_index),
+                               random,
+                               visibility_of(name, visibility),
+                               ray_interpolation,
+                               {}});
+}
+
+using InstanceAttributes = std::map<int, Array<float>>;  ///< by id: (instances, 4)
+
+std::vector<InstanceAttribute> attributes_at(const InstanceAttributes& attributes, py::ssize_t i) {
+    std::vector<InstanceAttribute> result;
+    for (const auto& [id, values] : attributes) {
+        InstanceAttribute attribute{id, {}};
+        for (size_t k = 0; k < 4; ++k) {
+            const float value = values.data()[4 * i + static_cast<py::ssize_t>(k)];
+            attribute.value[k] = std::isfinite(value) ? value : 0.0f;
+        }
+        result.push_back(attribute);
+    }
+    return result;
 }
 
 std::vector<std::string> add_instances(SceneDescription& scene, const std::vector<std::string>& names,
                                        const Array<int32_t>& shapes, const Array<double>& matrices,
                                        const Array<int32_t>& material_lists, const Array<int32_t>& object_indices,
                                        const Array<float>& randoms, const Array<int32_t>& visibilities,
-                                       const std::optional<Array<int32_t>>& ray_interpolations) {
+                                       const std::optional<Array<int32_t>>& ray_interpolations,
+                                       const std::optional<InstanceAttributes>& attributes) {
     const auto count = static_cast<py::ssize_t>(names.size());
     constexpr const char* kObject = "instances";
     check_shape(kObject, "shapes", shapes, {count});
@@ -125,6 +148,8 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
     check_shape(kObject, "randoms", randoms, {count});
     check_shape(kObject, "visibilities", visibilities, {count});
     if (ray_interpolations) check_shape(kObject, "ray_interpolations", *ray_interpolations, {count});
+    const InstanceAttributes named = attributes.value_or(InstanceAttributes());
+    for (const auto& [id, values] : named) check_shape(kObject, "attributes", values, {count, 4});
     std::vector<std::string> messages;
     for (py::ssize_t i = 0; i < count; ++i) {
         try {
@@ -132,7 +157,7 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
             scene.add_instance({name, shapes.data()[i], affine_of(name, matrices.data() + 16 * i),
                                 material_lists.data()[i], static_cast<float>(object_indices.data()[i]),
                                 randoms.data()[i], visibility_of(name, visibilities.data()[i]),
-                                ray_interpolations ? ray_interpolations->data()[i] : -1});
+                                ray_interpolations ? ray_interpolations->data()[i] : -1, attributes_at(named, i)});
         } catch (const InputError& error) {
             messages.emplace_back(error.what());
         }
@@ -234,7 +259,8 @@ void bind_scene(py::module_& module) {
              "ray_interpolation"_a = -1)
         .def("add_ray_interpolation", &SceneDescription::add_ray_interpolation, "object"_a, "interpolation"_a)
         .def("add_instances", &add_instances, "names"_a, "shapes"_a, "matrices"_a, "material_lists"_a,
-             "object_indices"_a, "randoms"_a, "visibilities"_a, "ray_interpolations"_a = py::none())
+             "object_indices"_a, "randoms"_a, "visibilities"_a, "ray_interpolations"_a = py::none(),
+             "attributes"_a = py::none())
         .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
              "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
              "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = static_cast<int>(kVisibleAll))

@@ -52,6 +52,7 @@ struct InstanceDescription {
     float object_index = 0, random = 0;
     uint8_t visibility = kVisibleAll;
     int ray_interpolation = -1;  ///< index of the object's own; -1: the scene's
+    std::vector<InstanceAttribute> attributes = {};
 };
 
 struct SceneParts;  // scene/scene_parts.h

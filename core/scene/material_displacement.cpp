@@ -68,7 +68,8 @@ std::vector<Material> materials_of(const SceneDescription& description, const st
 }
 
 /// All that a displacement may depend on.
-using Look = std::tuple<const Shape*, const std::vector<int>*, std::array<double, 12>, float, float>;
+using Look = std::tuple<const Shape*, const std::vector<int>*, std::array<double, 12>, float, float,
+                        std::vector<InstanceAttribute>>;
 
 Look look_of(const Shape* shape, const std::vector<int>* list, const InstanceDescription& instance) {
     const Affine3d& m = instance.object_to_world;
@@ -77,7 +78,8 @@ Look look_of(const Shape* shape, const std::vector<int>* list, const InstanceDes
             {m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y, m.z.z, m.translation.x, m.translation.y,
              m.translation.z},
             instance.object_index,
-            instance.random};
+            instance.random,
+            instance.attributes};
 }
 
 }  // namespace
@@ -98,7 +100,7 @@ void displace(std::vector<TracedInstance>& traced, const SceneDescription& descr
         std::shared_ptr<const Shape>& made = known[look_of(shape.get(), &list, instance)];
         if (!made) {
             const InstanceInfo info{instance.object_to_world, instance.object_to_world.inverse(), instance.object_index,
-                                    instance.random};
+                                    instance.random, instance.attributes};
             made = std::make_shared<const DisplacedSurface>(
                 shape,
                 std::make_shared<const ByMaterial>(materials_of(description, list), info, surroundings, shape->frame()),

@@ -104,6 +104,7 @@ void Scene::commit_materials(const SceneDescription& description) {
     for (Material& material : materials_) {
         if (!material.surface) material.surface = neutral;
         has_transparency_ |= material.surface->may_be_transparent();
+        reads_footprints_ |= material.surface->reads_footprint();
     }
     for (std::vector<int>& list : lists_)
         for (int& material : list)
@@ -112,8 +113,8 @@ void Scene::commit_materials(const SceneDescription& description) {
     infos_.reserve(description.instances.size());
     instance_lists_.reserve(description.instances.size());
     for (const InstanceDescription& instance : description.instances) {
-        infos_.push_back(
-            {instance.object_to_world, instance.object_to_world.inverse(), instance.object_index, instance.random});
+        infos_.push_back({instance.object_to_world, instance.object_to_world.inverse(), instance.object_index,
+                          instance.random, instance.attributes});
         const bool has_list =
             instance.material_list >= 0 && !lists_[static_cast<size_t>(instance.material_list)].empty();
         instance_lists_.push_back(has_list ? instance.material_list : static_cast<int>(lists_.size()) - 1);

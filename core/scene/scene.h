@@ -59,10 +59,12 @@ class Scene {
     /// Ray caches of the instances that have one (null: none). Before rendering only.
     void set_ray_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache);
     /// Whether what is seen by way of an interpolated hit depends on its ray differential.
-    bool needs_differentials() const { return textures_ != nullptr || cached_ > 1; }
+    bool needs_differentials() const { return textures_ != nullptr || reads_footprints_ || cached_ > 1; }
     /// Whether anything depends on how far apart the rays of a picture are: dicing by the width of rays, textures, ray
     /// caches. If not, nobody needs to know.
-    bool needs_footprints() const { return textures_ != nullptr || cached_ > 0 || tracer_->has_levels(); }
+    bool needs_footprints() const {
+        return textures_ != nullptr || reads_footprints_ || cached_ > 0 || tracer_->has_levels();
+    }
     float object_index(uint32_t instance) const { return infos_[instance].object_index; }
     /// Whether any material lets light straight through, so that shadow rays have to ask.
     bool has_transparency() const { return has_transparency_; }
@@ -85,6 +87,7 @@ class Scene {
     std::vector<uint8_t> volume_visibility_;              ///< per instance
     std::vector<std::optional<GlassBody>> glass_bodies_;  ///< per instance, or none at all
     int cached_ = 0;                                      ///< instances with a ray cache
+    bool reads_footprints_ = false;                       ///< some material's program does
     bool has_transparency_ = false;
     double shadow_bias_ = 0;
 

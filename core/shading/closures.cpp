@@ -38,6 +38,7 @@ Lobe sound(Lobe lobe) {
     lobe.weight = positive(lobe.weight);
     lobe.fresnel_0 = positive(lobe.fresnel_0);
     lobe.roughness = limited(lobe.roughness, 0.0f, 1.0f);
+    lobe.softness = limited(lobe.softness, 0.0f, 1.0f);
     lobe.ior = limited(lobe.ior, kLeastIndex, kLargestIndex);
     lobe.alpha_x = limited(lobe.alpha_x, 0.0f, 1.0f);
     lobe.alpha_y = limited(lobe.alpha_y, 0.0f, 1.0f);
@@ -58,7 +59,8 @@ Lobe sound(Lobe lobe) {
 bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
     return a.type == b.type && a.kind == b.kind && a.distribution == b.distribution && a.normal == b.normal &&
            a.tangent == b.tangent && a.alpha_x == b.alpha_x && a.alpha_y == b.alpha_y && a.ior == b.ior &&
-           a.roughness == b.roughness && a.fresnel_0 == b.fresnel_0 && a.fresnel == b.fresnel;
+           a.roughness == b.roughness && a.softness == b.softness && a.fresnel_0 == b.fresnel_0 &&
+           a.fresnel == b.fresnel;
 }
 
 /// How far two lobes are from each other; infinite for those that nothing makes alike: of two types, or a mirror and
@@ -70,7 +72,7 @@ float difference(const Lobe& a, const Lobe& b) {
     const float alphas = std::abs(a.alpha_x - b.alpha_x) + std::abs(a.alpha_y - b.alpha_y);
     return (same_family ? 0.0f : kOtherFamily) + (a.normal - b.normal).length() + alphas +
            std::min(std::abs(a.ior - b.ior), 1.0f) + std::abs(a.roughness - b.roughness) +
-           std::min((a.fresnel_0 - b.fresnel_0).length(), 1.0f);
+           std::abs(a.softness - b.softness) + std::min((a.fresnel_0 - b.fresnel_0).length(), 1.0f);
 }
 
 /// The heavier of two, with the weight of both.

@@ -23,6 +23,9 @@ enum class LobeType : uint8_t {
     Refraction,   ///< the same, refraction
     Glass,        ///< both, weighted by Fresnel
     Sheen,
+    Velvet,             ///< Ashikhmin's velvet
+    ToonDiffuse,        ///< the same all over a cone around the normal
+    ToonGlossy,         ///< around the mirror direction
     PrincipledDiffuse,  ///< Disney diffuse with its retro-reflection
     Clearcoat
 };
@@ -39,8 +42,11 @@ struct Lobe {
     Vec3f tangent{0, 0, 0};          ///< for anisotropy, made orthogonal to `normal` by `add`; zero: any
     float alpha_x = 0, alpha_y = 0;  ///< microfacet roughness (already squared); both 0: singular
     float ior = 1.5f;                ///< index beyond the surface over that on the viewer's side
-    float roughness = 0;             ///< Diffuse: Oren-Nayar's sigma, 0..1; PrincipledDiffuse: Disney's roughness
-    Color fresnel_0{0, 0, 0};        ///< Schlick: reflectance at normal incidence
+    /// Diffuse: Oren-Nayar's sigma, 0..1; PrincipledDiffuse: Disney's roughness; Velvet: its sigma; Toon: the cone's
+    /// angle, 1 a quarter turn.
+    float roughness = 0;
+    float softness = 0;        ///< Toon: of the cone's border, 1 a quarter turn
+    Color fresnel_0{0, 0, 0};  ///< Schlick: reflectance at normal incidence
     /// Dielectric: Reflection is weighted by the reflectance of `ior`, Refraction by the rest. Schlick: Reflection is
     /// coloured, from `fresnel_0` to white along the dielectric curve of `ior` (shading/fresnel.h).
     enum class Fresnel : uint8_t { None, Dielectric, Schlick } fresnel = Fresnel::None;

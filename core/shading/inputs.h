@@ -5,7 +5,10 @@
 #include "geometry/surface_point.h"
 #include "rays/ray_differential.h"
 
+#include <array>
+#include <compare>
 #include <cstdint>
+#include <vector>
 
 namespace rayleaf {
 
@@ -19,11 +22,19 @@ struct PathState {
     int depth = 0, diffuse_depth = 0, glossy_depth = 0, transparent_depth = 0, transmission_depth = 0;
 };
 
+/// A named value of a whole instance: the object's colour, the particle that it stands for.
+struct InstanceAttribute {
+    AttributeId id = 0;
+    std::array<float, 4> value{};
+    auto operator<=>(const InstanceAttribute&) const = default;
+};
+
 /// Facts of the object instance that programs read.
 struct InstanceInfo {
     Affine3d object_to_world, world_to_object;
     float object_index = 0;  ///< Blender's pass index
     float random = 0;        ///< 0..1
+    std::vector<InstanceAttribute> attributes = {};
 };
 
 /// The camera as far as programs need it (Camera and Window coordinates).

@@ -26,6 +26,20 @@ float disney_diffuse(float roughness, float cos_i, float cos_o, float cos_half) 
     return cos_i / kPi * (1.0f + grazing * schlick_weight(cos_i)) * (1.0f + grazing * schlick_weight(cos_o));
 }
 
+/// Fibres that stand on the surface, tilted by about `sigma` (Ashikhmin, Premoze, Shirley, "A Microfacet-based BRDF
+/// Generator", section 6, with Cycles' masking by V-shaped grooves); times the cosine.
+float velvet(float sigma, float cos_i, float cos_o, float cos_normal_half, float cos_outgoing_half) {
+    constexpr float kLeastSigma = 0.01f, kEdge = 1e-5f;
+    if (!(cos_o > 0.0f) || cos_normal_half >= 1.0f - kEdge || cos_outgoing_half <= kEdge) return 0.0f;
+    const float s = std::max(sigma, kLeastSigma), inverse = 1.0f / (s * s);
+    const float groove = 2.0f * std::max(cos_normal_half / cos_outgoing_half, kEdge);
+    const float masking = std::min(1.0f, groove * std::min(cos_o, cos_i));
+    const float sine2 = 1.0f - cos_normal_half * cos_normal_half;
+    const float fibres =
+        std::exp(-cos_normal_half * cos_normal_half / sine2 * inverse) * inverse / (kPi * sine2 * sine2);
+    return 0.25f * fibres * masking / cos_o;
+}
+
 }  // namespace
 
 LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
@@ -39,8 +53,11 @@ LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const Vec3f& outgoing, const V
     if (lobe.type == LobeType::Diffuse) {
         value = oren_nayar(lobe.roughness, cos_i, cos_o, outgoing.dot(incoming));
     } else if (!translucent) {
-        const float cos_half = normalized_or(outgoing + incoming, lobe.normal).dot(incoming);
-        if (lobe.type == LobeType::PrincipledDiffuse) {
+        const Vec3f half = normalized_or(outgoing + incoming, lobe.normal);
+        const float cos_half = half.dot(incoming);
+        if (lobe.type == LobeType::Velvet) {
+            value = velvet(lobe.roughness, cos_i, cos_o, std::abs(lobe.normal.dot(half)), std::abs(cos_half));
+        } else if (lobe.type == LobeType::PrincipledDiffuse) {
             value = disney_diffuse(lobe.roughness, cos_i, cos_o, cos_half);
         } else {  // Disney's sheen has no 1 / pi
             value = cos_o > 0.0f ? cos_i * schlick_weight(cos_half) : 0.0f;

@@ -2,6 +2,7 @@
 
 #include "shading/lobe_diffuse.h"
 #include "shading/lobe_microfacet.h"
+#include "shading/lobe_toon.h"
 
 namespace rayleaf {
 
@@ -19,6 +20,9 @@ LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& in
             return evaluate_microfacet_lobe(lobe, outgoing, incoming, side);
         case LobeType::Clearcoat:
             return evaluate_clearcoat(lobe, outgoing, incoming, side);
+        case LobeType::ToonDiffuse:
+        case LobeType::ToonGlossy:
+            return evaluate_toon_lobe(lobe, outgoing, incoming, side);
         default:
             return evaluate_diffuse_lobe(lobe, outgoing, incoming, side);
     }
@@ -32,6 +36,9 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing
             return sample_microfacet_lobe(lobe, outgoing, random);
         case LobeType::Clearcoat:
             return sample_clearcoat(lobe, outgoing, random);
+        case LobeType::ToonDiffuse:
+        case LobeType::ToonGlossy:
+            return sample_toon_lobe(lobe, outgoing, random);
         default:
             return sample_diffuse_lobe(lobe, random);
     }
@@ -76,6 +83,8 @@ float lobe_width(const Lobe& lobe) {
         case LobeType::Glass:
         case LobeType::Clearcoat:
             return std::min(std::sqrt(std::max(lobe.alpha_x, lobe.alpha_y)), 1.0f);
+        case LobeType::ToonGlossy:
+            return std::min(lobe.roughness + lobe.softness, 1.0f);
         default:
             return 1.0f;
     }

@@ -13,6 +13,9 @@ constexpr OperationFamily family(Operation operation) {
         case Operation::image:
         case Operation::environment:
             return OperationFamily::Texture;
+        case Operation::transform:
+        case Operation::wireframe:
+        case Operation::bump:
         case Operation::fresnel:
         case Operation::layer_weight:
         case Operation::normal_map:
@@ -21,6 +24,9 @@ constexpr OperationFamily family(Operation operation) {
             return operation < Operation::math ? OperationFamily::Input : OperationFamily::Arithmetic;
     }
 }
+
+/// UDIM tiles of one image.
+constexpr int kMostTiles = 1000;
 
 struct IntCounts {
     int least, most;
@@ -34,6 +40,8 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::musgrave:
         case Operation::white_noise:
         case Operation::magic:
+        case Operation::radial_tangent:
+        case Operation::box_projection:
             return {1, 1};
         case Operation::noise:
             return {1, 3};
@@ -41,15 +49,21 @@ constexpr IntCounts int_counts(Operation operation) {
             return {3, 3};
         case Operation::wave:
         case Operation::brick:
+        case Operation::transform:
             return {2, 2};
         case Operation::uv:
         case Operation::math:
         case Operation::map_range:
-        case Operation::normal_map:
+        case Operation::vector_rotate:
+        case Operation::wireframe:
+        case Operation::bump:
             return {0, 1};
         case Operation::mix:
+        case Operation::normal_map:
+        case Operation::tangent:
             return {0, 2};
         case Operation::image:
+            return {1, 4 + 2 * kMostTiles};
         case Operation::environment:
             return {1, 3};
         default:
@@ -84,6 +98,9 @@ constexpr std::string_view kFractal[] = {RAYLEAF_FRACTAL_VARIANTS(RAYLEAF_NAME)}
 constexpr std::string_view kVoronoi[] = {RAYLEAF_VORONOI_VARIANTS(RAYLEAF_NAME)};
 constexpr std::string_view kGradient[] = {RAYLEAF_GRADIENT_VARIANTS(RAYLEAF_NAME)};
 constexpr std::string_view kWave[] = {RAYLEAF_WAVE_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kVectorRotate[] = {RAYLEAF_VECTOR_ROTATE_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kTransform[] = {RAYLEAF_TRANSFORM_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kToon[] = {RAYLEAF_TOON_VARIANTS(RAYLEAF_NAME)};
 #undef RAYLEAF_NAME
 
 }  // namespace
@@ -126,6 +143,12 @@ std::span<const std::string_view> variants_of(Operation operation) {
             return kGradient;
         case Operation::wave:
             return kWave;
+        case Operation::vector_rotate:
+            return kVectorRotate;
+        case Operation::transform:
+            return kTransform;
+        case Operation::toon:
+            return kToon;
         case Operation::glossy:
         case Operation::refraction:
         case Operation::glass:

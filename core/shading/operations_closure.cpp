@@ -2,6 +2,7 @@
 
 #include "shading/microfacet_albedo.h"
 #include "shading/operations_input.h"
+#include "shading/operations_math.h"
 #include "shading/principled.h"
 #include "shading/variants.h"
 
@@ -81,10 +82,39 @@ Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, const Shad
     set_roughness(lobe, variant, operands.scalar(2));
     const Color color = operands.vector(1);
     lobe.weight = weight_of(operands) * color;
+    const float anisotropy = std::clamp(operands.scalar(4), -0.99f, 0.99f);  // Cycles' limits
+    if (anisotropy != 0.0f) {
+        // Along the tangent and across: one is made smoother, the other rougher.
+        const float narrow = 1.0f - std::abs(anisotropy);
+        lobe.alpha_x *= anisotropy > 0.0f ? narrow : 1.0f / narrow;
+        lobe.alpha_y *= anisotropy > 0.0f ? 1.0f / narrow : narrow;
+        lobe.tangent = rotated(operands.vector(6, inputs.point->dp_du), lobe.normal, operands.scalar(5) * 2.0f * kPi);
+    }
     if (variant == MicrofacetVariant::MULTI_GGX) {
         const float albedo = ggx_reflection_albedo(lobe.alpha_x, std::max(lobe.normal.dot(inputs.outgoing), 0.0f));
         lobe.weight = lobe.weight * energy_compensation(color, albedo);
     }
+    return lobe;
+}
+
+Lobe velvet_lobe(const Operands& operands, const ShadingInputs& inputs) {
+    Lobe lobe;
+    lobe.type = LobeType::Velvet;
+    lobe.weight = weight_of(operands) * operands.vector(1);
+    lobe.roughness = operands.scalar(2);
+    lobe.normal = scattering_normal(operands, 3, inputs);
+    return lobe;
+}
+
+Lobe toon_lobe(ToonVariant variant, const Operands& operands, const ShadingInputs& inputs) {
+    Lobe lobe;
+    const bool glossy = variant == ToonVariant::GLOSSY;
+    lobe.type = glossy ? LobeType::ToonGlossy : LobeType::ToonDiffuse;
+    lobe.kind = glossy ? LobeKind::Glossy : LobeKind::Diffuse;
+    lobe.weight = weight_of(operands) * operands.vector(1);
+    lobe.roughness = operands.scalar(2);
+    lobe.softness = operands.scalar(3);
+    lobe.normal = scattering_normal(operands, 4, inputs);
     return lobe;
 }
 
@@ -166,6 +196,12 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
             return;
         case Operation::glossy:
             closures.add(glossy_lobe(microfacets, operands, inputs));
+            return;
+        case Operation::velvet:
+            closures.add(velvet_lobe(operands, inputs));
+            return;
+        case Operation::toon:
+            closures.add(toon_lobe(static_cast<ToonVariant>(variant), operands, inputs));
             return;
         case Operation::refraction:
             closures.add(refraction_lobe(microfacets, operands, inputs));

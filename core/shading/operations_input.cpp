@@ -1,6 +1,9 @@
 #include "shading/operations_input.h"
 
 #include "shading/fresnel.h"
+#include "shading/operations_closure.h"
+#include "shading/spaces.h"
+#include "shading/tangents.h"
 #include "shading/variants.h"
 
 namespace rayleaf {
@@ -32,6 +35,8 @@ Vec3d object_position(const ShadingInputs& inputs) {
     return has_object ? inputs.instance->world_to_object.point(position) : position;
 }
 
+}  // namespace
+
 /// A normal is a covector: it goes to object space by the transpose of the map that takes points out of it.
 Vec3f object_normal(const ShadingInputs& inputs) {
     const Vec3f normal = facing_normal(inputs);
@@ -50,6 +55,17 @@ Vec3f generated(const ShadingInputs& inputs) {
     return Vec3f(Vec3d(share(position.x, box.min.x, size.x), share(position.y, box.min.y, size.y),
                        share(position.z, box.min.z, size.z)));
 }
+
+Vec4f attribute(const ShadingInputs& inputs, int32_t id) {
+    if (inputs.point == nullptr || inputs.point->shape == nullptr) return spread(0.0f);
+    if (const std::optional<Vec4f> own = inputs.point->shape->attribute(id, inputs.point->local)) return *own;
+    if (inputs.instance != nullptr)
+        for (const InstanceAttribute& each : inputs.instance->attributes)
+            if (each.id == id) return Vec4f(each.value[0], each.value[1], each.value[2], each.value[3]);
+    return spread(0.0f);
+}
+
+namespace {
 
 Vec3f camera_coordinates(const ShadingInputs& inputs) {
     if (inputs.camera == nullptr) return Vec3f(world_position(inputs));
@@ -71,11 +87,6 @@ Vec3f window(const ShadingInputs& inputs) {
     return {static_cast<float>(on_picture.x), static_cast<float>(on_picture.y), 0.0f};
 }
 
-Vec4f attribute(const ShadingInputs& inputs, int32_t id) {
-    if (inputs.point == nullptr || inputs.point->shape == nullptr) return spread(0.0f);
-    return inputs.point->shape->attribute(id, inputs.point->local).value_or(spread(0.0f));
-}
-
 Vec4f uv(const ShadingInputs& inputs, int32_t id) {
     if (id >= 0) {
         const Vec4f value = attribute(inputs, id);
@@ -83,13 +94,6 @@ Vec4f uv(const ShadingInputs& inputs, int32_t id) {
     }
     if (inputs.point == nullptr) return extended(Vec3f(0.0f));
     return Vec4f(inputs.point->uv.x, inputs.point->uv.y, 0.0f, 1.0f);
-}
-
-Vec3f tangent(const ShadingInputs& inputs) {
-    if (inputs.point == nullptr) return Vec3f(0.0f);
-    Vec3f fallback, other;
-    orthonormal_basis(facing_normal(inputs), fallback, other);
-    return normalized_or(inputs.point->dp_du, fallback);
 }
 
 Vec3f reflection(const ShadingInputs& inputs) {
@@ -151,49 +155,18 @@ float layer_weight(LayerWeightVariant variant, const ShadingInputs& inputs, floa
     return 1.0f - std::pow(facing, b < 0.5f ? 2.0f * b : 0.5f / (1.0f - b));
 }
 
-/// The axes a tangent-space vector stands on, unit, on the side of the winding.
-struct TangentFrame {
-    Vec3f tangent, bitangent, normal;
-};
-
-TangentFrame tangent_frame(const Vec3f& normal, const Vec3f& dp_du, const Vec3f& dp_dv) {
-    Vec3f fallback_t, fallback_b;
-    orthonormal_basis(normal, fallback_t, fallback_b);
-    const Vec3f along = dp_du - normal * normal.dot(dp_du);
-    const Vec3f t = normalized_or(along, fallback_t);
-    Vec3f b = normal.cross(t);
-    if (b.dot(dp_dv) < 0.0f) b = -b;  // mirrored UVs
-    return {t, b, normal};
-}
-
-/// Cycles' order: the second component counts along the normal.
-Vec3f from_tangent_space(const ShadingInputs& inputs, const Vec3f& v) {
-    if (inputs.point == nullptr) return v;
-    const auto in_object = [&](const Vec3f& world) {
-        return inputs.instance == nullptr ? world : Vec3f(inputs.instance->world_to_object.vector(Vec3d(world)));
-    };
-    const TangentFrame frame =
-        tangent_frame(object_normal(inputs), in_object(inputs.point->dp_du), in_object(inputs.point->dp_dv));
-    return frame.tangent * v.x + frame.normal * v.y + frame.bitangent * v.z;
-}
-
-Vec3f normal_map(NormalMapVariant variant, const ShadingInputs& inputs, float strength, const Vec3f& color) {
-    if (inputs.point == nullptr) return facing_normal(inputs);
-    const Vec3f smooth = inputs.point->normal;
-    Vec3f coordinates = color * 2.0f - Vec3f(1.0f);
-    if (variant == NormalMapVariant::TANGENT) {
-        const TangentFrame frame = tangent_frame(smooth, inputs.point->dp_du, inputs.point->dp_dv);
-        coordinates = frame.tangent * coordinates.x + frame.bitangent * coordinates.y + frame.normal * coordinates.z;
-    } else if (variant == NormalMapVariant::OBJECT && inputs.instance != nullptr) {
-        coordinates = Vec3f(inputs.instance->object_to_world.normal(Vec3d(coordinates)));
-    }
-    const Vec3f unit = normalized_or(coordinates, smooth);
-    const Vec3f mapped = smooth + (unit - smooth) * std::max(strength, 0.0f);
-    const Vec3f normal = normalized_or(mapped, smooth);
-    return is_backfacing(inputs) ? -normal : normal;
-}
-
 }  // namespace
+
+Vec4f bump_value(const Operands& operands, bool inverted, const Heights& heights, const ShadingInputs& inputs) {
+    const Vec3f own = facing_normal(inputs);
+    const Vec3f normal = operands.connected(3) ? normalized_or(operands.vector(3), own) : own;
+    if (inputs.point == nullptr) return extended(normal);
+    const float distance = operands.scalar(2) * (inverted ? -1.0f : 1.0f);
+    const Vec3f bent =
+        bump_normal(normal, inputs.differential,
+                    {heights.here * distance, heights.right * distance, heights.above * distance}, operands.scalar(1));
+    return extended(clearing_normal(facing_facet_normal(inputs), inputs.outgoing, bent));
+}
 
 Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints,
                   const ShadingInputs& inputs) {
@@ -211,7 +184,13 @@ Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands
         case Operation::true_normal:
             return extended(facing_facet_normal(inputs));
         case Operation::tangent:
-            return extended(tangent(inputs));
+            return extended(tangent(inputs, ints));
+        case Operation::radial_tangent:
+            return extended(radial_tangent(inputs, ints[0]));
+        case Operation::transform:
+            return extended(transform(static_cast<TransformVariant>(variant), inputs, ints, operands.vector(0)));
+        case Operation::wireframe:
+            return spread(wireframe(inputs, operands.scalar(0), !ints.empty() && ints[0] != 0));
         case Operation::from_tangent_space:
             return extended(from_tangent_space(inputs, operands.vector(0)));
         case Operation::incoming:
@@ -252,8 +231,8 @@ Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands
             return spread(
                 layer_weight(static_cast<LayerWeightVariant>(variant), inputs, operands.scalar(0), normal_operand(1)));
         case Operation::normal_map:
-            return extended(
-                normal_map(static_cast<NormalMapVariant>(variant), inputs, operands.scalar(0), operands.vector(1)));
+            return extended(normal_map(static_cast<NormalMapVariant>(variant), inputs, ints, operands.scalar(0),
+                                       operands.vector(1)));
         default:
             return spread(0.0f);
     }

@@ -1,6 +1,7 @@
 // Operations that read the point, the object, the camera and the path.
 #pragma once
 
+#include "shading/bump.h"
 #include "shading/inputs.h"
 #include "shading/operands.h"
 #include "shading/operation.h"
@@ -19,5 +20,14 @@ bool is_backfacing(const ShadingInputs& inputs);
 /// Value of any operation of the family Input. `variant` and `ints` as the program holds them.
 Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints,
                   const ShadingInputs& inputs);
+
+/// The surface's own normal, facing the viewer, and the position in the object's bounding box; object space.
+Vec3f object_normal(const ShadingInputs& inputs);
+Vec3f generated(const ShadingInputs& inputs);
+/// A named value of the surface, else of the instance; 0 where neither has it.
+Vec4f attribute(const ShadingInputs& inputs, int32_t id);
+
+/// The operation `bump`, from heights at the point and its neighbours.
+Vec4f bump_value(const Operands& operands, bool inverted, const Heights& heights, const ShadingInputs& inputs);
 
 }  // namespace rayleaf

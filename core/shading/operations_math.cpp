@@ -287,4 +287,26 @@ Vec3f mapping_value(MappingVariant variant, const Vec3f& vector, const Vec3f& lo
     return Vec3f(0.0f);
 }
 
+Vec3f rotated(const Vec3f& v, const Vec3f& axis, float angle) {
+    if (angle == 0.0f) return v;
+    const float c = std::cos(angle), s = std::sin(angle);
+    return v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0f - c));
+}
+
+Vec3f vector_rotate_value(VectorRotateVariant variant, const Operands& operands, bool inverted) {
+    const Vec3f vector = operands.vector(0), center = operands.vector(1), from_center = vector - center;
+    if (variant == VectorRotateVariant::EULER_XYZ) {
+        const Rotation rotate(operands.vector(4));
+        return (inverted ? rotate.apply_inverse(from_center) : rotate.apply(from_center)) + center;
+    }
+    Vec3f axis(0.0f);
+    if (variant == VectorRotateVariant::AXIS_ANGLE)
+        axis = normalized_or(operands.vector(2), Vec3f(0.0f));
+    else
+        axis[static_cast<int>(variant) - static_cast<int>(VectorRotateVariant::X_AXIS)] = 1.0f;
+    if (axis == Vec3f(0.0f)) return vector;
+    const float angle = operands.scalar(3);
+    return rotated(from_center, axis, inverted ? -angle : angle) + center;
+}
+
 }  // namespace rayleaf

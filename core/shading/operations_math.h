@@ -15,6 +15,10 @@ float clamp_value(ClampVariant variant, float value, float low, float high);
 /// operands as in operations.def; `clamped` limits the result to the target range (LINEAR and STEPPED; the smooth
 /// variants always stay in it).
 float map_range_value(MapRangeVariant variant, const Operands& operands, bool clamped);
+/// `v` turned about a unit axis, radians.
+Vec3f rotated(const Vec3f& v, const Vec3f& axis, float angle);
+/// Vector Rotate: operands as in operations.def.
+Vec3f vector_rotate_value(VectorRotateVariant variant, const Operands& operands, bool inverted);
 Vec3f mapping_value(MappingVariant variant, const Vec3f& vector, const Vec3f& location, const Vec3f& rotation,
                     const Vec3f& scale);
 

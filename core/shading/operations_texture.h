@@ -22,6 +22,10 @@ struct CoordinateFootprint {
 Vec4f image_value(Operation operation, std::span<const int32_t> ints, const CoordinateFootprint& coordinate,
                   const ShadingInputs& inputs);
 
+/// Blender's box projection: u and v of the side across `axis` (0..2), and in w its share, for a surface with `normal`
+/// in the box's space. `blend` 0..1: how far sides run into each other.
+Vec4f box_projection(const Vec3f& position, const Vec3f& normal, float blend, int axis);
+
 /// Picture coordinates, 0..1, of a direction, as Blender maps them. An equirectangular picture has +x in its middle, +y
 /// a quarter to the left, +z on top; a mirror ball is looked at along +y.
 Vec2f equirectangular(const Vec3f& direction);

@@ -3,6 +3,7 @@
 #include "shading/fresnel.h"
 #include "shading/microfacet_albedo.h"
 #include "shading/operands.h"
+#include "shading/operations_math.h"
 
 namespace rayleaf {
 namespace {
@@ -37,12 +38,6 @@ void add_diffuse(const Parameters& p, const Color& weight, Closures& closures) {
     closures.add(lobe_of(LobeType::Sheen, LobeKind::Diffuse, p, weight * color * p.sheen));
 }
 
-/// `v` turned about unit `axis` by `turns` full turns.
-Vec3f turned(const Vec3f& v, const Vec3f& axis, float turns) {
-    const float angle = turns * 2.0f * kPi, c = std::cos(angle), s = std::sin(angle);
-    return v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0f - c));
-}
-
 /// Index of refraction whose reflectance at normal incidence is 8 % of `specular`.
 float index_of(float specular) {
     constexpr float kMost = 0.99f;  // beyond, the index runs to infinity
@@ -55,7 +50,7 @@ void add_specular(const Parameters& p, const Color& weight, Closures& closures) 
     const float aspect = std::sqrt(1.0f - 0.9f * p.anisotropic), alpha = p.roughness * p.roughness;
     lobe.alpha_x = alpha / aspect;
     lobe.alpha_y = alpha * aspect;
-    lobe.tangent = p.anisotropic_rotation != 0.0f ? turned(p.tangent, p.normal, p.anisotropic_rotation) : p.tangent;
+    lobe.tangent = rotated(p.tangent, p.normal, p.anisotropic_rotation * 2.0f * kPi);
     lobe.fresnel = Lobe::Fresnel::Schlick;
     lobe.ior = index_of(p.specular);
     const Color dielectric =

@@ -45,15 +45,22 @@ IntRange int_range(Operation operation, size_t i) {
             return {0, i == 0 ? 1 : 3};
         case Operation::magic:
             return {0, 10};
+        case Operation::transform:
+        case Operation::radial_tangent:
+        case Operation::box_projection:
+            return {0, 2};
         case Operation::brick:
             return {0, 99};
         case Operation::table:
         case Operation::math:
         case Operation::mix:
         case Operation::map_range:
+        case Operation::vector_rotate:
+        case Operation::wireframe:
+        case Operation::bump:
             return {0, 1};
         case Operation::image:
-            return i == 0 ? IntRange{} : IntRange{0, i == 1 ? 3 : 2};
+            return i == 0 || i > 3 ? IntRange{} : IntRange{0, i == 1 ? 3 : 2};
         case Operation::environment:
             return i == 0 ? IntRange{} : IntRange{0, i == 1 ? 1 : 2};
         default:
@@ -161,6 +168,11 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         textured_ = true;
         if (operands[0] >= 0) differentiate(operands[0]);
     }
+    reads_pixels_ |= instruction.operation == Operation::wireframe;
+    if (instruction.operation == Operation::bump) {
+        textured_ = true;
+        if (operands[0] >= 0) differentiate(operands[0]);
+    }
     if (family == OperationFamily::Input || family == OperationFamily::Texture) constant_ = false;
     reads_inputs_ |= family == OperationFamily::Input || family == OperationFamily::Texture;
     switch (instruction.operation) {
@@ -169,10 +181,17 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
             break;
         case Operation::attribute:
         case Operation::tangent:
+        case Operation::radial_tangent:
+        case Operation::wireframe:
+        case Operation::bump:
         case Operation::from_tangent_space:
         case Operation::parametric:
         case Operation::normal_map:
             reads_element_ = true;
+            break;
+        case Operation::glossy:
+            reads_element_ |=
+                operands.size() > 4 && operands[4] >= 0 && !surely(4, 0.0f) && (operands.size() < 7 || operands[6] < 0);
             break;
         case Operation::principled:
             reads_element_ |= operands[20] < 0 && !surely(6, 0.0f);  // anisotropy along the surface's own u
@@ -250,7 +269,8 @@ void Program::add_to(ContentHasher& hasher) const {
 
 bool Program::reads_camera() const {
     return std::any_of(instructions_.begin(), instructions_.end(), [](const Instruction& instruction) {
-        return instruction.operation == Operation::camera_coordinates || instruction.operation == Operation::window;
+        return instruction.operation == Operation::camera_coordinates || instruction.operation == Operation::window ||
+               instruction.operation == Operation::transform;
     });
 }
 

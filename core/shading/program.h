@@ -69,6 +69,8 @@ class Program {
     bool reads_uv() const { return reads_uv_; }
     /// True if it reads where the camera is.
     bool reads_camera() const;
+    /// True if it looks up images, bends normals by heights, or reads the width of pixels.
+    bool reads_footprint() const { return textured_ || reads_pixels_; }
     /// True if it reads what only an element of the shape knows, or its direction of u: attributes, named texture
     /// coordinates, tangents.
     bool reads_element() const { return reads_element_; }
@@ -99,6 +101,7 @@ class Program {
 
     Operands operands_of(const Instruction& instruction, const RegisterBank& registers, uint32_t point) const;
     std::span<const int32_t> ints_of(const Instruction& instruction) const;
+    bool flag_of(const Instruction& instruction) const;  ///< its first integer
     Vec4f arithmetic(const Instruction& instruction, const Operands& operands) const;
     Vec4f value_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const;
     RegisterBank bank(float* numbers, size_t points) const;
@@ -107,6 +110,7 @@ class Program {
     void add_closures(const Instruction& instruction, const RegisterBank& registers, Inputs inputs,
                       Results results) const;
     void look_up(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const;
+    void bend(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const;
     void run(Inputs inputs, const RegisterBank& registers, Results results) const;
     void run_textured(Inputs inputs, std::span<const RegisterBank> places, Results results) const;
     template <typename Function>
@@ -122,6 +126,7 @@ class Program {
     std::vector<int32_t> origins_;  ///< per register: the instruction that writes it, or kConstant
     bool emits_ = false, transparent_ = false, constant_ = true;
     bool reads_inputs_ = false, reads_uv_ = false, reads_element_ = false;
+    bool reads_pixels_ = false;               ///< wireframe in pixels
     bool textured_ = false;                   ///< some instruction is differentiated, or reads an image
     bool differentiates_attributes_ = false;  ///< and reads a named attribute
 };

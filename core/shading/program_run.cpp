@@ -10,6 +10,7 @@
 #include "shading/operations_pattern.h"
 #include "shading/operations_texture.h"
 #include "shading/program.h"
+#include "shading/spectrum.h"
 
 #include <array>
 #include <cstddef>
@@ -74,6 +75,10 @@ std::span<const int32_t> Program::ints_of(const Instruction& instruction) const 
     return {ints_.data() + instruction.first_int, instruction.int_count};
 }
 
+bool Program::flag_of(const Instruction& instruction) const {
+    return instruction.int_count > 0 && ints_[instruction.first_int] != 0;
+}
+
 Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operands) const {
     const std::span<const int32_t> ints = ints_of(instruction);
     const auto flag = [&](size_t i) { return i < ints.size() && ints[i] != 0; };
@@ -94,6 +99,14 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
         case Operation::mapping:
             return extended(mapping_value(static_cast<MappingVariant>(variant), operands.vector(0), operands.vector(1),
                                           operands.vector(2), operands.vector(3, Vec3f(1.0f))));
+        case Operation::vector_rotate:
+            return extended(vector_rotate_value(static_cast<VectorRotateVariant>(variant), operands, flag(0)));
+        case Operation::wavelength:
+            return extended(wavelength_color(operands.scalar(0)));
+        case Operation::blackbody:
+            return extended(blackbody_color(operands.scalar(0)));
+        case Operation::box_projection:
+            return box_projection(operands.vector(0), operands.vector(1), operands.scalar(2), ints[0]);
         case Operation::component:
             return spread(operands.connected(0) ? component(operands.value(0), ints[0]) : 0.0f);
         case Operation::combine:
@@ -228,6 +241,19 @@ class Program::Beside {
     alignas(Neighbours) std::byte room_[kMostPoints * sizeof(Neighbours)];
 };
 
+/// A bumped normal, by heights at the neighbours. Where it is differentiated itself, it is the same there.
+void Program::bend(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const {
+    for (uint32_t point = 0; point < inputs.size(); ++point) {
+        const auto height = [&](size_t place) {
+            return operands_of(instruction, places[std::min(place, places.size() - 1)], point).scalar(0);
+        };
+        const Vec4f normal = bump_value(operands_of(instruction, places[0], point), flag_of(instruction),
+                                        {height(0), height(1), height(2)}, *inputs[point]);
+        for (size_t place = 0; place < (instruction.differentiated ? places.size() : 1); ++place)
+            places[place].set(instruction.result, point, normal);
+    }
+}
+
 void Program::run_textured(Inputs inputs, std::span<const RegisterBank> places, Results results) const {
     const NeighbourAttributes attributes =
         differentiates_attributes_ ? NeighbourAttributes::Exact : NeighbourAttributes::None;
@@ -238,6 +264,8 @@ void Program::run_textured(Inputs inputs, std::span<const RegisterBank> places, 
             add_closures(instruction, places[0], inputs, results);
         } else if (operation_info(instruction.operation).family == OperationFamily::Texture) {
             look_up(instruction, places, inputs);
+        } else if (instruction.operation == Operation::bump) {
+            bend(instruction, places, inputs);
         } else {
             const size_t runs = instruction.differentiated ? places.size() : 1;
             for (size_t place = 0; place < runs; ++place) compute(instruction, places[place], inputs_of[place]);

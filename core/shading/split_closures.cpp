@@ -18,6 +18,7 @@ bool is_hemispherical(const Lobe& lobe) {
         case LobeType::Refraction:
         case LobeType::Glass:
         case LobeType::Clearcoat:
+        case LobeType::ToonGlossy:
             return false;
         default:
             return true;
@@ -35,8 +36,7 @@ Color hemispherical_albedo(const Lobe& lobe, const Vec3f& outgoing) {
         for (int sector = 0; sector < kSectors; ++sector) {
             const Vec3f local = cosine_hemisphere((static_cast<float>(ring) + 0.5f) / kRings,
                                                   (static_cast<float>(sector) + 0.5f) / kSectors);
-            const LobeValue value = evaluate_lobe(lobe, outgoing, frame.to_world(local), Side::Reflected);
-            if (value.density > 0.0f) sum += value.value / value.density;
+            sum += evaluate_lobe(lobe, outgoing, frame.to_world(local), Side::Reflected).value * (kPi / local.z);
         }
     return sum / static_cast<float>(kRings * kSectors);
 }

@@ -40,6 +40,9 @@ namespace rayleaf {
 #define RAYLEAF_GRADIENT_VARIANTS(X) \
     X(LINEAR) X(QUADRATIC) X(EASING) X(DIAGONAL) X(SPHERICAL) X(QUADRATIC_SPHERE) X(RADIAL)
 #define RAYLEAF_WAVE_VARIANTS(X) X(SIN) X(SAW) X(TRI)
+#define RAYLEAF_VECTOR_ROTATE_VARIANTS(X) X(AXIS_ANGLE) X(X_AXIS) X(Y_AXIS) X(Z_AXIS) X(EULER_XYZ)
+#define RAYLEAF_TRANSFORM_VARIANTS(X) X(POINT) X(VECTOR) X(NORMAL)
+#define RAYLEAF_TOON_VARIANTS(X) X(DIFFUSE) X(GLOSSY)
 // clang-format on
 
 #define RAYLEAF_ENUMERATOR(name) name,
@@ -58,6 +61,9 @@ enum class FractalType : uint8_t { RAYLEAF_FRACTAL_VARIANTS(RAYLEAF_ENUMERATOR) 
 enum class VoronoiFeature : uint8_t { RAYLEAF_VORONOI_VARIANTS(RAYLEAF_ENUMERATOR) };
 enum class GradientVariant : uint8_t { RAYLEAF_GRADIENT_VARIANTS(RAYLEAF_ENUMERATOR) };
 enum class WaveProfile : uint8_t { RAYLEAF_WAVE_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class VectorRotateVariant : uint8_t { RAYLEAF_VECTOR_ROTATE_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class TransformVariant : uint8_t { RAYLEAF_TRANSFORM_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class ToonVariant : uint8_t { RAYLEAF_TOON_VARIANTS(RAYLEAF_ENUMERATOR) };
 #undef RAYLEAF_ENUMERATOR
 
 /// The variant of `noise`, which no text names: what the operations after it read. Unread counts as all.

@@ -5,7 +5,7 @@ names the argument. Matrices are 4x4, float64, Blender's convention (columns are
 world or object units, angles in radians, colours linear Rec. 709.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -443,8 +443,10 @@ class SceneDescription:
         randoms: Floats,
         visibilities: Ints,
         ray_interpolations: Ints | None = None,
+        attributes: Mapping[int, Floats] | None = None,
     ) -> list[str]:
-        """Many at once; matrices (n, 4, 4). Instances that cannot be rendered are left out, one message for each."""
+        """Many at once; matrices (n, 4, 4), attributes of whole instances by id (n, 4). Instances that cannot be rendered
+        are left out, one message for each."""
     def add_lamp(
         self,
         name: str,

@@ -27,7 +27,8 @@ OFFSET = 4.0  # added to results, for the picture to hold negative ones
 class Case:
     """A node, its settings, what is linked or written to its inputs, and the output that shines.
 
-    An input named "x", "y", "z" or "p" is linked to the square's coordinate: x, y in [-2, 2], z a constant.
+    An input named "x", "y", "z" or "p" is linked to the square's coordinate: x, y in [-2, 2], z a constant; "kelvins" and
+    "nanometres" to temperatures and wavelengths beyond both ends of what is defined.
     """
 
     node: str
@@ -60,7 +61,14 @@ def build_material(case: Case, center: tuple[float, float]) -> Any:
     local.inputs[2].default_value = (-4.0 * center[0], -4.0 * center[1], 0.37)
     separate = tree.nodes.new("ShaderNodeSeparateXYZ")
     tree.links.new(local.outputs[0], separate.inputs[0])
-    sources = {"p": local.outputs[0], **{name: separate.outputs[i] for i, name in enumerate("xyz")}}
+    scaled = {}
+    for name, factor, middle in (("kelvins", 3300.0, 6500.0), ("nanometres", 110.0, 580.0)):
+        scaled[name] = tree.nodes.new("ShaderNodeMath")
+        scaled[name].operation = "MULTIPLY_ADD"
+        tree.links.new(separate.outputs[0], scaled[name].inputs[0])
+        scaled[name].inputs[1].default_value, scaled[name].inputs[2].default_value = factor, middle
+    sources = {name: node.outputs[0] for name, node in scaled.items()}
+    sources |= {"p": local.outputs[0], **{name: separate.outputs[i] for i, name in enumerate("xyz")}}
 
     node = tree.nodes.new(case.node)
     for name, value in case.settings.items():

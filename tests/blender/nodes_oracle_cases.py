@@ -33,6 +33,12 @@ def _arithmetic(case: Callable[..., Any]) -> list[Any]:
     for name in ("DOT_PRODUCT", "DISTANCE", "LENGTH"):
         inputs = {"Vector": "p", "Vector_001": (0.6, -0.7, 0.9)}
         found.append(case("ShaderNodeVectorMath", {"operation": name}, inputs, "Value"))
+    for name in ("AXIS_ANGLE", "X_AXIS", "Y_AXIS", "Z_AXIS", "EULER_XYZ"):
+        for invert in (False, True):
+            inputs = {"Vector": "p", "Center": (0.3, -0.2, 0.5)}
+            inputs |= {"Rotation": (0.3, -0.8, 1.9)} if name == "EULER_XYZ" else {"Angle": 0.7}
+            inputs |= {"Axis": (0.3, 0.9, -0.4)} if name == "AXIS_ANGLE" else {}
+            found.append(case("ShaderNodeVectorRotate", {"rotation_type": name, "invert": invert}, inputs))
     for name in ("MINMAX", "RANGE"):
         found.append(case("ShaderNodeClamp", {"clamp_type": name}, {"Value": "x", "Min": 0.5, "Max": -0.5}))
     for name in ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP"):
@@ -58,6 +64,8 @@ def _colors(case: Callable[..., Any]) -> list[Any]:
         found += [case("ShaderNodeSeparateColor", {"mode": mode}, {"Color": "p"}, o) for o in ("Red", "Green", "Blue")]
         inputs = {"Red": "x", "Green": "y", "Blue": 0.6}
         found.append(case("ShaderNodeCombineColor", {"mode": mode}, inputs))
+    found.append(case("ShaderNodeBlackbody", {}, {"Temperature": "kelvins"}))
+    found.append(case("ShaderNodeWavelength", {}, {"Wavelength": "nanometres"}))
     found.append(case("ShaderNodeGamma", {}, {"Color": "p", "Gamma": 1.7}))
     found.append(case("ShaderNodeInvert", {}, {"Color": "p", "Fac": 0.8}))
     found.append(case("ShaderNodeBrightContrast", {}, {"Color": "p", "Bright": 0.3, "Contrast": 0.4}))

@@ -11,7 +11,7 @@ import types
 import numpy as np
 
 CLOSURES = {
-    *("diffuse", "translucent", "glossy", "refraction", "glass", "transparent"),
+    *("diffuse", "translucent", "velvet", "toon", "glossy", "refraction", "glass", "transparent"),
     *("emission", "background", "holdout", "principled"),
 }
 
@@ -154,7 +154,16 @@ class SceneDescription:
         return len(self.ray_interpolations) - 1
 
     def add_instances(
-        self, names, shapes, matrices, material_lists, object_indices, randoms, visibilities, ray_interpolations
+        self,
+        names,
+        shapes,
+        matrices,
+        material_lists,
+        object_indices,
+        randoms,
+        visibilities,
+        ray_interpolations,
+        attributes,
     ):
         part = dict(
             names=list(names),
@@ -165,6 +174,7 @@ class SceneDescription:
             randoms=randoms.tolist(),
             visibilities=visibilities.tolist(),
             ray_interpolations=ray_interpolations.tolist(),
+            attributes=[{key: rows[i].tolist() for key, rows in attributes.items()} for i in range(len(names))],
         )
         self.instances = {key: self.instances[key] + part[key] for key in part} if self.instances else part
         return []

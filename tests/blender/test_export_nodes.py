@@ -220,7 +220,8 @@ operands = program.operands(program.line("principled"))
 compared = [(value, socket) for name, value in zip(names, operands)
             for socket in numbers if socket.name in (name, newest.get(name))]
 wrong = [socket.name for value, socket in compared if abs(value[0] - socket.default_value) > 1e-6]
-report(count=len(operands), compared=len(compared), wrong=wrong, unlinked=operands[18:], texts=texts)
+report(count=len(operands), compared=len(compared), wrong=wrong, unlinked=operands[18:20], texts=texts,
+       tangent=told(operands[20]))
 node.inputs[scenes.SUBSURFACE].default_value = 0.5
 program, texts = compiled()
 report(base=told(program.operands(program.line("principled"))[1])[:3], subsurface=texts, version=bpy.app.version[0])
@@ -229,7 +230,8 @@ report(base=told(program.operands(program.line("principled"))[1])[:3], subsurfac
     assert run["count"] == 21
     assert run["compared"] == (15 if run["version"] < 4 else 10)
     assert run["wrong"] == []
-    assert run["unlinked"] == [None, None, None]
+    assert run["unlinked"] == [None, None]
+    assert run["tangent"] == ["radial_tangent", "", [2]]  # Blender's own, around the object
     assert run["texts"] == []
     assert run["base"] == (["mix", "MIX", [1, 0]] if run["version"] < 4 else pytest.approx([0.8] * 3))
     assert len(run["subsurface"]) == 1

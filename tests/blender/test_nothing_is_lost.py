@@ -77,10 +77,13 @@ kinds = sorted(set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | mixing 
 
 # What counts only together with something that is named when it is set.
 WITH_NAMED = {
-    ("ShaderNodeTexImage", "projection_blend"): ("projection", "BOX"),
-    ("ShaderNodeTangent", "axis"): ("", ""),  # named as it is
-    ("ShaderNodeBsdfAnisotropic", "input Rotation"): ("input Anisotropy", "other"),
-    ("ShaderNodeBsdfAnisotropic", "input Tangent"): ("input Anisotropy", "other"),
+    # Named as they are:
+    **{
+        ("ShaderNodeAmbientOcclusion", name): ("", "") for name in ("samples", "inside", "only_local", "input Distance")
+    },
+    ("ShaderNodeAmbientOcclusion", "input Normal"): ("", ""),
+    ("ShaderNodeBevel", "samples"): ("", ""),
+    ("ShaderNodeBevel", "input Radius"): ("", ""),
     **{
         ("ShaderNodeBsdfPrincipled", name): ("input Subsurface", "other")
         for name in (
@@ -128,7 +131,7 @@ for kind, name, value in {sorted({(kind, *named) for (kind, _), named in WITH_NA
 report(named=named)
 """
     ).report
-    assert len(run["named"]) == 4
+    assert len(run["named"]) == 3
     assert all(count > 0 for _, count in run["named"]), run["named"]
 
 

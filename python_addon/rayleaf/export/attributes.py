@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from .. import versions
 from ..names import find
+from . import mesh_derived
 
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
@@ -76,11 +77,24 @@ def _generic(attribute: Any, corners: Corners) -> Floats | None:
     return None if where is None or values is None else np.ascontiguousarray(values[where])
 
 
+def _derived(mesh: Any, name: str, corners: Corners) -> Floats | None:
+    if name == mesh_derived.POINTINESS:
+        return np.ascontiguousarray(mesh_derived.pointiness(mesh)[corners.vertices][..., None])
+    if name == mesh_derived.ISLAND_RANDOM:
+        return np.ascontiguousarray(mesh_derived.island_random(mesh)[corners.vertices][..., None])
+    if name.startswith(mesh_derived.TANGENT_OF):
+        values = mesh_derived.tangents(mesh, name.removeprefix(mesh_derived.TANGENT_OF))
+        return None if values is None else np.ascontiguousarray(values[corners.loops])
+    return None
+
+
 def attribute_values(mesh: Any, name: str, corners: Corners) -> Floats | None:
     """(m, k, channels): an attribute at corners, linear colours; None if the mesh has none of that name."""
     if name == ACTIVE_COLOR:
         color = active_color(mesh)
         return None if color is None else _generic(color, corners)
+    if name.startswith("\n") and name != ACTIVE_UV:
+        return _derived(mesh, name, corners)
     layer = active_uv(mesh) if name == ACTIVE_UV else find(mesh.uv_layers, name)
     if layer is not None:
         return np.ascontiguousarray(versions.uv_map(layer, len(mesh.loops))[corners.loops])

@@ -22,6 +22,9 @@ _COLOR_SPACES = {
     "Raw": "NON_COLOR",
 }
 
+# As many tiles as the core takes of one image.
+_MOST_TILES = 1000
+
 
 class ImageLibrary:
     """Each image once; what is missing is named once."""
@@ -35,7 +38,9 @@ class ImageLibrary:
 
     def texture(self, image: Any, user: Any, frame: int) -> int | None:
         """The texture id of an image as a node uses it, or None if it cannot be read."""
-        path = self._path(image, user, frame)
+        return self._texture_at(image, self._path(image, user, frame))
+
+    def _texture_at(self, image: Any, path: str) -> int | None:
         key = (image.original.as_pointer(), path)
         if key not in self._known:
             self._check_cancel()
@@ -45,6 +50,16 @@ class ImageLibrary:
                 self._messages.warn(f"{error}; rendered pink", Subject("Image", name_of(image)))
                 self._known[key] = None
         return self._known[key]
+
+    def tiles(self, image: Any) -> list[int]:
+        """The UDIM tiles of an image: number and texture id of each in turn."""
+        found = []
+        for tile in list(image.tiles)[:_MOST_TILES]:
+            path = str(bpy.path.abspath(image.filepath, library=image.library)).replace("<UDIM>", str(tile.number))
+            texture = self._texture_at(image, path)
+            if texture is not None:
+                found += [tile.number, texture]
+        return found
 
     def _warn(self, image: Any, text: str) -> None:
         subject = Subject("Image", name_of(image))
@@ -63,8 +78,6 @@ class ImageLibrary:
         if image.source in ("MOVIE", "VIEWER"):
             self._warn(image, f"{image.source.lower()} images are not supported; rendered pink")
             return None
-        if image.source == "TILED":
-            self._warn(image, "of the UDIM tiles only the first is rendered")
         space = self._color_space(image)
         if image.packed_file is not None or image.source == "GENERATED" or image.is_dirty:
             return self._add_pixels(image, path, space)

@@ -68,6 +68,7 @@ class Instances:
     skipped: dict[str, str] = field(default_factory=dict)  # object name -> why it is not rendered
     without_faces: list[Any] = field(default_factory=list)  # curves, texts and the like of which Blender makes no mesh
     reasons: dict[str, str] = field(default_factory=dict)  # object name -> why not from control points
+    particles: dict[int, tuple[Any, int]] = field(default_factory=dict)  # place -> its particle system, and the number
     judged: dict[Any, curves.Judged] = field(default_factory=dict)  # what is known of a CURVE or FONT, by shape key
 
 
@@ -141,6 +142,9 @@ class _Collector:
             group = self._known[key] = self._new_group(item, owner, data)
         if group is not None:
             group.members.append(place)
+            system = None if owner is None else instance.particle_system
+            if system is not None:
+                self._result.particles[place] = (system, instance.persistent_id[0])
             if owner is None:
                 self._randoms[place] = random_of_name(bytes_of_name(item))
         elif item.type == "LIGHT":

@@ -15,6 +15,7 @@ from . import (
     ExportError,
     camera,
     curves,
+    instance_values,
     instances,
     lights,
     meshes,
@@ -327,17 +328,40 @@ class SceneExporter:
             spread([instances.visibility(group.owner, self._view_layer) for group, _, _ in chosen]),
             spread([self._ray_interpolation(group.owner) for group, _, _ in chosen]),
         )
+        values = self._instance_values(listed, [(group.owner, group.members) for group, _, _ in chosen])
         for first in range(0, len(places), _INSTANCE_CHUNK):
             self._check_cancel()
             part = slice(first, first + _INSTANCE_CHUNK)
             shape, materials, index, visibility, interpolation = (column[part] for column in columns)
             matrices, randoms = listed.matrices[places[part]], listed.randoms[places[part]]
             problems = self.scene.add_instances(
-                names[part], shape, matrices, materials, index, randoms, visibility, interpolation
+                names[part],
+                shape,
+                matrices,
+                materials,
+                index,
+                randoms,
+                visibility,
+                interpolation,
+                {identifier: rows[part] for identifier, rows in values.items()},
             )
             self.report.instances += len(shape) - len(problems)
             for problem in problems:
                 self._messages.warn(f"{problem}; left out", _subject_of(problem))
+
+    def _instance_values(self, listed: Instances, owned: list[tuple[Any, list[int]]]) -> dict[int, Any]:
+        """What materials ask for of whole instances: (instances, 4) by attribute."""
+        values = {}
+        for name in filter(instance_values.is_instance_value, self._resources.wanted_attributes):
+            rows: list[Any] = []
+            for owner, members in owned:
+                if name.startswith(instance_values.PARTICLE):
+                    frame, particles = self._resources.frame, listed.particles
+                    rows += [instance_values.of_particle(particles.get(place), name, frame) for place in members]
+                else:
+                    rows += [instance_values.of_object(owner, name)] * len(members)
+            values[self._resources.attribute_id(name)] = np.array(rows, np.float32)
+        return values
 
     def _ray_interpolation(self, owner: Any) -> int:
         """The index of an object's own settings for ray interpolation, -1 for the scene's."""

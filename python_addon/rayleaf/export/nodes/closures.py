@@ -35,13 +35,37 @@ def translucent(view: NodeView, weight: Register) -> None:
 @closure_node("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic")
 def glossy(view: NodeView, weight: Register) -> None:
     """Glossy BSDF; in Blender 4 it is the anisotropic node."""
-    anisotropy = view.socket("Anisotropy")
-    if anisotropy is not None:
-        known = view.emitter.value_of(view.input("Anisotropy"))
-        if known is None or known[0] != 0.0:
-            view.warn("anisotropy is not supported; rendered without")
     operands = [weight, view.input("Color"), view.input("Roughness"), view.linked("Normal")]
+    if view.socket("Anisotropy") is not None:
+        anisotropy = view.input("Anisotropy")
+        if _may_be_other_than(view, anisotropy, 0.0):
+            operands += [anisotropy, view.input("Rotation"), _tangent(view)]
     view.emitter.operation("glossy", operands, text=view.node.distribution)
+
+
+def _may_be_other_than(view: NodeView, register: Register, value: float) -> bool:
+    known = view.emitter.value_of(register)
+    return known is None or known[0] != value
+
+
+def _tangent(view: NodeView) -> Register:
+    """What is linked, else Blender's own: around the object's z axis."""
+    tangent = view.linked("Tangent")
+    return view.emitter.operation("radial_tangent", ints=[2]) if tangent == UNCONNECTED else tangent
+
+
+@closure_node("ShaderNodeBsdfVelvet")
+def velvet(view: NodeView, weight: Register) -> None:
+    """Velvet BSDF."""
+    operands = [weight, view.input("Color"), view.input("Sigma"), view.linked("Normal")]
+    view.emitter.operation("velvet", operands)
+
+
+@closure_node("ShaderNodeBsdfToon")
+def toon(view: NodeView, weight: Register) -> None:
+    """Toon BSDF."""
+    operands = [weight, view.input("Color"), view.input("Size"), view.input("Smooth"), view.linked("Normal")]
+    view.emitter.operation("toon", operands, text=view.node.component)
 
 
 @closure_node("ShaderNodeBsdfGlass")
@@ -146,11 +170,8 @@ def _base_color(view: NodeView) -> Register:
 def principled(view: NodeView, weight: Register) -> None:
     """Principled BSDF, with the sockets of 3.4 and of 4.x."""
     _warn_of_unsupported(view)
-    tangent = view.linked("Tangent")
     anisotropic = view.input("Anisotropic")
-    known = view.emitter.value_of(anisotropic)
-    if tangent == UNCONNECTED and (known is None or known[0] != 0.0):
-        view.resources.active_uv()
+    tangent = _tangent(view) if _may_be_other_than(view, anisotropic, 0.0) else UNCONNECTED
     view.emitter.operation(
         "principled",
         [

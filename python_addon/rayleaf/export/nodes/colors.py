@@ -105,6 +105,18 @@ def rgb_to_bw(view: NodeView, output: str) -> Register:
     return view.emitter.operation("luminance", [view.input("Color")])
 
 
+@value_node("ShaderNodeBlackbody")
+def blackbody(view: NodeView, output: str) -> Register:
+    """Blackbody."""
+    return view.emitter.operation("blackbody", [view.input("Temperature")])
+
+
+@value_node("ShaderNodeWavelength")
+def wavelength(view: NodeView, output: str) -> Register:
+    """Wavelength."""
+    return view.emitter.operation("wavelength", [view.input("Wavelength")])
+
+
 @value_node("ShaderNodeRGBCurve")
 def rgb_curves(view: NodeView, output: str) -> Register:
     """RGB Curves."""

@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 from ...names import text_of
 from ...versions import reads_geometry
 from ..attributes import STRAND_INFO, STRAND_RANDOM
+from ..instance_values import OBJECT_COLOR, PARTICLE, PROPERTY_OF
+from ..mesh_derived import ISLAND_RANDOM, POINTINESS, TANGENT_OF
 from .compiler import NodeView, value_node
 from .emitter import Register
 
@@ -66,12 +68,15 @@ def uv_map(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeNewGeometry")
 def geometry(view: NodeView, output: str) -> Register:
     """Geometry."""
-    if output == "Tangent":
-        view.resources.active_uv()
+    if output == "Tangent":  # whatever the UV maps are
+        return view.emitter.operation("radial_tangent", ints=[2])
+    derived = {"Pointiness": POINTINESS, "Random Per Island": ISLAND_RANDOM}
+    if output in derived:
+        value = view.emitter.operation("attribute", ints=[view.resources.attribute(derived[output])])
+        return view.emitter.component(value, 0)
     operations = {
         "Position": "position",
         "Normal": "normal",
-        "Tangent": "tangent",
         "True Normal": "true_normal",
         "Incoming": "incoming",
         "Parametric": "parametric",
@@ -83,6 +88,9 @@ def geometry(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeObjectInfo")
 def object_info(view: NodeView, output: str) -> Register:
     """Object Info."""
+    if output in ("Color", "Alpha"):
+        color = view.emitter.operation("attribute", ints=[view.resources.attribute(OBJECT_COLOR)])
+        return view.emitter.component(color, 3) if output == "Alpha" else color
     operations = {
         "Location": "object_location",
         "Object Index": "object_index",
@@ -95,6 +103,9 @@ def object_info(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeAttribute")
 def attribute(view: NodeView, output: str) -> Register:
     """Attribute."""
+    if not reads_geometry(view.node) and view.node.attribute_type == "OBJECT":
+        name = PROPERTY_OF + text_of(view.node, "attribute_name")
+        return _attribute_output(view, output, view.resources.attribute(name))
     if not reads_geometry(view.node):
         view.warn(f"attributes of type {view.node.attribute_type.lower()} are not supported; zero is used")
         return view.emitter.scalar(0.0)
@@ -150,6 +161,45 @@ def camera_data(view: NodeView, output: str) -> Register:
     return emitter.operation("vector_math", [point], text="NORMALIZE" if output == "View Vector" else "LENGTH")
 
 
+@value_node("ShaderNodeWireframe")
+def wireframe(view: NodeView, output: str) -> Register:
+    """Wireframe, of meshes: the edges of the triangles that they are rendered as."""
+    return view.emitter.operation("wireframe", [view.input("Size")], [int(view.node.use_pixel_size)])
+
+
+@value_node("ShaderNodeAmbientOcclusion")
+def ambient_occlusion(view: NodeView, output: str) -> Register:
+    """Ambient Occlusion: nothing hides anything."""
+    view.warn("ambient occlusion in shaders is not supported; taken as if nothing were near")
+    return view.emitter.scalar(1.0) if output == "AO" else view.input("Color")
+
+
+@value_node("ShaderNodeLightFalloff")
+def light_falloff(view: NodeView, output: str) -> Register:
+    """Light Falloff, by the length of the ray; smoothed where it is short."""
+    emitter = view.emitter
+    length = emitter.operation("light_path", text="ray_length")
+    strength, smooth = view.input("Strength"), view.input("Smooth")
+    for _ in range(("Quadratic", "Linear", "Constant").index(output)):
+        strength = emitter.math("MULTIPLY", strength, length)
+    squared = emitter.math("MULTIPLY", length, length)
+    limited = emitter.math("MAXIMUM", smooth, emitter.scalar(0.0))
+    share = emitter.math("DIVIDE", squared, emitter.math("ADD", squared, limited))
+    return emitter.math("MULTIPLY", strength, share)
+
+
+@value_node("ShaderNodeParticleInfo")
+def particle_info(view: NodeView, output: str) -> Register:
+    """Particle Info, of instances that stand for particles."""
+    return view.emitter.operation("attribute", ints=[view.resources.attribute(PARTICLE + output)])
+
+
+@value_node("ShaderNodePointInfo")
+def point_info(view: NodeView, output: str) -> Register:
+    """Point Info: zero on what is no point cloud, and nothing else is rendered."""
+    return view.emitter.scalar(0.0)
+
+
 @value_node("ShaderNodeFresnel")
 def fresnel(view: NodeView, output: str) -> Register:
     """Fresnel."""
@@ -164,11 +214,17 @@ def layer_weight(view: NodeView, output: str) -> Register:
 
 @value_node("ShaderNodeTangent")
 def tangent(view: NodeView, output: str) -> Register:
-    """Tangent, along the active UV map."""
-    if view.node.direction_type != "UV_MAP" or text_of(view.node, "uv_map"):
-        view.warn("only the tangent of the active UV map is supported; it is used")
-    view.resources.active_uv()
-    return view.emitter.operation("tangent")
+    """Tangent: around an axis of the object, or along a UV map, on the surface."""
+    node, emitter = view.node, view.emitter
+    if node.direction_type == "RADIAL":
+        return emitter.operation("radial_tangent", ints=["XYZ".index(node.axis)])
+    name = text_of(node, "uv_map")
+    identifier = view.resources.attribute(name) if name else view.resources.active_uv()
+    known = view.resources.attribute(TANGENT_OF + name)
+    along, normal = emitter.operation("tangent", ints=[identifier, known]), emitter.operation("normal")
+    above = emitter.operation("vector_math", [along, normal], text="PROJECT")
+    flat = emitter.operation("vector_math", [along, above], text="SUBTRACT")
+    return emitter.operation("vector_math", [flat], text="NORMALIZE")
 
 
 @value_node("ShaderNodeRGB")

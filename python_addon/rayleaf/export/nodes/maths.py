@@ -1,6 +1,7 @@
 """Nodes that calculate: Math, Vector Math, Map Range, Clamp, Mapping, and the vector nodes."""
 
 from ...names import text_of
+from ..mesh_derived import TANGENT_OF
 from .compiler import NodeView, value_node
 from .curves import curve_table
 from .emitter import UNCONNECTED, Register
@@ -65,6 +66,48 @@ def mapping(view: NodeView, output: str) -> Register:
     return view.emitter.operation("mapping", operands, text=view.node.vector_type)
 
 
+@value_node("ShaderNodeVectorRotate")
+def vector_rotate(view: NodeView, output: str) -> Register:
+    """Vector Rotate; the inputs that its type hides are left out."""
+    kind, zero = view.node.rotation_type, view.emitter.scalar(0.0)
+    euler = kind == "EULER_XYZ"
+    operands = [
+        view.input("Vector"),
+        view.input("Center"),
+        view.input("Axis") if kind == "AXIS_ANGLE" else zero,
+        zero if euler else view.input("Angle"),
+        view.input("Rotation") if euler else zero,
+    ]
+    return view.emitter.operation("vector_rotate", operands, [int(view.node.invert)], text=kind)
+
+
+@value_node("ShaderNodeVectorTransform")
+def vector_transform(view: NodeView, output: str) -> Register:
+    """Vector Transform."""
+    node, spaces = view.node, ("WORLD", "OBJECT", "CAMERA")
+    ints = [spaces.index(node.convert_from), spaces.index(node.convert_to)]
+    return view.emitter.operation("transform", [view.input("Vector")], ints, text=node.vector_type)
+
+
+@value_node("ShaderNodeBump")
+def bump(view: NodeView, output: str) -> Register:
+    """Bump."""
+    height = view.linked("Height")
+    if height == UNCONNECTED:  # as high everywhere
+        normal = view.linked("Normal")
+        return view.emitter.operation("normal") if normal == UNCONNECTED else normal
+    operands = [height, view.input("Strength"), view.input("Distance"), view.linked("Normal")]
+    return view.emitter.operation("bump", operands, [int(view.node.invert)])
+
+
+@value_node("ShaderNodeBevel")
+def bevel(view: NodeView, output: str) -> Register:
+    """Bevel: its edges stay sharp."""
+    view.warn("rounded edges are not supported; edges stay sharp")
+    normal = view.linked("Normal")
+    return view.emitter.operation("normal") if normal == UNCONNECTED else normal
+
+
 @value_node("ShaderNodeNormalMap")
 def normal_map(view: NodeView, output: str) -> Register:
     """Normal Map. In Blender's own spaces, those of its former renderer's baked maps, Y and Z point the other way."""
@@ -73,11 +116,12 @@ def normal_map(view: NodeView, output: str) -> Register:
     if space != view.node.space:
         red, green, blue = (emitter.component(color, index) for index in range(3))
         color = emitter.operation("combine", [red, emitter.complement(green), emitter.complement(blue)])
-    identifier = -1
+    ints = [-1]
     if space == "TANGENT":
         name = text_of(view.node, "uv_map")
         identifier = view.resources.attribute(name) if name else view.resources.active_uv()
-    return emitter.operation("normal_map", [view.input("Strength"), color], [identifier], text=space)
+        ints = [identifier, view.resources.attribute(TANGENT_OF + name)]
+    return emitter.operation("normal_map", [view.input("Strength"), color], ints, text=space)
 
 
 @value_node("ShaderNodeNormal")

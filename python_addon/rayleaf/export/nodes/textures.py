@@ -5,6 +5,7 @@ from .emitter import UNCONNECTED, Register
 
 _EXTENSIONS = {"REPEAT": 0, "EXTEND": 1, "CLIP": 2, "MIRROR": 3}
 _INTERPOLATIONS = {"Linear": 0, "Closest": 1, "Cubic": 2, "Smart": 2}
+_PLANES = {"FLAT": 0, "SPHERE": 1, "TUBE": 2}
 _PROJECTIONS = {"EQUIRECTANGULAR": 0, "MIRROR_BALL": 1}
 # What stands for an image that cannot be read.
 _PINK = (1.0, 0.0, 1.0, 1.0)
@@ -25,6 +26,9 @@ def _texture(view: NodeView) -> int | None:
     node = view.node
     if node.image is None:
         return None
+    if node.image.source == "TILED":
+        tiles = view.resources.images.tiles(node.image)
+        return tiles[1] if tiles else None
     return view.resources.images.texture(node.image, node.image_user, view.resources.frame)
 
 
@@ -38,16 +42,37 @@ def image(view: NodeView, output: str) -> Register:
     texture = _texture(view)
     if texture is None:
         return emitter.scalar(1.0) if output == "Alpha" else emitter.constant(*_PINK)
-    if node.projection != "FLAT":
-        view.warn(f"{node.projection.title()} projection is not supported; taken as flat")
     vector = view.linked("Vector")
     if vector == UNCONNECTED:
         vector = emitter.operation("uv", ints=[view.resources.active_uv()])
     ints = [texture, _EXTENSIONS[node.extension], _INTERPOLATIONS.get(node.interpolation, 0)]
+    opaque = output == "Alpha" and node.image.alpha_mode == "NONE"
+    if opaque:
+        return emitter.scalar(1.0)
+    if node.projection == "BOX":
+        return _box(view, vector, ints, output)
+    ints.append(_PLANES[node.projection])
+    if node.image.source == "TILED":
+        ints += view.resources.images.tiles(node.image)
     result = emitter.operation("image", [vector], ints)
-    if output != "Alpha":
-        return result
-    return emitter.scalar(1.0) if node.image.alpha_mode == "NONE" else emitter.component(result, 3)
+    return emitter.component(result, 3) if output == "Alpha" else result
+
+
+def _box(view: NodeView, vector: Register, ints: list[int], output: str) -> Register:
+    """The sum of three lookups, each with its share."""
+    emitter = view.emitter
+    normal, blend = emitter.operation("object_normal"), emitter.scalar(view.node.projection_blend)
+    total = emitter.scalar(0.0)
+    for axis in range(3):
+        side = emitter.operation("box_projection", [vector, normal, blend], [axis])
+        share = emitter.component(side, 3)
+        seen = emitter.operation("image", [side], ints)
+        if output == "Alpha":
+            total = emitter.add(total, emitter.multiply(emitter.component(seen, 3), share))
+        else:
+            scaled = emitter.operation("vector_math", [seen, share], text="MULTIPLY")
+            total = emitter.operation("vector_math", [total, scaled], text="ADD")
+    return total
 
 
 @value_node("ShaderNodeTexEnvironment")

@@ -1,0 +1,15 @@
+// Vectors taken from one space to another: Vector Transform.
+#pragma once
+
+#include "shading/inputs.h"
+#include "shading/variants.h"
+
+#include <cstdint>
+#include <span>
+
+namespace rayleaf {
+
+/// The operation `transform`, by its integers. Normals go the way of directions and come out unit, as in Cycles.
+Vec3f transform(TransformVariant variant, const ShadingInputs& inputs, std::span<const int32_t> ints, const Vec3f& v);
+
+}  // namespace rayleaf

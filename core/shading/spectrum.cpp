@@ -1,0 +1,70 @@
+#include "shading/spectrum.h"
+
+#include <array>
+
+namespace rayleaf {
+namespace {
+
+constexpr float kFirst = 380.0f, kStep = 5.0f;  // nanometres
+/// The observer's three sensitivities every 5 nm (CIE 15, table T.4).
+constexpr std::array<std::array<float, 3>, 81> kObserver = {{
+    {0.0014f, 0.0f, 0.0065f},    {0.0022f, 0.0001f, 0.0105f}, {0.0042f, 0.0001f, 0.0201f}, {0.0076f, 0.0002f, 0.0362f},
+    {0.0143f, 0.0004f, 0.0679f}, {0.0232f, 0.0006f, 0.1102f}, {0.0435f, 0.0012f, 0.2074f}, {0.0776f, 0.0022f, 0.3713f},
+    {0.1344f, 0.004f, 0.6456f},  {0.2148f, 0.0073f, 1.0391f}, {0.2839f, 0.0116f, 1.3856f}, {0.3285f, 0.0168f, 1.623f},
+    {0.3483f, 0.023f, 1.7471f},  {0.3481f, 0.0298f, 1.7826f}, {0.3362f, 0.038f, 1.7721f},  {0.3187f, 0.048f, 1.7441f},
+    {0.2908f, 0.06f, 1.6692f},   {0.2511f, 0.0739f, 1.5281f}, {0.1954f, 0.091f, 1.2876f},  {0.1421f, 0.1126f, 1.0419f},
+    {0.0956f, 0.139f, 0.813f},   {0.058f, 0.1693f, 0.6162f},  {0.032f, 0.208f, 0.4652f},   {0.0147f, 0.2586f, 0.3533f},
+    {0.0049f, 0.323f, 0.272f},   {0.0024f, 0.4073f, 0.2123f}, {0.0093f, 0.503f, 0.1582f},  {0.0291f, 0.6082f, 0.1117f},
+    {0.0633f, 0.71f, 0.0782f},   {0.1096f, 0.7932f, 0.0573f}, {0.1655f, 0.862f, 0.0422f},  {0.2257f, 0.9149f, 0.0298f},
+    {0.2904f, 0.954f, 0.0203f},  {0.3597f, 0.9803f, 0.0134f}, {0.4334f, 0.995f, 0.0087f},  {0.5121f, 1.0f, 0.0057f},
+    {0.5945f, 0.995f, 0.0039f},  {0.6784f, 0.9786f, 0.0027f}, {0.7621f, 0.952f, 0.0021f},  {0.8425f, 0.9154f, 0.0018f},
+    {0.9163f, 0.87f, 0.0017f},   {0.9786f, 0.8163f, 0.0014f}, {1.0263f, 0.757f, 0.0011f},  {1.0567f, 0.6949f, 0.001f},
+    {1.0622f, 0.631f, 0.0008f},  {1.0456f, 0.5668f, 0.0006f}, {1.0026f, 0.503f, 0.0003f},  {0.9384f, 0.4412f, 0.0002f},
+    {0.8544f, 0.381f, 0.0002f},  {0.7514f, 0.321f, 0.0001f},  {0.6424f, 0.265f, 0.0f},     {0.5419f, 0.217f, 0.0f},
+    {0.4479f, 0.175f, 0.0f},     {0.3608f, 0.1382f, 0.0f},    {0.2835f, 0.107f, 0.0f},     {0.2187f, 0.0816f, 0.0f},
+    {0.1649f, 0.061f, 0.0f},     {0.1212f, 0.0446f, 0.0f},    {0.0874f, 0.032f, 0.0f},     {0.0636f, 0.0232f, 0.0f},
+    {0.0468f, 0.017f, 0.0f},     {0.0329f, 0.0119f, 0.0f},    {0.0227f, 0.0082f, 0.0f},    {0.0158f, 0.0057f, 0.0f},
+    {0.0114f, 0.0041f, 0.0f},    {0.0081f, 0.0029f, 0.0f},    {0.0058f, 0.0021f, 0.0f},    {0.0041f, 0.0015f, 0.0f},
+    {0.0029f, 0.001f, 0.0f},     {0.002f, 0.0007f, 0.0f},     {0.0014f, 0.0005f, 0.0f},    {0.001f, 0.0004f, 0.0f},
+    {0.0007f, 0.0002f, 0.0f},    {0.0005f, 0.0002f, 0.0f},    {0.0003f, 0.0001f, 0.0f},    {0.0002f, 0.0001f, 0.0f},
+    {0.0002f, 0.0001f, 0.0f},    {0.0001f, 0.0f, 0.0f},       {0.0001f, 0.0f, 0.0f},       {0.0001f, 0.0f, 0.0f},
+    {0.0f, 0.0f, 0.0f},
+}};
+
+/// Of a mixture of lights that the observer sees as X, Y, Z.
+Color rec709(const Vec3f& xyz) {
+    const Color color(3.2404542f * xyz.x - 1.5371385f * xyz.y - 0.4985314f * xyz.z,
+                      -0.9692660f * xyz.x + 1.8760108f * xyz.y + 0.0415560f * xyz.z,
+                      0.0556434f * xyz.x - 0.2040259f * xyz.y + 1.0572252f * xyz.z);
+    return {std::max(color.x, 0.0f), std::max(color.y, 0.0f), std::max(color.z, 0.0f)};
+}
+
+Vec3f observed(size_t i) {
+    return {kObserver[i][0], kObserver[i][1], kObserver[i][2]};
+}
+
+}  // namespace
+
+Color wavelength_color(float nanometres) {
+    constexpr float kScale = 1.0f / 2.52f;  // Blender's: brings most channels below 1
+    const float place = (nanometres - kFirst) / kStep;
+    // The first interval goes on below the table, as in Cycles, where it soon turns negative.
+    if (!(place > -1.0f) || !(place < static_cast<float>(kObserver.size() - 1))) return Color(0.0f);
+    const auto i = static_cast<size_t>(std::max(place, 0.0f));
+    const float share = place - static_cast<float>(i);
+    return rec709(observed(i) * (1.0f - share) + observed(i + 1) * share) * kScale;
+}
+
+Color blackbody_color(float kelvins) {
+    constexpr float kSecondRadiation = 1.438776877e7f;  // Planck's h c / k, nanometre kelvins
+    const float temperature = kelvins > 800.0f ? std::min(kelvins, 12000.0f) : 800.0f;
+    Vec3f sum(0.0f);
+    for (size_t i = 0; i < kObserver.size(); ++i) {
+        const float wavelength = kFirst + kStep * static_cast<float>(i);
+        const float scaled = 560.0f / wavelength, fifth = scaled * scaled * scaled * scaled * scaled;
+        sum += observed(i) * (fifth / std::expm1(kSecondRadiation / (wavelength * temperature)));
+    }
+    return rec709(sum / sum.y);
+}
+
+}  // namespace rayleaf

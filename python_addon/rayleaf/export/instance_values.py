@@ -1,0 +1,88 @@
+"""Values of whole instances that materials ask for: the object's colour and properties, the particle it stands for."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .random_numbers import random_of_number
+
+Floats = NDArray[np.float32]
+Value = tuple[float, float, float, float]
+
+# Names no attribute can have in Blender.
+OBJECT_COLOR = "\nobject color"
+PROPERTY_OF = "\nproperty of object "  # its name follows
+PARTICLE = "\nparticle "  # one of Particle Info's outputs follows
+
+_NONE: Value = (0.0, 0.0, 0.0, 0.0)
+
+
+def _of_number(value: Any) -> Value:
+    return (float(value), float(value), float(value), 1.0)
+
+
+def _of_vector(value: Any) -> Value:
+    return (float(value[0]), float(value[1]), float(value[2]), 1.0)
+
+
+_PARTICLE_VALUES: dict[str, Callable[[Any, int, int], Value]] = {
+    "Index": lambda particle, index, frame: _of_number(index),
+    "Random": lambda particle, index, frame: _of_number(random_of_number(index)),
+    "Age": lambda particle, index, frame: _of_number(frame - particle.birth_time),
+    "Lifetime": lambda particle, index, frame: _of_number(particle.lifetime),
+    "Location": lambda particle, index, frame: _of_vector(particle.location),
+    "Size": lambda particle, index, frame: _of_number(particle.size),
+    "Velocity": lambda particle, index, frame: _of_vector(particle.velocity),
+    "Angular Velocity": lambda particle, index, frame: _of_vector(particle.angular_velocity),
+}
+
+
+def _property_at(owner: Any, path: str) -> Value | None:
+    """A number, or up to four of them, at a path from a data block; missing ones 0, alpha 1."""
+    try:
+        value = owner.path_resolve(path)
+    except (ValueError, TypeError):
+        return None
+    if isinstance(value, (bool, int, float)):
+        return _of_number(value)
+    try:
+        numbers = [float(each) for each in value][:4]
+    except (ValueError, TypeError):
+        return None
+    red, green, blue, alpha = numbers + [0.0, 0.0, 0.0, 1.0][len(numbers) :]
+    return (red, green, blue, alpha) if numbers else None
+
+
+def property_of(owner: Any, name: str) -> Value:
+    """A custom property of an object, else a property of Blender's, else those of its data; 0 without."""
+    quoted = name.replace("\\", "\\\\").replace('"', '\\"')
+    for holder in (owner, owner.data):
+        for path in (f'["{quoted}"]', name):
+            found = None if holder is None else _property_at(holder, path)
+            if found is not None:
+                return found
+    return _NONE
+
+
+def is_instance_value(name: str) -> bool:
+    """Whether an attribute is one of these."""
+    return name == OBJECT_COLOR or name.startswith((PROPERTY_OF, PARTICLE))
+
+
+def of_object(owner: Any, name: str) -> Value:
+    """An attribute that all instances of an object share."""
+    if name == OBJECT_COLOR:
+        red, green, blue, alpha = owner.color
+        return (red, green, blue, alpha)
+    return property_of(owner, name.removeprefix(PROPERTY_OF))
+
+
+def of_particle(known: tuple[Any, int] | None, name: str, frame: int) -> Value:
+    """A value of a particle of a system; children and what is no particle have none, but a number of chance."""
+    output = name.removeprefix(PARTICLE)
+    system, index = (None, 0) if known is None else known
+    if system is None or not 0 <= index < len(system.particles):
+        return _of_number(random_of_number(0)) if output == "Random" else _NONE
+    return _PARTICLE_VALUES[output](system.particles[index], index, frame)

@@ -1,0 +1,100 @@
+"""Attributes that nobody stores, made of a mesh where a material asks for them: each as Cycles makes it."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..names import find, name_of
+from .random_numbers import random_of_words
+
+Floats = NDArray[np.float32]
+Ints = NDArray[np.int32]
+
+# Names no attribute can have in Blender.
+POINTINESS = "\npointiness"
+ISLAND_RANDOM = "\nisland random"
+TANGENT_OF = "\ntangent of "  # a UV map's name follows; of the one that is active for rendering ""
+
+
+def _edges(mesh: Any) -> Ints:
+    """(edges, 2) vertices."""
+    ends = np.empty(len(mesh.edges) * 2, np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    return ends.reshape(-1, 2)
+
+
+def _vectors(collection: Any, name: str) -> NDArray[np.float64]:
+    values = np.empty(len(collection) * 3, np.float32)
+    collection.foreach_get(name, values)
+    return values.reshape(-1, 3).astype(np.float64)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
+
+
+def pointiness(mesh: Any) -> Floats:
+    """(vertices,): 0.5 where flat, more on ridges; the mean angle of the normal with the edges, blurred once. Vertices at one
+    place are one."""
+    places = _vectors(mesh.vertices, "co")
+    _, welded = np.unique(np.nan_to_num(places), axis=0, return_inverse=True)
+    count = int(welded.max(initial=-1)) + 1
+    normals, place = np.zeros((count, 3)), np.zeros((count, 3))
+    np.add.at(normals, welded, _vectors(mesh.vertices, "normal"))
+    place[welded] = places
+    ends = np.unique(np.sort(welded[_edges(mesh)], axis=1), axis=0)
+    along = _unit(place[ends[:, 1]] - place[ends[:, 0]])
+    total, edges = np.zeros((count, 3)), np.bincount(ends.ravel(), minlength=count)
+    np.add.at(total, ends[:, 0], along)
+    np.add.at(total, ends[:, 1], -along)
+    mean = total / np.maximum(edges, 1)[:, None]
+    angle = np.arccos(np.clip(np.einsum("ij,ij->i", _unit(normals), mean), -1.0, 1.0)) / np.pi
+    raw = np.where(edges > 0, angle, 0.0)
+    blurred = raw.copy()
+    np.add.at(blurred, ends[:, 0], raw[ends[:, 1]])
+    np.add.at(blurred, ends[:, 1], raw[ends[:, 0]])
+    return np.asarray((blurred / (edges + 1))[welded], np.float32)
+
+
+def island_random(mesh: Any) -> Floats:
+    """(vertices,) 0..1 by chance, the same on all that hangs together. Which vertex names an island follows from the order of
+    its edges."""
+    parents, ranks = list(range(len(mesh.vertices))), [0] * len(mesh.vertices)
+
+    def root(vertex: int) -> int:
+        while parents[vertex] != vertex:
+            parents[vertex] = parents[parents[vertex]]
+            vertex = parents[vertex]
+        return vertex
+
+    for first, second in _edges(mesh).tolist():
+        a, b = root(first), root(second)
+        if a == b:
+            continue
+        if ranks[a] < ranks[b]:
+            a, b = b, a
+        parents[b] = a
+        ranks[a] += ranks[a] == ranks[b]
+    return random_of_words(np.array([root(vertex) for vertex in range(len(parents))], np.int64))
+
+
+def tangents(mesh: Any, uv_map: str) -> Floats | None:
+    """(loops, 4): Blender's tangents along a UV map, object space, and on which side the bitangent lies. None without the
+    map, or where faces have more than four corners: Blender has none for those."""
+    active = next((each for each in mesh.uv_layers if each.active_render), None)
+    layer = find(mesh.uv_layers, uv_map) if uv_map else active
+    if layer is None:
+        return None
+    try:
+        mesh.calc_tangents(uvmap=name_of(layer))
+    except (RuntimeError, UnicodeError):
+        return None
+    result = np.empty((len(mesh.loops), 4), np.float32)
+    result[:, :3] = _vectors(mesh.loops, "tangent")
+    sides = np.empty(len(mesh.loops), np.float32)
+    mesh.loops.foreach_get("bitangent_sign", sides)
+    result[:, 3] = sides
+    mesh.free_tangents()
+    return result

@@ -1,0 +1,106 @@
+"""The nodes that test_surface_oracle.py compares with Cycles on real surfaces: those that ask where the ray hit."""
+
+from dataclasses import dataclass, field
+from itertools import permutations
+from typing import Any
+
+
+@dataclass
+class Case:
+    """A node, its settings, what is linked (by name of the source) or written to its inputs, and its output."""
+
+    node: str
+    settings: dict[str, Any] = field(default_factory=dict)
+    inputs: dict[str, Any] = field(default_factory=dict)
+    output: str = ""
+
+    @property
+    def name(self) -> str:
+        """What failures show."""
+        return f"{self.node.removeprefix('ShaderNode')} {self.settings} {self.inputs} {self.output}"
+
+
+def _coordinates() -> list[Case]:
+    names = "Generated Normal UV Object Camera Window Reflection".split()
+    found = [Case("ShaderNodeTexCoord", output=name) for name in names]
+    names = "Position Normal Tangent Incoming Backfacing".split() + ["True Normal", "Pointiness", "Random Per Island"]
+    found += [Case("ShaderNodeNewGeometry", output=name) for name in names]
+    found += [Case("ShaderNodeTangent", {"direction_type": "RADIAL", "axis": axis}) for axis in "XYZ"]
+    found += [Case("ShaderNodeTangent", {"direction_type": "UV_MAP", "uv_map": name}) for name in ("", "Other")]
+    for kind in ("POINT", "VECTOR", "NORMAL"):
+        for start, end in permutations(("WORLD", "OBJECT", "CAMERA"), 2):
+            settings = {"vector_type": kind, "convert_from": start, "convert_to": end}
+            found.append(Case("ShaderNodeVectorTransform", settings, {"Vector": "object"}))
+    for name in ("Location", "Color", "Alpha", "Object Index", "Material Index"):
+        found.append(Case("ShaderNodeObjectInfo", output=name))
+    for name, output in (("weight", "Fac"), ("tint", "Color"), ("missing", "Color"), ("location", "Vector")):
+        settings = {"attribute_type": "OBJECT", "attribute_name": name}
+        found.append(Case("ShaderNodeAttribute", settings, output=output))
+    names = ("Index", "Random", "Age", "Lifetime", "Location", "Size", "Velocity", "Angular Velocity")
+    found += [Case("ShaderNodeParticleInfo", output=name) for name in names]
+    found.append(Case("ShaderNodeWireframe", {}, {"Size": 0.05}))
+    found.append(Case("ShaderNodeWireframe", {"use_pixel_size": True}, {"Size": 1.5}))
+    for output in ("Quadratic", "Linear", "Constant"):
+        found.append(Case("ShaderNodeLightFalloff", {}, {"Strength": "height", "Smooth": 0.7}, output))
+    return found + [Case("ShaderNodePointInfo", output=name) for name in ("Position", "Radius", "Random")]
+
+
+def _bumps() -> list[Case]:
+    found = []
+    for strength, distance, invert in ((1.0, 0.3, False), (0.4, 0.3, False), (2.0, 0.2, True), (1.0, -0.3, False)):
+        inputs = {"Height": "height", "Strength": strength, "Distance": distance}
+        found.append(Case("ShaderNodeBump", {"invert": invert}, inputs))
+    found.append(Case("ShaderNodeBump", {}, {"Height": "height", "Distance": 0.2, "Normal": "bumped"}))
+    found.append(Case("ShaderNodeBump", {}, {"Height": 0.7}))
+    for name in ("Diffuse", "Glossy", "Velvet", "Toon"):
+        found.append(Case(f"ShaderNodeBsdf{name}", {}, {"Normal": "bumped"}))
+    found += [
+        Case("ShaderNodeFresnel", {}, {"Normal": "bumped"}),
+        Case("ShaderNodeLayerWeight", {}, {"Normal": "bumped"}),
+    ]
+    for space in ("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
+        inputs = {"Color": (0.3, 0.6, 0.9, 1), "Strength": 0.7}
+        found.append(Case("ShaderNodeNormalMap", {"space": space}, inputs))
+    return found
+
+
+def _images() -> list[Case]:
+    found = []
+    for source in ("object", "generated"):
+        for projection in ("FLAT", "SPHERE", "TUBE"):
+            settings = {"image": "Picture", "projection": projection}
+            found.append(Case("ShaderNodeTexImage", settings, {"Vector": source}, "Color"))
+        for blend in (0.0, 0.3, 1.0):
+            settings = {"image": "Picture", "projection": "BOX", "projection_blend": blend}
+            found.append(Case("ShaderNodeTexImage", settings, {"Vector": source}, "Color"))
+    return found
+
+
+def _shaders() -> list[Case]:
+    color = {"Color": (0.8, 0.5, 0.3, 1)}
+    found = [Case("ShaderNodeBsdfDiffuse", {}, {**color, "Roughness": rough}) for rough in (0.0, 0.7)]
+    found += [Case("ShaderNodeBsdfVelvet", {}, {**color, "Sigma": sigma}) for sigma in (0.3, 0.9)]
+    for component in ("DIFFUSE", "GLOSSY"):
+        for size, smooth in ((0.5, 0.0), (0.3, 0.4), (1.0, 0.5), (0.6, 0.6)):
+            inputs = {**color, "Size": size, "Smooth": smooth}
+            found.append(Case("ShaderNodeBsdfToon", {"component": component}, inputs))
+    for distribution in ("BECKMANN", "GGX"):
+        for anisotropy, rotation, tangent in (
+            (0.7, 0.0, None),
+            (-0.5, 0.15, None),
+            (0.6, 0.1, "radial"),
+            (0.0, 0.3, None),
+        ):
+            inputs = {**color, "Roughness": 0.5, "Anisotropy": anisotropy, "Rotation": rotation}
+            inputs |= {"Tangent": tangent} if tangent else {}
+            found.append(Case("ShaderNodeBsdfAnisotropic", {"distribution": distribution}, inputs))
+    for anisotropic, rotation, tangent in ((0.8, 0.0, None), (0.6, 0.2, None), (0.9, 0.1, "radial")):
+        inputs = {"Metallic": 1.0, "Roughness": 0.5, "Anisotropic": anisotropic, "Anisotropic Rotation": rotation}
+        inputs |= {"Tangent": tangent} if tangent else {}
+        found.append(Case("ShaderNodeBsdfPrincipled", {"distribution": "GGX"}, inputs))
+    inputs = {"Sheen": 1.0, "Sheen Tint": 0.7, "Base Color": (0.8, 0.5, 0.3, 1), "Specular": 0.0}
+    found.append(Case("ShaderNodeBsdfPrincipled", {}, inputs))
+    return found
+
+
+CASES = _coordinates() + _bumps() + _images() + _shaders()

@@ -1,0 +1,116 @@
+"""Bumped normals, UDIM tiles, and lobes of cloth and cones: by definition, and with absurd input."""
+
+import numpy as np
+import pytest
+from rayleaf import _core
+from shading_support import UP, program_with, scalar
+
+STEP = 1e-3
+
+
+def floor(places, step=STEP, **more):
+    """Points of a flat floor seen from above, a pixel as wide as the step."""
+    count = len(places)
+    rows = lambda v: np.tile(np.float32(v), (count, 1))  # noqa: E731
+    steps = dict(dp_dx=rows((step, 0, 0)), dp_dy=rows((0, step, 0)))
+    return _core.shading.surface_points(np.float32(places), rows(UP), rows(UP), **steps, **more)
+
+
+def bumped(height, strength=1.0, distance=1.0, invert=0, step=STEP):
+    """The normals at the origin and beside it; `height` writes the operations from the position's register."""
+    program = _core.Program("Bump")
+    register = height(program, program.operation("position"))
+    numbers = [scalar(program, strength), scalar(program, distance)]
+    result = program.operation("bump", [register, *numbers], [invert])
+    return floor([(0, 0, 0), (0.25, -0.5, 0)], step).values(program, result)[:, :3]
+
+
+def slope(program, position):
+    """0.3 x - 0.2 y."""
+    factors = program.constant(0.3, -0.2, 0.0, 1.0)
+    return program.operation("vector_math", [position, factors], text="DOT_PRODUCT")
+
+
+def unit(*v):
+    return np.array(v) / np.linalg.norm(v)
+
+
+@pytest.mark.parametrize(
+    "arguments, expected",
+    [
+        (dict(), unit(-0.3, 0.2, 1)),
+        (dict(invert=1), unit(0.3, -0.2, 1)),
+        (dict(distance=2.0), unit(-0.6, 0.4, 1)),
+        (dict(distance=-1.0), unit(0.3, -0.2, 1)),
+        (dict(strength=0.0), UP),
+        (dict(strength=-3.0), UP),
+        (dict(strength=0.5), unit(*(unit(-0.3, 0.2, 1) + UP))),
+    ],
+)
+def test_a_slope_bends_the_normal_by_its_gradient(arguments, expected):
+    np.testing.assert_allclose(bumped(slope, **arguments), np.tile(expected, (2, 1)), atol=2e-4)
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-30, 1e30, float("inf"), float("nan")])
+@pytest.mark.parametrize("distance", [0.0, 1e30, -3e38])
+def test_absurd_footprints_and_distances_give_unit_normals(step, distance):
+    found = bumped(slope, distance=distance, step=step)
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1.0, atol=1e-5)
+
+
+def test_a_height_that_is_no_number_leaves_the_normal_alone():
+    def nothing(program, position):
+        big = program.operation("vector_math", [position, program.constant(3e38, 3e38, 3e38, 1)], text="ADD")
+        infinite = program.operation("vector_math", [big, big], text="ADD")
+        return program.operation("vector_math", [infinite, infinite], text="SUBTRACT")
+
+    np.testing.assert_array_equal(bumped(nothing), np.tile(UP, (2, 1)))
+
+
+def test_a_udim_coordinate_finds_its_tile_and_a_missing_one_is_pink():
+    store = _core.shading.TextureStore(1 << 24)
+    space = _core.shading.ColorSpace.LINEAR
+    tiles = {}
+    for number, value in ((1001, 0.25), (1002, 0.5), (1011, 0.75)):
+        tiles[number] = store.add_pixels(f"tile {number}", np.full((2, 2, 4), value, np.float32), space)
+    program = _core.Program("Tiles")
+    pairs = [number for pair in tiles.items() for number in pair]
+    result = program.operation("image", [program.operation("position")], [tiles[1001], 0, 0, 0, *pairs])
+    places = [(0.5, 0.5, 0), (1.5, 0.5, 0), (0.5, 1.5, 0), (1.5, 1.5, 0), (-0.5, 0.5, 0), (1e30, 0.5, 0)]
+    found = floor(places, textures=store).values(program, result)
+    np.testing.assert_allclose(found[:3, 0], (0.25, 0.5, 0.75), atol=1e-3)
+    np.testing.assert_array_equal(found[3:], np.tile(np.float32((1, 0, 1, 1)), (3, 1)))
+
+
+LOBES = [
+    ("velvet", (1.0, (0.8, 0.5, 0.3), 0.4, None), ""),
+    ("toon", (1.0, (0.8, 0.5, 0.3), 0.5, 0.0, None), "DIFFUSE"),
+    ("toon", (1.0, (0.8, 0.5, 0.3), 0.3, 0.2, None), "GLOSSY"),
+]
+
+
+@pytest.mark.parametrize("identifier, operands, text", LOBES)
+def test_what_a_lobe_samples_adds_up_to_what_it_evaluates(identifier, operands, text):
+    """The mean of weights is the integral of the value over the hemisphere."""
+    program = program_with(identifier, operands, text)
+    out = np.float32([[0.6, 0.0, 0.8]])
+    closures = _core.shading.surface_points(np.zeros((1, 3), np.float32), UP[None], out).closures(program, 0)
+    random = np.random.default_rng(2).random((40000, 3)).astype(np.float32)
+    sampled = closures.sample(outgoing=out[0], facet_normal=UP, random=random)
+    weights = np.where(sampled["valid"][:, None], sampled["weight"], 0.0).mean(0)
+    cosine, azimuth = (np.mgrid[:400, :400] + 0.5) / 400
+    sine, angle = np.sqrt(1 - cosine**2), 2 * np.pi * azimuth
+    incoming = np.stack([sine * np.cos(angle), sine * np.sin(angle), cosine], -1).reshape(-1, 3).astype(np.float32)
+    value = np.asarray(closures.evaluate(outgoing=out[0], incoming=incoming, facet_normal=UP))
+    np.testing.assert_allclose(weights, value.reshape(-1, 3).mean(0) * 2 * np.pi, rtol=0.02)
+
+
+@pytest.mark.parametrize("number", [0.0, 1e30, -1e30, 3e38])
+def test_lobes_of_absurd_numbers_are_finite(number):
+    for identifier, operands, text in LOBES:
+        absurd = [operands[0], operands[1], *(number for _ in operands[2:-1]), None]
+        program = program_with(identifier, absurd, text)
+        closures = _core.shading.surface_points(np.zeros((1, 3), np.float32), UP[None], UP[None]).closures(program, 0)
+        random = np.random.default_rng(3).random((200, 3)).astype(np.float32)
+        sampled = closures.sample(outgoing=UP, facet_normal=UP, random=random)
+        assert np.isfinite(np.asarray(sampled["weight"])[np.asarray(sampled["valid"])]).all()
