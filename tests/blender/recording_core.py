@@ -106,7 +106,7 @@ class NurbsCurve:
 class SceneDescription:
     """Keeps the arguments of every call by kind."""
 
-    def __init__(self):
+    def __init__(self, parts=None):
         self.meshes, self.surfaces, self.curves, self.materials, self.material_lists = [], [], [], [], []
         self.instances, self.lamps, self.images = None, [], []
         self.ray_interpolations, self.strands, self.cages = [], [], []
