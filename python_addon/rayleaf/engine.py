@@ -9,6 +9,9 @@ import bpy
 from . import core_module, enabling, failures, passes
 
 
+_VIEWPORTS: dict[int, Any] = {}  # by the id of Blender's engine object
+
+
 class RayleafRenderEngine(bpy.types.RenderEngine):
     """Rayleaf in Blender's list of render engines."""
 
@@ -21,7 +24,7 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
         super().__init__(*args, **kwargs)
 
     def __del__(self) -> None:
-        viewport = getattr(self, "_viewport", None)
+        viewport = _VIEWPORTS.pop(id(self), None)  # of Blender's part nothing may be asked any more
         if viewport is not None:
             viewport.close()
 
@@ -38,11 +41,11 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
         try:
             if enabling.problem is not None:
                 raise core_module.CoreError(enabling.problem)
-            if getattr(self, "_viewport", None) is None:
+            if id(self) not in _VIEWPORTS:
                 from .viewport.viewport import Viewport
 
-                self._viewport = Viewport(self, core_module.load())
-            work(self._viewport)
+                _VIEWPORTS[id(self)] = Viewport(self, core_module.load())
+            work(_VIEWPORTS[id(self)])
         except Exception as error:
             failures.report_in_view(self, error)
 

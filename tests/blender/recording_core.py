@@ -207,6 +207,10 @@ class VolumeVisualisation(RayInterpolation):
     pass
 
 
+class SceneParts:
+    pass
+
+
 class RayCacheStore:
     def __init__(self):
         self.frames = 0
@@ -267,7 +271,7 @@ def install():
     module = types.ModuleType("rayleaf._core")
     items = (InputError, Program, NurbsSpline, Strands, SubdivisionSurface, SceneDescription, Settings, Session)
     curves = (CurveSplines, SweptCurve, NurbsCurve)
-    for item in (*items, *curves, RayInterpolation, VolumeVisualisation, RayCacheStore):
+    for item in (*items, *curves, RayInterpolation, VolumeVisualisation, RayCacheStore, SceneParts):
         setattr(module, item.__name__, item)
     sys.modules["rayleaf._core"] = module
     import rayleaf

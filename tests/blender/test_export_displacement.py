@@ -120,15 +120,15 @@ def test_an_unknown_vector_displaces_by_nothing(run_blender):
 item = scenes.surface("Surface")
 material, tree, output = scenes.material()
 item.data.materials.append(material)
-unknown = tree.nodes.new("ShaderNodeParticleInfo")
-tree.links.new(unknown.outputs["Velocity"], output.inputs["Displacement"])
+unknown = tree.nodes.new("ShaderNodeUVAlongStroke")
+tree.links.new(unknown.outputs["UV"], output.inputs["Displacement"])
 sent, _, texts = recording_core.export()
 program, object_space, world_space = sent.materials[0]["displacement"]
 report(object_space=object_space, vector=program.registers[world_space], texts=texts)
 """
     ).report
     assert (run["object_space"], run["vector"]) == (-1, [0, 0, 0, 0])
-    assert len(run["texts"]) == 1 and "'Particle Info'" in run["texts"][0]
+    assert len(run["texts"]) == 1 and "'UV Along Stroke'" in run["texts"][0]
 
 
 def test_displacement_that_the_core_rejects_leaves_the_surface_as_it_is(run_blender):
