@@ -65,9 +65,9 @@ for node in nodes:
 # What is not rendered as it stands, so that it is named: two materials that differ in a byte beyond ASCII alone.
 for number, letter in enumerate("qQ"):
     odd, odd_tree, odd_output = scenes.material(f"Q{letter} odd")
-    wave, shine = odd_tree.nodes.new("ShaderNodeTexWave"), odd_tree.nodes.new("ShaderNodeEmission")
-    wave.name = "Qq wave"
-    odd_tree.links.new(wave.outputs["Fac"], shine.inputs["Strength"])
+    points, shine = odd_tree.nodes.new("ShaderNodeTexPointDensity"), odd_tree.nodes.new("ShaderNodeEmission")
+    points.name = "Qq points"
+    odd_tree.links.new(points.outputs["Density"], shine.inputs["Strength"])
     shine.inputs["Color"].default_value = (number, 1, 0, 1)
     odd_tree.links.new(shine.outputs[0], odd_output.inputs[0])
     far = scenes.quad(f"Q{letter} far")
@@ -126,7 +126,7 @@ def test_a_file_of_names_that_are_not_utf8_is_rendered_and_they_are_told_as_lati
     assert run.report["strands"] == [f"{SHOWN} hairy"]
     told = " ".join(run.report["messages"])
     for material in (f"{SHOWN} odd", "Që odd"):
-        assert f"Material '{material}', node '{SHOWN} wave'" in told
+        assert f"Material '{material}', node '{SHOWN} points'" in told
     assert "Traceback" not in run.log
 
 
