@@ -79,12 +79,15 @@ constexpr double kSecondRounding = 0x1p-20;
 /// Blender's samples, however fine.
 constexpr double kNearZero = 1e-5;
 
-/// The direction of a cubic's second derivative, if that passes through zero; else zero.
+/// The direction of a cubic's second derivative, if that passes through zero; else zero. Along a straight line it says
+/// nothing about a bend.
 Vec3d steady_bend(const Vec3d (&points)[4], double largest) {
     const Vec3d begin = points[0] - points[1] * 2.0 + points[2], end = points[1] - points[2] * 2.0 + points[3];
     const Vec3d change = end - begin;
     const double length = change.length(), near = std::max(kSecondRounding * largest, kNearZero * length);
     if (!(length > near)) return Vec3d(0.0);
+    const Vec3d line = normalized_or(points[3] - points[0], Vec3d(0.0));
+    if (!(change.cross(line).length() > near)) return Vec3d(0.0);
     const double t = std::clamp(-begin.dot(change) / (length * length), 0.0, 1.0);
     if ((begin + change * t).length() > near) return Vec3d(0.0);
     return begin.length() > near ? -change : change;
