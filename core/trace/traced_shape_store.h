@@ -23,12 +23,11 @@ struct TracedShapeKey {
 };
 
 struct KeptShape {
-    std::shared_ptr<const Shape> shape;  ///< what the scene is of
-    std::shared_ptr<ShapeScene> scene;
-    uint64_t resident_bytes = 0;  ///< as of the plan
+    std::shared_ptr<ShapeScene> scene;  ///< owns the shape that it is of
+    uint64_t resident_bytes = 0;        ///< as of the plan
 };
 
-/// The key of a shape: of its content, or, where that has no hash, of the very object, which the store then keeps.
+/// The key of a shape: of its content, or, where that has no hash, of the very object, which is then kept.
 TracedShapeKey key_of(const Shape& shape, const ContentHash& tolerance);
 
 /// Thread-safe. What no tracer has asked for while the last two were built is dropped.

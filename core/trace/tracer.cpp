@@ -14,6 +14,12 @@
 namespace rayleaf {
 namespace {
 
+/// A traced shape looks at the shape that it was made of, also in tracers whose instances have another of that content.
+struct OwnShapeScene {
+    std::shared_ptr<const Shape> shape;
+    std::unique_ptr<ShapeScene> scene;
+};
+
 struct TracedShapes {
     std::vector<std::shared_ptr<ShapeScene>> all;
     uint64_t kept = 0;  ///< of those
@@ -50,8 +56,11 @@ TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique,
             return;
         }
         if (!plans[i]) plan(i);
-        shapes[i] = make_scene(std::move(*plans[i]), residence[i], cancel);
-        if (store && lasts) store->keep(keys[i], {unique[i], shapes[i], bytes[i]});
+        const auto made = std::make_shared<OwnShapeScene>();
+        made->shape = unique[i];
+        made->scene = make_scene(std::move(*plans[i]), residence[i], cancel);
+        shapes[i] = {made, made->scene.get()};
+        if (store && lasts) store->keep(keys[i], {shapes[i], bytes[i]});
     });
     return {std::move(shapes), found};
 }
