@@ -83,5 +83,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take it away."""
+    """Take it away; views stop rendering first."""
+    while _VIEWPORTS:
+        _VIEWPORTS.popitem()[1].close()
     bpy.utils.unregister_class(RayleafRenderEngine)

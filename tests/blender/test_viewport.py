@@ -187,3 +187,29 @@ drive(steps())
 def test_an_object_scaled_to_nothing_and_an_empty_scene_are_shown(window):  # noqa: F811
     run = window(VIEW + WRONG, size=SMALL)
     assert "Traceback" not in run.log and run.report["done"]
+
+
+QUIT = """
+def steps():
+    yield 0.3
+    switch("RENDERED")
+    scene.rayleaf.preview_samples = 1 << 20
+    yield 1.5
+    if sys.argv[1] == "disable":
+        import addon_utils
+        addon_utils.disable("rayleaf")
+        yield 0.3
+        import threading
+        assert "rayleaf viewport" not in [thread.name for thread in threading.enumerate()]
+    report(alive=True)
+    bpy.ops.wm.quit_blender()
+    yield 20
+
+drive(steps())
+"""
+
+
+@pytest.mark.parametrize("how", ["disable", "quit"])
+def test_blender_ends_while_a_view_is_rendered(window, how):  # noqa: F811
+    run = window(VIEW + QUIT, how, size=SMALL)
+    assert run.report["alive"] and "Traceback" not in run.log and "SIGSEGV" not in run.log
