@@ -37,8 +37,8 @@ class AppendList {
     std::atomic<size_t> size_{0};
 
     static Place place_of(size_t index) {
-        const size_t part = static_cast<size_t>(std::bit_width(index / kFirst + 1)) - 1;
-        return {part, index - kFirst * ((size_t{1} << part) - 1)};
+        const size_t parts = std::bit_floor(index / kFirst + 1);
+        return {static_cast<size_t>(std::countr_zero(parts)), index - kFirst * (parts - 1)};
     }
 };
 

@@ -37,7 +37,9 @@ void Film::refine(int x, int y, int width, int height, std::span<const PixelValu
         for (int row = 0; row < height; ++row) {
             float* out = at(pass, x, y + row);
             for (int column = 0; column < width; ++column) {
-                const Vec4f& value = values[static_cast<size_t>(row * width + column)][static_cast<size_t>(pass)];
+                const size_t pixel =
+                    static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(column);
+                const Vec4f& value = values[pixel][static_cast<size_t>(pass)];
                 for (size_t c = 0; c < channels; ++c, ++out) *out += (value[static_cast<int>(c)] - *out) * share;
             }
         }

@@ -35,7 +35,8 @@ template <typename Wide>
 std::string number_beyond(const py::array& array, const py::dtype& wanted) {
     const auto numbers = py::array_t<Wide, py::array::c_style | py::array::forcecast>::ensure(array);
     if (!numbers) throw py::error_already_set();
-    const auto [least, most] = range_of<Wide>(wanted);
+    const auto range = range_of<Wide>(wanted);
+    const Wide least = range.first, most = range.second;
     const Wide* const end = numbers.data() + numbers.size();
     const Wide* const found =
         std::find_if(numbers.data(), end, [&](Wide number) { return number < least || number > most; });

@@ -329,7 +329,7 @@ void Program::values(Register target, std::span<const ShadingInputs* const> inpu
 
 Vec4f Program::value(Register target, const ShadingInputs& inputs) const {
     const ShadingInputs* const points[] = {&inputs};
-    Vec4f value;
+    Vec4f value(0.0f);
     values(target, points, &value);
     return value;
 }

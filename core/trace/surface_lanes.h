@@ -14,7 +14,8 @@
 
 namespace rayleaf {
 
-/// Hits on patches that have equal degrees and are all rational or all not.
+/// Hits on patches that have equal degrees and are all rational or all not. Rows are aligned for vectors.
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding)
 struct SurfaceLanes {
     static constexpr size_t kMost = 8;
 
