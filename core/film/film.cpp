@@ -14,11 +14,9 @@ Film::Film(int width, int height, std::vector<Pass> passes)
 void Film::put(int x, int y, int width, int height, std::span<const PixelValues> values) {
     const std::scoped_lock lock(mutex_);
     for (const Pass pass : passes_) {
-        std::vector<float>& data = data_[static_cast<size_t>(pass)];
         const size_t channels = info(pass).channels.size();
         for (int row = 0; row < height; ++row) {
-            float* out =
-                &data[(static_cast<size_t>(y + row) * static_cast<size_t>(width_) + static_cast<size_t>(x)) * channels];
+            float* out = at(pass, x, y + row);
             for (int column = 0; column < width; ++column) {
                 const size_t pixel =
                     static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(column);

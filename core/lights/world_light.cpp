@@ -131,14 +131,4 @@ size_t WorldLight::bytes() const {
     return (rows_.capacity() + cells_.capacity()) * sizeof(float) + heights_.capacity() * sizeof(double);
 }
 
-std::shared_ptr<const WorldLight> WorldLightStore::find_or_make(const WorldLightKey& key, const WorldEmission& world,
-                                                                const CancelToken& cancel) {
-    const std::scoped_lock lock(mutex_);
-    if (!kept_ || !(key_ == key)) {
-        kept_ = std::make_shared<const WorldLight>(world, key.width, cancel);
-        key_ = key;
-    }
-    return kept_;
-}
-
 }  // namespace rayleaf

@@ -5,11 +5,12 @@
 #pragma once
 
 #include "base/content_hash.h"
+#include "base/kept_by_key.h"
 #include "lights/lamp_sample.h"
 #include "lights/light.h"
 
+#include <compare>
 #include <memory>
-#include <mutex>
 
 namespace rayleaf {
 
@@ -17,7 +18,7 @@ namespace rayleaf {
 struct WorldLightKey {
     ContentHash world{};
     int width = 0;
-    bool operator==(const WorldLightKey&) const = default;
+    auto operator<=>(const WorldLightKey&) const = default;  // NOLINT(modernize-use-nullptr): it has no pointers
 };
 
 class WorldLight {
@@ -46,17 +47,7 @@ class WorldLight {
     double cell_density(int x, int y) const;
 };
 
-/// Keeps the world's table that was used last. Thread-safe.
-class WorldLightStore {
-  public:
-    /// Makes it where it is another one.
-    std::shared_ptr<const WorldLight> find_or_make(const WorldLightKey& key, const WorldEmission& world,
-                                                   const CancelToken& cancel);
-
-  private:
-    std::mutex mutex_;
-    WorldLightKey key_;
-    std::shared_ptr<const WorldLight> kept_;
-};
+/// Users are scenes.
+class WorldLightStore final : public KeptByKey<WorldLightKey, std::shared_ptr<const WorldLight>> {};
 
 }  // namespace rayleaf

@@ -67,8 +67,6 @@ class Session {
     bool render_blocks(int size);
     /// The next samples of each pixel.
     bool render_more(int count);
-    /// Samples of each pixel so far.
-    int samples_taken() const { return samples_taken_; }
     /// From any thread: `render` returns as soon as the samples in flight are done.
     void cancel() { cancel_.cancel(); }
     Progress progress() const;
@@ -94,7 +92,7 @@ class Session {
     mutable std::mutex mutex_;  ///< guards statistics_
     RenderStatistics statistics_;
 
-    int samples_taken_ = 0;
+    int samples_taken_ = 0;  ///< by render_more
     double build_seconds_ = 0;
 
     /// In an arena of as many threads as are set; false if cancelled.

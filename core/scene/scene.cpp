@@ -52,6 +52,18 @@ WorldLightKey world_light_key(const SceneDescription& description, const CameraI
     return {hasher.value(), description.world_resolution};
 }
 
+std::shared_ptr<const WorldLight> world_light(const SceneDescription& description, const CameraInfo& camera,
+                                              const WorldEmission& world, const CancelToken& cancel) {
+    WorldLightStore& store = description.parts->world_lights;
+    const WorldLightKey key = world_light_key(description, camera);
+    store.next_user();
+    std::shared_ptr<const WorldLight> table = store.find(key);
+    if (table) return table;
+    table = std::make_shared<const WorldLight>(world, key.width, cancel);
+    store.keep(key, table);
+    return table;
+}
+
 /// Volume objects have no surface that a ray could meet.
 std::vector<TracedInstance> traced_instances(const SceneDescription& description,
                                              const std::vector<uint32_t>& volumes) {
@@ -168,8 +180,7 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
     std::shared_ptr<const WorldLight> table;
     if (sampled && description.world_resolution > 0)
-        table = description.parts->world_lights.find_or_make(world_light_key(description, camera_->info()),
-                                                             world_emission, cancel);
+        table = world_light(description, camera_->info(), world_emission, cancel);
     lights_ = std::make_unique<LightSet>(description.lamps, emitters, *tracer_, emission, world_emission,
                                          std::move(table), cancel);
 }

@@ -11,11 +11,12 @@ namespace rayleaf {
 template <int N>
 using LatticePoint = std::array<float, N>;
 
-/// lookup3's final mixing of three words.
-inline uint32_t final_mix(uint32_t a, uint32_t b, uint32_t c) {
-    const auto step = [](uint32_t& x, uint32_t y, int turn) {
+/// lookup3's final mixing of three words. `Word`: a number, or several in a vector of the compiler's.
+template <typename Word>
+Word final_mix(Word a, Word b, Word c) {
+    const auto step = [](Word& x, Word y, int turn) {
         x ^= y;
-        x -= std::rotl(y, turn);
+        x -= y << turn | y >> (32 - turn);
     };
     step(c, b, 14);
     step(a, c, 11);

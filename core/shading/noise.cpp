@@ -27,28 +27,10 @@ Point<N> times(Point<N> a, float factor) {
 /// The corners of a lattice cell, four at a time: what each computes is what it would alone.
 using Words4 = uint32_t __attribute__((vector_size(16)));
 
-Words4 rotated(Words4 x, int turn) {
-    return x << turn | x >> (32 - turn);
-}
-
-/// final_mix() of four triples, after the start that all keys of three words have.
+/// jenkins_hash() of four keys of three words.
 Words4 jenkins_hash4(Words4 a, Words4 b, Words4 c) {
     constexpr uint32_t kStart = 0xdeadbeefu + (3u << 2) + 13u;
-    a += kStart;
-    b += kStart;
-    c += kStart;
-    const auto step = [](Words4& x, Words4 y, int turn) {
-        x ^= y;
-        x -= rotated(y, turn);
-    };
-    step(c, b, 14);
-    step(a, c, 11);
-    step(b, a, 25);
-    step(c, b, 16);
-    step(a, c, 4);
-    step(b, a, 14);
-    step(c, b, 24);
-    return c;
+    return final_mix<Words4>(a + kStart, b + kStart, c + kStart);
 }
 
 float negated_if(uint32_t condition, float x) {

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <mutex>
 
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
@@ -17,8 +18,6 @@ namespace {
 namespace oiio = OIIO;
 
 constexpr int kTile = 64;  ///< pixels; what OpenImageIO's own tool makes
-/// Scenes that may be made meanwhile without an image before it is dropped: an undo finds what the edit replaced.
-constexpr uint64_t kScenesKept = 2;
 
 }  // namespace
 
@@ -95,26 +94,6 @@ ConvertedTexture::~ConvertedTexture() {
     texture_system().invalidate(oiio::ustring(file_));
     std::error_code ignored;
     std::filesystem::remove(file_, ignored);
-}
-
-void ConvertedTextures::next_scene() {
-    const std::scoped_lock lock(mutex_);
-    std::erase_if(entries_, [&](const auto& entry) { return entry.second.asked + kScenesKept <= scenes_; });
-    ++scenes_;
-}
-
-std::shared_ptr<const ConvertedTexture> ConvertedTextures::find(const ContentHash& key) {
-    const std::scoped_lock lock(mutex_);
-    const auto found = entries_.find(key);
-    if (found == entries_.end()) return nullptr;
-    found->second.asked = scenes_;
-    return found->second.texture;
-}
-
-void ConvertedTextures::keep(std::shared_ptr<const ConvertedTexture> texture) {
-    const std::scoped_lock lock(mutex_);
-    const ContentHash key = texture->key();
-    entries_[key] = {std::move(texture), scenes_};
 }
 
 }  // namespace rayleaf

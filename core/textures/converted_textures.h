@@ -3,11 +3,10 @@
 #pragma once
 
 #include "base/content_hash.h"
+#include "base/kept_by_key.h"
 #include "textures/texture_store.h"
 
-#include <map>
 #include <memory>
-#include <mutex>
 
 namespace rayleaf {
 
@@ -38,23 +37,7 @@ class ConvertedTexture {
     bool associated_ = false;
 };
 
-/// Thread-safe. What no scene has asked for while the last two were made is dropped.
-class ConvertedTextures {
-  public:
-    /// For each scene, before it asks.
-    void next_scene();
-    /// Null where there is none.
-    std::shared_ptr<const ConvertedTexture> find(const ContentHash& key);
-    void keep(std::shared_ptr<const ConvertedTexture> texture);
-
-  private:
-    struct Entry {
-        std::shared_ptr<const ConvertedTexture> texture;
-        uint64_t asked = 0;  ///< scene that asked last
-    };
-    std::mutex mutex_;
-    std::map<ContentHash, Entry> entries_;
-    uint64_t scenes_ = 0;
-};
+/// Users are scenes.
+class ConvertedTextures final : public KeptByKey<ContentHash, std::shared_ptr<const ConvertedTexture>> {};
 
 }  // namespace rayleaf

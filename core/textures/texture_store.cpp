@@ -97,7 +97,7 @@ struct TextureStore::Implementation {
         : converted(kept ? std::move(kept) : std::make_shared<ConvertedTextures>()) {
         constexpr float kMegabyte = 1 << 20;
         texture_system().attribute("max_memory_MB", static_cast<float>(memory_limit) / kMegabyte);
-        converted->next_scene();
+        converted->next_user();
     }
 
     /// The texture of that key; `picture` gives its pixels where they are wanted.
@@ -106,7 +106,7 @@ struct TextureStore::Implementation {
         std::shared_ptr<const ConvertedTexture> texture = converted->find(key);
         if (!texture) {
             texture = std::make_shared<const ConvertedTexture>(name, picture(), space, key);
-            converted->keep(texture);
+            converted->keep(key, texture);
         }
         textures.append(std::move(texture));
         return static_cast<TextureId>(textures.size()) - 1;

@@ -5,13 +5,12 @@
 #pragma once
 
 #include "base/content_hash.h"
+#include "base/kept_by_key.h"
 #include "trace/shape_scene.h"
 
 #include <compare>
 #include <cstdint>
-#include <map>
 #include <memory>
-#include <mutex>
 
 namespace rayleaf {
 
@@ -30,24 +29,7 @@ struct KeptShape {
 /// The key of a shape: of its content, or, where that has no hash, of the very object, which is then kept.
 TracedShapeKey key_of(const Shape& shape, const ContentHash& tolerance);
 
-/// Thread-safe. What no tracer has asked for while the last two were built is dropped.
-class TracedShapeStore {
-  public:
-    /// For each tracer, before it asks.
-    void next_tracer();
-    /// Empty where the shape is not kept.
-    KeptShape find(const TracedShapeKey& key);
-    void keep(const TracedShapeKey& key, KeptShape kept);
-    size_t count() const;
-
-  private:
-    struct Entry {
-        KeptShape kept;
-        uint64_t asked = 0;  ///< tracer that asked last
-    };
-    mutable std::mutex mutex_;
-    std::map<TracedShapeKey, Entry> entries_;
-    uint64_t tracers_ = 0;
-};
+/// Users are tracers.
+class TracedShapeStore final : public KeptByKey<TracedShapeKey, KeptShape> {};
 
 }  // namespace rayleaf

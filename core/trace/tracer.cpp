@@ -34,7 +34,7 @@ TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique,
     std::vector<KeptShape> kept(count);
     std::vector<std::optional<ShapePlan>> plans(count);
     std::vector<uint64_t> bytes(count);
-    if (store) store->next_tracer();
+    if (store) store->next_user();
     const auto plan = [&](size_t i) { plans[i] = plan_shape(*unique[i], tolerances[i].tolerance, cancel); };
     tbb::parallel_for(size_t{0}, count, [&](size_t i) {
         if (store) {

@@ -2,15 +2,18 @@
 
 Each case is a node whose result shines from a square of its own; one picture holds them all. A second picture, with a
 material that shines by position, tells where each sample hit: at equal seeds Cycles hits the same points.
+
+An input named "x", "y", "z" or "p" is linked to the square's coordinate: x, y in [-2, 2], z a constant; "kelvins" and
+"nanometres" to temperatures and wavelengths beyond both ends of what is defined.
 """
 
 import math
 import sys
-from dataclasses import dataclass, field
 from typing import Any, Callable
 
 import bpy
 import numpy as np
+from oracle_case import Case
 from rayleaf import _core
 from rayleaf.export.images import ImageLibrary
 from rayleaf.export.nodes.compiler import Compiler, Resources
@@ -21,25 +24,6 @@ report: Callable[..., None] = globals()["report"]  # given by the test
 
 PIXELS = 24  # a square's side on the picture
 OFFSET = 4.0  # added to results, for the picture to hold negative ones
-
-
-@dataclass
-class Case:
-    """A node, its settings, what is linked or written to its inputs, and the output that shines.
-
-    An input named "x", "y", "z" or "p" is linked to the square's coordinate: x, y in [-2, 2], z a constant; "kelvins" and
-    "nanometres" to temperatures and wavelengths beyond both ends of what is defined.
-    """
-
-    node: str
-    settings: dict[str, Any] = field(default_factory=dict)
-    inputs: dict[str, Any] = field(default_factory=dict)
-    output: str = ""
-
-    @property
-    def name(self) -> str:
-        """What failures show."""
-        return f"{self.node.removeprefix('ShaderNode')} {self.settings} {self.inputs} {self.output}"
 
 
 def socket(sockets: Any, name: str) -> Any:

@@ -1,23 +1,8 @@
 """The nodes that test_surface_oracle.py compares with Cycles on real surfaces: those that ask where the ray hit."""
 
-from dataclasses import dataclass, field
 from itertools import permutations
-from typing import Any
 
-
-@dataclass
-class Case:
-    """A node, its settings, what is linked (by name of the source) or written to its inputs, and its output."""
-
-    node: str
-    settings: dict[str, Any] = field(default_factory=dict)
-    inputs: dict[str, Any] = field(default_factory=dict)
-    output: str = ""
-
-    @property
-    def name(self) -> str:
-        """What failures show."""
-        return f"{self.node.removeprefix('ShaderNode')} {self.settings} {self.inputs} {self.output}"
+from oracle_case import Case
 
 
 def _coordinates() -> list[Case]:

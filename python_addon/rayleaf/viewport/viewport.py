@@ -100,11 +100,7 @@ class Viewport:
         is_edit = not request.is_same_scene(before)
         if before is not None and not is_edit:
             same_view = same_camera(before.camera, camera)
-            if (
-                same_view
-                and _told_apart(before.settings) == _told_apart(settings)
-                and before.samples == request.samples
-            ):
+            if same_view and before.settings == settings and before.samples == request.samples:
                 return
         self._request = request
         self._worker.show(request, is_edit)
@@ -130,17 +126,6 @@ class Viewport:
 
 def _combined() -> passes.Pass:
     return next(entry for entry in passes.table() if entry.identifier == "combined")
-
-
-def _told_apart(settings: dict[str, Any]) -> dict[str, str]:
-    """What tells settings of the core apart: their objects are made anew each time."""
-    return {name: _plain(value) for name, value in settings.items()}
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, int | float | str | bool | list | tuple):
-        return repr(value)
-    return repr({name: getattr(value, name) for name in dir(value) if not name.startswith("_")})
 
 
 def _texture_of(picture: Picture) -> Any:

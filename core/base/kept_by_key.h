@@ -1,0 +1,45 @@
+// What is costly to make, kept for later users by all that it depends on.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <utility>
+
+namespace rayleaf {
+
+/// Thread-safe. What no user has asked for while the last two came is dropped: an undo finds what the edit replaced.
+template <typename Key, typename Value>
+class KeptByKey {
+  public:
+    /// For each user, before it asks.
+    void next_user() {
+        const std::scoped_lock lock(mutex_);
+        std::erase_if(entries_, [&](const auto& entry) { return entry.second.asked + kUsersKept <= users_; });
+        ++users_;
+    }
+    /// Value() where there is none.
+    Value find(const Key& key) {
+        const std::scoped_lock lock(mutex_);
+        const auto found = entries_.find(key);
+        if (found == entries_.end()) return {};
+        found->second.asked = users_;
+        return found->second.value;
+    }
+    void keep(const Key& key, Value value) {
+        const std::scoped_lock lock(mutex_);
+        entries_[key] = {std::move(value), users_};
+    }
+
+  private:
+    static constexpr uint64_t kUsersKept = 2;
+    struct Entry {
+        Value value;
+        uint64_t asked = 0;  ///< user that asked last
+    };
+    std::mutex mutex_;
+    std::map<Key, Entry> entries_;
+    uint64_t users_ = 0;
+};
+
+}  // namespace rayleaf
