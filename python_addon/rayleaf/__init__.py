@@ -38,7 +38,9 @@ def register() -> None:
         kept_messages,
         preferences,
         properties,
+        sampling_presets,
         ui,
+        ui_debug,
         ui_messages,
         ui_rays,
         ui_view_layer,
@@ -49,7 +51,7 @@ def register() -> None:
     if _registered or enabling.is_another_enabled():
         return
     enabling.check()
-    shown = (ui_messages, ui, ui_rays, ui_view_layer, panel)
+    shown = (ui_messages, sampling_presets, ui, ui_rays, ui_view_layer, panel, ui_debug)
     for module in (preferences, properties, engine, animation, kept_messages, *shown):
         module.register()
         _registered.append(module)

@@ -15,6 +15,7 @@ _LIGHT = ("emit", "environment", "ambient")
 _SPELLED = {"uv": "UV", "emit": "Emission"}
 # How switches begin that are the add-on's own: properties of `ViewLayer.rayleaf`.
 _OWN = "rayleaf."
+_FOR_DEVELOPERS = ("use_pass_tree", "use_pass_level", "use_pass_cache_misses")
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,11 @@ class Pass:
             return "Rays"
         kind = self.switch.removeprefix("use_pass_").split("_")[0]
         return kind.title() if self.switch.endswith(_LIGHT_PARTS) else "Light" if kind in _LIGHT else "Data"
+
+    @property
+    def is_for_developers(self) -> bool:
+        """True if it tells how the picture was made, not what it shows."""
+        return self.switch.removeprefix(_OWN) in _FOR_DEVELOPERS
 
     @property
     def label(self) -> str:

@@ -43,7 +43,7 @@ class RayleafPreferences(bpy.types.AddonPreferences):
         row = self.layout.row()
         row.operator(_SELF_TEST)
         if hasattr(bpy.types, "RAYLEAF_OT_measure_settings"):
-            row.operator("rayleaf.measure_settings", text="Report: Error against Time")
+            row.operator("rayleaf.measure_settings", text="Find Best Settings")
 
 
 def lines(render: Any) -> list[str]:

@@ -47,7 +47,14 @@ CURVE_PRIMITIVES = (
 class RayleafSceneSettings(bpy.types.PropertyGroup):
     """What is set per scene."""
 
-    samples: IntProperty(name="Samples", description="Paths per pixel", default=64, min=1, max=1 << 20)  # type: ignore
+    samples: IntProperty(  # type: ignore
+        name="Samples",
+        description="Paths per pixel of a final render. Raise it where the picture is noisy: four times as many halve the"
+        " noise",
+        default=64,
+        min=1,
+        max=1 << 20,
+    )
     preview_samples: IntProperty(  # type: ignore
         name="Viewport Samples",
         description="Paths per pixel of 3-D views in Rendered shading, which are refined until they have as many",
@@ -55,34 +62,56 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         min=1,
         max=1 << 20,
     )
-    seed: IntProperty(name="Seed", description="Another number gives other noise", default=0, min=0)  # type: ignore
+    seed: IntProperty(name="Seed", description="Another number gives other noise, of the same strength", default=0, min=0)  # type: ignore
     use_animated_seed: BoolProperty(  # type: ignore
-        name="Animate Seed", description="Other noise in every frame", default=False
+        name="Animate Seed",
+        description="Other noise in every frame, so that it does not stick to the picture",
+        default=False,
     )
 
-    integrator: EnumProperty(name="Integrator", items=INTEGRATORS, default="PATH")  # type: ignore
+    integrator: EnumProperty(  # type: ignore
+        name="Integrator",
+        description="How light is gathered: all of it with noise, or calm with few bounces",
+        items=INTEGRATORS,
+        default="PATH",
+    )
     glossy_rays: IntProperty(  # type: ignore
         name="Glossy Rays",
-        description="Rays from a rough mirror or rough glass, per sample",
+        description="Rays from a rough mirror or rough glass, per sample. Raise it where blurred reflections are noisy",
         default=4,
         min=1,
         max=4096,
     )
     light_rays: IntProperty(  # type: ignore
-        name="Light Rays", description="Shadow rays from a surface, per sample", default=4, min=1, max=4096
+        name="Shadow Rays",
+        description="Rays from a surface to lights, per sample. Raise it where soft shadows are noisy",
+        default=4,
+        min=1,
+        max=4096,
     )
     hemisphere_rays: IntProperty(  # type: ignore
-        name="Hemisphere Rays", description="Rays from a diffuse surface, per sample", default=16, min=1, max=4096
+        name="Diffuse Rays",
+        description="Rays from a matte surface into all directions, per sample. Raise it where indirect light is blotchy",
+        default=16,
+        min=1,
+        max=4096,
     )
-    indirect: EnumProperty(name="Indirect Light", items=INDIRECT, default="COLOR_BLEEDING")  # type: ignore
+    indirect: EnumProperty(  # type: ignore
+        name="Indirect Light",
+        description="What light that does not come straight from a lamp is made of",
+        items=INDIRECT,
+        default="COLOR_BLEEDING",
+    )
     use_irradiance_cache: BoolProperty(  # type: ignore
         name="Irradiance Cache",
-        description="Sample hemispheres at few points before the frame, and interpolate between them",
+        description="Gather light on matte surfaces at few points before the frame, and interpolate between them: much"
+        " faster where surfaces are smooth",
         default=False,
     )
     irradiance_error: FloatProperty(  # type: ignore
-        name="Error",
-        description="What interpolation may be wrong by; smaller takes more hemispheres",
+        name="Cache Tolerance",
+        description="How far apart the points of the irradiance cache may lie. Lower it where indirect light is blotchy or"
+        " corners lack shadow; lower is slower",
         default=0.2,
         min=0.01,
         max=1.0,
@@ -95,16 +124,44 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         subtype="DISTANCE",
     )
 
-    max_bounces: IntProperty(name="Total", description="Bounces of any kind", default=12, min=0, max=1024)  # type: ignore
-    diffuse_bounces: IntProperty(name="Diffuse", default=4, min=0, max=1024)  # type: ignore
-    glossy_bounces: IntProperty(name="Glossy", default=4, min=0, max=1024)  # type: ignore
-    transmission_bounces: IntProperty(name="Transmission", default=12, min=0, max=1024)  # type: ignore
+    max_bounces: IntProperty(  # type: ignore
+        name="Total",
+        description="How often light may bounce in all. Raise it where glass in glass, or mirrors in mirrors, turn black",
+        default=12,
+        min=0,
+        max=1024,
+    )
+    diffuse_bounces: IntProperty(  # type: ignore
+        name="Diffuse",
+        description="How often light may bounce between matte surfaces. Raise it for interiors that are too dark",
+        default=4,
+        min=0,
+        max=1024,
+    )
+    glossy_bounces: IntProperty(  # type: ignore
+        name="Glossy",
+        description="How often light may be mirrored. Raise it where reflections of mirrors turn black",
+        default=4,
+        min=0,
+        max=1024,
+    )
+    transmission_bounces: IntProperty(  # type: ignore
+        name="Transmission",
+        description="How often light may enter or leave glass. Raise it where glass behind glass turns black",
+        default=12,
+        min=0,
+        max=1024,
+    )
     transparent_bounces: IntProperty(  # type: ignore
-        name="Transparent", description="Surfaces a ray may pass straight through", default=8, min=0, max=1024
+        name="Transparent",
+        description="Surfaces that a ray may pass straight through. Raise it where leaves with cut-out pictures turn black",
+        default=8,
+        min=0,
+        max=1024,
     )
     roulette_start: IntProperty(  # type: ignore
         name="Russian Roulette",
-        description="Bounces after which dim paths may end by chance",
+        description="Bounces after which dim paths may end by chance. Lower is faster and noisier",
         default=3,
         min=0,
         max=1024,
@@ -121,20 +178,34 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
     )
     clamp_direct: FloatProperty(  # type: ignore
         name="Direct",
-        description="Largest light of one sample straight from lights; 0 for no limit",
+        description="The most light that one sample may bring straight from lights; 0 for no limit. Lower removes bright"
+        " specks, and darkens a little",
         default=0.0,
         min=0.0,
     )
     clamp_indirect: FloatProperty(  # type: ignore
-        name="Indirect", description="Largest light of one sample after bounces; 0 for no limit", default=10.0, min=0.0
+        name="Indirect",
+        description="The most light that one sample may bring after bounces; 0 for no limit. Lower removes bright specks,"
+        " and darkens a little",
+        default=10.0,
+        min=0.0,
     )
 
     film_exposure: FloatProperty(  # type: ignore
-        name="Exposure", description="Factor on all light", default=1.0, min=0.0, soft_max=10.0
+        name="Exposure", description="Factor on all light: 2 is twice as bright", default=1.0, min=0.0, soft_max=10.0
     )
-    filter_type: EnumProperty(name="Pixel Filter", items=FILTERS, default="BLACKMAN_HARRIS")  # type: ignore
+    filter_type: EnumProperty(  # type: ignore
+        name="Pixel Filter",
+        description="How the samples around a pixel are weighted: what makes edges smooth",
+        items=FILTERS,
+        default="BLACKMAN_HARRIS",
+    )
     filter_width: FloatProperty(  # type: ignore
-        name="Width", description="Full width of the filter, in pixels", default=1.5, min=0.01, max=10.0
+        name="Width",
+        description="Full width of the filter, in pixels; wider is softer",
+        default=1.5,
+        min=0.01,
+        max=10.0,
     )
 
     facet_memory: FloatProperty(  # type: ignore
@@ -147,17 +218,22 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
     )
     geometry_cache_size: FloatProperty(  # type: ignore
         name="Cache Size (MB)",
-        description="Memory for tessellated surfaces, in megabytes; the picture is the same for any",
+        description="Memory for tessellated surfaces that do not stay, in megabytes. The picture is the same for any; more"
+        " is faster where much does not fit",
         default=30.0,
         min=0.0,
         soft_max=4096.0,
     )
     geometry_cache_mode: EnumProperty(  # type: ignore
-        name="Cache", description="What is kept of tessellated surfaces", items=CACHE_MODES, default="MULTI"
+        name="Tessellation Cache",
+        description="What is kept of tessellated surfaces that do not stay; to compare",
+        items=CACHE_MODES,
+        default="MULTI",
     )
     tessellation_factor: FloatProperty(  # type: ignore
-        name="Tessellation Factor",
-        description="How long facets may be, in widths of the rays that meet them; larger is coarser",
+        name="Dicing Rate",
+        description="How long facets may be, in pixels as the rays that meet them see it. Larger is coarser and faster;"
+        " lower it where an outline or a displacement lacks detail",
         default=1.0,
         min=0.01,
         max=100.0,
@@ -183,14 +259,18 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         max=1.0,
     )
 
-    strand_shape: EnumProperty(name="Shape", description="What hair is", items=STRAND_SHAPES)  # type: ignore
+    strand_shape: EnumProperty(  # type: ignore
+        name="Hair Shape",
+        description="What hair is: tubes, or bands, which are a little faster for hair thinner than a pixel",
+        items=STRAND_SHAPES,
+    )
     curve_primitive: EnumProperty(  # type: ignore
-        name="Primitive",
+        name="Curve Primitive",
         description="What hair and round bevelled curves are rendered as; all but the first are there to compare with",
         items=CURVE_PRIMITIVES,
     )
     curve_detail: IntProperty(  # type: ignore
-        name="Detail",
+        name="Curve Detail",
         description="Balls a segment of a curve; rings a segment and sides of a tube",
         default=16,
         min=3,
@@ -206,13 +286,17 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
 
     tile_size: IntProperty(  # type: ignore
         name="Tile Size",
-        description="Pixels along the side of what one thread renders at a time",
+        description="Pixels along the side of what one thread renders at a time. The picture is the same for any",
         default=32,
         min=8,
         max=512,
     )
     texture_memory: IntProperty(  # type: ignore
-        name="Texture Memory", description="Megabytes of image textures kept at once", default=1024, min=16, max=1 << 20
+        name="Texture Memory",
+        description="Megabytes of image textures kept at once. Raise it where many large pictures make a render slow",
+        default=1024,
+        min=16,
+        max=1 << 20,
     )
     ray_interpolation: PointerProperty(type=ray_interpolation.RayleafRayInterpolation)  # type: ignore
 

@@ -6,6 +6,9 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty
 
+from . import core_module
+from .export.ray_interpolation import BYTES_PER_MEGABYTE, as_typed
+
 MODES = (
     ("OFF", "Off", "Trace every ray"),
     ("AUTO", "Auto", "Interpolate rays against those objects where a probe of the frame shows that it is faster"),
@@ -22,11 +25,24 @@ def _update_passes(_settings: Any, context: Any) -> None:
     context.view_layer.update_render_passes()
 
 
+def _begin_with_those_in_force(settings: Any, _context: Any) -> None:
+    """Ticked, Advanced changes nothing: its settings become those that the tolerance stood for."""
+    if not settings.use_advanced:
+        return
+    try:
+        in_force = core_module.load().RayInterpolation(error=as_typed(settings.error))
+    except core_module.CoreError:
+        return  # a render will say why
+    settings.distance, settings.angle = in_force.distance_threshold, in_force.angle_threshold
+    settings.depth, settings.rays_per_cell = in_force.depth_limit, in_force.rays_per_cell
+    settings.cache_size = in_force.cache_bytes / BYTES_PER_MEGABYTE
+
+
 class _Thresholds:
     """What scene and object both have."""
 
     error: FloatProperty(  # type: ignore
-        name="Error",
+        name="Reflection Tolerance",
         description="Mean error that colours seen in a mirror or glass may have, on a scale from 0 to 1. "
         "Sets distance, angle and depth together; smaller is closer and slower",
         default=0.005,
@@ -39,8 +55,9 @@ class _Thresholds:
     )
     use_advanced: BoolProperty(  # type: ignore
         name="Advanced",
-        description="Set distance, angle, depth, rays per cell and cache size one by one",
+        description="Set distance, angle, depth, rays per cell and cache size one by one, beginning with those in force",
         default=False,
+        update=_begin_with_those_in_force,
     )
     distance: FloatProperty(  # type: ignore
         name="Distance",
@@ -53,14 +70,18 @@ class _Thresholds:
     )
     angle: FloatProperty(  # type: ignore
         name="Angle",
-        description="Largest angle between rays that are blended",
+        description="Largest angle between rays that are blended. Smaller is closer and slower",
         default=math.radians(20.0),
         min=0.0,
         max=math.pi,
         subtype="ANGLE",
     )
     depth: IntProperty(  # type: ignore
-        name="Depth", description="How often a cell of rays may be halved", default=28, min=0, max=60
+        name="Depth",
+        description="How often a cell of rays may be halved. More finds smaller details, and takes more memory",
+        default=28,
+        min=0,
+        max=60,
     )
     rays_per_cell: FloatProperty(  # type: ignore
         name="Rays per Cell",
@@ -84,15 +105,27 @@ class _Thresholds:
 class RayleafRayInterpolation(_Thresholds, bpy.types.PropertyGroup):
     """Of a scene."""
 
-    mode: EnumProperty(name="Ray Interpolation", items=MODES, default="OFF")  # type: ignore
+    mode: EnumProperty(  # type: ignore
+        name="Ray Interpolation",
+        description="Whether rays against smooth mirrors and glass are answered from rays traced before",
+        items=MODES,
+        default="OFF",
+    )
 
 
 class RayleafObjectRayInterpolation(_Thresholds, bpy.types.PropertyGroup):
     """Of an object, in place of the scene's."""
 
-    mode: EnumProperty(name="Ray Interpolation", items=OBJECT_MODES, default="SCENE")  # type: ignore
+    mode: EnumProperty(  # type: ignore
+        name="Ray Interpolation",
+        description="Whether rays against this object are answered from rays traced before",
+        items=OBJECT_MODES,
+        default="SCENE",
+    )
     use_own_error: BoolProperty(  # type: ignore
-        name="Own Thresholds", description="Use other thresholds than the scene", default=False
+        name="Own Tolerance",
+        description="Use another tolerance than the scene, for an object that shows its errors, or hides them",
+        default=False,
     )
 
 
@@ -115,12 +148,24 @@ class RayleafMaterialSettings(bpy.types.PropertyGroup):
         description="Show how long rays are inside the object, as an x-ray does, in place of its surface",
         default=False,
     )
-    volume_kind: EnumProperty(name="Kind", items=VOLUME_KINDS, default="EMISSION")  # type: ignore
+    volume_kind: EnumProperty(  # type: ignore
+        name="Kind", description="Whether the object glows or darkens", items=VOLUME_KINDS, default="EMISSION"
+    )
     volume_density: FloatProperty(  # type: ignore
-        name="Density", description="Per unit of length", default=1.0, min=0.0, soft_max=10.0
+        name="Density",
+        description="How much it glows or darkens per unit of length",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
     )
     volume_color: FloatVectorProperty(  # type: ignore
-        name="Color", subtype="COLOR", size=3, default=(1.0, 1.0, 1.0), min=0.0, soft_max=1.0
+        name="Color",
+        description="Of the glow, or of what is left of light",
+        subtype="COLOR",
+        size=3,
+        default=(1.0, 1.0, 1.0),
+        min=0.0,
+        soft_max=1.0,
     )
 
 

@@ -5,6 +5,8 @@ from typing import Any
 
 import bpy
 
+from . import sampling_presets
+
 ENGINE = "RAYLEAF"
 
 # Blender's panels that any engine may take carry this engine's name.
@@ -78,11 +80,15 @@ class RAYLEAF_PT_sampling(_Panel, bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         column, settings = self._column(), context.scene.rayleaf
+        presets = column.row(align=True)
+        for name in sampling_presets.PRESETS:
+            presets.operator("rayleaf.preset", text=name.title()).preset = name
         column.prop(settings, "samples")
         column.prop(settings, "preview_samples")
         row = column.row(align=True)
         row.prop(settings, "seed")
         row.prop(settings, "use_animated_seed", text="", icon="TIME")
+        column.operator("rayleaf.copy_cycles_settings")
 
 
 class RAYLEAF_PT_integrator(_Panel, bpy.types.Panel):
@@ -96,8 +102,8 @@ class RAYLEAF_PT_integrator(_Panel, bpy.types.Panel):
         if settings.integrator == "DISTRIBUTION":
             rays = column.column(align=True, heading="Rays")
             rays.prop(settings, "glossy_rays", text="Glossy")
-            rays.prop(settings, "light_rays", text="Light")
-            rays.prop(settings, "hemisphere_rays", text="Hemisphere")
+            rays.prop(settings, "light_rays", text="Shadow")
+            rays.prop(settings, "hemisphere_rays", text="Diffuse")
             column.prop(settings, "indirect")
             column.prop(settings, "use_irradiance_cache")
             error = column.row()
@@ -142,18 +148,14 @@ class RAYLEAF_PT_film(_Panel, bpy.types.Panel):
 
 
 class RAYLEAF_PT_curves(_Panel, bpy.types.Panel):
-    """What hair and curves are rendered as."""
+    """What hair is."""
 
-    bl_label = "Curves"
+    bl_label = "Hair"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Any) -> None:
         column, settings = self._column(), context.scene.rayleaf
         column.prop(settings, "strand_shape")
-        column.prop(settings, "curve_primitive")
-        detail = column.row()
-        detail.active = settings.curve_primitive in ("SPHERES", "TRIANGLES", "QUADS")
-        detail.prop(settings, "curve_detail")
 
 
 class RAYLEAF_PT_subdivision(_Panel, bpy.types.Panel):
@@ -207,17 +209,14 @@ class RAYLEAF_PT_tessellation(_Panel, bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         column, settings = self._column(), context.scene.rayleaf
+        column.prop(settings, "tessellation_factor")
         column.prop(settings, "facet_memory")
-        column.prop(settings, "geometry_cache_mode")
         size = column.row()
         size.active = settings.geometry_cache_mode != "NONE"
         size.prop(settings, "geometry_cache_size")
         levels = column.column()
         levels.active = settings.geometry_cache_mode != "SINGLE"
-        levels.prop(settings, "tessellation_factor", text="Factor")
         levels.prop(settings, "use_stochastic_levels")
-        levels.prop(settings, "use_importance_levels")
-        levels.prop(settings, "least_mirrored_spread")
 
 
 class RAYLEAF_PT_light(_Panel, bpy.types.Panel):

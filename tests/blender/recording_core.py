@@ -199,6 +199,9 @@ class SceneDescription:
 
 
 class RayInterpolation:
+    # What a tolerance stands for, as a tick at Advanced asks.
+    distance_threshold, angle_threshold, depth_limit, cache_bytes, rays_per_cell = 0.005, 0.35, 28, 100_000_000, 8.0
+
     def __init__(self, **values):
         self.values = values
 

@@ -73,10 +73,11 @@ report(classes=sorted({each.__name__ for each in classes if each.__module__.star
 
 def test_every_setting_that_readme_names_is_in_the_panel_where_it_says(run_blender):
     table = settings_table()
-    assert len(table) == 8 and sum(map(len, table.values())) > 40, table
+    assert len(table) == 9 and sum(map(len, table.values())) > 40, table
     run = run_blender(
         DRAWING
         + """
+bpy.context.preferences.view.show_developer_ui = True
 scene.rayleaf.integrator, scene.rayleaf.ray_interpolation.use_advanced = "DISTRIBUTION", True
 registered = [panel for panel in every_panel() if panel.is_registered and panel.bl_context == "render"]
 context = bpy.context
@@ -119,3 +120,85 @@ report(panels=list(labels(bpy.types.Panel)))
         if not any(place[0] == tab and place[1].startswith(label) for tab, label in [*run, engine])
     ]
     assert missing == []
+
+
+def test_every_setting_says_what_it_does(run_blender):
+    run = run_blender(
+        DRAWING
+        + """
+import rayleaf.report.panel
+from rayleaf import ray_interpolation, properties, sampling_presets
+groups = [*ray_interpolation.CLASSES, properties.RayleafSceneSettings, rayleaf.report.panel.RayleafMeasurement]
+groups += [operator for operator in rayleaf.report.panel.CLASSES if hasattr(operator, "bl_idname")]
+groups += sampling_presets.CLASSES
+inner = {"rna_type", "name", "settings", "state"}
+properties = []
+for group in groups:
+    names = {name for base in group.__mro__ for name in vars(base).get("__annotations__", {})} - inner
+    known = group.bl_rna.properties if "bl_idname" not in vars(group) else bpy.types.Operator.bl_rna_get_subclass_py(
+        group.__name__).bl_rna.properties
+    properties += [(group, known[name]) for name in names if name in known and known[name].type != "POINTER"]
+items = [item for _, prop in properties if prop.type == "ENUM" for item in prop.enum_items]
+report(count=len(properties), mute=[f"{group.__name__}.{prop.identifier}" for group, prop in properties
+                                    if len(prop.description) < 12] + [item.name for item in items if not item.description])
+"""
+    ).report
+    assert run["count"] > 60
+    assert run["mute"] == []
+
+
+def test_comparisons_show_with_developer_extras_alone(run_blender):
+    run = run_blender(
+        DRAWING
+        + """
+panels = [panel for panel in every_panel() if panel.__name__.startswith("RAYLEAF_PT_debug")]
+shown = {}
+for extras in (False, True):
+    bpy.context.preferences.view.show_developer_ui = extras
+    shown[extras] = [panel.poll(bpy.context) for panel in panels]
+passes = drawn(bpy.types.RAYLEAF_PT_passes, bpy.context)
+debug = [label for panel in panels for label in drawn(panel, bpy.context)]
+report(hidden=shown[False], shown=shown[True], passes=passes, debug=debug)
+"""
+    ).report
+    assert run["hidden"] == [False, False] and run["shown"] == [True, True]
+    assert {"Tree", "Level", "Cache Misses"} <= set(run["debug"]) and not {"Tree", "Level"} & set(run["passes"])
+    assert {"Curve Primitive", "Tessellation Cache", "Widen Mirrored Rays", "Coarser Where Dim"} <= set(run["debug"])
+
+
+def test_presets_and_the_settings_of_cycles_are_taken_over(run_blender):
+    run = run_blender(
+        DRAWING
+        + """
+import addon_utils
+addon_utils.enable("cycles")
+own, theirs = scene.rayleaf, scene.cycles
+values = lambda: [own.samples, own.max_bounces, own.transparent_bounces, own.clamp_indirect, own.seed]
+first = values()
+found = {}
+for name in ("FINAL", "PREVIEW", "DEFAULT"):
+    bpy.ops.rayleaf.preset(preset=name)
+    found[name] = values()
+from rayleaf.sampling_presets import FROM_CYCLES
+different = {}
+for name, ours in FROM_CYCLES.items():
+    prop = theirs.bl_rna.properties[name]
+    if prop.type == "ENUM":
+        setattr(theirs, name, "GAUSSIAN")
+    elif prop.type == "BOOLEAN":
+        setattr(theirs, name, not getattr(theirs, name))
+    else:
+        setattr(theirs, name, type(getattr(theirs, name))(7))
+    different[ours] = getattr(own, ours) != getattr(theirs, name)
+scene.cycles_curves.shape = "THICK" if own.strand_shape == "RIBBON" else "RIBBONS"
+before = own.strand_shape
+bpy.ops.rayleaf.copy_cycles_settings()
+equal = {ours: getattr(own, ours) == getattr(theirs, name) for name, ours in FROM_CYCLES.items()}
+report(first=first, found=found, different=different, equal=equal, shapes=[before, own.strand_shape])
+"""
+    ).report
+    assert run["found"]["DEFAULT"] == run["first"]
+    assert run["found"]["FINAL"][0] > run["first"][0] > run["found"]["PREVIEW"][0]
+    assert all(run["different"].values()), run["different"]
+    assert all(run["equal"].values()), run["equal"]
+    assert run["shapes"] == ["ROUND", "RIBBON"]

@@ -96,3 +96,25 @@ report(missing=[[type(o).__name__, p.identifier] for o in owners for p in o.bl_r
                 if p.identifier not in ("rna_type", "name") and (type(o).__name__, p.identifier) not in Layout.shown])
 """
     assert run_blender(SETUP + script).report["missing"] == []
+
+
+def test_ticking_advanced_changes_nothing(run_blender):
+    script = """
+import bpy
+from rayleaf import core_module
+from rayleaf.export import ray_interpolation as export
+core = core_module.load()
+names = ("distance_threshold", "angle_threshold", "depth_limit", "cache_bytes", "rays_per_cell")
+rays = bpy.context.scene.rayleaf.ray_interpolation
+found = []
+for tolerance in (0.005, 0.0007, 0.03, 0.5):
+    rays.use_advanced = False
+    rays.error = tolerance
+    before = export.of_scene(core, rays)
+    rays.use_advanced = True
+    after = export.of_scene(core, rays)
+    found.append([[getattr(each, name) for name in names] for each in (before, after)])
+report(found=found)
+"""
+    for before, after in run_blender(script).report["found"]:
+        assert after == pytest.approx(before, rel=1e-6)

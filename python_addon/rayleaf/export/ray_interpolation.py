@@ -5,23 +5,23 @@ from typing import Any
 
 import numpy as np
 
-_BYTES_PER_MEGABYTE = 1_000_000
+BYTES_PER_MEGABYTE = 1_000_000
 AS_SCENE = "SCENE"
 
 
-def _as_typed(value: float) -> float:
+def as_typed(value: float) -> float:
     """The shortest number that Blender's single precision holds as this one: 0.005, not 0.00499999988."""
     return float(str(np.float32(value)))
 
 
 def _thresholds(settings: Any) -> dict[str, Any]:
-    values: dict[str, Any] = {"error": _as_typed(settings.error), "cache_bytes": None}
+    values: dict[str, Any] = {"error": as_typed(settings.error), "cache_bytes": None}
     if settings.use_advanced:
         values.update(
-            distance_threshold=_as_typed(settings.distance),
+            distance_threshold=as_typed(settings.distance),
             angle_threshold=settings.angle,
             depth_limit=settings.depth,
-            cache_bytes=int(settings.cache_size * _BYTES_PER_MEGABYTE),
+            cache_bytes=int(settings.cache_size * BYTES_PER_MEGABYTE),
             rays_per_cell=settings.rays_per_cell,
         )
     return values

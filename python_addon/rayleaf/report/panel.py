@@ -45,8 +45,8 @@ class RayleafMeasurement(bpy.types.PropertyGroup):
     settings: CollectionProperty(type=RayleafMeasuredSetting)  # type: ignore
     state: StringProperty()  # type: ignore
     wanted_error: FloatProperty(  # type: ignore
-        name="Error",
-        description="Root mean square error wished for, in display RGB from 0 to 1",
+        name="Target Noise",
+        description="Noise and error that the picture may have: root mean square, in display colours from 0 to 1",
         default=0.02,
         min=0.0001,
         max=1.0,
@@ -201,7 +201,7 @@ class RAYLEAF_OT_apply_measured(bpy.types.Operator):
 class RAYLEAF_PT_measurement(bpy.types.Panel):
     """Error against run time of the open scene."""
 
-    bl_label = "Error against Time"
+    bl_label = "Find Best Settings"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "render"
