@@ -34,8 +34,10 @@ MEET_BLENDER = {
     *("animation.py", "enabling.py", "engine.py", "frame.py", "kept_messages.py", "preferences.py", "properties.py"),
     *(
         "ray_interpolation.py",
+        "sampling_presets.py",
         "self_test.py",
         "ui.py",
+        "ui_debug.py",
         "ui_messages.py",
         "ui_rays.py",
         "ui_view_layer.py",
