@@ -12,7 +12,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 ADDONS = Path(os.environ.get("RAYLEAF_PACKAGE_DIR") or ROOT / "build" / "release" / "scripts" / "addons").resolve()
-sys.path.insert(0, str(ADDONS))
+RIVALS = ADDONS.parents[1] / "rivals"  # the folder of the module rayleaf_rivals
+sys.path[:0] = [str(ADDONS), str(RIVALS)]
 
 # The same examples in every run, so that a test fails for everyone or for no one. To look for new ones, set
 # RAYLEAF_EXPLORE=1: a failure prints the line that repeats it.

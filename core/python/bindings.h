@@ -16,7 +16,6 @@ void bind_film(py::module_& module);
 void bind_lights(py::module_& module);
 void bind_ray_interpolation(py::module_& module);
 void bind_rays(py::module_& module);
-void bind_rivals(py::module_& module);
 void bind_ri_tree(py::module_& module);
 void bind_sampling(py::module_& module);
 void bind_scene(py::module_& module);

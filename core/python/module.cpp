@@ -45,7 +45,6 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::bind_strands(module);
     rayleaf::bind_subdivision(module);
     rayleaf::bind_ri_tree(module);
-    rayleaf::bind_rivals(module);
     rayleaf::bind_splines(module);
     rayleaf::bind_curves(module);
     rayleaf::bind_ray_interpolation(module);

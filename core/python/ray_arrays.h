@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/largest.h"
+#include "base/thread_clock.h"
 #include "python/arrays.h"
 #include "ri_tree/ray_cache.h"
-#include "trace/baselines.h"
 
 #include <algorithm>
 #include <optional>

@@ -3,14 +3,14 @@
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/dicing_view.h"
 #include "python/geometry_cache.h"
 #include "python/packets.h"
-#include "python/ray_arrays.h"
 #include "python/ray_footprints.h"
+#include "python/timed_rays.h"
 #include "tessellation/grid_intersection.h"
 #include "tessellation/patch_dicer.h"
 #include "tessellation/simd_targets.h"
-#include "trace/baselines.h"
 #include "trace/tracer.h"
 
 #include <oneapi/tbb/parallel_for.h>
@@ -70,15 +70,6 @@ std::shared_ptr<TriangleMesh> make_mesh(const std::string& name, const Array<flo
         arrays.attributes.push_back({0, 2, std::vector<float>(uv.data(), uv.data() + uv.size())});
     }
     return std::make_shared<TriangleMesh>(std::move(arrays));
-}
-
-DicingView view_from(double pixel_angle, const std::array<double, 3>& eye) {
-    if (!(pixel_angle >= 0.0 && is_length(pixel_angle)))
-        throw InputError("view", "pixel_angle", number_text(pixel_angle), "0 or a positive number up to 1e100");
-    DicingView view;
-    view.pixel_angle = pixel_angle;
-    view.eye = {eye[0], eye[1], eye[2]};
-    return view;
 }
 
 std::unique_ptr<Tracer> make_tracer(const std::vector<Placement>& placements, double pixel_angle,
@@ -266,24 +257,13 @@ py::array_t<double> rings(const SweptSurface& surface, const Array<double>& plac
     return result;
 }
 
-template <typename Target>
-py::tuple timed(const Target& target, const Array<double>& origins, const Array<double>& directions,
+py::tuple timed(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
                 const Array<float>& width, const Array<float>& spread, const Array<uint32_t>& starts) {
-    const RayArrays rays{origins, directions, number(0.0), number(std::numeric_limits<double>::infinity()),
-                         width,   spread,     starts};
-    rays.check();
-    std::vector<Ray> made;
-    made.reserve(rays.size());
-    for (size_t i = 0; i < rays.size(); ++i) made.push_back(rays[i]);
-    py::array_t<double> t(rays.size());
-    const std::span<double> out(t.mutable_data(), rays.size());
-    if constexpr (std::is_same_v<Target, EmbreeBaseline>) check_for_embree(made);
-    double seconds = 0;
-    {
-        const py::gil_scoped_release released;
-        seconds = time_closest(target, made, out);
-    }
-    return py::make_tuple(seconds, t);
+    const std::vector<Ray> rays = whole_rays(origins, directions, width, spread, starts);
+    return timed_rays(rays, [&](const Ray& ray) {
+        const std::optional<Hit> hit = tracer.closest_hit(ray, kVisibleAll);
+        return hit ? hit->t : std::numeric_limits<double>::infinity();
+    });
 }
 
 py::dict statistics(const Tracer& tracer) {
@@ -361,9 +341,9 @@ void bind_trace(py::module_& parent) {
              "surface points of so many rays are found together; they are the same.")
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
-        .def("timed_closest", &timed<Tracer>, py::arg("origins"), py::arg("directions"),
-             py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
-             py::arg("starts") = Array<uint32_t>(0), "(processor seconds on one thread, t)")
+        .def("timed_closest", &timed, py::arg("origins"), py::arg("directions"), py::arg("width") = float_number(0.0f),
+             py::arg("spread") = float_number(0.0f), py::arg("starts") = Array<uint32_t>(0),
+             "(processor seconds on one thread, t)")
         .def("bounds", &bounds)
         .def("statistics", &statistics);
 
@@ -374,25 +354,6 @@ void bind_trace(py::module_& parent) {
     module.def("diced_patch", &diced_patch, py::arg("surface"), py::arg("patch"));
     module.def("grid_candidates", &grid_candidates, py::arg("surface"), py::arg("patch"), py::arg("origins"),
                py::arg("directions"));
-    py::class_<EmbreeBaseline>(module, "EmbreeBaseline", "A surface's facets as Embree's own grids or triangles.")
-        .def(py::init([](const PatchSurface& surface, const std::string& primitive, double pixel_angle,
-                         const std::array<double, 3>& eye) {
-                 if (primitive != "GRID" && primitive != "TRIANGLE")
-                     throw py::value_error("primitive must be GRID or TRIANGLE");
-                 constexpr double kFinest = 1e-6;  // all grids are held at once
-                 if (!(pixel_angle >= kFinest))
-                     throw InputError("Embree", "pixel_angle", number_text(pixel_angle), "1e-6 or more");
-                 return std::make_unique<EmbreeBaseline>(
-                     surface, view_from(pixel_angle, eye),
-                     primitive == "GRID" ? EmbreePrimitive::Grid : EmbreePrimitive::Triangle);
-             }),
-             py::arg("surface"), py::arg("primitive"), py::arg("pixel_angle") = 1e-3,
-             py::arg("eye") = std::array<double, 3>{0, 0, 0})
-        .def(py::init<const TriangleMesh&>(), py::arg("mesh"))
-        .def_property_readonly("bytes", &EmbreeBaseline::bytes)
-        .def("timed_closest", &timed<EmbreeBaseline>, py::arg("origins"), py::arg("directions"),
-             py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
-             py::arg("starts") = Array<uint32_t>(0), "(processor seconds on one thread, t)");
 }
 
 }  // namespace rayleaf

@@ -1,6 +1,7 @@
 #include "render/ray_caches.h"
 
 #include "render/ray_cache_probe.h"
+#include "ri_tree/fast_tree.h"
 
 namespace rayleaf {
 namespace {
@@ -13,7 +14,7 @@ RayCacheStatistics since(const RayCacheStatistics& before, RayCacheStatistics no
 }
 
 std::shared_ptr<RayCache> make(const PlannedRayCache& planned, const CancelToken& cancel) {
-    return make_ray_cache(RayCacheKind::Fast, planned.shape, planned.samples, planned.interpolation.thresholds, cancel);
+    return std::make_unique<FastTree>(planned.shape, planned.samples, planned.interpolation.thresholds, cancel);
 }
 
 /// What objects look like in this frame, by the name that the store knows them by.

@@ -1,6 +1,6 @@
 // The ray cache that renders: any number of threads, sixteen rays at a time, memory within a limit.
 //
-// Idea: the tree of the reference (reference_tree.h), laid out for today's processors and asked for less.
+// Idea: the published tree (rivals/reference_tree.h), laid out for today's processors and asked for less.
 //   Sixteen rays go together from leaf to leaf (line_batch.h): one looks for its cell, all that are in it are answered.
 //   Leaves are polynomials of degree 3 (cell_leaf.h), so they are few.
 //   Cells are tested at every fourth depth; corners and centres are shared through a table (sample_table.h).

@@ -1,8 +1,6 @@
 #include "ri_tree/ray_cache.h"
 
 #include "base/error.h"
-#include "ri_tree/fast_tree.h"
-#include "ri_tree/reference_tree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,13 +89,6 @@ RayCacheSettings quality_settings(double error) {
     settings.depth_limit = static_cast<int>(std::min(kUsualDepth + 4.0 * steps, double{kGreatestCellDepth}));
     settings.mixed_depth_limit = settings.depth_limit;
     return settings;
-}
-
-std::unique_ptr<RayCache> make_ray_cache(RayCacheKind kind, std::shared_ptr<const Shape> shape,
-                                         const SampleSettings& samples, const RayCacheSettings& settings,
-                                         const CancelToken& cancel) {
-    if (kind == RayCacheKind::Reference) return std::make_unique<ReferenceTree>(std::move(shape), samples, settings);
-    return std::make_unique<FastTree>(std::move(shape), samples, settings, cancel);
 }
 
 }  // namespace rayleaf

@@ -164,14 +164,4 @@ class RayCache {
     virtual void next_frame() {}
 };
 
-enum class RayCacheKind : uint8_t {
-    Reference,  ///< the tree as published (reference_tree.h); one thread at a time
-    Fast        ///< what renders (fast_tree.h); any number of threads
-};
-
-/// Throws InputError for settings without meaning, and Cancelled soon after `cancel` says so.
-std::unique_ptr<RayCache> make_ray_cache(RayCacheKind kind, std::shared_ptr<const Shape> shape,
-                                         const SampleSettings& samples, const RayCacheSettings& settings,
-                                         const CancelToken& cancel = kNeverCancelled);
-
 }  // namespace rayleaf

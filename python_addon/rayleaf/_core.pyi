@@ -612,8 +612,6 @@ trace: Any
 """Shapes and rays against them without a scene, for tests and benchmarks (core/python/trace.cpp)."""
 ri_tree: Any
 """Ray caches over one shape, for tests and benchmarks (core/python/ri_tree.cpp)."""
-rivals: Any
-"""What ray caches are measured against, and sets of objects, for benchmarks (core/python/rivals.cpp)."""
 
 class LightProbe:
     """The lights of a scene, asked from a position."""

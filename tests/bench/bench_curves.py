@@ -16,6 +16,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
+import rayleaf_rivals
 from numpy.typing import NDArray
 from rayleaf import _core
 from rayleaf.report.curve_primitives import RADIUS, curve
@@ -146,7 +147,7 @@ def table_of_silhouettes(
     wanted = compared(swept["t"], exact["t"])[0]
     mesh, words = equal_mesh(_core.strands_along(make(segments)), wanted, exact["t"], origins, directions)
     triangles = measured(lambda: mesh, origins, directions, repeats)
-    alone = _core.trace.EmbreeBaseline(mesh)
+    alone = rayleaf_rivals.EmbreeBaseline(mesh)
     bare = {
         "memory": alone.bytes,
         "ray": 1e9 * min(alone.timed_closest(*rays(count))[0] for _ in range(repeats + 1)) / count,

@@ -19,6 +19,7 @@ from typing import Any
 
 import bench_trace
 import numpy as np
+import rayleaf_rivals
 from geometry_rays import Doubles, Rays, cracks_in_shells, hills, mixed_rays, offset
 from rayleaf import _core
 
@@ -157,7 +158,7 @@ class Reach:
 def embree(surface: Any, rays: Rays) -> tuple[float, float, float]:
     """Mrays/s, bytes and seconds to build of Embree's full grid."""
     begin = time.perf_counter()
-    grid = _core.trace.EmbreeBaseline(surface, "GRID", eye=list(bench_trace.EYE))
+    grid = rayleaf_rivals.EmbreeBaseline(surface, "GRID", eye=list(bench_trace.EYE))
     build = time.perf_counter() - begin
     plain = rays["origins"], rays["directions"]
     grid.timed_closest(*plain)

@@ -10,6 +10,7 @@ in double, and it computes t in double, the patch and its parameters, the point 
 from typing import Any
 
 import numpy as np
+import rayleaf_rivals
 from numpy.typing import NDArray
 from rayleaf import _core
 
@@ -121,9 +122,9 @@ def run() -> list[dict[str, Any]]:
         tracer = _core.trace.Tracer([(surface, np.eye(4), 31)], eye=list(EYE))
         statistics = tracer.statistics()
         subpatches = statistics["subpatches"]
-        methods = {"rayleaf": tracer, "embree grid": _core.trace.EmbreeBaseline(surface, "GRID", eye=list(EYE))}
+        methods = {"rayleaf": tracer, "embree grid": rayleaf_rivals.EmbreeBaseline(surface, "GRID", eye=list(EYE))}
         if subpatches <= MOST_SUBPATCHES_AS_TRIANGLES:
-            methods["embree triangle"] = _core.trace.EmbreeBaseline(surface, "TRIANGLE", eye=list(EYE))
+            methods["embree triangle"] = rayleaf_rivals.EmbreeBaseline(surface, "TRIANGLE", eye=list(EYE))
         for kind, (origins, directions) in ray_sets(tracer).items():
             _, expected = tracer.timed_closest(origins, directions)
             times: dict[str, list[float]] = {method: [] for method in methods}

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import rayleaf_rivals
 from ray_frames import Answers, Rays, Trees
 from ray_scenes import Scene
 from rayleaf import _core
@@ -59,9 +60,9 @@ class Counters:
         objects = [(each.surface, each.kind, each.ior) for each in scene.objects]
         hits = scene.interior_hits
         tracers = [
-            _core.rivals.RivalTracer(objects, method, most_interior_hits=hits) for method in ("TRIANGLES", "NEWTON")
+            rayleaf_rivals.RivalTracer(objects, method, most_interior_hits=hits) for method in ("TRIANGLES", "NEWTON")
         ]
-        return cls(*(_core.rivals.FlopCounter(tracer) for tracer in tracers))
+        return cls(*(rayleaf_rivals.FlopCounter(tracer) for tracer in tracers))
 
 
 @dataclass

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
+import rayleaf_rivals
 from numpy.typing import NDArray
 from ray_scenes import Doubles, Object, Scene
 from rayleaf import _core
@@ -109,7 +110,7 @@ class Rival:
 
     def __init__(self, scene: Scene, method: str, packets: bool = False) -> None:
         objects = [(each.surface, each.kind, each.ior) for each in scene.objects]
-        self.tracer = _core.rivals.RivalTracer(objects, method, most_interior_hits=scene.interior_hits)
+        self.tracer = rayleaf_rivals.RivalTracer(objects, method, most_interior_hits=scene.interior_hits)
         self.packets = packets
 
     def begin(self, camera: Camera) -> None:
@@ -130,8 +131,8 @@ class Trees:
             tree(each.surface, each.kind, ior=each.ior, most_interior_hits=hits, **settings) for each in scene.objects
         ]
         parts = [(each.surface, made) for each, made in zip(scene.objects, self.trees)]
-        self.set = _core.rivals.ObjectSet(parts, traced=traced, sum_of_lengths=scene.lengths)
-        tracing = _core.rivals.ObjectSet(parts, traced=True, sum_of_lengths=scene.lengths)
+        self.set = rayleaf_rivals.ObjectSet(parts, traced=traced, sum_of_lengths=scene.lengths)
+        tracing = rayleaf_rivals.ObjectSet(parts, traced=True, sum_of_lengths=scene.lengths)
         for degrees in range(0, 360, 45):
             for rays in Camera(scene, Picture(WARMING_PIXELS, WARMING_PIXELS), degrees).bands():
                 tracing.ask(rays.origins, rays.directions)
@@ -161,11 +162,11 @@ class ImagePlane:
     def __init__(self, scene: Scene, own: Trees) -> None:
         hits = scene.interior_hits
         self.planes = [
-            _core.rivals.ImagePlane(each.surface, each.kind, each.ior, most_interior_hits=hits)
+            rayleaf_rivals.ImagePlane(each.surface, each.kind, each.ior, most_interior_hits=hits)
             for each in scene.objects
         ]
         parts = [(each.surface, plane) for each, plane in zip(scene.objects, self.planes)]
-        self.set = _core.rivals.ObjectSet(parts, sum_of_lengths=scene.lengths)
+        self.set = rayleaf_rivals.ObjectSet(parts, sum_of_lengths=scene.lengths)
         self.own = own
 
     def begin(self, camera: Camera) -> None:

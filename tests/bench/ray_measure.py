@@ -4,12 +4,13 @@ import statistics
 from dataclasses import dataclass, field
 from typing import Any
 
+import rayleaf_rivals
 from ray_flops import Account, Counters, sample_flops
 from ray_frames import Camera, Frame, ImagePlane, Method, Picture, Rival, Trees, error, render
 from ray_scenes import Scene
 from rayleaf import _core
 
-TREES = {"reference": _core.ri_tree.ReferenceTree, "fast": _core.ri_tree.FastTree}
+TREES = {"reference": rayleaf_rivals.ReferenceTree, "fast": _core.ri_tree.FastTree}
 # The paper's lengths are in units of its scenes; these are shares of half the object's size: its sheet's is 5 units.
 PAPER_UNIT = 1 / 5
 RIVALS = ("tracing", "triangles", "packets", "Newton")

@@ -91,7 +91,8 @@ def asked(words: list[str], known: dict[str, Path]) -> argparse.Namespace:
 
 def main() -> int:
     known = cases()
-    sys.path[:0] = [os.environ["RAYLEAF_PACKAGE_DIR"], str(HERE)]
+    addons = Path(os.environ["RAYLEAF_PACKAGE_DIR"])
+    sys.path[:0] = [str(addons), str(addons.parents[1] / "rivals"), str(HERE)]
     options = asked(sys.argv[1:], known)
     if options.list:
         print("\n".join(known))

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+import rayleaf_rivals
 from rayleaf import _core
 from core.good_arguments import Call, scene, settings
 from core.good_bench_calls import BENCH_CALLS
@@ -69,9 +70,9 @@ def documented_parameters(function: Any, name: str) -> dict[str, str]:
 
 
 def bound_in_submodules() -> Iterator[tuple[str, dict[str, str]]]:
-    """Those of the submodules, which are declared as Any."""
-    for module_name in ("distribution", "ri_tree", "rivals", "shading", "trace"):
-        module = getattr(_core, module_name)
+    """Those of modules without a stub."""
+    modules = {name: getattr(_core, name) for name in ("distribution", "ri_tree", "shading", "trace")}
+    for module_name, module in {**modules, "rivals": rayleaf_rivals}.items():
         for name, value in sorted(vars(module).items()):
             where = f"{module_name}.{name}"
             if inspect.isbuiltin(value):

@@ -7,18 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import rayleaf_rivals as rivals
 from core import scenes, shapes, subdivision_cages
 from rayleaf import _core
 
 Call = Callable[[], tuple[Callable[..., Any], dict[str, Any]]]
 
-trace, ri_tree, rivals, shading, distribution = (
-    _core.trace,
-    _core.ri_tree,
-    _core.rivals,
-    _core.shading,
-    _core.distribution,
-)
+trace, ri_tree, shading, distribution = _core.trace, _core.ri_tree, _core.shading, _core.distribution
 RAYS = {"origins": np.array([[0.1, 0.2, 5.0], [3, 0, 0]]), "directions": np.array([[0.0, 0, -1], [-1, 0.1, 0]])}
 PATCH = np.array([[[0.0, 0, 0, 1], [1, 0, 0, 1]], [[0, 1, 0, 1], [1, 1, 1, 1]]])
 PATCH_SPLINE = (PATCH, (2, False, False, False), (2, False, False, False), True, 0)
@@ -140,7 +135,7 @@ def rival(method: str = "TRIANGLES") -> Any:
 @functools.cache
 def baseline() -> Any:
     """Embree's own grids over a sphere."""
-    return trace.EmbreeBaseline(shapes.nurbs_sphere(), "GRID", pixel_angle=0.1)
+    return rivals.EmbreeBaseline(shapes.nurbs_sphere(), "GRID", pixel_angle=0.1)
 
 
 def plane() -> Any:

@@ -1,6 +1,7 @@
 """Calls that hold of what the core binds for tests and benchmarks alone."""
 
 import numpy as np
+import rayleaf_rivals as rivals
 from core import shapes
 from core.good_arguments import (
     ROWS,
@@ -34,7 +35,6 @@ from rayleaf import _core
 
 distribution = _core.distribution
 ri_tree = _core.ri_tree
-rivals = _core.rivals
 shading = _core.shading
 trace = _core.trace
 
@@ -189,13 +189,12 @@ BENCH_CALLS: dict[str, Call] = {
         spread=lambda: T,
         inside=lambda: False,
     ),
-    "trace.EmbreeBaseline": ctor(
-        trace.EmbreeBaseline, surface=shapes.nurbs_sphere(), primitive="GRID", pixel_angle=0.1
+    "rivals.EmbreeBaseline": ctor(
+        rivals.EmbreeBaseline, surface=shapes.nurbs_sphere(), primitive="GRID", pixel_angle=0.1
     ),
-    "trace.EmbreeBaseline.timed_closest": method(baseline, "timed_closest", **RAYS, width=T, spread=T),
+    "rivals.EmbreeBaseline.timed_closest": method(baseline, "timed_closest", **RAYS, width=T, spread=T),
 }
-for _name, _make in (("FastTree", ri_tree.FastTree), ("ReferenceTree", ri_tree.ReferenceTree)):
-    _of = f"ri_tree.{_name}"
+for _of, _make in (("ri_tree.FastTree", ri_tree.FastTree), ("rivals.ReferenceTree", rivals.ReferenceTree)):
     BENCH_CALLS[_of] = ctor(_make, shape=shapes.nurbs_sphere(), kind="MIRROR")
     BENCH_CALLS[f"{_of}.final_cells"] = method(lambda make=_make: tree(make=make), "final_cells", **RAYS)
     BENCH_CALLS[f"{_of}.corner_rays"] = method(lambda make=_make: tree(make=make), "corner_rays", cell=CELL)

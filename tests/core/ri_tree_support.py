@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import rayleaf_rivals
 from core import shapes
 from numpy.typing import NDArray
 from rayleaf import _core
@@ -18,12 +19,12 @@ ANY_ANGLE = 4.0  # radians: more than two directions can differ by
 Doubles = NDArray[np.float64]
 
 
-TREES = ("ReferenceTree", "FastTree")
+TREES = {"ReferenceTree": rayleaf_rivals.ReferenceTree, "FastTree": ri_tree.FastTree}
 
 
 def tree_of(shape: Any, kind: str, tree: str = "ReferenceTree", **settings: Any) -> Any:
     """A tree whose facets are too fine to matter."""
-    return getattr(ri_tree, tree)(shape, kind, **{"facet_tolerance": 2.0**-20, **settings})
+    return TREES[tree](shape, kind, **{"facet_tolerance": 2.0**-20, **settings})
 
 
 def rays_towards(target: Doubles, radius: float, count: int, seed: int = 1, eye: Any = (0.5, -4.0, 1.5)) -> Any:

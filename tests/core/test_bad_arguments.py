@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rayleaf_rivals
 from core import bad_arguments, scenes, shapes
 from rayleaf import _core
 
@@ -23,7 +24,11 @@ def test_every_bound_function_has_a_call_that_holds():
 
 def calls_from(first: int) -> tuple[int, list[str]]:
     """Make the calls from one on: the exit code and what was said."""
-    folders = [str(Path(__file__).parents[1]), str(Path(_core.__file__).parents[1])]
+    folders = [
+        str(Path(__file__).parents[1]),
+        str(Path(_core.__file__).parents[1]),
+        str(Path(rayleaf_rivals.__file__).parent),
+    ]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(folders), "PYTHONWARNINGS": "ignore"}
     done = subprocess.run(
         [sys.executable, "-m", "core.bad_arguments", str(first)],
@@ -67,7 +72,11 @@ print("END")
 
 def ends_well(name: str) -> bool:
     """Call a function of this file in another process."""
-    folders = [str(Path(__file__).parents[1]), str(Path(_core.__file__).parents[1])]
+    folders = [
+        str(Path(__file__).parents[1]),
+        str(Path(_core.__file__).parents[1]),
+        str(Path(rayleaf_rivals.__file__).parent),
+    ]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(folders)}
     done = subprocess.run(
         [sys.executable, "-c", ALONE.format(name=name)],

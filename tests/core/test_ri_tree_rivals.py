@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import rayleaf_rivals
 from core import ri_tree_support as support
 from core import shapes
 from core.ri_tree_support import INTERPOLATED
@@ -39,7 +40,7 @@ def test_rivals_answer_as_the_sample_tracer(kind, method):
     shape = lens() if kind in ("GLASS", "VOLUME") else sheet()
     origins, directions = support.scattered_rays(600, spread=0.7)
     truth = support.tree_of(shape, kind).trace(origins, directions)
-    rival = _core.rivals.RivalTracer([(shape, kind, 1.45)], method)
+    rival = rayleaf_rivals.RivalTracer([(shape, kind, 1.45)], method)
     got = rival.trace(origins, directions)
     same = truth["hit"] == (got["object"] == 0)
     # Facets of 16 x 16 cells leave out slivers at silhouettes.
@@ -58,7 +59,7 @@ def test_rivals_answer_as_the_sample_tracer(kind, method):
 
 @pytest.mark.parametrize("kind", ["MIRROR", "GLASS", "VOLUME"])
 def test_packets_answer_as_single_rays(kind):
-    rival = _core.rivals.RivalTracer([(lens(), kind, 1.45)], "TRIANGLES")
+    rival = rayleaf_rivals.RivalTracer([(lens(), kind, 1.45)], "TRIANGLES")
     origins, directions = support.scattered_rays(1003, spread=0.7)
     single, packets = rival.trace(origins, directions), rival.trace(origins, directions, packets=True)
     np.testing.assert_array_equal(single["object"], packets["object"])
@@ -72,17 +73,17 @@ def test_packets_answer_as_single_rays(kind):
 
 def test_rivals_name_what_they_cannot_trace():
     with pytest.raises(_core.InputError, match="sphere.*degree 3"):
-        _core.rivals.RivalTracer([(shapes.nurbs_sphere(), "MIRROR", 1.5)], "NEWTON")
+        rayleaf_rivals.RivalTracer([(shapes.nurbs_sphere(), "MIRROR", 1.5)], "NEWTON")
     with pytest.raises(_core.InputError, match="method"):
-        _core.rivals.RivalTracer([(sheet(), "MIRROR", 1.5)], "GUESSING")
+        rayleaf_rivals.RivalTracer([(sheet(), "MIRROR", 1.5)], "GUESSING")
     with pytest.raises(_core.InputError, match="packets"):
-        _core.rivals.RivalTracer([(sheet(), "MIRROR", 1.5)], "NEWTON").trace(*support.scattered_rays(4), packets=True)
+        rayleaf_rivals.RivalTracer([(sheet(), "MIRROR", 1.5)], "NEWTON").trace(*support.scattered_rays(4), packets=True)
 
 
 def test_a_set_of_objects_answers_with_the_nearest():
     near, far = sheet((0, 0, 1.0)), sheet((0, 0, -1.0))
     parts = [(shape, support.tree_of(shape, "MIRROR")) for shape in (far, near)]
-    objects = _core.rivals.ObjectSet(parts, traced=True)
+    objects = rayleaf_rivals.ObjectSet(parts, traced=True)
     random = np.random.default_rng(3)
     origins = np.concatenate([random.uniform(-2.5, 2.5, (500, 2)), np.full((500, 1), 4.0)], axis=1)
     directions = shapes.unit(random.normal(0, 0.3, (500, 3)) - [0, 0, 1])
@@ -93,7 +94,7 @@ def test_a_set_of_objects_answers_with_the_nearest():
     np.testing.assert_array_equal(got["object"], expected)
     left = np.ones(500, np.int32)
     np.testing.assert_array_equal(objects.ask(origins, directions, left=left)["object"] == 0, each[0]["hit"])
-    lengths = _core.rivals.ObjectSet(
+    lengths = rayleaf_rivals.ObjectSet(
         [(lens(), support.tree_of(lens(), "VOLUME"))] * 2, traced=True, sum_of_lengths=True
     )
     once = support.tree_of(lens(), "VOLUME").trace(origins, directions)["length"]
@@ -121,9 +122,9 @@ def picture(order=None):
 def test_the_image_plane_interpolates_camera_rays(kind):
     shape = lens() if kind in ("GLASS", "VOLUME") else sheet()
     camera, origins, directions, points = picture()
-    plane = _core.rivals.ImagePlane(shape, kind)
+    plane = rayleaf_rivals.ImagePlane(shape, kind)
     plane.look(*camera)
-    objects = _core.rivals.ObjectSet([(shape, plane)])
+    objects = rayleaf_rivals.ObjectSet([(shape, plane)])
     got = objects.ask(origins, directions, points=points)
     truth = support.tree_of(shape, kind, facet_tolerance=2.0**-16).trace(origins, directions)
     interpolated = got["answered_by"] == INTERPOLATED
@@ -147,9 +148,9 @@ def test_the_image_plane_does_not_depend_on_the_order_of_rays():
     order = np.random.default_rng(8).permutation(len(points))
     answers = []
     for chosen in (slice(None), order):
-        plane = _core.rivals.ImagePlane(lens(), "GLASS")
+        plane = rayleaf_rivals.ImagePlane(lens(), "GLASS")
         plane.look(*camera)
-        objects = _core.rivals.ObjectSet([(lens(), plane)])
+        objects = rayleaf_rivals.ObjectSet([(lens(), plane)])
         answers.append(objects.ask(origins[chosen], directions[chosen], points=points[chosen]))
     for name in ("object", "answered_by", "position", "normal", "exit_position", "exit_direction"):
         np.testing.assert_array_equal(answers[0][name][order], answers[1][name], err_msg=name)
@@ -157,8 +158,8 @@ def test_the_image_plane_does_not_depend_on_the_order_of_rays():
 
 def test_the_image_plane_bears_points_and_cameras_without_meaning():
     camera, origins, directions, points = picture()
-    plane = _core.rivals.ImagePlane(sheet(), "MIRROR")
-    objects = _core.rivals.ObjectSet([(sheet(), plane)])
+    plane = rayleaf_rivals.ImagePlane(sheet(), "MIRROR")
+    objects = rayleaf_rivals.ObjectSet([(sheet(), plane)])
     with pytest.raises(_core.InputError, match="look"):
         objects.ask(origins[:4], directions[:4], points=points[:4])
     plane.look(*camera)
@@ -172,4 +173,4 @@ def test_the_image_plane_bears_points_and_cameras_without_meaning():
     assert (objects.ask(origins[:4], directions[:4], points=points[:4])["object"] == -1).all()
     for argument in ("angle_threshold", "distance_threshold"):
         with pytest.raises(_core.InputError, match=f"sheet.*{argument}"):
-            _core.rivals.ImagePlane(sheet(), "MIRROR", **{argument: 0.0}).look(*camera)
+            rayleaf_rivals.ImagePlane(sheet(), "MIRROR", **{argument: 0.0}).look(*camera)

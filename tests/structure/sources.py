@@ -5,12 +5,18 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 CORE = ROOT / "core"
+RIVALS = ROOT / "rivals"
 ADDON = ROOT / "python_addon" / "rayleaf"
 
 
+def cpp_files(folder: Path) -> list[Path]:
+    """Headers, sources and tables."""
+    return sorted(path for path in folder.rglob("*") if path.suffix in (".h", ".cpp", ".inl", ".def"))
+
+
 def core_files() -> list[Path]:
-    """Headers, sources and tables of the core."""
-    return sorted(path for path in CORE.rglob("*") if path.suffix in (".h", ".cpp", ".inl", ".def"))
+    """Those of the core."""
+    return cpp_files(CORE)
 
 
 def python_files(*folders: str) -> list[Path]:
@@ -22,7 +28,7 @@ def python_files(*folders: str) -> list[Path]:
 
 def text_files() -> list[Path]:
     """Everything that people write and read."""
-    files = core_files() + python_files("python_addon", "tests", "blend_scenes")
+    files = core_files() + cpp_files(RIVALS) + python_files("python_addon", "tests", "blend_scenes")
     files += [ROOT / name for name in ("rayleaf", "CMakeLists.txt", "pyproject.toml", "CMakePresets.json")]
     return files + sorted(ROOT.glob("*.md")) + sorted(CORE.rglob("*.md")) + sorted(ADDON.rglob("*.pyi"))
 

@@ -143,3 +143,7 @@ def test_the_core_is_met_only_where_the_table_says():
     )
     found = {str(p.relative_to(ADDON)) for p in python_files("python_addon/rayleaf") if pattern.search(p.read_text())}
     assert found == MEET_CORE
+
+
+def test_the_core_knows_nothing_of_what_it_is_measured_against():
+    assert [f"{path} includes {target}" for path, target in includes() if target.startswith("rivals/")] == []

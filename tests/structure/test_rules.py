@@ -4,10 +4,10 @@ import ast
 import fnmatch
 
 import pytest
-from structure.sources import ROOT, bare_code, core_files, matches, python_files, text_files
+from structure.sources import RIVALS, ROOT, bare_code, core_files, cpp_files, matches, python_files, text_files
 
 ROOT_ENTRIES = {
-    *("core", "python_addon", "tests", "blend_scenes", ".ci"),
+    *("core", "rivals", "python_addon", "tests", "blend_scenes", ".ci"),
     *("README.md", "LICENSE", "rayleaf", "CMakeLists.txt", "CMakePresets.json", "pyproject.toml"),
     *(".clang-format", ".clang-tidy", ".gitignore", ".git"),
 }
@@ -31,13 +31,13 @@ def test_the_core_never_prints_and_never_ends_the_process():
         r"\b(cout|cerr|clog|stdout|stderr)\b|\b(f|v|vf)?printf\s*\(|\b(puts|fputs|putchar|perror|abort|_?exit|_Exit|quick_exit"
         r"|terminate|raise)\s*\(|\bassert\s*\("
     )
-    assert matches(core_files(), pattern, bare=True) == []
+    assert matches(core_files() + cpp_files(RIVALS), pattern, bare=True) == []
 
 
 def test_no_error_is_swallowed():
     swallowing = [
         str(path.relative_to(ROOT))
-        for path in core_files()
+        for path in core_files() + cpp_files(RIVALS)
         if "catch(...){}" in "".join(bare_code(path.read_text()).split())
     ]
     assert swallowing == []
@@ -99,7 +99,7 @@ def test_no_python_function_is_too_long():
 
 
 def test_every_header_is_included_once():
-    headers = [path for path in core_files() if path.suffix == ".h"]
+    headers = [path for path in core_files() + cpp_files(RIVALS) if path.suffix == ".h"]
     assert [str(path) for path in headers if "#pragma once" not in path.read_text()] == []
 
 
@@ -122,7 +122,7 @@ def test_every_test_checks_something():
 
 @pytest.mark.parametrize("kind", [".h", ".inl"])
 def test_every_header_opens_with_what_it_is_for(kind):
-    files = [path for path in core_files() if path.suffix == kind]
+    files = [path for path in core_files() + cpp_files(RIVALS) if path.suffix == kind]
     assert files
     silent = [str(path) for path in files if not path.read_text().startswith("//")]
     assert silent == []

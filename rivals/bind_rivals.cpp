@@ -1,8 +1,8 @@
 #include "python/arrays.h"
-#include "python/bindings.h"
 #include "python/ray_arrays.h"
-#include "ri_tree/object_set.h"
-#include "ri_tree/rival_paths.h"
+#include "rivals/bindings.h"
+#include "rivals/object_set.h"
+#include "rivals/rival_paths.h"
 
 namespace rayleaf {
 namespace {
@@ -185,8 +185,7 @@ py::dict ask(BoundSet& bound, const Array<double>& origins, const Array<double>&
 
 }  // namespace
 
-void bind_rivals(py::module_& parent) {
-    py::module_ module = parent.def_submodule("rivals", "What ray caches are measured against, and sets of objects.");
+void bind_rivals(py::module_& module) {
     py::class_<RivalTracer>(module, "RivalTracer", "Surfaces as Embree's triangles, or as patches met by Newton.")
         .def(py::init(&make_tracer), py::arg("objects"), py::arg("method"),
              py::arg("most_interior_hits") = kMostInteriorHits,

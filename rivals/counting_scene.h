@@ -6,7 +6,7 @@
 // that a binary tree would not: it makes more operations than are counted here, many at once.
 #pragma once
 
-#include "trace/rival_scene.h"
+#include "rivals/rival_scene.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "ri_tree/reference_tree.h"
+#include "rivals/reference_tree.h"
 
 #include "trace/float_environment.h"
 #include "trace/local_ray.h"

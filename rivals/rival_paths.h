@@ -1,9 +1,9 @@
-// Output rays by the rival tracers (trace/rival_scene.h): the same paths as SampleTracer's, in single precision.
+// Output rays by the rival tracers (rival_scene.h): the same paths as SampleTracer's, in single precision.
 #pragma once
 
 #include "ri_tree/path_answer.h"
-#include "trace/counting_scene.h"
-#include "trace/rival_scene.h"
+#include "rivals/counting_scene.h"
+#include "rivals/rival_scene.h"
 
 #include <span>
 #include <vector>
@@ -46,7 +46,7 @@ class RivalTracer {
     /// Rays in object space, finite, of unit length. Packets are made of rays that follow one another.
     void trace(std::span<const Ray> rays, std::span<PathAnswer> answers, PacketUse packets) const;
     const RivalScene& scene() const { return scene_; }
-    /// The floating-point operations that each ray takes (trace/counting_scene.h), asked of the scene's twin.
+    /// The floating-point operations that each ray takes (counting_scene.h), asked of the scene's twin.
     void count(const CountingScene& twin, std::span<const Ray> rays, std::span<uint64_t> flops) const;
 
   private:

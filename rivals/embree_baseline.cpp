@@ -1,9 +1,8 @@
-#include "trace/baselines.h"
+#include "rivals/embree_baseline.h"
 
 #include "tessellation/patch_dicer.h"
 #include "trace/dicing.h"
 
-#include <ctime>
 #include <limits>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -36,12 +35,6 @@ void add_triangles(RTCGeometry geometry, uint32_t count) {
 }
 
 }  // namespace
-
-double thread_seconds() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 EmbreeBaseline::EmbreeBaseline(const PatchSurface& surface, const DicingView& view, EmbreePrimitive primitive)
     : frame_(surface.frame()) {
@@ -102,21 +95,6 @@ float EmbreeBaseline::closest_t(const Ray& ray) const {
     embree_closest(scene_.get(), context, hit);
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::numeric_limits<float>::infinity();
     return hit.ray.tfar * static_cast<float>(frame_.scale);
-}
-
-double time_closest(const Tracer& tracer, std::span<const Ray> rays, std::span<double> t) {
-    const double begin = thread_seconds();
-    for (size_t i = 0; i < rays.size(); ++i) {
-        const std::optional<Hit> hit = tracer.closest_hit(rays[i], kVisibleAll);
-        t[i] = hit ? hit->t : std::numeric_limits<double>::infinity();
-    }
-    return thread_seconds() - begin;
-}
-
-double time_closest(const EmbreeBaseline& baseline, std::span<const Ray> rays, std::span<double> t) {
-    const double begin = thread_seconds();
-    for (size_t i = 0; i < rays.size(); ++i) t[i] = baseline.closest_t(rays[i]);
-    return thread_seconds() - begin;
 }
 
 }  // namespace rayleaf

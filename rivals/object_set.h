@@ -2,9 +2,9 @@
 // benchmarks and tests.
 #pragma once
 
-#include "ri_tree/image_plane.h"
 #include "ri_tree/path_answer.h"
 #include "ri_tree/ray_cache.h"
+#include "rivals/image_plane.h"
 
 #include <memory>
 #include <span>

@@ -1,4 +1,4 @@
-#include "ri_tree/image_plane.h"
+#include "rivals/image_plane.h"
 
 #include "base/error.h"
 

@@ -1,4 +1,4 @@
-// What Embree alone would do with the same facets: the measure for the benchmark, used by nothing else.
+// What Embree alone would do with the same facets: what tracing is measured against.
 #pragma once
 
 #include "geometry/patch_surface.h"
@@ -7,8 +7,7 @@
 #include "trace/embree.h"
 #include "trace/tracer.h"
 
-#include <span>
-#include <vector>
+#include <cstdint>
 
 namespace rayleaf {
 
@@ -31,11 +30,5 @@ class EmbreeBaseline {
     EmbreeScene scene_;
     uint64_t bytes_ = 0;
 };
-
-/// Processor time of this thread, seconds.
-double thread_seconds();
-/// Traces the rays one after the other; `t` receives the distances. Returns this thread's processor time, seconds.
-double time_closest(const Tracer& tracer, std::span<const Ray> rays, std::span<double> t);
-double time_closest(const EmbreeBaseline& baseline, std::span<const Ray> rays, std::span<double> t);
 
 }  // namespace rayleaf

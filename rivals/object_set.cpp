@@ -1,4 +1,4 @@
-#include "ri_tree/object_set.h"
+#include "rivals/object_set.h"
 
 #include <limits>
 

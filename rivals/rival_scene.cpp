@@ -1,4 +1,4 @@
-#include "trace/rival_scene.h"
+#include "rivals/rival_scene.h"
 
 #include "base/error.h"
 #include "splines/bounds.h"

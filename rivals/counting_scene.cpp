@@ -1,4 +1,4 @@
-#include "trace/counting_scene.h"
+#include "rivals/counting_scene.h"
 
 #include "tessellation/grid.h"
 

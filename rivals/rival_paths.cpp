@@ -1,4 +1,4 @@
-#include "ri_tree/rival_paths.h"
+#include "rivals/rival_paths.h"
 
 #include "base/error.h"
 
