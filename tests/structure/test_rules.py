@@ -7,7 +7,7 @@ import pytest
 from structure.sources import RIVALS, ROOT, bare_code, core_files, cpp_files, matches, python_files, text_files
 
 ROOT_ENTRIES = {
-    *("core", "rivals", "python_addon", "tests", "blend_scenes", ".ci"),
+    *("core", "rivals", "examples", "cmake", "python_addon", "tests", "blend_scenes", ".ci"),
     *("README.md", "LICENSE", "rayleaf", "CMakeLists.txt", "CMakePresets.json", "pyproject.toml"),
     *(".clang-format", ".clang-tidy", ".gitignore", ".git"),
 }

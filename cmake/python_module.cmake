@@ -1,0 +1,27 @@
+# The Python module rayleaf._core, what it is measured against, and the folder that Blender loads both from.
+
+file(GLOB RAYLEAF_BINDINGS CONFIGURE_DEPENDS core/python/*.cpp)
+pybind11_add_module(_core MODULE NO_EXTRAS ${RAYLEAF_BINDINGS})
+target_link_libraries(_core PRIVATE rayleaf_core rayleaf_flags)
+target_precompile_headers(_core PRIVATE <pybind11/numpy.h> <pybind11/pybind11.h> <pybind11/stl.h>
+                                        <Imath/ImathMatrix.h> <Imath/ImathVec.h>)
+set_source_files_properties(core/python/module.cpp PROPERTIES COMPILE_DEFINITIONS
+  "RAYLEAF_VERSION=\"${PROJECT_VERSION}\";RAYLEAF_COMPILER=\"${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}\";\
+RAYLEAF_EMBREE_VERSION=\"${embree_VERSION}\";RAYLEAF_OPENIMAGEIO_VERSION=\"${OPENIMAGEIO_VERSION}\";\
+RAYLEAF_OPENSUBDIV_VERSION=\"${OPENSUBDIV_VERSION}\";RAYLEAF_TBB_VERSION=\"${TBB_VERSION}\"")
+target_link_options(_core PRIVATE -Wl,--exclude-libs,ALL -Wl,--version-script=${CMAKE_SOURCE_DIR}/core/python/exports.map)
+set_target_properties(_core PROPERTIES LINK_DEPENDS ${CMAKE_SOURCE_DIR}/core/python/exports.map)
+
+# What tests and benchmarks measure the core against, as a Python module of its own. No package holds it.
+file(GLOB RAYLEAF_RIVALS CONFIGURE_DEPENDS rivals/*.cpp)
+pybind11_add_module(rayleaf_rivals MODULE NO_EXTRAS EXCLUDE_FROM_ALL ${RAYLEAF_RIVALS} core/python/arrays.cpp)
+target_include_directories(rayleaf_rivals PRIVATE ${CMAKE_SOURCE_DIR})
+target_link_libraries(rayleaf_rivals PRIVATE rayleaf_core rayleaf_flags embree)
+set_target_properties(rayleaf_rivals PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/rivals)
+
+# The folder Blender sees through BLENDER_USER_SCRIPTS: the add-on's sources by link, the module beside them.
+set(RAYLEAF_PACKAGE ${CMAKE_BINARY_DIR}/scripts/addons/rayleaf)
+set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${RAYLEAF_PACKAGE})
+add_custom_target(rayleaf_package ALL
+  COMMAND ${Python_EXECUTABLE} ${CMAKE_SOURCE_DIR}/python_addon/link_package.py ${CMAKE_SOURCE_DIR} ${RAYLEAF_PACKAGE}
+  COMMENT "Linking the add-on's sources into ${RAYLEAF_PACKAGE}")
