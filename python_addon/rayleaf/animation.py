@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 from bpy.app.handlers import persistent
 
+from .app_handlers import handlers_factory
 from .names import name_of
 
 
@@ -74,21 +75,11 @@ def _forget(_scene: Any, _depsgraph: Any = None) -> None:
     KEPT.clear()
 
 
-_HANDLERS = (
-    (bpy.app.handlers.render_complete, _end),
-    (bpy.app.handlers.render_cancel, _end),
-    (bpy.app.handlers.load_pre, _forget),
+register, unregister = handlers_factory(
+    (
+        (bpy.app.handlers.render_complete, _end),
+        (bpy.app.handlers.render_cancel, _end),
+        (bpy.app.handlers.load_pre, _forget),
+    ),
+    at_end=KEPT.clear,
 )
-
-
-def register() -> None:
-    """Learn from Blender when an animation ends."""
-    for handlers, handler in _HANDLERS:
-        handlers.append(handler)
-
-
-def unregister() -> None:
-    """Stop that, and forget everything."""
-    for handlers, handler in _HANDLERS:
-        handlers.remove(handler)
-    KEPT.clear()

@@ -5,6 +5,7 @@ from typing import Any
 import bpy
 from bpy.app.handlers import persistent
 
+from .app_handlers import handlers_factory
 from .messages import Message
 
 _KEPT: dict[str, Message] = {}
@@ -36,22 +37,12 @@ def _show(_scene: Any, _depsgraph: Any = None) -> None:
                     area.tag_redraw()
 
 
-_HANDLERS = (
-    (bpy.app.handlers.render_init, _clear),
-    (bpy.app.handlers.load_pre, _clear),
-    (bpy.app.handlers.render_complete, _show),
-    (bpy.app.handlers.render_cancel, _show),
+register, unregister = handlers_factory(
+    (
+        (bpy.app.handlers.render_init, _clear),
+        (bpy.app.handlers.load_pre, _clear),
+        (bpy.app.handlers.render_complete, _show),
+        (bpy.app.handlers.render_cancel, _show),
+    ),
+    at_end=_KEPT.clear,
 )
-
-
-def register() -> None:
-    """Learn from Blender when a render begins and ends."""
-    for handlers, handler in _HANDLERS:
-        handlers.append(handler)
-
-
-def unregister() -> None:
-    """Stop that, and forget everything."""
-    for handlers, handler in _HANDLERS:
-        handlers.remove(handler)
-    _KEPT.clear()

@@ -66,15 +66,4 @@ def lines(render: Any) -> list[str]:
 
 
 CLASSES = (RAYLEAF_OT_self_test, RayleafPreferences)
-
-
-def register() -> None:
-    """Add the page."""
-    for each in CLASSES:
-        bpy.utils.register_class(each)
-
-
-def unregister() -> None:
-    """Take it away."""
-    for each in reversed(CLASSES):
-        bpy.utils.unregister_class(each)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty
 
 from . import core_module
-from .export.ray_interpolation import BYTES_PER_MEGABYTE, as_typed
+from .setting_values import BYTES_PER_MEGABYTE, as_typed
 
 MODES = (
     ("OFF", "Off", "Trace every ray"),

@@ -89,15 +89,4 @@ class RAYLEAF_OT_copy_cycles_settings(bpy.types.Operator):
 
 
 CLASSES = (RAYLEAF_OT_preset, RAYLEAF_OT_copy_cycles_settings)
-
-
-def register() -> None:
-    """Make the operators known."""
-    for each in CLASSES:
-        bpy.utils.register_class(each)
-
-
-def unregister() -> None:
-    """Take them away."""
-    for each in reversed(CLASSES):
-        bpy.utils.unregister_class(each)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -51,15 +51,4 @@ class RAYLEAF_PT_debug_passes(_Panel, bpy.types.Panel):
 
 
 PANELS = (RAYLEAF_PT_debug, RAYLEAF_PT_debug_passes)
-
-
-def register() -> None:
-    """Show the panels."""
-    for panel in PANELS:
-        bpy.utils.register_class(panel)
-
-
-def unregister() -> None:
-    """Take them away."""
-    for panel in reversed(PANELS):
-        bpy.utils.unregister_class(panel)
+register, unregister = bpy.utils.register_classes_factory(PANELS)

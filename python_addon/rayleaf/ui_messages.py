@@ -91,15 +91,4 @@ class RAYLEAF_PT_messages(_Panel, bpy.types.Panel):
 
 
 CLASSES = (RAYLEAF_OT_select_subject, RAYLEAF_PT_messages)
-
-
-def register() -> None:
-    """Show the panel."""
-    for each in CLASSES:
-        bpy.utils.register_class(each)
-
-
-def unregister() -> None:
-    """Take it away."""
-    for each in reversed(CLASSES):
-        bpy.utils.unregister_class(each)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -119,15 +119,4 @@ PANELS = (
     RAYLEAF_PT_object_ray_interpolation,
     RAYLEAF_PT_volume,
 )
-
-
-def register() -> None:
-    """Show the panels."""
-    for panel in PANELS:
-        bpy.utils.register_class(panel)
-
-
-def unregister() -> None:
-    """Take them away."""
-    for panel in reversed(PANELS):
-        bpy.utils.unregister_class(panel)
+register, unregister = bpy.utils.register_classes_factory(PANELS)

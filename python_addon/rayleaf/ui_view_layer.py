@@ -53,15 +53,4 @@ class RAYLEAF_PT_override(_Panel, bpy.types.Panel):
 
 
 PANELS = (RAYLEAF_PT_passes, RAYLEAF_PT_filter, RAYLEAF_PT_override)
-
-
-def register() -> None:
-    """Show the panels."""
-    for panel in PANELS:
-        bpy.utils.register_class(panel)
-
-
-def unregister() -> None:
-    """Take them away."""
-    for panel in reversed(PANELS):
-        bpy.utils.unregister_class(panel)
+register, unregister = bpy.utils.register_classes_factory(PANELS)

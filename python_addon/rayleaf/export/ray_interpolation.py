@@ -3,15 +3,9 @@
 from types import ModuleType
 from typing import Any
 
-import numpy as np
+from ..setting_values import BYTES_PER_MEGABYTE, as_typed
 
-BYTES_PER_MEGABYTE = 1_000_000
 AS_SCENE = "SCENE"
-
-
-def as_typed(value: float) -> float:
-    """The shortest number that Blender's single precision holds as this one: 0.005, not 0.00499999988."""
-    return float(str(np.float32(value)))
 
 
 def _thresholds(settings: Any) -> dict[str, Any]:
