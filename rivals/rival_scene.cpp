@@ -239,7 +239,7 @@ void RivalScene::closest16(const std::array<RivalRay, kPacketSize>& rays, std::a
         query.ray.dir_y[i] = rays[i].direction.y;
         query.ray.dir_z[i] = rays[i].direction.z;
         query.ray.tnear[i] = rays[i].t_min;
-        query.ray.tfar[i] = std::numeric_limits<float>::infinity();
+        query.ray.tfar[i] = (active[i] ? 1.0f : -1.0f) * std::numeric_limits<float>::infinity();
         query.ray.time[i] = 0.0f;
         query.ray.mask[i] = ~0u;
         query.ray.flags[i] = 0;

@@ -77,6 +77,14 @@ inline void embree_any(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
 }
 #endif
 
+/// What Embree calls the id of a ray: of a packet's its lane, as callbacks need not meet it at that place, nor in
+/// company. Where the processor has no vectors of sixteen floats, Embree hands packets on in parts, or ray by ray.
+inline constexpr uint32_t kRayAlone = ~0u;  ///< the id of rays in no packet
+/// Whether a callback was called for such a ray, and not for some of a packet.
+inline bool is_alone(RTCRayN* rays, unsigned count) {
+    return count == 1 && RTCRayN_id(rays, 1, 0) == kRayAlone;
+}
+
 /// Releases the scene when it goes.
 class EmbreeScene {
   public:

@@ -23,7 +23,7 @@ RTCRay LocalRay::embree_ray() const {
     ray.time = 0.0f;
     ray.tfar = float_distance(t_max);
     ray.mask = ~0u;
-    ray.id = 0;
+    ray.id = kRayAlone;
     ray.flags = 0;
     return ray;
 }

@@ -4,6 +4,7 @@
 #include "geometry/subdivision_surface.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace rayleaf {
 
@@ -47,7 +48,8 @@ bool ShapeScene::occluded(const LocalRay& ray) const {
 
 namespace {
 
-/// Writes the lanes of a packet as Embree wants them. `valid`: -1 for rays that are asked.
+/// Writes the lanes of a packet as Embree wants them. `valid`: -1 for rays that are asked. Others end before they
+/// begin: where Embree takes packets apart it looks at that alone.
 void fill(const RayPacket& rays, uint32_t lanes, int* valid, RTCRay16& out) {
     for (uint32_t lane = 0; lane < kPacketSize; ++lane) valid[lane] = -static_cast<int>(lanes >> lane & 1u);
     const auto copy = [](const float(&from)[kPacketSize], float* to) { std::copy_n(from, kPacketSize, to); };
@@ -57,11 +59,13 @@ void fill(const RayPacket& rays, uint32_t lanes, int* valid, RTCRay16& out) {
     copy(rays.unit_direction[0], out.dir_x);
     copy(rays.unit_direction[1], out.dir_y);
     copy(rays.unit_direction[2], out.dir_z);
-    copy(rays.farthest, out.tfar);
+    for (uint32_t lane = 0; lane < kPacketSize; ++lane) {
+        out.tfar[lane] = valid[lane] ? rays.farthest[lane] : -std::numeric_limits<float>::infinity();
+        out.id[lane] = lane;
+    }
     std::fill_n(out.tnear, kPacketSize, 0.0f);
     std::fill_n(out.time, kPacketSize, 0.0f);
     std::fill_n(out.mask, kPacketSize, ~0u);
-    std::fill_n(out.id, kPacketSize, 0u);
     std::fill_n(out.flags, kPacketSize, 0u);
 }
 

@@ -104,7 +104,7 @@ struct ShapeQuery {
 };
 
 /// Up to sixteen rays in one shape, as Embree's callbacks find them: the context is the first member. Callbacks know
-/// them from a single ray by their number, N.
+/// them from a single ray by the ray's id.
 struct PacketQuery {
     EmbreeContext context;
     Coherence coherence;
@@ -145,10 +145,18 @@ void for_each_lane(uint32_t lanes, const Visit& visit) {
     for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<size_t>(__builtin_ctz(lanes)));
 }
 
-/// The lanes that Embree's callbacks ask, a bit each. `valid`: -1 for those, 0 for others.
-inline uint32_t lanes_of(const int* valid, unsigned count) {
+/// Calls `visit` with the place, among the `count` rays of a callback, and the lane of each that Embree asks. `valid`:
+/// -1 for those, 0 for others.
+template <typename Visit>
+void for_each_asked(const int* valid, RTCRayN* rays, unsigned count, const Visit& visit) {
+    for (unsigned place = 0; place < count; ++place)
+        if (valid[place] != 0) visit(place, RTCRayN_id(rays, count, place));
+}
+
+/// Their lanes, a bit each.
+inline uint32_t lanes_of(const int* valid, RTCRayN* rays, unsigned count) {
     uint32_t lanes = 0;
-    for (unsigned lane = 0; lane < count; ++lane) lanes |= (static_cast<uint32_t>(valid[lane]) & 1u) << lane;
+    for_each_asked(valid, rays, count, [&](unsigned, uint32_t lane) { lanes |= 1u << lane; });
     return lanes;
 }
 

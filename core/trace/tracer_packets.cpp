@@ -103,26 +103,27 @@ void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_
 }
 
 void Tracer::Implementation::packet_closest_callback(const RTCIntersectFunctionNArguments* arguments) {
-    const uint32_t lanes = lanes_of(arguments->valid, arguments->N);
+    RTCRayN* rays = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
+    const uint32_t lanes = lanes_of(arguments->valid, rays, arguments->N);
     if (lanes == 0) return;
     Packet& packet = Packet::of(arguments->context);
     packet.tracer->visit(packet, arguments->primID, lanes, Wanted::Closest);
-    float* t_max = &RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0);
-    for_each_lane(lanes, [&](size_t lane) {
+    for_each_asked(arguments->valid, rays, arguments->N, [&](unsigned place, uint32_t lane) {
         const Query& query = packet.queries[lane];
         if (query.found)
-            t_max[lane] = float_distance_of(query.farthest, packet.above.start[lane], packet.above.speed[lane]);
+            RTCRayN_tfar(rays, arguments->N, place) =
+                float_distance_of(query.farthest, packet.above.start[lane], packet.above.speed[lane]);
     });
 }
 
 void Tracer::Implementation::packet_any_callback(const RTCOccludedFunctionNArguments* arguments) {
-    const uint32_t lanes = lanes_of(arguments->valid, arguments->N);
+    const uint32_t lanes = lanes_of(arguments->valid, arguments->ray, arguments->N);
     if (lanes == 0) return;
     Packet& packet = Packet::of(arguments->context);
     packet.tracer->visit(packet, arguments->primID, lanes, Wanted::Any);
-    float* t_max = &RTCRayN_tfar(arguments->ray, arguments->N, 0);
-    for_each_lane(lanes, [&](size_t lane) {
-        if (packet.queries[lane].found) t_max[lane] = -std::numeric_limits<float>::infinity();
+    for_each_asked(arguments->valid, arguments->ray, arguments->N, [&](unsigned place, uint32_t lane) {
+        if (packet.queries[lane].found)
+            RTCRayN_tfar(arguments->ray, arguments->N, place) = -std::numeric_limits<float>::infinity();
     });
 }
 

@@ -88,16 +88,16 @@ void Tracer::Implementation::visit_any(Query& query, uint32_t index) const {
 }
 
 void Tracer::Implementation::closest_callback(const RTCIntersectFunctionNArguments* arguments) {
-    if (arguments->N > 1) return packet_closest_callback(arguments);
+    RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
+    if (!is_alone(ray, arguments->N)) return packet_closest_callback(arguments);
     if (arguments->valid[0] == 0) return;
     Query& query = Query::of(arguments->context);
     query.tracer->visit_closest(query, arguments->primID);
-    RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
     if (query.found) RTCRayN_tfar(ray, arguments->N, 0) = query.scene_ray->float_distance(query.farthest);
 }
 
 void Tracer::Implementation::any_callback(const RTCOccludedFunctionNArguments* arguments) {
-    if (arguments->N > 1) return packet_any_callback(arguments);
+    if (!is_alone(arguments->ray, arguments->N)) return packet_any_callback(arguments);
     if (arguments->valid[0] == 0) return;
     Query& query = Query::of(arguments->context);
     query.tracer->visit_any(query, arguments->primID);

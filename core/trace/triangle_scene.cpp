@@ -7,20 +7,21 @@ const TriangleMesh& mesh_of(const RTCFilterFunctionNArguments* arguments) {
     return *static_cast<const TriangleMesh*>(arguments->geometryUserPtr);
 }
 
-/// The triangle that Embree has found for a lane.
-uint32_t triangle_of(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
-    const uint32_t primitive = RTCHitN_primID(arguments->hit, arguments->N, lane);
+/// The triangle that Embree has found for the ray at a place.
+uint32_t triangle_of(const RTCFilterFunctionNArguments* arguments, unsigned place) {
+    const uint32_t primitive = RTCHitN_primID(arguments->hit, arguments->N, place);
     if (mesh_of(arguments).layout() != FacetLayout::Quads) return primitive;
     RTCHitN* hit = arguments->hit;
-    const bool is_second = RTCHitN_u(hit, arguments->N, lane) + RTCHitN_v(hit, arguments->N, lane) > 1.0f;
+    const bool is_second = RTCHitN_u(hit, arguments->N, place) + RTCHitN_v(hit, arguments->N, place) > 1.0f;
     return 2 * primitive + (is_second ? 1 : 0);
 }
 
-/// Of a single ray or of a lane of a packet: whether the hit is the nearest so far.
-bool offer(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
-    const uint32_t triangle = triangle_of(arguments, lane);
+/// Of a single ray or of a packet's: whether the hit is the nearest so far.
+bool offer(const RTCFilterFunctionNArguments* arguments, unsigned place) {
+    const uint32_t triangle = triangle_of(arguments, place);
     const FacetCorners corners = mesh_of(arguments).corners(triangle);
-    if (arguments->N == 1) return ShapeQuery::of(arguments->context).facets.offer({triangle, 0}, corners);
+    const uint32_t lane = RTCRayN_id(arguments->ray, arguments->N, place);
+    if (lane == kRayAlone) return ShapeQuery::of(arguments->context).facets.offer({triangle, 0}, corners);
     PacketQuery& packet = PacketQuery::of(arguments->context);
     const RayPacket& rays = packet.rays;
     const std::optional<FacetHit> hit =
@@ -28,25 +29,26 @@ bool offer(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
     return hit && packet.take(lane, {triangle, 0}, *hit);
 }
 
-float farthest(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
-    if (arguments->N > 1) return PacketQuery::of(arguments->context).float_farthest(lane);
+float farthest(const RTCFilterFunctionNArguments* arguments, unsigned place) {
+    const uint32_t lane = RTCRayN_id(arguments->ray, arguments->N, place);
+    if (lane != kRayAlone) return PacketQuery::of(arguments->context).float_farthest(lane);
     const FacetQuery& query = ShapeQuery::of(arguments->context).facets;
     return query.ray->float_distance(query.farthest);
 }
 
 void filter_closest(const RTCFilterFunctionNArguments* arguments) {
-    for (unsigned lane = 0; lane < arguments->N; ++lane) {
-        if (arguments->valid[lane] == 0) continue;
-        if (offer(arguments, lane))
-            RTCRayN_tfar(arguments->ray, arguments->N, lane) = farthest(arguments, lane);
+    for (unsigned place = 0; place < arguments->N; ++place) {
+        if (arguments->valid[place] == 0) continue;
+        if (offer(arguments, place))
+            RTCRayN_tfar(arguments->ray, arguments->N, place) = farthest(arguments, place);
         else
-            arguments->valid[lane] = 0;
+            arguments->valid[place] = 0;
     }
 }
 
 void filter_any(const RTCFilterFunctionNArguments* arguments) {
-    for (unsigned lane = 0; lane < arguments->N; ++lane)
-        if (arguments->valid[lane] != 0 && !offer(arguments, lane)) arguments->valid[lane] = 0;
+    for (unsigned place = 0; place < arguments->N; ++place)
+        if (arguments->valid[place] != 0 && !offer(arguments, place)) arguments->valid[place] = 0;
 }
 
 void set_triangles(RTCGeometry geometry, const TriangleMesh& mesh) {

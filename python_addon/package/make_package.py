@@ -18,7 +18,8 @@ import private_libraries
 from write_wheel import write_wheel
 
 MANIFEST = "blender_manifest.toml"
-NEXT_BLENDER = {"cp311": "5.1.0", "cp313": "5.3.0"}  # the first with another Python, or not tried yet
+# The first with another Python, or not tried yet. Debian's Blender runs Debian's Python, whatever its version.
+NEXT_BLENDER = {"cp311": "5.1.0", "cp313": "5.3.0", "cp314": "5.3.0"}
 PLATFORM = "manylinux_2_36_x86_64"  # what a module made on Debian 12 runs on
 
 

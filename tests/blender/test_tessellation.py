@@ -11,6 +11,8 @@ scene.render.resolution_x = scene.render.resolution_y = 32
 scene.render.resolution_percentage = 100
 own = scene.rayleaf
 own.samples = 2
+if bpy.app.version >= (5, 0):  # prints statistics with --log-level info alone
+    bpy.app.handlers.render_stats.append(lambda text, _: print(text))
 scenes.write_layers()
 own.facet_memory = 0  # all facets go through the cache
 scene.render.filepath = sys.argv[1]
