@@ -1,7 +1,21 @@
 # The Python module rayleaf._core, what it is measured against, and the folder that Blender loads both from.
 
+# A module for the interpreter's Python, or for the one whose headers are given.
+function(rayleaf_add_module name)
+  if(NOT RAYLEAF_PYTHON_HEADERS)
+    pybind11_add_module(${name} MODULE NO_EXTRAS ${ARGN})
+    return()
+  endif()
+  add_library(${name} MODULE ${ARGN})
+  target_link_libraries(${name} PRIVATE pybind11::headers)
+  target_include_directories(${name} SYSTEM PRIVATE ${RAYLEAF_PYTHON_HEADERS}/include/python${RAYLEAF_PYTHON_VERSION}
+                                                    ${RAYLEAF_PYTHON_HEADERS}/include)
+  string(REPLACE "." "" tag "${RAYLEAF_PYTHON_VERSION}")
+  set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".cpython-${tag}-x86_64-linux-gnu.so")
+endfunction()
+
 file(GLOB RAYLEAF_BINDINGS CONFIGURE_DEPENDS core/python/*.cpp)
-pybind11_add_module(_core MODULE NO_EXTRAS ${RAYLEAF_BINDINGS})
+rayleaf_add_module(_core ${RAYLEAF_BINDINGS})
 target_link_libraries(_core PRIVATE rayleaf_core rayleaf_flags)
 target_precompile_headers(_core PRIVATE <pybind11/numpy.h> <pybind11/pybind11.h> <pybind11/stl.h>
                                         <Imath/ImathMatrix.h> <Imath/ImathVec.h>)
@@ -14,7 +28,7 @@ set_target_properties(_core PROPERTIES LINK_DEPENDS ${CMAKE_SOURCE_DIR}/core/pyt
 
 # What tests and benchmarks measure the core against, as a Python module of its own. No package holds it.
 file(GLOB RAYLEAF_RIVALS CONFIGURE_DEPENDS rivals/*.cpp)
-pybind11_add_module(rayleaf_rivals MODULE NO_EXTRAS EXCLUDE_FROM_ALL ${RAYLEAF_RIVALS} core/python/arrays.cpp)
+rayleaf_add_module(rayleaf_rivals EXCLUDE_FROM_ALL ${RAYLEAF_RIVALS} core/python/arrays.cpp)
 target_include_directories(rayleaf_rivals PRIVATE ${CMAKE_SOURCE_DIR})
 target_link_libraries(rayleaf_rivals PRIVATE rayleaf_core rayleaf_flags embree)
 set_target_properties(rayleaf_rivals PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/rivals)
