@@ -31,6 +31,7 @@ void Film::refine(int x, int y, int width, int height, std::span<const PixelValu
     const std::scoped_lock lock(mutex_);
     for (const Pass pass : passes_) {
         if (rule(pass).rule == PassRule::FirstSample) continue;
+        const bool counts = rule(pass).rule == PassRule::Count;
         const size_t channels = info(pass).channels.size();
         for (int row = 0; row < height; ++row) {
             float* out = at(pass, x, y + row);
@@ -38,8 +39,24 @@ void Film::refine(int x, int y, int width, int height, std::span<const PixelValu
                 const size_t pixel =
                     static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(column);
                 const Vec4f& value = values[pixel][static_cast<size_t>(pass)];
-                for (size_t c = 0; c < channels; ++c, ++out) *out += (value[static_cast<int>(c)] - *out) * share;
+                for (size_t c = 0; c < channels; ++c, ++out)
+                    *out += counts ? value[static_cast<int>(c)] : (value[static_cast<int>(c)] - *out) * share;
             }
+        }
+    }
+}
+
+void Film::divide_light() {
+    const std::scoped_lock lock(mutex_);
+    for (const Pass pass : passes_) {
+        const PassRuleInfo info = rule(pass);
+        if (info.rule != PassRule::Divided) continue;
+        std::vector<float>& light = data_[static_cast<size_t>(pass)];
+        const std::vector<float>& color = data_[static_cast<size_t>(info.color)];
+        for (size_t i = 0; i < light.size(); i += 3) {
+            const Vec4f value =
+                divided({light[i], light[i + 1], light[i + 2], 0}, {color[i], color[i + 1], color[i + 2], 0});
+            std::copy_n(&value.x, 3, &light[i]);
         }
     }
 }

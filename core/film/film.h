@@ -25,6 +25,8 @@ class Film {
     /// Moves pixels by that share of the way to new values, as a mean does that takes more samples in; what means
     /// nothing when averaged stays.
     void refine(int x, int y, int width, int height, std::span<const PixelValues> values, float share);
+    /// Divides light by its colour, pixel by pixel, once all samples are in that were put as means.
+    void divide_light();
     /// Stores values each of which stands for a block of pixels, those beyond the right and upper border for fewer.
     /// `x` and `y` count blocks.
     void put_blocks(int x, int y, int width, std::span<const PixelValues> values, int size);

@@ -9,25 +9,29 @@ namespace {
 /// Sums of all passes in double precision.
 using RoundedSums = std::array<Vec4d, kPassCount>;
 
-Vec4f value(Pass pass, const RoundedSums& sums, int count) {
+Vec4f value(Pass pass, const RoundedSums& sums, int count, bool more_follow) {
     const PassRuleInfo info = rule(pass);
     const Vec4d& sum = sums[static_cast<size_t>(pass)];
     if (info.rule == PassRule::FirstSample) return Vec4f(sum);
-    if (info.rule == PassRule::Mean) {
+    if (info.rule == PassRule::Count) return Vec4f(static_cast<float>(count));
+    if (info.rule == PassRule::Mean || more_follow) {
         Vec4f mean(sum / std::max(count, 1));
         // Where a material passes and scatters more light than comes, alpha is right in the mean of many samples only.
         if (pass == Pass::combined) mean.w = std::clamp(mean.w, 0.0f, 1.0f);
         return mean;
     }
-    const Vec4d& color = sums[static_cast<size_t>(info.color)];
-    constexpr double kLargest = std::numeric_limits<float>::max();
-    Vec4f value(0.0f);
-    for (int i = 0; i < 3; ++i)
-        if (color[i] > 0.0) value[i] = static_cast<float>(std::clamp(sum[i] / color[i], -kLargest, kLargest));
-    return value;
+    return divided(sum, sums[static_cast<size_t>(info.color)]);
 }
 
 }  // namespace
+
+Vec4f divided(const Vec4d& light, const Vec4d& color) {
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    Vec4f value(0.0f);
+    for (int i = 0; i < 3; ++i)
+        if (color[i] > 0.0) value[i] = static_cast<float>(std::clamp(light[i] / color[i], -kLargest, kLargest));
+    return value;
+}
 
 PassRuleInfo rule(Pass pass) {
     switch (pass) {
@@ -48,6 +52,8 @@ PassRuleInfo rule(Pass pass) {
         case Pass::transmission_direct:
         case Pass::transmission_indirect:
             return {PassRule::Divided, Pass::transmission_color};
+        case Pass::sample_count:
+            return {PassRule::Count, pass};
         default:
             return {PassRule::Mean, pass};
     }
@@ -77,14 +83,14 @@ void PixelSums::clear(std::span<const Pass> passes) {
     for (const Pass pass : passes) sums_[static_cast<size_t>(pass)].fill(ExactSum());
 }
 
-PixelValues PixelSums::values(std::span<const Pass> passes, int count) const {
+PixelValues PixelSums::values(std::span<const Pass> passes, int count, bool more_follow) const {
     RoundedSums rounded;
     for (const Pass pass : passes)
         for (size_t c = 0; c < 4; ++c)
             rounded[static_cast<size_t>(pass)][static_cast<int>(c)] =
                 c < info(pass).channels.size() ? sums_[static_cast<size_t>(pass)][c].terms()[0] : 0.0;
     PixelValues values;
-    for (const Pass pass : passes) values[static_cast<size_t>(pass)] = value(pass, rounded, count);
+    for (const Pass pass : passes) values[static_cast<size_t>(pass)] = value(pass, rounded, count, more_follow);
     return values;
 }
 

@@ -12,6 +12,7 @@ namespace rayleaf {
 
 enum class PassRule {
     Mean,         ///< of all samples
+    Count,        ///< how many samples there are
     FirstSample,  ///< indices and places, which mean nothing when averaged
     Divided       ///< mean, divided by the mean of a colour pass: light without the surface's colour
 };
@@ -22,6 +23,9 @@ struct PassRuleInfo {
     Pass color = Pass::combined;
 };
 PassRuleInfo rule(Pass pass);
+
+/// A mean of light divided by that of a colour; 0 where there is no colour.
+Vec4f divided(const Vec4d& light, const Vec4d& color);
 
 /// Passes to compute for a list of wanted ones: each once, with the colours that Divided ones need.
 std::vector<Pass> computed_passes(const std::vector<Pass>& wanted);
@@ -36,8 +40,9 @@ class PixelSums {
     void add(const PixelSample& sample, int number, std::span<const Pass> passes);
     void clear(std::span<const Pass> passes);
     ExactSum& sum(Pass pass, size_t channel) { return sums_[static_cast<size_t>(pass)][channel]; }
-    /// What the film shows of `count` samples, or of fewer as far as there are.
-    PixelValues values(std::span<const Pass> passes, int count) const;
+    /// What the film shows of `count` samples, or of fewer as far as there are. What is Divided is a mean still where
+    /// more samples follow.
+    PixelValues values(std::span<const Pass> passes, int count, bool more_follow = false) const;
 
   private:
     std::array<std::array<ExactSum, 4>, kPassCount> sums_;

@@ -2,40 +2,54 @@
 #pragma once
 
 #include "film/film_sums.h"
+#include "film/noise_blocks.h"
 #include "film/sample_range.h"
 
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace rayleaf {
 
 class TileSums {
   public:
-    /// `x` and `y`: where the tile begins in `kept`, which gets the sums of finished pixels; it may be null.
-    TileSums(int x, int y, int width, SampleRange samples, std::span<const Pass> passes, FilmSums* kept)
-        : x_(x), y_(y), width_(width), samples_(samples), passes_(passes), kept_(kept) {}
+    /// What is wanted of a tile's pixels beside their values.
+    struct Wanted {
+        FilmSums* sums = nullptr;   ///< gets the sums of finished pixels; null: nobody
+        bool moments = false;       ///< what noise is estimated from
+        bool more_samples = false;  ///< follow, so that light is not divided yet
+    };
+
+    /// `x` and `y`: where the tile begins in the film.
+    TileSums(int x, int y, int width, SampleRange samples, std::span<const Pass> passes, const Wanted& wanted)
+        : x_(x), y_(y), width_(width), samples_(samples), passes_(passes), wanted_(wanted) {}
 
     /// The next sample of the pixel at hand, or the first of the next one.
     void add(const PixelSample& sample) {
         sums_.add(sample, samples_.first + added_, passes_);
+        if (wanted_.moments) pixel_moments_.add(sample);
         if (++added_ == samples_.count) finish_pixel();
     }
     /// Of the pixels that are finished.
     std::span<const PixelValues> values() const { return values_; }
+    std::span<const PixelMoments> moments() const { return moments_; }
 
   private:
     int x_, y_, width_;
     SampleRange samples_;
     std::span<const Pass> passes_;
-    FilmSums* kept_;
+    Wanted wanted_;
     PixelSums sums_;  ///< of the pixel at hand
-    int added_ = 0;   ///< samples of it so far
+    PixelMoments pixel_moments_;
+    int added_ = 0;  ///< samples of it so far
     std::vector<PixelValues> values_;
+    std::vector<PixelMoments> moments_;
 
     void finish_pixel() {
         const int number = static_cast<int>(values_.size());
-        values_.push_back(sums_.values(passes_, samples_.count));
-        if (kept_) kept_->add(x_ + number % width_, y_ + number / width_, samples_.count, sums_);
+        values_.push_back(sums_.values(passes_, samples_.count, wanted_.more_samples));
+        if (wanted_.moments) moments_.push_back(std::exchange(pixel_moments_, {}));
+        if (wanted_.sums) wanted_.sums->add(x_ + number % width_, y_ + number / width_, samples_.count, sums_);
         sums_.clear(passes_);
         added_ = 0;
     }

@@ -10,7 +10,7 @@
 #include "trace/float_environment.h"
 
 #include <array>
-#include <chrono>
+#include <limits>
 #include <unordered_set>
 
 #include <oneapi/tbb/global_control.h>
@@ -65,6 +65,9 @@ Session::Session(std::shared_ptr<const SceneDescription> description, Settings s
       film_(part(settings_).width, part(settings_).height, computed_passes(settings_.passes)) {
     settings_.passes = film_.passes();
     if (settings_.keep_sums) sums_ = std::make_unique<FilmSums>(film_.width(), film_.height(), film_.passes());
+    if (settings_.noise_threshold > 0.0)
+        noise_ = std::make_unique<NoiseBlocks>(film_.width(), film_.height(), settings_.noise_threshold,
+                                               least_samples(settings_));
 }
 
 void Session::take_scene() {
@@ -93,7 +96,10 @@ bool Session::render() {
     const bool finished = run([this] {
         build_scene();
         const auto start = std::chrono::steady_clock::now();
-        render_tiles(sample_range(settings_), 1);
+        if (noise_ || settings_.time_limit > 0.0)
+            render_rounds();
+        else
+            render_tiles(sample_range(settings_), 1);
         gather_statistics(build_seconds_, seconds_since(start));
     });
     if (finished) state_ = RenderState::Done;
@@ -115,65 +121,120 @@ bool Session::render_more(int count) {
     const auto start = std::chrono::steady_clock::now();
     const bool finished = run([this, count, start] {
         if (!scene_) build_scene();
-        finished_pixels_ = 0;
-        render_tiles({samples_taken_, count}, 1);
+        finished_paths_ = 0;
+        render_round(count);
         gather_statistics(build_seconds_, seconds_since(start));
     });
-    if (finished) samples_taken_ += count;
     return finished;
 }
 
+void Session::render_round(int count) {
+    render_tiles({sample_range(settings_).first + samples_taken_, count}, 1);
+    if (!cancel_.cancelled()) samples_taken_ += count;
+}
+
+void Session::render_rounds() {
+    const int most = sample_range(settings_).count;
+    const auto all = static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height());
+    more_samples_follow_ = true;
+    while (!cancel_.cancelled() && samples_taken_ < most) {
+        const int count = std::min(next_round(seconds_left()), most - samples_taken_);
+        if (count == 0) break;
+        render_round(count);
+        const uint64_t noisy = noise_ ? noise_->noisy_pixels() : all;
+        planned_paths_ = finished_paths_ + noisy * static_cast<uint64_t>(most - samples_taken_);
+        if (noisy == 0) break;
+    }
+    more_samples_follow_ = false;
+    film_.divide_light();
+}
+
+double Session::seconds_left() const {
+    if (settings_.time_limit == 0.0) return std::numeric_limits<double>::infinity();
+    return settings_.time_limit - seconds_since(began_);
+}
+
+/// Rounds of a quarter more samples each. Of what fits into the time that is left half, so that the last rounds are
+/// small.
+int Session::next_round(double seconds_left) const {
+    constexpr int kShare = 4, kLeast = 8;
+    int count = std::max(samples_taken_ / kShare, kLeast);
+    if (samples_taken_ == 0) count = settings_.time_limit > 0.0 ? 1 : least_samples(settings_);
+    if (settings_.time_limit == 0.0 || samples_taken_ == 0) return count;
+    const double seconds_each = (settings_.time_limit - build_seconds_ - seconds_left) / samples_taken_;
+    const double fit = seconds_left / seconds_each;
+    if (fit < 1.0) return 0;
+    return static_cast<int>(std::clamp(fit / 2.0, 1.0, static_cast<double>(count)));
+}
+
 void Session::build_scene() {
-    const auto start = std::chrono::steady_clock::now();
+    began_ = std::chrono::steady_clock::now();
     state_ = RenderState::Building;
     scene_ = std::make_unique<Scene>(*description_, settings_, cancel_);
     caches_ = std::make_unique<RayCaches>(*description_, *scene_, settings_, ray_caches_.get(), cancel_);
-    build_seconds_ = seconds_since(start);
+    build_seconds_ = seconds_since(began_);
     state_ = RenderState::Rendering;
 }
 
+std::vector<Window> Session::windows(int step) const {
+    Window whole = part(settings_);
+    if (noise_ && step == 1) {
+        std::vector<Window> blocks;
+        for (const NoiseBlocks::Block& each : noise_->noisy())
+            blocks.push_back({whole.x + each.x, whole.y + each.y, each.width, each.height});
+        return blocks;
+    }
+    whole.width = (whole.width + step - 1) / step;
+    whole.height = (whole.height + step - 1) / step;
+    return tiles_of(whole, settings_.tile_size);
+}
+
 void Session::render_tiles(const SampleRange& samples, int step) {
-    Window window = part(settings_);
-    window.width = (window.width + step - 1) / step;
-    window.height = (window.height + step - 1) / step;
-    const std::vector<Window> tiles = tiles_of(window, settings_.tile_size);
+    const std::vector<Window> tiles = windows(step);
     const DistributionSettings distribution(settings_);
-    const std::unique_ptr<const IrradianceCache> cache = filled_cache();
     const Frame frame{PixelFilter(settings_.filter, settings_.filter_width),
                       PathSettings(settings_),
-                      {*scene_, distribution, cache.get()},
+                      {*scene_, distribution, filled_cache()},
                       settings_.integrator,
                       description_->camera()->aperture_radius > 0,
                       samples,
                       step};
+    if (samples_taken_ == 0 && step == 1)
+        planned_paths_ = static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height()) *
+                         static_cast<uint64_t>(more_samples_follow_ ? sample_range(settings_).count : samples.count);
     oneapi::tbb::parallel_for(
         size_t{0}, tiles.size(), [&](size_t i) { render_tile(tiles[i], frame); }, oneapi::tbb::simple_partitioner());
 }
 
-std::unique_ptr<const IrradianceCache> Session::filled_cache() {
+const IrradianceCache* Session::filled_cache() {
     if (settings_.integrator != IntegratorKind::Distribution || !settings_.irradiance_cache) return nullptr;
+    if (irradiance_) return irradiance_.get();
     const auto start = std::chrono::steady_clock::now();
     RayCounts counts;
-    std::unique_ptr<const IrradianceCache> cache = fill_irradiance_cache(*scene_, settings_, cancel_, counts);
+    irradiance_ = fill_irradiance_cache(*scene_, settings_, cancel_, counts);
     add_counts(counts);
     const std::scoped_lock lock(mutex_);
-    statistics_.irradiance_records = cache->size();
-    statistics_.irradiance_bytes = cache->bytes();
+    statistics_.irradiance_records = irradiance_->size();
+    statistics_.irradiance_bytes = irradiance_->bytes();
     statistics_.irradiance_seconds = seconds_since(start);
-    return cache;
+    return irradiance_.get();
 }
 
 void Session::render_tile(const Window& tile, const Frame& frame) {
     const Window whole = part(settings_);
     const int x = tile.x - whole.x, y = tile.y - whole.y;
-    TileSums sums(x, y, tile.width, frame.samples, settings_.passes, sums_.get());
+    const bool is_noise_asked = noise_ && frame.step == 1;
+    TileSums sums(x, y, tile.width, frame.samples, settings_.passes,
+                  {sums_.get(), is_noise_asked, more_samples_follow_});
     RayCounts counts;
     // Which pixel pays for a tessellation is known of single paths only.
     const bool alone = frame.integrator != IntegratorKind::Path || settings_.stream_paths == 0 ||
                        frame.path.wants(Pass::geometry_misses);
     if (!(alone ? render_paths(tile, frame, sums, counts) : render_streams(tile, frame, sums, counts))) return;
     store({x, y, tile.width, tile.height}, frame, sums.values());
-    finished_pixels_ += sums.values().size();
+    if (is_noise_asked)
+        noise_->add({x, y, tile.width, tile.height}, sums.moments(), samples_taken_ + frame.samples.count);
+    finished_paths_ += sums.values().size() * static_cast<uint64_t>(frame.samples.count);
     add_counts(counts);
 }
 
@@ -279,22 +340,21 @@ bool Session::render_pixel(int x, int y, const Frame& frame, TileSums& sums, Ray
 }
 
 Progress Session::progress() const {
-    const double pixels = static_cast<double>(film_.width()) * film_.height();
-    return {state_, static_cast<double>(finished_pixels_) / pixels};
+    return {state_, std::min(static_cast<double>(finished_paths_) / static_cast<double>(planned_paths_), 1.0)};
 }
 
 void Session::gather_statistics(double build_seconds, double render_seconds) {
     const std::scoped_lock lock(mutex_);
     statistics_.build_seconds = build_seconds;
     statistics_.render_seconds = render_seconds;
-    statistics_.pixels = finished_pixels_;
-    statistics_.paths = finished_pixels_ * static_cast<uint64_t>(sample_range(settings_).count);
+    statistics_.pixels = static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height());
+    statistics_.paths = finished_paths_;
     statistics_.trace = scene_->tracer().statistics();
     statistics_.has_textures = scene_->textures() != nullptr;
     if (scene_->textures()) statistics_.textures = scene_->textures()->statistics();
     statistics_.lights = scene_->lights().count();
     statistics_.light_bytes = scene_->lights().bytes();
-    statistics_.film_bytes = film_.bytes() + (sums_ ? sums_->bytes() : 0);
+    statistics_.film_bytes = film_.bytes() + (sums_ ? sums_->bytes() : 0) + (noise_ ? noise_->bytes() : 0);
     statistics_.ray_caches = caches_->report();
     statistics_.volumes = scene_->volumes().size();
     count_shapes();

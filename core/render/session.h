@@ -4,6 +4,7 @@
 #include "base/cancel.h"
 #include "base/random.h"
 #include "film/film.h"
+#include "film/noise_blocks.h"
 #include "film/tile_sums.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/ray_counts.h"
@@ -15,6 +16,7 @@
 #include "scene/settings.h"
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -83,25 +85,37 @@ class Session {
     std::shared_ptr<RayCacheStore> ray_caches_;
     Film film_;
     std::unique_ptr<FilmSums> sums_;
+    std::unique_ptr<NoiseBlocks> noise_;  ///< null: all pixels take all samples
     CancelToken cancel_;
     bool has_taken_scene_ = false;
     std::unique_ptr<Scene> scene_;
     std::unique_ptr<RayCaches> caches_;
+    std::unique_ptr<const IrradianceCache> irradiance_;
     std::atomic<RenderState> state_{RenderState::Waiting};  ///< to be shown: publishes nothing else
-    std::atomic<uint64_t> finished_pixels_{0};
+    std::atomic<uint64_t> finished_paths_{0}, planned_paths_{1};
     mutable std::mutex mutex_;  ///< guards statistics_
     RenderStatistics statistics_;
 
-    int samples_taken_ = 0;  ///< by render_more
+    int samples_taken_ = 0;                        ///< in rounds so far, by pixels that are noisy still
+    std::chrono::steady_clock::time_point began_;  ///< to build
     double build_seconds_ = 0;
+    bool more_samples_follow_ = false;  ///< light passes are divided after the last round
 
     /// In an arena of as many threads as are set; false if cancelled.
     bool run(const std::function<void()>& work);
     void build_scene();
     /// `step`: pixels along a side of the block that a sample stands for.
     void render_tiles(const SampleRange& samples, int step);
-    /// Null where the settings want none.
-    std::unique_ptr<const IrradianceCache> filled_cache();
+    /// What a round of samples is rendered in, windows of the picture: tiles, or the blocks that are noisy.
+    std::vector<Window> windows(int step) const;
+    /// The next samples of what is noisy.
+    void render_round(int count);
+    /// All samples, in rounds, as far as noise and time ask for them.
+    void render_rounds();
+    int next_round(double seconds_left) const;
+    double seconds_left() const;
+    /// Null where the settings want none; filled once.
+    const IrradianceCache* filled_cache();
     struct Frame;  ///< what all tiles share
     void render_tile(const Window& tile, const Frame& frame);
     void store(const Window& tile, const Frame& frame, std::span<const PixelValues> values);

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/machine_memory.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -35,6 +36,9 @@ void validate(const Settings& s) {
     check("part height", s.part_height, 0, picture.y + picture.height - s.part_y);
     check("first sample", s.first_sample, 0, s.samples - 1);
     check("sample count", s.sample_count, 0, s.samples - s.first_sample);
+    check("noise threshold", s.noise_threshold, 0, 1e3);
+    check("least samples", s.least_samples, 0, kMany);
+    check("time limit", s.time_limit, 0, 1e9);
     check("threads", s.threads, 0, 1024);
     check("tile size", s.tile_size, 1, 4096);
     check("stream paths", s.stream_paths, 0, 65536);
@@ -59,6 +63,13 @@ void validate(const Settings& s) {
     check("tessellation factor", s.tessellation_factor, 0.01, 100);
     check("least mirrored spread", s.least_mirrored_spread, 0, 1);
     validate("settings", s.ray_interpolation);
+}
+
+int least_samples(const Settings& s) {
+    if (s.least_samples > 0 || !(s.noise_threshold > 0.0)) return std::max(s.least_samples, 1);
+    // The finer the threshold, the more samples are needed to see whether it is met.
+    constexpr double kSamples = 16, kPower = -0.3, kMost = 1024;
+    return static_cast<int>(std::clamp(std::ceil(kSamples * std::pow(s.noise_threshold, kPower)), 4.0, kMost));
 }
 
 GeometryCacheSettings geometry_cache_settings(const Settings& s) {

@@ -34,7 +34,13 @@ struct Settings {
     int part_x = 0, part_y = 0;           ///< lower left corner in the whole picture
     int part_width = 0, part_height = 0;  ///< 0: the whole crop
     int first_sample = 0;
-    int sample_count = 0;    ///< 0: all from there on
+    int sample_count = 0;  ///< 0: all from there on
+    /// Blocks of pixels whose noise falls below take no more samples (film/noise_blocks.h); 0: all samples everywhere.
+    double noise_threshold = 0;
+    int least_samples = 0;  ///< of each pixel before its noise counts; 0: by the threshold, as Cycles does
+    /// Seconds after which no round of samples begins, the scene's build included; 0: none. The picture depends on how
+    /// far the machine comes.
+    double time_limit = 0;
     bool keep_sums = false;  ///< exact sums, to be put together with other parts' (film/film_sums.h)
     uint32_t seed = 0;
     int threads = 0;     ///< 0: all the machine's
@@ -85,6 +91,8 @@ GeometryCacheSettings geometry_cache_settings(const Settings& settings);
 
 /// Throws InputError that names the first setting out of its range.
 void validate(const Settings& settings);
+/// The samples that a pixel takes before its noise counts.
+int least_samples(const Settings& settings);
 
 /// The picture in pixels, lower left corner and size: the crop, or the whole.
 struct Window {

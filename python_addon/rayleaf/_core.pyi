@@ -505,6 +505,9 @@ class Settings:
     part_height: int
     first_sample: int
     sample_count: int
+    noise_threshold: float
+    least_samples: int
+    time_limit: float
     keep_sums: bool
     seed: int
     threads: int

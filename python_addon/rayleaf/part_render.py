@@ -60,7 +60,10 @@ class PartRender(FrameRender):
             )
         self._part = LayerPart(_shape(self, crop, settings), (0, row), count, {})
         place = dict(part_x=crop.x, part_y=crop.y + row, part_width=crop.width, part_height=rows)
-        return settings | place | dict(first_sample=first, sample_count=count, keep_sums=True)
+        if settings["noise_threshold"] or settings["time_limit"]:
+            self._messages.note("Parts take all their samples: Noise Threshold and Time Limit count as off")
+        whole = dict(noise_threshold=0.0, time_limit=0.0)
+        return settings | place | whole | dict(first_sample=first, sample_count=count, keep_sums=True)
 
     def _write_result(self, session: RenderThread) -> None:
         assert isinstance(task, PartTask)

@@ -15,6 +15,7 @@ _LIGHT = ("emit", "environment", "ambient")
 _SPELLED = {"uv": "UV", "emit": "Emission"}
 # How switches begin that are the add-on's own: properties of `ViewLayer.rayleaf`.
 _OWN = "rayleaf."
+_OWN_DATA = ("rayleaf.use_pass_sample_count",)
 _FOR_DEVELOPERS = ("use_pass_tree", "use_pass_level", "use_pass_cache_misses")
 
 
@@ -55,7 +56,7 @@ class Pass:
     def group(self) -> str:
         """The heading under which panels show it: the kind of light, or Data, or Rays for the add-on's own."""
         if self.is_own:
-            return "Rays"
+            return "Data" if self.switch in _OWN_DATA else "Rays"
         kind = self.switch.removeprefix("use_pass_").split("_")[0]
         return kind.title() if self.switch.endswith(_LIGHT_PARTS) else "Light" if kind in _LIGHT else "Data"
 

@@ -55,6 +55,41 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         min=1,
         max=1 << 20,
     )
+    use_noise_threshold: BoolProperty(  # type: ignore
+        name="Noise Threshold",
+        description="Blocks of 8 x 8 pixels take no more samples once they are calm: time goes where the noise is",
+        default=False,
+    )
+    noise_threshold: FloatProperty(  # type: ignore
+        name="Threshold",
+        description="The noise at which a block is calm, in Cycles' unit. Lower it where the finished picture is noisy;"
+        " half the threshold takes four times as many samples",
+        default=0.01,
+        min=0.0001,
+        soft_max=0.2,
+        max=10.0,
+        precision=4,
+        step=0.1,
+    )
+    least_samples: IntProperty(  # type: ignore
+        name="Min Samples",
+        description="Samples of every pixel before its noise counts. 0: by the threshold. Raise it where small bright"
+        " features are missed",
+        default=0,
+        min=0,
+        max=1 << 20,
+    )
+    time_limit: FloatProperty(  # type: ignore
+        name="Time Limit",
+        description="A render takes no further samples after this time, whatever it has; 0: no limit. The picture then"
+        " depends on how fast the machine is",
+        default=0.0,
+        min=0.0,
+        soft_max=3600.0,
+        max=1e9,
+        unit="TIME_ABSOLUTE",
+        step=100,
+    )
     preview_samples: IntProperty(  # type: ignore
         name="Viewport Samples",
         description="Paths per pixel of 3-D views in Rendered shading, which are refined until they have as many",

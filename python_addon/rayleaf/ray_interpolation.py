@@ -172,6 +172,12 @@ class RayleafMaterialSettings(bpy.types.PropertyGroup):
 class RayleafViewLayerSettings(bpy.types.PropertyGroup):
     """The passes that Blender has no switch for."""
 
+    use_pass_sample_count: BoolProperty(  # type: ignore
+        name="Sample Count",
+        description="How many samples each pixel took",
+        default=False,
+        update=_update_passes,
+    )
     use_pass_mask: BoolProperty(  # type: ignore
         name="Mask",
         description="How each pixel's ray was answered: 0 no interpolation, 1 traced, 2 interpolated, "

@@ -29,6 +29,10 @@ _ITEMS = (
 FROM_CYCLES = {
     "samples": "samples",
     "preview_samples": "preview_samples",
+    "use_adaptive_sampling": "use_noise_threshold",
+    "adaptive_threshold": "noise_threshold",
+    "adaptive_min_samples": "least_samples",
+    "time_limit": "time_limit",
     "seed": "seed",
     "use_animated_seed": "use_animated_seed",
     "max_bounces": "max_bounces",
@@ -65,7 +69,7 @@ class RAYLEAF_OT_preset(bpy.types.Operator):
 
 
 class RAYLEAF_OT_copy_cycles_settings(bpy.types.Operator):
-    """Take samples, seed, bounces, clamping, exposure, pixel filter, dicing rate and hair shape from Cycles' settings"""
+    """Take sampling, bounces, clamping, exposure, pixel filter, dicing rate and hair shape from Cycles' settings"""
 
     bl_idname = "rayleaf.copy_cycles_settings"
     bl_label = "Copy Settings from Cycles"

@@ -83,7 +83,16 @@ class RAYLEAF_PT_sampling(_Panel, bpy.types.Panel):
         presets = column.row(align=True)
         for name in sampling_presets.PRESETS:
             presets.operator("rayleaf.preset", text=name.title()).preset = name
-        column.prop(settings, "samples")
+        column.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
+        threshold = column.row(heading="Noise Threshold", align=True)
+        threshold.prop(settings, "use_noise_threshold", text="")
+        value = threshold.row()
+        value.active = settings.use_noise_threshold
+        value.prop(settings, "noise_threshold", text="")
+        least = column.row()
+        least.active = settings.use_noise_threshold
+        least.prop(settings, "least_samples")
+        column.prop(settings, "time_limit")
         column.prop(settings, "preview_samples")
         row = column.row(align=True)
         row.prop(settings, "seed")

@@ -186,6 +186,7 @@ for name, ours in FROM_CYCLES.items():
     if prop.type == "ENUM":
         setattr(theirs, name, "GAUSSIAN")
     elif prop.type == "BOOLEAN":
+        setattr(own, ours, getattr(theirs, name))
         setattr(theirs, name, not getattr(theirs, name))
     else:
         setattr(theirs, name, type(getattr(theirs, name))(7))

@@ -75,7 +75,7 @@ def settings_of(core: Any, scene: Any, view_layer: Any, frame: Frame, combined: 
     """The arguments of the core's Settings: those of a render, without what would delay the first picture."""
     crop = CropRectangle(0, 0, frame.width, frame.height)
     settings = core_settings(core, scene, view_layer, frame, crop, [combined])
-    settings["samples"] = 1  # taken in rounds
+    settings.update(samples=1, time_limit=0.0)  # samples are taken in rounds
     if settings["ray_interpolation"].mode == "AUTO":  # whose probe takes as long as a picture
         settings["ray_interpolation"] = core.RayInterpolation()
     return settings
