@@ -64,6 +64,10 @@ inline LocalHit placed_hit(uint32_t element, const Vec2f& parameters, const Vec3
     return hit;
 }
 
+/// How the point of a surface is wanted. Normal: nobody asks how the normal changes, which costs as much as the rest;
+/// whether dn_du and dn_dv are filled is open then.
+enum class SurfaceDetail : uint8_t { Normal, Curvature };
+
 /// A place on a border, by one of the elements that meet there.
 struct BorderPlace {
     uint32_t element = 0;
@@ -93,6 +97,8 @@ class Shape {
     virtual uint32_t element_count() const = 0;
     /// The surface at a hit. Pure; never NaN.
     virtual LocalSurface surface(const LocalHit& hit) const = 0;
+    /// The same where the detail Normal will do.
+    virtual LocalSurface surface_without_curvature(const LocalHit& hit) const { return surface(hit); }
     /// Value of an attribute at a hit, missing channels 0, alpha 1; empty if the shape has no such attribute.
     virtual std::optional<Vec4f> attribute(AttributeId id, const LocalHit& hit) const = 0;
     /// Index into the instance's material slots for a primitive of a hit.

@@ -180,13 +180,35 @@ uint32_t Strands::point_index(uint32_t strand, int64_t point) const {
     return static_cast<uint32_t>(first + std::clamp<int64_t>(point, 0, count - 1));
 }
 
+/// The first of four points of a segment, counted from its strand's first.
+int64_t Strands::first_of_segment(uint32_t segment) const {
+    const int64_t number = int64_t{segment} - first_segment_[strand_of_segment_[segment]];
+    const bool centred = basis_ == StrandBasis::Linear || basis_ == StrandBasis::CatmullRom;
+    return number * points_of(basis_).stride - (centred ? 1 : 0);
+}
+
 StrandSegment Strands::segment(uint32_t segment) const {
     const uint32_t strand = strand_of_segment_[segment];
-    const int64_t place = int64_t{segment} - first_segment_[strand];
-    const bool centred = basis_ == StrandBasis::Linear || basis_ == StrandBasis::CatmullRom;
-    const int64_t first = place * points_of(basis_).stride - (centred ? 1 : 0);
+    const int64_t first = first_of_segment(segment);
     std::array<StrandPoint, 4> p{};
     for (int i = 0; i < 4; ++i) p[i] = points_[point_index(strand, first + i)];
+    return bezier_segment(basis_, p);
+}
+
+Strands::Place Strands::place(uint32_t segment) const {
+    const uint32_t strand = strand_of_segment_[segment];
+    const int64_t first = first_of_segment(segment), count = int64_t{first_point_[strand + 1]} - first_point_[strand];
+    const bool first_twice = first<0, last_twice = first + 4> count;
+    if (is_cyclic(strand) && (first_twice || last_twice)) return {0, Place::kClosed};
+    const int ends = (first_twice ? Place::kFirstTwice : 0) | (last_twice ? Place::kLastTwice : 0);
+    return {static_cast<uint32_t>(first_point_[strand] + (first_twice ? 0 : first)), static_cast<uint8_t>(ends)};
+}
+
+StrandSegment Strands::segment(uint32_t segment, const Place& place) const {
+    if ((place.ends & Place::kClosed) != 0) return this->segment(segment);
+    const size_t shift = place.ends & Place::kFirstTwice, held = place.ends & Place::kLastTwice ? 2 - shift : 3 - shift;
+    std::array<StrandPoint, 4> p{};
+    for (size_t i = 0; i < 4; ++i) p[i] = points_[place.first + std::min(std::max(i, shift) - shift, held)];
     return bezier_segment(basis_, p);
 }
 

@@ -83,6 +83,14 @@ class Strands final : public Shape {
     bool is_cyclic(uint32_t strand) const { return !cyclic_.empty() && cyclic_[strand] != 0; }
     /// Local space.
     StrandSegment segment(uint32_t segment) const;
+    /// Where a segment's four points lie, for who asks for it often.
+    struct Place {
+        enum Ends : uint8_t { kWithin = 0, kFirstTwice = 1, kLastTwice = 2, kClosed = 4 };
+        uint32_t first;  ///< point; of which the first one or the last one may count twice
+        uint8_t ends;    ///< sum of Ends; kClosed: some lie across the end of a closed strand, and `first` says nothing
+    };
+    Place place(uint32_t segment) const;
+    StrandSegment segment(uint32_t segment, const Place& place) const;
     /// The segment before (step -1) or after (+1) one of the same strand, round the end of a closed one; empty at an
     /// end.
     std::optional<uint32_t> neighbour(uint32_t segment, int step) const;
@@ -107,6 +115,7 @@ class Strands final : public Shape {
     Vec4f attribute_value(const StrandAttribute& attribute, const LocalHit& hit) const;
     std::optional<Vec4f> info_value(AttributeId id, const LocalHit& hit) const;
     uint32_t point_index(uint32_t strand, int64_t point) const;
+    int64_t first_of_segment(uint32_t segment) const;
 };
 
 }  // namespace rayleaf

@@ -193,7 +193,7 @@ Vec3d SweptSurface::cap_normal(const SweepRing& ring, CapEnd end) const {
     return ring.across.cross(ring.up) * (end == CapEnd::End ? 1.0 : -1.0);
 }
 
-LocalSurface SweptSurface::surface(const LocalHit& hit) const {
+LocalSurface SweptSurface::surface(const LocalHit& hit, SurfaceDetail detail) const {
     const SweptElement where = element(hit.primitive);
     switch (where.part) {
         case SweptPart::Cap:
@@ -201,7 +201,7 @@ LocalSurface SweptSurface::surface(const LocalHit& hit) const {
         case SweptPart::Fill:
             return fills_[where.fill].surface(hit);
         default:
-            return wall_surface(hit, where);
+            return wall_surface(hit, where, detail);
     }
 }
 
@@ -218,7 +218,7 @@ LocalSurface SweptSurface::cap_surface(const LocalHit& hit, const SweptElement& 
     return result;
 }
 
-LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement& where) const {
+LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement& where, SurfaceDetail detail) const {
     const SweepPiece& piece = path_.pieces[where.piece];
     const SweepSpline& spline = path_.spline_of(where.piece);
     const SweepProfile& profile = profiles_[where.profile];
@@ -254,16 +254,18 @@ LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement&
         return result;
     }
     // m = P_v x P_u; the unit normal changes by the part of m' across it over |m|.
-    const double length_m = normal.length(), step = u < 0.5 ? kStep : -kStep;
+    const double length_m = normal.length();
+    const Vec3d n = normal / length_m;
+    const double side = Vec3f(n).dot(facet_normal) < 0.0f ? -1.0 : 1.0;
+    result.normal = Vec3f(n * side);
+    if (detail == SurfaceDetail::Normal) return result;
+    const double step = u < 0.5 ? kStep : -kStep;
     const SweepRingPoint next = path_.evaluate(piece, u + step);
     const Vec3d along_along = (next.change.center - ring.change.center + next.change.vector(around.position) -
                                ring.change.vector(around.position)) /
                               step;
     const Vec3d along_round = ring.change.vector(around.first), round_round = ring.ring.vector(around.second);
-    const Vec3d n = normal / length_m;
-    const double side = Vec3f(n).dot(facet_normal) < 0.0f ? -1.0 : 1.0;
     const auto change = [&](const Vec3d& dm) { return (dm - n * n.dot(dm)) * (side / length_m); };
-    result.normal = Vec3f(n * side);
     if (u_length > 0.0)
         result.dn_du = float_or_zero(change(along_round.cross(along) + round.cross(along_along)) / u_length);
     result.dn_dv = float_or_zero(change(round_round.cross(along) + round.cross(along_round)) / part_length);

@@ -42,7 +42,10 @@ class SweptSurface final : public Shape {
     explicit SweptSurface(const SweptCurveDescription& curve);
 
     uint32_t element_count() const override { return first_fill() + static_cast<uint32_t>(fills_.size()); }
-    LocalSurface surface(const LocalHit& hit) const override;
+    LocalSurface surface(const LocalHit& hit) const override { return surface(hit, SurfaceDetail::Curvature); }
+    LocalSurface surface_without_curvature(const LocalHit& hit) const override {
+        return surface(hit, SurfaceDetail::Normal);
+    }
     std::optional<Vec4f> attribute(AttributeId, const LocalHit&) const override { return std::nullopt; }
     uint32_t material_slot(const LocalHit& hit) const override;
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
@@ -95,7 +98,8 @@ class SweptSurface final : public Shape {
     void build_path(const SweptCurveDescription& curve);
     void fit_frame(const Vec3d& center, double extent);
     const Group& group_of(const SweptElement& element) const;  ///< of no fill
-    LocalSurface wall_surface(const LocalHit& hit, const SweptElement& element) const;
+    LocalSurface surface(const LocalHit& hit, SurfaceDetail detail) const;
+    LocalSurface wall_surface(const LocalHit& hit, const SweptElement& element, SurfaceDetail detail) const;
     LocalSurface cap_surface(const LocalHit& hit, const SweptElement& element) const;
 };
 

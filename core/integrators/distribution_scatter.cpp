@@ -31,7 +31,7 @@ void DistributionTracer::add_light(const Branch& branch, const Vertex& vertex, c
 
 LitClasses DistributionTracer::lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
                                               const LightSample& light, int count) const {
-    const bool kinds = (branch.bounces.count() == 0 && settings_.light_passes) || light.visibility != kVisibleAll;
+    const bool kinds = (branch.bounces.count() == 0 && settings_.light_passes) || !lights_all_kinds(light);
     const auto lit = [&](const Closures& closures) {
         if (closures.size() == 0) return LitLobes{};
         return kinds ? lit_by_kind(vertex, closures, light) : lit_together(vertex, closures, light);
@@ -102,8 +102,8 @@ void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& v
     const std::optional<LightSample> light = scene_.lights().sample(
         vertex.point.position, branch.sampler.get3(dimension(branch.vertex, PathDimension::Light)));
     if (!light) return;
-    const LitLobes lit = light->visibility != kVisibleAll ? lit_by_kind(vertex, vertex.closures, *light)
-                                                          : lit_together(vertex, vertex.closures, *light);
+    const LitLobes lit = !lights_all_kinds(*light) ? lit_by_kind(vertex, vertex.closures, *light)
+                                                   : lit_together(vertex, vertex.closures, *light);
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
     add_light(branch, vertex, *light, lit.value * weight, {}, 1);
 }

@@ -76,7 +76,7 @@ bool PathTracer::shade(const Vertex& vertex, const VertexNumbers& numbers) {
     return goes_on;
 }
 
-PixelSample PathTracer::finish() {
+const PixelSample& PathTracer::finish() {
     if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
     light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
     return light_.sample;
@@ -154,7 +154,7 @@ void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     const std::optional<LightSample> light = scene_.lights().sample(vertex.point.position, random);
     if (!light) return;
     const bool first = bounces_.count() == 0;
-    const LitLobes lit = (first && settings_.light_passes) || light->visibility != kVisibleAll
+    const LitLobes lit = (first && settings_.light_passes) || !lights_all_kinds(*light)
                              ? lit_by_kind(vertex, vertex.closures, *light)
                              : lit_together(vertex, vertex.closures, *light);
     if (is_black(lit.value)) return;

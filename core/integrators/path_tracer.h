@@ -83,7 +83,8 @@ class PathTracer {
     std::optional<LightRay>& light_ray() { return light_ray_; }
     /// The share of that light that arrives; before the path arrives again.
     void receive(const Color& free);
-    PixelSample finish();
+    /// Valid as long as the path.
+    const PixelSample& finish();
 
   private:
     const Scene& scene_;

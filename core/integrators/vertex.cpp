@@ -1,7 +1,12 @@
 #include "integrators/vertex.h"
 
+#include <algorithm>
+
 namespace rayleaf {
 namespace {
+
+/// The rays that see a light which lights lobes of a kind.
+constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
 
 /// The normal that tells on which side a light is: the exact one of splines, so that their facets do not show where
 /// light grazes; a facet's own on meshes, and where a facet is seen at a silhouette whose surface faces away.
@@ -14,22 +19,26 @@ const Vec3f& side_normal(const Vertex& vertex) {
 
 }  // namespace
 
+bool lights_all_kinds(const LightSample& light) {
+    return std::all_of(kSeenBy.begin(), kSeenBy.end(),
+                       [&light](Visibility kind) { return (light.visibility & kind) != 0; });
+}
+
 LitLobes lit_together(const Vertex& vertex, const Closures& closures, const LightSample& light) {
     const auto both = closures.evaluate_with_density(vertex.outgoing, light.direction, side_normal(vertex));
     return {both.value, both.density, {}};
 }
 
 LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const LightSample& light) {
-    constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
-    const Vec3f& side = side_normal(vertex);
+    const auto lobes = closures.evaluate_by_kind(vertex.outgoing, light.direction, side_normal(vertex));
     LitLobes lit;
     ByKind parts;
     for (const LobeKind kind : kLobeKinds) {
         if (!(light.visibility & kSeenBy[static_cast<size_t>(kind)])) continue;
-        parts[kind] = closures.evaluate(vertex.outgoing, light.direction, side, kind);
+        parts[kind] = lobes.values[static_cast<size_t>(kind)];
         lit.value += parts[kind];
     }
-    lit.density = closures.density(vertex.outgoing, light.direction, side);
+    lit.density = lobes.density;
     lit.shares = shares_of(parts, lit.value);
     return lit;
 }
@@ -40,9 +49,10 @@ ByKind shares_of_scattering(const Vertex& vertex, const Closures& closures, cons
         parts[sample.kind] = Color(1.0f);
         return parts;
     }
+    const auto lobes = closures.evaluate_by_kind(vertex.outgoing, sample.direction, vertex.point.facet_normal);
     Color total(0.0f);
     for (const LobeKind kind : kLobeKinds) {
-        parts[kind] = closures.evaluate(vertex.outgoing, sample.direction, vertex.point.facet_normal, kind);
+        parts[kind] = lobes.values[static_cast<size_t>(kind)];
         total += parts[kind];
     }
     return shares_of(parts, total);

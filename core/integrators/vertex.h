@@ -34,6 +34,8 @@ struct LitLobes {
     ByKind shares;         ///< filled where asked for
 };
 
+/// Whether the lobes of all kinds are lit; rays of the camera may not see the light itself.
+bool lights_all_kinds(const LightSample& light);
 /// By the lobes of `closures`, which are all or some of those of the vertex.
 LitLobes lit_together(const Vertex& vertex, const Closures& closures, const LightSample& light);
 /// The same with shares. Only kinds that see the light are lit by it.

@@ -107,6 +107,17 @@ struct Choice {
     }
 };
 
+Closures::Evaluation evaluate_all(const Closures& closures, const Choice& choice, const Vec3f& outgoing,
+                                  const Vec3f& incoming, Side side) {
+    Closures::Evaluation sum;
+    for (int i = 0; i < closures.size(); ++i) {
+        const LobeValue lobe = evaluate_lobe(closures[i], outgoing, incoming, side);
+        sum.value += lobe.value;
+        sum.density += choice.probability[i] * lobe.density;
+    }
+    return sum;
+}
+
 }  // namespace
 
 void Closures::clear() {
@@ -160,12 +171,17 @@ Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec
 
 Closures::Evaluation Closures::evaluate_with_density(const Vec3f& outgoing, const Vec3f& incoming,
                                                      const Vec3f& facet_normal) const {
+    return evaluate_all(*this, Choice(*this, outgoing), outgoing, incoming, side_of(outgoing, incoming, facet_normal));
+}
+
+Closures::EvaluationByKind Closures::evaluate_by_kind(const Vec3f& outgoing, const Vec3f& incoming,
+                                                      const Vec3f& facet_normal) const {
     const Side side = side_of(outgoing, incoming, facet_normal);
     const Choice choice(*this, outgoing);
-    Evaluation sum;
+    EvaluationByKind sum;
     for (int i = 0; i < count_; ++i) {
         const LobeValue lobe = evaluate_lobe(lobes_[i], outgoing, incoming, side);
-        sum.value += lobe.value;
+        sum.values[static_cast<size_t>(kind_of(lobes_[i], side))] += lobe.value;
         sum.density += choice.probability[i] * lobe.density;
     }
     return sum;
@@ -203,7 +219,7 @@ std::optional<LobeSample> Closures::sample(const Vec3f& outgoing, const Vec3f& f
         if (sample.transmitted != (lobe.normal.dot(direction->direction) < 0.0f)) return std::nullopt;
         sample.weight = direction->weight / probability;
     } else {
-        const Evaluation all = evaluate_with_density(outgoing, direction->direction, facet_normal);
+        const Evaluation all = evaluate_all(*this, choice, outgoing, direction->direction, side);
         if (!(all.density > 0.0f)) return std::nullopt;
         sample.density = all.density;
         sample.weight = all.value / all.density;

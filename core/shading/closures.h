@@ -8,6 +8,8 @@
 
 #include "base/vector.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -15,6 +17,7 @@ namespace rayleaf {
 
 /// Which of Blender's pass families and bounce limits a lobe belongs to.
 enum class LobeKind : uint8_t { Diffuse, Glossy, Transmission };
+inline constexpr size_t kLobeKindCount = 3;
 
 enum class LobeType : uint8_t {
     Diffuse,      ///< Lambert, or Oren-Nayar with roughness
@@ -102,6 +105,12 @@ class Closures {
         float density = 0;
     };
     Evaluation evaluate_with_density(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
+    /// The same with a value for each kind.
+    struct EvaluationByKind {
+        std::array<Color, kLobeKindCount> values{Color(0.0f), Color(0.0f), Color(0.0f)};
+        float density = 0;
+    };
+    EvaluationByKind evaluate_by_kind(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
 
   private:
     Lobe lobes_[kMaxLobes];

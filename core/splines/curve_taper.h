@@ -22,9 +22,16 @@ class CurveTaper final : public SweepTaper {
     double largest() const;
 
   private:
-    std::vector<BezierCurve> segments_;
+    struct Segment {
+        BezierCurve curve;
+        double end = 0;      ///< x of its last point
+        bool rises = false;  ///< x runs one way all along
+    };
+    std::vector<Segment> segments_;
     std::vector<double> knots_;
     double begin_ = 0, length_ = 0;
+
+    static double parameter_at(const Segment& segment, double x, double direction);
 };
 
 }  // namespace rayleaf

@@ -13,8 +13,10 @@ constexpr double kStandstill = 1e-10;
 /// Where it is zero, the direction is that of so far inside the segment.
 constexpr double kLook = 1e-5;
 
+/// `Basis`: BernsteinBasis, or the one of the segment's degree.
+template <typename Basis>
 struct SegmentBasis {
-    BernsteinBasis basis;
+    Basis basis;
     const SweepSegment& segment;
     const SweepControl* controls;
 
@@ -62,8 +64,9 @@ struct Derivatives {
     Vec3d position, first, second;
 };
 
-Derivatives derivatives(const SegmentBasis& basis) {
-    const auto p = basis.sums<Vec4d>([](const SweepControl& control) { return control.point; });
+template <typename Basis>
+Derivatives derivatives(const SegmentBasis<Basis>& basis) {
+    const auto p = basis.template sums<Vec4d>([](const SweepControl& control) { return control.point; });
     Derivatives d{spatial_part(p[0]), spatial_part(p[1]), spatial_part(p[2])};
     if (!basis.segment.rational) return d;
     d.position = project(p[0]);
@@ -72,16 +75,17 @@ Derivatives derivatives(const SegmentBasis& basis) {
     return d;
 }
 
-}  // namespace
-
-SegmentPoint SweepPath::point(const SweepSegment& segment, double t) const {
-    const SweepControl* first_control = &controls[segment.first_control];
-    const SegmentBasis basis{BernsteinBasis(segment.degree, t), segment, first_control};
+/// `basis_at` makes the basis at a parameter.
+template <typename BasisAt>
+SegmentPoint point_of(const SweepSegment& segment, const SweepControl* first_control, double t, SweepSpace space,
+                      const BasisAt& basis_at) {
+    const SegmentBasis basis{basis_at(t), segment, first_control};
     const Derivatives d = derivatives(basis);
     SegmentPoint result;
     result.position = d.position;
     result.first = d.first;
-    const auto scalars = basis.sums<Vec3d>([](const SweepControl& c) { return Vec3d(c.radius, c.tilt, c.point.w); });
+    const auto scalars =
+        basis.template sums<Vec3d>([](const SweepControl& c) { return Vec3d(c.radius, c.tilt, c.point.w); });
     result.radius = scalars[0].x;
     result.radius_change = scalars[1].x;
     result.tilt = scalars[0].y;
@@ -97,7 +101,7 @@ SegmentPoint SweepPath::point(const SweepSegment& segment, double t) const {
     Direction direction = direction_of(d.first, d.second, size, space);
     if (!direction.found) {
         const double inside = t < 0.5 ? t + kLook : t - kLook;
-        const Derivatives near = derivatives({BernsteinBasis(segment.degree, inside), segment, first_control});
+        const Derivatives near = derivatives(SegmentBasis{basis_at(inside), segment, first_control});
         direction = direction_of(near.first, near.second, size * kStandstill, space);
     }
     if (!direction.found) direction.tangent = space == SweepSpace::Planar ? Vec3d(1, 0, 0) : Vec3d(0, 0, 1);
@@ -105,6 +109,16 @@ SegmentPoint SweepPath::point(const SweepSegment& segment, double t) const {
     if (max_abs(d.second.cross(result.tangent)) > kNoBend * std::max(max_abs(d.second), size)) result.second = d.second;
     result.tangent_change = direction.change;
     return result;
+}
+
+}  // namespace
+
+SegmentPoint SweepPath::point(const SweepSegment& segment, double t) const {
+    const SweepControl* first = &controls[segment.first_control];
+    constexpr int kCubic = 3;
+    if (segment.degree == kCubic)
+        return point_of(segment, first, t, space, [](double at) { return FixedBernsteinBasis<kCubic>(at); });
+    return point_of(segment, first, t, space, [&](double at) { return BernsteinBasis(segment.degree, at); });
 }
 
 std::pair<double, double> SweepPath::radius(double at, double at_change, double points, double points_change) const {

@@ -196,6 +196,8 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
     const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
     const Vec2f p = finite(uv), dx = finite(duv_dx), dy = finite(duv_dy);
     oiio::TextureOpt lookup_options = options(extension, interpolation);
+    // A point needs no level of the pyramid to be found.
+    if (dx == Vec2f(0.0f) && dy == Vec2f(0.0f)) lookup_options.mipmode = oiio::TextureOpt::MipModeNoMIP;
     float value[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     // OpenImageIO's t runs down the picture.
     texture_system().texture(static_cast<oiio::TextureSystem::TextureHandle*>(texture.handle()), nullptr,

@@ -32,6 +32,16 @@ HWY_INLINE float near_of(uint64_t waiting) {
     return std::bit_cast<float>(static_cast<uint32_t>(waiting >> 32));
 }
 
+/// Fetches what lies behind a child that has to wait.
+HWY_INLINE void fetch(const BoxNode* nodes, uint32_t child, const BoxVisitor& visitor) {
+    const bool is_leaf = (child & BoxNode::kLeaf) != 0;
+    const auto* first = static_cast<const char*>(is_leaf ? visitor.items : nodes);
+    const uint32_t bytes = is_leaf ? visitor.item_bytes : sizeof(BoxNode);
+    first += size_t{child & ~BoxNode::kLeaf} * bytes;
+    constexpr uint32_t kLine = 64;
+    for (uint32_t offset = 0; offset < bytes; offset += kLine) hwy::Prefetch(first + offset);
+}
+
 using Boxes = hn::CappedTag<float, BoxNode::kMostChildren>;
 using BoxVector = hn::Vec<Boxes>;
 constexpr int kBoxWidth = static_cast<int>(hn::MaxLanes(Boxes()));
@@ -58,7 +68,7 @@ class OneRay {
             const uint64_t next = waiting[--count];
             if (!(near_of(next) <= farthest[lane])) continue;
             auto child = static_cast<uint32_t>(next);
-            while ((child & BoxNode::kLeaf) == 0 && go_down(nodes[child], farthest[lane], child, waiting, count)) {
+            while ((child & BoxNode::kLeaf) == 0 && go_down(nodes, farthest[lane], child, waiting, count, visitor)) {
             }
             if ((child & BoxNode::kLeaf) != 0)
                 visitor.visit(visitor.owner, child & ~BoxNode::kLeaf, 1u << lane, farthest);
@@ -70,7 +80,9 @@ class OneRay {
     BoxVector inverse_[3], offset_[3];
 
     /// Makes `next` the nearest child that is met; the others wait, the nearest of them last. False if none is.
-    HWY_INLINE bool go_down(const BoxNode& node, float farthest, uint32_t& next, uint64_t* waiting, int& count) const {
+    HWY_INLINE bool go_down(const BoxNode* nodes, float farthest, uint32_t& next, uint64_t* waiting, int& count,
+                            const BoxVisitor& visitor) const {
+        const BoxNode& node = nodes[next];
         HWY_ALIGN float nears[BoxNode::kMostChildren];
         uint32_t bits = meet(node, farthest, nears);
         if (bits == 0) return false;
@@ -86,6 +98,7 @@ class OneRay {
             int at = count++;
             for (; at > bottom && waiting[at - 1] < other; --at) waiting[at] = waiting[at - 1];
             waiting[at] = other;
+            fetch(nodes, static_cast<uint32_t>(other), visitor);
         }
         next = static_cast<uint32_t>(nearest);
         return true;
@@ -143,7 +156,7 @@ class ManyRays {
             if ((child & BoxNode::kLeaf) != 0)
                 visitor_.visit(visitor_.owner, child & ~BoxNode::kLeaf, left, farthest);
             else if (std::popcount(left) > few_)
-                add_children(nodes[child], left, farthest);
+                add_children(nodes, child, left, farthest);
             else
                 visit_one_by_one(nodes, child, left, farthest);
         }
@@ -179,7 +192,8 @@ class ManyRays {
         }
     }
     /// The one that is nearest to the first ray comes last, to be visited first.
-    HWY_INLINE void add_children(const BoxNode& node, uint32_t lanes, const float* farthest) {
+    HWY_INLINE void add_children(const BoxNode* nodes, uint32_t number, uint32_t lanes, const float* farthest) {
+        const BoxNode& node = nodes[number];
         alignas(64) float nears[BoxNode::kMostChildren][kPacketSize];
         uint32_t met[BoxNode::kMostChildren];
         float keys[BoxNode::kMostChildren];
@@ -199,6 +213,7 @@ class ManyRays {
                 hn::Store(hn::Load(Rays(), nears[order[i]] + first), Rays(), entry.near + first);
             entry.child = node.child[order[i]];
             entry.lanes = met[order[i]];
+            fetch(nodes, entry.child, visitor_);
         }
     }
     /// The lanes that meet a child.

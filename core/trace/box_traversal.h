@@ -7,6 +7,7 @@
 #include "trace/box_tree.h"
 
 #include <cstdint>
+#include <limits>
 
 namespace rayleaf {
 
@@ -16,7 +17,12 @@ struct BoxVisitor {
     using Visit = void (*)(void* owner, uint32_t item, uint32_t lanes, float* farthest);
     Visit visit;
     void* owner;
+    const void* items = nullptr;  ///< what `visit` reads first, by item, to be fetched ahead of it; null: unknown
+    uint32_t item_bytes = 0;      ///< of each
 };
+
+/// What is left of the way of a ray that needs no other hit.
+inline constexpr float kDone = -std::numeric_limits<float>::infinity();
 
 struct BoxTraversal {
     /// `lanes` meet a node together while there are more than `few`. `farthest` is by lane, along the unit direction.

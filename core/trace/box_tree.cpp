@@ -11,13 +11,17 @@
 namespace rayleaf {
 namespace {
 
-/// What Embree makes: a node, or an item.
+/// What Embree makes: a node, or a leaf.
 struct Part {
-    uint32_t leaf = 0;  ///< BoxNode::kLeaf | number of the item; 0 for nodes
+    bool is_leaf = false;
 };
 struct Node : Part {
     BoxNode boxes;
     const Part* children[BoxNode::kMostChildren];
+};
+struct Leaf : Part {
+    uint32_t count = 0;
+    uint32_t items[BoxTree::kMostInLeaf];
 };
 
 void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void*) {
@@ -42,22 +46,47 @@ void set_bounds(void* parent, const RTCBounds** boxes, unsigned count, void*) {
     for (unsigned i = 0; i < count; ++i) set_box(static_cast<Node*>(parent)->boxes, i, *boxes[i]);
 }
 
-void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* items, size_t, void*) {
-    auto* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(Part), alignof(Part))) Part;
-    leaf->leaf = BoxNode::kLeaf | items[0].primID;
+void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* items, size_t count, void*) {
+    auto* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(Leaf), alignof(Leaf))) Leaf;
+    leaf->is_leaf = true;
+    leaf->count = static_cast<uint32_t>(count);
+    for (size_t i = 0; i < count; ++i) leaf->items[i] = items[i].primID;
+    std::sort(leaf->items, leaf->items + count);
     return leaf;
 }
 
-/// Copies a node and all below it, parents before children; returns its number.
-uint32_t add_nodes(const Node& from, std::vector<BoxNode>& nodes) {
-    const auto number = static_cast<uint32_t>(nodes.size());
-    nodes.push_back(from.boxes);
-    for (uint32_t i = 0; i < from.boxes.count; ++i) {
-        const Part& child = *from.children[i];
-        nodes[number].child[i] = child.leaf != 0 ? child.leaf : add_nodes(static_cast<const Node&>(child), nodes);
+/// Copies a tree, parents before children. Without `leaves`, each leaf has one item and gets its number.
+struct TreeCopy {
+    std::vector<BoxNode> nodes;
+    BoxLeaves* leaves;
+
+    uint32_t add(const Part& part) {
+        return part.is_leaf ? BoxNode::kLeaf | add_leaf(static_cast<const Leaf&>(part))
+                            : add_node(static_cast<const Node&>(part));
     }
-    return number;
-}
+    uint32_t add_leaf(const Leaf& leaf) {
+        if (!leaves) return leaf.items[0];
+        leaves->items.insert(leaves->items.end(), leaf.items, leaf.items + leaf.count);
+        leaves->first.push_back(static_cast<uint32_t>(leaves->items.size()));
+        return leaves->count() - 1;
+    }
+    uint32_t add_node(const Node& node) {
+        const auto number = static_cast<uint32_t>(nodes.size());
+        nodes.push_back(node.boxes);
+        for (uint32_t i = 0; i < node.boxes.count; ++i) {
+            const uint32_t child = add(*node.children[i]);
+            nodes[number].child[i] = child;
+        }
+        return number;
+    }
+    /// A tree that is no more than a leaf.
+    void add_root(const Leaf& leaf, const RTCBounds& box) {
+        nodes.push_back({});
+        set_box(nodes[0], 0, box);
+        nodes[0].child[0] = add(leaf);
+        nodes[0].count = 1;
+    }
+};
 
 struct ReleaseTree {
     void operator()(RTCBVH tree) const { rtcReleaseBVH(tree); }
@@ -73,25 +102,25 @@ std::vector<RTCBuildPrimitive> build_items(uint32_t count, const std::function<B
     return items;
 }
 
-}  // namespace
-
-BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel) {
-    std::vector<RTCBuildPrimitive> items = build_items(count, box_of);
-    if (items.empty()) return;
-    if (items.size() == 1) {
-        nodes_ = LargeArray<BoxNode>(1);
-        BoxNode& root = nodes_[0] = {};
-        const RTCBuildPrimitive& item = items[0];
-        set_box(root, 0, {item.lower_x, item.lower_y, item.lower_z, 0, item.upper_x, item.upper_y, item.upper_z, 0});
-        root.child[0] = BoxNode::kLeaf | item.primID;
-        root.count = 1;
-        return;
+RTCBounds box_around(const std::vector<RTCBuildPrimitive>& items) {
+    Box3f box;
+    for (const RTCBuildPrimitive& item : items) {
+        box.extendBy(Vec3f(item.lower_x, item.lower_y, item.lower_z));
+        box.extendBy(Vec3f(item.upper_x, item.upper_y, item.upper_z));
     }
+    return {box.min.x, box.min.y, box.min.z, 0.0f, box.max.x, box.max.y, box.max.z, 0.0f};
+}
+
+std::vector<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToken& cancel, BoxLeaves* leaves) {
+    if (leaves) leaves->first.assign(1, 0);
+    if (items.empty()) return {};
+    const RTCBounds box = box_around(items);
     const std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseTree> tree(rtcNewBVH(embree_device()));
     RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.maxBranchingFactor = BoxNode::kMostChildren;
     arguments.maxDepth = BoxNode::kDeepest;
-    arguments.maxLeafSize = 1;
+    arguments.maxLeafSize = leaves ? BoxTree::kMostInLeaf : 1;
+    arguments.sahBlockSize = arguments.maxLeafSize;  // a leaf's items are tested together
     arguments.bvh = tree.get();
     arguments.primitives = items.data();
     arguments.primitiveCount = arguments.primitiveArrayCapacity = items.size();
@@ -101,11 +130,26 @@ BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, c
     arguments.createLeaf = create_leaf;
     arguments.buildProgress = embree_goes_on;
     arguments.userPtr = const_cast<CancelToken*>(&cancel);
-    const void* root = rtcBuildBVH(&arguments);
+    const auto* root = static_cast<const Part*>(rtcBuildBVH(&arguments));
     throw_embree_error();
-    std::vector<BoxNode> nodes;
-    add_nodes(*static_cast<const Node*>(root), nodes);
-    nodes_ = LargeArray<BoxNode>(nodes.size());
+    TreeCopy copy{{}, leaves};
+    if (root->is_leaf)
+        copy.add_root(static_cast<const Leaf&>(*root), box);
+    else
+        copy.add(*root);
+    return std::move(copy.nodes);
+}
+
+}  // namespace
+
+BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel)
+    : BoxTree(build(build_items(count, box_of), cancel, nullptr)) {}
+
+BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel,
+                 BoxLeaves& leaves)
+    : BoxTree(build(build_items(count, box_of), cancel, &leaves)) {}
+
+BoxTree::BoxTree(const std::vector<BoxNode>& nodes) : nodes_(nodes.size()) {
     std::copy(nodes.begin(), nodes.end(), nodes_.data());
 }
 

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 namespace rayleaf {
 
@@ -23,13 +24,25 @@ struct alignas(64) BoxNode {
     uint32_t count;                     ///< of children, at least one
 };
 
+/// The items of each leaf, one leaf after the other.
+struct BoxLeaves {
+    std::vector<uint32_t> items;
+    std::vector<uint32_t> first;  ///< of each leaf, and at the end the number of items
+
+    uint32_t count() const { return static_cast<uint32_t>(first.size()) - 1; }
+};
+
 class BoxTree {
   public:
+    static constexpr uint32_t kMostInLeaf = 8;
+
     /// Empty: nothing is met.
     BoxTree() = default;
     /// Of `count` items; those with empty boxes are left out. Throws Cancelled if the token says so, std::runtime_error
     /// with Embree's word if the build fails.
     BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel);
+    /// The same with up to kMostInLeaf items in a leaf: rays meet leaves, by their number.
+    BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel, BoxLeaves& leaves);
 
     bool empty() const { return nodes_.size() == 0; }
     /// The first is the root.
@@ -38,6 +51,8 @@ class BoxTree {
 
   private:
     LargeArray<BoxNode> nodes_;
+
+    explicit BoxTree(const std::vector<BoxNode>& nodes);
 };
 
 }  // namespace rayleaf

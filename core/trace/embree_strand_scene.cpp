@@ -15,7 +15,7 @@ float without_tiny(double value) {
 }  // namespace
 
 EmbreeStrandScene::EmbreeStrandScene(const Strands& strands, const CancelToken& cancel)
-    : ShapeScene(strands, FacetKind::Strands), strands_(&strands) {
+    : ShapeScene(strands, FacetKind::EmbreeCurves), strands_(&strands) {
     const uint32_t count = strands.element_count();
     if (count == 0) return;
     RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE);

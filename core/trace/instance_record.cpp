@@ -166,8 +166,19 @@ LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
             traced_length(*scene, origin, direction, world_ray.t_min, world_ray.t_max), 0.0f};
 }
 
+/// Derivative of N = m/|m|, m the mapped normal: (m' - N (N.m')) / |m|.
+void InstanceRecord::set_curvature(const LocalSurface& local, SurfacePoint& point) const {
+    const double length = normal_to_world(Vec3d(local.normal)).length();
+    const auto normal_derivative = [&](const Vec3f& dn) {
+        const Vec3d change = normal_to_world(Vec3d(dn)), n(point.normal);
+        return length > 0.0 ? Vec3f((change - n * n.dot(change)) / length) : Vec3f(0.0f);
+    };
+    point.dn_du = normal_derivative(local.dn_du);
+    point.dn_dv = normal_derivative(local.dn_dv);
+}
+
 SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, double size,
-                                           const InterpolatedHit* interpolated) const {
+                                           const InterpolatedHit* interpolated, SurfaceDetail detail) const {
     const Affine3d& map = local_to_world;
     LocalSurface local{hit.position, hit.normal};
     if (interpolated) {
@@ -175,7 +186,8 @@ SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, 
         local.dn_du = interpolated->changes.steps[0].normal;
         local.dn_dv = interpolated->changes.steps[1].normal;
     } else {
-        local = scene->shape().surface(hit);
+        const Shape& shape = scene->shape();
+        local = detail == SurfaceDetail::Curvature ? shape.surface(hit) : shape.surface_without_curvature(hit);
     }
 
     SurfacePoint point;
@@ -188,14 +200,7 @@ SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, 
     point.normal = world_normal(*this, local.normal);
     point.dp_du = Vec3f(map.vector(Vec3d(local.dp_du)));
     point.dp_dv = Vec3f(map.vector(Vec3d(local.dp_dv)));
-    // Derivative of N = m/|m|, m the mapped normal: (m' - N (N.m')) / |m|.
-    const double length = normal_to_world(Vec3d(local.normal)).length();
-    const auto normal_derivative = [&](const Vec3f& dn) {
-        const Vec3d change = normal_to_world(Vec3d(dn)), n(point.normal);
-        return length > 0.0 ? Vec3f((change - n * n.dot(change)) / length) : Vec3f(0.0f);
-    };
-    point.dn_du = normal_derivative(local.dn_du);
-    point.dn_dv = normal_derivative(local.dn_dv);
+    if (detail == SurfaceDetail::Curvature) set_curvature(local, point);
     point.uv = local.uv;
     point.start_offset = start_offset(point.facet_position, Vec3d(point.facet_normal), size);
     point.facet_error = point.start_offset + scene->vertex_error() * longest;

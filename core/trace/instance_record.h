@@ -48,8 +48,8 @@ struct InstanceRecord {
     double start_offset(const Vec3d& position, const Vec3d& normal, double size) const;
 
     /// Everything about a hit in world space; `size` as above, `index` the instance's.
-    SurfacePoint surface_point(uint32_t index, const LocalHit& hit, double size,
-                               const InterpolatedHit* interpolated) const;
+    SurfacePoint surface_point(uint32_t index, const LocalHit& hit, double size, const InterpolatedHit* interpolated,
+                               SurfaceDetail detail) const;
 
     /// The cache's answer to a world ray from its t_min on; `ray` is the same, clipped. `differential`, the world
     /// ray's, may be null.
@@ -59,6 +59,7 @@ struct InstanceRecord {
     /// An interpolated answer as a hit at `t` of a world ray.
     LocalHit interpolated_local(const Ray& world_ray, double t, const ObjectAnswer& answer) const;
 
+    void set_curvature(const LocalSurface& local, SurfacePoint& point) const;
     RayBeam local_beam(const RayBeam& beam) const;
     /// A world ray up to t_max in local space; empty where it misses
     /// the shape's box. `index` is the instance's.

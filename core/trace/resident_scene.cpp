@@ -16,9 +16,6 @@ constexpr int kFewRays = 3;
 /// A block's vertices, filled up to whole vectors.
 constexpr int kVertexRoom = (3 * kBlockSize + kPacketSize - 1) / kPacketSize * kPacketSize;
 
-/// What is left of the way of a ray that needs no other hit.
-constexpr float kDone = -std::numeric_limits<float>::infinity();
-
 /// The level of the geometry cache that is no coarser: of 1, 4 or 16 cells along a side.
 SubpatchLevels nearest_levels(const Resolution& resolution) {
     SubpatchLevels levels;
@@ -83,7 +80,8 @@ bool ResidentScene::find(const LocalRay& ray, ShapeHit& hit, Wanted wanted) cons
         *farthest = asked.wanted == Wanted::Any ? kDone : asked.facets.ray->float_distance(asked.facets.farthest);
     };
     float farthest = ray.float_distance(ray.t_max);
-    traversal_.alone(tree_.nodes(), ray.float_origin, ray.float_direction, &farthest, {visit_block, &query});
+    traversal_.alone(tree_.nodes(), ray.float_origin, ray.float_direction, &farthest,
+                     {visit_block, &query, &blocks_[0], sizeof(FacetBlock)});
     return query.facets.found;
 }
 
@@ -138,7 +136,7 @@ void ResidentScene::find(PacketQuery& packet, Wanted wanted) const {
     std::copy_n(packet.rays.farthest, kPacketSize, farthest);
     Packet asked{this, &packet};
     const BoxVisitor visitor{wanted == Wanted::Any ? BoxVisitor::Visit{visit_any} : BoxVisitor::Visit{visit_closest},
-                             &asked};
+                             &asked, &blocks_[0], sizeof(FacetBlock)};
     traversal_.packet(tree_.nodes(), packet.rays, packet.lanes, kFewRays, farthest, visitor);
     decide(packet, packet.lanes, farthest);
 }

@@ -45,7 +45,7 @@ struct ShapeHit {
 };
 
 /// What a shape's facets are held in.
-enum class FacetKind : uint8_t { Triangles, Grids, FixedGrids, Resident, Strands };
+enum class FacetKind : uint8_t { Triangles, Grids, FixedGrids, Resident, Strands, EmbreeCurves };
 
 /// The best hit so far of one ray in one shape, and what it takes to find a nearer one.
 struct FacetQuery {
@@ -92,9 +92,7 @@ struct ShapeQuery {
     /// The best hit is found in `hit`.
     ShapeQuery(const LocalRay& local, FacetKind kind, const GeometryCache::Reader* cache, ShapeHit& hit)
         : facets(local, hit),
-          grid_ray(kind == FacetKind::Triangles || kind == FacetKind::Strands
-                       ? GridRay()
-                       : GridRay(local.float_origin, local.float_direction)),
+          grid_ray(kind == FacetKind::Triangles ? GridRay() : GridRay(local.float_origin, local.float_direction)),
           reader(cache) {
         initialize(context);
     }
@@ -114,6 +112,7 @@ struct PacketQuery {
     struct Best {
         FacetId facet;
         FacetHit point;
+        Vec3d normal{0, 0, 0};  ///< as of ShapeHit
     };
     std::array<Best, kPacketSize> best;  ///< of the lanes that have found something
     OpenFacets open;                     ///< of shapes of blocks
@@ -145,21 +144,6 @@ void for_each_lane(uint32_t lanes, const Visit& visit) {
     for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<size_t>(__builtin_ctz(lanes)));
 }
 
-/// Calls `visit` with the place, among the `count` rays of a callback, and the lane of each that Embree asks. `valid`:
-/// -1 for those, 0 for others.
-template <typename Visit>
-void for_each_asked(const int* valid, RTCRayN* rays, unsigned count, const Visit& visit) {
-    for (unsigned place = 0; place < count; ++place)
-        if (valid[place] != 0) visit(place, RTCRayN_id(rays, count, place));
-}
-
-/// Their lanes, a bit each.
-inline uint32_t lanes_of(const int* valid, RTCRayN* rays, unsigned count) {
-    uint32_t lanes = 0;
-    for_each_asked(valid, rays, count, [&](unsigned, uint32_t lane) { lanes |= 1u << lane; });
-    return lanes;
-}
-
 /// Asks Embree for lanes of a packet.
 void embree_closest(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
                     RTCRayHit16& result);
@@ -183,7 +167,9 @@ class ShapeScene {
     virtual bool closest(const LocalRay& ray, ShapeHit& hit) const;
     virtual bool occluded(const LocalRay& ray) const;
     /// Whether the shape can be asked by packets.
-    bool takes_packets() const { return kind_ == FacetKind::Triangles || kind_ == FacetKind::Resident; }
+    bool takes_packets() const {
+        return kind_ == FacetKind::Triangles || kind_ == FacetKind::Resident || kind_ == FacetKind::Strands;
+    }
     /// The same for a packet: `found` tells of each lane. Of occluded, any hit will do.
     virtual void find_closest(PacketQuery& packet) const;
     virtual void find_any(PacketQuery& packet) const;

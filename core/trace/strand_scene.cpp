@@ -1,23 +1,18 @@
 #include "trace/strand_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 
 namespace rayleaf {
 namespace {
 
-/// Pieces have boxes along the axes: halving one is worth it while that leaves less than this share of their surface...
-constexpr double kWorthHalving = 0.75;
-/// ...so often at most: memory doubles each time.
-constexpr uint16_t kMostHalvings = 3;
+/// How far single precision may move a place along a ray, local units.
+constexpr float kAlongError = 0x1p-18f;
 
-/// Radius of a point query, local units: its position is a float.
-constexpr float kPointRadius = 0x1p-18f;
-
-double surface_area(const Box3d& box) {
-    const Vec3d size = box.max - box.min;
-    return size.x * size.y + size.y * size.z + size.z * size.x;
-}
+/// So few rays are parted at once.
+constexpr int kFewRays = 2;
 
 enum class Crossing : uint8_t { Enters, Leaves };
 
@@ -29,19 +24,18 @@ struct StrandExit {
 
 }  // namespace
 
-/// One ray, as Embree's callbacks find it: the context is the first member.
+/// One ray on its way through the pieces.
 struct StrandScene::Query {
-    EmbreeContext context;
     const StrandScene* scene = nullptr;
     const LocalRay* ray = nullptr;
     StrandRay frame;
-    Vec3f float_origin{0, 0, 0}, float_x{1, 0, 0}, float_y{0, 1, 0};  ///< of the frame
+    CapsuleRay float_frame;
     ShapeHit best;
     double begin = 0;     ///< the true start in the frame, and a little beyond: the rounding of t
     double farthest = 0;  ///< t of the best hit, or the ray's t_max
     Crossing best_crossing = Crossing::Enters;
     bool found = false;
-    bool any = false;               ///< whether one hit is enough
+    bool any;                       ///< whether one hit is enough
     std::vector<StrandExit> exits;  ///< of the strands that the ray starts in
 
     // What `find_holding` looks for and finds.
@@ -50,19 +44,17 @@ struct StrandScene::Query {
     bool holds = false;
     StrandLeave last;
 
-    Query(const StrandScene& strand_scene, const LocalRay& local)
+    Query(const StrandScene& strand_scene, const LocalRay& local, Wanted wanted)
         : scene(&strand_scene),
           ray(&local),
           frame(local.origin + local.direction * local.start, local.direction / local.speed),
-          float_origin(frame.origin),
-          float_x(frame.across_x),
-          float_y(frame.across_y),
+          float_frame{Vec3f(frame.origin), Vec3f(frame.across_x), Vec3f(frame.across_y), Vec3f(frame.along)},
           begin((local.t_min - local.start) * local.speed + kBackstep),
-          farthest(local.t_max) {
-        initialize(context);
-    }
-    static Query& of(EmbreeContext* embree_context) { return *reinterpret_cast<Query*>(embree_context); }
+          farthest(local.t_max),
+          any(wanted == Wanted::Any) {}
 
+    /// How far the ray needs to be followed still, as the tree sees it.
+    float float_farthest() const { return found && any ? kDone : ray->float_distance(farthest); }
     double t_of(double along) const { return ray->start + along / ray->speed; }
 
     /// Takes a hit if it is the nearest so far.
@@ -97,111 +89,36 @@ struct StrandScene::Query {
     }
 };
 
-StrandScene::StrandScene(const Strands& strands, const CancelToken& cancel)
-    : ShapeScene(strands, FacetKind::Strands), strands_(&strands) {
-    add_pieces(cancel);
-    if (pieces_.empty()) return;
-    EmbreeScene scene = new_embree_scene(cancel);
-    build_embree_scene(scene,
-                       new_user_geometry(this, pieces_.size(), {bounds_callback, closest_callback, any_callback}));
-    set_scene(std::move(scene), strands.bounds());
-}
-
-void StrandScene::add_pieces(const CancelToken& cancel) {
-    constexpr uint32_t kCancelStride = 1u << 14;
-    const bool spheres = strands_->form() == StrandForm::Spheres;
-    for (uint32_t segment = 0; segment < strands_->element_count(); ++segment) {
-        if (segment % kCancelStride == 0) cancel.throw_if_cancelled();
-        const StrandSegment curve = strands_->segment(segment);
-        const std::array<StrandPoint, 4>& p = curve.points;
-        if (std::max(std::max(p[0].w, p[1].w), std::max(p[2].w, p[3].w)) == 0.0) continue;  // nothing to hit
-        const uint16_t level = spheres ? 0 : split_level(curve);
-        const auto count = static_cast<uint16_t>(spheres ? strands_->spheres_per_segment() + 1 : 1 << level);
-        for (uint16_t index = 0; index < count; ++index) {
-            Piece& piece = pieces_.emplace_back();
-            piece.segment = segment;
-            piece.index = index;
-            piece.level = level;
-            set_capsule(piece);
-        }
-    }
-    pieces_.shrink_to_fit();
-}
-
-void StrandScene::set_capsule(Piece& piece) const {
-    StrandSegment curve;
-    if (strands_->form() == StrandForm::Spheres)
-        curve.points.fill(ball(piece));
-    else
-        curve = strands_->segment(piece.segment).part(piece.level, piece.index);
-    const std::array<StrandPoint, 4>& p = curve.points;
-    // |C - chord| <= max|C''| / 8, and |C''| <= 6 max|second difference|.
-    const double bend =
-        std::max(axis_point(p[0] - p[1] * 2.0 + p[2]).length(), axis_point(p[1] - p[2] * 2.0 + p[3]).length());
-    const double radius = std::max(std::max(p[0].w, p[1].w), std::max(p[2].w, p[3].w));
-    piece.begin = Vec3f(axis_point(p[0]));
-    piece.end = Vec3f(axis_point(p[3]));
-    piece.radius = static_cast<float>(radius + 0.75 * bend + kBoxPadding);
-}
-
-uint16_t StrandScene::split_level(const StrandSegment& segment) const {
-    double area = surface_area(segment.bounds());
-    uint16_t level = 0;
-    for (; level < kMostHalvings; ++level) {
-        double halved = 0.0;
-        for (uint32_t i = 0; i < 2u << level; ++i) halved += surface_area(segment.part(level + 1u, i).bounds());
-        if (!(halved < kWorthHalving * area)) break;
-        area = halved;
-    }
-    return level;
-}
-
-StrandPoint StrandScene::ball(const Piece& piece) const {
-    return strands_->segment(piece.segment).at(static_cast<double>(piece.index) / strands_->spheres_per_segment());
-}
-
-Box3d StrandScene::box_of(const Piece& piece) const {
-    if (strands_->form() != StrandForm::Spheres)
-        return strands_->segment(piece.segment).part(piece.level, piece.index).bounds();
-    const StrandPoint center = ball(piece);
-    return {axis_point(center) - Vec3d(center.w), axis_point(center) + Vec3d(center.w)};
-}
-
-void StrandScene::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
-    const auto& self = *static_cast<const StrandScene*>(arguments->geometryUserPtr);
-    const Box3d box = self.box_of(self.pieces_[arguments->primID]);
-    const Vec3f padding(static_cast<float>(kBoxPadding));
-    const Vec3f low = Vec3f(box.min) - padding, high = Vec3f(box.max) + padding;
-    *arguments->bounds_o = {low.x, low.y, low.z, 0.0f, high.x, high.y, high.z, 0.0f};
-}
-
 StrandSpans StrandScene::spans(const Query& query, const Piece& piece, double needs_leave_before) const {
     if (strands_->form() == StrandForm::Spheres) {
-        const StrandSegment in_frame = query.frame.to_frame(strands_->segment(piece.segment));
+        const StrandSegment in_frame = query.frame.to_frame(segment_of(piece));
         StrandSpans result;
         if (const auto span =
                 ball_span(in_frame.at(static_cast<double>(piece.index) / strands_->spheres_per_segment())))
             result.add(*span);
         return result;
     }
-    return round_spans(query.frame.to_frame(strands_->segment(piece.segment)).part(piece.level, piece.index),
-                       needs_leave_before);
+    return round_spans(query.frame.to_frame(segment_of(piece)).part(piece.level, piece.index), needs_leave_before);
 }
 
-/// Whether single precision is sure that the ray passes the piece.
-bool StrandScene::passes(const Query& query, const Piece& piece) {
-    const Vec3f begin = piece.begin - query.float_origin, end = piece.end - query.float_origin;
-    const float x = begin.dot(query.float_x), y = begin.dot(query.float_y);
-    const float dx = end.dot(query.float_x) - x, dy = end.dot(query.float_y) - y;
-    const float length2 = dx * dx + dy * dy, along = -(x * dx + y * dy);
-    const float s = along <= 0.0f ? 0.0f : along >= length2 ? 1.0f : along / length2;
-    const float nearest_x = x + dx * s, nearest_y = y + dy * s;
-    return nearest_x * nearest_x + nearest_y * nearest_y > piece.radius * piece.radius;
+/// The nearest first: a hit rules out those behind it.
+void StrandScene::visit_leaf(Query& query, uint32_t leaf, float& farthest) const {
+    const Capsules& capsules = capsules_[leaf];
+    float nears[Capsules::kMost];
+    uint32_t met = meet_capsules_(capsules, query.float_frame, {-kAlongError, farthest}, nears);
+    while (met != 0) {
+        auto nearest = static_cast<uint32_t>(__builtin_ctz(met));
+        for_each_lane(met, [&](size_t lane) {
+            if (nears[lane] < nears[nearest]) nearest = static_cast<uint32_t>(lane);
+        });
+        met &= ~(1u << nearest);
+        if (!(nears[nearest] <= farthest)) return;
+        visit(query, pieces_[capsules.first_piece + nearest]);
+        if (query.found) farthest = query.float_farthest();
+    }
 }
 
-void StrandScene::visit(Query& query, uint32_t index) const {
-    const Piece& piece = pieces_[index];
-    if (passes(query, piece)) return;
+void StrandScene::visit(Query& query, const Piece& piece) const {
     if (strands_->form() == StrandForm::Ribbon) {
         visit_ribbon(query, piece);
         return;
@@ -225,11 +142,14 @@ double StrandScene::place_of(const Piece& piece, double s) const {
 }
 
 void StrandScene::enter(Query& query, const Piece& piece, const StrandSpan& span) const {
-    const uint32_t strand = strands_->strand_of(piece.segment);
     const double t = query.t_of(span.enter);
-    if (t > query.farthest || query.starts_before_exit(strand, t)) return;
+    if (t > query.farthest) return;
     // Whoever wants any hit stops at this one, so it must be known now whether it lies inside the strand.
-    if (query.any && starts_inside(query, strand) && query.starts_before_exit(strand, t)) return;
+    if (query.any || !query.exits.empty()) {
+        const uint32_t strand = strands_->strand_of(piece.segment);
+        const bool knows_exit = query.any ? starts_inside(query, strand) : query.exit_of(strand) != nullptr;
+        if (knows_exit && query.starts_before_exit(strand, t)) return;
+    }
     query.offer({piece.segment, piece.index}, place_of(piece, span.s_enter), span.enter, Crossing::Enters);
 }
 
@@ -237,6 +157,11 @@ void StrandScene::enter(Query& query, const Piece& piece, const StrandSpan& span
 void StrandScene::follow_out(Query& query, uint32_t strand, StrandLeave place) const {
     if (query.exit_of(strand) != nullptr) return;
     while (find_holding(query, strand, place.distance)) place = query.last;
+    // Where two pieces share a ball, both are left there: the first of them counts, whichever was met before.
+    const double just_before = std::nextafter(place.distance, -std::numeric_limits<double>::infinity());
+    if (find_holding(query, strand, just_before) && query.last.distance == place.distance &&
+        query.last.facet < place.facet)
+        place = query.last;
     query.exits.push_back({strand, place});
     query.offer(place, Crossing::Leaves);
 }
@@ -257,29 +182,35 @@ bool StrandScene::find_holding(Query& query, uint32_t strand, double distance) c
     query.wanted_distance = distance;
     query.holds = false;
     const Vec3f position(query.frame.origin + query.frame.along * distance);
-    RTCPointQuery point{position.x, position.y, position.z, 0.0f, kPointRadius};
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(embree_scene(), &point, &context, holding_callback, &query);
+    const auto visit_holders = [](void* owner, uint32_t leaf, uint32_t, float*) {
+        Query& asked = *static_cast<Query*>(owner);
+        asked.scene->visit_holding(asked, leaf);
+    };
+    float reach = kAlongError;
+    traversal_.alone(tree_.nodes(), position, query.float_frame.along, &reach, {visit_holders, &query});
     return query.holds;
 }
 
-bool StrandScene::holding_callback(RTCPointQueryFunctionArguments* arguments) {
-    Query& query = *static_cast<Query*>(arguments->userPtr);
-    const StrandScene& self = *query.scene;
-    const Piece& piece = self.pieces_[arguments->primID];
-    if (self.strands_->strand_of(piece.segment) != query.wanted_strand || passes(query, piece)) return false;
+void StrandScene::visit_holding(Query& query, uint32_t leaf) const {
+    const Capsules& capsules = capsules_[leaf];
+    const auto place = static_cast<float>(query.wanted_distance);
+    float nears[Capsules::kMost];
+    const uint32_t met = meet_capsules_(capsules, query.float_frame, {place - kAlongError, place + kAlongError}, nears);
+    for_each_lane(met, [&](size_t lane) { hold(query, pieces_[capsules.first_piece + lane]); });
+}
+
+void StrandScene::hold(Query& query, const Piece& piece) const {
+    if (strands_->strand_of(piece.segment) != query.wanted_strand) return;
     const FacetId facet{piece.segment, piece.index};
-    const StrandSpans found = self.spans(query, piece, std::numeric_limits<double>::infinity());
+    const StrandSpans found = spans(query, piece, std::numeric_limits<double>::infinity());
     for (int i = 0; i < found.count; ++i) {
         const StrandSpan& span = found.spans[i];
         if (!(span.enter <= query.wanted_distance && query.wanted_distance < span.leave)) continue;
         const bool further = !query.holds || span.leave > query.last.distance ||
                              (span.leave == query.last.distance && facet < query.last.facet);
-        if (further) query.last = {facet, self.place_of(piece, span.s_leave), span.leave};
+        if (further) query.last = {facet, place_of(piece, span.s_leave), span.leave};
         query.holds = true;
     }
-    return false;  // the radius of the point query is as before
 }
 
 /// Whether the axis, past an end of a piece, comes no nearer to the ray: it ends there, cut straight, or runs on.
@@ -302,7 +233,7 @@ bool StrandScene::is_nearest_at_end(const Query& query, const Piece& piece, cons
 }
 
 void StrandScene::visit_ribbon(Query& query, const Piece& piece) const {
-    const StrandSegment curve = query.frame.to_frame(strands_->segment(piece.segment)).part(piece.level, piece.index);
+    const StrandSegment curve = query.frame.to_frame(segment_of(piece)).part(piece.level, piece.index);
     const RibbonHits found = ribbon_hits(curve);
     for (int i = 0; i < found.count; ++i) {
         const RibbonHit& hit = found.hits[i];
@@ -311,43 +242,105 @@ void StrandScene::visit_ribbon(Query& query, const Piece& piece) const {
     }
 }
 
-void StrandScene::closest_callback(const RTCIntersectFunctionNArguments* arguments) {
-    if (arguments->valid[0] == 0) return;
-    Query& query = Query::of(arguments->context);
-    query.scene->visit(query, arguments->primID);
-    float& t_max = RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0);
-    if (query.found) t_max = query.ray->float_distance(query.farthest);
+/// Whether the best hit is an entry inside a strand that the ray was then found to start in.
+bool StrandScene::is_inside(const Query& query) const {
+    return query.found && query.best_crossing == Crossing::Enters && !query.exits.empty() &&
+           query.starts_before_exit(strands_->strand_of(query.best.facet.primitive), query.farthest);
 }
 
-void StrandScene::any_callback(const RTCOccludedFunctionNArguments* arguments) {
-    if (arguments->valid[0] == 0) return;
-    Query& query = Query::of(arguments->context);
-    query.scene->visit(query, arguments->primID);
-    if (query.found) RTCRayN_tfar(arguments->ray, arguments->N, 0) = -std::numeric_limits<float>::infinity();
+void StrandScene::find(const LocalRay& ray, Query& query) const {
+    if (tree_.empty()) return;
+    const auto visit_one = [](void* owner, uint32_t leaf, uint32_t, float* farthest) {
+        Query& asked = *static_cast<Query*>(owner);
+        asked.scene->visit_leaf(asked, leaf, *farthest);
+    };
+    for (;;) {
+        float farthest = ray.float_distance(query.farthest);
+        traversal_.alone(tree_.nodes(), ray.float_origin, ray.float_direction, &farthest,
+                         {visit_one, &query, capsules_.data(), sizeof(Capsules)});
+        if (query.any || !is_inside(query)) return;
+        query.restart();
+    }
 }
 
 bool StrandScene::closest(const LocalRay& ray, ShapeHit& hit) const {
-    Query query(*this, ray);
-    for (;;) {
-        RTCRayHit embree_ray = ray.embree_ray_hit();
-        embree_closest(embree_scene(), query.context, embree_ray);
-        if (!query.found) return false;
-        const bool inside = query.best_crossing == Crossing::Enters &&
-                            query.starts_before_exit(strands_->strand_of(query.best.facet.primitive), query.farthest);
-        if (!inside) break;
-        query.restart();  // what was taken for an entry lies inside a strand that the ray was found to start in
-    }
+    Query query(*this, ray, Wanted::Closest);
+    find(ray, query);
+    if (!query.found) return false;
     set_normal(query);
     hit = query.best;
     return true;
 }
 
 bool StrandScene::occluded(const LocalRay& ray) const {
-    Query query(*this, ray);
-    query.any = true;
-    RTCRay embree_ray = ray.embree_ray();
-    embree_any(embree_scene(), query.context, embree_ray);
+    Query query(*this, ray, Wanted::Any);
+    find(ray, query);
     return query.found;
+}
+
+/// The rays of a packet, each as it would be alone.
+struct StrandScene::Packet {
+    std::array<LocalRay, kPacketSize> rays;
+    std::array<std::optional<Query>, kPacketSize> queries;
+
+    Packet(const StrandScene& scene, const PacketQuery& packet, Wanted wanted) {
+        for_each_lane(packet.lanes, [&](size_t lane) {
+            LocalRay& ray = rays[lane];
+            const RayPacket& from = packet.rays;
+            ray.origin = from.origin_of(lane);
+            ray.direction = from.direction_of(lane);
+            ray.t_min = from.t_min[lane];
+            ray.t_max = from.t_max[lane];
+            ray.start = from.start[lane];
+            ray.speed = from.speed[lane];
+            queries[lane].emplace(scene, ray, wanted);
+        });
+    }
+};
+
+void StrandScene::find(PacketQuery& packet, Wanted wanted) const {
+    packet.found = 0;
+    if (tree_.empty()) return;
+    Packet asked(*this, packet, wanted);
+    const auto visit_lanes = [](void* owner, uint32_t leaf, uint32_t lanes, float* farthest) {
+        Packet& all = *static_cast<Packet*>(owner);
+        for_each_lane(lanes, [&](size_t lane) {
+            Query& query = *all.queries[lane];
+            if (farthest[lane] >= 0.0f) query.scene->visit_leaf(query, leaf, farthest[lane]);
+        });
+    };
+    alignas(64) float farthest[kPacketSize] = {};
+    for (uint32_t lanes = packet.lanes; lanes != 0;) {
+        for_each_lane(lanes, [&](size_t lane) {
+            farthest[lane] = asked.rays[lane].float_distance(asked.queries[lane]->farthest);
+        });
+        traversal_.packet(tree_.nodes(), packet.rays, lanes, kFewRays, farthest,
+                          {visit_lanes, &asked, capsules_.data(), sizeof(Capsules)});
+        uint32_t again = 0;
+        for_each_lane(lanes, [&](size_t lane) {
+            Query& query = *asked.queries[lane];
+            if (query.any || !is_inside(query)) return;
+            query.restart();
+            again |= 1u << lane;
+        });
+        lanes = again;
+    }
+    for_each_lane(packet.lanes, [&](size_t lane) {
+        Query& query = *asked.queries[lane];
+        if (!query.found) return;
+        packet.found |= 1u << lane;
+        if (wanted == Wanted::Any) return;
+        set_normal(query);
+        packet.best[lane] = {query.best.facet, query.best.point, query.best.normal};
+    });
+}
+
+void StrandScene::find_closest(PacketQuery& packet) const {
+    find(packet, Wanted::Closest);
+}
+
+void StrandScene::find_any(PacketQuery& packet) const {
+    find(packet, Wanted::Any);
 }
 
 void StrandScene::set_normal(Query& query) const {

@@ -116,7 +116,7 @@ class SurfaceBatch {
     SurfaceDetail detail_;
     LaneGroup groups_[2][2];  ///< by degree from 2 on, and rationality
 
-    void add_alone(const SurfaceQuery& query) { *query.point = tracer_.surface_point(*query.ray, *query.hit); }
+    void add_alone(const SurfaceQuery& query) { *query.point = tracer_.surface_point(*query.ray, *query.hit, detail_); }
 
     void compute(LaneGroup& group, int degree, bool rational) {
         group.lanes.done = 0;

@@ -65,7 +65,7 @@ TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique,
     return {std::move(shapes), found};
 }
 
-/// Up to so many instances are asked one after the other, without an Embree scene above them.
+/// Up to so many instances are asked one after the other, without a tree above them.
 constexpr size_t kDirectInstances = 3;
 
 }  // namespace
@@ -100,11 +100,10 @@ void Tracer::Implementation::build_records() {
     frame = LocalFrame::fitting(bounds);
 }
 
-void Tracer::Implementation::build_scene(const CancelToken& cancel) {
+void Tracer::Implementation::build_tree(const CancelToken& cancel) {
     if (instances.size() <= kDirectInstances || bounds.isEmpty()) return;
-    scene = new_embree_scene(cancel);
-    build_embree_scene(scene,
-                       new_user_geometry(this, instances.size(), {bounds_callback, closest_callback, any_callback}));
+    tree = BoxTree(
+        static_cast<uint32_t>(instances.size()), [this](uint32_t i) { return box_in_tree(i); }, cancel);
 }
 
 void Tracer::Implementation::build_cache(const GeometryCacheSettings& settings) {
@@ -130,9 +129,9 @@ Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view, co
     implementation_->instances = std::move(instances);
     implementation_->build_shapes(view, cache.resident_budget, kept, cancel);
     implementation_->build_records();
-    implementation_->build_scene(cancel);
+    implementation_->build_tree(cancel);
     implementation_->build_cache(cache);
-    implementation_->bvh_bytes = embree_bytes() - std::min(before, embree_bytes());
+    implementation_->embree_held = embree_bytes() - std::min(before, embree_bytes());
 }
 
 Tracer::~Tracer() = default;
@@ -168,10 +167,10 @@ bool Tracer::occluded(const Ray& ray, Visibility kind) const {
     return query.found;
 }
 
-SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit) const {
+SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit, SurfaceDetail detail) const {
     const double size = max_abs(ray.origin) + hit.t * max_abs(ray.direction);
     SurfacePoint point = implementation_->records[hit.instance].surface_point(
-        hit.instance, hit.local, size, hit.is_interpolated() ? &hit.interpolated : nullptr);
+        hit.instance, hit.local, size, hit.is_interpolated() ? &hit.interpolated : nullptr, detail);
     point.t = hit.t;
     if (hit.local.subpatch_length > 0.0f) point.sight = implementation_->sight_from(ray, hit);
     return point;
@@ -179,7 +178,7 @@ SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit) const {
 
 SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit) const {
     const InstanceRecord& record = implementation_->records[instance];
-    return record.surface_point(instance, record.scene->on_facet(hit), 0.0, nullptr);
+    return record.surface_point(instance, record.scene->on_facet(hit), 0.0, nullptr, SurfaceDetail::Curvature);
 }
 
 void Tracer::set_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache) {
@@ -215,7 +214,7 @@ TraceStatistics Tracer::statistics() const {
     result.instances = implementation_->instances.size();
     result.shapes = implementation_->shapes.size();
     result.kept_shapes = implementation_->kept_shapes;
-    result.bvh_bytes = implementation_->bvh_bytes;
+    result.bvh_bytes = implementation_->embree_held + implementation_->tree.bytes();
     for (const std::shared_ptr<ShapeScene>& shape : implementation_->shapes) {
         result.subpatches += shape->subpatch_count();
         result.record_bytes += shape->record_bytes();

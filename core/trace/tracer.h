@@ -1,7 +1,7 @@
 // Rays against all instances of a scene: closest hit, any hit, and the surface point of a hit.
 //
-// Instances are user geometry of one top-level Embree scene: its callback moves the ray to the shape's local space in
-// double precision, with the origin drawn near the shape, and traces it there in float. So an object of size 1 at 10^6
+// A ray that meets the box of an instance in the tree above them is moved to the shape's local space in double
+// precision, with the origin drawn near the shape, and traces it there in float. So an object of size 1 at 10^6
 // renders as it does at 0, and an object with a ray cache can be asked before it is traced.
 #pragma once
 
@@ -72,10 +72,6 @@ struct RayQuery {
     const RayDifferential* differential = nullptr;  ///< as of Tracer::closest
 };
 
-/// How the point of a surface is wanted. Normal: nobody asks how the normal changes, which costs as much as the rest;
-/// whether dn_du and dn_dv are filled is open then.
-enum class SurfaceDetail : uint8_t { Normal, Curvature };
-
 /// A hit whose surface point is wanted.
 struct SurfaceQuery {
     const Ray* ray = nullptr;
@@ -115,7 +111,7 @@ class Tracer {
     /// The same for up to kPacketSize rays at once, a bit each.
     uint32_t occluded(std::span<const RayQuery> rays, Coherence coherence) const;
     /// Everything about a hit that shading needs, in world space.
-    SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+    SurfacePoint surface_point(const Ray& ray, const Hit& hit, SurfaceDetail detail = SurfaceDetail::Curvature) const;
     /// The same for many hits at once: the same bits, in less time.
     void surface_points(std::span<const SurfaceQuery> queries, SurfaceDetail detail) const;
     /// The same for a point chosen on an element of an instance, for emitting surfaces. `t` is 0.

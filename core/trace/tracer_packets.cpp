@@ -5,8 +5,8 @@
 #include "trace/float_environment.h"
 #include "trace/tracer_queries.h"
 
+#include <algorithm>
 #include <bit>
-#include <limits>
 
 namespace rayleaf {
 namespace {
@@ -17,8 +17,6 @@ constexpr int kFewRays = 2;
 }  // namespace
 
 void Tracer::Implementation::start(Packet& packet, std::span<const RayQuery> rays) const {
-    initialize(packet.context);
-    packet.tracer = this;
     if (cache) packet.reader.emplace(*cache);
     for (size_t lane = 0; lane < rays.size(); ++lane) {
         Query& query = packet.queries[lane];
@@ -36,7 +34,7 @@ void Tracer::Implementation::start(Packet& packet, std::span<const RayQuery> ray
 }
 
 void Tracer::Implementation::ask_all(Packet& packet, Wanted wanted) const {
-    if (scene) return ask_above(packet, wanted);
+    if (!tree.empty()) return ask_above(packet, wanted);
     for (uint32_t i = 0; i < instances.size(); ++i) visit(packet, i, packet.lanes, wanted);
 }
 
@@ -46,13 +44,26 @@ void Tracer::Implementation::ask_above(Packet& packet, Wanted wanted) const {
     const Box3d box((bounds.min - frame.center) * inverse, (bounds.max - frame.center) * inverse);
     const uint32_t lanes = clip_packet(packet.world, packet.lanes, map, box, packet.above);
     if (lanes == 0) return;
-    if (wanted == Wanted::Any) {
-        RTCRay16 result;
-        embree_any(scene.get(), packet.context, packet.shape.coherence, packet.above, lanes, result);
-    } else {
-        RTCRayHit16 result;
-        embree_closest(scene.get(), packet.context, packet.shape.coherence, packet.above, lanes, result);
-    }
+    struct Asked {
+        const Implementation* tracer;
+        Packet* packet;
+        Wanted wanted;
+    } asked{this, &packet, wanted};
+    const auto visit_lanes = [](void* owner, uint32_t index, uint32_t met, float* farthest) {
+        const Asked& all = *static_cast<const Asked*>(owner);
+        Packet& rays = *all.packet;
+        all.tracer->visit(rays, index, met, all.wanted);
+        for_each_lane(met, [&](size_t lane) {
+            const Query& query = rays.queries[lane];
+            if (!query.found) return;
+            farthest[lane] = all.wanted == Wanted::Any
+                                 ? kDone
+                                 : float_distance_of(query.farthest, rays.above.start[lane], rays.above.speed[lane]);
+        });
+    };
+    alignas(64) float farthest[kPacketSize];
+    std::copy_n(packet.above.farthest, kPacketSize, farthest);
+    traversal.packet(tree.nodes(), packet.above, lanes, kFewRays, farthest, {visit_lanes, &asked});
 }
 
 void Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const {
@@ -95,35 +106,11 @@ void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_
         if (query.found && best.point.t == query.farthest && query.instance < index) return;
         query.best.facet = best.facet;
         query.best.point = best.point;
+        query.best.normal = best.normal;
         query.farthest = best.point.t;
         query.answer = RayAnswer::NotAsked;
         query.instance = index;
         query.found = true;
-    });
-}
-
-void Tracer::Implementation::packet_closest_callback(const RTCIntersectFunctionNArguments* arguments) {
-    RTCRayN* rays = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
-    const uint32_t lanes = lanes_of(arguments->valid, rays, arguments->N);
-    if (lanes == 0) return;
-    Packet& packet = Packet::of(arguments->context);
-    packet.tracer->visit(packet, arguments->primID, lanes, Wanted::Closest);
-    for_each_asked(arguments->valid, rays, arguments->N, [&](unsigned place, uint32_t lane) {
-        const Query& query = packet.queries[lane];
-        if (query.found)
-            RTCRayN_tfar(rays, arguments->N, place) =
-                float_distance_of(query.farthest, packet.above.start[lane], packet.above.speed[lane]);
-    });
-}
-
-void Tracer::Implementation::packet_any_callback(const RTCOccludedFunctionNArguments* arguments) {
-    const uint32_t lanes = lanes_of(arguments->valid, arguments->ray, arguments->N);
-    if (lanes == 0) return;
-    Packet& packet = Packet::of(arguments->context);
-    packet.tracer->visit(packet, arguments->primID, lanes, Wanted::Any);
-    for_each_asked(arguments->valid, arguments->ray, arguments->N, [&](unsigned place, uint32_t lane) {
-        if (packet.queries[lane].found)
-            RTCRayN_tfar(arguments->ray, arguments->N, place) = -std::numeric_limits<float>::infinity();
     });
 }
 

@@ -13,18 +13,12 @@ constexpr float kSightReach = 2.0f;
 
 }  // namespace
 
-void Tracer::Implementation::bounds_callback(const RTCBoundsFunctionArguments* arguments) {
-    const auto& self = *static_cast<const Implementation*>(arguments->geometryUserPtr);
-    const Box3d box = self.world_box(arguments->primID);
-    RTCBounds& out = *arguments->bounds_o;
-    if (box.isEmpty()) {  // Embree leaves out primitives whose bounds are reversed.
-        out = {1.0f, 1.0f, 1.0f, 0.0f, -1.0f, -1.0f, -1.0f, 0.0f};
-        return;
-    }
-    constexpr auto kPadding = static_cast<float>(kBoxPadding);
-    const Vec3f low = self.frame.to_local(box.min) - Vec3f(kPadding),
-                high = self.frame.to_local(box.max) + Vec3f(kPadding);
-    out = {low.x, low.y, low.z, 0.0f, high.x, high.y, high.z, 0.0f};
+/// Empty where there is nothing to hit.
+Box3f Tracer::Implementation::box_in_tree(uint32_t index) const {
+    const Box3d box = world_box(index);
+    if (box.isEmpty()) return {};
+    const Vec3f padding(static_cast<float>(kBoxPadding));
+    return {frame.to_local(box.min) - padding, frame.to_local(box.max) + padding};
 }
 
 std::optional<LocalRay> Tracer::Implementation::local_ray(const Query& query, uint32_t index) const {
@@ -87,28 +81,9 @@ void Tracer::Implementation::visit_any(Query& query, uint32_t index) const {
     if (records[index].scene->occluded(*ray)) query.found = true;
 }
 
-void Tracer::Implementation::closest_callback(const RTCIntersectFunctionNArguments* arguments) {
-    RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
-    if (!is_alone(ray, arguments->N)) return packet_closest_callback(arguments);
-    if (arguments->valid[0] == 0) return;
-    Query& query = Query::of(arguments->context);
-    query.tracer->visit_closest(query, arguments->primID);
-    if (query.found) RTCRayN_tfar(ray, arguments->N, 0) = query.scene_ray->float_distance(query.farthest);
-}
-
-void Tracer::Implementation::any_callback(const RTCOccludedFunctionNArguments* arguments) {
-    if (!is_alone(arguments->ray, arguments->N)) return packet_any_callback(arguments);
-    if (arguments->valid[0] == 0) return;
-    Query& query = Query::of(arguments->context);
-    query.tracer->visit_any(query, arguments->primID);
-    if (query.found) RTCRayN_tfar(arguments->ray, arguments->N, 0) = -std::numeric_limits<float>::infinity();
-}
-
 /// Prepares a query; false if the ray can hit nothing.
 bool Tracer::Implementation::start(Query& query, const Ray& ray, Visibility kind) const {
     if (bounds.isEmpty() || !is_traceable(ray)) return false;
-    initialize(query.context);
-    query.tracer = this;
     query.ray = &ray;
     query.kind = kind;
     query.farthest = ray.t_max;
@@ -121,24 +96,32 @@ std::optional<LocalRay> Tracer::Implementation::ray_above(const Ray& ray) const 
                        ray.t_max);
 }
 
-/// Asks all instances, one by one or through the scene above them.
+/// Asks all instances, one by one or through the tree above them.
 void Tracer::Implementation::ask_all(Query& query, Wanted wanted) const {
     std::optional<GeometryCache::Reader> reader;
     if (cache) query.reader = &reader.emplace(*cache);
-    if (!scene) {
-        for (uint32_t i = 0; i < instances.size() && !(wanted == Wanted::Any && query.found); ++i)
-            visit_alone(query, i, wanted);
-        return;
-    }
-    query.scene_ray = ray_above(*query.ray);
-    if (!query.scene_ray) return;
-    if (wanted == Wanted::Any) {
-        RTCRay embree_ray = query.scene_ray->embree_ray();
-        embree_any(scene.get(), query.context, embree_ray);
-    } else {
-        RTCRayHit embree_ray = query.scene_ray->embree_ray_hit();
-        embree_closest(scene.get(), query.context, embree_ray);
-    }
+    if (!tree.empty()) return ask_above(query, wanted);
+    for (uint32_t i = 0; i < instances.size() && !(wanted == Wanted::Any && query.found); ++i)
+        visit_alone(query, i, wanted);
+}
+
+void Tracer::Implementation::ask_above(Query& query, Wanted wanted) const {
+    const std::optional<LocalRay> ray = ray_above(*query.ray);
+    if (!ray) return;
+    struct Asked {
+        const Implementation* tracer;
+        Query* query;
+        const LocalRay* ray;
+        Wanted wanted;
+    } asked{this, &query, &*ray, wanted};
+    const auto visit_one = [](void* owner, uint32_t index, uint32_t, float* farthest) {
+        const Asked& all = *static_cast<const Asked*>(owner);
+        all.tracer->visit_alone(*all.query, index, all.wanted);
+        if (all.query->found)
+            *farthest = all.wanted == Wanted::Any ? kDone : all.ray->float_distance(all.query->farthest);
+    };
+    float farthest = ray->float_distance(ray->t_max);
+    traversal.alone(tree.nodes(), ray->float_origin, ray->float_direction, &farthest, {visit_one, &asked});
 }
 
 void Tracer::Implementation::set_hit(const Query& query, Hit& hit) const {

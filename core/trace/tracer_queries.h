@@ -2,8 +2,9 @@
 #pragma once
 
 #include "tessellation/geometry_cache.h"
+#include "trace/box_traversal.h"
+#include "trace/box_tree.h"
 #include "trace/clipped_packet.h"
-#include "trace/embree.h"
 #include "trace/instance_record.h"
 #include "trace/local_ray.h"
 #include "trace/shape_scene.h"
@@ -24,22 +25,19 @@ struct Tracer::Implementation {
     std::vector<std::shared_ptr<ShapeScene>> shapes;
     uint64_t kept_shapes = 0;  ///< of those
     Box3d bounds;
-    LocalFrame frame;  ///< world -> the space of the scene above the instances
-    EmbreeScene scene;
+    LocalFrame frame;  ///< world -> the space of the tree
+    BoxTree tree;      ///< of instances; empty where there are few
+    BoxTraversal traversal = box_traversal();
     ClipPacket clip_packet = clip_kernel();
     std::unique_ptr<GeometryCache> cache;  ///< null without patches
-    uint64_t bvh_bytes = 0;  ///< what Embree held more after the build; tracers built at the same time blur it
+    uint64_t embree_held = 0;  ///< what Embree held more after the build; tracers built at the same time blur it
 
-    /// One ray on its way through the instances. Embree's callbacks find a single ray's: the context is the first
-    /// member.
+    /// One ray on its way through the instances.
     struct Query {
-        EmbreeContext context;
-        const Implementation* tracer = nullptr;
         const GeometryCache::Reader* reader = nullptr;  ///< where there is a cache
         const Ray* ray = nullptr;
         const RayDifferential* differential = nullptr;  ///< of `ray`; null: nobody wants to know how hits change
         Visibility kind = kVisibleAll;
-        std::optional<LocalRay> scene_ray;  ///< in the space above the instances, where there is a scene of them
         ShapeHit best;
         uint32_t instance = 0;
         double farthest = 0;  ///< world t of the best hit, or the ray's t_max
@@ -47,16 +45,15 @@ struct Tracer::Implementation {
         std::optional<ObjectAnswer> interpolated;  ///< the best hit, where it is no facet's
         /// How the objects that were asked answered: that of the best hit, and of those that were missed.
         RayAnswer answer = RayAnswer::NotAsked, missed = RayAnswer::NotAsked;
-
-        static Query& of(EmbreeContext* embree_context) { return *reinterpret_cast<Query*>(embree_context); }
     };
 
     void build_shapes(const DicingView& view, uint64_t resident_budget, TracedShapeStore* kept,
                       const CancelToken& cancel);
     void build_records();
-    void build_scene(const CancelToken& cancel);
+    void build_tree(const CancelToken& cancel);
     void build_cache(const GeometryCacheSettings& settings);
     Box3d world_box(uint32_t index) const { return records[index].world_box(); }
+    Box3f box_in_tree(uint32_t index) const;
 
     std::optional<LocalRay> local_ray(const Query& query, uint32_t index) const;
     /// The nearest hit, and how objects with caches answered.
@@ -68,22 +65,20 @@ struct Tracer::Implementation {
     std::optional<LocalRay> ray_above(const Ray& ray) const;
     enum class Wanted : uint8_t { Closest, Any };
     void ask_all(Query& query, Wanted wanted) const;
+    void ask_above(Query& query, Wanted wanted) const;
     void set_hit(const Query& query, Hit& hit) const;
     RaySight sight_from(const Ray& ray, const Hit& hit) const;
 
     /// Up to sixteen rays that go through the instances together.
     struct Packet {
-        EmbreeContext context;
-        const Implementation* tracer = nullptr;
         uint32_t lanes = 0;  ///< those that can hit anything, a bit each
         WorldPacket world;   ///< t_max: what is left of it
         std::array<Query, kPacketSize> queries;
         std::optional<GeometryCache::Reader> reader;
-        RayPacket above;    ///< in the space above the instances
+        RayPacket above;    ///< in the space of the tree
         PacketQuery shape;  ///< in one shape after the other
 
         explicit Packet(Coherence coherence) : shape(coherence) {}
-        static Packet& of(EmbreeContext* embree_context) { return *reinterpret_cast<Packet*>(embree_context); }
     };
     void start(Packet& packet, std::span<const RayQuery> rays) const;
     void ask_all(Packet& packet, Wanted wanted) const;
@@ -94,12 +89,6 @@ struct Tracer::Implementation {
     }
     void visit_shape(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const;
     RayAnswer answer(const Query& query, std::optional<Hit>& hit) const;
-
-    static void bounds_callback(const RTCBoundsFunctionArguments* arguments);
-    static void closest_callback(const RTCIntersectFunctionNArguments* arguments);
-    static void any_callback(const RTCOccludedFunctionNArguments* arguments);
-    static void packet_closest_callback(const RTCIntersectFunctionNArguments* arguments);
-    static void packet_any_callback(const RTCOccludedFunctionNArguments* arguments);
 };
 
 }  // namespace rayleaf

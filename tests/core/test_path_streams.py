@@ -3,6 +3,7 @@
 import numpy as np
 import path_scenes
 import pytest
+import swept_support
 
 
 def passes_of(core, scene, **settings):
@@ -48,3 +49,27 @@ def test_what_nobody_asks_of_rays_is_left_out_and_leaves_the_picture_alone(core)
     for other in pictures[1:]:
         for name in path_scenes.ALL_PASSES:
             np.testing.assert_array_equal(other[name], pictures[0][name], err_msg=name)
+
+
+def test_streams_of_curves_and_hair_give_the_bits_of_single_paths(core, any_target):
+    """A tapered tube, hair and a ribbon among each other: traced in packets, shaded without changes of the normal."""
+    scene = path_scenes.varied_scene(core)
+    plain = path_scenes.material(core, scene, ("diffuse", 1.0, (0.7, 0.6, 0.4)), name="plain")
+    taper = swept_support.splines("NURBS", [[0, 0.2, 0], [1, 1, 0], [2, 0.3, 0]], order=3, endpoint=True)
+    tube = swept_support.curve(
+        "BEZIER", swept_support.BEND_POINTS, swept_support.BEND_HANDLES, bevel_depth=0.15, fill_caps=True, taper=taper
+    )
+    scene.add_instance("tube", scene.add_curve(tube), path_scenes.matrix((-0.8, 0, 0.7)), plain)
+    random = np.random.default_rng(6)
+    roots = random.uniform(-0.6, 0.6, (60, 1, 3))
+    points = (roots + np.cumsum(random.normal(0, 0.1, (60, 5, 3)), axis=1)).reshape(-1, 3)
+    offsets = np.arange(0, len(points) + 1, 5, dtype=np.int32)
+    for form, place in (("ROUND", 0.2), ("RIBBON", 0.6)):
+        hair = core.Strands(form, points, np.full(len(points), 0.02, np.float32), offsets, form=form)
+        scene.add_instance(form, scene.add_shape(hair), path_scenes.matrix((place, 0.2, 1)), plain)
+    alone = passes_of(core, scene, stream_paths=0)
+    for target in core.trace.simd_targets():
+        assert core.trace.use_simd_target(target)
+        together = passes_of(core, scene, stream_paths=512)
+        for name in path_scenes.ALL_PASSES:
+            np.testing.assert_array_equal(together[name], alone[name], err_msg=f"{name} by {target}")

@@ -115,3 +115,49 @@ def test_of_many_strands_the_nearest_is_hit():
     hits = tracer(many).closest_hits([[0.3, 0, 10], [0.3, 0, -10]], [[0, 0, -1], [0, 0, 1]])
     assert hits["primitive"].tolist() == [49, 0]
     assert np.allclose(hits["t"], [10 - 4.9 - 0.01, 10 - 0.01])
+
+
+def tuft():
+    """A few hundred strands in each other's way."""
+    random = np.random.default_rng(12)
+    points = random.random((300, 1, 3)) + np.cumsum(random.normal(0, 0.08, (300, 6, 3)), axis=1)
+    offsets = np.arange(0, 300 * 6 + 1, 6, dtype=np.int32)
+    return _core.Strands("tuft", points.reshape(-1, 3), np.full(300 * 6, 0.02, np.float32), offsets)
+
+
+SHAPES = {**RODS, "a tuft": tuft, "ribbons": lambda: strand(RANDOM_POINTS, 0.05, form="RIBBON")}
+
+
+@pytest.mark.parametrize("coherent", [False, True])
+@pytest.mark.parametrize("name", SHAPES)
+def test_packets_find_the_very_hits_of_single_rays_on_all_instruction_sets(name, coherent, any_target):
+    """Also of rays that start on strands and inside them, and of short ones."""
+    random = np.random.default_rng(31)
+    shape = SHAPES[name]()
+    low, high = (np.array(corner) for corner in tracer(shape).bounds())
+    origins = low + random.random((3000, 3)) * (high - low)
+    directions = random.normal(size=origins.shape)
+    origins[:1000] = low - 1.0  # as a camera's
+    directions[:1000] = low + random.random((1000, 3)) * (high - low) - origins[:1000]
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    on = tracer(shape).closest_hits(origins, directions)
+    hit = np.isfinite(on["t"])
+    starts = np.concatenate([origins, on["facet_position"][hit]])
+    towards = np.concatenate([directions, random.normal(size=(hit.sum(), 3))])
+    alone, shadows = None, None
+    for target in _core.trace.simd_targets():
+        assert _core.trace.use_simd_target(target)
+        scene = tracer(shape)
+        if alone is None:
+            alone = scene.closest_hits(starts, towards)
+            reach = np.where(np.isfinite(alone["t"]), alone["t"] * random.choice([0.5, 1.0, 2.0], len(starts)), 1.0)
+            shadows = scene.occluded(starts, towards, t_max=reach)
+            assert 50 < np.isfinite(alone["t"]).sum()
+        together = _core.trace.closest_in_packets(scene, starts, towards, coherent)
+        for part in ("t", "instance", "primitive"):
+            np.testing.assert_array_equal(together[part], alone[part], err_msg=f"{part} by {target}")
+        found = np.isfinite(alone["t"])
+        np.testing.assert_array_equal(together["position"][found], alone["position"][found])
+        np.testing.assert_array_equal(
+            _core.trace.occluded_in_packets(scene, starts, towards, reach, coherent), shadows, err_msg=target
+        )

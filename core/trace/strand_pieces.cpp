@@ -1,0 +1,120 @@
+// How a scene of strands is made: segments cut into pieces, and the tree over them.
+#include "trace/strand_scene.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// Pieces have boxes along the axes: halving one is worth it while that leaves less than this share of their surface...
+constexpr double kWorthHalving = 0.75;
+/// ...so often at most: memory doubles each time.
+constexpr uint16_t kMostHalvings = 3;
+
+double surface_area(const Box3d& box) {
+    const Vec3d size = box.max - box.min;
+    return size.x * size.y + size.y * size.z + size.z * size.x;
+}
+
+}  // namespace
+
+StrandScene::StrandScene(const Strands& strands, const CancelToken& cancel)
+    : ShapeScene(strands, FacetKind::Strands),
+      strands_(&strands),
+      meet_capsules_(capsule_kernel()),
+      traversal_(box_traversal()) {
+    add_pieces(cancel);
+    build_tree(cancel);
+    if (!tree_.empty()) set_box(strands.bounds());
+}
+
+void StrandScene::add_pieces(const CancelToken& cancel) {
+    const bool spheres = strands_->form() == StrandForm::Spheres;
+    constexpr uint16_t kNone = std::numeric_limits<uint16_t>::max();
+    std::vector<uint16_t> levels(strands_->element_count(), kNone);
+    constexpr uint32_t kAtOnce = 1u << 12;
+    tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(levels.size() + kAtOnce - 1) / kAtOnce, [&](uint32_t part) {
+        cancel.throw_if_cancelled();
+        const auto end = std::min(static_cast<uint32_t>(levels.size()), (part + 1) * kAtOnce);
+        for (uint32_t segment = part * kAtOnce; segment < end; ++segment) {
+            const StrandSegment curve = strands_->segment(segment);
+            const std::array<StrandPoint, 4>& p = curve.points;
+            if (std::max(std::max(p[0].w, p[1].w), std::max(p[2].w, p[3].w)) == 0.0) continue;  // nothing to hit
+            levels[segment] = spheres ? 0 : split_level(curve);
+        }
+    });
+    for (uint32_t segment = 0; segment < levels.size(); ++segment) {
+        const uint16_t level = levels[segment];
+        if (level == kNone) continue;
+        const auto count = static_cast<uint16_t>(spheres ? strands_->spheres_per_segment() + 1 : 1 << level);
+        for (uint16_t index = 0; index < count; ++index)
+            pieces_.push_back({segment, index, level, strands_->place(segment)});
+    }
+}
+
+void StrandScene::build_tree(const CancelToken& cancel) {
+    BoxLeaves leaves;
+    const auto float_box = [this](uint32_t i) {
+        const Box3d box = box_of(pieces_[i]);
+        const Vec3f padding(static_cast<float>(kBoxPadding));
+        return Box3f(Vec3f(box.min) - padding, Vec3f(box.max) + padding);
+    };
+    tree_ = BoxTree(static_cast<uint32_t>(pieces_.size()), float_box, cancel, leaves);
+    std::vector<Piece> sorted;
+    sorted.reserve(pieces_.size());
+    for (const uint32_t item : leaves.items) sorted.push_back(pieces_[item]);
+    pieces_ = std::move(sorted);
+    capsules_ = LargeArray<Capsules>(leaves.count());
+    tbb::parallel_for(uint32_t{0}, leaves.count(), [&](uint32_t leaf) {
+        Capsules& capsules = capsules_[leaf] = {};
+        capsules.first_piece = leaves.first[leaf];
+        capsules.count = leaves.first[leaf + 1] - capsules.first_piece;
+        for (uint32_t lane = 0; lane < capsules.count; ++lane)
+            set_capsule(capsules, lane, pieces_[capsules.first_piece + lane]);
+    });
+}
+
+void StrandScene::set_capsule(Capsules& capsules, uint32_t lane, const Piece& piece) const {
+    StrandSegment curve;
+    if (strands_->form() == StrandForm::Spheres)
+        curve.points.fill(ball(piece));
+    else
+        curve = segment_of(piece).part(piece.level, piece.index);
+    const std::array<StrandPoint, 4>& p = curve.points;
+    // |C - chord| <= max|C''| / 8, and |C''| <= 6 max|second difference|.
+    const double bend =
+        std::max(axis_point(p[0] - p[1] * 2.0 + p[2]).length(), axis_point(p[1] - p[2] * 2.0 + p[3]).length());
+    const double radius = std::max(std::max(p[0].w, p[1].w), std::max(p[2].w, p[3].w));
+    for (int axis = 0; axis < 3; ++axis) {
+        capsules.begin[axis][lane] = static_cast<float>(p[0][axis]);
+        capsules.way[axis][lane] = static_cast<float>(p[3][axis] - p[0][axis]);
+    }
+    capsules.radius[lane] = static_cast<float>(radius + 0.75 * bend + kBoxPadding);
+}
+
+uint16_t StrandScene::split_level(const StrandSegment& segment) const {
+    double area = surface_area(segment.bounds());
+    uint16_t level = 0;
+    for (; level < kMostHalvings; ++level) {
+        double halved = 0.0;
+        for (uint32_t i = 0; i < 2u << level; ++i) halved += surface_area(segment.part(level + 1u, i).bounds());
+        if (!(halved < kWorthHalving * area)) break;
+        area = halved;
+    }
+    return level;
+}
+
+StrandPoint StrandScene::ball(const Piece& piece) const {
+    return segment_of(piece).at(static_cast<double>(piece.index) / strands_->spheres_per_segment());
+}
+
+Box3d StrandScene::box_of(const Piece& piece) const {
+    if (strands_->form() != StrandForm::Spheres) return segment_of(piece).part(piece.level, piece.index).bounds();
+    const StrandPoint center = ball(piece);
+    return {axis_point(center) - Vec3d(center.w), axis_point(center) + Vec3d(center.w)};
+}
+
+}  // namespace rayleaf
