@@ -134,6 +134,17 @@ def test_a_core_that_does_not_fit_is_told_of_when_enabled_and_when_rendering(run
     assert "Traceback" not in run.log and run.report["completed"] is None
 
 
+def test_a_processor_that_is_too_old_is_told_of(run_blender):
+    run = run_blender(
+        """
+from rayleaf import core_module, self_test
+core_module._processor_flags = lambda: {"sse", "sse2", "ssse3"}
+report(problem=self_test.run())
+"""
+    )
+    assert run.report["problem"].startswith("This processor is too old for Rayleaf, which needs SSE4.2")
+
+
 def test_an_add_on_of_another_version_than_its_core_asks_for_a_new_start(run_blender, copy):
     source = (copy / "__init__.py").read_text()
     (copy / "__init__.py").unlink()

@@ -65,9 +65,10 @@ for node in nodes:
 # What is not rendered as it stands, so that it is named: two materials that differ in a byte beyond ASCII alone.
 for number, letter in enumerate("qQ"):
     odd, odd_tree, odd_output = scenes.material(f"Q{letter} odd")
-    points, shine = odd_tree.nodes.new("ShaderNodeTexPointDensity"), odd_tree.nodes.new("ShaderNodeEmission")
+    unknown = "ShaderNodeTexPointDensity" if bpy.app.version < (5, 0) else "ShaderNodeTexGabor"
+    points, shine = odd_tree.nodes.new(unknown), odd_tree.nodes.new("ShaderNodeEmission")
     points.name = "Qq points"
-    odd_tree.links.new(points.outputs["Density"], shine.inputs["Strength"])
+    odd_tree.links.new(points.outputs[-1], shine.inputs["Strength"])
     shine.inputs["Color"].default_value = (number, 1, 0, 1)
     odd_tree.links.new(shine.outputs[0], odd_output.inputs[0])
     far = scenes.quad(f"Q{letter} far")

@@ -72,7 +72,8 @@ def changes_of(kind):
     return result + [change for name in fixed for change in OF_POINTERS[name]]
 
 mixing = {"ShaderNodeMixShader", "ShaderNodeAddShader"}
-kinds = sorted(set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | mixing | DISPLACING)
+every = set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | mixing | DISPLACING
+kinds = sorted(kind for kind in every if hasattr(bpy.types, kind))  # old ones leave Blender
 """
 
 # What counts only together with something that is named when it is set.
@@ -143,6 +144,9 @@ NOT_OF_CYCLES = {
     *("shadow_buffer_samples", "shadow_color", "use_contact_shadow", "contact_shadow_distance", "contact_shadow_bias"),
     *("contact_shadow_thickness", "shadow_cascade_max_distance", "shadow_cascade_count", "shadow_cascade_exponent"),
     *("shadow_cascade_fade", "use_square"),
+    # Since 4.2, of Eevee.
+    *("shadow_filter_radius", "shadow_maximum_resolution", "use_absolute_resolution", "use_shadow_jitter"),
+    *("shadow_jitter_overblur", "transmission_factor"),
 }
 NOT_LIGHT = {
     "show_cone": "of the viewport",
@@ -252,7 +256,11 @@ SETTINGS = {
     "of shaders 'Own'": ("layer.aovs.add().name = 'Own'", "View layer 'ViewLayer'"),
     "of light group 'Sun'": ("layer.lightgroups.add(name='Sun')", "View layer 'ViewLayer'"),
     "shadow catchers": ("item.is_shadow_catcher = True", "Object 'Quad'"),
-    "ignore transparency": ("material.cycles.use_transparent_shadow = False", "Material 'Material'"),
+    "ignore transparency": (
+        "owner = material if hasattr(material, 'use_transparent_shadow') else material.cycles;"
+        "owner.use_transparent_shadow = False",
+        "Material 'Material'",
+    ),
     "camera off": ("scene.world.cycles_visibility.camera = False", "World 'World'"),
     "coordinates from the instancer": (
         "node = nodes.new('ShaderNodeUVMap'); node.from_instancer = True;"

@@ -1,5 +1,9 @@
-"""What a real Blender does with a damaged extension, and where it can write nothing: a sentence, and it stays alive."""
+"""What a real Blender does with a damaged extension, where it can write nothing, and with an upgrade while it runs.
 
+A sentence each time, and it stays alive.
+"""
+
+import re
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -8,6 +12,22 @@ import blenders
 from extension_commands import Commands
 
 _AGAIN = "Install Rayleaf's zip again"
+_MODULE = "bl_ext.user_default.rayleaf"
+_NEWER = "9.8.7"
+_UPGRADE_AND_RENDER = """
+import sys, bpy
+scene = bpy.context.scene
+scene.render.engine = "RAYLEAF"
+scene.render.resolution_percentage, scene.rayleaf.samples = 5, 1
+bpy.ops.render.render()
+bpy.ops.extensions.package_install_files(
+    filepath=sys.argv[-1], repo="user_default", enable_on_install=True, overwrite=True)
+try:
+    bpy.ops.render.render()
+except RuntimeError as error:
+    print(error)
+print("STILL THERE")
+"""
 
 
 def spoilt(extension: Path, target: Path, spoil: Callable[[bytes], bytes]) -> Path:
@@ -30,6 +50,18 @@ def overwritten(wheel: bytes) -> bytes:
     return wheel[:middle] + bytes(4096) + wheel[middle + 4096 :]
 
 
+def newer(extension: Path, target: Path) -> Path:
+    """A copy of a version to come, whose core a Blender that runs the present one cannot load."""
+    with zipfile.ZipFile(extension) as source, zipfile.ZipFile(target, "w") as copy:
+        for name in source.namelist():
+            content = source.read(name)
+            if name in ("__init__.py", "blender_manifest.toml"):
+                line = r'^(__version__|version) = ".+"'
+                content = re.sub(line, rf'\1 = "{_NEWER}"', content.decode(), flags=re.MULTILINE).encode()
+            copy.writestr(name, content)
+    return target
+
+
 def faults(blender: blenders.Blender, extension: Path, folder: Path) -> list[str]:
     """What was said in place of a sentence."""
     folder.mkdir()
@@ -38,11 +70,17 @@ def faults(blender: blenders.Blender, extension: Path, folder: Path) -> list[str
         commands = Commands(blender, folder / f"user{number}")
         damaged = spoilt(extension, folder / f"{spoil.__name__}.zip", spoil)
         said = commands.extension("install-file", "--repo", "user_default", "--enable", damaged)
-        said += commands.render("bl_ext.user_default.rayleaf")
+        said += commands.render(_MODULE)
         if _AGAIN not in said or "exit code -" in said:
             found.append(f"a wheel {spoil.__name__.replace('_', ' ')}: {said}")
     commands = Commands(blender, folder / "user")
     said = commands.where_nothing_can_be_written("install-file", "--repo", "user_default", "--enable", extension)
     if "Read-only file system" not in said or "exit code -" in said:
         found.append(f"a folder of extensions that cannot be written: {said}")
+    commands = Commands(blender, folder / "upgraded")
+    commands.extension("install-file", "--repo", "user_default", "--enable", extension)
+    upgrade = newer(extension, folder / "newer.zip")
+    said = commands.start("--background", "--addons", _MODULE, "--python-expr", _UPGRADE_AND_RENDER, "--", upgrade)
+    if f"This add-on is Rayleaf {_NEWER}, its core" not in said or "STILL THERE" not in said or "exit code -" in said:
+        found.append(f"an upgrade over a running one: {said}")
     return found

@@ -183,27 +183,34 @@ def repository(extension: Path, folder: Path, blender: blenders.Blender) -> Path
 
 
 def tried(blender: blenders.Blender, extension: Path, add_on: Path, quick: bool) -> Row:
-    """The row of one Blender."""
+    """The row of one Blender. What takes too long is a fault, and leaves the rest of the row empty."""
     row = Row(blender.name)
     with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary)
-        archive = repository(extension, folder / "repository", blender) if blender.has_extensions else add_on
-        try_installing(row, blender, archive, folder)
-        if row.installed != "yes":
-            return row
-        if blender.has_commands:
-            faults = extension_commands.faults(blender, extension, folder / "commands")
-            faults += bad_packages.faults(blender, extension, folder / "bad")
-            row.faults += faults
-            row.commands = "fail" if faults else "accept it"
-        scripts = folder / "scripts"
-        with zipfile.ZipFile(add_on) as content:
-            content.extractall(scripts / "addons")
-        row.scenes = run_tests(row, blender, scripts, folder, ["tests/golden/test_golden.py"])
-        if not quick:
-            left_out = [f"--ignore=tests/blender/{name}" for name in NOT_FOR_THEM]
-            row.tests = run_tests(row, blender, scripts, folder, ["tests/blender", *left_out])
+        try:
+            fill(row, blender, extension, add_on, quick, Path(temporary))
+        except subprocess.TimeoutExpired as expired:
+            row.faults.append(f"it took more than {expired.timeout:.0f} s: {' '.join(map(str, expired.cmd))}")
     return row
+
+
+def fill(row: Row, blender: blenders.Blender, extension: Path, add_on: Path, quick: bool, folder: Path) -> None:
+    """Try everything in one Blender."""
+    archive = repository(extension, folder / "repository", blender) if blender.has_extensions else add_on
+    try_installing(row, blender, archive, folder)
+    if row.installed != "yes":
+        return
+    if blender.has_commands:
+        faults = extension_commands.faults(blender, extension, folder / "commands")
+        faults += bad_packages.faults(blender, extension, folder / "bad")
+        row.faults += faults
+        row.commands = "fail" if faults else "accept it"
+    scripts = folder / "scripts"
+    with zipfile.ZipFile(add_on) as content:
+        content.extractall(scripts / "addons")
+    row.scenes = run_tests(row, blender, scripts, folder, ["tests/golden/test_golden.py"])
+    if not quick:
+        left_out = [f"--ignore=tests/blender/{name}" for name in NOT_FOR_THEM]
+        row.tests = run_tests(row, blender, scripts, folder, ["tests/blender", *left_out])
 
 
 def table(rows: list[Row]) -> str:

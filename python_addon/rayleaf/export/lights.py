@@ -24,6 +24,8 @@ def is_portal(lamp: Any) -> bool:
 def _name_ignored(lamp: Any, subject: Subject, messages: Messages) -> None:
     if versions.cycles_setting(lamp, "max_bounces", _ANY_BOUNCES) < _ANY_BOUNCES:
         messages.warn(f"{subject}: a limit of bounces of its own is not supported; it has none", subject)
+    if not getattr(lamp, "use_soft_falloff", True):  # 4.2
+        messages.warn(f"{subject}: a lamp without soft falloff is not supported; it has one", subject)
     if not getattr(lamp, "normalize", True):  # 4.5
         messages.warn(f"{subject}: power by area is not supported; taken as power in all", subject)
 
