@@ -78,8 +78,10 @@ void SplineBuilder::ruled_to(const RingFrame& frame) {
             cut.tangent = Vec3d(cut.normal.y, -cut.normal.x, 0);
             return cut;
         }
-        interpolate_frame(from.tangent, turned(from.tangent, from.normal, from.tilt), frame.tangent,
-                          turned(frame.tangent, frame.normal, frame.tilt), s, cut.tangent, cut.normal);
+        const SweepAxes axes = interpolated_axes({from.tangent, turned(from.tangent, from.normal, from.tilt)},
+                                                 {frame.tangent, turned(frame.tangent, frame.normal, frame.tilt)}, s);
+        cut.tangent = axes.tangent;
+        cut.normal = axes.normal;
         cut.tilt = 0;
         return cut;
     };

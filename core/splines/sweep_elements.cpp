@@ -93,19 +93,25 @@ Vec3d steady_bend(const Vec3d (&points)[4], double largest) {
     return begin.length() > near ? -change : change;
 }
 
-/// Appends an element if it has a length; `share_end` holds the pieces counted so far.
-void append(SweepElements& result, std::vector<SweepControl>& controls, const std::vector<SweepControl>& added,
-            bool straight, bool rational, double pieces_before, double pieces) {
-    const int degree = static_cast<int>(added.size()) - 1;
-    if (!has_length(added.data(), degree, rational)) return;
+/// An element to be appended.
+struct NewElement {
+    std::vector<SweepControl> controls;
+    bool straight = false, rational = false;
+    double pieces_before = 0, pieces = 0;  ///< counted up to it, and its own
+};
+
+/// Appends an element if it has a length.
+void append(SweepElements& result, std::vector<SweepControl>& controls, const NewElement& added) {
+    const int degree = static_cast<int>(added.controls.size()) - 1;
+    if (!has_length(added.controls.data(), degree, added.rational)) return;
     SweepElement element;
-    element.straight = straight;
+    element.straight = added.straight;
     element.segment.first_control = static_cast<uint32_t>(controls.size());
     element.segment.degree = static_cast<uint8_t>(degree);
-    element.segment.rational = rational;
-    element.segment.share_begin = pieces_before;
-    element.segment.share_end = pieces_before + pieces;
-    controls.insert(controls.end(), added.begin(), added.end());
+    element.segment.rational = added.rational;
+    element.segment.share_begin = added.pieces_before;
+    element.segment.share_end = added.pieces_before + added.pieces;
+    controls.insert(controls.end(), added.controls.begin(), added.controls.end());
     result.elements.push_back(element);
 }
 
@@ -116,9 +122,12 @@ SweepControl control(const Vec3d& position, double radius, double tilt) {
 void add_straight(SweepElements& result, std::vector<SweepControl>& controls, const SplinePoints& spline, size_t from,
                   size_t to, double pieces_before) {
     append(result, controls,
-           {control(spline.point(from), spline.radius(from), spline.tilt(from)),
-            control(spline.point(to), spline.radius(to), spline.tilt(to))},
-           true, false, pieces_before, 1.0);
+           {{control(spline.point(from), spline.radius(from), spline.tilt(from)),
+             control(spline.point(to), spline.radius(to), spline.tilt(to))},
+            true,
+            false,
+            pieces_before,
+            1.0});
 }
 
 void add_bezier(SweepElements& result, std::vector<SweepControl>& controls, const SplinePoints& spline) {
@@ -145,7 +154,7 @@ void add_bezier(SweepElements& result, std::vector<SweepControl>& controls, cons
         added.reserve(4);
         for (int i = 0; i < 4; ++i) added.push_back(control(positions[i], radius[i], tilt[i]));
         const size_t elements = result.elements.size();
-        append(result, controls, added, false, false, pieces, spline.group.resolution);
+        append(result, controls, {added, false, false, pieces, static_cast<double>(spline.group.resolution)});
         if (result.elements.size() > elements)
             result.elements.back().bend = steady_bend(positions, spline.largest(from));
         pieces += spline.group.resolution;
@@ -173,7 +182,7 @@ void add_nurbs(SweepElements& result, std::vector<SweepControl>& controls, const
             added.push_back({chain.points[span.first_point + i], scalar.x, scalar.y});
         }
         const size_t elements = result.elements.size();
-        append(result, controls, added, false, chain.rational, span.begin, span.end - span.begin);
+        append(result, controls, {added, false, chain.rational, span.begin, span.end - span.begin});
         const double at = span.begin * steps;
         if (result.elements.size() > elements) result.elements.back().step_before = at - std::floor(at);
     }

@@ -108,7 +108,8 @@ double piece_share(const SweepPath& path, const SweepElements& elements, double 
     return 1.0;
 }
 
-Imath::Quatd rotation(const Vec3d& tangent, const Vec3d& normal) {
+Imath::Quatd rotation(const SweepAxes& axes) {
+    const auto& [tangent, normal] = axes;
     const Vec3d up = tangent.cross(normal);
     const Imath::M44d matrix(normal.x, normal.y, normal.z, 0, up.x, up.y, up.z, 0, tangent.x, tangent.y, tangent.z, 0,
                              0, 0, 0, 1);
@@ -123,12 +124,10 @@ ShareRange bevel_range(const SweepPath& path, const SweepElements& elements, con
     return {std::min(a, b), std::max(a, b)};
 }
 
-void interpolate_frame(const Vec3d& tangent0, const Vec3d& normal0, const Vec3d& tangent1, const Vec3d& normal1,
-                       double s, Vec3d& tangent, Vec3d& normal) {
-    const Imath::Quatd between = Imath::slerpShortestArc(rotation(tangent0, normal0), rotation(tangent1, normal1), s);
-    const Imath::M33d matrix = between.toMatrix33();
-    normal = normalized_or(Vec3d(matrix[0][0], matrix[0][1], matrix[0][2]), normal0);
-    tangent = normalized_or(Vec3d(matrix[2][0], matrix[2][1], matrix[2][2]), tangent0);
+SweepAxes interpolated_axes(const SweepAxes& from, const SweepAxes& to, double s) {
+    const Imath::M33d matrix = Imath::slerpShortestArc(rotation(from), rotation(to), s).toMatrix33();
+    return {normalized_or(Vec3d(matrix[2][0], matrix[2][1], matrix[2][2]), from.tangent),
+            normalized_or(Vec3d(matrix[0][0], matrix[0][1], matrix[0][2]), from.normal)};
 }
 
 }  // namespace rayleaf

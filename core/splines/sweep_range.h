@@ -25,8 +25,12 @@ struct ShareRange {
 /// The part of an open spline between bevel start and end; begin < end unless they are equal.
 ShareRange bevel_range(const SweepPath& path, const SweepElements& elements, const SweepOptions& options);
 
-/// The frame a share s of the way from one to another: the rotation between them with its angle times s.
-void interpolate_frame(const Vec3d& tangent0, const Vec3d& normal0, const Vec3d& tangent1, const Vec3d& normal1,
-                       double s, Vec3d& tangent, Vec3d& normal);
+/// Unit vectors at right angles.
+struct SweepAxes {
+    Vec3d tangent, normal;
+};
+
+/// The axes a share s of the way from one ring to another: the rotation between them with its angle times s.
+SweepAxes interpolated_axes(const SweepAxes& from, const SweepAxes& to, double s);
 
 }  // namespace rayleaf
