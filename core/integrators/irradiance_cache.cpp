@@ -1,5 +1,7 @@
 #include "integrators/irradiance_cache.h"
 
+#include "base/hash64.h"
+
 namespace rayleaf {
 namespace {
 
@@ -8,17 +10,9 @@ constexpr float kBehind = 0.05f;
 /// Error below which records count alike; keeps weights finite.
 constexpr float kLeastError = 1e-4f;
 
-/// A 64-bit hash with full avalanche (the finalizer of SplitMix64, S. Vigna).
-constexpr uint64_t hash64(uint64_t x) {
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
-
 uint64_t cell_key(int64_t x, int64_t y, int64_t z) {
-    constexpr uint64_t kStep = 0x9e3779b97f4a7c15u;
-    return hash64(hash64(hash64(static_cast<uint64_t>(x) + kStep) + static_cast<uint64_t>(y) + kStep) +
-                  static_cast<uint64_t>(z) + kStep);
+    return hash64(hash64(hash64(static_cast<uint64_t>(x) + kHashStep) + static_cast<uint64_t>(y) + kHashStep) +
+                  static_cast<uint64_t>(z) + kHashStep);
 }
 
 int64_t cell_of(double coordinate, int exponent) {

@@ -1,5 +1,6 @@
 #include "tessellation/grid_arena.h"
 
+#include "base/hash64.h"
 #include "tessellation/level.h"
 
 #include <algorithm>
@@ -36,10 +37,7 @@ constexpr uint64_t kMostParts = [] {
 GridArena::PartKey::PartKey(uint32_t subpatch, const GridPart& part)
     : key((uint64_t{subpatch} * (kFinestLevel + 1) + static_cast<uint64_t>(part.level)) * (kMostParts + 1) +
           part.number()) {
-    uint64_t mixed = key * 0x9e3779b97f4a7c15u;  // as level.cpp's random number: splitmix64
-    mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9u;
-    mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111ebu;
-    hash = static_cast<uint32_t>(mixed >> 33);
+    hash = static_cast<uint32_t>(hash64(key * kHashStep) >> 33);
 }
 
 uint64_t GridArena::tracking_per_unit() {

@@ -1,5 +1,7 @@
 #include "tessellation/level.h"
 
+#include "base/hash64.h"
+
 #include <bit>
 #include <cmath>
 
@@ -101,12 +103,7 @@ Float4 squared_distances(const SubpatchDetail& detail, const float (&place)[3]) 
 float ray_random(const Vec3d& origin, const Vec3d& direction) {
     uint64_t state = 0;
     for (const Vec3d& v : {origin, direction}) {
-        for (int axis = 0; axis < 3; ++axis) {  // the finalizer of splitmix64 (Steele, Lea, Flood 2014)
-            state += std::bit_cast<uint64_t>(v[axis]) + 0x9e3779b97f4a7c15u;
-            state = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9u;
-            state = (state ^ (state >> 27)) * 0x94d049bb133111ebu;
-            state ^= state >> 31;
-        }
+        for (int axis = 0; axis < 3; ++axis) state = hash64(state + std::bit_cast<uint64_t>(v[axis]) + kHashStep);
     }
     return static_cast<float>(state >> 40) * 0x1p-24f;
 }
