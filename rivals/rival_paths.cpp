@@ -1,22 +1,10 @@
 #include "rivals/rival_paths.h"
 
 #include "base/error.h"
+#include "ri_tree/snell.h"
 
 namespace rayleaf {
 namespace {
-
-/// Snell's law; false: all is reflected. `normal` faces the incoming side.
-bool refract(const Vec3f& direction, const Vec3f& normal, float eta, Vec3f& out) {
-    const float cosine = -direction.dot(normal);
-    const float beyond = 1.0f - eta * eta * (1.0f - cosine * cosine);
-    if (beyond < 0.0f) return false;
-    out = direction * eta + normal * (eta * cosine - std::sqrt(beyond));
-    return true;
-}
-
-Vec3f mirrored(const Vec3f& direction, const Vec3f& normal) {
-    return direction - normal * (2.0f * direction.dot(normal));
-}
 
 bool advance_volume(RivalPath& path, const RivalHit& hit) {
     if (path.ray.direction.dot(hit.facet_normal) < 0.0f) {
@@ -34,10 +22,9 @@ bool advance_glass(RivalPath& path, const RivalHit& hit, const RivalMaterial& ma
     Vec3f& direction = path.ray.direction;
     const bool from_inside = direction.dot(hit.facet_normal) > 0.0f;
     const Vec3f normal = hit.normal.dot(direction) > 0.0f ? -hit.normal : hit.normal;
-    Vec3f next;
-    if (!refract(direction, normal, from_inside ? material.ior : 1.0f / material.ior, next))
-        next = mirrored(direction, normal);
-    direction = next;
+    const float eta = from_inside ? material.ior : 1.0f / material.ior;
+    const std::optional<Vec3f> through = refracted_by_snell(direction, normal, eta);
+    direction = through ? *through : reflected_direction(direction, normal);
     path.answer.exit_position = hit.position;
     path.answer.exit_direction = direction;
     const float side = direction.dot(hit.facet_normal);
@@ -66,7 +53,7 @@ bool advance(RivalPath& path, const RivalHit* hit, std::span<const RivalMaterial
             path.answer.exit_direction = hit->normal;
             return false;
         case OutputKind::Mirror:
-            path.answer.exit_direction = mirrored(path.ray.direction, hit->normal);
+            path.answer.exit_direction = reflected_direction(path.ray.direction, hit->normal);
             return false;
         case OutputKind::Glass:
             return advance_glass(path, *hit, material);

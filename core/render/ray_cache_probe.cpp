@@ -5,7 +5,7 @@
 #include "integrators/dimensions.h"
 #include "integrators/path.h"
 #include "render/tried_cache.h"
-#include "ri_tree/cached_object.h"
+#include "ri_tree/ray_cache_adapter.h"
 #include "tessellation/split_plan.h"
 #include "trace/local_ray.h"
 
@@ -270,7 +270,7 @@ class Probe {
     };
     void choose_trials(double paths);
     void make_trees();
-    void give(const Trial& trial, const std::shared_ptr<const CachedObject>& object);
+    void give(const Trial& trial, const std::shared_ptr<const RayCacheAdapter>& object);
     std::vector<BlockCounts> render_block(const Block& block) const;
     void render_blocks(std::span<const Block> blocks);
     void judge_trials();
@@ -296,14 +296,13 @@ void Probe::make_trees() {
     });
     for (const Trial& trial : trials_) {
         const PlannedRayCache& planned = candidates_[trial.candidate];
-        give(trial, std::make_shared<const CachedObject>(0, trial.asked, planned.shape, planned.samples.kind,
-                                                         planned.interpolation.thresholds.distance_threshold,
-                                                         neighbour_scale_, cancel_));
+        give(trial, std::make_shared<const RayCacheAdapter>(0, trial.asked, planned.shape, planned.samples.kind,
+                                                            neighbour_scale_, cancel_));
     }
     if (scene_.needs_differentials()) interpolated_query_ += kDerivatives;
 }
 
-void Probe::give(const Trial& trial, const std::shared_ptr<const CachedObject>& object) {
+void Probe::give(const Trial& trial, const std::shared_ptr<const RayCacheAdapter>& object) {
     for (const uint32_t instance : candidates_[trial.candidate].instances) scene_.set_ray_cache(instance, object);
 }
 

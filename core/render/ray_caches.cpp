@@ -69,9 +69,8 @@ void RayCaches::use(FrameCache& each, Scene& scene, double neighbour_scale, RayC
     each.cache = key ? store->find_or_make(*key, planned.objects.front(), make_one) : make_one();
     each.before = each.cache->statistics();
     const auto number = static_cast<uint32_t>(&each - frame_.data()) + 1;
-    const auto object = std::make_shared<const CachedObject>(number, each.cache, planned.shape, planned.samples.kind,
-                                                             planned.interpolation.thresholds.distance_threshold,
-                                                             neighbour_scale, cancel);
+    const auto object = std::make_shared<const RayCacheAdapter>(number, each.cache, planned.shape, planned.samples.kind,
+                                                                neighbour_scale, cancel);
     for (const uint32_t instance : planned.instances) scene.set_ray_cache(instance, object);
 }
 

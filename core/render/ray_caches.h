@@ -1,7 +1,7 @@
 // The ray caches of one frame: made or found, tried where that is to be decided, and given to the scene.
 #pragma once
 
-#include "ri_tree/cached_object.h"
+#include "ri_tree/ray_cache_adapter.h"
 #include "ri_tree/ray_cache_store.h"
 #include "scene/ray_cache_plan.h"
 #include "scene/scene.h"

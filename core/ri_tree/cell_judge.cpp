@@ -5,18 +5,18 @@
 namespace rayleaf {
 namespace {
 
-/// A component that follows from the two others must keep its sign, and is not trusted where it is small.
+/// The component computed from the two others must keep its sign, and is not trusted where it is small.
 constexpr float kLeastThird = 0.2f;
-/// What a derivative that is off by 1 at the corners of [-1, 1] makes of the function in between: 8/27 at most for one
-/// corner's, and corners' errors partly cancel.
+/// Error of the function between the corners of [-1, 1] for an error of 1 in the derivatives there: at most 8/27 for
+/// one corner, and the errors of the corners partly cancel.
 constexpr double kResidualShare = 0.25;
 
-/// Functions at the corners, side by side: a leaf's values, then how each changes along the first axis, and so on.
+/// Functions sampled at the corners, side by side: a leaf's values, then their derivatives along each axis in turn.
 constexpr int kMostFunctions = kMostLeafValues * (1 + kLineAxes);
 using CornerFunctions = std::array<std::array<double, kMostFunctions>, kCellCorners>;
 
-/// Walsh-Hadamard transform of the first `count` of them, so that a bit means +1: then row S belongs to prod(u_k, k in
-/// S).
+/// Walsh-Hadamard transform of the first `count` functions. A set bit means +1, so row S is the coefficient of
+/// prod(u_k, k in S).
 void transform(CornerFunctions& functions, int count) {
     for (int bit = 1; bit < kCellCorners; bit *= 2) {
         for (int i = 0; i < kCellCorners; ++i) {
@@ -36,10 +36,10 @@ constexpr std::array<int, kLinearTerms> kTermAxes = {0, 1, 2, 4, 8, 3, 5, 9, 6, 
 
 struct Fit {
     std::array<double, kCubicTerms> terms{};
-    double residual = 0;  ///< what of the samples no such polynomial has
+    double residual = 0;  ///< the part of the samples that no such polynomial fits
 };
 
-/// Of value `i` among `values`, whose transforms these are.
+/// The fit of value `i`; `sums` are the transforms.
 Fit fit_value(const CornerFunctions& sums, int i) {
     Fit fit;
     for (int t = 0; t < kLinearTerms; ++t) fit.terms[t] = sums[kTermAxes[t]][i];
@@ -71,7 +71,7 @@ Vec3d vector_at(const std::array<float, kMostSampleValues>& values, int first) {
     return {values[first], values[first + 1], values[first + 2]};
 }
 
-/// The fold of a vector of all samples; false if none keeps its sign everywhere.
+/// The fold that suits a vector of all samples; false if no component keeps its sign everywhere.
 bool fold(const CellSamples& samples, int first, FoldedVector& folded) {
     const Vec3d center = vector_at(samples[kCenterSample].values, first);
     folded.third = 0;
@@ -83,7 +83,7 @@ bool fold(const CellSamples& samples, int first, FoldedVector& folded) {
     return true;
 }
 
-/// Which sample value each leaf value is.
+/// The sample value behind each leaf value.
 std::array<int, kMostLeafValues> sources_of(OutputKind kind, const CellLeaf& leaf) {
     using namespace sample_value;
     const auto other = [](int first, const FoldedVector& folded, int i) { return first + (folded.third + i) % 3; };
@@ -190,7 +190,7 @@ bool CellJudge::fit(const CellKey& key, const CellSamples& samples, CellLeaf& le
 
 bool CellJudge::is_close(const CellKey& key, const FastSample& center,
                          const std::array<double, kMostLeafValues>& residual, CellLeaf& leaf) const {
-    // At the centre only the constant and the squares, which are -1 there, count.
+    // At the centre all terms vanish but the constant and the squares, which are -1.
     std::array<float, kMostLeafValues> estimate{}, displaced{}, truth{};
     const std::array<int, kMostLeafValues> sources = sources_of(kind_, leaf);
     for (int i = 0; i < leaf.values; ++i) {
@@ -205,7 +205,7 @@ bool CellJudge::is_close(const CellKey& key, const FastSample& center,
     const LineGeometry line = geometry_of(space_, space_.center_ray(key), key.direction / 2);
     const auto output = [&](const std::array<float, kMostLeafValues>& values) {
         OutputRay ray;
-        set_output(kind_, leaf, values.data(), 1, line, space_.center(), ray);
+        set_output(kind_, leaf, {values.data()}, line, space_.center(), ray);
         return ray;
     };
     const OutputRay got = output(estimate);

@@ -1,9 +1,9 @@
-// Whether a cell of the fast tree is final, and what its lines are answered with: a pure function of its samples.
+// Decides whether a cell of the fast tree is final, and how its lines are answered: a pure function of its samples.
 //
-// Departures from the paper: directions that differ too much at the corners, and a direction that is wrong at the
-// centre, are reasons to halve a cell, not to trace its lines for ever. A cell that is not close enough at the depth
-// limit is traced. Cells of several classes have a depth limit of their own, and are traced there: the share of them
-// that some corners could answer did not pay for telling.
+// Departures from the paper: a cell whose directions differ too much at the corners, or are wrong at the centre, is
+// halved instead of traced for ever. A cell that is not close enough at the depth limit is traced. Cells of several
+// classes have a depth limit of their own, and are traced there: interpolating some of their lines from the corners of
+// one class took as long as it saved.
 #pragma once
 
 #include "ri_tree/cell_leaf.h"
@@ -28,10 +28,10 @@ enum class CellVerdict : uint8_t {
 inline constexpr int kCenterSample = kCellCorners;
 using CellSamples = std::array<FastSample, kCellCorners + 1>;
 
-/// How far below the depth limits a cell is.
+/// Whether a cell has reached the depth limits.
 struct CellDepths {
-    bool deepest = false;        ///< no deeper cell is allowed
-    bool deepest_mixed = false;  ///< nor one of several classes
+    bool deepest = false;        ///< at the depth limit
+    bool deepest_mixed = false;  ///< at the depth limit for cells of several classes
 };
 
 class CellJudge {
@@ -39,7 +39,7 @@ class CellJudge {
     CellJudge(const SampleTracer& tracer, const LineSpace& space, const RayCacheSettings& settings);
 
     SampleContents contents() const { return contents_; }
-    /// Of samples of several classes; any two of them tell.
+    /// The verdict on samples of several classes; any two samples that differ suffice.
     static CellVerdict judge_mixed(const CellDepths& depths) {
         return depths.deepest_mixed ? CellVerdict::ManyClasses : CellVerdict::Halved;
     }

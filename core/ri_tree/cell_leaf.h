@@ -1,11 +1,11 @@
 // An interpolating cell: a polynomial of four variables for each number of an output ray.
 //
-// Departure from the paper, which interpolates the corners quadrilinearly. With the samples' changes known (ray
+// Departure from the paper, which interpolates the corners quadrilinearly. With the samples' derivatives known (ray
 // differentials), sixteen corners determine every polynomial of total degree 3: the error falls with the fourth power
-// of the cell's sides instead of the second. Written by the Hermite data at the corners, on [-1, 1]^4:
+// of the cell's sides instead of the second. In terms of the Hermite data at the corners, on [-1, 1]^4:
 //   sum over S of a_S prod(u_k, k in S)  +  sum over k of (u_k^2 - 1) (b_k + d_k u_k + sum over l of c_kl u_l)
 // with at most three factors in S. The second sum vanishes at the corners and carries their derivatives. Without
-// changes the first sum alone is kept, quadrilinear but for the product of all four.
+// derivatives only the first sum is kept: quadrilinear, except that the product of all four is missing.
 //
 // Of unit vectors two components are kept; the third, the largest at the cell's centre, follows from them.
 #pragma once
@@ -24,10 +24,10 @@ namespace rayleaf {
 inline constexpr int kLinearTerms = 15;
 inline constexpr int kCubicTerms = 35;
 inline constexpr int kMostLeafValues = 8;
-/// Terms are read eight values at a time; the last may reach beyond.
+/// Terms are read eight values at a time; the last read may reach beyond the end.
 inline constexpr int kLeafPadding = 8;
 
-/// Numbers of the terms. One to three factors: by the axes, in lexicographic order.
+/// Indices of the terms. Products of one to three factors come in lexicographic order of their axes.
 inline constexpr int kConstantTerm = 0;
 inline constexpr int kAxisTerms = 1;     ///< u_k
 inline constexpr int kSquareTerms = 15;  ///< u_k^2 - 1
@@ -36,12 +36,12 @@ inline constexpr int kMixedTerms = 23;   ///< (u_k^2 - 1) u_l, l among the other
 
 /// A unit vector by two of its components.
 struct FoldedVector {
-    uint8_t third = 0;  ///< component that is left out; the two others follow in cyclic order
-    int8_t sign = 1;    ///< of it
+    uint8_t third = 0;  ///< the component left out; the two others follow in cyclic order
+    int8_t sign = 1;    ///< sign of the component left out
 };
 
-/// Numbers of a leaf: Volume: the length. Others: depth of the first hit (fast_sample.h), two of its normal; then
-/// Simple: two texture coordinates; Glass: exit position, two of the exit direction.
+/// Number of values in a leaf. Volume: the length. Others: depth of the first hit (fast_sample.h), two components of
+/// its normal; then Simple: two texture coordinates; Glass: exit position, two components of the exit direction.
 int leaf_value_count(OutputKind kind);
 
 struct CellLeaf {
@@ -51,7 +51,7 @@ struct CellLeaf {
     FoldedVector normal, exit_direction;
     uint8_t terms = 0;   ///< kLinearTerms or kCubicTerms
     uint8_t values = 0;  ///< leaf_value_count
-    /// Of value i in term t: [t * values + i]. Only as many as there are, and the padding, are stored.
+    /// Value i of term t is at [t * values + i]. Only the terms in use, and the padding, are stored.
     std::array<float, size_t{kCubicTerms} * kMostLeafValues + kLeafPadding> coefficients;
 
     size_t stored_bytes() const {
@@ -59,7 +59,7 @@ struct CellLeaf {
     }
 };
 
-/// A line as answers need it, local space.
+/// A line in the form that answers need, local space.
 struct LineGeometry {
     int axis = 0;
     std::array<double, 2> intercept{}, slope{};  ///< with the middle plane, relative to the box's middle; d_b / d_a
@@ -81,11 +81,17 @@ inline Vec3d unfolded(const FoldedVector& folded, double a, double b) {
     return v;
 }
 
-/// Sets the output ray that a leaf's values, `stride` apart, stand for; local space. In a header, for it is half of
-/// what an interpolated ray costs.
-inline void set_output(OutputKind kind, const CellLeaf& leaf, const float* values, size_t stride,
-                       const LineGeometry& line, const Vec3d& box_center, OutputRay& out) {
-    const auto value = [&](size_t i) { return static_cast<double>(values[i * stride]); };
+/// The values that a leaf has for one line.
+struct LeafValues {
+    const float* first;
+    size_t stride = 1;
+};
+
+/// Sets the output ray that a leaf's values stand for, local space. In a header, because it takes half of the time of
+/// an interpolated ray.
+inline void set_output(OutputKind kind, const CellLeaf& leaf, const LeafValues& values, const LineGeometry& line,
+                       const Vec3d& box_center, OutputRay& out) {
+    const auto value = [&](size_t i) { return static_cast<double>(values.first[i * values.stride]); };
     out.sample_class = leaf.sample_class;
     out.uv = Vec2d(0.0);
     out.length = 0.0;

@@ -14,7 +14,7 @@ CellSteps::CellSteps(const LineSpace& space, const RayCacheSettings& settings)
             Step& step = steps_[axis][i];
             const int depth = static_cast<int>(i) * kStepDepths;
             step.levels = space.levels(direction, depth);
-            // Middles of cells are lattice points too.
+            // The centres of cells are lattice points too.
             if (*std::max_element(step.levels.begin(), step.levels.end()) >= kPlaceBits)
                 deepest_ = std::min(deepest_, static_cast<int>(i) - 1);
             for (int k = 0; k < kLineAxes; ++k)
@@ -30,9 +30,9 @@ CellSteps::CellSteps(const LineSpace& space, const RayCacheSettings& settings)
 }
 
 /// Along each of the two axes beside the dominant one, neighbours lie `distance` and `angle` apart, on a slanted line
-/// in the plane of intercept and slope: on average it runs 1 / (distance / side + angle / other side) rays inside a
-/// cell.
-int CellSteps::deepest_worth(uint8_t direction, const RaySpacing& spacing, int near) const {
+/// in the plane of intercept and slope. On average, 1 / (distance / side + angle / other side) rays of that line are
+/// in one cell.
+int CellSteps::deepest_crossed(uint8_t direction, const RaySpacing& spacing, int near) const {
     const float distance = std::abs(spacing.distance), angle = std::abs(spacing.angle);
     const auto is_worth = [&](int step) {
         const std::array<float, kLineAxes>& inverse = steps_[direction / 2][step].inverse_sides;

@@ -1,5 +1,5 @@
-// The depths at which the fast tree tests cells, counted by fours: where cells lie in the lattice, and which of them a
-// frame's rays pay for.
+// The depths at which the fast tree tests cells: every fourth depth is a step. Says where cells lie in the lattice, and
+// which of them enough of a frame's rays cross to be sampled.
 #pragma once
 
 #include "ri_tree/cell_judge.h"
@@ -12,7 +12,7 @@
 
 namespace rayleaf {
 
-/// Halvings between two tests.
+/// Halvings from one step to the next.
 inline constexpr int kStepDepths = 4;
 /// A line's place along each axis, times 2^kPlaceBits.
 using LinePlaces = std::array<uint32_t, kLineAxes>;
@@ -21,14 +21,14 @@ class CellSteps {
   public:
     CellSteps(const LineSpace& space, const RayCacheSettings& settings);
 
-    /// The smallest cells, as a step.
+    /// The step of the smallest cells.
     int deepest() const { return deepest_; }
     CellDepths depths(int step) const { return {step >= deepest_, step >= deepest_mixed_}; }
-    /// The smallest cells that enough neighbours of a ray cross, as a step; -1: none. `spacing` is in local units.
-    /// Smaller cells are worth less, so the search may begin anywhere: `near`, the answer for a neighbour.
-    int deepest_worth(uint8_t direction, const RaySpacing& spacing, int near) const;
+    /// The step of the smallest cells that enough neighbours of a ray cross; -1: none. `spacing` is in local units.
+    /// Fewer rays cross smaller cells, so the search may begin anywhere: at `near`, the answer for a neighbour.
+    int deepest_crossed(uint8_t direction, const RaySpacing& spacing, int near) const;
 
-    /// Which of a cell's sixteen children holds a line.
+    /// The number of the child, of a cell's sixteen, that holds a line.
     uint32_t child(uint8_t direction, int step, const LinePlaces& places) const {
         const Step& at = steps_[direction / 2][step];
         uint32_t number = 0;
@@ -44,7 +44,7 @@ class CellSteps {
   private:
     struct Step {
         std::array<uint8_t, kLineAxes> levels{};
-        /// How the child is found that holds a place: bit j of its number is this bit of the place along this axis.
+        /// Bit j of a child's number is bit `bit[j]` of the place along axis `axis[j]`.
         std::array<uint8_t, kStepDepths> axis{}, bit{};
         /// 1 over the sides: intercepts in local units, slopes.
         std::array<float, kLineAxes> inverse_sides{};

@@ -6,7 +6,7 @@
 namespace rayleaf {
 namespace {
 
-/// What the bits of a CellRef can address.
+/// As many units as the bits of a CellRef can address.
 constexpr uint64_t kMostUnits = uint64_t{1} << (32 - kVerdictBits);
 
 CellRef ref_of(CellVerdict verdict, uint64_t unit) {
@@ -61,40 +61,35 @@ void CellBlock::clear() {
 CellStore::CellStore(uint64_t bytes) : blocks_{CellBlock(bytes / 2), CellBlock(bytes / 2)} {}
 
 CellStore::Reader::Reader(CellStore& store)
-    : store_(store),
-      thread_(store.threads_.local()),
-      outermost_(thread_.epoch.load(std::memory_order_relaxed) == kNotReading) {
-    // The epoch announced may be older than the one that the state below belongs to: that only keeps more.
-    if (outermost_) thread_.epoch.store(store.epoch_.load());
+    : store_(store), thread_(store.threads_.local(store.epochs_)), outermost_(!thread_.reader.is_inside()) {
+    // The announced epoch may be older than the state read below: then blocks are only kept longer.
+    if (outermost_) store.epochs_.enter(thread_.reader);
     const uint32_t state = store.state_.load();
     current_ = &store.blocks_[state & kCurrentBit];
     if ((state & kHasOlder) != 0) older_ = &store.blocks_[1 - (state & kCurrentBit)];
 }
 
 CellStore::Reader::~Reader() {
-    if (outermost_) thread_.epoch.store(kNotReading, std::memory_order_release);
+    if (outermost_) ReaderEpochs::leave(thread_.reader);
     if (full_) store_.exchange();
 }
 
-/// Forgets the older block, and when nobody can have it any more, makes it the current one.
+/// Forgets the older block. Once no reader can have it, empties it and makes it the current one.
 void CellStore::exchange() {
     if (exchanging_.exchange(true, std::memory_order_acquire)) return;
     uint32_t state = state_.load();
     if ((state & kHasOlder) != 0) {
         state &= ~kHasOlder;
         state_.store(state);
-        forgotten_since_ = epoch_.fetch_add(1) + 1;
+        forgotten_ = epochs_.advance();
     }
-    bool unknown = true;
-    threads_.for_each([&](const Thread& thread) { unknown &= thread.epoch.load() >= forgotten_since_; });
-    if (unknown) {
+    if (forgotten_ < epochs_.oldest()) {
         const uint32_t other = 1 - (state & kCurrentBit);
         uint64_t most = most_bytes_.load(std::memory_order_relaxed);
         most = std::max(most, bytes());
         most_bytes_.store(most, std::memory_order_relaxed);
         blocks_[other].clear();
         state_.store(other | kHasOlder);
-        epoch_.fetch_add(1);
         exchanges_.fetch_add(1, std::memory_order_relaxed);
     }
     exchanging_.store(false, std::memory_order_release);

@@ -1,20 +1,20 @@
-// The fast tree's cells in memory: read by any number of threads while others add to it, within a limit.
+// The memory of the fast tree's cells, within a limit: any number of threads read it while others add to it.
 //
-// Nodes and leaves are placed one after the other in one of two blocks, the current one. When that is full, the other
-// becomes current, empty, and the full one is kept as the older: what is used again is copied over, not sampled anew.
-// At the next change the older one is forgotten with all that nobody used. So what stays is what was used since the
-// change before last; no time stamps are written when cells are read.
+// Nodes and leaves are appended to one of two blocks, the current one. When it is full, the other block is emptied and
+// becomes current, and the full one is kept as the older block: cells that are used again are copied from it instead of
+// sampled anew. At the next exchange the older block is forgotten. So cells used since the last exchange but one stay,
+// and reading a cell writes no time stamp.
 //
-// A block is only emptied when no reader can have it: readers announce the epoch in which they began (epoch-based
-// reclamation; Fraser, Practical Lock Freedom, 2004). No one waits: who finds no room, because the blocks cannot be
-// exchanged yet or because there is none at all, works in memory of its own. Cells are pure functions of their keys, so
-// it makes no difference to an answer.
+// A block is only emptied when no reader can have it (tessellation/readers.h). No thread waits: one that finds no room,
+// because the blocks cannot be exchanged yet or because there is no memory at all, works in memory of its own. Cells
+// are pure functions of their keys, so this does not change an answer.
 #pragma once
 
 #include "base/cache_line.h"
 #include "base/large_memory.h"
 #include "base/thread_states.h"
 #include "ri_tree/cell_judge.h"
+#include "tessellation/readers.h"
 
 #include <array>
 #include <atomic>
@@ -23,24 +23,24 @@
 
 namespace rayleaf {
 
-/// What a cell is, and where: the verdict in the low bits, above them a place in the block, if it has one.
+/// A cell's verdict in the low bits, and above them its place in the block, if it has one.
 using CellRef = uint32_t;
 inline constexpr int kVerdictBits = 3;
 inline CellVerdict verdict_of(CellRef ref) {
     return static_cast<CellVerdict>(ref & ((1u << kVerdictBits) - 1));
 }
 
-/// Cells are tested at every fourth depth, so a node has sixteen children; one line of the processor's cache.
+/// Cells are tested at every fourth depth, so a node has sixteen children: one cache line.
 inline constexpr int kNodeChildren = 16;
 struct alignas(kCacheLine) CellNode {
-    /// Each publishes a node or leaf (release, when it is stored), to who goes down to it (acquire).
+    /// Each publishes a node or leaf: stored with release, loaded with acquire by the thread that descends to it.
     std::array<std::atomic<CellRef>, kNodeChildren> children;
 };
 
-/// One of the two.
+/// One of the two blocks.
 class CellBlock {
   public:
-    /// Memory is taken from the system as it is used.
+    /// The system provides the memory page by page, as it is used.
     explicit CellBlock(uint64_t bytes);
 
     std::atomic<CellRef>& root(uint8_t direction) { return roots_[direction]; }
@@ -50,7 +50,7 @@ class CellBlock {
     const CellLeaf& leaf(CellRef ref) const {
         return *reinterpret_cast<const CellLeaf*>(memory_.get() + (size_t{ref >> kVerdictBits}) * sizeof(CellNode));
     }
-    /// A node without children, or a copy of a leaf; empty if the block is full.
+    /// Adds a node without children, or a copy of a leaf; empty if the block is full.
     std::optional<CellRef> add_node();
     std::optional<CellRef> add_leaf(const CellLeaf& leaf);
     void clear();
@@ -61,8 +61,8 @@ class CellBlock {
 
   private:
     LargeMemory memory_;
-    uint64_t capacity_ = 0;  ///< in units of a node, as all that follows
-    /// As the children of a node.
+    uint64_t capacity_ = 0;  ///< in units of a node, like all counts below
+    /// By direction, like the children of a node.
     std::array<std::atomic<CellRef>, kLineDirections> roots_{};
     /// Written with every node and leaf, while others read the roots.
     alignas(kCacheLine) std::atomic<uint64_t> used_{0};
@@ -82,7 +82,8 @@ class CellStore {
   public:
     explicit CellStore(uint64_t bytes);
 
-    /// A thread's leave to read and add, for a short time; one within another of the same thread knows what that knows.
+    /// RAII guard that pins the blocks, so that a thread may read and add for a short time. One within another of the
+    /// same thread knows what that one knows.
     class Reader {
       public:
         explicit Reader(CellStore& store);
@@ -91,11 +92,11 @@ class CellStore {
         Reader& operator=(const Reader&) = delete;
 
         CellBlock* current() const { return current_; }
-        /// Null where there is none.
+        /// Null if there is none.
         CellBlock* older() const { return older_; }
-        /// This reader's own.
+        /// The counters of this thread.
         CellCounts& counts() const { return thread_.counts; }
-        /// Told that there was no room.
+        /// Call it where a block had no room.
         void found_no_room() { full_ = true; }
 
       private:
@@ -115,25 +116,24 @@ class CellStore {
     uint64_t samples_taken() const;
 
   private:
-    static constexpr uint64_t kNotReading = ~uint64_t{0};
     static constexpr uint32_t kCurrentBit = 1, kHasOlder = 2;
 
     struct Thread {
-        /// Announces that blocks known in this epoch are read, before `state_` is; kNotReading: none are (release: what
-        /// was read has been read). To exchange(), which empties no block that may be known. All of this pairs through
-        /// one order of all: epoch, then state, here; state, then `epoch_`, then all threads' epochs there.
-        std::atomic<uint64_t> epoch{kNotReading};
+        ReaderEpochs::Reader& reader;
         CellCounts counts;
+
+        explicit Thread(ReaderEpochs& epochs) : reader(epochs.reader()) {}
     };
 
     std::array<CellBlock, 2> blocks_;
-    /// Which block is current, and whether the other is known; publishes that the current one has been emptied.
+    /// Which block is current, and whether the other is known; publishes that the current one has been emptied. Readers
+    /// announce themselves before they read it; exchange() empties no block that a reader announced before may know.
     std::atomic<uint32_t> state_{0};
-    std::atomic<uint64_t> epoch_{0};
+    ReaderEpochs epochs_;
     ThreadStates<Thread> threads_;
-    /// Taken by one thread at a time (acquire) that lets it go (release); holds `forgotten_since_` too.
+    /// Taken by one thread at a time (acquire) that lets it go (release); protects `forgotten_` too.
     alignas(kCacheLine) std::atomic<bool> exchanging_{false};
-    uint64_t forgotten_since_ = 0;  ///< readers of this epoch and later do not know the block that is not current
+    uint64_t forgotten_ = 0;  ///< stamp of when the block that is not current was forgotten; 0: it never was known
     std::atomic<uint64_t> exchanges_{0}, most_bytes_{0};
 
     void exchange();

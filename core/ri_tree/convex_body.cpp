@@ -10,30 +10,30 @@
 namespace rayleaf {
 namespace {
 
-/// Seeds along either side of a patch.
+/// Seeds along each side of a patch.
 constexpr int kSeeds = 6;
-/// Of them, those that all tangent planes are tested against lie so far apart.
+/// Every so many seeds, one is tested against all tangent planes.
 constexpr int kTestedApart = 3;
-/// Bodies of more patches are left to tracing: the test of convexity grows with the square.
+/// Bodies of more patches are traced: the time of the convexity test grows with the square.
 constexpr uint32_t kMostPatches = 256;
-/// Cells along either side of a face of the table's cube.
+/// Cells along each side of a face of the table's cube.
 constexpr int kTableSide = 24;
-/// How far a point may lie outside a tangent plane of a convex body, and how much a surface may be bent outwards,
-/// against its stretch: rounding of control points.
+/// How far a point may lie outside a tangent plane of a convex body, and how far a surface may bend outwards relative
+/// to its first derivatives: the rounding of control points.
 constexpr float kLeastDent = 1e-5f;
 constexpr double kLeastBend = 1e-4;
-/// A pole's control points lie no further apart, local units: less than the facets' distance from the surface.
+/// The control points of a pole lie within this, local units: less than the facets' distance from the surface.
 constexpr double kPoleSize = 1e-6;
-/// Thinner bodies, local units, are left to tracing.
+/// Thinner bodies, local units, are traced.
 constexpr float kLeastThickness = 0x1p-6f;
 /// Lines that meet the surface at less than this cosine are near its silhouette.
 constexpr float kLeastCosine = 0.02f;
-/// How far apart body and line must be for a miss, local units: what a lattice may overlook of dents.
+/// How far apart body and line must be for a miss, local units: the depth of dents that a lattice may overlook.
 constexpr float kApart = 1e-4f;
-/// The iterations end there; they take 2 to 4.
+/// Limits of the two iterations.
 constexpr int kMostPlanes = 8;
 constexpr int kMostSteps = 6;
-/// How near the line the point must be, local units: what single precision can tell.
+/// How near the line the point must be, local units: the resolution of single precision.
 constexpr float kTolerance = 2e-6f;
 
 /// The cell of a cube's surface that a direction runs through.
@@ -51,7 +51,7 @@ uint32_t table_cell(const Vec3f& direction) {
     return static_cast<uint32_t>((face * kTableSide + second) * kTableSide + first);
 }
 
-/// Its middle; not unit.
+/// The middle of a cell of the table; not unit.
 Vec3f middle_of_cell(int face, int second, int first) {
     const int axis = face / 2;
     const auto across = [](int column) { return (2.0f * static_cast<float>(column) + 1.0f) / kTableSide - 1.0f; };
@@ -209,7 +209,7 @@ bool ConvexBody::is_convex(const PatchSurface& surface) const {
     return true;
 }
 
-/// The seed next to the middle of each cell: uphill from that of the cell before.
+/// Sets the seed next to the middle of each cell, found by climbing from the seed of the cell before.
 void ConvexBody::fill_table() {
     std::vector<Vec3f> directions;
     for (const Seed& seed : seeds_)
@@ -250,10 +250,10 @@ ConvexBody::Tangent ConvexBody::tangent_at(const Place& place) const {
     return tangent;
 }
 
-/// False at a pole.
+/// Moves by a step of the parameters, into a neighbouring patch if need be; false at a pole.
 bool ConvexBody::move(Place& place, const Vec2f& step) const {
     for (int axis = 0; axis < 2; ++axis) {
-        // At most into the patch beside this one.
+        // At most into the adjacent patch.
         float at = place.at[axis] + std::clamp(step[axis], -1.0f, 1.0f);
         const int side = at < 0.0f ? -1 : at > 1.0f ? 1 : 0;
         if (side != 0) {
@@ -269,13 +269,13 @@ bool ConvexBody::move(Place& place, const Vec2f& step) const {
 }
 
 ConvexBody::Meeting ConvexBody::leave(const Vec3d& origin, const Vec3d& direction, Crossing& crossing) const {
-    // From the point next to the body's middle on, so that distant origins cost no precision.
+    // Distances count from the point nearest to the body's middle, so that distant origins lose no precision.
     const Vec3d start = origin + direction * (center_ - origin).dot(direction);
     const double beside = (start - center_).length2();
     if (!(beside < radius_ * radius_)) return beside > radius_ * radius_ ? Meeting::Missed : Meeting::Uncertain;
     const Vec3f from(start), along(direction);
     const auto chord = static_cast<float>(std::sqrt(radius_ * radius_ - beside));
-    Stretch inside{-chord, chord};
+    Chord inside{-chord, chord};
     const Seed* seed = nullptr;
     const Meeting meeting = close_in(from, along, inside, seed);
     if (meeting != Meeting::Crossed) return meeting;
@@ -301,8 +301,8 @@ ConvexBody::Meeting ConvexBody::leave(const Vec3d& origin, const Vec3d& directio
     return Meeting::Uncertain;
 }
 
-/// Narrows what of a line can be inside by tangent planes, towards its end; `seed` is the last plane's.
-ConvexBody::Meeting ConvexBody::close_in(const Vec3f& from, const Vec3f& along, Stretch& inside,
+/// Clips the part of a line that can be inside by tangent planes, towards its end; `seed` is the last plane's.
+ConvexBody::Meeting ConvexBody::close_in(const Vec3f& from, const Vec3f& along, Chord& inside,
                                          const Seed*& seed) const {
     bool ends = true;
     for (int i = 0; i < kMostPlanes; ++i) {
@@ -316,7 +316,7 @@ ConvexBody::Meeting ConvexBody::close_in(const Vec3f& from, const Vec3f& along, 
             float& bound = ends ? inside.end : inside.begin;
             bound = ends ? std::min(bound, before / cosine) : std::max(bound, before / cosine);
         }
-        // What the planes cut off is beside the body by more than their own uncertainty.
+        // A miss must be farther from the body than the planes are uncertain.
         const float least = std::min(cosine * inside.begin, cosine * inside.end);
         if (inside.begin > inside.end + kApart || least - before > kApart) return Meeting::Missed;
     }

@@ -1,13 +1,13 @@
-// A convex body of patches as lines cross it: where a line leaves is found by Newton's iteration, with no search.
+// Where lines enter and leave a convex body of patches, found by Newton's iteration without a search.
 //
-// Idea: a line leaves a convex body once. The body lies behind every one of its tangent planes, so where a line leaves
-// one of them bounds where it leaves the body; the tangent plane on the radius through that point bounds it more
-// closely (this is Newton's iteration for the gauge function of the body along the line, which is convex: it closes in
-// from outside). Tangent planes come from a table of surface points by the direction from the body's middle. The last
-// one's place on its patch is where Newton's iteration begins on the patch itself; steps over a border go on in the
-// patch beyond. Where a line enters is where its reverse leaves.
+// Idea: a line leaves a convex body once. The body lies behind each of its tangent planes, so the point where a line
+// leaves a plane bounds the point where it leaves the body. The tangent plane on the radius through that point gives a
+// closer bound: this is Newton's iteration for the body's gauge function along the line, which is convex, so it
+// converges from outside. Tangent planes come from a table of surface points, by direction from the body's middle. From
+// the last one, Newton's iteration goes on on the patch itself; steps over a border continue in the adjacent patch. A
+// line enters where its reverse leaves.
 //
-// Single precision, as the parameters of a hit everywhere. Answers are pure functions of body and line.
+// Single precision, like the parameters of all hits. Answers are pure functions of body and line.
 #pragma once
 
 #include "geometry/shape.h"
@@ -30,14 +30,14 @@ class ConvexBody {
         Vec2f at{0, 0};  ///< parameters there
     };
 
-    /// Null unless the shape is one smooth spline of not too many patches, closed around and with a pole at either end,
-    /// of degrees up to 3, wound outwards, not thin, and convex at all points of a dense lattice.
+    /// Null unless the shape is one smooth spline of a limited number of patches, closed around, with a pole at each
+    /// end, of degrees up to 3, wound outwards, not thin, and convex at all points of a dense lattice.
     static std::unique_ptr<const ConvexBody> of(const Shape& shape);
 
     enum class Meeting : uint8_t {
         Crossed,
-        Missed,    ///< tangent planes of the body part the line from it
-        Uncertain  ///< near silhouettes and poles
+        Missed,    ///< a tangent plane separates the line from the body
+        Uncertain  ///< near a silhouette or a pole
     };
 
     /// Where a line leaves; unit direction. The crossing is set if there is one.
@@ -60,7 +60,7 @@ class ConvexBody {
         Vec3f position{0, 0, 0}, du{0, 0, 0}, dv{0, 0, 0};
         Vec3f outward() const { return dv.cross(du); }  ///< not unit
     };
-    /// A point of the lattice that the table knows.
+    /// A lattice point in the table.
     struct alignas(64) Seed {
         Tangent tangent;
         Vec3f normal{0, 0, 1};  ///< unit, outward
@@ -84,11 +84,11 @@ class ConvexBody {
     std::array<int, 2> lattice() const;
     std::optional<uint32_t> neighbour(uint32_t seed, int step_u, int step_v) const;
     Place place_of(uint32_t seed) const;
-    /// Of a line, by distance along it.
-    struct Stretch {
+    /// The part of a line that may be inside, as distances along it.
+    struct Chord {
         float begin = 0, end = 0;
     };
-    Meeting close_in(const Vec3f& from, const Vec3f& along, Stretch& inside, const Seed*& seed) const;
+    Meeting close_in(const Vec3f& from, const Vec3f& along, Chord& inside, const Seed*& seed) const;
     const Seed& seed_towards(const Vec3f& from_center) const;
     Tangent tangent_at(const Place& place) const;
     bool move(Place& place, const Vec2f& step) const;

@@ -1,6 +1,6 @@
 #include "ri_tree/convex_path.h"
 
-#include "ri_tree/glass_steps.h"
+#include "ri_tree/glass_walk.h"
 
 #include <type_traits>
 
@@ -9,7 +9,7 @@ namespace {
 
 using Meeting = ConvexBody::Meeting;
 
-/// What changes need of the surface is computed for those who want them alone.
+/// Tells `changes` of a crossing. The surface's derivatives are computed only where they are wanted.
 template <typename Changes>
 void arrive(const SampleTracer& tracer, const ConvexBody::Crossing& crossing, const Vec3d& direction,
             Changes& changes) {
@@ -26,40 +26,27 @@ void arrive(const SampleTracer& tracer, const ConvexBody::Crossing& crossing, co
 
 template <typename Changes>
 Meeting follow(const ConvexBody& body, const SampleTracer& tracer, const Ray& ray, OutputRay& out, Changes& changes) {
-    const SampleSettings& settings = tracer.settings();
     out = {};
     ConvexBody::Crossing crossing;
     const Meeting entry = body.enter(ray.origin, ray.direction, crossing);
     if (entry != Meeting::Crossed) return entry;
+    const auto crossed = [&] {
+        return GlassCrossing{crossing.position, crossing.normal, crossing.normal,
+                             tracer.classes().of_element(crossing.element)};
+    };
     arrive(tracer, crossing, ray.direction, changes);
     changes.first_hit();
-    SampleClass& path = out.sample_class;
-    path.first_hit = tracer.classes().of_element(crossing.element);
+    out.sample_class.first_hit = tracer.classes().of_element(crossing.element);
     out.position = crossing.position;
     out.normal = crossing.normal;
-    Vec3d direction = ray.direction;
-    for (;;) {
-        const bool from_inside = path.interior_hits > 0;
-        const Vec3d facing = from_inside ? -crossing.normal : crossing.normal;
-        const double eta = from_inside ? settings.ior : 1.0 / settings.ior;
-        direction = direction_after(direction, facing, eta, from_inside, path, changes);
-        out.exit_position = crossing.position;
-        out.exit_direction = direction;
-        path.exit = tracer.classes().of_element(crossing.element);
-        if (direction.dot(crossing.normal) >= 0.0) {
-            path.ending = PathEnding::Left;
-            changes.leave();
-            return Meeting::Crossed;
-        }
-        if (path.interior_hits == settings.most_interior_hits) {
-            cut_off(out, changes);
-            return Meeting::Crossed;
-        }
+    const auto next = [&](const Vec3d& direction) -> std::optional<GlassCrossing> {
         const Vec3d from = crossing.position;
-        if (body.leave(from, direction, crossing) != Meeting::Crossed) return Meeting::Uncertain;
+        if (body.leave(from, direction, crossing) != Meeting::Crossed) return std::nullopt;
         arrive(tracer, crossing, direction, changes);
-        ++path.interior_hits;
-    }
+        return crossed();
+    };
+    walk_glass(tracer.settings(), crossed(), ray.direction, next, out, changes);
+    return out.sample_class.ending == PathEnding::Escaped ? Meeting::Uncertain : Meeting::Crossed;
 }
 
 }  // namespace

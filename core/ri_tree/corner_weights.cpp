@@ -14,7 +14,7 @@ constexpr double kLeastPivot = 1e-9;
 using AffineVector = std::array<double, kAffine>;
 using AffineMatrix = std::array<AffineVector, kAffine>;
 
-/// (1, x) with the cell as [-1, 1]^4.
+/// The vector (1, x) of a corner, with the cell as [-1, 1]^4.
 AffineVector affine_corner(int corner) {
     AffineVector row{};
     row[0] = 1.0;
@@ -22,7 +22,7 @@ AffineVector affine_corner(int corner) {
     return row;
 }
 
-/// Solves by elimination with pivots from the diagonal's largest; empty if the matrix is singular.
+/// Solves by elimination, pivoting on the largest diagonal element; empty if the matrix is singular.
 std::optional<AffineVector> solve(AffineMatrix matrix, AffineVector right) {
     for (int column = 0; column < kAffine; ++column) {
         int pivot = column;

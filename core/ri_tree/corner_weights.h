@@ -17,8 +17,8 @@ inline constexpr CornerSet kAllCorners = 0xffff;
 /// `position` is in [0, 1] along each axis.
 CornerWeights quadrilinear_weights(const std::array<double, kLineAxes>& position);
 
-/// Linear interpolation from some of the corners: weights that reproduce every affine function, those of least sum of
-/// squares. Empty where the corners do not suffice: fewer than five, or all in one hyperplane.
+/// Linear interpolation from some of the corners: of all weights that reproduce every affine function, those with the
+/// least sum of squares. Empty where the corners do not suffice: fewer than five, or all in one hyperplane.
 std::optional<CornerWeights> affine_weights(CornerSet usable, const std::array<double, kLineAxes>& position);
 
 }  // namespace rayleaf

@@ -1,27 +1,23 @@
 #include "ri_tree/crossing_counts.h"
 
+#include "base/hash64.h"
+
 #include <cstdlib>
 #include <limits>
 
 namespace rayleaf {
 namespace {
 
-/// With a quarter of the counters in use one cell in sixteen is mistaken for another that was crossed.
+/// With a quarter of the counters in use, one cell in sixteen is mistaken for one that was crossed.
 constexpr uint64_t kMostUsed = 4;
-
-uint64_t mixed(uint64_t h) {  // Stafford's variant 13 of MurmurHash3's finalizer
-    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-    h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-    return h ^ (h >> 31);
-}
 
 }  // namespace
 
 CrossingCounts::Places CrossingCounts::places_of(const CellKey& cell) {
     const uint64_t low = cell.index[0] | uint64_t{cell.index[1]} << 32;
     const uint64_t high = cell.index[2] | uint64_t{cell.index[3]} << 32;
-    const uint64_t which = (uint64_t{cell.direction} << 8 | cell.depth) * 0x9e3779b97f4a7c15u;
-    const uint64_t hash = mixed(mixed(low + which) ^ high);
+    const uint64_t which = (uint64_t{cell.direction} << 8 | cell.depth) * kHashStep;
+    const uint64_t hash = hash64(hash64(low + which) ^ high);
     return {static_cast<size_t>(hash & (kCounters - 1)), static_cast<size_t>(hash >> 32 & (kCounters - 1))};
 }
 
@@ -31,7 +27,7 @@ CrossingCounts::~CrossingCounts() {
 
 /// Null if there is no memory.
 CrossingCounts::Counters* CrossingCounts::make_counters() {
-    // All bits zero are counters at zero; the system gives such pages without touching them.
+    // Counters start at all bits zero; the system provides such pages without touching them.
     auto* made = static_cast<Counters*>(std::calloc(1, sizeof(Counters)));
     Counters* before = nullptr;
     if (counters_.compare_exchange_strong(before, made, std::memory_order_acq_rel)) return made;
@@ -43,7 +39,7 @@ void CrossingCounts::finish_frame() {
     Counters* counters = counters_.load(std::memory_order_acquire);
     if (!counters) return;
     has_finished_ = true;
-    // Sixteen bits all along, and few at a time, so that compilers make SIMD of it.
+    // Arithmetic in sixteen bits, a block at a time, so that compilers vectorize the loop.
     constexpr uint64_t kAtOnce = 1024;
     uint64_t used = 0;
     for (uint64_t first = 0; first < kCounters; first += kAtOnce) {

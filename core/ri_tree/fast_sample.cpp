@@ -10,7 +10,7 @@ float stored(double value) {
     return std::isfinite(result) ? result : 0.0f;
 }
 
-/// The values of one output ray, or of its change: `OutputChange` has the same attributes.
+/// The values of an output ray, or of its derivative: `OutputChange` has the same attributes.
 template <typename Output>
 std::array<double, kMostSampleValues> values_of(OutputKind kind, const Output& output, double depth) {
     std::array<double, kMostSampleValues> values{};

@@ -1,6 +1,6 @@
-// What the fast tree keeps of a traced line: numbers that interpolate well, and how they change with the line.
+// What the fast tree stores of a traced line: numbers that interpolate well, and their derivatives by the line.
 //
-// The first hit lies on the line, so one number tells it: how far it is from the box's middle plane along the dominant
+// The first hit lies on the line, so one number gives it: its distance from the box's middle plane along the dominant
 // axis. Interpolating that instead of a point keeps hits on their rays.
 #pragma once
 
@@ -25,7 +25,7 @@ struct LatticePoint {
 
 inline constexpr int kMostSampleValues = 10;
 
-/// Where a sample's values are.
+/// Indices of a sample's values.
 namespace sample_value {
 inline constexpr int kLength = 0;  ///< Volume
 inline constexpr int kDepth = 0;   ///< of the first hit beyond the middle plane, along the dominant axis, local units
@@ -40,18 +40,18 @@ int sample_value_count(OutputKind kind);
 struct FastSample {
     SampleClass sample_class;
     std::array<float, kMostSampleValues> values;
-    /// By the line's coordinates as shares of the root cell's half sides. Not set where values alone are kept.
+    /// Derivatives by the line's coordinates, in units of the root cell's half sides. Not set if only values are kept.
     std::array<std::array<float, kLineAxes>, kMostSampleValues> changes;
 };
 
-/// Whether changes are kept. Of meshes they are not: there normals change differently on each triangle.
+/// Whether derivatives are kept. They are not for meshes, where normals change differently on each triangle.
 enum class SampleContents : uint8_t { Values, ValuesAndChanges };
 
-/// Followed through the body, if there is one; traced where that is uncertain.
+/// The sample of a lattice point: followed through the body, if there is one; traced where that is uncertain.
 FastSample take_sample(const SampleTracer& tracer, const ConvexBody* body, const LineSpace& space,
                        const LatticePoint& point, SampleContents contents);
 
-/// How a line's ray changes at its origin, by the line's coordinates as shares of the root cell's half sides.
+/// Derivatives of a line's ray at its origin by the line's coordinates, in units of the root cell's half sides.
 RayChanges line_changes(const LineSpace& space, const Ray& lattice_ray, int axis);
 
 }  // namespace rayleaf

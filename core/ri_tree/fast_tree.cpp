@@ -14,18 +14,18 @@ namespace {
 
 /// The share of the cache's bytes that samples may take.
 constexpr uint64_t kSampleShare = 4;
-/// An interpolated hit counts as beyond an origin inside the box if it is so by this many times its error at the cell's
-/// centre, and by this share of the half extent at least.
+/// An interpolated hit is taken to lie beyond an origin inside the box if it does so by this many times the error at
+/// the cell's centre, and by at least this share of the half extent.
 constexpr double kBeyondErrors = 2.0;
 constexpr double kLeastBeyond = 0x1p-10;
-/// Up to so many rays of a cell are evaluated one by one; more, all sixteen lanes at once.
+/// Up to this many rays of a cell are evaluated one by one; for more, all sixteen lanes at once.
 constexpr int kOneByOne = 2;
-/// Rays are scattered if those in the first cell are at most one of so many.
+/// Rays are scattered if at most one of this many is in the first cell.
 constexpr int kScatteredShare = 4;
-/// After so many rays a reader lets go of the store, so that blocks can be exchanged.
+/// After this many rays a reader releases the store, so that blocks can be exchanged.
 constexpr size_t kRaysPerReader = 256;
 
-/// Settings that allow no interpolation, or less error than following has, leave all to tracing.
+/// Settings that allow no interpolation, or less error than that of following, leave all rays to tracing.
 bool may_follow(OutputKind kind, const RayCacheSettings& settings) {
     const double least =
         std::min({settings.distance_threshold, settings.direction_threshold, settings.angle_threshold});
@@ -118,7 +118,7 @@ OutputRay FastTree::trace(const Ray& object_ray) const {
     return result;
 }
 
-/// An answer without interpolation: missed, or traced if the caller wants that.
+/// Gives an answer without interpolation: missed, or traced if the caller wants that.
 void FastTree::answer_plainly(const Search& search, const Ray& object_ray, AnsweredBy by, CachedAnswer& answer) const {
     const bool traces = is_traced(by) && search.others == Uninterpolated::Trace;
     answer.output = traces ? tracer_->trace(to_local(object_ray)) : OutputRay{};
@@ -127,7 +127,7 @@ void FastTree::answer_plainly(const Search& search, const Ray& object_ray, Answe
     answer.error = answer.position_error = 0.0;
 }
 
-/// A ray that no cell answers, through a convex body; false if it is to be traced.
+/// Follows a ray that no cell answers through a convex body; false if it is to be traced.
 bool FastTree::follow(const Batch& asked, int ray) const {
     CachedAnswer& answer = asked.answers[ray];
     const Ray local = to_local(asked.rays[ray]);
@@ -148,6 +148,7 @@ bool FastTree::follow(const Batch& asked, int ray) const {
     move_to_object(answer.output);
     answer.by = missed ? AnsweredBy::TwoClassMissed : AnsweredBy::Followed;
     answer.error = missed ? 0.0 : kFollowedError;
+    answer.position_error = 0.0;
     return true;
 }
 
@@ -166,11 +167,11 @@ void FastTree::ask(const RayQuestions& questions, std::span<CachedAnswer> answer
     }
 }
 
-/// The smallest cells that each ray pays for, as steps.
-std::array<int, kBatchRays> FastTree::deepest_worth(const Search& search, const Batch& asked, RaySet pending) const {
-    std::array<int, kBatchRays> worth;
-    worth.fill(steps_.deepest());
-    if (!asked.spacings) return worth;
+/// For each ray, the step of the smallest cells that enough rays cross.
+std::array<int, kBatchRays> FastTree::deepest_crossed(const Search& search, const Batch& asked, RaySet pending) const {
+    std::array<int, kBatchRays> crossed;
+    crossed.fill(steps_.deepest());
+    if (!asked.spacings) return crossed;
     const LineBatch& batch = search.batch;
     int near = steps_.deepest(), last = -1;
     for (uint32_t rest = pending; rest != 0; rest &= rest - 1) {
@@ -182,12 +183,12 @@ std::array<int, kBatchRays> FastTree::deepest_worth(const Search& search, const 
         if (!is_as_last) {
             const auto distance = static_cast<float>(spacing.distance * frame_.shrink);
             const auto direction = static_cast<uint8_t>(batch.line_direction[ray]);
-            near = steps_.deepest_worth(direction, {distance, spacing.angle}, near);
+            near = steps_.deepest_crossed(direction, {distance, spacing.angle}, near);
         }
-        worth[ray] = near;
+        crossed[ray] = near;
         last = ray;
     }
-    return worth;
+    return crossed;
 }
 
 void FastTree::ask_batch(Search& search, const Batch& asked) {
@@ -200,28 +201,28 @@ void FastTree::ask_batch(Search& search, const Batch& asked) {
         const bool is_one = (batch.rays >> i & 1) != 0;
         asked.answers[i] = CachedAnswer{{}, is_one ? AnsweredBy::BoxMissed : AnsweredBy::NotARay, 0.0};
     }
-    const std::array<int, kBatchRays> worth = deepest_worth(search, asked, pending);
+    const std::array<int, kBatchRays> crossed = deepest_crossed(search, asked, pending);
     begin_descents(search, pending);
     bool is_first = true;
-    // A leaf on its way from memory while the next one is looked for.
+    // This leaf is being fetched from memory while the next one is looked for.
     Found waiting;
     RaySet waiting_set = 0;
     while (pending != 0) {
         const int ray = std::countr_zero(pending);
-        const Found found = find(search, ray, worth[ray]);
+        const Found found = find(search, ray, crossed[ray]);
         RaySet set = static_cast<RaySet>(1 << ray);
         if (found.verdict != CellVerdict::Unknown && pending != set) {
             const RaySet in_cell = functions_.rays_in(batch, found.key.direction, steps_.place(found.key)) & pending;
             for (uint32_t rest = in_cell; rest != 0; rest &= rest - 1) {
                 const int other = std::countr_zero(rest);
-                if (worth[other] >= std::min(found.step, worth[ray])) set = static_cast<RaySet>(set | 1 << other);
+                if (crossed[other] >= std::min(found.step, crossed[ray])) set = static_cast<RaySet>(set | 1 << other);
             }
         }
         const bool is_scattered = is_first && std::popcount(set) * kScatteredShare <= std::popcount(pending);
         pending = static_cast<RaySet>(pending & ~set);
-        if (is_scattered) descend_together(search, pending, worth);
+        if (is_scattered) descend_together(search, pending, crossed);
         is_first = false;
-        if (found.step > worth[ray]) count_crossings(batch, set, worth, found.step);
+        if (found.step > crossed[ray]) count_crossings(batch, set, crossed, found.step);
         const bool is_held = found.leaf && found.leaf != &search.own_leaf;
         if (is_held && pending != 0) {
             prefetch<3>(*found.leaf);
@@ -273,7 +274,7 @@ void FastTree::interpolate(const Search& search, const Found& found, int ray, co
     CachedAnswer& answer = asked.answers[ray];
     const bool starts_inside = (batch.inside >> ray & 1) != 0;
     const OutputKind kind = tracer_->settings().kind;
-    // The length of a line says nothing about where on it the object lies.
+    // The length of a line says nothing about where the object lies on it.
     if (starts_inside && kind == OutputKind::Volume)
         return answer_plainly(search, given, AnsweredBy::TracedOrigin, answer);
     LineGeometry line;
@@ -281,7 +282,7 @@ void FastTree::interpolate(const Search& search, const Found& found, int ray, co
     line.intercept = {batch.intercept[0][ray], batch.intercept[1][ray]};
     line.slope = {batch.slope[0][ray], batch.slope[1][ray]};
     line.direction = {batch.direction[0][ray], batch.direction[1][ray], batch.direction[2][ray]};
-    set_output(kind, *found.leaf, values, stride, line, frame_.box_center, answer.output);
+    set_output(kind, *found.leaf, {values, stride}, line, frame_.box_center, answer.output);
     if (starts_inside) {
         const Vec3d origin = (given.origin - frame_.center) * frame_.shrink;
         const double margin = kBeyondErrors * double{found.leaf->position_error} + kLeastBeyond * space_.half_extent();
@@ -295,7 +296,7 @@ void FastTree::interpolate(const Search& search, const Found& found, int ray, co
     answer.position_error = found.leaf->position_error / space_.half_extent();
 }
 
-/// Of an interpolated answer, which is in local space still.
+/// Derivatives of an interpolated answer, which is still in local space.
 HitChanges FastTree::changes_of(const Search& search, const Found& found, int ray, const Batch& asked,
                                 const LineGeometry& line) const {
     RayDifferential differential = asked.differentials[ray];

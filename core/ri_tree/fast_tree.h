@@ -1,16 +1,16 @@
 // The ray cache that renders: any number of threads, sixteen rays at a time, memory within a limit.
 //
-// Idea: the published tree (rivals/reference_tree.h), laid out for today's processors and asked for less.
+// Idea: the published tree (rivals/reference_tree.h), laid out for today's processors and sampled where it is used.
 //   Sixteen rays go together from leaf to leaf (line_batch.h): one looks for its cell, all that are in it are answered.
 //   Leaves are polynomials of degree 3 (cell_leaf.h), so they are few.
 //   Cells are tested at every fourth depth; corners and centres are shared through a table (sample_table.h).
-//   Cells are only sampled if enough of the frame's rays cross them to pay for the samples. That is told from the rays'
-//   spacing and the cell alone: a ray that asks for too little is traced even where others have paid already. Where a
-//   tree is kept, rays of earlier frames that crossed a cell pay for it too (crossing_counts.h).
+//   Cells are sampled only if enough of the frame's rays cross them. Their number is estimated from the rays' spacing
+//   and the cell alone: a ray with too wide a spacing is traced even where the cell is sampled already. In a cache
+//   that is kept, rays of earlier frames that crossed a cell count too (crossing_counts.h).
 //   Through convex bodies of glass, rays that no cell answers are followed by Newton's iteration (convex_path.h).
 //   What makes a cell final differs from the paper's: cell_judge.h. How cells are held: cell_store.h.
 //
-// An answer is a pure function of ray, spacing, shape, material, settings, and what crossed cells in earlier frames.
+// An answer is a pure function of ray, spacing, shape, material, settings, and the crossings of earlier frames.
 #pragma once
 
 #include "ri_tree/cell_judge.h"
@@ -32,12 +32,12 @@ namespace rayleaf {
 
 class FastTree final : public RayCache {
   public:
-    /// Throws InputError for settings without meaning. Nothing is sampled yet. `pruned_share` is not used: the store
-    /// forgets about a half.
+    /// Throws InputError for invalid settings. Nothing is sampled yet. `pruned_share` is not used: the store forgets
+    /// about half of its cells.
     /// Throws Cancelled soon after `cancel` says so.
     FastTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples, const RayCacheSettings& settings,
              const CancelToken& cancel = kNeverCancelled);
-    /// Another that answers as this one did when it was new; both share what traces samples.
+    /// Another tree that answers as this one did when it was new; both share the tracer of samples.
     std::unique_ptr<FastTree> emptied() const;
     ~FastTree() override;
 
@@ -48,9 +48,9 @@ class FastTree final : public RayCache {
     RayCacheStatistics statistics() const override;
     void next_frame() override { crossings_.finish_frame(); }
 
-    /// The final cell that answers a ray, whether or not it is held; empty for a ray that is none or misses the box.
+    /// The final cell that answers a ray, held or not; empty for an invalid ray or one that misses the box.
     std::optional<CellKey> final_cell(const Ray& object_ray);
-    /// What the corners and centres of cells are sampled with.
+    /// The sample of a cell's corner or centre.
     FastSample sample(const LatticePoint& point) const;
     const LineSpace& space() const { return space_; }
     const SampleTracer& tracer() const { return *tracer_; }
@@ -80,7 +80,7 @@ class FastTree final : public RayCache {
     void move_to_object(OutputRay& local) const;
 
     void ask_batch(Search& search, const Batch& asked);
-    std::array<int, kBatchRays> deepest_worth(const Search& search, const Batch& asked, RaySet pending) const;
+    std::array<int, kBatchRays> deepest_crossed(const Search& search, const Batch& asked, RaySet pending) const;
     void answer_cell(Search& search, const Found& found, RaySet set, const Batch& asked);
     bool follow(const Batch& asked, int ray) const;
     void interpolate(const Search& search, const Found& found, int ray, const Batch& asked, const float* values,
@@ -90,10 +90,10 @@ class FastTree final : public RayCache {
     void answer_plainly(const Search& search, const Ray& object_ray, AnsweredBy by, CachedAnswer& answer) const;
 
     void begin_descents(Search& search, RaySet set) const;
-    void descend_together(Search& search, RaySet set, const std::array<int, kBatchRays>& worth) const;
-    Found find(Search& search, int ray, int deepest_worth);
-    bool paid_before(const CellKey& key) const;
-    void count_crossings(const LineBatch& batch, RaySet set, const std::array<int, kBatchRays>& worth, int last);
+    void descend_together(Search& search, RaySet set, const std::array<int, kBatchRays>& crossed) const;
+    Found find(Search& search, int ray, int deepest_crossed);
+    bool crossed_before(const CellKey& key) const;
+    void count_crossings(const LineBatch& batch, RaySet set, const std::array<int, kBatchRays>& crossed, int last);
     CellVerdict make_cell(Search& search, const CellKey& key, int step);
     CellVerdict copy_older(Search& search, const CellKey& key, int step) const;
     static CellRef store_cell(Search& search, CellVerdict verdict, std::atomic<CellRef>& place);

@@ -11,14 +11,14 @@ namespace {
 
 static_assert(1 << kStepDepths == kNodeChildren);
 
-/// The centre, then pairs of opposite corners: what is likely to differ comes early.
+/// The centre, then pairs of opposite corners: samples that are likely to differ come early.
 constexpr std::array<int, kCellCorners + 1> kSampleOrder = {
     kCenterSample, 0, 15, 3, 12, 5, 10, 6, 9, 1, 14, 2, 13, 4, 11, 7, 8};
 
-/// A cell is bought once the rays that crossed it in earlier frames are this share of those that one frame must have:
-/// what was crossed before will be again. With 1 as much is paid until all is bought, and it takes twice as many
-/// frames; with 1/4 the mean of twelve frames of glass that stays is slower, by 12 to 18 %.
-constexpr double kPriceShare = 0.5;
+/// A cell is sampled once the rays that crossed it in earlier frames are this share of those that one frame must have:
+/// it will be crossed again. With a share of 1 a sequence of frames takes twice as long to get there; with 1/4, cells
+/// are sampled that are not used often enough, and a sequence of glass that does not move is slower.
+constexpr double kEarlierShare = 0.5;
 
 }  // namespace
 
@@ -31,8 +31,9 @@ void FastTree::begin_descents(Search& search, RaySet set) const {
     }
 }
 
-/// Rays that share few cells wait for memory together: all go one step down, then all the next. Nothing is made.
-void FastTree::descend_together(Search& search, RaySet set, const std::array<int, kBatchRays>& worth) const {
+/// For rays that share few cells: all go down one step, then all the next, so that they wait for memory together. No
+/// cell is made.
+void FastTree::descend_together(Search& search, RaySet set, const std::array<int, kBatchRays>& crossed) const {
     const LineBatch& batch = search.batch;
     CellBlock* block = search.reader.current();
     if (!block) return;
@@ -43,7 +44,7 @@ void FastTree::descend_together(Search& search, RaySet set, const std::array<int
             const CellRef ref = at.place->load(std::memory_order_acquire);
             const CellVerdict verdict = verdict_of(ref);
             if (verdict == CellVerdict::Interpolated) prefetch<2>(block->leaf(ref));
-            if (verdict != CellVerdict::Halved || at.step >= worth[ray]) {
+            if (verdict != CellVerdict::Halved || at.step >= crossed[ray]) {
                 going = static_cast<RaySet>(going & ~(1 << ray));
                 continue;
             }
@@ -55,8 +56,8 @@ void FastTree::descend_together(Search& search, RaySet set, const std::array<int
     }
 }
 
-/// Goes down to the final cell that holds a ray, and makes what is missing on the way; or to where it is not worth it.
-FastTree::Found FastTree::find(Search& search, int ray, int deepest_worth) {
+/// Descends to the final cell that holds a ray and makes missing cells on the way, or stops where too few rays cross.
+FastTree::Found FastTree::find(Search& search, int ray, int deepest_crossed) {
     const LineBatch& batch = search.batch;
     Found found;
     found.key.direction = static_cast<uint8_t>(batch.line_direction[ray]);
@@ -66,8 +67,8 @@ FastTree::Found FastTree::find(Search& search, int ray, int deepest_worth) {
     std::atomic<CellRef>* place = search.descents[ray].place;
     found.step = search.descents[ray].step;
     const auto goes_on = [&] {
-        return found.step <= deepest_worth ||
-               (found.step <= steps_.deepest() && paid_before(steps_.key(direction, found.step, places)));
+        return found.step <= deepest_crossed ||
+               (found.step <= steps_.deepest() && crossed_before(steps_.key(direction, found.step, places)));
     };
     for (; goes_on(); ++found.step) {
         CellRef ref = place ? place->load(std::memory_order_acquire) : 0;
@@ -77,7 +78,7 @@ FastTree::Found FastTree::find(Search& search, int ray, int deepest_worth) {
             found.verdict = copy_older(search, key, found.step);
             if (found.verdict == CellVerdict::Unknown) found.verdict = make_cell(search, key, found.step);
             if (place) ref = store_cell(search, found.verdict, *place);
-            if (ref == 0) place = nullptr;  // no room: from here on by itself
+            if (ref == 0) place = nullptr;  // no room: from here on in memory of its own
         }
         if (found.verdict != CellVerdict::Halved) {
             found.key = steps_.key(direction, found.step, places);
@@ -90,28 +91,29 @@ FastTree::Found FastTree::find(Search& search, int ray, int deepest_worth) {
     return found;
 }
 
-/// Whether a cell that the frame's rays do not pay for is paid for by those of earlier frames.
-bool FastTree::paid_before(const CellKey& key) const {
-    return static_cast<double>(crossings_.before(key)) >= kPriceShare * settings_.rays_per_cell;
+/// Whether enough rays of earlier frames crossed a cell that too few of this frame's rays cross.
+bool FastTree::crossed_before(const CellKey& key) const {
+    return static_cast<double>(crossings_.before(key)) >= kEarlierShare * settings_.rays_per_cell;
 }
 
-/// Counts rays in the cells down to step `last` that they do not pay for. Of cells that were paid for twice none more:
-/// they stay so when all counts are halved.
-void FastTree::count_crossings(const LineBatch& batch, RaySet set, const std::array<int, kBatchRays>& worth, int last) {
-    const double enough = 2.0 * kPriceShare * settings_.rays_per_cell;
+/// Counts rays in the cells, down to step `last`, that too few of them cross. Cells with twice the count they need are
+/// not counted further: they keep enough when all counts are halved.
+void FastTree::count_crossings(const LineBatch& batch, RaySet set, const std::array<int, kBatchRays>& crossed,
+                               int last) {
+    const double enough = 2.0 * kEarlierShare * settings_.rays_per_cell;
     for (uint32_t rest = set; rest != 0; rest &= rest - 1) {
         const int ray = std::countr_zero(rest);
         const LinePlaces places = places_of(batch, ray);
         const auto direction = static_cast<uint8_t>(batch.line_direction[ray]);
-        for (int step = worth[ray] + 1; step <= std::min(last, steps_.deepest()); ++step) {
+        for (int step = crossed[ray] + 1; step <= std::min(last, steps_.deepest()); ++step) {
             const CellKey key = steps_.key(direction, step, places);
             if (crossings_.before(key) < enough) crossings_.add(key);
         }
     }
 }
 
-/// Samples a cell and judges it. Its leaf, if it has one, is the search's own. Two samples of different classes decide,
-/// whichever they are: those that are held already are looked at first, and after the first such pair none is traced.
+/// Samples a cell and judges it. Its leaf, if it has one, is the search's own. Any two samples of different classes
+/// decide, so samples that are held already are looked at first, and after the first such pair none is traced.
 CellVerdict FastTree::make_cell(Search& search, const CellKey& key, int step) {
     const CellDepths depths = steps_.depths(step);
     CellSamples samples;
@@ -143,7 +145,7 @@ CellVerdict FastTree::make_cell(Search& search, const CellKey& key, int step) {
     return judge_.judge(key, depths, samples, search.own_leaf);
 }
 
-/// What the block that was current before says of a cell, its leaf as the search's own; or Unknown.
+/// The verdict that the older block has on a cell, its leaf copied to the search's own; or Unknown.
 CellVerdict FastTree::copy_older(Search& search, const CellKey& key, int step) const {
     CellBlock* older = search.reader.older();
     if (!older) return CellVerdict::Unknown;
@@ -160,7 +162,7 @@ CellVerdict FastTree::copy_older(Search& search, const CellKey& key, int step) c
     return verdict_of(ref);
 }
 
-/// Publishes a cell, its leaf being the search's own, at its place; 0 if there is no room.
+/// Publishes a cell at its place, with the search's own leaf; 0 if there is no room.
 CellRef FastTree::store_cell(Search& search, CellVerdict verdict, std::atomic<CellRef>& place) {
     CellBlock& block = *search.reader.current();
     std::optional<CellRef> made = static_cast<CellRef>(verdict);
@@ -171,7 +173,7 @@ CellRef FastTree::store_cell(Search& search, CellVerdict verdict, std::atomic<Ce
         return 0;
     }
     CellRef before = 0;
-    // Another thread may have made the same meanwhile; then its cell counts, and the space is lost until the exchange.
+    // If another thread has made the same cell meanwhile, its cell is used, and this space is lost until the exchange.
     if (place.compare_exchange_strong(before, *made, std::memory_order_acq_rel)) return *made;
     return before;
 }

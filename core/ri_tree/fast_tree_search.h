@@ -1,4 +1,4 @@
-// What one thread holds while it asks the fast tree.
+// The state of one thread while it asks the fast tree.
 #pragma once
 
 #include "base/cache_line.h"
@@ -6,7 +6,7 @@
 
 namespace rayleaf {
 
-/// Up to sixteen questions, and where answers go. What may be null is left out.
+/// Up to sixteen questions, and where their answers go. Optional arrays are null.
 struct FastTree::Batch {
     int count;
     const Ray* rays;
@@ -16,21 +16,21 @@ struct FastTree::Batch {
     HitChanges* changes;
 };
 
-/// How far down a ray's cells are known: the step, and where the cell there is told (CellNode::children); null: in no
-/// block.
+/// How far a ray has descended: the step, and the reference to the cell there (CellNode::children); null: in no block.
+///
 struct FastTree::Descent {
     int step = 0;
     std::atomic<CellRef>* place = nullptr;
 };
 
-/// What a thread needs while it answers.
+/// The working state of a thread that answers.
 struct FastTree::Search {
     LineBatch batch;
     std::array<Descent, kBatchRays> descents;  ///< of the batch's rays
     CellStore::Reader reader;
     std::array<uint64_t, kAnswerKinds> answers{};
     uint64_t samples_taken = 0;
-    CellLeaf own_leaf;  ///< of a cell that there was no room for
+    CellLeaf own_leaf;  ///< of a cell for which there was no room
     Uninterpolated others;
 
     Search(CellStore& store, Uninterpolated uninterpolated) : reader(store), others(uninterpolated) {}
@@ -42,7 +42,7 @@ struct FastTree::Search {
     }
 };
 
-/// A final cell, or one that a ray does not pay for.
+/// A final cell, or one that too few rays cross.
 struct FastTree::Found {
     CellKey key;
     int step = 0;
@@ -50,11 +50,11 @@ struct FastTree::Found {
     const CellLeaf* leaf = nullptr;
 };
 
-/// A leaf that will be read soon: level 3, all of the processor's caches; level 2, all but the first, where several are
-/// on their way at once (more than the first has room to wait for).
+/// Prefetches a leaf. Level 3: into all of the processor's caches. Level 2: into all but the first, where several
+/// leaves are fetched at once, more than the first cache can wait for.
 template <int kLevel>
 void prefetch(const CellLeaf& leaf) {
-    // What a mirror's leaf takes; of larger ones the processor fetches the rest itself.
+    // The size of a mirror's leaf; the processor itself fetches the rest of larger ones.
     constexpr size_t kBytes = offsetof(CellLeaf, coefficients) + size_t{kCubicTerms} * 3 * sizeof(float);
     const auto* bytes = reinterpret_cast<const std::byte*>(&leaf);
     for (size_t at = 0; at < kBytes; at += kCacheLine) __builtin_prefetch(bytes + at, 0, kLevel);

@@ -3,7 +3,7 @@
 namespace rayleaf {
 namespace {
 
-/// Of a vector of length 1, two of whose components change.
+/// The derivative of a unit vector by those of two of its components.
 Vec3f unfolded_change(const FoldedVector& folded, const Vec3d& unit, float a, float b) {
     const int first = (folded.third + 1) % 3, second = (folded.third + 2) % 3;
     Vec3f change;

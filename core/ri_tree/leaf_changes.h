@@ -1,5 +1,5 @@
-// How what a leaf says changes with its line: the leaf's polynomials, differentiated along the steps of a ray's
-// differential. Local space.
+// Derivatives of a leaf's answer: the leaf's polynomials, differentiated along the two steps of a ray's differential.
+// Local space.
 #pragma once
 
 #include "rays/hit.h"
@@ -9,9 +9,9 @@
 
 namespace rayleaf {
 
-/// A picture's x and y.
+/// The picture's x and y.
 inline constexpr int kPictureSteps = 2;
-/// Along the line axes, in the coordinates of a cell, which are -1 to 1.
+/// Steps along the line axes, in the coordinates of a cell, which are -1 to 1.
 struct StepsInCell {
     float steps[kPictureSteps][kLineAxes] = {};
 };
@@ -20,11 +20,11 @@ struct StepsInCell {
 StepsInCell steps_in_cell(const BatchFrame& frame, const CellPlace& cell, const LineGeometry& line,
                           const Vec3d& from_center, const RayDifferential& differential);
 
-/// What leaf values that change by `changes` make of the output ray `out`. Unknown where it would not be finite.
+/// The derivatives of the output ray `out` for those of the leaf's values. Unknown where they would not be finite.
 HitChanges output_changes(OutputKind kind, const CellLeaf& leaf, const float (&changes)[kPictureSteps][kLeafPadding],
                           const OutputRay& out);
 
-/// Changes of an output ray, in local units, by the picture's x and y, as its first two lines' coordinates.
+/// Derivatives of an output ray, local units, by the picture's x and y: the first two entries of `changes`.
 HitChanges hit_changes(const OutputChanges& changes, double scale);
 
 }  // namespace rayleaf

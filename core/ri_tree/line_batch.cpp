@@ -33,12 +33,12 @@ HWY_INLINE DoubleVector dot(const Vectors& a, const Vectors& b) {
     return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 
-/// Zero if it is finite.
+/// Zero if the vector is finite.
 HWY_INLINE DoubleVector finite_test(const Vectors& v) {
     return hn::Add(hn::Add(hn::Sub(v.x, v.x), hn::Sub(v.y, v.y)), hn::Sub(v.z, v.z));
 }
 
-/// Unit directions; of such that are unit already, up to rounding, the same bits.
+/// Unit directions. Those that are unit already, up to rounding, keep their bits.
 HWY_INLINE Vectors unit(const Vectors& v) {
     const Doubles lanes;
     const DoubleVector one = hn::Set(lanes, 1.0);
@@ -52,12 +52,12 @@ HWY_INLINE Vectors unit(const Vectors& v) {
             hn::IfThenElse(is_unit, v.z, hn::Div(scaled.z, length))};
 }
 
-/// Where along a line it is inside the box, by one axis after the other.
-struct Stretch {
+/// The intervals of lines within a box, clipped by one axis after the other.
+struct BoxIntervals {
     DoubleVector begin, end;
 
-    HWY_INLINE void cut(DoubleVector low, DoubleVector high, DoubleVector origin, DoubleVector direction,
-                        DoubleVector inverse) {
+    HWY_INLINE void clip(DoubleVector low, DoubleVector high, DoubleVector origin, DoubleVector direction,
+                         DoubleVector inverse) {
         const Doubles lanes;
         const DoubleVector a = hn::Mul(hn::Sub(low, origin), inverse), b = hn::Mul(hn::Sub(high, origin), inverse);
         const DoubleVector infinity = hn::Inf(lanes);
@@ -69,7 +69,7 @@ struct Stretch {
     }
 };
 
-/// Values by axis, seen from the dominant one: first it, then the two that follow cyclically.
+/// Values by axis, the dominant one first, then the two that follow cyclically.
 struct Turned {
     DoubleMask is_x, is_y;
 
@@ -83,7 +83,7 @@ struct Turned {
 
 HWY_INLINE Turned turned_to(const Vectors& direction) {
     const DoubleVector x = hn::Abs(direction.x), y = hn::Abs(direction.y), z = hn::Abs(direction.z);
-    // The first of equals.
+    // Of equal components, the first.
     return {hn::And(hn::Ge(x, y), hn::Ge(x, z)), hn::Ge(y, z)};
 }
 
@@ -107,7 +107,7 @@ HWY_INLINE void store_places(const BatchFrame& frame, const Turned& turned, Doub
     }
 }
 
-/// From one ray to the next, in doubles.
+/// Distances from the first ray, in doubles.
 constexpr std::array<int64_t, 8> ray_offsets() {
     static_assert(sizeof(Ray) % sizeof(double) == 0);
     std::array<int64_t, 8> offsets{};
@@ -115,12 +115,12 @@ constexpr std::array<int64_t, 8> ray_offsets() {
     return offsets;
 }
 
-/// Rays `first` and on.
+/// Prepares the rays from `first` on.
 HWY_INLINE void prepare_some(const Ray* rays, int first, int count, const BatchFrame& frame, LineBatch& batch) {
     const Doubles lanes;
     const hn::RebindToSigned<Doubles> indices;
     alignas(64) static constexpr std::array<int64_t, 8> kRayOffsets = ray_offsets();
-    // Lanes without a ray read the last one.
+    // Lanes without a ray read the last ray.
     const int last = std::min(count - first, kDoubles) - 1;
     const auto index = hn::Min(hn::Load(indices, kRayOffsets.data()), hn::Set(indices, kRayOffsets[last]));
     const uint32_t wanted = (uint32_t{1} << count) - 1;
@@ -139,17 +139,17 @@ HWY_INLINE void prepare_some(const Ray* rays, int first, int count, const BatchF
     const Vectors direction = unit(given);
     const Vectors inverse{hn::Div(one, direction.x), hn::Div(one, direction.y), hn::Div(one, direction.z)};
 
-    Stretch stretch{hn::Neg(hn::Inf(lanes)), hn::Inf(lanes)};
+    BoxIntervals within{hn::Neg(hn::Inf(lanes)), hn::Inf(lanes)};
     const Vec3d &low = frame.box_min, &high = frame.box_max;
-    stretch.cut(hn::Set(lanes, low.x), hn::Set(lanes, high.x), origin.x, direction.x, inverse.x);
-    stretch.cut(hn::Set(lanes, low.y), hn::Set(lanes, high.y), origin.y, direction.y, inverse.y);
-    stretch.cut(hn::Set(lanes, low.z), hn::Set(lanes, high.z), origin.z, direction.z, inverse.z);
-    const DoubleMask in_box = hn::And(hn::Le(stretch.begin, stretch.end), hn::Ge(stretch.end, zero));
+    within.clip(hn::Set(lanes, low.x), hn::Set(lanes, high.x), origin.x, direction.x, inverse.x);
+    within.clip(hn::Set(lanes, low.y), hn::Set(lanes, high.y), origin.y, direction.y, inverse.y);
+    within.clip(hn::Set(lanes, low.z), hn::Set(lanes, high.z), origin.z, direction.z, inverse.z);
+    const DoubleMask in_box = hn::And(hn::Le(within.begin, within.end), hn::Ge(within.end, zero));
     const uint32_t box_bits = mask_bits(lanes, in_box) & are_rays;
     batch.rays = static_cast<RaySet>(batch.rays | are_rays << first);
     batch.in_box = static_cast<RaySet>(batch.in_box | box_bits << first);
     batch.inside =
-        static_cast<RaySet>(batch.inside | (mask_bits(lanes, hn::Lt(stretch.begin, zero)) & box_bits) << first);
+        static_cast<RaySet>(batch.inside | (mask_bits(lanes, hn::Lt(within.begin, zero)) & box_bits) << first);
     if (box_bits == 0) return;
 
     const Turned turned = turned_to(direction);
@@ -195,7 +195,7 @@ RaySet rays_in(const LineBatch& batch, int line_direction, const CellPlace& cell
     return static_cast<RaySet>(bits);
 }
 
-/// Factor of a place in a cell that makes it 0 to 2.
+/// The factor that scales a place in a cell to 0 to 2.
 HWY_INLINE float place_scale(int bits) {
     return std::bit_cast<float>(static_cast<uint32_t>(127 + 1 - bits) << 23);
 }
@@ -225,8 +225,8 @@ HWY_INLINE void make_terms(const Number (&u)[kLineAxes], Number one, int count, 
     }
 }
 
-/// The sum of as many products as a polynomial has terms: of four sums by turns, so that none waits for the one before
-/// it; written out, so that they stay in registers. One order of additions for one ray and for sixteen.
+/// The sum of a polynomial's terms, as four partial sums in turn, so that no addition waits for the one before it;
+/// written out, so that they stay in registers. The order of additions is the same for one ray and for sixteen.
 template <typename Product>
 HWY_INLINE auto sum_of(int terms, const Product& product) {
     static_assert(kLinearTerms % 4 == 3 && kCubicTerms % 4 == 3);
@@ -288,7 +288,7 @@ void evaluate_one(const LineBatch& batch, int ray, const CellPlace& cell, const 
     }
 }
 
-/// A number, and how it changes.
+/// A number and its derivative.
 struct Changing {
     float value = 0, change = 0;
 };

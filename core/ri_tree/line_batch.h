@@ -1,7 +1,7 @@
 // Sixteen rays at a time for the fast tree: rays to lines, lines to places in cells, leaves to values; with SIMD.
 //
-// All lanes do the same operations in the same order, none a fused multiply-add, and a ray by itself goes through them
-// too. So neither the instruction set nor the company of a ray shows in its answer.
+// All lanes do the same operations in the same order, without fused multiply-add, and so does a single ray. So a ray's
+// answer depends neither on the instruction set nor on the other rays of its batch.
 #pragma once
 
 #include "rays/ray.h"
@@ -17,7 +17,7 @@ namespace rayleaf {
 inline constexpr int kBatchRays = 16;
 using RaySet = uint16_t;  ///< bit i: ray i of a batch
 
-/// What a batch needs to know of the object.
+/// The numbers of the object that a batch needs.
 struct BatchFrame {
     Vec3d center{0, 0, 0};  ///< local = (object - center) * shrink
     double shrink = 1;
@@ -25,37 +25,37 @@ struct BatchFrame {
     std::array<std::array<double, kLineAxes>, 3> inverse_half_sides{};  ///< of the root cell, by dominant axis
 };
 
-/// Places along a line axis are integers of so many bits.
+/// Number of bits of a place along a line axis.
 inline constexpr int kPlaceBits = 31;
 
-/// Lines of up to sixteen rays, local space; by line axis or coordinate first, then by ray.
+/// The lines of up to sixteen rays, local space; indexed by line axis or coordinate, then by ray.
 struct alignas(64) LineBatch {
     int32_t line_direction[kBatchRays];
     int32_t place[kLineAxes][kBatchRays];  ///< share of the root cell, times 2^kPlaceBits
     double intercept[2][kBatchRays];       ///< with the middle plane, relative to the box's middle
     double slope[2][kBatchRays];
     double direction[3][kBatchRays];  ///< unit
-    RaySet rays = 0;                  ///< those that are rays
-    RaySet in_box = 0;                ///< of them: enter the box, or start inside
-    RaySet inside = 0;                ///< of them: start inside
+    RaySet rays = 0;                  ///< the valid ones
+    RaySet in_box = 0;                ///< those of them that enter the box or start inside
+    RaySet inside = 0;                ///< those of them that start inside
 };
 
-/// A cell as lanes are compared with it.
+/// A cell in the form that lanes are compared with.
 struct CellPlace {
     std::array<int32_t, kLineAxes> first{};  ///< lowest place
     std::array<int32_t, kLineAxes> bits{};   ///< places along an axis: 2^bits
 };
 
 struct BatchFunctions {
-    /// Of `count` rays, 1 to kBatchRays.
+    /// Prepares `count` rays, 1 to kBatchRays.
     void (*prepare)(const Ray* rays, int count, const BatchFrame& frame, LineBatch& batch);
     /// The rays of a direction that are in a cell.
     RaySet (*rays_in)(const LineBatch& batch, int line_direction, const CellPlace& cell);
-    /// The leaf's values for all rays; what stands for rays outside the cell means nothing.
+    /// The leaf's values for all rays; those of rays outside the cell are meaningless.
     void (*evaluate)(const LineBatch& batch, const CellPlace& cell, const CellLeaf& leaf, float (*values)[kBatchRays]);
-    /// For one ray; `values` has room for kLeafPadding.
+    /// The same for one ray; `values` has room for kLeafPadding.
     void (*evaluate_one)(const LineBatch& batch, int ray, const CellPlace& cell, const CellLeaf& leaf, float* values);
-    /// How the values of one ray change with a step of the cell's coordinates; `changes` has room for kLeafPadding.
+    /// Derivatives of one ray's values along a step of the cell's coordinates; `changes` has room for kLeafPadding.
     void (*differentiate)(const LineBatch& batch, int ray, const CellPlace& cell, const CellLeaf& leaf,
                           const float (&step)[kLineAxes], float* changes);
 };

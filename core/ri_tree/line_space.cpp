@@ -5,8 +5,8 @@
 namespace rayleaf {
 namespace {
 
-/// What the box is widened by on every side, as a share of its half extent: far above the rounding of hits, far below
-/// what costs samples.
+/// The box is widened by this on every side, a share of its half extent: far above the rounding of hits, and too little
+/// to cost samples.
 constexpr double kPaddingShare = 0x1p-10;
 /// The half extent of a box that is a single point, local units.
 constexpr double kLeastHalfExtent = 0x1p-20;
@@ -28,7 +28,7 @@ int dominant_axis(const Vec3d& direction) {
     return axis;
 }
 
-/// 2^-level, exactly; std::ldexp takes longer than all the rest of a corner.
+/// 2^-level, exactly; faster than std::ldexp.
 double power_of_half(int level) {
     constexpr int kBias = 1023, kMantissaBits = 52;
     return std::bit_cast<double>(static_cast<uint64_t>(kBias - level) << kMantissaBits);

@@ -1,5 +1,7 @@
 #include "ri_tree/output_ray.h"
 
+#include "ri_tree/snell.h"
+
 namespace rayleaf {
 namespace {
 
@@ -83,14 +85,13 @@ double distance(OutputKind kind, const OutputRay& a, const OutputRay& b, double 
 }
 
 Vec3d mirrored(const Vec3d& direction, const Vec3d& normal) {
-    return direction - normal * (2.0 * direction.dot(normal));
+    return reflected_direction(direction, normal);
 }
 
 std::optional<Vec3d> refracted_direction(const Vec3d& direction, const Vec3d& normal, double eta) {
-    const double cosine = -direction.dot(normal);
-    const double beyond = 1.0 - eta * eta * (1.0 - cosine * cosine);
-    if (beyond < 0.0) return std::nullopt;
-    return normalized_or(direction * eta + normal * (eta * cosine - std::sqrt(beyond)), direction);
+    const std::optional<Vec3d> through = refracted_by_snell(direction, normal, eta);
+    if (!through) return std::nullopt;
+    return normalized_or(*through, direction);
 }
 
 }  // namespace rayleaf

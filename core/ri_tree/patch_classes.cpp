@@ -11,8 +11,8 @@
 namespace rayleaf {
 namespace {
 
-/// Cosine of the angle above which two normals meet at an edge, 1e-3 radians: above the rounding of float normals
-/// and of limit normals, below any edge an artist means.
+/// Cosine of the angle from which on two normals make an edge, 1e-3 radians: above the rounding of float normals and of
+/// limit normals, below any edge that an artist models.
 constexpr float kSmoothCosine = 1.0f - 0.5e-6f;
 /// Texture coordinates further apart than this do not join.
 constexpr float kUvTolerance = 1e-5f;
@@ -33,10 +33,17 @@ bool smooth_border(const PatchSurface& surface, uint32_t before, uint32_t after,
     return true;
 }
 
-/// Joins the neighbours along one direction of a spline; patch (i, j) is `first + i * step + j * other_step`.
-void join_along(const PatchSurface& surface, PatchDirection across, const std::vector<SplineSpan>& spans,
-                uint32_t first, uint32_t step, uint32_t other_count, uint32_t other_step, TextureSeams seams,
-                JoinedSets& joined, const CancelToken& cancel) {
+/// The patches of a spline, seen along one direction: patch (i, j) is number `first + i * step + j * other_step`.
+struct PatchRows {
+    PatchDirection along;
+    const std::vector<SplineSpan>& spans;  ///< along that direction
+    uint32_t first, step, other_count, other_step;
+};
+
+/// Joins the neighbours along one direction of a spline.
+void join_along(const PatchSurface& surface, const PatchRows& rows, TextureSeams seams, JoinedSets& joined,
+                const CancelToken& cancel) {
+    const auto& [along, spans, first, step, other_count, other_step] = rows;
     const auto count = static_cast<uint32_t>(spans.size());
     for (uint32_t i = 0; i < count; ++i) {
         cancel.throw_if_cancelled();
@@ -45,7 +52,7 @@ void join_along(const PatchSurface& surface, PatchDirection across, const std::v
         for (uint32_t j = 0; j < other_count; ++j) {
             const uint32_t before = first + i * step + j * other_step;
             const uint32_t after = first + (seam ? 0 : i + 1) * step + j * other_step;
-            if (smooth_border(surface, before, after, across)) joined.join(before, after);
+            if (smooth_border(surface, before, after, along)) joined.join(before, after);
         }
     }
 }
@@ -55,14 +62,14 @@ void join_patches(const PatchSurface& surface, TextureSeams seams, JoinedSets& j
         if (!spline.smooth) continue;
         const auto count_u = static_cast<uint32_t>(spline.spans_u.size());
         const auto count_v = static_cast<uint32_t>(spline.spans_v.size());
-        join_along(surface, PatchDirection::U, spline.spans_u, spline.first_patch, 1, count_v, count_u, seams, joined,
+        join_along(surface, {PatchDirection::U, spline.spans_u, spline.first_patch, 1, count_v, count_u}, seams, joined,
                    cancel);
-        join_along(surface, PatchDirection::V, spline.spans_v, spline.first_patch, count_u, count_u, 1, seams, joined,
+        join_along(surface, {PatchDirection::V, spline.spans_v, spline.first_patch, count_u, count_u, 1}, seams, joined,
                    cancel);
     }
 }
 
-/// What a triangle has at one of its corners.
+/// The surface at a corner of a triangle.
 LocalSurface at_corner(const TriangleMesh& mesh, uint32_t triangle, int corner) {
     LocalHit hit;
     hit.primitive = triangle;

@@ -1,4 +1,4 @@
-// What a scene of several objects makes of a ray: the answer of the benchmarks' rivals and of sets of ray caches alike.
+// What a scene of several objects makes of a ray: the answer of the rivals in benchmarks and of sets of ray caches.
 #pragma once
 
 #include "ri_tree/ray_cache.h"

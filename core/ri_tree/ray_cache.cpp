@@ -27,14 +27,14 @@ const char* const kAnswerNames[kAnswerKinds] = {"not a ray",
                                                 "traced: few rays",
                                                 "traced: error"};
 
-/// The error for which the thresholds below hold as they are, and the depth limit then: so deep that what rays pay for
-/// decides.
+/// The error that the thresholds below belong to, and its depth limit: so deep that the number of crossing rays decides
+/// how small cells get.
 constexpr double kUsualError = 0.005;
 constexpr int kUsualDepth = 36;
-/// Centres are off by most; rays in between by a tenth of that, on average.
+/// The error is largest at the centres; the mean over a cell's rays is a tenth of that.
 constexpr double kDistancePerError = 10.0;
 constexpr double kUsualDirection = kPi / 180.0, kUsualAngle = kPi / 6.0;
-/// Directions further apart than a right angle tell nothing about those in between.
+/// Directions more than a right angle apart say nothing about those in between.
 constexpr double kMostAngle = kPi / 2.0;
 
 }  // namespace
@@ -84,7 +84,7 @@ RayCacheSettings quality_settings(double error) {
     settings.distance_threshold = kDistancePerError * error;
     settings.direction_threshold = kUsualDirection * coarser;
     settings.angle_threshold = std::min(kUsualAngle * std::sqrt(coarser), kMostAngle);
-    // Four more halvings, half of every side, make a sixteenth of the error.
+    // Four more halvings, one along each axis, divide the error by sixteen.
     const double steps = std::max(std::round(-std::log2(coarser) / 4.0), 0.0);
     settings.depth_limit = static_cast<int>(std::min(kUsualDepth + 4.0 * steps, double{kGreatestCellDepth}));
     settings.mixed_depth_limit = settings.depth_limit;

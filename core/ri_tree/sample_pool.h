@@ -1,5 +1,5 @@
-// The samples of a tree: attributes and class, shared by the cells that meet in a corner and freed with the last of
-// them.
+// The samples of the published tree: attributes and class, counted by reference: the cells that meet in a corner share
+// its sample.
 #pragma once
 
 #include "ri_tree/output_ray.h"
@@ -17,7 +17,7 @@ class SamplePool {
   public:
     explicit SamplePool(OutputKind kind) : kind_(kind), stride_(static_cast<size_t>(attribute_count(kind))) {}
 
-    /// A new sample, held once.
+    /// Adds a sample with one holder.
     SampleId add(const OutputRay& ray) {
         if (free_.empty()) grow();
         const SampleId id = free_.back();
@@ -45,9 +45,9 @@ class SamplePool {
     size_t bytes_per_sample() const {
         return stride_ * sizeof(float) + sizeof(SampleClass) + sizeof(uint32_t) + sizeof(SampleId);
     }
-    /// Of the samples held now; freed ones are kept for the next.
+    /// Of the samples held now; the memory of freed ones is used again.
     size_t bytes() const { return count_ * bytes_per_sample(); }
-    /// Gives everything back; no sample may be held any more.
+    /// Frees all memory; no sample may be held any more.
     void clear() {
         blocks_.clear();
         free_.clear();

@@ -1,5 +1,7 @@
 #include "ri_tree/sample_table.h"
 
+#include "base/hash64.h"
+
 #include <algorithm>
 #include <cstring>
 #include <new>
@@ -8,23 +10,17 @@ namespace rayleaf {
 namespace {
 
 constexpr uint64_t kFirstPlaces = 1024;
-/// A sample is told by one of so many neighbouring places.
+/// The entry of a sample is in one of this many neighbouring places.
 constexpr uint64_t kProbes = 4;
 /// The table grows when it is filled by more than 5/8, to four times its size.
 constexpr uint64_t kGrowth = 4, kFullNumerator = 5, kFullDenominator = 8;
 /// A chunk has at least so many samples.
 constexpr uint64_t kLeastChunkSlots = 128;
 
-uint64_t mixed(uint64_t h) {  // Stafford's variant 13 of MurmurHash3's finalizer
-    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-    h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-    return h ^ (h >> 31);
-}
-
 uint64_t hash_of(const LatticePoint& point) {
     const uint64_t low = point.place[0] | uint64_t{point.place[1]} << 32;
     const uint64_t high = point.place[2] | uint64_t{point.place[3]} << 32;
-    return mixed(mixed(low + point.direction) ^ high);
+    return hash64(hash64(low + point.direction) ^ high);
 }
 
 constexpr int kNumberBits = 32;
@@ -37,46 +33,47 @@ uint32_t number_of(uint64_t entry) {
     return static_cast<uint32_t>(entry);
 }
 
-/// The only one at something, as long as it lives; or not, where another is.
-class OnlyOne {
+/// RAII guard that tries to take a lock; false if another thread has it.
+class TriedLock {
   public:
-    explicit OnlyOne(std::atomic<bool>& taken) : taken_(taken), is_(!taken.exchange(true, std::memory_order_acquire)) {}
-    ~OnlyOne() {
-        if (is_) taken_.store(false, std::memory_order_release);
+    explicit TriedLock(std::atomic<bool>& taken)
+        : taken_(taken), is_held_(!taken.exchange(true, std::memory_order_acquire)) {}
+    ~TriedLock() {
+        if (is_held_) taken_.store(false, std::memory_order_release);
     }
-    OnlyOne(const OnlyOne&) = delete;
-    OnlyOne& operator=(const OnlyOne&) = delete;
+    TriedLock(const TriedLock&) = delete;
+    TriedLock& operator=(const TriedLock&) = delete;
 
-    explicit operator bool() const { return is_; }
+    explicit operator bool() const { return is_held_; }
 
   private:
     std::atomic<bool>& taken_;
-    bool is_;
+    bool is_held_;
 };
 
 }  // namespace
 
-/// Followed by the values, then their changes.
+/// A slot, which its values follow, then their derivatives.
 struct SampleTable::Slot {
-    /// Who sets it (acquire) may read and write the slot, and sees what was written before it was reset (release).
-    mutable std::atomic<bool> busy{false};
+    /// The slot's lock: set with acquire, reset with release. Only its holder reads and writes the slot.
+    mutable std::atomic<bool> locked{false};
     SampleClass sample_class;
     LatticePoint point;
 
     float* numbers() { return reinterpret_cast<float*>(this + 1); }
     const float* numbers() const { return reinterpret_cast<const float*>(this + 1); }
-    bool begin() const { return !busy.exchange(true, std::memory_order_acquire); }
-    void end() const { busy.store(false, std::memory_order_release); }
+    bool begin() const { return !locked.exchange(true, std::memory_order_acquire); }
+    void end() const { locked.store(false, std::memory_order_release); }
 };
 
 struct SampleTable::Table {
     uint64_t size = 0;  ///< a power of two
-    /// An entry publishes that its number's slot is there, and what `held_` is (release, to acquire in find and grow).
+    /// An entry publishes that the slot of its number exists, and `held_` (release; acquire in find and grow).
     std::unique_ptr<std::atomic<Entry>[]> places;
     alignas(kCacheLine) mutable std::atomic<uint64_t> filled{0};
 
     std::atomic<Entry>& place(uint64_t number) const { return places[number & (size - 1)]; }
-    void tell(std::atomic<Entry>& place, Entry entry) const {
+    void enter(std::atomic<Entry>& place, Entry entry) const {
         Entry before = place.load(std::memory_order_relaxed);
         if (place.compare_exchange_strong(before, entry, std::memory_order_release) && before == 0)
             filled.fetch_add(1, std::memory_order_relaxed);
@@ -169,7 +166,7 @@ bool SampleTable::reserve(uint64_t bytes) {
     return true;
 }
 
-/// The next chunk. Its maker alone calls it.
+/// Makes the next chunk; only called by the holder of `making_chunk_`.
 bool SampleTable::make_chunk(uint64_t chunk) {
     const uint64_t more = chunk_slots_ * slot_bytes_;
     if (chunk >= kMostChunks || !reserve(more)) return false;
@@ -183,8 +180,8 @@ bool SampleTable::make_chunk(uint64_t chunk) {
     return true;
 }
 
-/// Whether a number that is the next has a slot, which may be made for it. If not, memory holds none at all, or another
-/// thread is making it.
+/// Whether the next number has a slot, which is made if need be. If not, memory has room for none, or another thread is
+/// making it.
 bool SampleTable::has_slot(uint64_t number) {
     const uint64_t chunk = number / chunk_slots_;
     const auto is_made = [&] {
@@ -192,7 +189,7 @@ bool SampleTable::has_slot(uint64_t number) {
     };
     if (is_made()) return true;
     if (held_.load(std::memory_order_relaxed) == kNotFull) {
-        const OnlyOne maker(making_chunk_);
+        const TriedLock maker(making_chunk_);
         if (!maker) return false;
         // Numbers are only taken where slots are, so all chunks before this one are there.
         const bool is_decided = is_made() || held_.load(std::memory_order_relaxed) != kNotFull;
@@ -201,7 +198,7 @@ bool SampleTable::has_slot(uint64_t number) {
     return held_.load(std::memory_order_relaxed) > 0;
 }
 
-/// Counts on: numbers beyond what memory holds stand for the places of the oldest. Empty if there is none for it.
+/// Takes the next number. Once memory is full, numbers wrap around to the oldest slots. Empty if there is no slot.
 std::optional<uint32_t> SampleTable::take_number() {
     uint64_t number = next_.load(std::memory_order_relaxed);
     do {
@@ -215,8 +212,8 @@ uint32_t SampleTable::age_of(uint32_t number) const {
     return static_cast<uint32_t>(next_.load(std::memory_order_relaxed)) - number;
 }
 
-/// Where a sample is to be told among the places of its mark: where one was that is forgotten, else where none is, else
-/// where the oldest is.
+/// The place for a new sample among those of its mark: that of a forgotten sample, else a free one, else that of the
+/// oldest sample.
 std::atomic<SampleTable::Entry>& SampleTable::place_for(const Table& table, uint32_t mark) const {
     const uint64_t held = held_.load(std::memory_order_relaxed);
     std::atomic<Entry>* oldest = &table.place(mark);
@@ -246,13 +243,13 @@ void SampleTable::put(const Key& key, const FastSample& sample) {
     if (!slot.begin()) return;
     write(slot, key, sample);
     slot.end();
-    // Where another thread takes the place meanwhile, the sample is lost.
-    table->tell(place_for(*table, key.mark), Entry{key.mark} << kNumberBits | *number);
+    // If another thread takes the place meanwhile, the sample is lost.
+    table->enter(place_for(*table, key.mark), Entry{key.mark} << kNumberBits | *number);
 }
 
-/// A larger table, with what the last one holds; unless another thread is at it, or memory is at its limit.
+/// Replaces the table by a larger one with the same entries, unless another thread does so, or memory is at its limit.
 void SampleTable::grow() {
-    const OnlyOne grower(growing_);
+    const TriedLock grower(growing_);
     if (!grower) return;
     const int current = current_.load(std::memory_order_relaxed);
     const uint64_t size = current < 0 ? kFirstPlaces : kGrowth * tables_[current]->size;
@@ -268,7 +265,7 @@ void SampleTable::grow() {
     for (uint64_t i = 0; current >= 0 && i < tables_[current]->size; ++i) {
         const Entry entry = tables_[current]->places[i].load(std::memory_order_acquire);
         const bool is_held = entry != 0 && age_of(number_of(entry)) <= held_.load(std::memory_order_relaxed);
-        if (is_held) table->tell(place_for(*table, mark_of(entry)), entry);
+        if (is_held) table->enter(place_for(*table, mark_of(entry)), entry);
     }
     tables_[current + 1] = std::move(table);
     current_.store(current + 1, std::memory_order_release);

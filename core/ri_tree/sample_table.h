@@ -1,11 +1,11 @@
-// Samples shared by the cells that meet in a lattice point: a table that may forget.
+// The samples of lattice points, shared by the cells that meet there: a table that may forget.
 //
-// Samples are pure functions of their points, so one that was dropped, or that another thread is just reading or
-// writing, is traced again. Nobody waits: a sample that is busy counts as none.
+// Samples are pure functions of their points, so one that was dropped, or that another thread is reading or writing
+// right now, is traced again. No thread waits: a locked slot counts as a miss.
 //
-// Samples lie in chunks, in the order in which they came; a table of places tells where. Only that one grows. Once
-// memory is at its limit the oldest sample makes way: where the view moves on, what was just sampled is what
-// neighbouring cells will ask for. (Any sample making way, told by chance, an orbit traced twice as many.)
+// Samples are stored in chunks, in the order in which they come; a hash table holds their numbers. Only the hash table
+// grows. Once memory is at its limit the oldest sample is replaced: when the view moves on, the newest samples are
+// those that neighbouring cells will ask for.
 #pragma once
 
 #include "base/cache_line.h"
@@ -22,20 +22,20 @@ namespace rayleaf {
 
 class SampleTable {
   public:
-    /// Holds at most `most_bytes`, and starts small.
+    /// Takes at most `most_bytes`, and starts small.
     SampleTable(OutputKind kind, SampleContents contents, uint64_t most_bytes);
     ~SampleTable();
     SampleTable(const SampleTable&) = delete;
     SampleTable& operator=(const SampleTable&) = delete;
 
-    /// A lattice point, and where to look for it.
+    /// A lattice point and its hash.
     struct Key {
         LatticePoint point;
         uint32_t mark = 0;
     };
     static Key key_of(const LatticePoint& point);
 
-    /// Says that the key's sample will be looked for soon: first of all keys, then `prefetch_sample` of all.
+    /// Prefetches the entry of a key, then its sample: call the first for all keys, then the second for all.
     void prefetch(const Key& key) const;
     void prefetch_sample(const Key& key) const;
     bool find(const Key& key, FastSample& sample) const;
@@ -49,33 +49,33 @@ class SampleTable {
   private:
     struct Slot;
     struct Table;
-    /// A key's mark above the number of its sample; 0: none.
+    /// A key's mark in the high bits, the number of its sample in the low ones; 0: none.
     using Entry = uint64_t;
 
-    /// Tables at least double in size. Older ones are kept, for they may be in use; together they are at most as large
-    /// as the last.
+    /// Tables at least double in size. Older ones are kept, because they may be in use; together they are at most as
+    /// large as the last.
     static constexpr int kMostTables = 32;
     static constexpr uint64_t kMostChunks = 4096;
     static constexpr uint64_t kNotFull = ~uint64_t{0};
 
-    // Read by whoever looks for a sample.
+    // Read by every lookup.
     size_t values_, changes_;
     size_t slot_bytes_;
     uint64_t most_bytes_;
     uint64_t chunk_slots_;
     std::unique_ptr<Table> tables_[kMostTables];
-    /// Each publishes the slots of a chunk (release), to who reads it for a slot's address (acquire).
+    /// Each publishes the slots of a chunk: stored with release, loaded with acquire for a slot's address.
     std::unique_ptr<std::atomic<std::byte*>[]> chunks_;
-    /// Publishes tables_[current_] with what it tells (release), to `current()` (acquire).
+    /// Publishes tables_[current_] with its entries (release), to `current()` (acquire).
     std::atomic<int> current_{-1};
-    /// What memory holds, once it is full: so many slots, all of them there. Changes once, before any number that it
-    /// concerns is taken, so whoever has such a number by an entry (acquire) sees it too.
+    /// The number of slots once memory is full; all of them exist then. It changes once, before any number that depends
+    /// on it is taken, so a thread that reads such a number from an entry (acquire) sees it too.
     std::atomic<uint64_t> held_{kNotFull};
     // Written with every sample.
     alignas(kCacheLine) std::atomic<uint64_t> next_{
         0};  ///< number of the next sample; its slot is there or full memory
     std::atomic<uint64_t> bytes_{0};
-    /// Each taken by one thread at a time (acquire) that lets it go (release): what it made is seen by the next.
+    /// Locks that are tried, never waited for: taken with acquire, released with release.
     std::atomic<bool> growing_{false}, making_chunk_{false};
 
     const Table* current() const;

@@ -1,19 +1,19 @@
 #include "ri_tree/sample_tracer.h"
 
 #include "base/error.h"
-#include "ri_tree/glass_steps.h"
+#include "ri_tree/glass_walk.h"
 
 #include <limits>
 
 namespace rayleaf {
 namespace {
 
-/// How far behind a crossing a line goes on, local units: above the rounding of two facets that share an edge, below
-/// any thickness that counts.
+/// How far beyond a crossing a line continues, local units: above the rounding of two facets that share an edge, below
+/// any thickness that matters.
 constexpr double kCrossingStep = 0x1p-20;
 
-/// How far beside its facet a ray inside glass starts, local units: what a float ray may lie off (trace/tracer.cpp),
-/// and the rounding of the hit, 2^-53 of the coordinates that it was computed from, 64 operations of them.
+/// How far from its facet a ray inside glass starts, local units: the error of a float ray (trace/tracer.cpp), and the
+/// rounding of the hit, 64 operations of 2^-53 of the coordinates that it was computed from.
 constexpr double kFloatRayError = 0x1p-21;
 constexpr double kRounding = 64 * 0x1p-53;
 
@@ -29,14 +29,14 @@ SampleSettings checked(const std::string& name, const SampleSettings& settings) 
     return settings;
 }
 
-/// The shape alone, placed so that world space is its local space.
+/// A scene of the shape alone, placed so that world space is its local space.
 std::vector<TracedInstance> in_local_space(const std::shared_ptr<const Shape>& shape) {
     const LocalFrame& frame = shape->frame();
     const double shrink = 1.0 / frame.scale;
     return {{shape, {{shrink, 0, 0}, {0, shrink, 0}, {0, 0, shrink}, -frame.center / frame.scale}, kVisibleAll}};
 }
 
-/// The same fineness wherever one looks from.
+/// A view that dices equally finely everywhere.
 DicingView even_view(double facet_tolerance) {
     DicingView view;
     view.pixels = 1.0;
@@ -67,7 +67,7 @@ uint64_t SampleTracer::bytes() const {
     return held.bvh_bytes + held.record_bytes + held.geometry.bytes + classes_.bytes();
 }
 
-/// A point hit: all that a path needs of it. World space is local space, so nothing has to be mapped.
+/// What a path needs of a hit. World space is local space, so nothing has to be transformed.
 struct SampleTracer::Point {
     LocalSurface surface;
     uint32_t surface_class = kMissedClass;
@@ -79,6 +79,7 @@ struct SampleTracer::Point {
     Vec3d ray_origin(const Vec3d& direction) const {
         return facet_position + facet_normal * (direction.dot(facet_normal) < 0.0 ? -start_offset : start_offset);
     }
+    GlassCrossing crossing() const { return {surface.position, normal, facet_normal, surface_class}; }
 };
 
 SampleTracer::Point SampleTracer::point_at(const Ray& ray, const Hit& hit) const {
@@ -140,40 +141,18 @@ OutputRay SampleTracer::trace_path(const Ray& ray, Changes& changes) const {
 
 template <typename Changes>
 void SampleTracer::follow_glass(const Ray& ray, const Point& first, OutputRay& out, Changes& changes) const {
-    SampleClass& path = out.sample_class;
     Point point = first;
-    Vec3d direction = ray.direction;
-    for (;;) {
-        const bool from_inside = direction.dot(point.facet_normal) > 0.0;
-        const bool turned = point.normal.dot(direction) > 0.0;
-        const Vec3d facing = turned ? -point.normal : point.normal;
-        const double eta = from_inside ? settings_.ior : 1.0 / settings_.ior;
-        direction = direction_after(direction, facing, eta, turned, path, changes);
-        out.exit_position = point.surface.position;
-        out.exit_direction = direction;
-        path.exit = point.surface_class;
-        // Where the ray goes by the facet is where it is: a shading normal may differ from it.
-        if (direction.dot(point.facet_normal) >= 0.0) {
-            path.ending = PathEnding::Left;
-            break;
-        }
-        if (path.interior_hits == settings_.most_interior_hits) {
-            cut_off(out, changes);
-            return;
-        }
+    const auto next = [&](const Vec3d& direction) -> std::optional<GlassCrossing> {
         Ray inner;
         inner.origin = point.ray_origin(direction);
         inner.direction = direction;
         const std::optional<Hit> hit = tracer_.closest_hit(inner, kVisibleAll);
-        if (!hit) {
-            path.ending = PathEnding::Escaped;
-            break;
-        }
+        if (!hit) return std::nullopt;
         point = point_at(inner, *hit);
         changes.arrive(point.surface.position, direction, point.surface, point.tangent_normal);
-        ++path.interior_hits;
-    }
-    changes.leave();
+        return point.crossing();
+    };
+    walk_glass(settings_, first.crossing(), ray.direction, next, out, changes);
 }
 
 template <typename Changes>

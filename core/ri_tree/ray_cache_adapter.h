@@ -1,4 +1,4 @@
-// A ray cache as the tracer asks it: one ray, in the local space of the shape, and only what a hit needs.
+// Answers the tracer's questions, one ray in the local space of a shape, from a ray cache, which is in object space.
 #pragma once
 
 #include "ri_tree/ray_cache.h"
@@ -10,13 +10,12 @@
 
 namespace rayleaf {
 
-class CachedObject final : public ObjectCache {
+class RayCacheAdapter final : public ObjectCache {
   public:
-    /// `distance_threshold`: what error to assume where the cache tells none, a share of the half extent.
-    /// `neighbour_scale`: how far apart a picture's rays are against what their differentials say. Those are of one
-    /// sample a pixel; with n samples rays lie closer by the root of n.
-    CachedObject(uint32_t number, std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape, OutputKind kind,
-                 double distance_threshold, double neighbour_scale, const CancelToken& cancel = kNeverCancelled);
+    /// `neighbour_scale`: distance of a picture's neighbouring rays over what their differentials say. Differentials
+    /// assume one sample a pixel; with n samples, rays lie closer by the root of n.
+    RayCacheAdapter(uint32_t number, std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape,
+                    OutputKind kind, double neighbour_scale, const CancelToken& cancel = kNeverCancelled);
 
     ObjectAnswer ask(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const override;
     LengthAnswer ask_length(const Vec3d& origin, const Vec3d& direction,
@@ -28,7 +27,6 @@ class CachedObject final : public ObjectCache {
     std::shared_ptr<RayCache> cache_;
     std::shared_ptr<const Shape> shape_;
     OutputKind kind_;
-    double assumed_error_;  ///< share of the half extent
     double neighbour_scale_;
     double half_extent_;  ///< local units
     /// By class, an element that has it: whose material is the class's. Empty where one material is on everything.

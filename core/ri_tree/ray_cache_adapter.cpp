@@ -1,16 +1,16 @@
-#include "ri_tree/cached_object.h"
+#include "ri_tree/ray_cache_adapter.h"
 
 #include "ri_tree/patch_classes.h"
 
 namespace rayleaf {
 namespace {
 
-/// The error is known at a cell's centre, where it may be small by chance. Points count as this many times as far
-/// off.
+/// The error is known at a cell's centre only, where it may be small by chance. This many times as much is assumed for
+/// points.
 constexpr double kErrorsBeside = 2.0;
-/// And as this share of the half extent at least: what single precision makes of samples.
+/// And at least this share of the half extent: samples are in single precision.
 constexpr double kLeastError = 0x1p-20;
-/// Rays that meet an interpolated surface at less than this cosine are traced: which side they meet would be uncertain.
+/// Rays that meet an interpolated surface at less than this cosine are traced: the side they meet would be uncertain.
 constexpr double kLeastCosine = 0.02;
 
 RayAnswer kind_of(AnsweredBy by) {
@@ -37,21 +37,19 @@ GlassWay way_of(PathEnding ending) {
 
 }  // namespace
 
-CachedObject::CachedObject(uint32_t number, std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape,
-                           OutputKind kind, double distance_threshold, double neighbour_scale,
-                           const CancelToken& cancel)
+RayCacheAdapter::RayCacheAdapter(uint32_t number, std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape,
+                                 OutputKind kind, double neighbour_scale, const CancelToken& cancel)
     : ObjectCache(number),
       cache_(std::move(cache)),
       shape_(std::move(shape)),
       kind_(kind),
-      assumed_error_(distance_threshold),
       neighbour_scale_(neighbour_scale) {
     const Box3d box(Vec3d(shape_->bounds().min), Vec3d(shape_->bounds().max));
     half_extent_ = box.isEmpty() ? 0.0 : 0.5 * max_component(box.size());
     list_elements(cancel);
 }
 
-void CachedObject::list_elements(const CancelToken& cancel) {
+void RayCacheAdapter::list_elements(const CancelToken& cancel) {
     const uint32_t count = shape_->element_count();
     const auto slot_of = [&](uint32_t element) {
         return shape_->material_slot(shape_->element_point(element, Vec2f(0.25f, 0.25f)).hit);
@@ -66,8 +64,8 @@ void CachedObject::list_elements(const CancelToken& cancel) {
         if (classes.of_element(element) != kFacetedClass) element_of_class_[classes.of_element(element)] = element;
 }
 
-CachedAnswer CachedObject::answer(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours,
-                                  HitChanges& changes) const {
+CachedAnswer RayCacheAdapter::answer(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours,
+                                     HitChanges& changes) const {
     const LocalFrame& frame = shape_->frame();
     Ray ray;
     ray.origin = origin * frame.scale + frame.center;
@@ -89,7 +87,7 @@ CachedAnswer CachedObject::answer(const Vec3d& origin, const Vec3d& direction, c
     return result;
 }
 
-ObjectAnswer CachedObject::ask(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const {
+ObjectAnswer RayCacheAdapter::ask(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const {
     ObjectAnswer result;
     const CachedAnswer found = answer(origin, direction, neighbours, result.hit.changes);
     result.answer = kind_of(found.by);
@@ -107,10 +105,8 @@ ObjectAnswer CachedObject::ask(const Vec3d& origin, const Vec3d& direction, cons
     result.normal = output.normal;
     InterpolatedHit& hit = result.hit;
     hit.uv = Vec2f(output.uv);
-    const bool is_known = found.by != AnsweredBy::TwoClassInterpolated;
-    hit.error = static_cast<float>(is_known ? found.error : assumed_error_);
-    hit.position_error =
-        std::max(kErrorsBeside * (is_known ? found.position_error : assumed_error_), kLeastError) * half_extent_;
+    hit.error = static_cast<float>(found.error);
+    hit.position_error = std::max(kErrorsBeside * found.position_error, kLeastError) * half_extent_;
     if (kind_ == OutputKind::Glass) hit.way = way_of(output.sample_class.ending);
     hit.exit_position = to_local(output.exit_position);
     hit.exit_direction = output.exit_direction;
@@ -119,8 +115,8 @@ ObjectAnswer CachedObject::ask(const Vec3d& origin, const Vec3d& direction, cons
     return result;
 }
 
-LengthAnswer CachedObject::ask_length(const Vec3d& origin, const Vec3d& direction,
-                                      const RayNeighbours& neighbours) const {
+LengthAnswer RayCacheAdapter::ask_length(const Vec3d& origin, const Vec3d& direction,
+                                         const RayNeighbours& neighbours) const {
     HitChanges unwanted;
     const CachedAnswer found = answer(origin, direction, neighbours, unwanted);
     const RayAnswer kind = kind_of(found.by);
