@@ -19,7 +19,7 @@ float half_area(const Box3f& box) {
     return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
-/// Where a ray enters a box; infinity beside it.
+/// The distance at which a ray enters a box; infinity if it misses.
 float entry(const Box3f& box, const RivalRay& ray, const Vec3f& inverse, float t_max) {
     float begin = ray.t_min, end = t_max;
     for (int axis = 0; axis < 3; ++axis) {
@@ -70,7 +70,7 @@ struct CountingScene::Build {
         split(children + 1, first + left, count - left);
     }
 
-    /// The first and the last bin are never empty, so that every cut parts something.
+    /// The first and the last bin are never empty, so every cut separates primitives.
     template <typename BinOf>
     int best_cut(uint32_t first, uint32_t count, const BinOf& bin_of) const {
         std::array<Box3f, kBins> bins;

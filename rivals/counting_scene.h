@@ -1,9 +1,9 @@
 // The counting twin of a rival's scene: a plain binary tree over the same boxes that counts floating-point operations.
 //
-// What Embree does inside cannot be counted. This tree is built by the surface area heuristic over the same triangles,
-// or the same parts of patches, and asked the same rays. Counted are additions, subtractions, multiplications,
-// divisions and square roots; comparisons, minima and maxima are not. Embree's own nodes are wider and test boxes
-// that a binary tree would not: it makes more operations than are counted here, many at once.
+// Operations inside Embree cannot be counted. This tree is built by the surface area heuristic over the same triangles,
+// or the same parts of patches, and traces the same rays. Additions, subtractions, multiplications, divisions and
+// square roots count; comparisons, minima and maxima do not. Embree's own nodes are wider and test boxes that a binary
+// tree does not: it performs more operations than are counted here, many at once.
 #pragma once
 
 #include "rivals/rival_scene.h"
@@ -27,7 +27,7 @@ class CountingScene {
   public:
     explicit CountingScene(const RivalScene& scene);
 
-    /// As RivalScene::closest; adds the operations of the query.
+    /// Like RivalScene::closest; adds the operations of the query.
     bool closest(const RivalRay& ray, RivalHit& hit, uint64_t& flops) const;
 
   private:

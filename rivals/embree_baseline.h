@@ -1,4 +1,4 @@
-// What Embree alone would do with the same facets: what tracing is measured against.
+// Embree alone with the same facets: the baseline for measurements of tracing.
 #pragma once
 
 #include "geometry/patch_surface.h"
@@ -13,7 +13,7 @@ namespace rayleaf {
 
 enum class EmbreePrimitive : uint8_t { Grid, Triangle };
 
-/// Everything a tracer's patches are diced to, as primitives of Embree: all grids at once, best quality, robust.
+/// All facets of a tracer's patches as primitives of Embree: all grids at once, best quality, robust.
 class EmbreeBaseline {
   public:
     EmbreeBaseline(const PatchSurface& surface, const DicingView& view, EmbreePrimitive primitive);

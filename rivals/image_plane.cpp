@@ -20,7 +20,7 @@ struct LatticeSample {
     Attributes attributes{};
 };
 
-/// Unit vectors that were blended, made unit again.
+/// A blend of unit vectors, normalized again.
 Vec3d unit_or_same(const Vec3d& v) {
     const double square = v.dot(v);
     return square > 0.0 ? v * (1.0 / std::sqrt(square)) : v;
@@ -118,7 +118,7 @@ class ImagePlane::TileBuilder {
         return leaf;
     }
 
-    /// In the middle of a block, as a multiple of what is allowed.
+    /// The error in the middle of a block, as a multiple of the allowed error.
     double error_at(const Leaf& leaf, uint16_t middle) const {
         if (leaf.sample_class.is_miss()) return 0.0;
         const OutputRay& truth = samples_[middle].output;
@@ -178,7 +178,7 @@ const ImagePlane::Tile& ImagePlane::tile_at(int32_t x, int32_t y) {
     return *tile;
 }
 
-/// A leaf that is hit, in local space, as is the unit `direction`.
+/// The answer of a leaf whose rays hit; local space, like the unit `direction`.
 OutputRay ImagePlane::blend(const Leaf& leaf, const Vec2d& point, const Vec3d& direction) const {
     const auto x = static_cast<float>((point.x - leaf.corner.x) * leaf.inverse_size);
     const auto y = static_cast<float>((point.y - leaf.corner.y) * leaf.inverse_size);

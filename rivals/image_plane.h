@@ -6,10 +6,10 @@
 // Where they never are, rays are traced.
 //
 // Blocks lie on an integer lattice of the picture, in tiles of 4 x 4. A tile's contents are a pure function of the
-// camera, the object and the tile's integer key: whoever asks for it, in whatever order, gets the same bits. Each
-// thread has an ImagePlane of its own over the one tracer; two that ask for one tile compute it twice.
+// camera, the object and the tile's integer key: the same bits in any order of requests. Each thread has an ImagePlane
+// of its own over the same tracer; two threads that need the same tile compute it twice.
 //
-// The weak side: what is thinner than a block and lies between its five samples is not seen.
+// Limitation: anything thinner than a block that lies between its five samples is not seen.
 #pragma once
 
 #include "ri_tree/ray_cache.h"

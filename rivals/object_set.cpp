@@ -6,10 +6,10 @@ namespace rayleaf {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Rays that the only member of a set is asked at once; their answers are 14 kB.
+/// Rays in one batch to the only member of a set; their answers are 14 kB.
 constexpr size_t kRaysAtOnce = 64;
 
-/// Where a ray enters a box, or 0 inside it; infinity beside it. `inverse`: 1 over its direction.
+/// The distance at which a ray enters a box, 0 inside it, infinity if it misses. `inverse`: 1 over its direction.
 double entry(const Box3d& box, const Ray& ray, const Vec3d& inverse) {
     double begin = 0.0, end = kInfinity;
     for (int axis = 0; axis < 3; ++axis) {
@@ -105,7 +105,7 @@ bool ObjectSet::gather(int32_t member, const SetQuery& query) {
     return !asking_.empty();
 }
 
-/// A set of one: nothing is sorted, and what the member answers stays in the processor's nearest cache.
+/// A set of one: nothing is sorted, and the member's answers stay in the processor's first cache.
 void ObjectSet::ask_only_member(const SetQuery& query, std::span<PathAnswer> answers) {
     const auto part = [](auto all, size_t first, size_t count) {
         return all.empty() ? all : all.subspan(first, count);

@@ -12,7 +12,7 @@
 
 namespace rayleaf {
 
-/// Every ray traced, by a cache's own tracer; the cache is never asked.
+/// Traces every ray by a cache's own tracer, without asking the cache.
 class TracedObject final : public RayCache {
   public:
     explicit TracedObject(const RayCache& cache) : cache_(&cache) {}
@@ -39,7 +39,7 @@ struct SetQuery {
     std::span<const int32_t> left;  ///< the object that a ray has just left and that is not asked again, or kNoObject
 };
 
-/// What of several objects along a ray is wanted.
+/// How the answers of several objects along a ray are combined.
 enum class SetAnswer : uint8_t { Nearest, SumOfLengths };
 
 class ObjectSet {

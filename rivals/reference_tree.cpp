@@ -9,8 +9,8 @@
 namespace rayleaf {
 namespace {
 
-/// An interpolated hit counts as beyond an origin inside the box if it is so by this many times its error at the cell's
-/// centre, and by this share of the half extent at least.
+/// An interpolated hit is taken to lie beyond an origin inside the box if it does so by this many times the error at
+/// the cell's centre, and by at least this share of the half extent.
 constexpr double kBeyondErrors = 2.0;
 constexpr double kLeastBeyond = 0x1p-10;
 
@@ -108,7 +108,7 @@ CachedAnswer ReferenceTree::answer(const Ray& local, Uninterpolated others) {
     return result;
 }
 
-/// Nothing yet in the output where the answer is to trace.
+/// The output is not set if the ray is to be traced.
 CachedAnswer ReferenceTree::interpolated(const Ray& local) {
     if (space_.box().isEmpty()) return {{}, AnsweredBy::BoxMissed, 0.0};
     const std::optional<Stretch> stretch = inside_box(space_.box(), local.origin, local.direction);
@@ -137,7 +137,7 @@ CachedAnswer ReferenceTree::answer_in(const Found& found, const Line& line, cons
     }
     if (side.least_cosine < std::cos(std::min<double>(settings_.angle_threshold, kPi)))
         return to_trace(AnsweredBy::TracedAngle);
-    // The length of a line says nothing about where on it the object lies.
+    // The length of a line says nothing about where the object lies on it.
     if (starts_inside && tracer_.settings().kind == OutputKind::Volume) return to_trace(AnsweredBy::TracedOrigin);
     const CornerWeights weights = quadrilinear_weights(space_.position_in(found.key, line));
     CachedAnswer result{interpolate(*found.node, side.sample_class, weights, local.direction), AnsweredBy::Interpolated,
@@ -319,7 +319,7 @@ void ReferenceTree::prune() {
     if (held_bytes() <= settings_.cache_bytes) return;
     ++statistics_.prunes;
     const double kept_bytes = (1.0 - settings_.pruned_share) * static_cast<double>(settings_.cache_bytes);
-    // Corners are shared, so bytes do not fall with nodes alone: again, until they are few enough.
+    // Corners are shared, so memory does not shrink in proportion to nodes: repeat until it is small enough.
     while (statistics_.nodes > 0 && static_cast<double>(held_bytes()) > kept_bytes) {
         std::vector<uint64_t> stamps;
         stamps.reserve(statistics_.nodes);
@@ -338,7 +338,7 @@ void ReferenceTree::prune() {
     if (statistics_.nodes == 0) samples_.clear();
 }
 
-/// Removes nodes last used at `stamp` or before. What is below such a node is no newer.
+/// Removes nodes last used at `stamp` or before. Their descendants are no newer.
 void ReferenceTree::remove_older(std::unique_ptr<Node>& node, uint64_t stamp) {
     if (!node) return;
     for (std::unique_ptr<Node>& child : node->children) remove_older(child, stamp);

@@ -1,5 +1,5 @@
 // The ray interpolant tree as published: E. B. Atalay and D. M. Mount, Interpolation over Light Fields with
-// Applications in Computer Graphics ("RI"). The slow twin of what artists use, and the baseline of its measurements.
+// Applications in Computer Graphics ("RI"). The slow twin of the fast tree that artists use, and its baseline.
 //
 // Idea: six binary trees over the directed lines through an object's box. A cell holds the output rays of its 16 corner
 // lines; it is halved, on demand and only along the path of the line asked for, until the ray interpolated at its
@@ -34,17 +34,17 @@ namespace rayleaf {
 
 class ReferenceTree final : public RayCache {
   public:
-    /// Throws InputError for settings without meaning. Nothing is sampled yet.
+    /// Throws InputError for invalid settings. Nothing is sampled yet.
     ReferenceTree(std::shared_ptr<const Shape> shape, const SampleSettings& samples, const RayCacheSettings& settings);
     ~ReferenceTree() override;
 
-    /// Spacings are not looked at: the paper buys every cell.
+    /// Spacings are ignored: the paper samples every cell.
     void ask(const RayQuestions& questions, std::span<CachedAnswer> answers, std::span<HitChanges> changes) override;
     using RayCache::ask;
     OutputRay trace(const Ray& object_ray) const override;
     RayCacheStatistics statistics() const override;
 
-    /// The final cell that answers a ray, whether or not it is held; empty for a ray that is none or misses the box.
+    /// The final cell that answers a ray, held or not; empty for an invalid ray or one that misses the box.
     std::optional<CellKey> final_cell(const Ray& object_ray);
     const LineSpace& space() const { return space_; }
     const SampleTracer& tracer() const { return tracer_; }

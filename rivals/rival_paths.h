@@ -25,14 +25,14 @@ struct RivalPath {
     float entered = 0;  ///< volumes: where
 };
 
-/// How far beside a surface rays go on, scene units.
+/// Distance from a surface at which rays continue, scene units.
 inline constexpr float kRivalStartOffset = 0x1p-15f;
-/// How far behind a crossing a line goes on, scene units: where it grazes the surface, its distance is known to this.
+/// Distance behind a crossing at which a line continues, scene units: the error of the distance at grazing hits.
 inline constexpr float kRivalCrossingStep = 0x1p-11f;
-/// Operations of one reflection or refraction with what goes with it.
+/// Operations of one reflection or refraction, all included.
 inline constexpr int kBounceFlops = 45;
 
-/// Takes a hit, or none, into account; whether the path goes on with `path.ray`.
+/// Advances a path by a hit or a miss (null); returns whether it continues with `path.ray`.
 bool advance(RivalPath& path, const RivalHit* hit, std::span<const RivalMaterial> materials);
 
 enum class PacketUse : uint8_t { SingleRays, Packets };

@@ -8,7 +8,7 @@ namespace rayleaf {
 namespace {
 
 constexpr uint32_t kParts = kNewtonBoxes * kNewtonBoxes;
-/// What boxes and facets may be off by in single precision, scene units.
+/// Error of boxes and facets in single precision, scene units.
 constexpr float kBoxSlack = 4e-6f;
 
 BezierPatch bicubic_of(const PatchSurface& surface, uint32_t index) {

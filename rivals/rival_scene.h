@@ -1,4 +1,4 @@
-// What others would trace smooth surfaces with: the measure for the ray cache in the benchmarks, used by nothing else.
+// Other ways to trace smooth surfaces: the baseline of the ray cache in benchmarks, used by nothing else.
 //
 // All surfaces of a scene in one Embree scene, single precision, exact bicubic normals at the hits:
 //   triangles: 16 x 16 cells a patch, in Embree's own triangles; one ray or packets of 16;

@@ -1,4 +1,4 @@
-// A list that one thread appends to while others read: what it holds never moves.
+// A list that one thread appends to while others read: its elements never move.
 #pragma once
 
 #include <array>
@@ -12,19 +12,19 @@ namespace rayleaf {
 template <typename T>
 class AppendList {
   public:
-    size_t size() const { return size_.load(std::memory_order_acquire); }  // what `append` released is there
+    size_t size() const { return size_.load(std::memory_order_acquire); }  // pairs with the release in `append`
     /// Below size().
     const T& operator[](size_t index) const {
         const Place place = place_of(index);
         return parts_[place.part][place.within];
     }
-    /// By one thread at a time.
+    /// Only one thread may append at a time.
     void append(T value) {
         const size_t index = size_.load(std::memory_order_relaxed);
         const Place place = place_of(index);
         if (!parts_[place.part]) parts_[place.part] = std::make_unique<T[]>(kFirst << place.part);
         parts_[place.part][place.within] = std::move(value);
-        size_.store(index + 1, std::memory_order_release);  // the value, and the part that it is in
+        size_.store(index + 1, std::memory_order_release);  // publishes the value and its part
     }
 
   private:

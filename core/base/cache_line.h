@@ -1,12 +1,12 @@
-// What one thread writes often lies on lines of the processor's cache of its own: others that read their neighbours
-// would wait for it.
+// Data that one thread writes often has cache lines of its own, else other threads that read its neighbours would
+// wait.
 #pragma once
 
 #include <cstddef>
 
 namespace rayleaf {
 
-/// Bytes; x86 and most ARM processors. A larger one costs speed alone.
+/// Bytes, on x86 and most ARM processors. On others a wrong size only costs speed.
 inline constexpr size_t kCacheLine = 64;
 
 }  // namespace rayleaf

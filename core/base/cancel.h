@@ -6,7 +6,7 @@
 
 namespace rayleaf {
 
-/// Thrown by work that cannot give a partial result when it finds itself cancelled.
+/// Thrown by cancelled work that cannot give a partial result.
 class Cancelled : public std::exception {
   public:
     const char* what() const noexcept override { return "cancelled"; }
@@ -25,7 +25,7 @@ class CancelToken {
     std::atomic<bool> cancelled_{false};  ///< publishes nothing else
 };
 
-/// For work that nobody cancels.
+/// For work that is never cancelled.
 inline const CancelToken kNeverCancelled;
 
 }  // namespace rayleaf

@@ -1,4 +1,4 @@
-// A 128-bit hash of content, by which equal data is known again. Not for secrets: nobody is assumed to look for
+// A 128-bit hash of content, by which equal data is recognized. Not cryptographic: nobody is assumed to construct
 // collisions.
 #pragma once
 
@@ -25,7 +25,7 @@ class ContentHasher {
     void add(double number) { add(std::bit_cast<uint64_t>(number)); }
     void add(int number) { add(static_cast<uint64_t>(static_cast<uint32_t>(number))); }
     void add(uint32_t number) { add(uint64_t{number}); }
-    /// Numbers without padding between them: their bytes.
+    /// Adds the bytes of numbers without padding.
     template <typename T>
     void add(const std::vector<T>& values) {
         add(std::span<const T>(values));

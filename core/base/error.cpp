@@ -5,7 +5,7 @@
 namespace rayleaf {
 namespace {
 
-/// Bytes of a quoted text: more than any name in Blender has.
+/// The most bytes of a quoted text: longer than any name in Blender.
 constexpr size_t kLongestQuote = 300;
 
 template <typename Number>

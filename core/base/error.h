@@ -15,13 +15,13 @@ class InputError : public std::runtime_error {
                const std::string& wanted);
 };
 
-/// A number for a message: the shortest text that means just it.
+/// A number for a message: the shortest text that identifies it.
 std::string number_text(double value);
 std::string number_text(float value);
 std::string number_text(std::integral auto value) {
     return std::to_string(value);
 }
-/// What came from outside, for a message: its beginning if it is long.
+/// Text from outside for a message: only its beginning if it is long.
 std::string quotable(std::string_view text);
 
 }  // namespace rayleaf

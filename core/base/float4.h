@@ -1,4 +1,4 @@
-// Four floats on which the processor computes at once: plain IEEE operations of each, so results are those of one by
+// Four floats in a SIMD register: plain IEEE operations on each, so results are the same as computed one by
 // one.
 #pragma once
 
@@ -15,7 +15,7 @@ inline Float4 load4(const float* from) {
 inline Float4 all4(float value) {
     return Float4{value, value, value, value};
 }
-/// As std::min and std::max: the first where either is no number.
+/// Like std::min and std::max: the first if either is NaN.
 inline Float4 min4(Float4 a, Float4 b) {
     return b < a ? b : a;
 }
@@ -25,7 +25,7 @@ inline Float4 max4(Float4 a, Float4 b) {
 inline Float4 sqrt4(Float4 a) {
     return Float4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }
-/// Each number where the indices say.
+/// The numbers reordered by the indices.
 template <int i, int j, int k, int l>
 Float4 shuffled(Float4 a) {
     return __builtin_shufflevector(a, a, i, j, k, l);

@@ -1,4 +1,4 @@
-// Sets of numbers that grow together (union-find with path halving, Tarjan and van Leeuwen 1984).
+// Disjoint sets of numbers (union-find with path halving, Tarjan and van Leeuwen 1984).
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace rayleaf {
 class JoinedSets {
   public:
     explicit JoinedSets(size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
-    /// The lowest number of a set: what it is known by.
+    /// The lowest number of a set, which identifies it.
     uint32_t root(uint32_t i) {
         while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
         return i;

@@ -1,4 +1,4 @@
-// What is costly to make, kept for later users by all that it depends on.
+// A cache of values that are costly to make, by a key of everything that they depend on.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@
 
 namespace rayleaf {
 
-/// Thread-safe. What no user has asked for while the last two came is dropped: an undo finds what the edit replaced.
+/// Thread-safe. Values that the last two users did not ask for are dropped, so an undo finds what the edit replaced.
 template <typename Key, typename Value>
 class KeptByKey {
   public:
-    /// For each user, before it asks.
+    /// Call it for each user, before it asks.
     void next_user() {
         const std::scoped_lock lock(mutex_);
         std::erase_if(entries_, [&](const auto& entry) { return entry.second.asked + kUsersKept <= users_; });
         ++users_;
     }
-    /// Value() where there is none.
+    /// Value() if there is none.
     Value find(const Key& key) {
         const std::scoped_lock lock(mutex_);
         const auto found = entries_.find(key);
@@ -35,7 +35,7 @@ class KeptByKey {
     static constexpr uint64_t kUsersKept = 2;
     struct Entry {
         Value value;
-        uint64_t asked = 0;  ///< user that asked last
+        uint64_t asked = 0;  ///< the user that asked last
     };
     std::mutex mutex_;
     std::map<Key, Entry> entries_;

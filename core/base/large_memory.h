@@ -1,5 +1,5 @@
-// Memory for large tables that are read and written here and there: in large pages where the system has them, so that
-// first use and address translation cost little.
+// Memory for large tables with random access: in large pages if the system has them, which makes first use and address
+// translation cheap.
 #pragma once
 
 #include <cstddef>
@@ -18,12 +18,12 @@ struct LargeMemoryDeleter {
 /// Aligned to kLargePage.
 using LargeMemory = std::unique_ptr<std::byte[], LargeMemoryDeleter>;
 
-/// Not initialised; null if there is none. It is taken from the system as it is used: what lies in the first
-/// `small_bytes` by small pages, so that a table of which little is used stays small.
+/// Not initialised; null if there is none. The system provides it as it is used, the first `small_bytes` in small
+/// pages, so that a table of which little is used stays small.
 LargeMemory large_memory(size_t bytes, size_t small_bytes);
 
-/// Numbers or records without constructors, not initialised and aligned to 64 bytes; in large pages where they fill
-/// one.
+/// An array of numbers or records without constructors, not initialised, aligned to 64 bytes; in large pages if it
+/// fills one.
 template <typename T>
 class LargeArray {
   public:

@@ -1,4 +1,4 @@
-// The largest lengths and coordinates that come in.
+// The largest lengths and coordinates that are accepted.
 #pragma once
 
 #include "base/error.h"
@@ -9,10 +9,10 @@
 
 namespace rayleaf {
 
-/// In the units of the object or the world: products of three such lengths still are doubles.
+/// In units of the object or the world: the product of three such lengths is still a finite double.
 inline constexpr double kLargestLength = 1e100;
 
-/// What is wanted of coordinates, for messages.
+/// The requirement on coordinates, for messages.
 inline constexpr const char* kCoordinatesWanted = "finite numbers up to 1e100";
 
 inline bool is_length(double value) {
@@ -22,7 +22,7 @@ inline bool is_place(const Vec3d& point) {
     return is_length(point.x) && is_length(point.y) && is_length(point.z);
 }
 
-/// For messages.
+/// A point for messages.
 inline std::string place_text(const Vec3d& point) {
     return '(' + number_text(point.x) + ", " + number_text(point.y) + ", " + number_text(point.z) + ')';
 }

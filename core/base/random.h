@@ -102,7 +102,7 @@ class Sampler {
 inline Vec2f Sampler::get2(uint32_t dimension) const {
     const uint32_t seed = hash_combine(pixel_hash_, dimension);
     const uint32_t index = owen_scramble(sample_, seed);
-    // owen_scramble() of both dimensions; what it would reverse a second time is left as it is.
+    // owen_scramble() of both dimensions, without the reversals that cancel.
     const uint32_t x = reverse_bits(laine_karras(index, hash_combine(seed, 1)));
     const uint32_t y = reverse_bits(laine_karras(sobol_second_reversed(index), hash_combine(seed, 2)));
     return {unit_float(x), unit_float(y)};

@@ -19,7 +19,7 @@ using Word = hn::Vec<Words>;
 constexpr size_t kWidth = hn::MaxLanes(Words());
 static_assert(SamplePairs::kMost % kWidth == 0);
 
-// Each function does for every lane what the one of its name in random.h does for one number.
+// Each function is the SIMD version of the one of the same name in random.h.
 
 HWY_INLINE Word all(uint32_t x) {
     return hn::Set(Words(), x);
@@ -87,7 +87,7 @@ void compute_pairs(SamplePairs& pairs) {
             hash_combine(hn::Load(words, pairs.pixel_hash + first), hn::Load(words, pairs.dimension + first));
         const Word sample = hn::Load(words, pairs.sample + first);
         const Word index = reverse_bits(laine_karras(reverse_bits(sample), seed));
-        // What is reversed twice is left as it is.
+        // Reversals that cancel are left out.
         const Word x = reverse_bits(laine_karras(index, hash_combine(seed, all(1u))));
         const Word y = reverse_bits(laine_karras(sobol_second_reversed(index), hash_combine(seed, all(2u))));
         hn::Store(unit_float(x), floats, pairs.x + first);
@@ -105,7 +105,7 @@ namespace rayleaf {
 HWY_EXPORT(compute_pairs);
 
 void SamplePairs::compute() {
-    // Lanes beyond the last pair compute with some numbers too.
+    // Lanes beyond the last pair compute with arbitrary numbers.
     const size_t end = std::min(kMost, (count + 15) / 16 * 16);
     for (uint32_t* row : {pixel_hash, sample, dimension}) std::fill(row + count, row + end, 0u);
     HWY_DYNAMIC_DISPATCH(compute_pairs)(*this);

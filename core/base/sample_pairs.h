@@ -1,4 +1,4 @@
-// Pairs of random numbers of many samplers at once, in the lanes of vectors: the same bits as Sampler::get2's.
+// Pairs of random numbers for many samplers at once, in SIMD lanes: the same bits as Sampler::get2.
 #pragma once
 
 #include "base/random.h"
@@ -8,7 +8,7 @@
 
 namespace rayleaf {
 
-/// What is asked for, and the answers. Rows are as long as the widest vectors need.
+/// Requests and answers. Rows are padded for the widest vectors.
 struct SamplePairs {
     static constexpr size_t kMost = 128;
 
@@ -16,18 +16,18 @@ struct SamplePairs {
     alignas(64) float x[kMost], y[kMost];
     size_t count = 0;
 
-    /// Asks for a pair; at most kMost of them.
+    /// Requests a pair; at most kMost of them.
     void add(const Sampler& sampler, uint32_t of_dimension) {
         pixel_hash[count] = sampler.pixel_hash();
         sample[count] = sampler.sample();
         dimension[count++] = of_dimension;
     }
-    /// As Sampler::get3: the next two pairs.
+    /// Requests the two pairs of Sampler::get3.
     void add3(const Sampler& sampler, uint32_t of_dimension) {
         add(sampler, of_dimension);
         add(sampler, Sampler::joined(of_dimension));
     }
-    /// Fills in the answers, in the order in which they were asked for.
+    /// Computes the answers, in the order of the requests.
     void compute();
 
     Vec2f pair(size_t i) const { return {x[i], y[i]}; }

@@ -3,7 +3,7 @@
 
 namespace rayleaf {
 
-/// That this thread has used so far, seconds.
+/// Processor time that this thread has used so far, seconds.
 double thread_seconds();
 
 }  // namespace rayleaf

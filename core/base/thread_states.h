@@ -1,8 +1,8 @@
-// A state for each thread that asks for one, with no limit on threads: oneTBB finds a thread's own, and a list holds
-// all of them, for who wants to look at every thread's.
+// A state for each thread that asks for one, for any number of threads: oneTBB finds a thread's own, and a list holds
+// all of them, to visit those of all threads.
 //
-// States live as long as the list. One whose thread has ended is taken over by a later thread that gets the same number
-// from the system, so there are no more of them than threads that lived at the same time.
+// States live as long as the list. The state of a thread that has ended is reused by a later thread with the same
+// system id, so there are at most as many as threads that lived at the same time.
 #pragma once
 
 #include "base/cache_line.h"
@@ -26,7 +26,7 @@ class ThreadStates {
     ThreadStates(const ThreadStates&) = delete;
     ThreadStates& operator=(const ThreadStates&) = delete;
 
-    /// This thread's; made of the arguments when it first asks.
+    /// The calling thread's state; constructed from the arguments when it first asks.
     template <typename... Arguments>
     State& local(Arguments&&... arguments) {
         Node*& own = own_.local();
@@ -34,14 +34,14 @@ class ThreadStates {
         return own->state;
     }
 
-    /// All that are listed, while other threads may make theirs. A thread whose state is missed because it was listed
-    /// too late sees all that the caller wrote before, where it reads that in sequentially consistent order too.
+    /// Visits all listed states, while other threads may add theirs. A thread whose state is listed too late to be
+    /// visited sees everything that the caller wrote before, if it reads that with sequential consistency.
     template <typename Visit>
     void for_each(const Visit& visit) const {
         for (const Node* node = newest_.load(); node; node = node->before) visit(node->state);
     }
 
-    /// What a thread's state takes.
+    /// Memory of one thread's state.
     static constexpr size_t state_bytes() { return sizeof(Node); }
 
   private:
@@ -54,7 +54,7 @@ class ThreadStates {
     };
 
     mutable oneapi::tbb::enumerable_thread_specific<Node*> own_;
-    /// Publishes nodes, to for_each. Sequentially consistent, as what is announced in states is: see there.
+    /// Publishes nodes to for_each. Sequentially consistent, like announcements in states: see there.
     std::atomic<Node*> newest_{nullptr};
 
     Node* listed(std::unique_ptr<Node> made) {

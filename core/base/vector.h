@@ -50,7 +50,7 @@ bool is_finite(const Imath::Vec3<T>& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// As a vector of floats; zero where a component does not fit, for derivatives that nobody could use.
+/// A vector of floats; zero if a component overflows: such derivatives are useless.
 inline Vec3f float_or_zero(const Vec3d& v) {
     const Vec3f result(v);
     return is_finite(result) ? result : Vec3f(0.0f);
@@ -84,7 +84,7 @@ struct Affine3d {
     Vec3d point(const Vec3d& p) const { return vector(p) + translation; }
     double determinant() const { return x.dot(y.cross(z)); }
     /// Image of a normal (a covector): the inverse transpose applied by cofactors, so it needs no inverse. Not unit.
-    /// Points to the same side as the mapped winding: a mirroring map turns it.
+    /// Points to the side of the mapped winding: a mirroring map reverses it.
     Vec3d normal(const Vec3d& n) const { return y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z; }
     /// The inverse map; the linear part must be regular.
     Affine3d inverse() const {

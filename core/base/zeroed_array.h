@@ -1,4 +1,4 @@
-// Arrays of zeros that the system hands over page by page as they are used: what is set aside and not needed costs
+// Arrays of zeros that the system provides page by page as they are used: reserved but unused parts cost
 // nothing.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace rayleaf {
 
-/// Of types for which all bits zero are a value: numbers, atomic numbers, and structures of them.
+/// For types for which all bits zero are a valid value: numbers, atomic numbers, and structures of them.
 template <typename T>
 class ZeroedArray {
     static_assert(std::is_trivially_destructible_v<T>);

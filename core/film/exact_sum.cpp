@@ -9,7 +9,7 @@
 namespace rayleaf {
 namespace {
 
-/// The rounded sum; what rounding took is left in `b` (Knuth's TwoSum).
+/// The rounded sum; the rounding error is left in `b` (Knuth's TwoSum).
 double add_keeping_error(double a, double& b) {
     const double sum = a + b, of_b = sum - a;
     b = (a - (sum - of_b)) + (b - of_b);
@@ -63,7 +63,7 @@ ExactSum::Terms ExactSum::terms() const {
     int64_t carry = 0;
     for (int i = 0; i < kDigits; ++i) {
         const int64_t digit = digits_[static_cast<size_t>(i)] + carry;
-        // Digits from -2^31 to 2^31 - 1: each sum has one such form. The highest keeps what it is, some few bits.
+        // Digits from -2^31 to 2^31 - 1 make the form unique. The highest digit, of a few bits, stays.
         const int64_t kept = i + 1 < kDigits ? static_cast<int32_t>(static_cast<uint32_t>(digit)) : digit;
         carry = (digit - kept) / (int64_t{1} << kDigitBits);
         parts[static_cast<size_t>(i)] = std::ldexp(static_cast<double>(kept), kDigitBits * i) * kUnit;

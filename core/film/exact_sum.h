@@ -1,4 +1,4 @@
-// Sums of floats without any rounding: the same for any order, and for parts that are summed apart and then together.
+// Sums of floats without rounding: the same in any order, also for parts that are summed separately and then joined.
 //
 // A fixed-point number, wide enough for every float, in digits of 32 bits. Each is kept in 64, so that carries wait
 // until the sum is read (Neal 2015, "Fast exact summation using small and large superaccumulators").
@@ -17,14 +17,14 @@ class ExactSum {
     static constexpr double kUnit = 0x1p-149, kLimit = 0x1p159;
     using Terms = std::array<double, kMostTerms>;
 
-    /// Infinity counts as the largest float; what is not a number counts nothing.
+    /// Infinity counts as the largest float; NaN is ignored.
     void add(float value);
-    /// A term of another sum.
+    /// Adds a term of another sum.
     void add_term(double term);
     static bool is_term(double value);
 
-    /// Doubles that add up to the sum exactly, the larger ones first. Equal sums have equal terms; the first is the
-    /// sum in double precision. Those that are not needed are 0.
+    /// Doubles that add up to the sum exactly, the largest first. Equal sums have equal terms; the first is the sum in
+    /// double precision. Unused terms are 0.
     Terms terms() const;
 
   private:

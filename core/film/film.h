@@ -22,15 +22,15 @@ class Film {
 
     /// Stores a tile of finished pixels (row by row, x from left, y from below).
     void put(int x, int y, int width, int height, std::span<const PixelValues> values);
-    /// Moves pixels by that share of the way to new values, as a mean does that takes more samples in; what means
-    /// nothing when averaged stays.
+    /// Moves pixels by a share of the way to new values, like a mean that takes in more samples; passes that cannot be
+    /// averaged keep their values.
     void refine(int x, int y, int width, int height, std::span<const PixelValues> values, float share);
     /// Divides light by its colour, pixel by pixel, once all samples are in that were put as means.
     void divide_light();
-    /// Stores values each of which stands for a block of pixels, those beyond the right and upper border for fewer.
-    /// `x` and `y` count blocks.
+    /// Stores values that each fill a block of pixels, clipped at the right and upper border. `x` and `y` are in units
+    /// of blocks.
     void put_blocks(int x, int y, int width, std::span<const PixelValues> values, int size);
-    /// Copies a pass, channels interleaved; empty if the film has none of it. Safe while tiles arrive.
+    /// Copies a pass, channels interleaved; empty if the film does not have it. Safe while tiles arrive.
     std::vector<float> pixels(Pass pass) const;
     bool has(Pass pass) const { return !data_[static_cast<size_t>(pass)].empty(); }
     size_t bytes() const;
@@ -50,7 +50,7 @@ class Film {
 /// Writes all passes as one multilayer EXR, channels named `Pass.channel`, 32-bit floats.
 /// Throws InputError that names the path.
 void write_exr(const Film& film, const std::string& path);
-/// Writes the combined pass as a binary PPM: 8 bits a channel, sRGB, what is brighter than white cut off, no alpha.
+/// Writes the combined pass as a binary PPM: 8 bits a channel, sRGB, clipped at white, no alpha.
 /// Throws InputError that names the path, or the pass if the film has none.
 void write_ppm(const Film& film, const std::string& path);
 

@@ -32,7 +32,7 @@ void FilmSums::add(int x, int y, int samples, PixelSums& sums) {
     samples_[place] += samples;
 }
 
-/// Adds what is here to `sums`.
+/// Adds the terms of a pixel to `sums`.
 void FilmSums::add_terms(size_t pixel, Pass pass, PixelSums& sums) const {
     const size_t channels = info(pass).channels.size();
     for (const std::vector<double>& term : terms(pass))

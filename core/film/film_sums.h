@@ -1,5 +1,5 @@
-// The sums of every pixel's samples, exactly, so that what was rendered apart can be put together: other pixels, or
-// other samples of the same pixels. All at once or in parts: the same bits.
+// Exact sums of each pixel's samples, so that parts rendered separately can be merged: other pixels, or other samples
+// of the same pixels. Whether rendered at once or in parts, the bits are the same.
 #pragma once
 
 #include "film/pixel_sums.h"
@@ -22,7 +22,7 @@ class FilmSums {
     /// Adds samples of one pixel; `sums` is used up. Safe from any thread.
     void add(int x, int y, int samples, PixelSums& sums);
 
-    /// What the rest reads or gives is complete once nothing is added any more.
+    /// The functions below give complete results once nothing is added any more.
     int least_samples() const;
     int most_samples() const;
     /// The terms of all sums of a pass, those of the same number together: each (row, column, channel), from below.

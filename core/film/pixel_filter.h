@@ -13,7 +13,7 @@ enum class PixelFilterKind : uint8_t { Box, Gaussian, BlackmanHarris };
 
 class PixelFilter {
   public:
-    /// `width`: as Blender's panel counts it, pixels; the filter reaches over `support(kind)` times as many in all.
+    /// `width`: the number on Blender's panel, pixels; the whole filter is `support(kind)` times as wide.
     /// 0 puts every sample at the pixel's centre.
     PixelFilter(PixelFilterKind kind, float width);
 

@@ -16,7 +16,7 @@ Vec4f value(Pass pass, const RoundedSums& sums, int count, bool more_follow) {
     if (info.rule == PassRule::Count) return Vec4f(static_cast<float>(count));
     if (info.rule == PassRule::Mean || more_follow) {
         Vec4f mean(sum / std::max(count, 1));
-        // Where a material passes and scatters more light than comes, alpha is right in the mean of many samples only.
+        // If a material transmits and scatters more light than arrives, alpha is only right as a mean of many samples.
         if (pass == Pass::combined) mean.w = std::clamp(mean.w, 0.0f, 1.0f);
         return mean;
     }

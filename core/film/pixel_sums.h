@@ -13,7 +13,7 @@ namespace rayleaf {
 enum class PassRule {
     Mean,         ///< of all samples
     Count,        ///< how many samples there are
-    FirstSample,  ///< indices and places, which mean nothing when averaged
+    FirstSample,  ///< indices and places, which cannot be averaged
     Divided       ///< mean, divided by the mean of a colour pass: light without the surface's colour
 };
 
@@ -27,20 +27,20 @@ PassRuleInfo rule(Pass pass);
 /// A mean of light divided by that of a colour; 0 where there is no colour.
 Vec4f divided(const Vec4d& light, const Vec4d& color);
 
-/// Passes to compute for a list of wanted ones: each once, with the colours that Divided ones need.
+/// The passes to compute for the wanted ones: each once, with the colours that Divided passes need.
 std::vector<Pass> computed_passes(const std::vector<Pass>& wanted);
 
 /// Values of all passes for one pixel. xyzw are the channels in order.
 using PixelValues = std::array<Vec4f, kPassCount>;
 
-/// Sums of one pixel's samples, or of some of them: what is summed apart has the same bits when it is put together.
+/// Sums of one pixel's samples, or of some of them: separate sums give the same bits when they are joined.
 class PixelSums {
   public:
     /// `number`: which sample of the pixel it is.
     void add(const PixelSample& sample, int number, std::span<const Pass> passes);
     void clear(std::span<const Pass> passes);
     ExactSum& sum(Pass pass, size_t channel) { return sums_[static_cast<size_t>(pass)][channel]; }
-    /// What the film shows of `count` samples, or of fewer as far as there are. What is Divided is a mean still where
+    /// The values of `count` samples, or of fewer if there are fewer. What is Divided is a mean still where
     /// more samples follow.
     PixelValues values(std::span<const Pass> passes, int count, bool more_follow = false) const;
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kChannels = 3;
 
-/// IEC 61966-2-1, from linear light in [0,1]; what is not a number is black.
+/// IEC 61966-2-1, from linear light in [0,1]; NaN is black.
 uint8_t srgb_byte(float linear) {
     const float x = linear > 0.0f ? std::min(linear, 1.0f) : 0.0f;
     const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;

@@ -1,4 +1,4 @@
-// What a thread fills while it renders a tile: its pixels row by row, each with its samples in order.
+// The sums that a thread fills while it renders a tile: pixels row by row, each with its samples in order.
 #pragma once
 
 #include "film/film_sums.h"
@@ -24,13 +24,13 @@ class TileSums {
     TileSums(int x, int y, int width, SampleRange samples, std::span<const Pass> passes, const Wanted& wanted)
         : x_(x), y_(y), width_(width), samples_(samples), passes_(passes), wanted_(wanted) {}
 
-    /// The next sample of the pixel at hand, or the first of the next one.
+    /// Adds the next sample of the current pixel, or the first one of the next pixel.
     void add(const PixelSample& sample) {
         sums_.add(sample, samples_.first + added_, passes_);
         if (wanted_.moments) pixel_moments_.add(sample);
         if (++added_ == samples_.count) finish_pixel();
     }
-    /// Of the pixels that are finished.
+    /// The values of finished pixels.
     std::span<const PixelValues> values() const { return values_; }
     std::span<const PixelMoments> moments() const { return moments_; }
 
@@ -39,7 +39,7 @@ class TileSums {
     SampleRange samples_;
     std::span<const Pass> passes_;
     Wanted wanted_;
-    PixelSums sums_;  ///< of the pixel at hand
+    PixelSums sums_;  ///< of the current pixel
     PixelMoments pixel_moments_;
     int added_ = 0;  ///< samples of it so far
     std::vector<PixelValues> values_;

@@ -13,7 +13,7 @@ class TubeBuilder {
     TubeBuilder(const Strands& strands, int sides, std::vector<float>& vertices, std::vector<float>& normals)
         : strands_(strands), sides_(sides), vertices_(vertices), normals_(normals) {}
 
-    /// Forgets the frame of the strand before.
+    /// Resets the frame for a new strand.
     void begin() { across_ = Vec3d(0.0); }
 
     void add_ring(uint32_t segment, double s) {
@@ -40,7 +40,7 @@ class TubeBuilder {
     static void push(std::vector<float>& values, const Vec3d& v) {
         for (int axis = 0; axis < 3; ++axis) values.push_back(static_cast<float>(v[axis]));
     }
-    /// Turns the frame no more than the tangent turns.
+    /// Turns the frame with the tangent, without twist.
     void carry_frame(const Vec3d& tangent) {
         Vec3f any, other;
         orthonormal_basis(Vec3f(tangent), any, other);
@@ -55,7 +55,7 @@ void require_detail(const std::string& name, const char* argument, int value, in
                          std::to_string(least) + " to " + std::to_string(kMostTubeDetail));
 }
 
-/// Two triangles a quadrangle, as FacetLayout::Quads has them.
+/// Adds two triangles per quadrangle, in the order of FacetLayout::Quads.
 void add_quads(std::vector<int32_t>& triangles, int32_t ring, int32_t next, int sides) {
     for (int i = 0; i < sides; ++i) {
         const int j = (i + 1) % sides;
@@ -64,7 +64,7 @@ void add_quads(std::vector<int32_t>& triangles, int32_t ring, int32_t next, int 
     }
 }
 
-/// A piece of a swept curve's spine as a cubic: exact for polynomial cubics, else the one with the same ends and
+/// Adds a piece of a swept curve's spine as a cubic: exact for polynomial cubics, else with the same ends and
 /// directions.
 void add_piece(const SweepPath& path, const SweepPiece& piece, double profile_radius, bool is_first,
                std::vector<StrandPoint>& points) {

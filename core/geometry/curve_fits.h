@@ -1,4 +1,4 @@
-// The same curves as other primitives, to compare with: strands as tubes of facets, round bevelled curves as strands.
+// Curves as other primitives, for comparison: strands as tubes of facets, round bevelled curves as strands.
 #pragma once
 
 #include "geometry/strands.h"
@@ -10,11 +10,11 @@
 
 namespace rayleaf {
 
-/// More sides or rings a segment would not be told apart from the round tube.
+/// With more sides or rings a segment is indistinguishable from a round tube.
 inline constexpr int kMostTubeDetail = 4096;
 
 /// A tube along every strand: `rings` rings a segment, `sides` vertices a ring, smooth normals, open at its ends.
-/// Attributes of strands are not carried over.
+/// The attributes of strands are not converted.
 std::shared_ptr<TriangleMesh> strand_tubes(const Strands& strands, int rings, int sides, FacetLayout layout);
 
 /// The strands along the axes of a bevelled curve whose profile is one full circle; empty where it is not. Segments

@@ -18,14 +18,14 @@ namespace {
 /// compute with, and below the quads that displaced elements are diced to.
 constexpr float kStep = 0x1p-10f;
 
-/// How far a displacement reaches is told by samples: about so many, at most this many along an element's side.
+/// The reach of a displacement is estimated from about so many samples, at most this many along an element's side.
 constexpr double kSamples = 40'000;
 constexpr int kMostSamplesAlong = 8;
-/// The golden ratio's share: samples keep clear of lattices that textures have.
+/// A fraction of the golden ratio: samples do not coincide with the lattices of textures.
 constexpr double kShift = 0.381966;
-/// What samples may have missed, as a share of the farthest.
+/// Margin for what samples have missed, as a share of the largest displacement.
 constexpr double kMargin = 0.5;
-/// Single precision was laid out for local coordinates of 1; beyond this the samples said nothing about the shape.
+/// The largest local coordinate: single precision is designed for 1, and beyond this the samples were misleading.
 constexpr double kFarthest = 4.0;
 
 LocalHit hit_at(const Shape& base, uint32_t element, const Vec2f& parameters) {
@@ -63,7 +63,7 @@ DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::share
                 here.extendBy(point);
                 longest = std::max(longest, (point - base_->frame().to_object().point(surface.position)).length());
             }
-            const std::scoped_lock lock(mutex);  // a box and a maximum: their order does not show
+            const std::scoped_lock lock(mutex);  // box and maximum do not depend on the order
             box.extendBy(here);
             farthest = std::max(farthest, longest);
         });
@@ -138,7 +138,7 @@ DisplacedSurface::Slopes DisplacedSurface::slopes(uint32_t element, const Vec2f&
     return result;
 }
 
-/// Changes of the normal are left zero: second differences of what single precision computes say nothing.
+/// Derivatives of the normal are zero: second differences in single precision are meaningless.
 LocalSurface DisplacedSurface::surface(const LocalHit& hit) const {
     const Slopes slope = slopes(hit.primitive, {hit.u, hit.v});
     LocalSurface result;

@@ -1,8 +1,8 @@
-// A patch surface or subdivision surface whose points are moved: what a material's displacement makes of it.
+// A patch surface or subdivision surface with a material's displacement.
 //
-// Elements and their parameters are those of the surface below. A point is moved by what is computed at its place on
-// that surface: its position, normal, texture coordinates and attributes. Where elements meet these may differ, so
-// every border has one owner, whose place counts for all (`owner_place` of the surfaces).
+// Elements and their parameters are those of the base surface. The displacement of a point is a function of its place
+// on that surface: position, normal, texture coordinates and attributes. Where elements meet these may differ, so every
+// border has one owner, whose place is used for all (`owner_place` of the surfaces).
 #pragma once
 
 #include "base/cancel.h"
@@ -16,8 +16,8 @@ namespace rayleaf {
 class Displacement {
   public:
     virtual ~Displacement() = default;
-    /// How far a point moves, object space. `surface` is the undisplaced surface at `hit`, its normal on the outside.
-    /// Pure; NaN and infinity are found by who asks.
+    /// The displacement vector of a point, object space. `surface` is the base surface at `hit`, its normal on the
+    /// outside. Pure; the caller checks for NaN and infinity.
     virtual Vec3d offset(const Shape& base, const LocalHit& hit, const LocalSurface& surface) const = 0;
 };
 
@@ -26,7 +26,7 @@ class DisplacedSurface final : public Shape {
     static bool can_displace(const Shape& base) {
         return base.kind() == ShapeKind::PatchSurface || base.kind() == ShapeKind::SubdivisionSurface;
     }
-    /// Throws InputError where a displacement is not finite, and Cancelled soon after `cancel` says so.
+    /// Throws InputError where a displacement is not finite, and Cancelled soon after `cancel` is set.
     DisplacedSurface(std::shared_ptr<const Shape> base, std::shared_ptr<const Displacement> displacement,
                      const CancelToken& cancel = kNeverCancelled);
 
@@ -41,20 +41,20 @@ class DisplacedSurface final : public Shape {
     size_t bytes() const override { return sizeof(*this) + base_->bytes(); }
 
     const Shape& base() const { return *base_; }
-    /// The displaced point, local space, the same for all elements that meet there. Throws InputError where it is not
-    /// finite, or far from where samples said.
+    /// The displaced point, local space, the same for all elements that meet there. Throws InputError if it is not
+    /// finite, or far outside the range of the samples.
     Vec3d position(uint32_t element, const Vec2f& parameters) const;
-    /// The same of points along a line of constant u, none on a border of the element: many at a time cost less.
+    /// The same for points along a line of constant u, none on a border of the element: faster for many at a time.
     void line_positions(uint32_t element, float u, std::span<const float> v, Vec3d* positions) const;
 
   private:
-    /// A displaced point as its element has it.
+    /// A displaced point as computed by one element.
     struct Moved {
         Vec3d position{0, 0, 0};  ///< local space
         LocalSurface base;        ///< the point below
         bool finite = true;       ///< else it has not been moved
     };
-    /// A displaced point and how it changes with the element's parameters: not, beside points that are not finite.
+    /// A displaced point and its derivatives by the element's parameters, zero next to points that are not finite.
     struct Slopes {
         Moved here;
         Vec3d du{0, 0, 0}, dv{0, 0, 0};

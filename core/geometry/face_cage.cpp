@@ -16,7 +16,7 @@ namespace Far = OpenSubdiv::Far;
 using Descriptor = Far::TopologyDescriptor;
 using Level = FaceCage::Level;
 
-/// What OpenSubdiv adds up.
+/// A value in the form that OpenSubdiv interpolates.
 struct WeightedValue {
     Vec3d value{0, 0, 0};
 
@@ -24,7 +24,7 @@ struct WeightedValue {
     void AddWithWeight(const WeightedValue& other, double weight) { value += other.value * weight; }
 };
 
-/// New numbers for those of a larger mesh, in the order in which they are asked for.
+/// Maps the numbers of a larger mesh to consecutive ones, in the order of their first use.
 class Numbers {
   public:
     int operator[](int old) {
@@ -48,7 +48,7 @@ std::vector<int> faces_around(const Level& level, int face) {
     return result;
 }
 
-/// Faces of a level with numbers of their own, as OpenSubdiv reads them.
+/// Some faces of a level, renumbered, in the form that OpenSubdiv reads.
 struct Cut {
     std::vector<int> face_sizes, corners, creases, sharp_vertices, value_numbers;
     std::vector<float> crease_sharpness, vertex_sharpness;

@@ -1,7 +1,7 @@
-// A face and all faces that meet it: what the limit of that face depends on, cut out of a larger mesh.
+// A face and all faces that touch it, cut out of a larger mesh: everything that the limit of the face depends on.
 //
-// The values whose limit is wanted are those of the vertices, or those of one UV map, which corners number. Beyond the
-// corners of the face the rules at the cut's own border are wrong; they have no say in the face's limit.
+// The values are those of the vertices, or of one UV map, indexed by corner. At the border of the cut the subdivision
+// rules are wrong, but they do not affect the limit of the face.
 #pragma once
 
 #include "base/vector.h"
@@ -14,7 +14,7 @@
 
 namespace rayleaf {
 
-/// Whose limit: the vertices', or of face-varying values the channel.
+/// Whose limit is wanted: this for vertices, or the channel of face-varying values.
 inline constexpr int kOfVertices = -1;
 
 class FaceCage {
@@ -40,9 +40,9 @@ class FaceCage {
     int channel_ = kOfVertices;  ///< of the refiner
 };
 
-/// Whether the faces around a corner are two, which share both edges there: the other one lies on the face's back.
+/// Whether exactly two faces meet at a corner and share both edges there: the other one lies back to back.
 bool is_between_two_faces(const FaceCage::Level& level, int face, int corner);
-/// Whether one of the two edges there is sharp for ever, or a seam of the channel, and the other is not.
+/// Whether exactly one of the two edges there is infinitely sharp, or a seam of the channel.
 bool ends_crease_between_two_faces(const FaceCage::Level& level, int face, int corner, int channel);
 
 }  // namespace rayleaf

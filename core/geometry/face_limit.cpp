@@ -15,7 +15,7 @@ using FaceSurface = Bfr::Surface<double>;
 using SharedCache = Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
                                                      std::unique_lock<std::shared_mutex>>;
 
-/// The parameters of a part run twice as fast as those of its face.
+/// The parameters of a part advance twice as fast as those of its face.
 constexpr double kPartsAlong = 2.0;
 
 const FaceSurface::PointDescriptor kPoints(3);
@@ -96,7 +96,7 @@ size_t FaceLimit::bytes() const {
     return total;
 }
 
-/// OpenSubdiv's maker of surfaces.
+/// OpenSubdiv's surface factory.
 class FaceLimitMaker::Factory : public Bfr::RefinerSurfaceFactory<SharedCache> {
   public:
     enum class Sharing { BetweenFaces, None };
@@ -151,7 +151,7 @@ std::optional<FaceLimit> FaceLimitMaker::in_parts(const FaceCage& cage, int step
     return limit;
 }
 
-/// Of a cage's face, which is a quad, after so many steps of subdivision.
+/// The limit of a cage's face, a quad, after `steps` steps of subdivision.
 std::optional<FaceLimit> FaceLimitMaker::of_cage(const FaceCage& cage, int steps) {
     FaceLimit limit;
     bool ends = false;

@@ -1,9 +1,9 @@
 // The limit of one face of a cage, for one kind of values.
 //
-// OpenSubdiv's surface of the face, as a rule. Where two faces share both edges at a vertex, OpenSubdiv 3.5 writes
-// beyond its arrays, if a border or an edge that is sharp for ever lies there as well, or a neighbour whose topology is
-// alike. Such faces are subdivided once, which moves borders and other vertices out of reach. An edge that is sharp for
-// ever and ends at that vertex stays, so the part there is subdivided on until its corners are the limit.
+// Normally this is OpenSubdiv's surface of the face. But where two faces share both edges at a vertex, OpenSubdiv 3.5
+// writes beyond its arrays if there is also a border, an infinitely sharp edge, or a neighbour of the same topology.
+// Such faces are subdivided once, which moves borders and other vertices out of reach. An infinitely sharp edge that
+// ends at that vertex stays, so the part there is subdivided further until its corners are the limit.
 #pragma once
 
 #include "geometry/face_cage.h"
@@ -20,9 +20,9 @@ namespace rayleaf {
 
 /// The end patch then covers 1/64 of a face's side, and lies within 1e-7 of the face's size of the limit.
 inline constexpr int kApproximationLevels = 6;
-/// A crease that ends must be followed until it has.
+/// A crease with finite sharpness must be refined until it has become smooth.
 inline constexpr int kSharpLevels = 10;
-/// Corners come four times nearer to the limit with each step: 6e-8 of the face's size then.
+/// Each step brings corners four times nearer to the limit: after all, within 6e-8 of the face's size.
 inline constexpr int kMostParts = 12;
 
 class FaceLimit {
@@ -32,7 +32,7 @@ class FaceLimit {
     FaceLimit(FaceLimit&&) noexcept;
     FaceLimit& operator=(FaceLimit&&) noexcept;
 
-    /// One bicubic patch.
+    /// Whether the limit is one bicubic patch.
     bool is_regular() const;
     PatchPoint evaluate(const Vec2d& parameters) const;
     Vec3d position(const Vec2d& parameters) const;
@@ -55,10 +55,10 @@ class FaceLimit {
     InPart part_at(const Vec2d& parameters) const;
 };
 
-/// Makes the limits of a mesh's faces; any number of threads may ask.
+/// Makes the limits of a mesh's faces. Thread-safe.
 class FaceLimitMaker {
   public:
-    /// The mesh and the values, by vertex or by the channel's numbers, must live as long.
+    /// The mesh and the values, by vertex or by the channel's index, must outlive this.
     FaceLimitMaker(const FaceCage::Refiner& mesh, int channel, std::span<const Vec3d> values);
     ~FaceLimitMaker();
     FaceLimitMaker(const FaceLimitMaker&) = delete;

@@ -1,4 +1,4 @@
-// A flat triangle that a ray was found to hit, or may hit: whether and where exactly, in double precision.
+// The exact test, in double precision, of a flat triangle that a ray hits, or may hit, in single precision.
 #pragma once
 
 #include "base/vector.h"
@@ -26,21 +26,21 @@ inline Vec3d area_vector(const FacetCorners& corners) {
     return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
 }
 
-/// How far the point of a ray that a test in single precision puts inside a facet may lie beside it, along the ray,
-/// local units: sixteen times what rounding moves a ray aside, for rays down to a sixteenth of a radian to the facet.
+/// If single precision finds a point inside a facet, it may be outside by this much along the ray, local units: sixteen
+/// times the sideways error of a ray, for rays down to a sixteenth of a radian to the facet.
 inline constexpr double kBorderReach = 0x1p-17;
 
-/// The hit of a ray that a test in single precision has found inside the facet. That test decides about inside, since
-/// it agrees with the neighbours' along shared edges; here the point is only made exact, so weights that leave the
-/// facet are drawn back to its border. Empty where the ray lies in the facet's plane, or the facet has no area. `speed`
-/// is the length of `direction`, whose square may be zero or infinite.
+/// The exact hit of a ray that single precision has found inside the facet. That test decides about inside, since it
+/// agrees with that of neighbours along shared edges; here the point is only made exact, so weights outside the facet
+/// are clamped to its border. Empty if the ray lies in the facet's plane, or the facet has no area. `speed` is the
+/// length of `direction`, whose square may be zero or infinite.
 inline std::optional<FacetHit> exact_facet_hit(const FacetCorners& corners, const Vec3d& origin, const Vec3d& direction,
                                                double speed) {
     // Cramer's rule on  origin + t direction = p0 + u edge1 + v edge2  (Moeller and Trumbore 1997).
     const Vec3d edge1 = corners[1] - corners[0], edge2 = corners[2] - corners[0];
     const Vec3d across = direction.cross(edge2);
     const double determinant = edge1.dot(across);
-    // Rounding can give a facet without area a determinant: it would be hit, and have no normal.
+    // By rounding, a facet without area can have a determinant: it would be hit, without a normal.
     if (determinant == 0.0 || max_abs(edge1.cross(edge2)) == 0.0) return std::nullopt;
     const Vec3d from = origin - corners[0];
     const Vec3d other = from.cross(edge1);
@@ -54,18 +54,18 @@ inline std::optional<FacetHit> exact_facet_hit(const FacetCorners& corners, cons
     hit.position = corners[0] + edge1 * hit.u + edge2 * hit.v;
     hit.t = t_raw;
     if (hit.u == u_raw && hit.v == v_raw) return hit;
-    // Beside the point that was drawn back. But where the ray starts on this facet's border or on its neighbour, only
-    // the plane tells that it lies behind: the point has moved along the border by more than that.
+    // The distance to the clamped point. But if the ray starts on this facet's border or on its neighbour, only the
+    // plane shows that the facet is behind: the point has moved along the border by more than that.
     const double beside = (hit.position - origin).dot(direction / speed) / speed;
     hit.t = std::clamp(t_raw, beside - kBorderReach / speed, beside + kBorderReach / speed);
     return hit;
 }
 
-/// A ray that facets are tested against in double precision, by the steps of tessellation/grid_intersection.h: what it
-/// computes for the edge between two facets is the same for both, so no ray passes between them.
+/// Tests a ray against facets in double precision, by the steps of tessellation/grid_intersection.h: the result for an
+/// edge is the same for both of its facets, so no ray passes between them.
 class FacetRay {
   public:
-    /// `begin` is the t near which facets lie, so that the distance of the origin costs no precision.
+    /// `begin` is a t near the facets, so that a distant origin loses no precision.
     FacetRay(const Vec3d& origin, const Vec3d& direction, double begin)
         : origin_(origin + direction * begin), begin_(begin) {
         const Vec3d size(std::abs(direction.x), std::abs(direction.y), std::abs(direction.z));
@@ -77,7 +77,7 @@ class FacetRay {
         shear_y_ = direction[y_] / direction[z_];
     }
 
-    /// Empty where the ray passes the facet or lies in its plane, or the facet has no area.
+    /// Empty if the ray misses the facet or lies in its plane, or the facet has no area.
     std::optional<FacetHit> meet(const FacetCorners& corners) const {
         const Vec3d a = sheared(corners[0]), b = sheared(corners[1]), c = sheared(corners[2]);
         const double ab = edge(a, b), bc = edge(b, c), ca = edge(c, a);
@@ -99,7 +99,7 @@ class FacetRay {
     double begin_, shear_x_, shear_y_, scale_z_;
     int x_, y_, z_;
 
-    /// To the origin, and so that the ray is the z axis; z is still to be scaled.
+    /// A corner in the space in which the ray is the z axis; z is not scaled yet.
     Vec3d sheared(const Vec3d& corner) const {
         const Vec3d from = corner - origin_;
         return {from[x_] - shear_x_ * from[z_], from[y_] - shear_y_ * from[z_], from[z_]};

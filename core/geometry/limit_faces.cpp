@@ -20,7 +20,7 @@ namespace Sdc = OpenSubdiv::Sdc;
 
 using Descriptor = Far::TopologyDescriptor;
 
-/// Texture coordinates of one vertex nearer than this are one (Blender's STD_UV_CONNECT_LIMIT).
+/// Texture coordinates of one vertex closer than this are equal (Blender's STD_UV_CONNECT_LIMIT).
 constexpr float kSameUv = 1e-4f;
 
 Sdc::Options::FVarLinearInterpolation linear_where(UvSmoothing smoothing) {
@@ -61,7 +61,7 @@ std::vector<float> limited_sharpness(std::span<const float> values) {
     return result;
 }
 
-/// The different texture coordinates of a map, and which of them each corner has.
+/// The distinct texture coordinates of a map, and the index of each corner's.
 struct UvValues {
     std::vector<Vec3d> values;
     std::vector<int> of_corner;
@@ -70,7 +70,7 @@ struct UvValues {
 UvValues merged_uv(const SubdivisionCage& cage, const CornerAttribute& map) {
     UvValues result;
     result.of_corner.resize(cage.corners.size());
-    std::vector<std::vector<int>> of_vertex(cage.vertices.size() / 3);  // values so far at each vertex
+    std::vector<std::vector<int>> of_vertex(cage.vertices.size() / 3);  // indices so far at each vertex
     for (size_t corner = 0; corner < cage.corners.size(); ++corner) {
         const float* uv = &map.values[corner * static_cast<size_t>(map.channels)];
         std::vector<int>& known = of_vertex[static_cast<size_t>(cage.corners[corner])];
@@ -89,7 +89,7 @@ UvValues merged_uv(const SubdivisionCage& cage, const CornerAttribute& map) {
     return result;
 }
 
-/// Creases on edges that faces have: OpenSubdiv reports others on the error stream.
+/// Creases on edges of faces only: OpenSubdiv reports others on the error stream.
 struct Creases {
     std::vector<int> vertices;
     std::vector<float> sharpness;

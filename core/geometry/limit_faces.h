@@ -15,7 +15,7 @@
 
 namespace rayleaf {
 
-/// A square of a face's parameters by its corner and two sides.
+/// A square in a face's parameters: a corner and two sides.
 struct FaceSquare {
     Vec2d origin{0, 0}, next{0, 0}, previous{0, 0};  ///< at a corner; towards the next corner and the previous one
 };
@@ -28,12 +28,12 @@ class LimitFaces {
     LimitFaces(LimitFaces&&) noexcept;
     LimitFaces& operator=(LimitFaces&&) noexcept;
 
-    /// One bicubic patch.
+    /// Whether a face is one bicubic patch.
     bool is_regular(uint32_t face) const;
     /// The value and its derivatives by the face's parameters.
     PatchPoint evaluate(uint32_t face, const Vec2d& parameters) const;
     Vec3d position(uint32_t face, const Vec2d& parameters) const;
-    /// Forgets a face, which must not be evaluated any more.
+    /// Frees a face, which must not be evaluated any more.
     void forget(uint32_t face);
     size_t bytes() const;
 
@@ -43,7 +43,7 @@ class LimitFaces {
     std::unique_ptr<Faces> faces_;
 };
 
-/// How the faces of a cage hang together.
+/// How the faces of a cage are connected.
 class CageTopology {
   public:
     /// The cage must have been validated.
@@ -56,7 +56,7 @@ class CageTopology {
     std::array<uint32_t, 2> edge_vertices(uint32_t edge) const;
     /// The edge from a corner of a face to the next one.
     uint32_t face_edge(uint32_t face, uint32_t corner) const;
-    /// The faces at an edge: none, one, or any number.
+    /// The faces at an edge, any number.
     std::vector<uint32_t> edge_faces(uint32_t edge) const;
 
     /// Limits of positions, one a vertex.

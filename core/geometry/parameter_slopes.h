@@ -1,5 +1,5 @@
-// How the parameters of an element change with its texture coordinates: what turns derivatives by the one into
-// derivatives by the other.
+// Derivatives of an element's parameters by its texture coordinates: they turn derivatives by the former into
+// derivatives by the latter.
 #pragma once
 
 #include "base/vector.h"
@@ -9,13 +9,13 @@
 
 namespace rayleaf {
 
-/// As they are, the parameters are the texture coordinates.
+/// By default, the parameters are the texture coordinates.
 struct ParameterSlopes {
     Vec2d by_u{1, 0}, by_v{0, 1};
 };
 
-/// From how the texture coordinates change with the two parameters; empty where those changes do not span the plane, or
-/// so nearly that nothing finite comes of it.
+/// From the derivatives of the texture coordinates by the two parameters; empty if these do not span the plane, or so
+/// nearly that the result is not finite.
 inline std::optional<ParameterSlopes> parameter_slopes(const Vec2d& uv_du, const Vec2d& uv_dv) {
     const double determinant = uv_du.x * uv_dv.y - uv_dv.x * uv_du.y;
     if (determinant == 0.0) return std::nullopt;

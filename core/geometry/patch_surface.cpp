@@ -10,8 +10,8 @@
 namespace rayleaf {
 namespace {
 
-/// Control points of a border closer together than this are one point. Local units: rounding of the conversion to
-/// Bezier form stays far below, what an artist means as an edge far above.
+/// Control points of a border within this of each other are merged, local units: far above the rounding of the
+/// conversion to Bezier form, far below any edge that an artist models.
 constexpr double kCollapsedLength = 1e-11;
 
 /// The points along one line of a net: a row or a column.
@@ -22,8 +22,8 @@ struct NetLine {
     Vec4d& operator[](size_t i) const { return first[i * stride]; }
 };
 
-/// Draws the control points of each collapsed span of a line to one point. Spans run in order and share their ends, so
-/// a pole that several spans make stays one.
+/// Merges the control points of each collapsed span of a line. Spans come in order and share their ends, so a pole of
+/// several spans becomes one point.
 void merge_collapsed_spans(const NetLine& line, const SplineAxis& axis) {
     for (const SplineSpan& span : axis.spans) {
         const Vec3d center = project(line[span.first_point]);
@@ -39,7 +39,7 @@ void merge_collapsed_spans(const NetLine& line, const SplineAxis& axis) {
     }
 }
 
-/// Every line of the net that is a border of patches.
+/// Merges the collapsed spans of all lines of the net that are borders of patches.
 void merge_collapsed_borders(BezierNet& net) {
     const size_t width = net.u.point_count;
     const auto lines = [](const SplineAxis& axis, const auto& merge) {
@@ -164,7 +164,7 @@ BorderPlace PatchSurface::owner_place(const BorderPlace& place) const {
         return spline.first_patch + of[1] * counts[0] + of[0];
     };
     Vec2f at = place.parameters;
-    // The later patch owns a border; of the last one the first, where the spline closes there.
+    // The later patch owns a border. Where the spline closes, the first patch owns the border of the last.
     for (const int axis : {0, 1}) {
         if (at[axis] != 1.0f) continue;
         std::array<uint32_t, 2> next = span;
@@ -174,7 +174,7 @@ BorderPlace PatchSurface::owner_place(const BorderPlace& place) const {
         span = next;
         at[axis] = 0.0f;
     }
-    // All that meets at a pole takes its first place.
+    // All patches that meet at a pole use its first place.
     for (const int axis : {0, 1}) {
         if (!on_border(at[axis])) continue;
         const auto is_pole = [&](const std::array<uint32_t, 2>& of) {
@@ -195,7 +195,7 @@ LocalSurface PatchSurface::surface(const LocalHit& hit) const {
     return surface(hit, spline_of(hit.primitive), patch(hit.primitive).evaluate(hit.u, hit.v), std::nullopt);
 }
 
-/// Of a hit whose point is known, and perhaps the normal: one that depends on neither the facet nor a neighbour.
+/// The surface at a hit with a known point, and perhaps a known normal that depends on neither facet nor neighbour.
 LocalSurface PatchSurface::surface(const LocalHit& hit, const SplinePatches& spline, const PatchPoint& point,
                                    const std::optional<LimitNormal>& known) const {
     const SplineSpan &span_u = spline.span_u(hit.primitive), &span_v = spline.span_v(hit.primitive);

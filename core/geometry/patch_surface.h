@@ -1,8 +1,8 @@
 // A surface of NURBS splines, held as Bezier patches in local space.
 //
-// Patches are numbered spline by spline, within one first along u, then along v. Control points are kept in double; a
-// border that two patches of a spline share has the same bits in both. A border row whose control points coincide (the
-// pole of a sphere) is moved to one point that a float can hold, so that everyone who evaluates it gets that very
+// Patches are numbered spline by spline, within one first along u, then along v. Control points are in double; a border
+// that two patches of a spline share has the same bits in both. A border row whose control points coincide (the pole of
+// a sphere) is moved to one point that is exact in single precision, so that every evaluation gives exactly that
 // point.
 //
 // The outside is the side of P_v x P_u: Blender's own surfaces are wound that way.
@@ -38,7 +38,7 @@ struct SplinePatches {
 
 class PatchSurface final : public Shape {
   public:
-    /// Splines that Blender draws nothing for are left out. Bad data throws InputError.
+    /// Splines that Blender draws nothing for are left out. Invalid data throws InputError.
     PatchSurface(std::string name, const std::vector<NurbsSpline>& splines);
 
     uint32_t element_count() const override { return patch_count_; }
@@ -59,9 +59,9 @@ class PatchSurface final : public Shape {
         const Vec4d* points = &points_[spline.first_point + (patch - spline.first_patch) * spline.points_per_patch()];
         return {spline.degree_u, spline.degree_v, spline.rational, points};
     }
-    /// The same point by the patch that speaks for all that meet there: on borders within a spline, and at poles.
+    /// The same point by its owner, on borders within a spline and at poles; all that meet there use the owner's.
     BorderPlace owner_place(const BorderPlace& place) const;
-    /// How often hits so far needed a limit normal, by the stage that gave it; Regular is not counted.
+    /// How many hits so far needed a limit normal, by the stage that gave it; Regular is not counted.
     NormalCounters limit_normals() const;
 
   private:
@@ -73,7 +73,7 @@ class PatchSurface final : public Shape {
     void add_spline(const NurbsSpline& spline);
     LocalSurface surface(const LocalHit& hit, const SplinePatches& spline, const PatchPoint& point,
                          const std::optional<LimitNormal>& known) const;
-    /// The normal at the nearest border of a patch, as the patch beyond has it if the spline runs on smoothly there.
+    /// The normal of the adjacent patch at the nearest border, if the spline is smooth there.
     std::optional<Vec3d> neighbour_normal(const LocalHit& hit) const;
 };
 

@@ -1,4 +1,4 @@
-// What a scene can hold: shapes in their own local space, and what a hit on one becomes.
+// Shapes, which a scene consists of, in their own local space, and the surface at a hit.
 #pragma once
 
 #include "base/content_hash.h"
@@ -18,7 +18,7 @@ namespace rayleaf {
 /// the shape stay bit-equal; all local coordinates lie in about [-1, 1], whatever the size and place of the object.
 struct LocalFrame {
     Vec3d center{0, 0, 0};  ///< object units
-    double scale = 1.0;     ///< a power of two, so that dividing by it rounds nothing
+    double scale = 1.0;     ///< a power of two, so that dividing by it is exact
 
     /// The frame that fits a box in object space. An empty or pointlike box gives scale 1.
     static LocalFrame fitting(const Box3d& box);
@@ -68,7 +68,7 @@ inline LocalHit placed_hit(uint32_t element, const Vec2f& parameters, const Vec3
 /// whether dn_du and dn_dv are filled is open then.
 enum class SurfaceDetail : uint8_t { Normal, Curvature };
 
-/// A place on a border, by one of the elements that meet there.
+/// A place on a border, in terms of one of the elements that meet there.
 struct BorderPlace {
     uint32_t element = 0;
     Vec2f parameters{0, 0};
@@ -107,19 +107,19 @@ class Shape {
     /// (a triangle is covered once: parameters with u + v > 1 are mirrored into it). For light from emitting surfaces.
     virtual uint32_t element_of(const LocalHit& hit) const = 0;
     virtual ElementPoint element_point(uint32_t element, const Vec2f& parameters) const = 0;
-    /// Points of an element along a line of constant u, one for each v: as element_point and surface give them.
+    /// Points of an element along a line of constant u, one for each v: the results of element_point and surface.
     virtual void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const;
-    /// Equal for shapes that rays cannot tell apart, names aside; empty where that is not known. Computed once.
+    /// Equal for shapes that rays cannot distinguish, names aside; empty if that is not known. Computed once.
     const std::optional<ContentHash>& content_hash() const {
         std::call_once(hashed_, [this] { content_hash_ = hash_of_content(); });
         return content_hash_;
     }
-    /// Bytes held, itself included.
+    /// Memory of the shape, including this object.
     virtual size_t bytes() const = 0;
 
   protected:
     virtual std::optional<ContentHash> hash_of_content() const { return std::nullopt; }
-    /// Starts a content hash with what every shape has.
+    /// Adds the common data of all shapes to a content hash.
     void add_to(ContentHasher& hasher) const {
         hasher.add(static_cast<int>(kind_));
         for (int axis = 0; axis < 3; ++axis) hasher.add(frame_.center[axis]);

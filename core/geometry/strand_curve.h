@@ -8,9 +8,9 @@
 
 namespace rayleaf {
 
-/// How the points of a strand make its segments. CatmullRom: one segment from point to point, the first and the last
-/// point counted twice, as in Blender. BSpline: uniform, three segments less than points. Bezier: three points a
-/// segment (handle, handle, point) after the first.
+/// How the points of a strand define its segments. CatmullRom: one segment from point to point, with the first and last
+/// point doubled, as in Blender. BSpline: uniform, three segments fewer than points. Bezier: after the first point,
+/// three points a segment (handle, handle, point).
 enum class StrandBasis : uint8_t { Linear, CatmullRom, BSpline, Bezier };
 
 /// A point of the axis (x, y, z) and the radius there (w).

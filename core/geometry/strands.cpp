@@ -11,7 +11,7 @@ namespace {
 
 /// More slots than Blender offers.
 constexpr int32_t kLargestMaterialSlot = 65535;
-/// More would not be told apart from the round form.
+/// More are indistinguishable from the round form.
 constexpr int kMostSpheres = 4096;
 
 std::string at(const char* array, size_t index) {
@@ -24,7 +24,7 @@ void require_size(const std::string& name, const char* argument, std::span<const
         throw InputError(name, argument, std::to_string(got.size()) + " numbers", std::to_string(wanted));
 }
 
-/// Points a strand has per segment, and how many make none.
+/// Points of a strand per segment, and points in addition to those.
 struct PointsOfBasis {
     uint32_t stride, ends;
 };
@@ -157,7 +157,7 @@ void Strands::set_attributes(std::vector<StrandAttribute> attributes, AttributeI
     }
 }
 
-/// Lengths of the axes, by so many chords a segment.
+/// Measures the lengths of the axes by chords.
 void Strands::measure() {
     constexpr int kChords = 8;
     lengths_.resize(element_count());
@@ -173,7 +173,7 @@ void Strands::measure() {
     }
 }
 
-/// Point number `point` of a strand, held at the ends, or round the end of a closed one.
+/// Point number `point` of a strand, clamped at the ends, or wrapped around on a closed strand.
 uint32_t Strands::point_index(uint32_t strand, int64_t point) const {
     const int64_t first = first_point_[strand], count = int64_t{first_point_[strand + 1]} - first;
     if (is_cyclic(strand)) return static_cast<uint32_t>(first + ((point % count) + count) % count);
@@ -224,8 +224,8 @@ LocalSurface Strands::surface(const LocalHit& hit) const {
     LocalSurface result;
     result.position = hit.position;
     result.normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
-    // The root's texture coordinate holds for the whole strand: it changes nowhere, and the derivative by it only tells
-    // the direction.
+    // The root's texture coordinate is that of the whole strand: it is constant, so the derivative by it is only a
+    // direction.
     result.dp_du = normalized_or(Vec3f(axis_point(segment(hit.primitive).derivative(hit.u))), Vec3f(0.0f));
     if (active_uv_ >= 0) {
         const Vec4f uv = attribute_value(attributes_[active_uv_], hit);
@@ -237,7 +237,7 @@ LocalSurface Strands::surface(const LocalHit& hit) const {
     return result;
 }
 
-/// Between points the value runs evenly along the segment.
+/// Between points the value is linear along the segment.
 Vec4f Strands::attribute_value(const StrandAttribute& attribute, const LocalHit& hit) const {
     const uint32_t strand = strand_of_segment_[hit.primitive];
     size_t begin = strand, end = strand;

@@ -1,8 +1,8 @@
 // Hair, fur and other thin curves: many strands in one shape.
 //
 // A round strand is the union of the balls around the points of its axis: closed, with round ends, without a gap at a
-// corner, well defined where it bends more tightly than its radius. Its boundary is what a ray meets, so every ray
-// enters as often as it leaves. A ribbon is the band of the strand's width that faces the ray.
+// corner, and well defined where it bends more tightly than its radius. Rays meet its boundary, so every ray enters as
+// often as it leaves. A ribbon is the band of the strand's width that faces the ray.
 //
 // Elements are segments, numbered strand by strand. A hit's u is the parameter along the segment. v of a round strand
 // is the angle around the axis, of a ribbon the place across it, both from 0 to 1.
@@ -19,11 +19,11 @@
 
 namespace rayleaf {
 
-/// What is traced for a strand. Round and Ribbon are for pictures; the other two are there to compare with: a chain of
-/// balls, and Embree's own round curve as it is.
+/// The primitive that is traced for a strand. Round and Ribbon are for pictures; the others are for comparison: a chain
+/// of balls, and Embree's own round curve.
 enum class StrandForm : uint8_t { Round, Ribbon, Spheres, EmbreeRound };
 
-/// v of a hit on a ball at an end of a segment, which is no wall: lights are not sampled there.
+/// v of a hit on the ball at an end of a segment, which is not part of the wall: lights are not sampled there.
 inline constexpr float kStrandEnd = 1.0f;
 /// v of a direction around the axis, in [0, 1), and the unit direction of a v; `tangent` is unit.
 float wall_angle(const Vec3d& tangent, const Vec3d& around);
@@ -39,7 +39,7 @@ struct StrandAttribute {
     std::vector<float> values;
 };
 
-/// What a strand tells of itself, as attributes: ids, -1 where nobody asks. All of one channel.
+/// Attributes with information about the strand: their ids, -1 if not wanted. All have one channel.
 struct StrandInfoIds {
     AttributeId is_strand = -1;  ///< 1
     AttributeId intercept = -1;  ///< share of the strand's length from its root to here
@@ -47,7 +47,7 @@ struct StrandInfoIds {
     AttributeId thickness = -1;  ///< diameter here, object units
 };
 
-/// What strands are made of; the spans are read during construction only.
+/// The data of strands; the spans are read during construction only.
 struct StrandArrays {
     std::string name;                         ///< for messages
     std::span<const double> points;           ///< x,y,z each, object space
@@ -91,8 +91,8 @@ class Strands final : public Shape {
     };
     Place place(uint32_t segment) const;
     StrandSegment segment(uint32_t segment, const Place& place) const;
-    /// The segment before (step -1) or after (+1) one of the same strand, round the end of a closed one; empty at an
-    /// end.
+    /// The segment before (step -1) or after (+1) one of the same strand, wrapped around on a closed strand; empty at
+    /// an end.
     std::optional<uint32_t> neighbour(uint32_t segment, int step) const;
 
   private:
@@ -101,7 +101,7 @@ class Strands final : public Shape {
     std::vector<uint8_t> cyclic_;
     std::vector<uint16_t> material_slots_;
     std::vector<StrandAttribute> attributes_;
-    std::vector<float> lengths_;  ///< of segments up to their end from their strand's root; only if someone asks
+    std::vector<float> lengths_;  ///< from a strand's root to the end of each segment; only if wanted
     StrandInfoIds info_;
     StrandBasis basis_;
     StrandForm form_;

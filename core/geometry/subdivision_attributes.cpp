@@ -1,4 +1,4 @@
-// What a subdivision surface carries beside its shape: texture coordinates, attributes and normals of its own.
+// Texture coordinates, attributes and custom normals of a subdivision surface.
 #include "geometry/parameter_slopes.h"
 #include "geometry/subdivision_surface.h"
 
@@ -6,7 +6,7 @@
 
 namespace rayleaf {
 
-/// Without a map the derivatives are by the element's parameters, which tell of curvature all the same.
+/// Without a map the derivatives are by the element's parameters, which serve as well for curvature.
 void SubdivisionSurface::set_texture_coordinates(const LocalHit& hit, const PatchPoint& point,
                                                  const LimitNormal& normal, double side, LocalSurface& result) const {
     std::optional<ParameterSlopes> slopes(ParameterSlopes{});

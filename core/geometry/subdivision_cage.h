@@ -13,15 +13,15 @@
 
 namespace rayleaf {
 
-/// Sharpness from which on an edge or a vertex stays sharp for ever (OpenSubdiv's constant).
+/// Sharpness that counts as infinite (OpenSubdiv's constant).
 inline constexpr float kInfiniteSharpness = 10.0f;
 
-/// Larger faces and vertices of more faces are refused: every face at such a vertex depends on all of them.
+/// The most corners of a face and faces of a vertex: every face at such a vertex depends on all of them.
 inline constexpr int kMostAtVertex = 1024;
 
 enum class SubdivisionScheme : uint8_t { CatmullClark, Bilinear };
 
-/// What becomes of vertices of the border that belong to one face alone.
+/// The rule for border vertices that belong to a single face.
 enum class BorderCorners : uint8_t { Sharp, Smooth };
 
 /// Where texture coordinates stay linear, as Blender's modifier has it.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t kNone = 0xffffffffu;
 
-/// Whether all faces that hang together with each face are quads.
+/// For each face, whether all faces connected with it are quads.
 std::vector<bool> among_quads(const CageTopology& topology, std::span<const int32_t> face_sizes) {
     JoinedSets faces(face_sizes.size());
     for (uint32_t edge = 0; edge < topology.edge_count(); ++edge) {
@@ -184,7 +184,7 @@ PatchPoint SubdivisionSurface::in_element(const LimitFaces& limit, const Subdivi
                       square.previous, square.next);
 }
 
-/// The first element that is one patch owns what it touches; where there is none, the first of all.
+/// The owner of a node or line is its first element that is one bicubic patch, or else its first element.
 void SubdivisionSurface::find_owners() {
     const auto regular = [this](uint32_t element) { return limit_.is_regular(elements_[element].face); };
     node_owners_.assign(nodes_.size(), kNone);
@@ -309,7 +309,7 @@ LocalSurface SubdivisionSurface::surface(const LocalHit& hit) const {
     return surface(hit, evaluate(hit.primitive, hit.u, hit.v), std::nullopt);
 }
 
-/// Of a hit whose point is known, and perhaps the limit's normal: one that does not depend on the facet.
+/// The surface at a hit with a known point, and perhaps a known limit normal that does not depend on the facet.
 LocalSurface SubdivisionSurface::surface(const LocalHit& hit, const PatchPoint& point,
                                          const std::optional<LimitNormal>& known) const {
     const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));

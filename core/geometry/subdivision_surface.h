@@ -1,12 +1,12 @@
 // The limit of a cage as a shape: every face is one element, or one for each of its corners.
 //
-// Where all faces that hang together are quads, an element is a face; else all of these faces are cut at the middles
-// of their edges, so that elements always meet border to border. The parameters of an element run from its first corner
-// towards the previous one (u) and the next one (v): the outside is the side of P_v x P_u, as for other patches.
+// In a connected set of quads, an element is a face; in any other, all faces are divided at the middles of their edges,
+// so that elements always meet border to border. The parameters of an element run from its first corner towards the
+// previous one (u) and the next one (v): the outside is the side of P_v x P_u, as for other patches.
 //
-// Nothing of a border belongs to an element: its ends are nodes and the curve between them a line, each held once, so
-// that all elements that meet there agree on every bit of it. Elements that one bicubic patch describes are held as
-// such; the others are evaluated by OpenSubdiv, and a line between two of these by the element that owns it.
+// Borders are not part of elements: their ends are nodes and the curves between them lines, each stored once, so that
+// all elements that meet there agree on every bit. Elements that are one bicubic patch are stored as such; the others
+// are evaluated by OpenSubdiv, and a line between two of these by the element that owns it.
 #pragma once
 
 #include "geometry/facet.h"
@@ -35,9 +35,9 @@ struct SubdivisionElement {
     FaceSquare square;                ///< in the face's parameters
 };
 
-/// The border between elements. It is run through from the lower node to the higher one.
+/// The border between elements, in the direction from the lower node to the higher one.
 struct SubdivisionLine {
-    uint32_t owner = 0;                                  ///< the element that says where it lies
+    uint32_t owner = 0;                                  ///< the element that defines it
     uint8_t border = 0;                                  ///< of the owner
     bool cubic = false;                                  ///< the inner points describe it
     std::array<Vec3d, 2> inner{Vec3d(0.0), Vec3d(0.0)};  ///< from the lower node
@@ -45,7 +45,7 @@ struct SubdivisionLine {
 
 class SubdivisionSurface final : public Shape {
   public:
-    /// Bad data throws InputError.
+    /// Invalid data throws InputError.
     explicit SubdivisionSurface(const SubdivisionCage& cage);
 
     uint32_t element_count() const override { return static_cast<uint32_t>(elements_.size()); }
@@ -68,14 +68,14 @@ class SubdivisionSurface final : public Shape {
     const Vec3d& node(uint32_t index) const { return nodes_[index]; }
     /// The bicubic patch of an element that has one.
     PatchView net(const SubdivisionElement& element) const { return {3, 3, false, &nets_[size_t{16} * element.net]}; }
-    /// The point of an element by itself, borders too.
+    /// The point of an element, evaluated by the element even on borders.
     PatchPoint evaluate(uint32_t element, double u, double v) const;
     Vec3d position(uint32_t element, double u, double v) const;
     /// The point of a border by its owner; `at` from the lower node.
     Vec3d line_position(uint32_t line, double at) const;
-    /// The same point by the element that speaks for all that meet there.
+    /// The same point by its owner, which all elements that meet there use.
     BorderPlace owner_place(const BorderPlace& place) const;
-    /// Whether a border is run through the other way than its line.
+    /// Whether a border has the opposite direction of its line.
     bool is_reversed(const SubdivisionElement& element, int border) const {
         return element.nodes[kBorderEnds[border][0]] > element.nodes[kBorderEnds[border][1]];
     }
@@ -89,14 +89,14 @@ class SubdivisionSurface final : public Shape {
     std::vector<SubdivisionElement> elements_;
     std::vector<SubdivisionLine> lines_;
     std::vector<Vec3d> nodes_;
-    std::vector<uint32_t> node_owners_;   ///< the elements that say where they lie
+    std::vector<uint32_t> node_owners_;   ///< the elements that define them
     std::vector<Vec4d> nets_;             ///< 16 points each, u fastest
     LimitFaces limit_;                    ///< of irregular faces
     std::vector<uint32_t> first_corner_;  ///< of each face, and the end
     std::vector<uint16_t> slots_;
     std::vector<UvMap> uv_maps_;
     std::vector<CornerAttribute> attributes_;
-    CornerAttribute corner_normals_;  ///< without values where the limit's own normal counts
+    CornerAttribute corner_normals_;  ///< without values if the limit's own normal is used
     int active_uv_ = -1;              ///< index into uv_maps_
     ContentHash hash_{};
     mutable std::array<std::atomic<uint64_t>, kNormalStageCount> limit_normals_{};
@@ -108,7 +108,7 @@ class SubdivisionSurface final : public Shape {
     PatchPoint in_element(const LimitFaces& limit, const SubdivisionElement& element, double u, double v) const;
     LimitNormal normal_at(uint32_t element, double u, double v, const PatchPoint& point, const Vec3d& geometric) const;
     LocalSurface surface(const LocalHit& hit, const PatchPoint& point, const std::optional<LimitNormal>& known) const;
-    /// The normal that counts, on the side of `facet_normal` (unit).
+    /// The custom or limit normal, on the side of `facet_normal` (unit).
     Vec3f shading_normal(const LocalHit& hit, const Vec3f& of_limit, const Vec3f& facet_normal) const;
     /// An attribute's value, bilinear within the face; missing channels 0, alpha 1.
     Vec4f interpolated(const CornerAttribute& attribute, const LocalHit& hit) const;

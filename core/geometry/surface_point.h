@@ -1,4 +1,4 @@
-// A point on a surface of the scene, in world space: what shading and lights work on.
+// A point on a surface of the scene, in world space: the input of shading and lights.
 #pragma once
 
 #include "base/vector.h"
@@ -12,7 +12,7 @@ struct SurfacePoint {
     Vec3d position{0, 0, 0};        ///< exact surface, world units
     Vec3d facet_position{0, 0, 0};  ///< point of the facet that the ray hit: secondary rays start here (core/README.md)
     double start_offset = 0;  ///< how far along the facet normal a secondary ray must start to leave it, world units
-    double facet_error = 0;   ///< how far rounding may put the facet's corners beside the surface, world units
+    double facet_error = 0;   ///< distance of the facet's corners from the surface by rounding, world units
     Vec3f facet_normal{0, 0, 1};           ///< unit, of the facet, on the side of the winding (the outside)
     Vec3f normal{0, 0, 1};                 ///< unit shading normal, same side as the winding
     Vec3f dp_du{0, 0, 0}, dp_dv{0, 0, 0};  ///< world units per unit of uv
@@ -27,25 +27,25 @@ struct SurfacePoint {
     RaySight sight;             ///< of the ray whose width decided how finely the surface was diced here
     bool interpolated = false;  ///< not on a facet, and only approximate; derivatives are by the picture's x and y
 
-    /// What a ray that starts or ends here holds on to.
+    /// The anchor of a ray that starts or ends here.
     RayAnchor anchor() const {
         if (interpolated) return {instance, RayAnchor::kNoFacet, 0};
         if (local.subpatch == RayAnchor::kNone) return {};
         return {instance, local.subpatch, local.levels};
     }
-    /// Where a ray that leaves towards `direction` (unit) starts: the facet point moved to the side the ray goes.
+    /// The origin of a ray that leaves towards `direction` (unit): the facet point, moved to the ray's side.
     Vec3d ray_origin(const Vec3f& direction) const {
         const double side = direction.dot(facet_normal) < 0.0f ? -start_offset : start_offset;
         return facet_position + Vec3d(facet_normal) * side;
     }
-    /// Makes a ray towards `direction` (unit) one that leaves the surface here.
+    /// Sets up a ray that leaves the surface here towards `direction` (unit).
     void release(Ray& ray, const Vec3f& direction) const {
         ray.origin = ray_origin(direction);
         ray.start = {anchor(), sight};
         ray.leaves = instance;
     }
-    /// What is left of a ray that goes straight on. An interpolated point may lie far beside the surface: there the ray
-    /// starts as far from it, but on its line, or what lies behind would be seen from elsewhere.
+    /// The rest of a ray that goes straight on. An interpolated point may be far from the surface: then the ray starts
+    /// as far behind it, but on its own line, so that the background does not shift.
     Ray behind(Ray ray) const {
         const Vec3d before = ray.origin, direction = ray.direction;
         release(ray, Vec3f(direction));

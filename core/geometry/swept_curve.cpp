@@ -38,7 +38,7 @@ std::optional<SplineProblem> fill_problem(const SweptCurveDescription& curve) {
 }  // namespace
 
 std::optional<SplineProblem> find_problem(const SweptCurveDescription& curve) {
-    /// Blender's panel ends at 32.
+    /// Blender's panel allows up to 32.
     constexpr double kMostPieces = 1 << 16;
     if (auto problem = number_problem("bevel_depth", curve.bevel_depth, -kLargestLength, kLargestLength))
         return problem;

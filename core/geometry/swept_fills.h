@@ -17,7 +17,7 @@ namespace rayleaf {
 
 enum class FillSide : uint8_t { Back, Front };  ///< seen from below, from above
 
-/// Where areas are: the end of the profile, in its plane.
+/// The border of areas: the end of the profile, in its plane.
 struct FillBorder {
     Vec2d place{0, 0};
     FillSide side = FillSide::Front;
@@ -30,7 +30,7 @@ struct SweptFill {
     std::vector<uint32_t> splines;  ///< of the path
     Vec3d low{0, 0, 0};             ///< the rectangle around it, local space: a corner,
     Vec2d size{0, 0};               ///< and its sides
-    /// Polygons near the border, and where each begins: good enough to tell which points of the rectangle shine.
+    /// Polygons near the border, and where each begins: to decide which points of the rectangle emit light.
     std::vector<Vec2f> outlines;
     std::vector<uint32_t> begins;
 
@@ -49,7 +49,7 @@ std::vector<FillBorder> fill_borders(const SweptCurveDescription& curve, const s
 std::vector<SweptFill> swept_fills(const SweptCurveDescription& curve, const SweepPath& path,
                                    const std::vector<FillBorder>& borders);
 
-/// Whether borders of an area cross each other or themselves: what is filled then, nobody can say.
+/// Whether borders of an area cross each other or themselves: then the filled area is undefined.
 bool borders_cross(const SweptCurveDescription& curve);
 
 }  // namespace rayleaf

@@ -27,7 +27,7 @@ ProfilePart line(const Vec2d& begin, const Vec2d& end) {
     return part;
 }
 
-/// The round profile: Blender runs through it counter-clockwise, from the lower end of the back.
+/// The round profile, counter-clockwise from the lower end of the back, as in Blender.
 SweepProfile round_profile(const SweptCurveDescription& curve) {
     const double depth = curve.bevel_depth, extrude = curve.extrude, x = curve.offset;
     const double pieces = curve.bevel_resolution + 1.0;

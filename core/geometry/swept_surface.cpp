@@ -11,14 +11,14 @@
 namespace rayleaf {
 namespace {
 
-/// Where a surface has no normal of its own (a ring of radius 0, a standstill), it is looked at so far inside the
+/// Where a surface has no normal (a ring of radius 0, a curve without speed), it is taken this far inside the
 /// piece.
 constexpr double kInset = 1e-3;
 /// |P_u x P_v|² of less than this share of |P_u|² |P_v|² counts as degenerate, as on patches.
 constexpr double kDegenerate = 1e-20;
 /// Step of the difference that gives the change of a ring's derivative.
 constexpr double kStep = 1e-4;
-/// Corners of the outline that tells which points of a cap's square lie on it, by profile part.
+/// Corners per profile part of the outline that decides which points of a cap's square lie on the cap.
 constexpr int kOutlineCorners = 32;
 
 Vec3d crossing(const SweepRingPoint& ring, const ProfilePoint& profile) {
@@ -109,7 +109,7 @@ void SweptSurface::build_path(const SweptCurveDescription& curve) {
     fills_ = swept_fills(curve, path_, borders);
 }
 
-/// Local space fits the rings at the places where facets may be, a little more for what lies between.
+/// Fits the local space to rings at sampled places, with a margin for those in between.
 void SweptSurface::fit_frame(const Vec3d& center, double extent) {
     constexpr int kLooks = 4;
     constexpr size_t kPiecesAtOnce = 4096;
@@ -133,7 +133,7 @@ void SweptSurface::fit_frame(const Vec3d& center, double extent) {
     if (!is_place(box.min) || !is_place(box.max))
         throw InputError(name(), "points, radii and bevel", "too large to be added", "sums up to 1e100");
     object_bounds_ = Box3d(box.min + center, box.max + center);
-    constexpr double kMargin = 1.25;  // the surface bulges by less between looks a quarter of 50 degrees apart
+    constexpr double kMargin = 1.25;  // the surface bulges by less between samples a quarter of 50 degrees apart
     const double half = std::max(max_abs(box.min), max_abs(box.max)) * kMargin;
     frame_.center = center;
     frame_.scale = half > 0.0 ? std::exp2(std::ceil(std::log2(half))) : 1.0;

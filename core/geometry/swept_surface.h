@@ -6,7 +6,7 @@
 // place in the square around the profile.
 //
 // The texture coordinate is Blender's: u along the spline from 0 at the bevel's start to 1 at its end, v around the
-// profile. Normals are those of the exact surface; where profile or spline have a corner, so has the surface.
+// profile. Normals are those of the exact surface, which has corners where the profile or the spline has.
 #pragma once
 
 #include "geometry/shape.h"
@@ -38,7 +38,7 @@ struct SweptElement {
 
 class SweptSurface final : public Shape {
   public:
-    /// Splines that Blender draws nothing for are left out. Bad data throws InputError.
+    /// Splines that Blender draws nothing for are left out. Invalid data throws InputError.
     explicit SweptSurface(const SweptCurveDescription& curve);
 
     uint32_t element_count() const override { return first_fill() + static_cast<uint32_t>(fills_.size()); }

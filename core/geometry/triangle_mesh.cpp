@@ -26,7 +26,7 @@ void require_multiple_of_three(const std::string& name, const char* argument, si
     if (got % 3 != 0) throw InputError(name, argument, std::to_string(got) + " numbers", "a multiple of 3");
 }
 
-/// How the weights of vertices 1 and 2 change with the texture coordinates; zero where those do not span the triangle.
+/// Derivatives of the weights of vertices 1 and 2 by the texture coordinates; zero if these do not span the triangle.
 ParameterSlopes weight_slopes(const Vec2f& uv0, const Vec2f& uv1, const Vec2f& uv2) {
     constexpr Vec2d kNone(0.0, 0.0);
     return parameter_slopes(Vec2d(uv1) - Vec2d(uv0), Vec2d(uv2) - Vec2d(uv0)).value_or(ParameterSlopes{kNone, kNone});

@@ -1,7 +1,7 @@
 // A triangle mesh with normals, texture coordinates and attributes per corner.
 //
-// Corner c of triangle t is entry 3 t + c of every per-corner array. A triangle without area is kept in the numbering,
-// but its three vertices are made one, so that no ray can hit it.
+// Corner c of triangle t is entry 3 t + c of every per-corner array. A triangle without area keeps its number, but its
+// three vertices are set equal, so that no ray can hit it.
 #pragma once
 
 #include "geometry/facet.h"
@@ -29,7 +29,7 @@ struct CornerAttribute {
 /// Quads: triangles 2 k and 2 k + 1 make the quadrangle a b c d as (a, b, d) and (c, d, b), and are traced as one.
 enum class FacetLayout : uint8_t { Triangles, Quads };
 
-/// What a mesh is made of; the spans are read during construction only.
+/// The data of a mesh; the spans are read during construction only.
 struct TriangleMeshArrays {
     std::string name;                         ///< for messages
     std::span<const float> vertices;          ///< x,y,z each, object space

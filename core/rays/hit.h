@@ -9,8 +9,8 @@
 
 namespace rayleaf {
 
-/// Whose width decided how finely the subpatch that was hit was diced: the ray's own, or that of the ray that found its
-/// start (RaySight).
+/// The ray whose width decided how finely the subpatch hit was diced: the ray itself, or the one that found its start
+/// (RaySight).
 enum class SeenBy : uint8_t { Itself, RayBefore };
 
 /// A hit in the local space of its shape (geometry/shape.h: centred, scaled to about [-1, 1]).
@@ -28,10 +28,10 @@ struct LocalHit {
 /// How an object with a ray cache answered a ray. The numbers are the codes of the mask pass (film/passes.def).
 enum class RayAnswer : uint8_t { NotAsked, Traced, Interpolated, TwoClass, Missed };
 
-/// What is known of the way through a glass body. Cut off: it has more hits than any path may.
+/// What is known of the path through a glass body. CutOff: it has more hits than allowed.
 enum class GlassWay : uint8_t { Unknown, Leaves, CutOff };
 
-/// How an interpolated answer changes with the picture's x and y.
+/// Derivatives of an interpolated answer by the picture's x and y.
 struct HitChanges {
     struct Step {
         Vec3f normal{0, 0, 0};
@@ -42,10 +42,10 @@ struct HitChanges {
     std::array<Step, 2> steps;
 };
 
-/// What an interpolated first hit knows, beside the point: local space of the shape.
+/// Data of an interpolated first hit beside the point; local space of the shape.
 struct InterpolatedHit {
     Vec2f uv{0, 0};
-    double position_error = 0;  ///< how far the points, here and at the exit, may lie beside the surface
+    double position_error = 0;  ///< distance that the points, here and at the exit, may have from the surface
     float error = 0;            ///< the cache's own estimate, a share of the object's half extent
     /// Glass: where and how the ray leaves, after `interior_hits` hits from inside of which `total_reflections` let
     /// nothing through.

@@ -6,7 +6,7 @@ namespace rayleaf {
 /// Rays in a packet: Embree's largest, and the lanes of the widest vector.
 inline constexpr int kPacketSize = 16;
 
-/// Whether the rays of a packet start close together and run alike: those of a camera do, bounces do not.
+/// Whether the rays of a packet have similar origins and directions: those of a camera do, bounces do not.
 enum class Coherence : unsigned char { Coherent, Incoherent };
 
 }  // namespace rayleaf

@@ -8,20 +8,20 @@
 
 namespace rayleaf {
 
-/// The subpatch on which a ray starts or ends, and how finely it was diced when that point was found. The ray sees it
-/// and its borders in the same way, whatever its own width asks for: else the point could lie behind coarser facets.
+/// The subpatch on which a ray starts or ends, and how finely it was diced when that point was found. The ray sees the
+/// subpatch and its borders at the same levels, whatever its own width: else the point could be behind coarser facets.
 struct RayAnchor {
     static constexpr uint32_t kNone = ~0u;
-    /// As a subpatch: the point is close to the surface itself and on no facet. All of the instance is seen fine.
+    /// As a subpatch: the point is near the exact surface and on no facet. The whole instance is seen fine.
     static constexpr uint32_t kNoFacet = ~0u - 1;
     uint32_t instance = kNone;
     uint32_t subpatch = 0;  ///< of the instance's shape, as the tracer numbers them
     uint32_t levels = 0;    ///< tessellation/level.h: SubpatchLevels::packed
 };
 
-/// How wide what a ray stands for is, by the distance t along it (Christensen et al. 2003, section 4): the distances to
-/// the two rays that its differential tells of, across the ray. Their squares are polynomials, so a beam that narrows
-/// towards a focus is narrow there and wide again behind it.
+/// The width of the beam that a ray represents, as a function of the distance t along it (Christensen et al. 2003,
+/// section 4): the distances to the two rays of its differential, across the ray. Their squares are polynomials, so a
+/// beam that narrows towards a focus is narrow there and wide again behind it.
 struct RayBeam {
     /// Squared distance: a + b t + c t².
     struct Side {
@@ -29,18 +29,18 @@ struct RayBeam {
     };
     Side sides[2];
 
-    /// `width` at the origin, `spread` radians more of it along the ray; less, if negative.
+    /// `width` at the origin, growing by `spread` radians along the ray; negative: shrinking.
     static RayBeam cone(float width, float spread) {
         const Side side{width * width, 2 * width * spread, spread * spread};
         return {{side, side}};
     }
-    /// False for a ray that stands for itself alone.
+    /// False for a ray without a beam.
     bool has_width() const { return sides[0].a > 0.0f || sides[0].c > 0.0f || sides[1].a > 0.0f || sides[1].c > 0.0f; }
 };
 
-/// The ray that found the point where another one starts. Within `reach` of that point the other one sees surfaces as
-/// finely as this one did: of a thin wall, the side behind could else be diced more finely than the side in front, and
-/// its facets lie before those.
+/// The ray that found the point where another one starts. Within `reach` of that point the other ray sees surfaces as
+/// finely as this one did: otherwise the back of a thin wall could be diced more finely than its front, and its facets
+/// could lie before those of the front.
 struct RaySight {
     Vec3d origin{0, 0, 0}, direction{0, 0, 1};  ///< world space
     RayBeam beam;
@@ -57,7 +57,7 @@ struct Ray {
     double t_min = 0.0;                                      ///< hits nearer than this are ignored, world units
     double t_max = std::numeric_limits<double>::infinity();  ///< and those beyond this
 
-    /// Surfaces are diced as finely as this needs; without a width, as finely as the view asks for. World units.
+    /// Decides how finely surfaces are diced; without a width, the view does. World units.
     RayBeam beam;
     RayStart start;
     RayAnchor end;

@@ -6,8 +6,8 @@ namespace {
 Vec3f transferred_position(const Vec3f& dp, const Vec3f& dd, const Vec3f& direction, float t, const Vec3f& normal) {
     const Vec3f moved = dp + dd * t;
     const float cosine = direction.dot(normal);
-    // At a grazing hit the footprint grows without bound; a thousandfold stretch is where it stops to matter for
-    // filtering.
+    // At a grazing hit the footprint grows without bound; filtering does not change beyond a factor of a
+    // thousand.
     const float safe = std::copysign(std::max(std::abs(cosine), 1e-3f), cosine);
     return moved - direction * (moved.dot(normal) / safe);
 }

@@ -1,4 +1,4 @@
-// How a ray's origin and direction change with the pixel: two vectors each (Igehy 1999; Christensen et al. 2003,
+// Derivatives of a ray's origin and direction by the pixel: two vectors each (Igehy 1999; Christensen et al. 2003,
 // section 4).
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace rayleaf {
 
-/// By how much a ray is wider for dicing than its differential says.
+/// How much wider a ray is for dicing than its differential.
 struct RayWidening {
     float factor = 1;
     float least_spread = 0;  ///< radians

@@ -17,64 +17,64 @@
 namespace rayleaf {
 namespace {
 
-// Costs in units of one ray traced to its first hit on smooth patches, from measurements of trees and tracers on one
-// core (some 200 ns then). They are to be right within a third or so: an object whose gain is smaller is traced.
+// Costs in units of one ray traced to its first hit on smooth patches, from measurements of caches and tracers on one
+// core. They should be right within about a third: an object whose gain is smaller is traced.
 constexpr double kTracedMiss = 0.2;         ///< a ray that enters the box and hits nothing
 constexpr double kInterpolatedQuery = 0.3;  ///< leaf found and evaluated
-/// And differentiated, with what paths do of it (Scene::needs_differentials): a mirror's hit gains nothing then.
+/// Additional cost of derivatives, as paths need them (Scene::needs_differentials): a mirror's hit gains nothing then.
 constexpr double kDerivatives = 0.6;
 constexpr double kMissedQuery = 0.1;   ///< leaf found, nothing there
 constexpr double kAskedInVain = 0.15;  ///< leaf found, ray to be traced after all
-/// The way through glass or a volume, first hit included: rays of two hits, and of three.
+/// A path through glass or a volume, first hit included: rays of two hits, and of three.
 constexpr double kTracedGlass = 2.5, kTracedVolume = 3.0;
-/// Of tracing that way, what following it through a convex body takes.
+/// The cost of following such a path through a convex body, as a share of tracing it.
 constexpr double kFollowedShare = 0.35;
 /// A sample is traced with its derivatives, and its cell is judged and stored.
 constexpr double kSampleFactor = 2.0;
-/// Only gains above this share of the tracing count: the costs are no more exact.
+/// Smaller gains than this share of the tracing are ignored, because the costs are not more exact.
 constexpr double kLeastGain = 0.1;
 
 constexpr int kBlockSide = 16;       ///< pixels
 constexpr int kBlocksPerObject = 3;  ///< that see the object's box
 constexpr int kSpreadBlocks = 3;     ///< anywhere, for what is seen in mirrors
 constexpr int kMostBlocks = 12;
-/// Samples of a pixel that are probed: so many of the frame's for one, for cells are so large that several of the
-/// frame's rays cross each; but not more than so many.
+/// One sample of a pixel is probed for this many of the frame's, since cells are so large that several of the frame's
+/// rays cross each; but at most so many.
 constexpr int kFrameSamples = 4, kMostSamples = 4;
 constexpr int kPlacesTried = 512;  ///< for blocks that see an object
-/// At most this share of the frame's paths is probed, each some eight times as costly as another; a frame for which
-/// that is not even two blocks is traced.
+/// At most this share of the frame's paths is probed, each about eight times as costly as others; a frame for which
+/// that is less than two blocks is traced.
 constexpr double kProbedShare = 1.0 / 1000.0;
-/// Fewer samples a query are not believed of so few blocks: what a smooth surface takes of 800 x 800 pixels.
+/// Lower bound of samples per query, since the blocks are few: that of a smooth surface at 800 x 800 pixels.
 constexpr double kLeastSamples = 0.02;
 /// Fewer queries than this say nothing.
 constexpr uint64_t kLeastQueries = 32;
-/// An object is dropped from the probe if so many queries of the first blocks cost this many times as much as tracing.
+/// An object is dropped from the probe if the queries of the first blocks cost this many times as much as tracing.
 constexpr size_t kFirstBlocks = 2;
 constexpr uint64_t kTellingQueries = 256;
 constexpr double kHopeless = 1.5;
 
-/// Making the tracer of a cache, by what it is made of.
+/// The cost of making the tracer of a cache, by its parts.
 constexpr double kSetUpSubpatch = 10.0, kSetUpTriangle = 2.0;
-/// And of glass, what finds places in convex bodies.
+/// In addition, for glass, that of the tables of convex bodies.
 constexpr double kSetUpBody = 7000.0;
-/// A path, with its shading: at least two rays and what goes with them.
+/// A path with its shading: at least two rays.
 constexpr double kPath = 3.0;
-/// All caches that are tried are made for at most this share of the frame.
+/// Making all tried caches may take at most this share of the frame.
 constexpr double kSetUpShare = 0.03;
 
-/// Of what a sample holds.
+/// The cost of the path behind a sample.
 double sample_way(OutputKind kind) {
     if (kind == OutputKind::Glass) return kTracedGlass;
     return kind == OutputKind::Volume ? kTracedVolume : 1.0;
 }
 
-/// Of what a ray is answered with.
+/// The cost of tracing the answer of a ray.
 double traced_cost(const PlannedRayCache& planned) {
     return planned.first_hits_only ? 1.0 : sample_way(planned.samples.kind);
 }
 
-/// Queries that say something of the object.
+/// Queries that tell something about the object.
 uint64_t met_box(const RayCacheTotals& totals) {
     return totals.interpolated + totals.followed + totals.traced + totals.missed;
 }
@@ -157,8 +157,8 @@ double set_up_cost(const PlannedRayCache& candidate) {
     return kSetUpSubpatch * plan.subpatch_count() + body;
 }
 
-/// Which objects are tried: those first that most of the camera's rays may meet for what their cache takes to make,
-/// until that is too much for the frame.
+/// Chooses the objects to try: first those that the most camera rays may meet relative to the cost of making their
+/// cache, until the sum is too much for the frame.
 std::vector<bool> worth_a_try(const std::vector<PlannedRayCache>& candidates, const Scene& scene,
                               const Settings& settings, double paths, const CancelToken& cancel) {
     std::vector<double> cost(candidates.size()), rank(candidates.size(), 0.0);
@@ -200,7 +200,7 @@ struct BlockSamples {
 };
 
 /// `growth`: how many times as many samples of each pixel the frame has. Up to kFrameSamples they cross the same cells;
-/// beyond, mostly the same ones: new samples go with the root.
+/// beyond, mostly the same ones: the number of new samples grows with the root.
 Judgement judge(const RayCacheStatistics& statistics, const BlockSamples& taken, const PlannedRayCache& planned,
                 double growth, double interpolated_query) {
     const RayCacheTotals counts = totals_of(statistics);
@@ -263,7 +263,7 @@ class Probe {
     std::vector<Trial> trials_;
     double interpolated_query_ = kInterpolatedQuery;
 
-    /// What one block makes of one trial.
+    /// The counts of one trial in one block.
     struct BlockCounts {
         RayCacheStatistics counts;
         double quarter = 0;  ///< samples taken for the first quarter
@@ -322,7 +322,7 @@ std::vector<Probe::BlockCounts> Probe::render_block(const Block& block) const {
     return result;
 }
 
-/// By any number of threads; counts are added up in the order of the blocks.
+/// Renders blocks on any number of threads; counts are added up in the order of the blocks.
 void Probe::render_blocks(std::span<const Block> blocks) {
     std::vector<std::vector<BlockCounts>> counted(blocks.size());
     oneapi::tbb::parallel_for(size_t{0}, blocks.size(), [&](size_t i) { counted[i] = render_block(blocks[i]); });

@@ -62,7 +62,7 @@ class CrossingCounts {
 
     /// Publishes the counters, all zero: stored with release by the first that made them, loaded with acquire.
     std::atomic<Counters*> counters_{nullptr};
-    bool has_finished_ = false;  ///< a frame in which rays were counted has ended
+    bool has_finished_ = false;  ///< a frame in which rays were counted has ended has ended
 
     Counters* make_counters();
     static Places places_of(const CellKey& cell);

@@ -1,7 +1,7 @@
 // What an object makes of a line (RI, section 1.3): the attributes of a sample, by the kind of the object.
 //
-// An object stores only what its kind needs. Mirrors store point and normal: the reflected ray follows from them and
-// the line. Glass stores those too, so an object that both reflects and refracts answers both (the paper's could not).
+// An object stores only what its kind needs. Mirrors store point and normal, from which the reflected ray follows.
+// Glass stores them too, so that an object can both reflect and refract (in the paper it could not).
 #pragma once
 
 #include "base/vector.h"
@@ -20,10 +20,10 @@ enum class OutputKind : uint8_t {
     Volume   ///< the length of the line inside the object
 };
 
-/// The path inside glass ends after so many hits from inside at the latest, and so does a line through a volume.
+/// The most hits from inside of a path in glass, or of a line through a volume.
 inline constexpr int kMostInteriorHits = 64;
 
-/// How the path inside glass, or along a volume, came to its end.
+/// How the path inside glass, or through a volume, ended.
 enum class PathEnding : uint8_t {
     FirstHit,  ///< not followed: Simple and Mirror
     Left,
@@ -34,8 +34,8 @@ enum class PathEnding : uint8_t {
 inline constexpr uint32_t kMissedClass = 0;            ///< of lines that hit nothing
 inline constexpr uint32_t kFacetedClass = 0xffffffff;  ///< each facet is a class of its own: never interpolated
 
-/// Samples are blended only if all of this is equal. The paper has the first hit's class alone; what happened inside is
-/// added, so that no blend crosses a border of total internal reflection. Paths that are cut off are all alike.
+/// Samples are blended only if all of this is equal. The paper compares the class of the first hit only; here the path
+/// inside counts too, so that no blend crosses a border of total internal reflection. All paths cut off are alike.
 struct SampleClass {
     uint32_t first_hit = kMissedClass;  ///< class of the patch hit first (ri_tree/patch_classes.h)
     uint32_t exit = kMissedClass;       ///< class of the patch where the path left
@@ -48,7 +48,7 @@ struct SampleClass {
     bool is_faceted() const { return first_hit == kFacetedClass || exit == kFacetedClass; }
 };
 
-/// Local space; what a kind does not have stays zero.
+/// Local space; attributes that a kind does not have stay zero.
 struct OutputRay {
     SampleClass sample_class;
     Vec3d position{0, 0, 0};  ///< first hit
@@ -60,22 +60,22 @@ struct OutputRay {
 };
 
 inline constexpr int kMostAttributes = 12;
-/// The numbers a sample stores.
+/// How many numbers a sample stores.
 int attribute_count(OutputKind kind);
 /// `out` receives attribute_count numbers.
 void store_attributes(OutputKind kind, const OutputRay& ray, std::span<float> out);
-/// The output ray of stored or interpolated attributes for a line with the unit `direction`. Normals and directions are
-/// made unit again.
+/// The output ray of stored or interpolated attributes, for a line with the unit `direction`. Normals and directions
+/// are normalized again.
 OutputRay from_attributes(OutputKind kind, const SampleClass& sample_class, std::span<const double> attributes,
                           const Vec3d& direction);
 
 /// How far apart two output rays of one class are: the distance threshold's measure (RI, section 2.3).
 ///
 /// The paper takes the distance of the rays' four coordinates, which is defined only for rays of one dominant
-/// direction. Here: the distance of their points where they start and a length `reach` further on, as those of two
-/// planes would be, root of the sum of squares. Simple adds the texture coordinates, as if [0,1] were spread over
-/// `reach`. Glass takes the larger one of the exit rays' and that of position and normal, for both are answered.
-/// Volume: of the lengths.
+/// direction. Here: the root of the sum of squares of two distances, of the rays' starts and of their points a length
+/// `reach` further on. Simple adds the texture coordinates, as if [0,1] were spread over `reach`. Glass takes the
+/// larger of this for the exit rays and for position and normal, because both are answered. Volume: the difference of
+/// the lengths.
 double distance(OutputKind kind, const OutputRay& a, const OutputRay& b, double reach);
 
 Vec3d mirrored(const Vec3d& direction, const Vec3d& normal);

@@ -1,7 +1,7 @@
-// How an output ray changes with its line, to first order: carried along the path from hit to hit.
+// Derivatives of an output ray by its line, carried along the path from hit to hit.
 //
-// Igehy, Tracing Ray Differentials (1999), with four parameters, those of the line, instead of a pixel's two, in double
-// precision and without the limits that keep a texture's footprint useful.
+// Igehy, Tracing Ray Differentials (1999), with the four parameters of the line instead of a pixel's two, in double
+// precision, and without the limits that keep a texture's footprint useful.
 #pragma once
 
 #include "geometry/shape.h"
@@ -27,7 +27,7 @@ struct OutputChange {
 };
 using OutputChanges = std::array<OutputChange, kLineAxes>;
 
-/// A path whose changes nobody wants.
+/// For paths without derivatives.
 class UnknownChanges {
   public:
     void arrive(const Vec3d&, const Vec3d&, const LocalSurface&, const Vec3d&) {}
@@ -41,11 +41,11 @@ class UnknownChanges {
 
 class PathChanges {
   public:
-    /// `ray` are the changes at `origin`, a point of the ray.
+    /// `ray` are the derivatives at `origin`, a point of the ray.
     PathChanges(const Vec3d& origin, const RayChanges& ray, OutputChanges& out)
         : point_(origin), ray_(ray), out_(out) {}
 
-    /// Moves on along `direction` to `position` on a surface whose tangent plane has `tangent_normal`.
+    /// Moves on along `direction` to `position`, on a surface whose tangent plane has `tangent_normal`.
     void arrive(const Vec3d& position, const Vec3d& direction, const LocalSurface& surface,
                 const Vec3d& tangent_normal) {
         const double distance = (position - point_).dot(direction);
@@ -71,7 +71,7 @@ class PathChanges {
         }
     }
 
-    /// `facing` is the unit normal on the incoming side, `turned` whether it is the surface's turned around.
+    /// `facing` is the unit normal on the incoming side; `turned`: it is opposite to the surface's normal.
     void refract(const Vec3d& direction, const Vec3d& facing, double eta, bool turned) {
         const double cosine = -direction.dot(facing);
         const double beyond = std::sqrt(1.0 - eta * eta * (1.0 - cosine * cosine));

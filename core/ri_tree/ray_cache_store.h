@@ -1,13 +1,13 @@
 // Ray caches that live longer than a frame. The caller owns the store and hands it to each render; without one, every
 // render starts with empty caches.
 //
-// Idea: a cache depends on the content of its shape, on what a sample is, and on its thresholds, so these are its key.
-// An object that moves keeps its cache; one that changes shape gets a new one, and the old one goes before
-// (drop_changed). One whose material changes holds both for a frame: another view layer may ask for the old one. A kept
-// cache interpolates more from frame to frame (RayCache::next_frame), within the same error.
+// Idea: a cache depends on the content of its shape, on the kind of its samples, and on its thresholds: its key.
+// An object that moves keeps its cache. One that changes shape gets a new one, and the old one is dropped before
+// (drop_changed). One whose material changes keeps both for a frame: another view layer may ask for the old one. A
+// cache that is kept interpolates more from frame to frame (RayCache::next_frame), within the same error.
 //
-// Scenes that are rendered in turn, as those of one composited frame, share what is equal: each has its own frames, and
-// a cache goes when no scene has used it in its last frame.
+// Scenes that are rendered in turn, like those of one composited frame, share equal caches. Each scene has its own
+// frames, and a cache is dropped when no scene has used it in its last frame.
 #pragma once
 
 #include "base/content_hash.h"
@@ -25,7 +25,7 @@
 
 namespace rayleaf {
 
-/// All that a cache's answers depend on. A content hash of 128 bits stands for the shape.
+/// Everything that a cache's answers depend on. A content hash of 128 bits stands for the shape.
 struct RayCacheKey {
     ContentHash shape{};
     OutputKind kind = OutputKind::Mirror;
@@ -34,7 +34,7 @@ struct RayCacheKey {
     double distance_threshold = 0, angle_threshold = 0, direction_threshold = 0, pruned_share = 0;
     double rays_per_cell = 0;
     int depth_limit = 0, mixed_depth_limit = 0;
-    uint64_t cache_bytes = 0;  ///< changes no answer, but what a cache may hold
+    uint64_t cache_bytes = 0;  ///< changes no answer, but the memory of a cache
 
     auto operator<=>(const RayCacheKey&) const = default;  // NOLINT(modernize-use-nullptr): it has no pointers
 };
@@ -50,29 +50,29 @@ class RayCacheStore {
         ContentHash shape;
     };
 
-    /// With nothing kept, for a scene without a name.
+    /// An empty store, as seen by a scene without a name.
     RayCacheStore() : shared_(std::make_shared<Shared>()) {}
-    /// The view of the scene of that name, of the same caches.
+    /// The same store, as seen by the scene of that name.
     RayCacheStore of_scene(const std::string& name) const { return RayCacheStore(shared_, name); }
 
-    /// Drops what objects of this scene held that have another shape now, unless this frame has used it already,
-    /// another of the objects has that shape, or another scene holds it. Give all of a scene, before the first is asked
-    /// for.
+    /// Drops the caches of this scene's objects that have changed their shape, unless this frame has used them already,
+    /// another object has that shape, or another scene holds them. Call it with all objects of a scene, before it asks
+    /// for the first cache.
     void drop_changed(std::span<const ObjectShape> shapes);
-    /// The cache of that key, made where there is none for that object.
+    /// The cache with that key; made if there is none.
     std::shared_ptr<RayCache> find_or_make(const RayCacheKey& key, const std::string& object,
                                            const std::function<std::shared_ptr<RayCache>()>& make);
-    /// Drops the caches that this scene did not ask for since its last call and no other scene holds, and tells the
-    /// others that it has asked. Call it between frames of the scene, while no scene is rendered.
+    /// Drops the caches that this scene has not asked for since the last call and that no other scene holds; the others
+    /// get their next frame. Call it between frames of the scene, while no scene is rendered.
     void next_frame();
     /// Of all scenes.
     size_t count() const;
     uint64_t bytes() const;
 
   private:
-    /// What a scene knows of a cache.
+    /// A scene's use of a cache.
     struct Holder {
-        std::string object;  ///< that asked for it first
+        std::string object;  ///< the first that asked for it
         bool used = true;    ///< in this frame
     };
     struct Entry {
@@ -88,7 +88,7 @@ class RayCacheStore {
 
     RayCacheStore(std::shared_ptr<Shared> shared, std::string scene)
         : shared_(std::move(shared)), scene_(std::move(scene)) {}
-    /// Takes this scene from the entries of which `is_over` says so, by key and holder.
+    /// Removes this scene from the entries for which `is_over(key, holder)` holds.
     template <typename IsOver>
     void let_go(const IsOver& is_over);
 };

@@ -3,7 +3,7 @@
 // B_i^n(t) = C(n,i) (1-t)^(n-i) t^i, i = 0..n, on t in [0,1]. Values come from the triangular recurrence, which adds
 // only non-negative terms on [0,1], so it stays accurate at every degree; derivatives are taken of the control points
 // (differences) rather than of the basis, so that coincident control points give exactly zero. Degree n has n+1 control
-// points. Nothing allocates up to degree kStackDegree. (Farin, Curves and Surfaces for CAGD, 5th ed., chapters 4-6.)
+// points. Up to degree kStackDegree nothing is allocated. (Farin, Curves and Surfaces for CAGD, 5th ed., chapters 4-6.)
 #pragma once
 
 #include "base/vector.h"
@@ -17,8 +17,8 @@ namespace rayleaf {
 /// The largest degree that is evaluated without touching the heap. Blender's own splines have degree 5 at most.
 inline constexpr int kStackDegree = 15;
 
-/// B_0^n(t) .. B_n^n(t) into `values` (degree + 1 numbers). Running the parameter backwards (1-t for t, where both are
-/// exact) reverses the values bit by bit.
+/// Writes B_0^n(t) .. B_n^n(t) to `values` (degree + 1 numbers). Replacing t by 1-t, if both are exact, reverses the
+/// values bit by bit.
 void bernstein_values(int degree, double t, double* values);
 
 /// The basis at a parameter for values and two derivatives: degrees n, n-1 and n-2. Lower ones are empty below degree 1
@@ -41,7 +41,7 @@ class BernsteinBasis {
     StackBuffer<double, 3 * (kStackDegree + 1)> values_;
 };
 
-/// The same of a degree that the compiler knows: the same bits by the same steps.
+/// The same for a degree that is a compile-time constant: the same steps, so the same bits.
 template <int kDegree>
 class FixedBernsteinBasis {
   public:
@@ -84,7 +84,7 @@ class FixedBernsteinBasis {
 /// `points` becomes the part [0,t], `right` (same stride) the part [t,1]. The shared point is bit-equal.
 void subdivide(int degree, double t, Vec4d* points, Vec4d* right, int stride = 1);
 
-/// Writes the degree + 2 control points of the same curve at one degree more.
+/// Writes the degree + 2 control points of the same curve, one degree higher.
 void elevate(int degree, const Vec4d* points, int stride, Vec4d* elevated, int elevated_stride);
 
 /// The point (x,y,z) of a homogeneous (wx,wy,wz,w); w must not be zero.

@@ -35,7 +35,7 @@ std::pair<BezierCurve, BezierCurve> BezierCurve::split(double t) const {
 }
 
 BezierCurve BezierCurve::restricted(double begin, double end) const {
-    // The longer cut first, so that the second parameter is never a quotient of two small numbers.
+    // Cuts off the shorter part first, so that the second parameter is never a quotient of two small numbers.
     if (end >= 1.0 - begin) {
         const BezierCurve left = end < 1.0 ? split(end).first : *this;
         return begin > 0.0 ? left.split(begin / end).second : left;

@@ -18,7 +18,7 @@ BezierPatch restricted_once(const BezierPatch& patch, PatchDirection direction, 
     return high.split(direction, (end - begin) / (1.0 - begin)).first;
 }
 
-/// Of a patch whose weights are 1.
+/// The point of a patch whose weights are 1.
 PatchPoint plain(const HomogeneousPatchPoint& a) {
     return {spatial_part(a.value), spatial_part(a.du),  spatial_part(a.dv),
             spatial_part(a.duu),   spatial_part(a.duv), spatial_part(a.dvv)};
@@ -75,7 +75,7 @@ struct Double4 {
     Double4& operator+=(const Double4& b) { return *this = *this + b; }
 };
 
-/// PatchColumn's steps for degrees that the compiler knows.
+/// PatchColumn's steps for degrees that are compile-time constants.
 template <int kDegreeU, int kDegreeV>
 HomogeneousPatchPoint evaluate_fixed(const Vec4d* points, double u, double v) {
     const FixedBernsteinBasis<kDegreeU> basis_u(u);

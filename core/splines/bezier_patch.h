@@ -18,17 +18,17 @@ struct PatchPoint {
     Vec3d position, du, dv, duu, duv, dvv;
 };
 
-/// The same before the division by the weight: derivatives of (wx,wy,wz,w).
+/// The same before division by the weight: derivatives of (wx,wy,wz,w).
 struct HomogeneousPatchPoint {
     Vec4d value, du, dv, duu, duv, dvv;
 };
 
 enum class PatchDirection { U, V };
 
-/// A patch whose control points lie elsewhere: what evaluation needs. Points: u fastest, (degree_v+1) x (degree_u+1).
+/// A patch that does not own its control points, for evaluation. Points: u fastest, (degree_v+1) x (degree_u+1).
 struct PatchView {
     int degree_u = 0, degree_v = 0;
-    bool rational = false;          ///< false: every w is 1 and is not looked at
+    bool rational = false;          ///< false: every w is 1 and is ignored
     const Vec4d* points = nullptr;  ///< homogeneous (wx,wy,wz,w), w > 0
 
     int columns() const { return degree_u + 1; }
@@ -42,7 +42,7 @@ struct PatchView {
     HomogeneousPatchPoint evaluate_homogeneous(double u, double v) const;
 };
 
-/// A patch along a line of constant u: what all its points share. They have the bits that the patch itself gives them.
+/// A patch along a line of constant u: the common part of evaluations. Points have the same bits as by the patch.
 class PatchColumn {
   public:
     PatchColumn(const PatchView& patch, double u);
@@ -61,7 +61,7 @@ PatchPoint project(const HomogeneousPatchPoint& point);
 
 struct BezierPatch {
     int degree_u = 0, degree_v = 0;
-    bool rational = false;      ///< false: every w is 1 and is not looked at. One value for a whole spline, or borders
+    bool rational = false;      ///< false: every w is 1 and is ignored. One value for a whole spline, else borders
                                 ///< between its patches would round differently
     std::vector<Vec4d> points;  ///< homogeneous (wx,wy,wz,w), w > 0; u fastest, (degree_v+1) x (degree_u+1)
 
@@ -76,7 +76,7 @@ struct BezierPatch {
     std::pair<BezierPatch, BezierPatch> split(PatchDirection direction, double t) const;
     /// The part [u_begin,u_end] x [v_begin,v_end] over [0,1]².
     BezierPatch restricted(double u_begin, double u_end, double v_begin, double v_end) const;
-    /// The same surface at one degree more in a direction.
+    /// The same surface, one degree higher in a direction.
     BezierPatch elevated(PatchDirection direction) const;
 };
 

@@ -1,5 +1,5 @@
-// Blender's Bezier curves. Whatever their handle types (free, vector, aligned, automatic), the data holds the handles'
-// coordinates already resolved, so the segments are cubic Bezier curves as they stand.
+// Blender's Bezier curves. Whatever their handle types (free, vector, aligned, automatic), the data holds the resolved
+// coordinates of the handles, so the segments are cubic Bezier curves without further work.
 #pragma once
 
 #include "splines/nurbs.h"
@@ -20,7 +20,7 @@ struct BezierSpline {
 
 /// Empty if the spline can be converted. Fewer than two knots draw nothing.
 std::optional<SplineProblem> find_problem(const BezierSpline& spline);
-/// Needs a spline without problem. Segments have equal parameter ranges and are C^0 by construction.
+/// The spline must be valid. Segments have equal parameter ranges and are C^0 by construction.
 BezierChain to_bezier(const BezierSpline& spline);
 
 }  // namespace rayleaf

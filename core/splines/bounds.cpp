@@ -12,7 +12,7 @@ Vec3d position_of(const Vec4d& point, bool rational) {
     return rational ? project(point) : spatial_part(point);
 }
 
-/// Evaluating sums of `terms` products is exact to this share of the largest coordinate (a few roundings for each).
+/// Relative error of a sum of `terms` products, as a share of the largest coordinate: a few roundings for each term.
 double rounding_share(int terms) {
     return (4.0 * terms + 8.0) * std::numeric_limits<double>::epsilon();
 }
@@ -62,7 +62,7 @@ class Largest {
     double squared_ = 0, weight_ = 0;
 };
 
-/// The derivatives' control nets of a homogeneous patch, by their largest elements.
+/// The largest elements of the control nets of a homogeneous patch's derivatives.
 struct DerivativeNets {
     Lengths du, dv, duu, duv, dvv;
 };
@@ -118,7 +118,7 @@ CurvatureBounds rational_bounds(const PatchView& patch, const WeightRange& weigh
     return out;
 }
 
-/// Bounds by the parameters of the patch itself; `extent` is left alone.
+/// Bounds by the parameters of the patch itself; `extent` is not set.
 CurvatureBounds bounds_by_quarters(const PatchView& patch, int quarterings) {
     const WeightRange weights = weight_range(patch);
     if (weights.highest <= kTameWeightRatio * weights.lowest || quarterings == 0)
@@ -135,7 +135,7 @@ CurvatureBounds bounds_by_quarters(const PatchView& patch, int quarterings) {
             largest.dvv = std::max(largest.dvv, b.dvv);
         }
     }
-    // A quarter's parameters run twice as fast as the whole's, so its second derivatives are a quarter.
+    // A quarter's parameters advance twice as fast as those of the whole, so its second derivatives are a quarter.
     return {4.0 * largest.duu, 4.0 * largest.duv, 4.0 * largest.dvv, 0.0};
 }
 

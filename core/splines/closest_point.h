@@ -1,7 +1,7 @@
 // The point of a patch nearest to a given point: Newton's method from several starts.
 //
-// For checks and tools, not for rendering: it finds the global minimum wherever a kClosestPointGrid² sampling separates
-// it from the other local ones.
+// For checks and tools, not for rendering: it finds the global minimum if a sampling of kClosestPointGrid² points
+// separates it from other local minima.
 #pragma once
 
 #include "base/vector.h"

@@ -42,7 +42,7 @@ std::optional<SplineProblem> point_problem(const CurveSplines& splines) {
 }  // namespace
 
 std::optional<SplineProblem> find_problem(const CurveSplines& splines) {
-    /// Blender's panel ends at 1024; beyond this a spline's pieces could not be counted.
+    /// Blender's panel allows up to 1024. Beyond this limit the number of a spline's pieces could overflow.
     constexpr int kLargestResolution = 1 << 16;
     const size_t count = splines.points.size();
     const bool bezier = splines.type == CurveSplineType::Bezier;

@@ -8,8 +8,8 @@
 
 namespace rayleaf {
 
-/// x runs from the curve's first point (share 0) to its last (1). Where the curve turns back, the first of its points
-/// counts; beyond its ends, the height of the end.
+/// x is scaled from the curve's first point (share 0) to its last (1). Where the curve turns back, the first of its
+/// points is used; beyond its ends, the height of the end.
 class CurveTaper final : public SweepTaper {
   public:
     /// The first spline of the group; without one, or without length along x, the factor is 0 everywhere.
@@ -18,7 +18,7 @@ class CurveTaper final : public SweepTaper {
     Factor at(double share) const override;
     /// Shares inside (0, 1) where two segments meet.
     const std::vector<double>& knots() const { return knots_; }
-    /// The largest absolute factor; at least.
+    /// An upper bound of the absolute factor.
     double largest() const;
 
   private:

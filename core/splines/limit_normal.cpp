@@ -8,7 +8,7 @@ namespace rayleaf {
 
 namespace {
 
-/// A first-order term below this share of the products it is made of is cancellation, not a direction.
+/// A first-order term below this share of its products is rounding after cancellation, not a direction.
 constexpr double kCancellationShare = 1e-8;
 
 /// A length below which a derivative of the patch may be rounding error alone: some tens of roundings of its largest
@@ -26,7 +26,7 @@ double noise_length(const PatchView& patch) {
     return roundings * std::numeric_limits<double>::epsilon() * largest * (high / low);
 }
 
-/// What normals are taken of: its points, their noise and the sum of the degrees.
+/// The source of normals: its points, their noise and the sum of the degrees.
 struct PatchSource {
     const PatchView& patch;
 
@@ -53,13 +53,13 @@ bool is_regular(const auto& source, const PatchPoint& p) {
     return shorter > source.noise();
 }
 
-/// dn for N with derivative dN: the part of dN across n, by the length of N.
+/// The derivative of n for N with derivative dN: the part of dN across n, divided by the length of N.
 Vec3d unit_derivative(const Vec3d& normal, double length, const Vec3d& derivative) {
     const Vec3d change = (derivative - normal * normal.dot(derivative)) / length;
     return is_finite(change) ? change : Vec3d(0.0);
 }
 
-/// The normal and its derivatives where N is sound; empty where its square leaves the range of doubles.
+/// The normal and its derivatives where N is regular; empty if its square leaves the range of doubles.
 std::optional<LimitNormal> regular_normal(const PatchPoint& p) {
     const Vec3d cross = p.du.cross(p.dv);
     const double length = cross.length();

@@ -1,4 +1,4 @@
-// The unit normal of a patch, where its Jacobian degenerates too: at collapsed edges, coincident control points, poles.
+// The unit normal of a patch, also where the Jacobian is singular: collapsed edges, coincident control points, poles.
 //
 // N = P_u x P_v vanishes there, yet the direction usually has a limit from inside the patch. Stages, each tried only if
 // those before fail:
@@ -8,9 +8,9 @@
 //                The idea, and the choice of quadrant, are openNURBS' (ON_EvNormal); N is kept so that a patch that is
 //                merely sheared keeps its own normal.
 //   Inset        N at the point kInset further inside, which covers every higher order.
-//   Neighbour    what the caller knows from neighbouring patches.
-//   Geometric    what the caller gives, commonly the facet's normal turned to the ray.
-// The result is always unit and finite. All normals point to the side of P_u x P_v, the last two by the caller's care.
+//   Neighbour    the normal that the caller finds on neighbouring patches.
+//   Geometric    the normal that the caller gives, usually that of the facet, turned to the ray.
+// The result is always unit and finite. All normals point to the side of P_u x P_v; the caller ensures the last two.
 #pragma once
 
 #include "base/vector.h"
@@ -27,11 +27,11 @@ namespace rayleaf {
 enum class NormalStage : uint8_t { Regular, SecondOrder, Inset, Neighbour, Geometric };
 inline constexpr size_t kNormalStageCount = 5;
 
-/// How far inside the patch a finite step looks, of the parameter range [0,1].
+/// The length of a finite step into the patch, as a share of the parameter range [0,1].
 inline constexpr double kInset = 1e-3;
 /// |P_u x P_v|² of less than this share of |P_u|² |P_v|² counts as degenerate (an angle of 1e-5).
 inline constexpr double kDegenerateShare = 1e-10;
-/// Derivatives this much shorter than the other one or than the position are compared with their rounding error.
+/// Derivatives shorter than these shares of the other derivative or of the position are compared with their rounding.
 inline constexpr double kSuspiciousRatio = 1e-6, kSuspiciousLength = 1e-9;
 
 struct LimitNormal {
@@ -41,7 +41,7 @@ struct LimitNormal {
     NormalStage stage = NormalStage::Regular;  ///< which stage answered
 };
 
-/// How often each stage answered. Each thread keeps its own; add them up.
+/// How often each stage answered. Each thread has its own counters; add them up.
 struct NormalCounters {
     std::array<uint64_t, kNormalStageCount> counts{};
 
@@ -52,13 +52,13 @@ struct NormalCounters {
     }
 };
 
-/// What to use where the patch itself gives no direction.
+/// The normals to use where the patch itself gives no direction.
 struct NormalFallback {
     std::function<std::optional<Vec3d>()> neighbour;  ///< called only when needed; may be empty; need not be unit
     Vec3d geometric{0, 0, 1};                         ///< need not be unit
 };
 
-/// `point` is patch.evaluate(u, v), which the caller has at hand.
+/// `point` is patch.evaluate(u, v), which the caller has already.
 LimitNormal limit_normal(const PatchView& patch, double u, double v, const PatchPoint& point,
                          const NormalFallback& fallback = {});
 LimitNormal limit_normal(const PatchView& patch, double u, double v, const NormalFallback& fallback = {});

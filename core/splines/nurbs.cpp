@@ -22,7 +22,7 @@ struct RefinedPoint {
     std::vector<double> weights;
 };
 
-/// The way from the points of a direction to its Bezier control points.
+/// How the Bezier control points of a direction follow from its points.
 struct Refinement {
     SplineAxis axis;
     std::vector<RefinedPoint> points;
@@ -101,7 +101,7 @@ bool to_homogeneous(const std::vector<Vec4d>& points, std::vector<Vec4d>& out) {
 }
 
 void make_polynomial(std::vector<Vec4d>& points) {
-    for (Vec4d& p : points) p.w = 1.0;  // sums of rounded shares may be off by one unit in the last place
+    for (Vec4d& p : points) p.w = 1.0;  // sums of rounded weights may be off in the last place
 }
 
 SplineProblem draws_nothing(std::string argument, std::string got, std::string wanted) {

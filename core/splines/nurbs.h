@@ -1,8 +1,8 @@
 // NURBS as Blender describes them, and their conversion to Bezier form.
 //
 // Blender stores no knots: they follow from the point count, the order and three flags per direction. The rules here
-// are those of Blender 3.4 (knots: BKE_nurb_knot_calc_u/v; what it refuses to draw: BKE_nurb_check_valid_u/v), checked
-// against its own tessellation by tests/blender/test_nurbs_oracle.py.
+// are those of Blender 3.4 (knots: BKE_nurb_knot_calc_u/v; validity: BKE_nurb_check_valid_u/v), checked against its own
+// tessellation by tests/blender/test_nurbs_oracle.py.
 //
 // Conversion evaluates the blossom of each span at its two ends, which is knot insertion to full multiplicity (Farin,
 // Curves and Surfaces for CAGD, 5th ed., section 8.8), for the whole net, first along u, then along v. Neighbouring
@@ -28,14 +28,14 @@ struct NurbsDirection {
     bool bezier = false;    ///< inner knots of multiplicity order - 1: the points are Bezier control points
 };
 
-/// A surface spline. Not validated by itself.
+/// A surface spline. Not validated on construction.
 struct NurbsSurface {
     int count_u = 0, count_v = 0;
     std::vector<Vec4d> points;  ///< x, y, z (not multiplied), weight; object space; u fastest, count_v x count_u
     NurbsDirection u, v;
 };
 
-/// A surface spline with what Blender attaches to it.
+/// A surface spline with the settings that Blender stores with it.
 struct NurbsSpline {
     NurbsSurface surface;
     int material_slot = 0;  ///< index into the object's material slots
@@ -48,9 +48,9 @@ struct NurbsCurve {
 };
 
 enum class SplineProblemKind {
-    BadData,             ///< no meaning: not finite, weights that are not positive, sizes that do not agree
-    DrawsNothing,        ///< legal in Blender, which shows nothing for it
-    DrawsControlPolygon  ///< legal in Blender, which joins the control points of such a curve by straight lines
+    BadData,             ///< invalid: not finite, weights that are not positive, sizes that do not agree
+    DrawsNothing,        ///< valid in Blender, which draws nothing for it
+    DrawsControlPolygon  ///< valid in Blender, which draws the control polygon of such a curve
 };
 
 /// Why a spline has no surface, in the words of InputError.
@@ -64,7 +64,7 @@ std::optional<SplineProblem> find_problem(const NurbsSurface& surface);
 std::optional<SplineProblem> find_problem(const NurbsCurve& curve);
 
 /// The knots that Blender implies: count + order of them, count + 2 order - 1 if cyclic. The spline's domain is
-/// [knots[order-1], knots[n]], n = count, or count + order - 1 if cyclic. Needs a direction without problem.
+/// [knots[order-1], knots[n]], n = count, or count + order - 1 if cyclic. The direction must be valid.
 std::vector<double> implied_knots(int count, const NurbsDirection& direction);
 struct KnotDomain {
     double begin = 0, end = 0;
@@ -94,7 +94,7 @@ struct BezierNet {
     Vec3d position(double u, double v) const;
 };
 
-/// Need a spline without problem. Spans without length are left out.
+/// The spline must be valid. Spans without length are left out.
 BezierNet to_bezier(const NurbsSurface& surface);
 BezierChain to_bezier(const NurbsCurve& curve);
 

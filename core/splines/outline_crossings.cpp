@@ -22,7 +22,7 @@ bool cross(const Edge& one, const Edge& other) {
 
 }  // namespace
 
-/// A line sweeps over the edges from left to right; each is compared with those that it passes.
+/// A sweep line moves over the edges from left to right; each edge is compared with those that overlap it along x.
 bool outlines_cross(std::span<const Vec2f> points, std::span<const uint32_t> begins) {
     std::vector<Edge> edges;
     edges.reserve(points.size());

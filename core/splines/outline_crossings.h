@@ -8,8 +8,8 @@
 
 namespace rayleaf {
 
-/// Polygon k has the points from begins[k] on, up to begins[k + 1]; the last entry is the number of points. Edges that
-/// only touch do not cross.
+/// Polygon k has the points from begins[k] to begins[k + 1], exclusive; the last entry is the number of points. Edges
+/// that only touch do not cross.
 bool outlines_cross(std::span<const Vec2f> points, std::span<const uint32_t> begins);
 
 }  // namespace rayleaf

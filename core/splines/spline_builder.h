@@ -1,4 +1,4 @@
-// One spline on its way to pieces: what add_splines() consists of.
+// Builds the pieces and rings of one spline: the core of add_splines().
 #pragma once
 
 #include "splines/sweep_builder.h"
@@ -12,9 +12,9 @@
 
 namespace rayleaf {
 
-/// Directions that differ by less than this are one, radians: a facet across a joint of that size is nowhere seen.
+/// Directions that differ by less than this, radians, count as equal: a joint of that angle is never visible.
 inline constexpr double kSmoothJoint = 1e-6;
-/// The places of a piece at which directions are looked at.
+/// The number of places of a piece at which directions are checked.
 inline constexpr int kPieceLooks = 6;
 
 /// A ring before tilt, radius and the closing turn are applied.
@@ -24,7 +24,7 @@ struct RingFrame {
     double share = 0, taper_share = 0, radius = 1, tilt = 0;
 };
 
-/// Runs along a spline with the frame of the last ring, and adds pieces and rings to the path.
+/// Carries the frame of the last ring along a spline, and adds pieces and rings to the path.
 class SplineBuilder {
   public:
     SplineBuilder(SweepPath& path, const SweepOptions& options, SweepElements elements)
@@ -42,10 +42,10 @@ class SplineBuilder {
     Vec3d tangent_{0, 0, 1}, normal_{1, 0, 0};
     RingFrame first_ring_;            ///< where a closed spline ends
     size_t first_segment_ = 0;        ///< of this spline in the path
-    size_t most_pieces_ = 0;          ///< of the path, once the curved segment under way is divided
+    size_t most_pieces_ = 0;          ///< of the path, when the current curved segment is divided
     double side_ = 1;                 ///< of the binormal, for tangent twist
-    std::optional<RingFrame> last_;   ///< the ring at which a ruled piece goes on
-    std::optional<uint32_t> stored_;  ///< where it is, if it was stored
+    std::optional<RingFrame> last_;   ///< the ring from which a ruled piece continues
+    std::optional<uint32_t> stored_;  ///< its index, if it was stored
     std::vector<std::pair<uint32_t, RingFrame>> ring_frames_;
 
     const SweepSegment& segment(size_t i) const { return elements_.elements[i].segment; }
@@ -87,7 +87,7 @@ class SplineBuilder {
     uint32_t store(const RingFrame& frame);
     void ruled_to(const RingFrame& frame);
     void add_curved(size_t i, double begin, double end);
-    /// What stands in the way of carrying a frame over a part of a segment.
+    /// Whether a frame can be carried over a part of a segment, or why not.
     enum class Fit : uint8_t { Whole, Turns, Twists };
     void jump(size_t i, double begin, double end);
     void twist_at_once(SweepPiece piece, const Vec3d& end_tangent, const Vec3d& end_normal);

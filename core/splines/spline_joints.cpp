@@ -5,16 +5,16 @@
 
 namespace rayleaf {
 
-/// The direction between two; for opposite ones, that of the profile's x.
+/// The direction half way between two; for opposite ones, that of the profile's x.
 Vec3d SplineBuilder::half_way(const Vec3d& a, const Vec3d& b) const {
     return (a + b).length() > kSmoothJoint ? normalized_or(a + b, a) : normal_;
 }
 
-/// The ring between two directions. In the plane it is widened; where the path turns straight back there is nothing to
-/// widen, and the profile's x runs on the way it came.
+/// The ring between two directions. In the plane it is widened, except where the path turns straight back: there the
+/// profile's x keeps the direction of arrival.
 SplineBuilder::JointRing SplineBuilder::joint_ring(const Vec3d& arrives, const Vec3d& leaves) const {
-    // Of the square of the cosine of half the angle: what single precision, in which Blender computes it, cannot tell
-    // from a turn straight back.
+    // Lower bound of the squared cosine of half the angle: below it, a turn cannot be distinguished from a turn
+    // straight back in single precision, in which Blender computes it.
     constexpr double kNarrowest = 0x1p-25;
     if (!planar()) return {half_way(arrives, leaves), 1.0};
     const double narrowness = 0.5 * (1.0 + arrives.dot(leaves));
@@ -22,8 +22,8 @@ SplineBuilder::JointRing SplineBuilder::joint_ring(const Vec3d& arrives, const V
     return {half_way(arrives, leaves), 1.0 / std::sqrt(narrowness)};
 }
 
-/// The rings where one segment goes over into another: one at a sample of Blender's, or the two of a chord that cuts
-/// the corner between two samples.
+/// The rings between one segment and the next: one at a sample of Blender's, or the two of a chord that cuts the corner
+/// between two samples.
 std::vector<SplineBuilder::JointRing> SplineBuilder::joint_rings(size_t before, size_t after) const {
     const SegmentPoint arriving = end_of(before, 1.0), leaving = end_of(after, 0.0);
     const Vec3d &arrives = arriving.tangent, &leaves = leaving.tangent;
@@ -42,7 +42,7 @@ bool SplineBuilder::differ(const RingFrame& a, const RingFrame& b) const {
            radius_of(a) != radius_of(b);
 }
 
-/// Begins what follows at the end of an element, unless that has its ring already.
+/// Adds the ring at the end of an element, unless it is there already.
 void SplineBuilder::arrive(size_t i) {
     if (straight(i)) return;
     last_ = ring_here(end_of(i, 1.0), segment(i).share_end);
@@ -75,8 +75,8 @@ void SplineBuilder::add_node(size_t before, size_t after) {
     stored_.reset();
 }
 
-/// The frame at the last ring before the first of a closed spline, where Blender begins to carry it if it spreads the
-/// twist: upright.
+/// Sets an upright frame at the last ring before the first of a closed spline. Blender begins to carry the frame there
+/// if it spreads the twist.
 void SplineBuilder::begin_upright_at_last_ring() {
     const size_t count = elements_.elements.size();
     tangent_ = straight(count - 1)
@@ -115,8 +115,8 @@ void SplineBuilder::start() {
     stored_.reset();
 }
 
-/// Under tangent twist Blender compares the last ring's second derivative with its neighbour before that is turned
-/// round: in the end it has the side it was computed with.
+/// With tangent twist, Blender compares the last ring's second derivative with its neighbour before that is reversed:
+/// so it keeps the side with which it was computed.
 void SplineBuilder::turn_to_own_side(size_t i) {
     if (planar() || options_.twist != TwistMethod::Tangent || straight(i)) return;
     side_ = 1.0;
@@ -137,7 +137,7 @@ void SplineBuilder::end() {
     if (straight(last) || differ(*last_, ring)) ruled_to(ring);
 }
 
-/// Turns every ring by its share of the angle.
+/// Turns each ring by its share of the closing angle.
 void SplineBuilder::spread(double angle) {
     for (size_t k = first_segment_; k < path_.segments.size(); ++k) {
         SweepSegment& s = path_.segments[k];
@@ -150,7 +150,7 @@ void SplineBuilder::spread(double angle) {
     }
 }
 
-/// The ring at the seam of a spline that begins right behind it.
+/// Adds the ring at the seam of a spline that begins right behind it.
 void SplineBuilder::arrive_at_seam() {
     const size_t last = elements_.elements.size() - 1;
     const SegmentPoint point = end_of(last, 1.0);
@@ -162,7 +162,7 @@ void SplineBuilder::arrive_at_seam() {
     last_ = ring;
 }
 
-/// Back to the first ring, whose share of the taper is 0.
+/// Closes the spline at the first ring, whose share of the taper is 0.
 void SplineBuilder::close() {
     const size_t last = elements_.elements.size() - 1;
     arrive(last);

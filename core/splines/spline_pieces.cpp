@@ -7,19 +7,19 @@
 namespace rayleaf {
 namespace {
 
-/// Cosine of the most that the tangent turns along a piece, about 50 degrees: the carried frame's cubic then holds the
-/// twist to kTwistError.
+/// Cosine of the largest turn of the tangent along a piece, about 50 degrees: then the cubic of the carried frame has
+/// the twist to within kTwistError.
 constexpr double kMostTurn = 0.64;
 constexpr double kTwistError = 1e-6;
-/// A part of a segment as short as this that still turns too much is a jump.
+/// If a part of a segment this short still turns too much, it is a jump.
 constexpr double kShortest = 0x1p-40;
-/// The same where the frame turns about the tangent: where a curve in a plane bends the other way, the rounding of its
-/// points decides how the frame gets there, and on Blender's finest samples it jumps.
+/// The same for turns of the frame about the tangent: at an inflection of a plane curve, the rounding of its points
+/// decides how the frame turns, and on Blender's finest samples it jumps.
 constexpr double kShortestTwist = 0x1p-16;
-/// A part of a piece where the curve is slower than this share of its fastest is looked at more closely, so often.
+/// A part of a piece where the curve is slower than this share of its maximum is divided further, up to so often.
 constexpr double kSlow = 0.05;
 constexpr int kMostSlowSplits = 6;
-/// Steps of the rotation minimizing frame from one look to the next.
+/// Steps of the rotation minimizing frame from one checked place to the next.
 constexpr int kSubsteps = 2;
 
 }  // namespace
@@ -31,8 +31,8 @@ SegmentPoint SplineBuilder::end_of(size_t i, double t) const {
     return point;
 }
 
-/// Whether the whole segment runs within kMostTurn of a direction: its derivative lies in the cone that holds the legs
-/// of its control polygon. However slow it is anywhere, no turn is hidden there.
+/// Whether the whole segment stays within kMostTurn of a direction: its derivative lies in the cone of the legs of its
+/// control polygon. So no turn is overlooked, however slow the curve is anywhere.
 bool SplineBuilder::keeps_direction(size_t i, const Vec3d& direction) const {
     const SweepSegment& s = segment(i);
     if (s.rational) return false;
@@ -44,7 +44,7 @@ bool SplineBuilder::keeps_direction(size_t i, const Vec3d& direction) const {
     return true;
 }
 
-/// The normals that the twist method asks for at the looks after the first.
+/// The normals of the twist method at the checked places after the first.
 std::array<Vec3d, kPieceLooks> SplineBuilder::true_normals(
     size_t i, const SweepPiece& piece, const std::array<SegmentPoint, kPieceLooks + 1>& looks) const {
     std::array<Vec3d, kPieceLooks> normals;
@@ -114,7 +114,7 @@ SplineBuilder::Fit SplineBuilder::fit(size_t i, SweepPiece& piece, bool& slow, V
     return Fit::Whole;
 }
 
-/// The rings where direction or normal change at once: from before by way of the direction half way to after.
+/// Adds the rings of a sudden change of direction or normal: before, half way, and after.
 void SplineBuilder::jump(size_t i, double begin, double end) {
     const SegmentPoint before = end_of(i, begin), after = end_of(i, end);
     const double share = segment(i).share_begin + (segment(i).share_end - segment(i).share_begin) * begin;
@@ -130,7 +130,7 @@ void SplineBuilder::jump(size_t i, double begin, double end) {
     last_.reset();
 }
 
-/// A piece before which the frame turns to where it has to be at the end.
+/// Adds a piece, before which the frame turns to the normal that it must have at the end.
 void SplineBuilder::twist_at_once(SweepPiece piece, const Vec3d& end_tangent, const Vec3d& end_normal) {
     const size_t i = piece.source;
     const double begin = segment(i).share_begin + (segment(i).share_end - segment(i).share_begin) * piece.begin;

@@ -9,7 +9,7 @@
 
 namespace rayleaf {
 
-/// The normal that the twist method asks for at a direction, `second` the curve's second derivative there.
+/// The normal of the twist method for a direction; `second` is the curve's second derivative there.
 Vec3d SplineBuilder::normal_at(const Vec3d& tangent, const Vec3d& second) const {
     if (planar()) return Vec3d(-tangent.y, tangent.x, 0);
     if (options_.twist == TwistMethod::ZUp) return upright_normal(tangent);
@@ -53,7 +53,7 @@ uint32_t SplineBuilder::store(const RingFrame& frame) {
     return index;
 }
 
-/// A ruled piece from the last ring to this one, as far as it lies in the bevel's range.
+/// Adds a ruled piece from the last ring to this one, as far as it lies in the bevel's range.
 void SplineBuilder::ruled_to(const RingFrame& frame) {
     const RingFrame from = *last_;
     last_ = frame;
@@ -63,8 +63,8 @@ void SplineBuilder::ruled_to(const RingFrame& frame) {
         stored_.reset();
         return;
     }
-    // Where the range ends within a straight piece, Blender takes centre and tilted frame between, the radius of the
-    // outer ring. In the plane it is the widened directions that lie between.
+    // Where the range ends within a straight piece, Blender interpolates centre and tilted frame, and takes the radius
+    // of the outer ring. In the plane it interpolates the widened directions.
     const auto between = [&](double share, const RingFrame& outer) {
         RingFrame cut = outer;
         const double s = (share - from.share) / (frame.share - from.share);
@@ -98,12 +98,12 @@ void SplineBuilder::ruled_to(const RingFrame& frame) {
 
 void SplineBuilder::add_curved(size_t i, double begin, double end) {
     const size_t pieces = path_.pieces.size(), rings = path_.rings.size(), frames = ring_frames_.size();
-    constexpr size_t kMostPieces = 4096;  // of one segment: what asks for more is noise
+    constexpr size_t kMostPieces = 4096;  // of one segment: more are only needed by noise
     most_pieces_ = path_.pieces.size() + kMostPieces;
     divide(i, begin, end, 0);
     const SweepSegment& s = segment(i);
     const double middle = s.share_begin + (s.share_end - s.share_begin) * 0.5 * (begin + end);
-    if (!range_.overlaps(middle, middle)) {  // only the frame had to get past it
+    if (!range_.overlaps(middle, middle)) {  // outside the range: only the frame is carried on
         path_.pieces.resize(pieces);
         path_.rings.resize(rings);
         ring_frames_.resize(frames);
@@ -167,10 +167,10 @@ void SplineBuilder::build() {
 
 namespace {
 
-/// Splines that are built at a time, by one thread: enough to be worth it.
+/// Splines in one task: enough to outweigh its overhead.
 constexpr size_t kSplinesAtOnce = 2048;
 
-/// Splines of a group, one after the other.
+/// Consecutive splines of a group.
 struct SplineRun {
     size_t first_spline, spline_count, first_point;
 };
@@ -193,7 +193,7 @@ void build_run(SweepPath& path, const CurveSplines& splines, const SplineRun& ru
     }
 }
 
-/// Adds the splines of a part behind those of the path.
+/// Appends the splines of a part to those of the path.
 void append(SweepPath& path, const SweepPath& part) {
     const auto controls = static_cast<uint32_t>(path.controls.size());
     const auto segments = static_cast<uint32_t>(path.segments.size()), rings = static_cast<uint32_t>(path.rings.size());

@@ -11,8 +11,8 @@ namespace rayleaf {
 /// How the frame turns along a spline. Minimum: without twist, starting upright. Tangent: N is the binormal; where
 /// there is none (straight segments) the frame is carried along.
 enum class TwistMethod : uint8_t { ZUp, Minimum, Tangent };
-/// What happens where minimum twist does not meet itself at the end of a closed spline. Spread: the angle is spread
-/// evenly over its pieces, as Blender means to. Jump: there is a seam, as in Blender's mesh up to 3.4.
+/// What to do if minimum twist does not close at the end of a closed spline. Spread: the angle is distributed evenly
+/// over its pieces, as Blender intends. Jump: there is a seam, as in Blender's mesh up to 3.4.
 enum class ClosedTwist : uint8_t { Spread, Jump };
 /// What bevel start and end are shares of: pieces (Blender's resolution), segments by length and within them by
 /// pieces, or the length of the spline.

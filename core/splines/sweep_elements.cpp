@@ -7,7 +7,7 @@
 namespace rayleaf {
 namespace {
 
-/// Cubics by power of t, one of the four neighbouring values each: Blender's key interpolations.
+/// Blender's key interpolations: for each of four neighbouring values, its weight as a cubic by powers of t.
 using Weights = std::array<std::array<double, 4>, 4>;  ///< [value][power]
 constexpr double kTension = 0.71;                      ///< of its cardinal spline
 
@@ -52,7 +52,7 @@ struct SplinePoints {
     Vec3d point(size_t i) const { return spatial_part(group.points[first + i]) - center; }
     Vec3d left(size_t i) const { return group.handles[2 * (first + i)] - center; }
     Vec3d right(size_t i) const { return group.handles[2 * (first + i) + 1] - center; }
-    /// Of the coordinates of a point, as they were given.
+    /// The largest coordinate of a point, as given.
     double largest(size_t i) const { return max_abs(spatial_part(group.points[first + i])); }
     double weight(size_t i) const { return group.points[first + i].w; }
     double radius(size_t i) const { return group.radii.empty() ? 1.0 : group.radii[first + i]; }
@@ -72,15 +72,15 @@ bool has_length(const SweepControl* controls, int degree, bool rational) {
     return away > size * 0x1p-48;
 }
 
-/// Coordinates are single precision numbers, and handles the sums of some: their second differences are off by less
+/// Coordinates are in single precision, and handles are sums of them: the error of their second differences is less
 /// than this share of the largest coordinate.
 constexpr double kSecondRounding = 0x1p-20;
-/// What second derivatives pass nearer by zero than this share of what they change by, they pass between two of
-/// Blender's samples, however fine.
+/// If second derivatives pass zero at less than this share of their change, they do so between two of Blender's
+/// samples, however fine.
 constexpr double kNearZero = 1e-5;
 
-/// The direction of a cubic's second derivative, if that passes through zero; else zero. Along a straight line it says
-/// nothing about a bend.
+/// The direction of a cubic's second derivative if it passes through zero, else zero. On a straight line it does not
+/// mean a bend.
 Vec3d steady_bend(const Vec3d (&points)[4], double largest) {
     const Vec3d begin = points[0] - points[1] * 2.0 + points[2], end = points[1] - points[2] * 2.0 + points[3];
     const Vec3d change = end - begin;
@@ -135,7 +135,7 @@ void add_bezier(SweepElements& result, std::vector<SweepControl>& controls, cons
     const size_t segments = closed ? spline.count : spline.count - 1;
     double pieces = 0.0;
     for (size_t k = 0; k < segments; ++k) {
-        // Blender runs through a closed spline from its last point.
+        // Blender begins a closed spline at its last point.
         const size_t from = closed ? (k + spline.count - 1) % spline.count : k, to = (from + 1) % spline.count;
         if (spline.straight(from)) {
             add_straight(result, controls, spline, from, to, pieces);

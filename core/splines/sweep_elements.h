@@ -12,8 +12,8 @@ namespace rayleaf {
 struct SweepElement {
     SweepSegment segment;
     bool straight = false;
-    /// The direction that tangent twist goes by where the second derivative passes through zero within the segment, as
-    /// behind a vector handle: on both sides that of the begin. Zero: the second derivative counts.
+    /// The direction used by tangent twist if the second derivative passes through zero within the segment, as behind a
+    /// vector handle: that of the begin on both sides. Zero: the second derivative is used.
     Vec3d bend{0, 0, 0};
     /// The part of Blender's step between two samples that lies before the element's begin; 0: a sample lies there.
     double step_before = 0;
@@ -24,10 +24,10 @@ struct SweepElements {
     bool closed = false;
     bool ends_at_seam = false;  ///< see CurveSplines
     int legs = 0;               ///< of a NURBS spline: legs of its control polygon, which Blender calls its segments
-    /// Radius and tilt of the last ring of an open spline, which Blender takes from the point itself.
+    /// Radius and tilt of the last ring of an open spline: Blender takes those of the point itself.
     double end_radius = 1, end_tilt = 0;
-    /// What the first and last ring of an open NURBS spline are perpendicular to: the first and last leg of its control
-    /// polygon. Zero: the tangent.
+    /// The directions to which the first and last ring of an open NURBS spline are perpendicular: the first and last
+    /// leg of its control polygon. Zero: the tangent.
     Vec3d begin_direction{0, 0, 0}, end_direction{0, 0, 0};
 };
 

@@ -3,7 +3,7 @@
 namespace rayleaf {
 
 Vec3d upright_normal(const Vec3d& tangent) {
-    // Blender's choice for the vertical, where up has no meaning.
+    // Blender's choice for vertical tangents, for which up is undefined.
     constexpr double kVertical = 1e-12;
     if (std::abs(tangent.x) + std::abs(tangent.y) < kVertical) return {-1, 0, 0};
     return normalized_or(Vec3d(-tangent.y, tangent.x, 0), Vec3d(-1, 0, 0));

@@ -1,4 +1,4 @@
-// Directions across a curve: the start that Blender gives them, and how they are carried along without twist.
+// Directions across a curve: Blender's initial direction, and how it is carried along without twist.
 #pragma once
 
 #include "base/vector.h"

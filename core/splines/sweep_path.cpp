@@ -10,7 +10,7 @@ namespace {
 
 /// The derivative of a segment counts as zero below this share of its control points' distances.
 constexpr double kStandstill = 1e-10;
-/// Where it is zero, the direction is that of so far inside the segment.
+/// Where it is zero, the direction is taken this far inside the segment.
 constexpr double kLook = 1e-5;
 
 /// `Basis`: BernsteinBasis, or the one of the segment's degree.
@@ -29,8 +29,8 @@ struct SegmentBasis {
     }
 };
 
-/// A bend below this share of the second derivative, or of the segment's size, is rounding: straight segments whose
-/// handles lie on the line would have a new binormal at every look.
+/// A bend below this share of the second derivative, or of the segment's size, is rounding: on straight segments whose
+/// handles lie on the line, the binormal would be random.
 constexpr double kNoBend = 1e-10;
 
 /// The unit direction of the first of the vectors that has one, without z in the plane.

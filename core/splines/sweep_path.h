@@ -1,10 +1,10 @@
-// The rings of a swept curve: at every place along its splines the centre and the two directions of the profile.
+// The rings of a swept curve: for every place along its splines, the centre and the two directions of the profile.
 //
 // A path consists of pieces. A curved piece is a part of a Bezier segment along which the tangent turns by less than
-// about kMostTurn; its frame is the one at its start carried to each point by the smallest rotation, plus a cubic that
-// holds what the twist method asks for beyond that (for minimum twist: what the smallest rotation differs from the
+// about kMostTurn. Its frame is that at its start, carried to each point by the smallest rotation, plus a cubic for the
+// additional angle of the twist method (for minimum twist: the difference between the smallest rotation and the
 // rotation minimizing frame), plus the tilt. A ruled piece joins two rings linearly: Blender's straight segments, and
-// the rings at one point where the direction jumps. Ring and derivatives are exact everywhere; nothing is sampled.
+// the rings at one point where the direction jumps. Rings and derivatives are exact everywhere; nothing is sampled.
 #pragma once
 
 #include "base/vector.h"
@@ -42,7 +42,7 @@ struct SweepSegment {
     bool rational = false;
     double share_begin = 0, share_end = 1;  ///< of the whole spline, in Blender's pieces
     float taper_begin = 0, taper_end = 1;   ///< of the taper
-    float turn_begin = 0, turn_end = 0;     ///< what closes the twist of a cyclic spline, radians; linear between
+    float turn_begin = 0, turn_end = 0;     ///< closing twist of a cyclic spline, radians; linear in between
 };
 
 enum class SweepPieceKind : uint8_t { Curved, Ruled };
@@ -60,10 +60,10 @@ struct SweepSpline {
     uint32_t first_piece = 0, piece_count = 0;
     uint32_t group = 0;  ///< of the description's `splines`
     bool closed = false;
-    bool capped = true;  ///< its ends are closed if those of the curve are
+    bool capped = true;  ///< its ends are closed if the curve has caps
 };
 
-/// What multiplies or replaces the points' radius along each spline.
+/// A factor along each spline that multiplies or replaces the points' radius.
 class SweepTaper {
   public:
     virtual ~SweepTaper() = default;
@@ -91,7 +91,7 @@ struct SweepPath {
     std::vector<SweepPiece> pieces;
     std::vector<SweepRing> rings;  ///< of ruled pieces
     std::vector<SweepSpline> splines;
-    /// Empty: the radius of the points counts. Else that of the taper, times or plus the points'.
+    /// None: the points' radius is used. Else that of the taper, alone, times or plus the points'.
     enum class TaperUse : uint8_t { None, Override, Multiply, Add } taper_use = TaperUse::None;
     const SweepTaper* taper = nullptr;
     double scale = 1;  ///< of all lengths in rings: what the points were divided by

@@ -1,7 +1,7 @@
 // The profile of a sweep: a plane curve of arcs, lines and Bezier segments.
 //
-// Its parameter v runs from 0 to 1, each part taking the same length of it; whether two parts meet smoothly is told by
-// their directions. x and y are those of core/geometry/swept_curve.h.
+// Its parameter v runs from 0 to 1, and each part has an equal share of it. Whether two parts meet smoothly follows
+// from their directions. x and y are those of core/geometry/swept_curve.h.
 #pragma once
 
 #include "base/vector.h"
@@ -34,7 +34,7 @@ struct SweepProfile {
     ProfilePoint evaluate(size_t part, double s) const;
     /// Texture coordinate of a place.
     double share(size_t part, double s) const;
-    /// The farthest that a point lies from (0, 0); at least.
+    /// An upper bound of the distance of points from (0, 0).
     double extent() const;
 };
 

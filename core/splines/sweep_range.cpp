@@ -46,8 +46,8 @@ double length_between(const SweepPath& path, const SweepElements& elements, doub
     return sum;
 }
 
-/// The share that mapping by segments means on a NURBS spline. Its segments are the legs of the control polygon, each
-/// with an equal part of the domain, whatever the knots.
+/// The share of a NURBS spline for mapping by segments. Its segments are the legs of the control polygon, each with an
+/// equal part of the domain, whatever the knots.
 double share_by_legs(const SweepPath& path, const SweepElements& elements, double wanted_share) {
     std::vector<double> lengths;
     double total = 0.0;
@@ -63,7 +63,7 @@ double share_by_legs(const SweepPath& path, const SweepElements& elements, doubl
     return (static_cast<double>(leg) + inside) / elements.legs;
 }
 
-/// The parameter at which so much of a segment's length has passed.
+/// The parameter at which a segment has reached a length.
 double parameter_at(const SweepPath& path, const SweepSegment& segment, double wanted) {
     double passed = 0.0;
     for (int k = 0; k < kParts; ++k) {
@@ -84,7 +84,7 @@ double parameter_at(const SweepPath& path, const SweepSegment& segment, double w
     return 1.0;
 }
 
-/// The share of the spline's pieces that a share by some mapping means.
+/// Converts a share by some mapping to a share of the spline's pieces.
 double piece_share(const SweepPath& path, const SweepElements& elements, double share, BevelMapping mapping) {
     if (mapping == BevelMapping::Resolution || share <= 0.0 || share >= 1.0) return share;
     if (mapping == BevelMapping::Segments && elements.legs > 0) return share_by_legs(path, elements, share);

@@ -32,7 +32,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// How 16 or 4 cells along a side go into vectors.
+/// How 16 or 4 cells along a side are divided into vectors.
 template <int kCells>
 struct Row {
     using Lanes = hn::CappedTag<float, kCells>;
@@ -48,7 +48,7 @@ using Lanes = Row<kGridCells>::Lanes;
 using Vector = Row<kGridCells>::Vector;
 constexpr int kWidth = Row<kGridCells>::kWidth;
 
-/// t0 + tn, + (t1 + tn-1), ..., + the middle one.
+/// The sum (t0 + tn) + (t1 + tn-1) + ... + the middle term.
 template <typename Term>
 HWY_INLINE auto symmetric_sum(int degree, const Term& term) {
     auto sum = hn::Add(term(0), term(degree));
@@ -207,7 +207,7 @@ Vec3f float_position(const PatchView& patch, int i, int j) {
     return patch.rational ? Vec3f(Vec3d(p.x / p.w, p.y / p.w, p.z / p.w)) : Vec3f(Vec3d(p.x, p.y, p.z));
 }
 
-/// The point of a border whose control points are all one, from which evaluation would stray by rounding.
+/// A border whose control points coincide: evaluation would move its vertices off the point by rounding.
 struct Border {
     int i, j;            ///< its first control point
     int step_i, step_j;  ///< to the next
@@ -221,7 +221,7 @@ bool is_point(const PatchView& patch, const Border& border) {
     return true;
 }
 
-/// Sets the vertices of the borders that are points.
+/// Sets the vertices of borders that are points.
 void set_collapsed_borders(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, const VertexRows& target) {
     const int vertices = target.quads + 1, last_row = target.quads * vertices;
     const auto fix = [&](const Border& border, int first, int stride) {

@@ -3,7 +3,7 @@
 // Every vertex is evaluated at the patch's own parameters, never from a subdivided net, by sums whose order depends on
 // the degree alone. So a vertex has the same bits in every subpatch that it belongs to, and on a border between patches
 // too, since there only the border's control points count. Sums pair terms from both ends, (t0 + tn) + (t1 + tn-1) ...,
-// so the bits do not depend on the direction in which a border is run through either.
+// so the bits do not depend on the direction of a border either.
 #pragma once
 
 #include "splines/bezier_patch.h"
@@ -19,13 +19,13 @@ inline constexpr int kMostDicedDegree = 15;
 struct DiceAxis {
     const DyadicBasis* basis = nullptr;
     int first = 0;
-    bool at_begin = false, at_end = false;  ///< whether the first, the last vertex lies on the patch's border
+    bool at_begin = false, at_end = false;  ///< whether the first or last vertex lies on the patch's border
 };
 
-/// 17 x 17 vertices, or 5 x 5: then the bases have a fourth as many intervals.
+/// Dices 17 x 17 vertices, or 5 x 5 with bases of a fourth as many intervals.
 void dice(const PatchView& patch, const DiceAxis& u, const DiceAxis& v, const VertexRows& target);
 
-/// Rows as blocks with boxes.
+/// Converts rows to blocks with boxes.
 void pack(const GridRows& rows, Grid& grid);
 
 }  // namespace rayleaf

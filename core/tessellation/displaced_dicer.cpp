@@ -12,11 +12,11 @@
 namespace rayleaf {
 namespace {
 
-/// A displacement is not split for beyond this many subpatches (a million quads); the surface below may ask for more.
+/// A displacement alone does not raise the number of subpatches above this (a million quads); the base surface may.
 constexpr uint32_t kMostDisplacedSubpatches = 1u << 12;
-/// The surface below is split at most this much more often.
+/// The most additional splits of the base surface.
 constexpr int kMostExtraSplits = 6;
-/// So many subpatches tell whether a split suffices.
+/// The number of subpatches by which a split is judged.
 constexpr uint32_t kLooks = 64;
 
 std::unique_ptr<const Dicer> dicer_below(const DisplacedSurface& surface, const FacetTolerance& tolerance, int extra) {
@@ -45,7 +45,7 @@ DisplacedDicer::DisplacedDicer(const DisplacedSurface& surface, const FacetToler
 
 bool DisplacedDicer::is_fine_enough(const FacetTolerance& tolerance) const {
     const uint32_t count = subpatch_count(), looks = std::min(count, kLooks);
-    std::atomic<bool> fine{true};  // read when all have looked
+    std::atomic<bool> fine{true};  // read when all tasks have ended
     tbb::parallel_for(uint32_t{0}, looks, [&](uint32_t i) {
         GridRows rows;
         dice_rows(static_cast<uint32_t>(uint64_t{i} * count / looks), rows);
@@ -57,8 +57,8 @@ bool DisplacedDicer::is_fine_enough(const FacetTolerance& tolerance) const {
     return fine;
 }
 
-/// Vertices at `first` + `step` k of the places in a subpatch's fine grid, column by column. What lies on a border of
-/// the element may be another one's.
+/// Vertices at the places `first` + `step` k of a subpatch's fine grid, column by column. Vertices on a border of the
+/// element may belong to another one.
 void DisplacedDicer::dice_from(uint32_t subpatch, const Vec2d& first, double step, const VertexRows& target) const {
     const int count = target.quads + 1;
     const auto on_border = [](float at) { return at == 0.0f || at == 1.0f; };

@@ -1,7 +1,7 @@
-// A displaced surface: the subpatches of the surface below, their vertices moved.
+// A displaced surface: the subpatches of the base surface, with their vertices moved.
 //
-// Vertices are computed one by one, in double, at their exact parameters, so all levels share them bit by bit. No
-// level is finer than the fine one: what rays meet are vertices that the boxes were measured from.
+// Vertices are computed one by one, in double, at their exact parameters, so all levels share them bit by bit. No level
+// is finer than the fine one: rays only meet vertices that are inside the measured boxes.
 #pragma once
 
 #include "geometry/displaced_surface.h"

@@ -1,7 +1,7 @@
-// The Bernstein basis at k/n, k = 0..n, n a power of two: what dicing at uniform parameters multiplies by.
+// The Bernstein basis at k/n, k = 0..n, n a power of two: the factors of dicing at uniform parameters.
 //
-// The table reads the same from both ends (value i at k equals value degree - i at n - k, bit by bit), so a border that
-// two patches run through in opposite directions gets the same vertices from both.
+// The table is symmetric (value i at k equals value degree - i at n - k, bit by bit), so a border gets the same
+// vertices from two patches that run along it in opposite directions.
 #pragma once
 
 #include <cstddef>

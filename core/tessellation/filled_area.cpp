@@ -24,13 +24,13 @@ struct Box {
     bool contains(const AreaPoint& p) const { return p.x >= low_x && p.x <= high_x && p.y >= low_y && p.y <= high_y; }
 };
 
-/// Twice the area of a triangle, positive where it turns left.
+/// Twice the area of a triangle, positive if it is counter-clockwise.
 double turn(const AreaPoint& a, const AreaPoint& b, const AreaPoint& c) {
     const double abx = b.x - a.x, aby = b.y - a.y, acx = c.x - a.x, acy = c.y - a.y;
     return abx * acy - aby * acx;
 }
 
-/// A corner of a polygon, in a ring. Bridges make a point a corner twice.
+/// A corner of a polygon, in a linked ring. With a bridge, a point becomes a corner twice.
 struct Corner {
     uint32_t point = 0, before = 0, after = 0;
     bool cut = false;
@@ -71,7 +71,7 @@ Area::Area(std::span<const AreaPoint> points, std::span<const uint32_t> begins) 
     for (size_t k = 0; k + 1 < begins.size(); ++k) add_polygon(begins[k], begins[k + 1]);
 }
 
-/// Corners that lie on the one before are no corners.
+/// Adds a polygon. Corners that coincide with the one before are left out.
 void Area::add_polygon(uint32_t begin, uint32_t end) {
     Polygon polygon;
     polygon.first = static_cast<uint32_t>(corners_.size());
@@ -110,7 +110,7 @@ bool Area::contains(const Polygon& polygon, const AreaPoint& point) const {
     return inside;
 }
 
-/// By polygon: the holes right inside an outline. A hole without an outline stands alone, its own outline.
+/// By polygon: the holes directly inside an outline. A hole without an outline counts as an outline itself.
 std::vector<std::vector<uint32_t>> Area::holes_of_outlines() const {
     std::vector<uint32_t> order(polygons_.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -119,7 +119,7 @@ std::vector<std::vector<uint32_t>> Area::holes_of_outlines() const {
         return x != y ? x < y : a < b;
     });
     std::vector<std::vector<uint32_t>> holes(polygons_.size());
-    std::vector<uint32_t> open;  // outlines that begin further left and may reach here
+    std::vector<uint32_t> open;  // outlines that begin farther left and may reach here
     for (const uint32_t number : order) {
         const Polygon& polygon = polygons_[number];
         if (polygon.area >= 0.0) {
@@ -137,19 +137,19 @@ std::vector<std::vector<uint32_t>> Area::holes_of_outlines() const {
     return holes;
 }
 
-/// Whether the way to a point begins inside the angle at a corner.
+/// Whether the direction to a point lies inside the angle at a corner.
 bool Area::opens_towards(uint32_t corner, const AreaPoint& to) const {
     const AreaPoint &a = at(corners_[corner].before), &b = at(corner), &c = at(corners_[corner].after);
     if (turn(a, b, c) >= 0.0) return turn(a, b, to) >= 0.0 && turn(b, c, to) >= 0.0;
     return turn(a, b, to) >= 0.0 || turn(b, c, to) >= 0.0;
 }
 
-/// The corner of an outline, what is joined to it included, that a hole's leftmost point is bridged to.
+/// The corner of an outline, with the holes joined to it, that a hole's leftmost point is bridged to.
 std::optional<uint32_t> Area::seen_to_the_left(const Polygon& outline, const AreaPoint& from) const {
     double nearest = -std::numeric_limits<double>::infinity();
     std::optional<uint32_t> found;
     uint32_t corner = outline.first;
-    do {  // the edge that a ray to the left meets first: it runs downwards there
+    do {  // finds the first edge that a ray to the left meets: it runs downwards there
         const AreaPoint &a = at(corner), &b = at(corners_[corner].after);
         if (a.y >= from.y && b.y <= from.y && a.y != b.y) {
             const double x = a.x + (from.y - a.y) * (b.x - a.x) / (b.y - a.y);
@@ -163,8 +163,8 @@ std::optional<uint32_t> Area::seen_to_the_left(const Polygon& outline, const Are
         corner = corners_[corner].after;
     } while (corner != outline.first);
     if (!found) return std::nullopt;
-    // Corners in the triangle between the ray and that edge's end hide it; of those the one nearest to the ray's
-    // direction is seen.
+    // Corners in the triangle between the ray and that edge's end hide the end; of those, the one nearest to the ray's
+    // direction is visible.
     const AreaPoint end = at(*found);
     const double side = end.y >= from.y ? 1.0 : -1.0;
     double flattest = std::abs(end.y - from.y) / std::max(1.0, from.x - end.x);
@@ -185,7 +185,7 @@ std::optional<uint32_t> Area::seen_to_the_left(const Polygon& outline, const Are
         }
         corner = corners_[corner].after;
     } while (corner != outline.first);
-    // Of several corners at one point, the one whose angle the bridge lies in.
+    // Of several corners at one point, take the one whose angle contains the bridge.
     if (!opens_towards(best, from)) {
         corner = outline.first;
         do {
@@ -196,7 +196,7 @@ std::optional<uint32_t> Area::seen_to_the_left(const Polygon& outline, const Are
     return best;
 }
 
-/// Makes one ring of two: ... from, to, ..., to again, from again, ...
+/// Joins two rings to one: ... from, to, ..., to again, from again, ...
 void Area::bridge(uint32_t from, uint32_t to) {
     const auto from_again = static_cast<uint32_t>(corners_.size()), to_again = from_again + 1;
     corners_.push_back(corners_[from]);
@@ -225,7 +225,7 @@ void Area::join(const Polygon& outline, std::vector<uint32_t> holes) {
     }
 }
 
-/// Corners that may lie in ears, by squares.
+/// Corners that may lie in ears, in a grid of squares.
 class ReflexCorners {
   public:
     ReflexCorners(const Box& box, size_t count) : box_(box) {
@@ -287,7 +287,7 @@ void Area::cut_ears(const Polygon& polygon) {
     };
     uint32_t failures = 0;
     while (left > 3) {
-        // Where no ear is left the polygon crosses itself, and any corner is as good.
+        // If no ear is left the polygon crosses itself, and any corner will do.
         if (failures < left && !is_ear(corner)) {
             corner = corners_[corner].after;
             ++failures;

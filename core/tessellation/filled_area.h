@@ -1,9 +1,9 @@
 // Triangles between closed polygons of a plane: outlines run counter-clockwise, holes clockwise.
 //
-// Holes are joined to the outline around them by a bridge that is run through both ways, and ears are cut off what that
-// gives (Eberly, "Triangulation by Ear Clipping", 2002). Every vertex stays a corner, so the triangles have the same
-// border as whatever else begins at the polygons. Where polygons cross (chords of neighbouring curves may, seen from
-// afar) no triangulation is right: then some triangles lie beside the area or turn the other way.
+// Holes are joined to the outline around them by a bridge of two opposite edges, and the resulting polygon is clipped
+// ear by ear (Eberly, "Triangulation by Ear Clipping", 2002). Every vertex stays a corner, so the triangles share their
+// border with everything else that begins at the polygons. Where polygons cross (chords of neighbouring curves may,
+// from afar) no triangulation is right: then some triangles lie outside the area or are turned.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace rayleaf {
 
-/// Whole numbers of steps of the local space's grid (tessellation/grid.h): their differences are exact.
+/// Integer numbers of steps of the local space's grid (tessellation/grid.h): their differences are exact.
 struct AreaPoint {
     double x = 0, y = 0;
     bool operator==(const AreaPoint&) const = default;

@@ -10,16 +10,16 @@ namespace {
 
 using Kind = GridArena::Kind;
 
-/// A level thrashes if this share of a thread's last so many lookups found nothing.
+/// A level thrashes if at least kThrashingMisses of a thread's last kWindow lookups were misses.
 constexpr uint32_t kWindow = 1024, kThrashingMisses = kWindow / 4;
 
-/// So many medium grids are at hand for each thread: less than the first cache of the processor.
+/// The number of recent medium grids of each thread: they fit in the processor's first cache.
 constexpr uint32_t kRecent = 16;
 
-/// Cold tessellations are counted while a bit for each takes no more than this share of the budget.
+/// Cold tessellations are counted if one bit for each takes at most one part in this many of the budget.
 constexpr uint64_t kSeenShare = 20;
 
-/// Parts are counted like a level; what else is known of them may take this share of the budget.
+/// Parts are counted like one more level.
 constexpr int kParts = kStoredLevels, kCounted = kStoredLevels + 1;
 constexpr uint64_t kSeenPartsShare = 40, kWordBits = 64;
 
@@ -33,7 +33,7 @@ class Counter {
     std::atomic<uint64_t> value_{0};
 };
 
-/// What fine grids of either format are called, where they are kept, and how they are made.
+/// For fine grids of each format: their kind, where they are stored, and how they are made.
 constexpr Kind kind_of(const Grid*) {
     return Kind::Fine;
 }
@@ -55,14 +55,14 @@ void dice(const Dicer& dicer, uint32_t subpatch, StepGrid& grid) {
 
 }  // namespace
 
-/// What a thread has of its own: room to dice without the cache, and its counters.
+/// The state of one thread: room to dice without the cache, and its counters.
 struct GeometryCache::ThreadState {
     union {
         Grid fine;
         StepGrid steps;
     };
-    /// The medium grids asked for last, a place for all keys that leave the same remainder: rays that follow each other
-    /// meet the same ones. In the first one of them too where nothing is kept.
+    /// The last medium grids, one for all keys with the same remainder: consecutive rays meet the same ones. If the
+    /// cache keeps nothing, the first one is used for all.
     std::array<MediumGrid, kRecent> recent;
     std::array<uint32_t, kRecent> recent_keys;
     std::unique_ptr<Grid> parts[kFinestLevel - kFine];
@@ -72,7 +72,7 @@ struct GeometryCache::ThreadState {
         bool thrashes = false;
     };
     Level levels[kCounted];
-    /// By kind, slots that no one sees.
+    /// By kind, slots that no other thread sees.
     std::array<uint32_t, GridArena::kKinds> spares;
     Counter splits, part_bytes;
     ReaderEpochs::Reader& reader;
@@ -83,7 +83,7 @@ struct GeometryCache::ThreadState {
     }
     Grid& scratch(const Grid*) { return fine; }
     StepGrid& scratch(const StepGrid*) { return steps; }
-    /// In the thread's own grid for parts of that level.
+    /// Dices into the thread's own grid for parts of that level.
     const Grid& dice_part(const Dicer& dicer, uint32_t subpatch, const GridPart& part) {
         std::unique_ptr<Grid>& grid = parts[part.level - kFine - 1];
         if (!grid) {
@@ -93,7 +93,7 @@ struct GeometryCache::ThreadState {
         dicer.levels()->dice_part(subpatch, part, *grid);
         return *grid;
     }
-    /// A slot that no one sees for a grid of a kind; kNone if there is none now.
+    /// A slot that no other thread sees, for a grid of a kind; kNone if there is none now.
     uint32_t spare(Kind kind, GridArena& arena, ReaderEpochs& epochs) {
         uint32_t& slot = spares[static_cast<size_t>(kind)];
         if (slot == GridArena::kNone) slot = arena.acquire(kind, epochs).value_or(GridArena::kNone);
@@ -116,7 +116,7 @@ uint64_t GeometryCacheStatistics::vertices_recomputed() const {
 GeometryCache::GeometryCache(const GeometryCacheSettings& settings, uint32_t subpatch_count)
     : settings_(settings), subpatch_count_(subpatch_count) {
     if (settings.mode == CacheMode::Single) settings_.rule.resolution = LevelRule::Resolution::Single;
-    // Workers, and the thread that waits for them and works too.
+    // The workers, and the thread that waits for them and works too.
     const uint64_t threads = uint64_t{std::thread::hardware_concurrency()} + 1;
     const uint64_t fixed = sizeof(*this) + sizeof(GridArena) +
                            threads * (thread_bytes() + sizeof(ThreadState::parts) / sizeof(void*) * sizeof(Grid));
@@ -149,7 +149,7 @@ void GeometryCache::count_lookup(ThreadState& state, int level) const {
     own.window_lookups = own.window_misses = 0;
 }
 
-/// Of a grid that was missed: counts it, and says whether to keep it.
+/// Counts a miss and decides whether to keep the grid.
 template <typename MissedLately>
 bool GeometryCache::deserves_slot(ThreadState& state, int level, const MissedLately& missed_lately) const {
     ThreadState::Level& own = state.levels[level];
@@ -218,7 +218,7 @@ const MediumGrid& GeometryCache::look_up(ThreadState& state, uint32_t first, con
     return grid;
 }
 
-/// Puts a medium grid that the thread has at hand into the cache, packed if that may be. False if it got no slot.
+/// Puts a medium grid of the thread into the cache, packed if possible. False if it got no slot.
 bool GeometryCache::keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const {
     const MediumGrid& grid = state.recent[key % kRecent];
     SmoothGrid smooth;
@@ -239,7 +239,7 @@ bool GeometryCache::keep_medium(ThreadState& state, uint32_t key, const Subpatch
     return true;
 }
 
-/// Grids of parts may be held at several levels at a time, so they are diced beside the cache and copied.
+/// A thread may use parts of several levels at a time, so they are diced outside the cache and copied.
 const Grid& GeometryCache::part(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
                                 const GridPart& part) const {
     count_lookup(state, kParts);
@@ -258,7 +258,7 @@ const Grid& GeometryCache::part(ThreadState& state, uint32_t first, const Dicer&
     return grid;
 }
 
-/// By the bit of what was diced.
+/// Counts a cold tessellation, unless its bit is set already.
 void GeometryCache::count_cold(ThreadState& state, int level, uint64_t bit) const {
     if (!seen_) return;
     std::atomic<uint64_t>& word = (level == kParts ? seen_parts_ : seen_)[bit / kWordBits];

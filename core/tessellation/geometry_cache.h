@@ -2,16 +2,16 @@
 // (Christensen, Laur, Fong, Wooten, Batali, "Ray Differentials and Multiresolution Geometry Caching for Distribution
 // Ray Tracing in Complex Scenes", Eurographics 2003, section 5.2).
 //
-// What it holds changes time, never a picture: a grid is a pure function of (subpatch, level), so one that is not there
-// is diced again. Looking up never waits. A thread that finds nothing dices into a free slot, or where there is none
-// now, into a grid of its own.
+// Its contents change the time, never the picture: a grid is a pure function of (subpatch, level), so one that is not
+// there is diced again. A lookup never waits. A thread that misses dices into a free slot, or if there is none now,
+// into a grid of its own.
 //
-// Departures from the paper: the coarse level is four corners that lie in the record that the choice of a level reads
+// Departures from the paper: the coarse level is four corners, stored in the record that the choice of a level reads
 // anyway (tessellation/level.h), so it is never looked up, missed or diced again; medium and fine grids share one
-// budget, and memory goes where rays are, instead of equal thirds; a clock instead of a list of the least recently
-// used, which does as well without a lock; all that it takes to keep track of the grids counts within the budget; when
-// memory is too small for what rays want, a grid must be missed twice before it gets a slot; medium grids of smooth
-// surfaces are kept packed (tessellation/packed_grid.h); the parts of a split subpatch are kept each by itself.
+// budget, so that memory goes where rays are, instead of equal thirds; the clock algorithm replaces a list of the least
+// recently used, because it needs no lock; the bookkeeping counts within the budget; when memory is too small for the
+// working set, a grid must be missed twice before it gets a slot; medium grids of smooth surfaces are packed
+// (tessellation/packed_grid.h); the parts of a split subpatch are stored one by one.
 #pragma once
 
 #include "base/thread_states.h"
@@ -37,41 +37,41 @@ enum class CacheMode : uint8_t {
 };
 
 struct GeometryCacheSettings {
-    /// All memory of the cache: grids, what keeps track of them, the threads' own grids. Whatever it is, each thread
-    /// has what it needs to go on without.
+    /// All memory of the cache: grids, bookkeeping, the threads' own grids. However small it is, each thread has what
+    /// it needs to work without the cache.
     uint64_t budget = uint64_t{30} << 20;
     CacheMode mode = CacheMode::Multi;
     LevelRule rule;
-    /// Memory for facets that stay, before any go through the cache, bytes.
+    /// Memory for resident facets, bytes; objects beyond it go through the cache.
     uint64_t resident_budget = 0;
 };
 
-/// Megabytes as users give them; zero and less is no cache.
+/// From megabytes as users give them; zero or less: no cache.
 inline uint64_t budget_from_megabytes(double megabytes) {
     constexpr double kMost = 1e9;  // a petabyte
     return megabytes > 0.0 ? static_cast<uint64_t>(std::min(megabytes, kMost) * 1048576.0) : 0;
 }
 
-/// What happened at one level.
+/// Counters of one level.
 struct LevelCounters {
     uint64_t lookups = 0;
-    uint64_t diced = 0;     ///< tessellations: lookups that found nothing
+    uint64_t diced = 0;     ///< tessellations: lookups that missed
     uint64_t cold = 0;      ///< of these, the first of their subpatch and level; 0 where not counted
     uint64_t bypassed = 0;  ///< of those diced, the ones that got no slot
-    uint64_t bytes = 0;     ///< of the units of memory that hold the level's grids now
+    uint64_t bytes = 0;     ///< of the units that hold the level's grids now
 
     uint64_t recomputed() const { return diced - cold; }
 };
 
 struct GeometryCacheStatistics {
     std::array<LevelCounters, kStoredLevels> levels;  ///< coarse to fine
-    /// Of parts of split subpatches. Some that are diced for the first time may be taken for known: they are told
-    /// apart by hashes.
+    /// Of parts of split subpatches. Cold ones are recognized by hashes, so a few of them may not be counted as
+    /// cold.
     LevelCounters parts;
-    uint64_t splits = 0;  ///< times that a ray needed a subpatch split: finer than the finest level
-    uint64_t bytes = 0;   ///< held now, everything
+    uint64_t splits = 0;  ///< how often a ray needed a split subpatch: finer than the finest level
+    uint64_t bytes = 0;   ///< held now, in all
     uint64_t budget = 0;
-    bool cold_counted = true;  ///< false where even a bit for each subpatch and level is too much for the budget
+    bool cold_counted = true;  ///< false if one bit for each subpatch and level exceeds the budget
 
     uint64_t vertices_diced() const;
     uint64_t vertices_recomputed() const;  ///< the cost of the cache (section 6.1)
@@ -94,7 +94,7 @@ class GeometryCache {
   private:
     struct ThreadState;
     std::unique_ptr<GridArena> arena_;
-    /// A bit for each (subpatch, level) diced so far, and for hashes of parts. For counting: they publish nothing.
+    /// A bit for each (subpatch, level) diced so far, and for hashes of parts. For counting only: they publish nothing.
     ZeroedArray<std::atomic<uint64_t>> seen_, seen_parts_;
     uint64_t seen_part_words_ = 0;
     GeometryCacheSettings settings_;
@@ -120,8 +120,8 @@ class GeometryCache {
                      const GridPart& part) const;
 };
 
-/// One thread's access for the time of a ray; announced when it asks for the first grid. Grids are valid until it ends,
-/// or until the same thread has asked for another of the same level.
+/// RAII guard of one thread's access for the time of a ray; announced when it asks for the first grid. Grids are valid
+/// until it ends, or until the same thread asks for another grid of the same level.
 class GeometryCache::Reader {
   public:
     explicit Reader(const GeometryCache& cache);
@@ -129,19 +129,19 @@ class GeometryCache::Reader {
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
 
-    /// Counts a ray that sees a subpatch by its corners alone.
+    /// Counts a ray that sees only the corners of a subpatch.
     void count_coarse() const;
     /// `first` is the number of the dicer's first subpatch in the cache.
     const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch, const SubpatchDetail& detail) const;
     const Grid& fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
-    /// The fine level in steps, of dicers that have them.
+    /// The fine level in steps, for dicers that have them.
     const StepGrid& steps(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
-    /// Counts a ray that needs a subpatch split.
+    /// Counts a ray that needs a split subpatch.
     void count_split() const;
-    /// Beyond the fine level. Valid until the thread asks for another part of the same level.
+    /// A part beyond the fine level. Valid until the thread asks for another part of the same level.
     const Grid& part(const Dicer& dicer, uint32_t first, uint32_t subpatch, const GridPart& part) const;
     const LevelRule& rule() const { return cache_.settings_.rule; }
-    /// Tessellations that this thread had to make so far.
+    /// Tessellations made by this thread so far.
     uint64_t misses() const;
 
   private:

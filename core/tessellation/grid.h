@@ -4,7 +4,7 @@
 // triangle 2 * (j * 16 + i) has the corners (i,j), (i+1,j+1), (i+1,j), the next one (i,j), (i,j+1), (i+1,j+1):
 // counter-clockwise seen from the outside, the side of P_v x P_u.
 //
-// Each block has a copy of its 5 x 5 vertices, so that a ray that tests it reads few cache lines.
+// Each block has its own copy of its 5 x 5 vertices, so that testing it reads few cache lines.
 #pragma once
 
 #include "base/vector.h"
@@ -22,25 +22,25 @@ inline constexpr int kBlocksAlong = kGridCells / kBlockCells;  ///< along one si
 inline constexpr int kBlocks = kBlocksAlong * kBlocksAlong;
 inline constexpr uint32_t kGridTriangles = 2 * kGridCells * kGridCells;
 
-/// What a block's box is enlarged by beyond its vertices, local units: what a float ray's points may be off (the
-/// derivation is at kBoxPadding in trace/local_ray.h).
+/// Padding of a block's box around its vertices, local units: the error of a float ray's points (the derivation is at
+/// kBoxPadding in trace/local_ray.h).
 inline constexpr float kBlockPadding = 0x1p-19f;
 
 inline constexpr int kBlockVertices = kBlockCells + 1;  ///< along one side
 inline constexpr int kBlockSize = kBlockVertices * kBlockVertices;
 
-/// How a grid's vertices are held. Float suits surfaces as wide as they are long. Fixed is for thin ones: numbers of
-/// steps of 2^-30, exact in double, so that a strand of a millionth of its length is still round.
+/// How a grid's vertices are stored. Float suits surfaces as wide as they are long. Fixed is for thin ones: integer
+/// numbers of steps of 2^-30, exact in double, so that a strand of a millionth of its length is still round.
 enum class VertexFormat : uint8_t { Float, Fixed };
 inline constexpr double kFixedStep = 0x1p-30;
 
-/// Where vertices are diced to, row by row: by axis, vertex (i, j) at j * (quads + 1) + i.
+/// The destination of dicing, row by row: by axis, vertex (i, j) at j * (quads + 1) + i.
 struct VertexRows {
     int quads = 0;  ///< along a side
     float* axes[3] = {};
 };
 
-/// Vertices row by row, as they are diced: vertex (i, j) is at j * 17 + i.
+/// Diced vertices row by row: vertex (i, j) is at j * 17 + i.
 struct GridRows {
     float vertices[3][kGridSize];  ///< by axis
 
@@ -50,7 +50,7 @@ struct GridRows {
 struct alignas(64) Grid {
     /// Padded boxes of the blocks: by axis, low then high. Block 4 * (j / 4) + i / 4 holds cell (i, j).
     float boxes[3][2][kBlocks];
-    /// By block and axis: vertex (i, j) of the block is at j * 5 + i. Which of the two, the dicer tells.
+    /// By block and axis: vertex (i, j) of the block is at j * 5 + i. The dicer knows which of the two it is.
     union {
         float vertices[kBlocks][3][kBlockSize];
         int32_t fixed[kBlocks][3][kBlockSize];
@@ -86,24 +86,24 @@ inline FacetCorners Grid::corners(uint32_t triangle, VertexFormat format) const 
     return {at(of.vertices[0]), at(of.vertices[1]), at(of.vertices[2])};
 }
 
-/// The same surface by 4 x 4 cells: every fourth vertex of the fine grid, (i, j) at j * 5 + i.
+/// The same surface in 4 x 4 cells: every fourth vertex of the fine grid, (i, j) at j * 5 + i.
 struct alignas(64) MediumGrid {
     float vertices[3][kBlockSize];
 
     VertexRows target() { return {kBlockCells, {vertices[0], vertices[1], vertices[2]}}; }
 };
 
-/// By one cell: the corners of the fine grid, (i, j) at j * 2 + i.
+/// The same in one cell: the corners of the fine grid, (i, j) at j * 2 + i.
 inline constexpr int kCorners = 4;
 
-/// The most that a place may lie within a cell, in cells, where the far border is another cell's.
+/// The largest place within a cell, in cells, where the far border belongs to another cell.
 inline constexpr double kBelowOne = 1.0 - 0x1p-40;
 
 /// Where in a grid a point of a triangle lies: i + fraction, j + fraction.
 Vec2d grid_parameters(uint32_t triangle, double weight1, double weight2);
 
-/// The same, but never on the far borders of the triangle's cell: in a folded grid (swept_dicer.h) what lies beyond is
-/// another place.
+/// The same, but never on the far borders of the triangle's cell: in a folded grid (swept_dicer.h) the cell beyond is
+/// elsewhere on the surface.
 Vec2d parameters_in_cell(uint32_t triangle, double weight1, double weight2);
 
 /// The triangle of a grid at grid parameters in [0,16]², and the weights of its corners 1 and 2.

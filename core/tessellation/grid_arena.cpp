@@ -9,22 +9,22 @@
 namespace rayleaf {
 namespace {
 
-/// So many units are free or on their way out at a time, at most a share of all: each needs the rays under way to end.
+/// This many units, or a share of all, are free or leaving at a time: a unit is free once the current rays have ended.
 constexpr size_t kMostOnTheWayOut = 16, kLeastShareOnTheWayOut = 8;
 
-/// A table may take this share of the budget.
+/// A table may take one part in this many of the budget.
 constexpr uint64_t kTableShare = 4;
 
-/// Late misses that are remembered, for each unit.
+/// Recent misses remembered per unit.
 constexpr uint32_t kMissesPerUnit = 4;
 
-/// Of a part in the index: set_bytes, rounded up.
+/// Bytes of a part in the index: set_bytes, rounded up.
 constexpr uint64_t kPartEntry = 9;
 
-/// A unit with a smaller share of grids in use is emptied: what is used is worth less than the unit.
+/// A unit in which less than one grid in this many is in use is emptied.
 constexpr uint32_t kLeastShareUsed = 4;
 
-/// Parts that a subpatch may be split into, of all levels.
+/// The number of parts of a subpatch, of all levels.
 constexpr uint64_t kMostParts = [] {
     uint64_t sum = 0;
     for (int level = kFine + 1; level <= kFinestLevel; ++level)
@@ -53,7 +53,7 @@ GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     const uint64_t fixed = (as_table ? table : kSet) + kSet;
     const uint64_t for_units = budget - std::min(budget, fixed);
     const uint64_t threads = uint64_t{std::thread::hardware_concurrency()} + 1;
-    // More would never be used, but for those on the way out and those that threads hold.
+    // More would never be used, except by grids that are leaving and slots that threads hold.
     const uint64_t most =
         uint64_t{subpatches} * (1 + kMostParts) + subpatches / kSlots + kMostOnTheWayOut + 2 * threads;
     constexpr uint64_t kNumbered = (uint64_t{1} << 32) / kSlots - 1;
@@ -61,7 +61,7 @@ GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     unit_count_ = static_cast<uint32_t>(std::min({fitting, most, kNumbered}));
     if (unit_count_ == 0) return;
     const uint32_t slots = unit_count_ * kSlots;
-    // A few grids should not take a large page.
+    // A few grids should not take a whole large page.
     memory_ = large_memory(unit_count_ * sizeof(Memory), kLargePage);
     if (!memory_) throw std::bad_alloc();
     index_ = GridIndex(slots, 2 * subpatches, as_table);
@@ -74,7 +74,7 @@ GridArena::GridArena(uint64_t budget, uint32_t subpatches) {
     units_ = ZeroedArray<Unit>(unit_count_);
 }
 
-/// A unit for grids of a kind, all of it free.
+/// Takes an empty unit for grids of a kind.
 std::optional<uint32_t> GridArena::take_unit(Kind kind) {
     const uint32_t used = used_.load(std::memory_order_relaxed);
     uint32_t unit = used;
@@ -91,7 +91,7 @@ std::optional<uint32_t> GridArena::take_unit(Kind kind) {
     return unit;
 }
 
-/// Remembers that a unit has free slots.
+/// Lists a unit that has free slots.
 void GridArena::list(uint32_t number) {
     const Kind kind = kind_of(number);
     Unit& unit = units_[number];
@@ -141,12 +141,12 @@ bool GridArena::publish(const PartKey& part, uint32_t slot, ReaderEpochs& epochs
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return false;
     has_parts_.store(true, std::memory_order_relaxed);
-    part_keys_[slot / kSlots].store(part.key, std::memory_order_relaxed);  // seen once the index is
+    part_keys_[slot / kSlots].store(part.key, std::memory_order_relaxed);  // published by the index
     return publish_in(part_index_, part.hash, slot, epochs);
 }
 
 bool GridArena::publish_in(GridIndex& index, uint32_t wanted, uint32_t slot, ReaderEpochs& epochs) {
-    if (index.find(wanted) != kNone) return false;  // another thread was faster, or a part has the same hash
+    if (index.find(wanted) != kNone) return false;  // another thread was first, or a part has the same hash
     marks_[slot].store(0, std::memory_order_relaxed);
     owners_[slot] = wanted + 1;
     if (const std::optional<uint32_t> out = index.insert(wanted, slot)) {
@@ -165,7 +165,7 @@ void GridArena::retire(uint32_t unit, const SlotMask& slots, ReaderEpochs& epoch
     leaving.stamp = epochs.advance();
 }
 
-/// What the clock's hand takes of a unit, which it passes: grids without marks, or all where few have one.
+/// The grids that the clock's hand evicts from a unit: those without marks, or all if few have one. Clears the marks.
 SlotMask GridArena::unused_slots(uint32_t unit) {
     SlotMask held, unused;
     uint32_t used = 0;
@@ -183,7 +183,7 @@ SlotMask GridArena::unused_slots(uint32_t unit) {
     return used < count / kLeastShareUsed ? held : unused;
 }
 
-/// Sends grids on the way out until there are enough.
+/// Evicts grids until enough are leaving.
 void GridArena::make_room(ReaderEpochs& epochs) {
     const size_t wanted = std::min(kMostOnTheWayOut, std::max(size_t{1}, unit_count_ / kLeastShareOnTheWayOut));
     for (uint32_t steps = 2 * unit_count_; leaving_.size() + free_.size() < wanted && steps > 0; --steps) {
@@ -202,7 +202,7 @@ void GridArena::make_room(ReaderEpochs& epochs) {
     }
 }
 
-/// Takes back what no reader can see any more.
+/// Frees the slots that no reader can see any more.
 void GridArena::reclaim(const ReaderEpochs& epochs) {
     if (leaving_.empty()) return;
     const uint64_t oldest = epochs.oldest();

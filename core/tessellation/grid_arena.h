@@ -1,11 +1,11 @@
-// The memory of the geometry cache: units that hold one fine grid, or two in steps (tessellation/step_grid.h), or
-// medium ones of one of three kinds, sixteen as they are, forty packed or eighty-one smooth ones
-// (tessellation/packed_grid.h), or one part of a split subpatch, whatever rays ask for.
+// The memory of the geometry cache: units of equal size. By demand, a unit holds one fine grid, or two in steps
+// (tessellation/step_grid.h), or medium grids of one of three kinds (sixteen plain, forty packed or eighty-one smooth
+// ones, tessellation/packed_grid.h), or one part of a split subpatch.
 //
-// Looking up takes no lock (tessellation/grid_index.h). Changes are made under a lock that is never waited for: who
-// finds it taken does without. What has to go is found by a clock: a hand goes round the units of all kinds and takes
-// the grids that no one asked for since it last came by. A medium grid has no more bytes to a vertex than a fine one,
-// or a few more, so the same clock is fair to both, and memory goes where rays are.
+// Lookups take no lock (tessellation/grid_index.h). Changes are made under a lock that is tried, never waited for: a
+// thread that finds it taken does without. The clock algorithm evicts: a hand goes round the units of all kinds and
+// takes the grids that were not used since it last passed. Medium and fine grids take about as many bytes per vertex,
+// so one clock is fair to both, and memory goes where rays are.
 #pragma once
 
 #include "base/cache_line.h"
@@ -35,7 +35,7 @@ class GridArena {
     static constexpr uint32_t kNone = GridIndex::kNone;
     enum class Kind : uint8_t { Smooth, Packed, Medium, Steps, Fine, Part };
     static constexpr int kKinds = 6;
-    /// Grids of a kind in a unit; what is left of it is not used. NOLINTBEGIN(bugprone-sizeof-expression)
+    /// Grids of a kind in a unit; the rest is not used. NOLINTBEGIN(bugprone-sizeof-expression)
     static constexpr uint32_t kMediumSlots = sizeof(Grid) / sizeof(MediumGrid);
     static constexpr uint32_t kPackedSlots = sizeof(Grid) / sizeof(PackedGrid);
     static constexpr uint32_t kSmoothSlots = sizeof(Grid) / sizeof(SmoothGrid);
@@ -51,10 +51,10 @@ class GridArena {
     /// Subpatches are numbered below this.
     static constexpr uint32_t kMostSubpatches = 1u << 31;
 
-    /// As many units as fit `budget` with all that is needed to keep track of them.
+    /// Makes as many units as fit `budget` with their bookkeeping.
     GridArena(uint64_t budget, uint32_t subpatches);
 
-    /// A part of a split subpatch. Found by the hash; the key tells parts apart whose hashes are equal.
+    /// A part of a split subpatch. It is found by its hash; the key distinguishes parts with equal hashes.
     struct PartKey {
         uint64_t key;
         uint32_t hash;
@@ -65,7 +65,7 @@ class GridArena {
     bool empty() const { return unit_count_ == 0; }
     /// Whether all memory is in use.
     bool full() const { return used_.load(std::memory_order_relaxed) >= unit_count_; }
-    /// The slot of a subpatch's grid, fine or else medium of either kind, which it marks as used; kNone if there is
+    /// The slot of a subpatch's grid, fine or medium of any kind, and marks it as used; kNone if there is
     /// none.
     uint32_t find(Kind kind, uint32_t subpatch) const {
         if (unit_count_ == 0) return kNone;
@@ -73,7 +73,7 @@ class GridArena {
         if (slot != kNone) mark(slot);
         return slot;
     }
-    /// The same of a part.
+    /// The same for a part.
     uint32_t find(const PartKey& part) const {
         if (unit_count_ == 0) return kNone;
         const uint32_t slot = part_index_.find(part.hash);
@@ -81,7 +81,7 @@ class GridArena {
         mark(slot);
         return slot;
     }
-    /// Of the grid that was found in a slot.
+    /// The kind of the grid found in a slot.
     Kind kind(uint32_t slot) const { return kind_of(slot / kSlots); }
     Grid& fine(uint32_t slot) const { return memory(slot).fine; }
     StepGrid& steps(uint32_t slot) const { return memory(slot).steps[slot % kSlots]; }
@@ -89,19 +89,19 @@ class GridArena {
     SmoothGrid& smooth(uint32_t slot) const { return memory(slot).smooth[slot % kSlots]; }
     PackedGrid& packed(uint32_t slot) const { return memory(slot).packed[slot % kSlots]; }
 
-    /// A slot that no one sees, for the caller to fill; empty if none is free now.
+    /// A slot that no other thread sees, for the caller to fill; empty if none is free now.
     std::optional<uint32_t> acquire(Kind kind, ReaderEpochs& epochs);
-    /// Makes a filled slot visible. False if that cannot be now: the slot stays the caller's.
+    /// Makes a filled slot visible. False if that is not possible now: the slot stays with the caller.
     bool publish(Kind kind, uint32_t subpatch, uint32_t slot, ReaderEpochs& epochs);
     bool publish(const PartKey& part, uint32_t slot, ReaderEpochs& epochs);
-    /// While slots run out all the time: whether a grid was missed before, not long ago; only those are worth a slot.
+    /// While memory is short: whether a grid was missed before, not long ago. Only such grids get a slot.
     bool missed_lately(Kind kind, uint32_t subpatch) { return missed_lately(key(kind, subpatch)); }
     bool missed_lately(const PartKey& part) { return missed_lately(part.hash); }
 
     uint64_t bytes(Kind kind) const {
         return units_of_[static_cast<int>(kind)].load(std::memory_order_relaxed) * sizeof(Memory);
     }
-    /// Of all kinds, free ones, and what keeps track of them, as far as it was ever used.
+    /// Memory of all units ever used, and of their bookkeeping.
     uint64_t bytes() const;
 
   private:
@@ -114,7 +114,7 @@ class GridArena {
     };
     static_assert(sizeof(Memory) <= sizeof(Grid) + alignof(Grid));
     struct Unit {
-        uint64_t stamp = 0;  ///< of what is leaving
+        uint64_t stamp = 0;  ///< of the slots that are leaving
         SlotMask free;       ///< slots that may be handed out
         SlotMask leaving;    ///< slots that readers may still see; the unit waits in `leaving_` then
         uint8_t listed = 0;  ///< a bit for each kind in whose `with_room_` it is
@@ -126,13 +126,13 @@ class GridArena {
     /// By unit. Published by the index with the grids of the unit.
     ZeroedArray<std::atomic<Kind>> kinds_;
     ZeroedArray<std::atomic<uint8_t>>
-        marks_;  ///< by slot: used since the hand came by; a hint, which publishes nothing
+        marks_;  ///< by slot: used since the clock's hand passed; a hint, which publishes nothing
     /// By unit, of parts. Published by the index with the part.
     ZeroedArray<std::atomic<uint64_t>> part_keys_;
-    ZeroedArray<std::atomic<uint32_t>> missed_;  ///< key + 1 of late misses, by hash; a hint
+    ZeroedArray<std::atomic<uint32_t>> missed_;  ///< key + 1 of recent misses, by hash; a hint
     ZeroedArray<uint32_t> owners_;               ///< by slot: key + 1 of those that are visible, else 0
     ZeroedArray<Unit> units_;
-    // Changed under the lock, while others look up.
+    // Changed under the lock, while other threads look up.
     alignas(kCacheLine) std::mutex mutex_;
     std::atomic<bool> has_parts_{false};       ///< or had some; for statistics
     std::deque<uint32_t> leaving_;             ///< units, in the order of their stamps

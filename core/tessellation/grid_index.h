@@ -1,7 +1,7 @@
-// From keys to slots of the geometry cache, without a lock for who asks.
+// A hash table from keys to slots of the geometry cache; lookups take no lock.
 //
-// Where a number for each key takes little of the budget the index is a table of them, else sets of eight (key, slot)
-// pairs, each set a cache line. A key may lie in either of two sets, and goes to the one with more room, so that hardly
+// If one number per key takes little of the budget, the index is an array of them, else sets of eight (key, slot)
+// pairs, one cache line each. A key may lie in either of two sets, and is put in the one with more room, so that hardly
 // any set is full before nearly all are (Azar, Broder, Karlin, Upfal, "Balanced allocations", STOC 1994).
 #pragma once
 
@@ -19,7 +19,7 @@ class GridIndex {
     static constexpr uint32_t kNone = ~0u;
 
     GridIndex() = default;
-    /// `capacity` slots for keys below `keys`; as a table, if that may be.
+    /// For `capacity` slots and keys below `keys`; `as_table` allows an array.
     GridIndex(uint32_t capacity, uint32_t keys, bool as_table);
 
     uint32_t find(uint32_t key) const {
@@ -33,13 +33,13 @@ class GridIndex {
         }
         return kNone;
     }
-    /// Changes are the lock holder's. Returns the slot that lost its place in a full set, if one did.
+    /// Only the lock holder may change the index. Returns the slot that was displaced from a full set, if any.
     std::optional<uint32_t> insert(uint32_t key, uint32_t slot);
     void remove(uint32_t key, uint32_t slot);
     uint64_t bytes() const;
 
     static uint64_t table_bytes(uint32_t keys) { return sizeof(std::atomic<uint32_t>) * uint64_t{keys}; }
-    /// Of so many slots in sets: a tenth more than that, for sets never fill evenly.
+    /// Bytes for this many slots in sets: a tenth more than they need, since sets never fill evenly.
     static constexpr uint64_t set_bytes(uint64_t slots) { return slots * sizeof(std::atomic<uint64_t>) * 11 / 10; }
 
   private:
@@ -53,8 +53,8 @@ class GridIndex {
     ZeroedArray<Set> sets_;
     uint32_t keys_ = 0, set_count_ = 0, next_way_ = 0;
 
-    /// Of Knuth's multiplicative hash: the golden ratio's and the silver ratio's fraction times 2^32. Keys of
-    /// neighbours go to different sets.
+    /// Factors of Knuth's multiplicative hash: the fractions of the golden and the silver ratio times 2^32.
+    /// Neighbouring keys go to different sets.
     static constexpr uint32_t kFactors[2] = {2654435769u, 1779033703u};
     std::atomic<uint64_t>* set_of(uint32_t key, uint32_t factor) const {
         const uint32_t hash = key * factor;

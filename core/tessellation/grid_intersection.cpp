@@ -14,7 +14,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Half a block: 16 lanes are slower where there are so many, by 7 % for camera rays.
+/// Half a block: 16 lanes are slower for camera rays.
 using Lanes = hn::CappedTag<float, 8>;
 using Vector = hn::Vec<Lanes>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
@@ -22,7 +22,7 @@ constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
 #include "tessellation/block_lanes.inl"
 #include "tessellation/simd_lanes.inl"
 
-/// The blocks that the ray may hit up to t_max, one bit each; where they begin, unless null.
+/// The blocks that the ray may hit up to t_max, one bit each; where they begin, unless that is null.
 HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_max, float padding,
                                   float* begins = nullptr) {
     const Lanes lanes;
@@ -70,7 +70,7 @@ struct FloatCells {
     static HWY_INLINE float scale_z(const GridRay& ray) { return ray.scale_z; }
 };
 
-/// Fixed numbers, in double precision.
+/// Vertices in fixed-point numbers, tested in double precision.
 struct FixedCells {
     static constexpr bool kIsExact = true;
     using Lanes = hn::CappedTag<double, 8>;
@@ -87,7 +87,7 @@ struct FixedCells {
     static HWY_INLINE double scale_z(const GridRay& ray) { return ray.fixed_scale_z; }
 };
 
-/// The test of a block's cells, as many at once as a vector holds.
+/// The test of a block's cells, a vector of them at a time.
 template <class Cells>
 struct CellTest {
     using D = typename Cells::Lanes;
@@ -137,20 +137,20 @@ struct CellTest {
     }
     static HWY_INLINE V edge(const Corner& p, const Corner& q) { return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x)); }
     static HWY_INLINE V size(const Corner& p) { return hn::Add(hn::Abs(p.x), hn::Abs(p.y)); }
-    /// How far the edge functions of a cell may be off: px qy - py qx by the error times all four numbers.
+    /// Error bound of a cell's edge functions: px qy - py qx is off by the error times all four numbers.
     static HWY_INLINE V error(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
         const D lanes;
         if constexpr (Cells::kIsExact) return hn::Zero(lanes);
         const V sizes = hn::Add(hn::Add(size(a), size(b)), hn::Add(size(c), size(d)));
         return hn::Mul(hn::Add(sizes, hn::Set(lanes, kCornerError)), hn::Set(lanes, kCornerError));
     }
-    /// The stretch of the ray within which it meets the triangles, unless it passes them, from `near` to `far`.
+    /// The interval of the ray, from `near` to `far`, in which it meets the triangles, unless it misses them.
     HWY_INLINE void depths(const Triangles& hit, V& near, V& far) const {
         const V p = hn::Mul(hit.pz, scale_z), q = hn::Mul(hit.qz, scale_z), r = hn::Mul(hit.rz, scale_z);
         near = hn::Min(p, hn::Min(q, r));
         far = hn::Max(p, hn::Max(q, r));
     }
-    /// Adds the lanes that are hit within the ray's stretch. `first` is the triangle of the first lane.
+    /// Adds the lanes that are hit within the ray's interval. `first` is the triangle of the first lane.
     HWY_INLINE void add_hits(const Triangles& hit, M inside, uint32_t first, GridCandidates& candidates) const {
         const D lanes;
         const V zero = hn::Zero(lanes);
@@ -253,7 +253,7 @@ GridKernels grid_kernels() {
             &HWY_DYNAMIC_DISPATCH(add_block_of_floats)};
 }
 
-/// The same operations as in a lane of the kernel, for its borders are its neighbours'.
+/// The same operations as in a lane of the kernel, since its borders are shared with neighbours.
 void add_quad_candidates(const SubpatchDetail& detail, const GridRay& ray, float t_max, GridCandidates& candidates) {
     const Float4 z = load4(detail.corners[ray.axis_z]) - ray.origin[ray.axis_z];
     const Float4 x = (load4(detail.corners[ray.axis_x]) - ray.origin[ray.axis_x]) - ray.shear_x * z;
@@ -284,7 +284,7 @@ void GridRay::set_fixed(const Vec3d& ray_origin, const Vec3d& direction, double 
 }
 
 GridRay::GridRay(const Vec3f& ray_origin, const Vec3f& direction) {
-    // Far beyond any box, yet times a box's size still finite.
+    // Far beyond any box, yet still finite when multiplied by a box's size.
     constexpr float kHuge = 1e18f;
     for (int axis = 0; axis < 3; ++axis) {
         origin[axis] = ray_origin[axis];

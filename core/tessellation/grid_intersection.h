@@ -6,9 +6,9 @@
 // computed sign is the exact one or zero. Zero counts as inside for the facets on both sides. So with the same sheared
 // vertices no ray passes between facets that share an edge or a vertex; a ray through an edge may find both facets.
 //
-// Grids of fixed numbers are tested so in double precision. Those of floats are tested in single precision, which moves
-// a ray aside by more than ridges of small facets are high: the test is widened by that, finds all facets that the true
-// ray may hit, and FacetRay (geometry/facet.h) decides, by the same steps in double precision.
+// Grids of fixed-point numbers are tested in double precision. Those of floats are tested in single precision, whose
+// error is larger than the relief of small facets. So the test is widened by that error and finds all facets that the
+// true ray may hit; FacetRay (geometry/facet.h) decides, by the same steps in double precision.
 #pragma once
 
 #include "base/vector.h"
@@ -19,16 +19,16 @@
 
 namespace rayleaf {
 
-/// What distances to a box's near and far side are multiplied by: (bound - origin) * inverse has four roundings of
+/// Safety factors of the distances to a box's near and far side: (bound - origin) * inverse has four roundings of
 /// 2^-24.
 inline constexpr float kNearFactor = 1.0f - 0x1p-21f, kFarFactor = 1.0f + 0x1p-21f;
 
-/// A float ray as the kernel wants it. `direction` is unit length; the origin has coordinates of the order of 1.
+/// A float ray in the form of the kernel. `direction` is unit length; the origin has coordinates of the order of 1.
 struct GridRay {
     GridRay() = default;
     GridRay(const Vec3f& ray_origin, const Vec3f& direction);
-    /// For grids of fixed numbers: the same ray in double, in steps of a length (local units). `direction` has the
-    /// length `speed`.
+    /// For grids of fixed-point numbers: the same ray in double, in steps of a length (local units). `direction` has
+    /// the length `speed`.
     void set_fixed(const Vec3d& ray_origin, const Vec3d& direction, double speed, double length_of_step);
 
     float origin[3];                  ///< by axis
@@ -37,23 +37,23 @@ struct GridRay {
     float inverse_far[3];             ///< kFarFactor / direction
     int axis_x, axis_y, axis_z;       ///< axis_z is the direction's largest component
     float shear_x, shear_y, scale_z;  ///< dx/dz, dy/dz, 1/dz
-    /// The same for fixed numbers, set_fixed() only: the origin in their steps, dx/dz, dy/dz, step/dz.
+    /// The same for fixed-point numbers, from set_fixed(): the origin in their steps, dx/dz, dy/dz, step/dz.
     double fixed_origin[3], fixed_shear_x, fixed_shear_y, fixed_scale_z;
     float step;
 };
 
-/// How far single precision may move a corner aside in the ray's space, local units: as far as a ray's points beside a
-/// box (kBlockPadding), the rounding of the shear included.
+/// Error of a corner in the ray's space in single precision, local units, the rounding of the shear included: the same
+/// as that of a ray's points at a box (kBlockPadding).
 inline constexpr float kCornerError = 0x1p-19f;
 
 /// A facet that the ray may hit.
 struct GridCandidate {
-    float t;  ///< along the unit direction, and for floats that of the nearest corner
+    float t;  ///< along the unit direction; for floats that of the nearest corner
     uint32_t triangle;
 };
 
-/// All facets of a grid that a ray hits, in no order; nearly always none, one, or the two at an edge. All at once, for
-/// a ray that leaves a surface finds the facet that it leaves first, and would else test the grid again for the next.
+/// All facets of a grid that a ray hits, unordered; nearly always none, one, or the two at an edge. All are found at
+/// once, because a ray that leaves a surface finds first the facet that it leaves, and would have to test again.
 class GridCandidates {
   public:
     void add(const GridCandidate& candidate) { found_[count_++] = candidate; }
@@ -72,10 +72,10 @@ class GridCandidates {
 
   private:
     uint32_t count_ = 0;
-    GridCandidate found_[kGridTriangles];  ///< not initialized: a ray would pay for 4 KB in each grid
+    GridCandidate found_[kGridTriangles];  ///< not initialized, to save writing 4 KB per ray and grid
 };
 
-/// Blocks of a grid that a ray may hit, and from where on: it can hit nothing of a block nearer than `near`.
+/// Blocks of a grid that a ray may hit, and lower bounds of the distance at which it does.
 struct NearBlocks {
     uint32_t bits = 0;
     float near[kBlocks];
@@ -95,12 +95,12 @@ struct NearBlocks {
 
 /// Adds the facets that the ray hits from its origin up to t_max; grids of floats.
 using AddCandidates = void (*)(const SnappedGrid& grid, const GridRay& ray, float t_max, GridCandidates& candidates);
-/// The blocks of a fine grid whose boxes, enlarged by `padding`, the ray meets up to t_max; one bit each.
+/// The blocks of a fine grid whose boxes, enlarged by `padding`, a ray meets up to t_max; one bit each.
 using FindBlocks = uint32_t (*)(const Grid& grid, const GridRay& ray, float t_max, float padding);
 /// The same without padding, in the order in which the ray comes to them.
 using FindNearBlocks = void (*)(const Grid& grid, const GridRay& ray, float t_max, NearBlocks& blocks);
-/// Adds the facets of one block of a grid of fixed numbers. They are tested in double precision, by the same steps, so
-/// that what is found is exact to 2^-50 or so of the shape's size.
+/// Adds the facets of one block of a grid of fixed-point numbers. They are tested in double precision, by the same
+/// steps, so the result is exact to about 2^-50 of the shape's size.
 using AddBlock = void (*)(const Grid& grid, uint32_t block, const GridRay& ray, float t_max,
                           GridCandidates& candidates);
 

@@ -38,7 +38,7 @@ HWY_INLINE void measure_box(const GridRows& rows, GridMeasure& out) {
     }
 }
 
-/// The larger of two, or the first if the second is no number.
+/// The larger of two, or the first if the second is NaN.
 HWY_INLINE Vector larger(Vector a, Vector b) {
     return hn::IfThenElse(hn::Gt(b, a), b, a);
 }
@@ -47,13 +47,13 @@ HWY_INLINE Vector plus_square(Vector sum, Vector v) {
     return hn::Add(sum, hn::Mul(v, v));
 }
 
-/// Differences within columns start.. of the grid, but those along its borders.
+/// Differences within the columns from `start` on, except those along the grid's borders.
 struct Differences {
     Vector uu, uv, vv;
 
     HWY_INLINE void add_columns(const GridRows& rows, int start) {
         const Lanes lanes;
-        // Differences along a row that lie across its last vertex are none.
+        // Differences across the last vertex of a row do not count.
         HWY_ALIGN float inside[kWidth];
         for (int i = 0; i < kWidth; ++i) inside[i] = start + i + 2 < kGridVertices ? 1.0f : 0.0f;
         const auto mask = hn::Load(lanes, inside);
@@ -82,7 +82,7 @@ struct Differences {
     }
 };
 
-/// Of the four borders side by side: vertex k of border b is at 4 k + b.
+/// Measures the four borders side by side: vertex k of border b is at 4 k + b.
 HWY_INLINE void measure_borders(const GridRows& rows, float (&largest)[kBorders]) {
     constexpr int kUp = kGridVertices, kLast = kGridCells * kGridVertices;
     constexpr int kFirst[kBorders] = {0, kGridCells, kLast, 0}, kStep[kBorders] = {1, kUp, 1, kUp};

@@ -8,11 +8,11 @@
 namespace rayleaf {
 namespace {
 
-/// Facets nearer to the surface than this differ by rounding alone; quads shorter than the other have lost their shape.
+/// Facets nearer to the surface than the first differ by rounding only; quads shorter than the second have no shape.
 constexpr float kSmallestDistance = 0x1p-22f, kSmallestQuad = 0x1p-18f;
 
-/// A border is never taken to be nearer than this share of its half length: a ray that starts within that says little
-/// about its distance (trace/dicing.cpp has the same for patches).
+/// A border is never assumed nearer than this share of its half length: for a ray that starts within it, its distance
+/// says little (trace/dicing.cpp does the same for patches).
 constexpr float kNearestShare = 0.05f;
 
 /// Codes of lengths are eighths of powers of two above 2^-28.
@@ -29,7 +29,7 @@ struct CodedLengths {
 };
 const CodedLengths kCoded;
 
-/// The smallest k with 16^k >= `quads_squared`, at most the finest level. What is no number asks for nothing.
+/// The smallest k with 16^k >= `quads_squared`, at most the finest level. NaN gives the coarsest.
 int level_for(float quads_squared) {
     int level = 0;
     for (int k = 0; k < kFinestLevel; ++k)
@@ -52,19 +52,19 @@ constexpr Line kBorderLines[kBorders] = {
     {0, 1}, {kLast, kGridVertices}, {kLast * kGridVertices, 1}, {0, kGridVertices}};
 constexpr Line kMiddleLines[2] = {{kLast / 2 * kGridVertices, 1}, {kLast / 2, kGridVertices}};
 
-/// Of two chords: their sum does not depend on the direction.
+/// The length of two chords: their sum does not depend on the direction.
 double length(const GridRows& rows, const Line& line) {
     const Vec3d begin = at(rows, line(0)), middle = at(rows, line(kLast / 2)), end = at(rows, line(kLast));
     return (middle - begin).length() + (end - middle).length();
 }
 
-/// Of the largest squared second difference, less what rounding alone makes of a straight line: three sums of
-/// coordinates up to 1.
+/// From the largest squared second difference, less that of a straight line by rounding: three sums of coordinates up
+/// to 1.
 double second_difference(float squared) {
     return std::max(0.0, std::sqrt(double{squared}) - 0x1p-22);
 }
 
-/// A parabola lies an eighth of its second difference off its chord; 16² makes it one segment.
+/// A parabola is an eighth of its second difference away from its chord; the factor 16² refers it to one segment.
 constexpr double kBendPerDifference = 256.0 / 8.0;
 
 /// Whether two borders have the same ends, in either direction, and the same lengths: then they are given the same
@@ -80,7 +80,7 @@ bool same_border(const SubpatchDetail& a, int i, const SubpatchDetail& b, int j)
     return (same_end(0, 0) && same_end(1, 1)) || (same_end(0, 1) && same_end(1, 0));
 }
 
-/// Gives the borders of a subpatch that are also borders of an anchored one the anchored levels.
+/// Gives the borders that a subpatch shares with an anchored one the anchored levels.
 void take_shared(const SubpatchDetail& detail, const SubpatchDetail& anchored, const SubpatchLevels& anchored_levels,
                  SubpatchLevels& levels) {
     for (int i = 0; i < kBorders; ++i)
@@ -88,7 +88,7 @@ void take_shared(const SubpatchDetail& detail, const SubpatchDetail& anchored, c
             if (same_border(detail, i, anchored, j)) levels.border[i] = anchored_levels.border[j];
 }
 
-/// From a place to the middles between the ends of the borders.
+/// Squared distances from a place to the middles between the ends of the borders.
 Float4 squared_distances(const SubpatchDetail& detail, const float (&place)[3]) {
     Float4 from[3];
     for (int axis = 0; axis < 3; ++axis) {
@@ -99,7 +99,7 @@ Float4 squared_distances(const SubpatchDetail& detail, const float (&place)[3]) 
     return from[0] * from[0] + from[1] * from[1] + from[2] * from[2];
 }
 
-/// A number in [0,1) of the ray alone, for stochastic rounding.
+/// A number in [0,1) that depends on the ray only, for stochastic rounding.
 float ray_random(const Vec3d& origin, const Vec3d& direction) {
     uint64_t state = 0;
     for (const Vec3d& v : {origin, direction}) {
@@ -142,7 +142,7 @@ SubpatchDetail detail_of(const GridRows& rows, const GridMeasure& measure) {
     }
     for (const Line& line : kMiddleLines) longest = std::max(longest, length(rows, line));
     detail.inner_length = DetailCode::of(longest);
-    // Of facets from the second derivatives, as splines/bounds.h has it: (uu + 2 uv + vv) / 8.
+    // The distance of facets by second derivatives, as in splines/bounds.h: (uu + 2 uv + vv) / 8.
     const double inner =
         second_difference(measure.uu) + 2.0 * second_difference(measure.uv) + second_difference(measure.vv);
     detail.inner_bend = DetailCode::of(inner * kBendPerDifference);
@@ -163,7 +163,7 @@ LevelSight::LevelSight(const LevelRule& rule, const Vec3d& origin, const Vec3d& 
       distance_(rule.distance),
       stretch_(stretch) {
     for (int axis = 0; axis < 3; ++axis) origin_[axis] = static_cast<float>(origin[axis]);
-    // A level up is sixteen times as many quads: a share of it at random rounds down with the share's probability.
+    // One level is a factor of sixteen in quads, so a random fraction of it rounds down with the right probability.
     if (rule.rounding == LevelRule::Rounding::Stochastic) rounding_ = std::exp2(-4.0f * ray_random(origin, direction));
     const float squared = rule.factor * rule.factor;
     for (int i = 0; i < 2; ++i) {
@@ -175,8 +175,8 @@ LevelSight::LevelSight(const LevelRule& rule, const Vec3d& origin, const Vec3d& 
         beam.sides[0].a == beam.sides[1].a && beam.sides[0].b == beam.sides[1].b && beam.sides[0].c == beam.sides[1].c;
 }
 
-/// The least widths between distances: the geometric mean of the two sides, for of a beam that is wide one way and
-/// narrow the other, neither is what its facets should be.
+/// The least widths between two distances: the geometric mean of the two sides, since neither suits the facets of a
+/// beam that is wide one way and narrow the other.
 Float4 LevelSight::widths(Float4 near, Float4 far) const {
     const auto squared = [&](int i) {
         const Float4 t = min4(max4(all4(narrowest_[i]), near), far);
@@ -190,14 +190,14 @@ Float4 LevelSight::widths(Float4 near, Float4 far) const {
 void LevelChooser::anchor(const SubpatchDetail& detail, uint32_t subpatch, uint32_t packed_levels) {
     SubpatchLevels levels = SubpatchLevels::unpacked(packed_levels);
     for (int i = 0; i < anchors_; ++i) {
-        if (anchor_[i].subpatch == subpatch) return;  // the first one holds
+        if (anchor_[i].subpatch == subpatch) return;  // the first one counts
         take_shared(detail, *anchor_[i].detail, anchor_[i].levels, levels);
     }
     levels.raise_own();
     anchor_[anchors_++] = {&detail, subpatch, levels};
 }
 
-/// All four borders at once. No point of a border is farther from the middle between its ends than half its length.
+/// All four borders at once. Each point of a border is within half its length of the middle between its ends.
 SubpatchLevels LevelSight::by_width(const SubpatchDetail& detail) const {
     const Float4 away = sqrt4(squared_distances(detail, origin_));
     const auto coded = [](const uint8_t* codes) {
@@ -225,7 +225,7 @@ void LevelChooser::see_nearby(const LevelSight& before, const Vec3d& place, floa
     reach_squared_ = reach * reach;
 }
 
-/// A bit each.
+/// Borders near `place_`, one bit each.
 uint32_t LevelChooser::nearby_borders(const SubpatchDetail& detail) const {
     return at_most(squared_distances(detail, place_), reach_squared_);
 }

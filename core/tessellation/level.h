@@ -1,12 +1,12 @@
 // How finely a ray sees a subpatch: a level for each of its borders and one for its inside.
 //
 // Level k means 4^k quads along a side: coarse 1, medium 4, fine 16 as in Christensen et al. 2003, section 5.2; beyond
-// that a subpatch is split on demand, 4 x 4 parts a level. A level suffices where the quads are no longer than the
-// ray is wide, as the paper has it, or where its facets lie nearer to the surface than a small share of that width:
-// flat surfaces need no small quads.
+// that a subpatch is split on demand, 4 x 4 parts per level. A level suffices if its quads are no longer than the ray
+// is wide, as in the paper, or if its facets are nearer to the surface than a small share of that width: flat surfaces
+// need no small quads.
 //
 // No cracks: the level of a border is a function of the ray and of numbers that both its neighbours hold with the same
-// bits. A subpatch is diced at the finest of its five levels, and its borders are drawn to coarser ones when a ray
+// bits. A subpatch is diced at the finest of its five levels, and its borders are snapped to coarser ones when a ray
 // meets it (tessellation/snapped_grid.h).
 #pragma once
 
@@ -24,7 +24,7 @@ namespace rayleaf {
 
 inline constexpr int kCoarse = 0, kMedium = 1, kFine = 2;
 inline constexpr int kStoredLevels = 3;
-/// 1024 quads along a side of a subpatch. Single precision shows before that.
+/// 1024 quads along a side of a subpatch: finer than single precision resolves.
 inline constexpr int kFinestLevel = 5;
 
 /// 4^level.
@@ -34,7 +34,7 @@ constexpr int quads_along(int level) {
 
 struct SubpatchLevels {
     std::array<uint8_t, kBorders> border{kFine, kFine, kFine, kFine};
-    uint8_t own = kFine;  ///< at which it is diced: none of the borders' is higher
+    uint8_t own = kFine;  ///< of the dicing: no border's is higher
 
     uint32_t packed() const {
         uint32_t bits = own;
@@ -47,7 +47,7 @@ struct SubpatchLevels {
         for (int i = 0; i < kBorders; ++i) levels.border[i] = bits >> (4 * (i + 1)) & 15u;
         return levels;
     }
-    /// A subpatch is diced no coarser than any of its borders.
+    /// Raises the own level to that of the finest border.
     void raise_own() {
         for (const uint8_t level : border) own = level > own ? level : own;
     }
@@ -59,14 +59,14 @@ inline int own_level(uint32_t packed) {
     return static_cast<int>(packed & 15u);
 }
 
-/// What the choice of levels asks of a subpatch, and with it the coarse level itself: one cache line. Lengths are in
-/// local space, rounded up to the next eighth of a power of two (DetailCode).
+/// The data by which levels of a subpatch are chosen, and its coarse level: one cache line. Lengths are in local space,
+/// rounded up to the next eighth of a power of two (DetailCode).
 struct alignas(64) SubpatchDetail {
     float corners[3][kCorners];  ///< by axis, the corner (i, j) at j * 2 + i
     uint8_t length[kBorders];    ///< of a border
-    /// 256 times how far a border may lie from its 16 segments: n segments lie within this over n².
+    /// 256 times the distance of a border from its 16 segments: n segments lie within this over n².
     uint8_t bend[kBorders];
-    uint8_t inner_length, inner_bend;  ///< the same for the whole subpatch: of its longest line, of its facets
+    uint8_t inner_length, inner_bend;  ///< the same for the whole subpatch: its longest line, its facets
     uint8_t unused[6];
 };
 
@@ -79,16 +79,16 @@ class DetailCode {
 
 /// Longest line of a subpatch, local units.
 float longest_line(const SubpatchDetail& detail);
-/// Of a diced subpatch. The borders' numbers do not depend on the direction in which a border is run through.
+/// The detail of a diced subpatch. The numbers of a border do not depend on its direction.
 SubpatchDetail detail_of(const GridRows& rows, const GridMeasure& measure);
-/// How far the surface may lie from fine facets, local units.
+/// Bound on the distance of the surface from fine facets, local units.
 float fine_facet_distance(const SubpatchDetail& detail);
 
 /// How levels follow from a ray's width.
 struct LevelRule {
-    /// A ray's width is multiplied by this: the wanted length of quads in ray widths.
+    /// The wanted length of quads in ray widths.
     float factor = 1.0f;
-    /// Facets may lie this far from the surface, in ray widths times `factor`.
+    /// The distance that facets may have from the surface, in ray widths times `factor`.
     float distance = 0.1f;
     /// Levels are rounded up or down at random for each ray, with the probability of the share beyond (Christensen et
     /// al. 2003, section 7.1); else up.
@@ -100,12 +100,12 @@ struct LevelRule {
 /// How finely one ray sees subpatches, in one shape's local space.
 class LevelSight {
   public:
-    /// Sees fine grids, as a ray without a width.
+    /// Sees fine grids, like a ray without a width.
     LevelSight() = default;
-    /// All are local. Places at a distance d from the origin are met at a `t` of the beam from d to `stretch` d.
+    /// In local space. Places at a distance d from the origin are met at a `t` of the beam from d to `stretch` d.
     LevelSight(const LevelRule& rule, const Vec3d& origin, const Vec3d& direction, const RayBeam& beam, float stretch);
 
-    /// The own level is that of the inside alone.
+    /// The own level is that of the inside only.
     SubpatchLevels levels(const SubpatchDetail& detail) const { return fixed_ ? SubpatchLevels{} : by_width(detail); }
 
   private:
@@ -131,9 +131,9 @@ class LevelChooser {
         own_ = {};
         reach_squared_ = -1.0f;
     }
-    /// Borders whose middles are that near to a place are seen by another ray's width.
+    /// Borders whose middles are within `reach` of a place are seen with another ray's width.
     void see_nearby(const LevelSight& before, const Vec3d& place, float reach);
-    /// Adds a subpatch that is seen at given levels.
+    /// Adds a subpatch with fixed levels.
     void anchor(const SubpatchDetail& detail, uint32_t subpatch, uint32_t packed_levels);
     SubpatchLevels levels(const SubpatchDetail& detail, uint32_t subpatch) const {
         if (anchors_ != 0) return with_anchors(detail, subpatch);
@@ -141,7 +141,7 @@ class LevelChooser {
         levels.raise_own();
         return levels;
     }
-    /// Whose width decided about all of a subpatch.
+    /// The ray whose width decided about the whole subpatch.
     SeenBy seen_by(const SubpatchDetail& detail) const {
         return reach_squared_ >= 0.0f && nearby_borders(detail) == kAllBorders ? SeenBy::RayBefore : SeenBy::Itself;
     }

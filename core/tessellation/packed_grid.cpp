@@ -8,14 +8,14 @@
 namespace rayleaf {
 namespace {
 
-/// Arrays of a vertex each are this long, so that loops over them fill vectors.
+/// Length of arrays with one number per vertex, so that loops over them fill SIMD vectors.
 constexpr int kPadded = 32;
 
 struct alignas(64) Bits {
     int32_t of[kPadded];
 };
 
-/// By corner of the grid, for each vertex.
+/// Bilinear weights by corner of the grid, for each vertex.
 struct BilinearWeights {
     alignas(64) float of[kCorners][kPadded];
 };
@@ -35,12 +35,12 @@ constexpr BilinearWeights make_weights() {
 }
 constexpr BilinearWeights kWeights = make_weights();
 
-/// Where the corners lie in the grid.
+/// Indices of the corners in the grid.
 constexpr std::array<int, kCorners> kCornerVertices = {0, kBlockCells, kBlockSize - kBlockVertices, kBlockSize - 1};
 
-/// Vertices without the corners: three runs.
+/// The vertices without the corners: three runs.
 struct Run {
-    int from, to, count;  ///< of the packed ones, of the grid
+    int from, to, count;  ///< indices: packed, in the grid
 };
 constexpr std::array<Run, 3> kRuns = {{{0, 1, kBlockCells - 1},
                                        {kBlockCells - 1, kBlockVertices, kBlockSize - 2 * kBlockVertices},
@@ -55,16 +55,16 @@ void predict(const float (&corners)[kCorners], Bits& bits) {
     std::memcpy(bits.of, values, sizeof values);
 }
 
-/// Of the 3 x 3 vertices that are told first, those that are no corners.
+/// Of the 3 x 3 vertices that are stored first, those that are no corners.
 constexpr std::array<int, SmoothGrid::kMiddles> kMiddleVertices = {2, 10, 12, 14, 22};
 /// All others.
 constexpr std::array<int, SmoothGrid::kOthers> kOtherVertices = {1,  3,  5,  6,  7,  8,  9,  11,
                                                                  13, 15, 16, 17, 18, 19, 21, 23};
 
-/// What a quarter and three quarters of the way between the outer ones of three values is, on their parabola.
+/// Weights of the parabola through three values at a quarter and three quarters of the way between the outer ones.
 constexpr float kNear = 0.375f, kMiddle = 0.75f, kFar = -0.125f;
 
-/// The biquadratic patch through every other vertex, which are in their places in the grid.
+/// Predicts by the biquadratic patch through every other vertex, which are already in the grid.
 void predict_from_known(float* vertices) {
     for (int j = 0; j < kBlockVertices; j += 2) {
         float* row = vertices + j * kBlockVertices;
@@ -90,7 +90,7 @@ bool has_corners(const MediumGrid& grid, const SubpatchDetail& detail) {
     return true;
 }
 
-/// Of the others, in 5 bits.
+/// The differences of the other vertices, in 5 bits.
 constexpr int kStepBits = 5, kStepBias = 1 << (kStepBits - 1);
 constexpr unsigned kStepMask = (1u << kStepBits) - 1;
 

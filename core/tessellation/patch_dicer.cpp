@@ -37,7 +37,7 @@ void PatchDicer::dice_part_rows(uint32_t index, const GridPart& part, const Vert
     const SplineSplit& split = plan_.split(subpatch.spline);
     const SplinePatches& spline = surface_->splines()[subpatch.spline];
     const int parts = part.parts_along();
-    // Bases of so many intervals would be large and are seldom used: only what the part needs.
+    // Bases of this many intervals are large and seldom used: compute only those of the part.
     const auto basis = [parts](int degree, int cell, int log2, int number) {
         return DyadicBasis(degree, (kGridCells * parts) << log2, (cell * parts + number) * kGridCells, kGridCells);
     };

@@ -15,7 +15,7 @@ namespace rayleaf {
 
 class PatchDicer final : public LevelDicer {
   public:
-    /// The surface must live as long. `extra_splits`: in each direction, beyond what the tolerance asks for.
+    /// The surface must outlive this. `extra_splits`: additional splits in each direction, beyond the tolerance.
     PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance, int extra_splits = 0);
 
     uint32_t subpatch_count() const override { return plan_.subpatch_count(); }
@@ -24,7 +24,7 @@ class PatchDicer final : public LevelDicer {
     size_t bytes() const override;
 
   private:
-    /// By level; none for the coarse one.
+    /// By level; null for the coarse one.
     using LevelBases = std::array<const DyadicBasis*, kStoredLevels>;
     struct SplineBases {
         LevelBases u{}, v{};

@@ -7,7 +7,7 @@
 namespace rayleaf {
 namespace {
 
-/// Places of a Bezier part at which its bend is looked at.
+/// Number of places at which the bend of a Bezier part is sampled.
 constexpr int kLooks = 16;
 
 /// The largest second derivative of a part.
@@ -18,7 +18,7 @@ double bend(const SweepProfile& profile, size_t part) {
     return largest;
 }
 
-/// Cells for each part: one, and of the others shares by the root of the bend, so that all chords lie equally far off.
+/// Cells for each part: at least one, the rest by the root of the bend, so that all chords have the same error.
 std::vector<int> distribute(const std::vector<double>& weights, int count) {
     std::vector<int> cells(weights.size(), 1);
     const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -44,7 +44,7 @@ double doubled_area(const std::vector<Vec2d>& corners) {
     return sum + corners.back().cross(corners.front());
 }
 
-/// Whether every edge turns the same way about the point, seen from which it all lies open.
+/// Whether every edge turns the same way about the point: then the whole outline is visible from it.
 bool sees_outline(const Vec2d& point, const std::vector<Vec2d>& corners, double side) {
     for (size_t i = 0; i < corners.size(); ++i) {
         const Vec2d &a = corners[i], &b = corners[(i + 1) % corners.size()];
@@ -53,7 +53,7 @@ bool sees_outline(const Vec2d& point, const std::vector<Vec2d>& corners, double 
     return true;
 }
 
-/// The middle of the part of the plane that sees the whole outline; empty if there is none.
+/// The middle of the outline's kernel, from which all of it is visible; empty if there is none.
 std::optional<Vec2d> kernel_middle(const std::vector<Vec2d>& corners, double side) {
     double reach = 0.0;
     for (const Vec2d& corner : corners) reach = std::max({reach, std::abs(corner.x), std::abs(corner.y)});
@@ -79,7 +79,7 @@ bool contains(const Vec2d& a, const Vec2d& b, const Vec2d& c, const Vec2d& p, do
     return cross(a, b, p) * side >= 0.0 && cross(b, c, p) * side >= 0.0 && cross(c, a, p) * side >= 0.0;
 }
 
-/// Cuts ears off the outline. Where it crosses itself there may be none left: the rest becomes a fan about a corner.
+/// Cuts ears off the outline. If it crosses itself there may be none left: the rest becomes a fan about a corner.
 std::vector<std::array<uint32_t, 3>> cut_ears(const std::vector<Vec2d>& corners, double side) {
     std::vector<uint32_t> ring;
     for (uint32_t i = 0; i < corners.size(); ++i)

@@ -9,7 +9,7 @@
 
 namespace rayleaf {
 
-/// The numbers of LocalRay (trace/local_ray.h), and what the kernels make of them. Lanes that are not asked hold
+/// The numbers of LocalRay (trace/local_ray.h), and what the kernels compute from them. Inactive lanes hold
 /// anything.
 struct alignas(64) RayPacket {
     double origin[3][kPacketSize];     ///< by axis

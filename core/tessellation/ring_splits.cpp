@@ -10,10 +10,10 @@
 namespace rayleaf {
 namespace {
 
-/// So many points along a side of an irregular element tell how it bends.
+/// Points along a side of an irregular element by which its bend is measured.
 constexpr int kLooks = 5;
 
-/// Second derivatives from differences, and a box. At an irregular corner the derivatives themselves are not bounded.
+/// Second derivatives by differences, and a box. At an irregular corner the derivatives themselves are unbounded.
 struct Look {
     CurvatureBounds bounds;
     Box3d box;
@@ -84,7 +84,7 @@ RingSplits::RingSplits(const SubdivisionSurface& surface, const FacetTolerance& 
     number();
 }
 
-/// Takes back the finest splits until there are no more subpatches than allowed.
+/// Undoes the finest splits until the number of subpatches is within the limit.
 void RingSplits::limit() {
     const auto total = [this] {
         uint64_t sum = 0;

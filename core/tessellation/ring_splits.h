@@ -1,5 +1,5 @@
-// How the elements of a subdivision surface are split into subpatches: all borders that face each other across elements
-// alike, so that neighbours meet vertex to vertex. Such borders make rings (or strips) around the surface.
+// How the elements of a subdivision surface are split into subpatches. Opposite borders of an element are split alike,
+// so that neighbours meet vertex to vertex; such borders make rings (or strips) around the surface.
 //
 // Subpatches are numbered element by element, within one first along u, then along v.
 #pragma once
@@ -15,7 +15,7 @@ namespace rayleaf {
 /// One cell of a split element.
 struct ElementCell {
     uint32_t element = 0;
-    int u = 0, v = 0;  ///< which of the 2^a x 2^b
+    int u = 0, v = 0;  ///< its place among the 2^a x 2^b
 };
 
 class RingSplits {
@@ -35,7 +35,7 @@ class RingSplits {
         uint8_t log2_u = 0, log2_v = 0;
     };
     std::vector<Split> splits_;       ///< by element
-    std::vector<ElementCell> cells_;  ///< a table, for each ray's hit asks
+    std::vector<ElementCell> cells_;  ///< a table, since every hit asks for one
 
     void limit();
     void number();

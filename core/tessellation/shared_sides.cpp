@@ -7,8 +7,8 @@
 namespace rayleaf {
 namespace {
 
-/// The numbers of a border's control points, from the end that makes them less; empty for a pole, where all that meets
-/// is one point anyway.
+/// The coordinates of a border's control points, in the direction that makes them lexicographically less; empty for a
+/// pole, which is a single point.
 std::vector<double> border_key(const PatchView& patch, int across, bool at_end) {
     const int columns = patch.columns(), count = across == 0 ? patch.rows() : columns;
     const Vec4d* const first = patch.points + (at_end ? (across == 0 ? patch.degree_u : patch.degree_v * columns) : 0);

@@ -1,5 +1,5 @@
-// Directions of splines that are split together, because splines of one surface meet there: borders with the same
-// control points, bit by bit, run through either way.
+// Directions of splines that must be split alike, because splines of one surface share a border there: the same control
+// points, bit by bit, in either direction.
 #pragma once
 
 #include "base/joined_sets.h"

@@ -8,7 +8,7 @@
 namespace rayleaf {
 namespace {
 
-/// Calls `visit` with each target that was compiled in and that the machine has; best first.
+/// Calls `visit` with each target that is compiled in and that the machine supports; best first.
 template <typename Visit>
 void for_each_target(const Visit& visit) {
     const int64_t usable = HWY_TARGETS & hwy::SupportedTargets();
@@ -31,7 +31,7 @@ bool use_simd_target(const std::string& name) {
     });
     if (!name.empty() && chosen == 0) return false;
     if (!name.empty()) hwy::DisableTargets(~chosen);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());  // kernels that are chosen anew with each call
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());  // for kernels that are chosen at each call
     return true;
 }
 

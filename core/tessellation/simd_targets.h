@@ -8,7 +8,7 @@ namespace rayleaf {
 
 /// Names of those this machine can run, the best one first.
 std::vector<std::string> simd_targets();
-/// From now on new scenes use this one; an empty name: the best. Not while others trace. False for an unknown name.
+/// New scenes use this target; an empty name: the best one. No other thread may trace. False for an unknown name.
 bool use_simd_target(const std::string& name);
 
 }  // namespace rayleaf

@@ -12,7 +12,7 @@ class SlotMask {
     static constexpr uint32_t kMost = 128;
 
     SlotMask() = default;
-    /// The first so many.
+    /// The first `count` slots.
     static constexpr SlotMask first(uint32_t count) {
         SlotMask mask;
         for (uint32_t i = 0; i < count; ++i) mask.add(i);
@@ -27,7 +27,7 @@ class SlotMask {
     constexpr void remove(uint32_t slot) { words_[slot / 64] &= ~(uint64_t{1} << slot % 64); }
     constexpr bool has(uint32_t slot) const { return (words_[slot / 64] >> slot % 64 & 1u) != 0; }
     constexpr bool empty() const { return (words_[0] | words_[1]) == 0; }
-    /// Of a set that is not empty.
+    /// The lowest slot; the set must not be empty.
     uint32_t lowest() const {
         return static_cast<uint32_t>(words_[0] != 0 ? std::countr_zero(words_[0]) : 64 + std::countr_zero(words_[1]));
     }

@@ -5,7 +5,7 @@
 namespace rayleaf {
 namespace {
 
-/// The borders that run along u have v fixed, and the other way round.
+/// Whether v is constant on a border; u is on the others.
 constexpr bool runs_along_u(int border) {
     return border % 2 == 0;
 }
@@ -60,7 +60,7 @@ SnappedGrid::SnappedGrid(const Grid& part, const GridPart& place, const Grid& wh
         const int low_place = begin / step * step - begin, high_place = low_place + step;
         const int first_high = std::clamp(low_place + step / 2, 0, kGridVertices);
         const int across = is_high(border) ? kGridCells : 0;
-        // A step of 16 ends at the part's own corners, a longer one at vertices of the fine grid.
+        // A step of 16 ends at the part's own corners, a longer step at vertices of the fine grid.
         const auto end = [&](int at) {
             const int index = step == kGridCells ? at : (begin + at) / along;
             const Grid& grid = step == kGridCells ? part : whole;

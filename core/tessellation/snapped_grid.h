@@ -1,9 +1,9 @@
-// A grid as one ray sees it: some of its borders drawn to coarser ones.
+// A grid as one ray sees it: some of its borders are snapped to a coarser level.
 //
 // A border whose level is lower than its grid's keeps only the vertices of that level; each of the others moves to the
-// nearest of those. Cells between two vertices that become one are triangles without area, which no ray hits. So both
-// sides of a border have the same segments, whatever the levels of what lies behind them. Only the blocks of 4 x 4
-// cells that a ray tests are moved.
+// nearest of those. Triangles between two vertices that become one have no area, and no ray hits them. So both sides of
+// a border have the same segments, whatever the levels of their subpatches. Only the blocks of 4 x 4 cells that a ray
+// tests are moved.
 #pragma once
 
 #include "geometry/facet.h"
@@ -28,7 +28,7 @@ struct GridPart {
 class SnappedGrid {
   public:
     SnappedGrid(const Grid& grid, const SubpatchLevels& levels);
-    /// All of a grid as it is.
+    /// A grid without snapping.
     explicit SnappedGrid(const Grid& grid) : vertices_(&grid.vertices[0][0][0]), fine_(&grid), cells_(kGridCells) {}
     SnappedGrid(const MediumGrid& grid, const SubpatchLevels& levels);
     /// The one quad of the coarse level.
@@ -37,15 +37,15 @@ class SnappedGrid {
     SnappedGrid(const Grid& part, const GridPart& place, const Grid& whole, const SubpatchLevels& levels);
 
     int cells() const { return cells_; }
-    /// Of the fine grid; null for others.
+    /// The fine grid; null for other levels.
     const Grid* fine() const { return fine_; }
     /// By axis: the vertices of a block.
     const float* block_vertices(int block) const { return vertices_ + block * 3 * kBlockSize; }
-    /// Whether borders of a block are drawn elsewhere.
+    /// Whether borders of a block are snapped.
     bool moves_block(int block) const { return (snapped_ & borders_of_block(block)) != 0; }
-    /// A block with its borders drawn; out is [3][25].
+    /// A block with its borders snapped; out is [3][25].
     void move_block(int block, float* out) const;
-    /// Blocks whose vertices may leave their box, one bit each.
+    /// The blocks whose vertices may leave their box, one bit each.
     uint32_t blocks_beyond_boxes() const;
 
     /// Corners of a triangle, and where they lie in the grid: from (0, 0) to (cells, cells), or beyond where a part
@@ -61,7 +61,7 @@ class SnappedGrid {
     Facet facet(uint32_t triangle) const;
 
   private:
-    /// Where the vertices of a border go that keeps none of its own but perhaps the ends.
+    /// Where the vertices of a border move if it keeps at most its ends.
     struct Ends {
         Vec3f low, high;
         int low_place, high_place;  ///< along the border, in cells
@@ -71,9 +71,9 @@ class SnappedGrid {
     const float* vertices_;
     const Grid* fine_ = nullptr;
     int cells_;
-    uint32_t snapped_ = 0;  ///< a bit for each border that is drawn elsewhere
+    uint32_t snapped_ = 0;  ///< a bit for each border that is snapped
     uint32_t to_ends_ = 0;  ///< those of them that go to `ends_`; the others to every fourth vertex
-    Ends ends_[kBorders];   ///< not initialized where not used: every test would pay
+    Ends ends_[kBorders];   ///< not initialized unless used, to save time in every test
 
     uint32_t borders_of_block(int block) const;
     void snap_to_ends(int border, const Ends& ends);

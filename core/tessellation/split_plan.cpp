@@ -7,8 +7,8 @@
 namespace rayleaf {
 namespace {
 
-/// Rational bounds are loose where weights vary, and tighten with the square of the patch's size: they are taken of so
-/// many parts along each direction.
+/// Bounds of rational patches are loose where weights vary, and tighten with the square of the patch's size. So they
+/// are computed for this many parts in each direction.
 constexpr int kRationalParts = 4;
 
 CurvatureBounds tight_curvature_bounds(const PatchView& patch) {
@@ -31,7 +31,7 @@ CurvatureBounds tight_curvature_bounds(const PatchView& patch) {
 
 }  // namespace
 
-/// Splits in the direction that bends more until the facets are near enough.
+/// Splits in the direction with the larger bend until the facets are near enough.
 SplineSplit split_for(const CurvatureBounds& bounds, double tolerance) {
     SplineSplit split;
     while (facet_distance_bound(bounds, split.cells_u(), split.cells_v()) > tolerance) {
@@ -39,7 +39,7 @@ SplineSplit split_for(const CurvatureBounds& bounds, double tolerance) {
         const double bend_v = bounds.dvv / (double(split.cells_v()) * split.cells_v());
         const bool can_u = split.log2_u < kMostLog2, can_v = split.log2_v < kMostLog2;
         if (!can_u && !can_v) break;
-        // Twist bends neither direction, so halving both in turn is what helps.
+        // Twist bends neither direction, so both are halved in turn.
         const bool prefer_u = bend_u != bend_v ? bend_u > bend_v : split.log2_u <= split.log2_v;
         if (can_u && (prefer_u || !can_v))
             ++split.log2_u;
@@ -86,7 +86,7 @@ uint64_t SplitPlan::subpatches_wanted(const PatchSurface& surface) const {
     return sum;
 }
 
-/// Takes back the finest splits until there are no more subpatches than allowed.
+/// Undoes the finest splits until the number of subpatches is within the limit.
 void SplitPlan::limit(const PatchSurface& surface, SharedSides& sides) {
     while (subpatches_wanted(surface) > kMostSubpatches) {
         const auto finest = std::max_element(splits_.begin(), splits_.end(), [](const auto& a, const auto& b) {

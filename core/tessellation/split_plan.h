@@ -15,11 +15,11 @@
 
 namespace rayleaf {
 
-/// The most subpatches a shape is split into, unless it has more patches: their tree and records take 50 MB. What is
-/// too coarse then is split when rays ask for it (tessellation/level.h).
+/// The most subpatches of a shape, unless it has more patches: their tree and records take 50 MB. Subpatches that are
+/// too coarse then are split when rays need it (tessellation/level.h).
 inline constexpr uint32_t kMostSubpatches = 1u << 18;
 
-/// A patch is split into at most 64 x 64: beyond that single precision shows before facets do.
+/// A patch is split into at most 64 x 64: beyond that the error of single precision exceeds that of facets.
 inline constexpr int kMostLog2 = 6;
 
 struct SplineSplit {
@@ -31,13 +31,13 @@ struct SplineSplit {
     int& log2(int axis) { return axis == 0 ? log2_u : log2_v; }
 };
 
-/// The coarsest split of a patch, or whatever has such bounds, whose facets lie within `tolerance` of it.
+/// The coarsest split of a patch, or of anything with such bounds, whose facets lie within `tolerance` of it.
 SplineSplit split_for(const CurvatureBounds& bounds, double tolerance);
 
 /// One cell of a split patch.
 struct Subpatch {
     uint32_t patch = 0, spline = 0;
-    int u = 0, v = 0;  ///< which of the 2^a x 2^b
+    int u = 0, v = 0;  ///< its place among the 2^a x 2^b
 };
 
 class SplitPlan {
@@ -56,7 +56,7 @@ class SplitPlan {
 
   private:
     std::vector<SplineSplit> splits_;
-    std::vector<Subpatch> subpatches_;  ///< a table, for each ray's hit asks
+    std::vector<Subpatch> subpatches_;  ///< a table, since every hit asks for one
 
     void number(const PatchSurface& surface);
     void limit(const PatchSurface& surface, SharedSides& sides);

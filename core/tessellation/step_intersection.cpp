@@ -24,8 +24,8 @@ HWY_INLINE hn::Vec<D> load_steps(D lanes, const uint16_t* first) {
     return hn::ConvertTo(lanes, hn::PromoteTo(integers, hn::LoadU(stored, first)));
 }
 
-/// As for grids of floats. Bounds are taken from the ray's origin, by one rounding of the corner's distance and one of
-/// the sum: 2^-23 together, which the padding covers beside what a grid's does.
+/// As for grids of floats. Bounds are relative to the ray's origin, by one rounding of the corner's distance and one of
+/// the sum: 2^-23 together, which the padding covers in addition to a grid's error.
 void find_near_steps(const StepGrid& grid, const GridRay& ray, float t_max, NearBlocks& blocks) {
     const hn::CappedTag<float, 8> lanes;
     using Vector = hn::Vec<decltype(lanes)>;
@@ -54,13 +54,13 @@ void find_near_steps(const StepGrid& grid, const GridRay& ray, float t_max, Near
 using Lanes = hn::CappedTag<float, 16>;
 using Vector = hn::Vec<Lanes>;
 constexpr int kLaneCount = static_cast<int>(hn::MaxLanes(Lanes()));
-/// Cells that a vector holds: kRows rows of kColumns cells of a block.
+/// A vector holds kRows rows of kColumns cells of a block.
 constexpr int kColumns = kLaneCount < kBlockCells ? kLaneCount : kBlockCells;
 constexpr int kRows = kLaneCount / kColumns;
 /// Room for a block's vertices in whole vectors.
 constexpr int kRoom = 32;
 
-/// A block's vertices across the ray.
+/// A block's vertices, projected along the ray.
 struct Across {
     HWY_ALIGN float x[kRoom], y[kRoom];
 };
@@ -98,9 +98,9 @@ HWY_INLINE Vector corners_of_cells(Vector low, Vector high, int first) {
 }
 #endif
 
-/// The rounding: a ray that meets a block's box is less than 2^18 steps from the grid's corner where it passes the
-/// corner's plane, so `x` and `y` are off by 2^-5 steps in all. Seen along the ray, vertices lie within twice the
-/// block's longest side of it, and what boxes are padded by: m. An edge function is off by less than m / 6.
+/// Error bound: a ray that meets a block's box is less than 2^18 steps from the grid's corner where it passes the
+/// corner's plane, so `x` and `y` are off by at most 2^-5 steps. Seen along the ray, vertices lie within m of it, twice
+/// the block's longest side plus the padding of boxes. An edge function is off by less than m / 6.
 uint32_t find_step_triangles(const StepGrid& grid, uint32_t block, const StepRay& ray) {
     const Lanes lanes;
     int longest = 0;

@@ -1,9 +1,9 @@
 // A ray against the facets of a grid in steps.
 //
-// Single precision finds the cells of a block that the ray may pass, all sixteen at once, with a margin for its
-// rounding; the edge functions of their triangles are then computed in double precision from whole numbers of steps, by
-// the same operations in every grid (grid_intersection.h), and edges belong to the facets on either side. So no ray
-// passes between facets, and what is found does not depend on the processor.
+// Single precision finds the cells of a block that the ray may pass through, all sixteen at once, with a margin for
+// rounding. The edge functions of their triangles are then computed in double precision from integer numbers of steps,
+// by the same operations in every grid (grid_intersection.h), and an edge belongs to the facets on both sides. So no
+// ray passes between facets, and results do not depend on the processor.
 #pragma once
 
 #include "tessellation/grid_intersection.h"
@@ -13,8 +13,8 @@
 
 namespace rayleaf {
 
-/// Where a ray passes a grid in steps, counted in these: in the plane across axis_z through the grid's corner, from
-/// that corner.
+/// A ray relative to a grid in steps, in units of these: the point where it crosses the plane through the grid's corner
+/// at right angles to axis_z, relative to that corner.
 struct StepRay {
     StepRay(const StepGrid& grid, const GridRay& ray);
 
@@ -24,7 +24,7 @@ struct StepRay {
 
 /// The blocks whose boxes the ray meets up to t_max.
 using FindNearSteps = void (*)(const StepGrid& grid, const GridRay& ray, float t_max, NearBlocks& blocks);
-/// The triangles of a block that the ray may pass: a bit for the lower one of each cell, row by row, then the upper
+/// The triangles of a block that the ray may hit: a bit for the lower one of each cell, row by row, then the upper
 /// ones.
 using FindStepTriangles = uint32_t (*)(const StepGrid& grid, uint32_t block, const StepRay& ray);
 
@@ -42,7 +42,7 @@ inline uint32_t step_triangle(uint32_t block, uint32_t bit) {
     return 2 * (row * kGridCells + block % kBlocksAlong * kBlockCells + cell % kBlockCells) + bit / kCells;
 }
 
-/// Whether the ray's line passes a triangle, its edges included.
+/// Whether the ray's line passes through a triangle, its edges included.
 bool passes(const StepGrid& grid, uint32_t triangle, const GridRay& ray);
 
 }  // namespace rayleaf

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kDegree = 3;
 
-/// The borders of an irregular element as a bicubic patch, where they are cubic. The rest of it means nothing.
+/// The borders of an irregular element as a bicubic patch, as far as they are cubic; the rest of it is meaningless.
 std::array<Vec4d, 16> frame_of(const SubdivisionSurface& surface, const SubdivisionElement& element) {
     const auto homogeneous_node = [&](size_t corner) {
         const Vec3d& p = surface.node(element.nodes[corner]);
@@ -65,7 +65,7 @@ void SubdivisionDicer::dice_spans(uint32_t index, const Span& u, const Span& v, 
     evaluate_irregular(index, u, v, target);
 }
 
-/// All vertices but those of the corners and of cubic borders.
+/// Evaluates all vertices except corners and cubic borders.
 void SubdivisionDicer::evaluate_irregular(uint32_t index, const Span& u, const Span& v,
                                           const VertexRows& target) const {
     const SubdivisionElement& element = surface_->element(index);
@@ -99,7 +99,7 @@ void SubdivisionDicer::dice_part_rows(uint32_t subpatch, const GridPart& part, c
     };
     const Span u = span(cell.u, part.u, splits_.log2_u(cell.element));
     const Span v = span(cell.v, part.v, splits_.log2_v(cell.element));
-    // Bases of so many intervals would be large and are seldom used: only what the part needs.
+    // Bases of this many intervals are large and seldom used: compute only those of the part.
     const DyadicBasis basis_u(kDegree, u.intervals, u.first, kGridCells);
     const DyadicBasis basis_v(kDegree, v.intervals, v.first, kGridCells);
     const auto axis = [](const DyadicBasis& basis, const Span& along) {

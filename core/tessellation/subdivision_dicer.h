@@ -1,6 +1,6 @@
 // Elements of a subdivision surface, split for a view (ring_splits.h) and diced.
 //
-// Elements of one bicubic patch go the way of splines (dice.h), and so do all borders of theirs. The vertices of other
+// Elements of one bicubic patch are diced like splines (dice.h), and so are all their borders. The vertices of other
 // elements are evaluated in double, on a border by its owner.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace rayleaf {
 
 class SubdivisionDicer final : public LevelDicer {
   public:
-    /// The surface must live as long. `extra_splits`: in each direction, beyond what the tolerance asks for.
+    /// The surface must outlive this. `extra_splits`: additional splits in each direction, beyond the tolerance.
     SubdivisionDicer(const SubdivisionSurface& surface, const FacetTolerance& tolerance, int extra_splits = 0);
 
     uint32_t subpatch_count() const override { return splits_.subpatch_count(); }

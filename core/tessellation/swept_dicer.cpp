@@ -31,7 +31,7 @@ void pack_block(const Vec3d* first, int stride, int block, int shift, Grid& grid
     }
 }
 
-/// All blocks of a grid whose vertices are [j][i].
+/// Packs all blocks of a grid whose vertices are [j][i].
 void pack_all(const Vec3d (&vertices)[kGridVertices][kGridVertices], int shift, Grid& grid) {
     for (int block = 0; block < kBlocks; ++block)
         pack_block(&vertices[block / kBlocksAlong * kBlockCells][block % kBlocksAlong * kBlockCells], kGridVertices,
@@ -63,7 +63,7 @@ SweptDicer::SweptDicer(const SweptSurface& surface, const FacetTolerance& tolera
     }
 }
 
-/// The vertices at the borders are those of the walls' outermost rows; outlines of curves run clockwise.
+/// Border vertices are those of the walls' outermost rows. Outlines of curves run clockwise.
 FillCells SweptDicer::fill_cells(const SweptFill& fill) const {
     std::vector<FixedVertex> vertices;
     std::vector<uint32_t> begins{0};
@@ -124,7 +124,7 @@ SweptDicer::PiecePlace SweptDicer::piece_at(uint32_t spline_index, uint32_t stat
         return spline.closed ? PiecePlace{spline.first_piece, 0.0, 1}
                              : PiecePlace{spline.first_piece + spline.piece_count - 1, 1.0, 1};
     const auto begin = first_cell_.begin() + spline.first_piece, end = begin + spline.piece_count;
-    // Mostly the pieces have about as many cells each, and it is at the first look.
+    // Mostly all pieces have about as many cells, and the first guess is right.
     const auto guess = begin + static_cast<std::ptrdiff_t>(uint64_t{station} * spline.piece_count / total);
     auto found = guess;
     if (!(*guess <= station && (guess + 1 == end || station < guess[1])))
@@ -175,8 +175,8 @@ void SweptDicer::dice_wall(const TubePlace& place, Grid& grid) const {
                    shift_, grid);
 }
 
-/// Column 0 of an end's cap is its outline, the others the point that the fan turns about; that of a begin is the
-/// mirror image, for it is seen from the other side.
+/// Column 0 of the cap at an end is its outline, the others are the centre of the fan. The cap at the begin is the
+/// mirror image, because it is seen from the other side.
 void SweptDicer::dice_cap(const TubePlace& place, Grid& grid) const {
     const ProfileCells& around = cells(place);
     const uint32_t cap = place.local - static_cast<uint32_t>(walls(place)), grids = around.cap_grids();
@@ -190,7 +190,7 @@ void SweptDicer::dice_cap(const TubePlace& place, Grid& grid) const {
             outline[j] = around.corners[number * kGridCells + j];
             inner[j] = *around.center;
         }
-    } else {  // three columns a triangle, of which one cell has an area
+    } else {  // three columns for each triangle, with one cell that has an area
         for (int j = 0; j < kGridVertices; ++j) {
             const size_t wanted = number * kTrianglesInGrid + static_cast<size_t>(j / 3);
             const std::array<uint32_t, 3>& t = around.triangles[std::min(wanted, around.triangles.size() - 1)];
@@ -236,7 +236,7 @@ SubpatchBounds SweptDicer::bounds(uint32_t subpatch) const {
         box.extendBy(square);
     }
     const Vec3f padding(2.0f * kBlockPadding +
-                        static_cast<float>(step_length(shift_)));  // once for rounding to fixed and float numbers
+                        static_cast<float>(step_length(shift_)));  // margin for rounding of vertices
     return {{Vec3f(box.min) - padding, Vec3f(box.max) + padding}, tube_around(along, middle, reach)};
 }
 

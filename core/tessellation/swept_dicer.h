@@ -1,13 +1,13 @@
 // Bevelled curves diced along and around: many cells along a spline where it bends, few around where it is thin.
 //
-// Every piece of a spline gets as many cells along as the view asks for, one at least, and every profile as many cells
-// around, the same for a whole spline, so that rings meet vertex to vertex. The cells of all pieces in a row are cut
-// into grids of 16: a grid may hold parts of several pieces. A ring where two pieces meet is always that of the later
-// piece at its begin. Where 16 cells along are longer than the tube is wide, a grid is folded: its blocks lie 2 along
-// and 8 around, or 1 and 16, so that fewer grids share the boxes that a ray passes. Vertices are sums in one order of
-// the ring and the profile's point, rounded to steps of 2^-30: the same bits in every grid. Caps are fans about a point
-// that sees their whole outline, or else triangles cut off one after the other; their outline is the last ring, with
-// the same bits. So are the borders of filled areas (swept_fill_cells.h), whose subpatches come last.
+// Every piece of a spline has as many cells along as the view asks for, at least one; a profile has as many cells
+// around, the same for a whole spline, so that rings meet vertex to vertex. The cells of consecutive pieces are divided
+// into grids of 16, so a grid may hold parts of several pieces. The ring between two pieces is that of the later piece,
+// at its begin. Where 16 cells along are longer than the tube is wide, a grid is folded: its blocks lie 2 along and 8
+// around, or 1 and 16, so that fewer grids overlap in the boxes along a ray. Vertices are sums of the ring and the
+// profile's point, always in the same order, rounded to steps of 2^-30: the same bits in every grid. Caps are fans
+// about a point from which their whole outline is visible, or else triangulated; their outline is the last ring, bit by
+// bit. The same holds for the borders of filled areas (swept_fill_cells.h), whose subpatches come last.
 #pragma once
 
 #include "geometry/swept_surface.h"
@@ -34,16 +34,16 @@ class SweptDicer final : public Dicer {
     int step_shift() const override { return shift_; }
 
   private:
-    /// Grids of all shapes together are counted in 31 bits.
+    /// The grids of all shapes together are numbered with 31 bits.
     static constexpr uint32_t kMostSubpatches = 0x7fffffff;
     /// One profile along one spline.
     struct Tube {
         uint32_t first_subpatch = 0;
         uint8_t level = 0;                    ///< of the profile's cells
-        uint8_t blocks_along = kBlocksAlong;  ///< of a grid of the wall; the others lie around: 4, 2 or 1
+        uint8_t blocks_along = kBlocksAlong;  ///< of a grid of the wall, 4, 2 or 1; the others lie around
     };
     struct PieceNeed;
-    /// Of a grid of 4 by 64 cells.
+    /// The vertices of a grid of 4 by 64 cells.
     static constexpr int kMostWallVertices = (kBlockCells + 1) * (kBlocks * kBlockCells + 1);
     struct TubePlace {
         uint32_t tube, profile, spline;

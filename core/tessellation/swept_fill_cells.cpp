@@ -11,7 +11,7 @@ namespace {
 using Rung = FillCells::Rung;
 using Triangle = std::array<uint32_t, 3>;
 
-/// Finds triangles by the edges that they run along.
+/// Finds triangles by their edges.
 class Neighbours {
   public:
     explicit Neighbours(const std::vector<Triangle>& triangles) : triangles_(triangles), used_(triangles.size()) {
@@ -22,7 +22,7 @@ class Neighbours {
     }
     bool used(uint32_t triangle) const { return used_[triangle]; }
     void use(uint32_t triangle) { used_[triangle] = true; }
-    /// An unused triangle that runs from one corner to another.
+    /// An unused triangle with the edge from one corner to another.
     std::optional<uint32_t> unused(uint32_t from, uint32_t to) const {
         const std::array<uint32_t, 3> first{from, to, 0};
         for (auto edge = std::lower_bound(edges_.begin(), edges_.end(), first);
@@ -43,9 +43,9 @@ class Neighbours {
     std::vector<std::array<uint32_t, 3>> edges_;  ///< from, to, triangle
 };
 
-/// A strip that begins with a triangle, at a side behind which there is nothing left if it has one. From rung to rung
-/// the right end goes on, or the left one, or first the right one and then the left one: one or two triangles, as a
-/// cell is cut.
+/// A strip that begins with a triangle, at a side without an unused neighbour if it has one. From rung to rung the
+/// right end advances, or the left one, or first the right and then the left one: one or two triangles, as a cell is
+/// divided.
 std::vector<Rung> strip_from(uint32_t first, const Triangle& corners, Neighbours& neighbours) {
     size_t side = 0;
     while (side < 2 && neighbours.unused(corners[(side + 1) % 3], corners[side])) ++side;
@@ -93,7 +93,7 @@ FillCells::FillCells(std::vector<FixedVertex> vertices, const std::vector<uint32
     rungs_.shrink_to_fit();
 }
 
-/// Between two strips, rungs without length.
+/// Adds a strip; between two strips lie rungs without length.
 void FillCells::add_strip(const std::vector<Rung>& strip) {
     constexpr size_t kLeast = 4;  // two in between, and a cell
     const size_t held = rungs_.size() % kGridVertices;

@@ -1,4 +1,4 @@
-// The facets of a curve's filled areas, which begin at the bits where its walls end.
+// The facets of a curve's filled areas. Their border vertices are those of the walls, bit by bit.
 #pragma once
 
 #include "tessellation/grid.h"
@@ -19,7 +19,7 @@ inline int32_t fixed_number(double local) {
 
 enum class FillFacing : uint8_t { Upwards, Downwards };
 
-/// Triangles in strips: the cells of a grid between its first two columns; those between the others have no area.
+/// Triangles in strips: the cells between the first two columns of a grid; the other cells have no area.
 class FillCells {
   public:
     /// Polygon k has the vertices from begins[k] on, up to begins[k + 1]; the last entry is their number. Outlines run
@@ -31,7 +31,7 @@ class FillCells {
     void place(uint32_t grid, Vec3d (&vertices)[kGridVertices][kGridVertices]) const;
     size_t bytes() const;
 
-    /// The two ends of a line across a strip.
+    /// A line across a strip, by its two ends.
     struct Rung {
         uint32_t left = 0, right = 0;
     };

@@ -1,4 +1,4 @@
-// How many cells a swept surface gets along and around, and how its grids lie.
+// How many cells a swept surface has along and around, and how its grids lie.
 #include "tessellation/swept_dicer.h"
 #include "tessellation/swept_tube.h"
 
@@ -10,34 +10,34 @@
 namespace rayleaf {
 namespace {
 
-/// The most subpatches a shape is cut into, unless it has more splines.
+/// The most subpatches of a shape, unless it has more splines.
 constexpr uint64_t kMostSweptSubpatches = 1u << 20;
-/// A piece gets no more cells than this.
+/// The most cells of a piece.
 constexpr double kMostCells = 1 << 16;
-/// Chords never lie farther from the spline than this share of the radius, whatever the view says: a ray aimed at the
-/// middle of a strand must hit it.
+/// Chords are within this share of the radius of the spline, whatever the view asks for: a ray aimed at the middle of a
+/// strand must hit it.
 constexpr double kMostShareOfRadius = 0.25;
-/// Rings of a piece at which its bend is looked at.
+/// Rings of a piece at which its bend is sampled.
 constexpr int kLooks = 5;
 
-/// A grid is folded while it stays longer than this share of its tube's width. Flatter slices would have rays along the
-/// tube meet too many of them.
+/// A grid is folded while it stays longer than this share of its tube's width. Rays along the tube would meet too many
+/// flatter slices.
 constexpr double kLeastLength = 0.3;
 
-/// The longest steps in which vertices may be held: local units, shares of the wanted distance and of a tube's width.
+/// The longest steps of vertices: in local units, and as shares of the wanted distance and of a tube's width.
 constexpr double kLongestStep = 0x1p-18, kStepInTolerance = 0.125, kStepInWidth = 0x1p-10;
-/// A middle line is longer than the chords by which it is measured; more than at most, and boxes tell in the end.
+/// A middle line is longer than the chords that measure it, by less than this. Boxes decide in the end.
 constexpr double kLongerThanChords = 1.2;
 
 }  // namespace
 
-/// What a view asks of a piece, and how large it is.
+/// The fineness that a view asks of a piece, and its size.
 struct SweptDicer::PieceNeed {
     uint32_t cells = 1;
-    double profile_error = 0;  ///< the most that chords may lie from the profile, profile units
-    double length = 0;         ///< of its middle line, about
+    double profile_error = 0;  ///< the largest distance of chords from the profile, profile units
+    double length = 0;         ///< approximate, of its middle line
     double width = 0;
-    double wanted = 0;  ///< how far facets may lie from the surface
+    double wanted = 0;  ///< the distance that facets may have from the surface
 };
 
 SweptDicer::PieceNeed SweptDicer::need_of(const SweepPath& path, const SweepPiece& piece, double extent,
@@ -58,7 +58,7 @@ SweptDicer::PieceNeed SweptDicer::need_of(const SweepPath& path, const SweepPiec
     const double size = radius * extent;
     need.width = 2.0 * size;
     const double most = size > 0.0 ? std::min(wanted, kMostShareOfRadius * size) : wanted;
-    // Two triangles leave a bilinear cell by |P_uv| hu hv / 4; around, a cell is no longer than a sixteenth of a
+    // Two triangles differ from a bilinear cell by |P_uv| hu hv / 4; around, a cell is at most a sixteenth of a
     // circle.
     constexpr double kLongestCell = 0.4;
     const SweepRing &first = rings[0], &last = rings[kLooks - 1];
@@ -111,7 +111,7 @@ void SweptDicer::plan(const FacetTolerance& tolerance) {
         uint64_t grids = 0;
         for (size_t s = 0; s < path.splines.size(); ++s) {
             const SweepSpline& spline = path.splines[s];
-            uint64_t cells = 0;  // before the limit below holds, more than 32 bits count
+            uint64_t cells = 0;  // may exceed 32 bits before the limit below applies
             for (uint32_t p = spline.first_piece; p < spline.first_piece + spline.piece_count; ++p) {
                 first_cell_[p] = static_cast<uint32_t>(cells);
                 cells += std::max(1u, static_cast<uint32_t>(std::ceil(needs[p].cells * share)));
@@ -148,8 +148,8 @@ void SweptDicer::fold(const std::vector<PieceNeed>& needs) {
     }
 }
 
-/// Steps of grids: long enough for each grid's box, if that is short enough for what the view asks and for the
-/// thinnest tube to be round. Filled areas are too large for it.
+/// Chooses the steps of grids: long enough for each grid's box, if that is short enough for the view and for the
+/// thinnest tube to be round. Filled areas are too large for steps.
 void SweptDicer::choose_steps(const std::vector<PieceNeed>& needs) {
     const SweepPath& path = surface_->path();
     if (!surface_->fills().empty()) return;

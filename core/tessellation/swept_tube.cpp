@@ -5,7 +5,7 @@
 namespace rayleaf {
 namespace {
 
-/// The most by which a ring stretches a vector of its profile's plane: its larger singular value.
+/// The largest factor by which a ring scales a vector of its profile's plane: its larger singular value.
 double largest_stretch(const SweepRing& ring) {
     const double a = ring.across.dot(ring.across), b = ring.up.dot(ring.up), c = ring.across.dot(ring.up);
     return std::sqrt(0.5 * (a + b + std::sqrt((a - b) * (a - b) + 4.0 * c * c)));
@@ -27,7 +27,7 @@ SubpatchBounds::Tube tube_around(std::span<const SweepRing> rings, const Vec2d& 
         for (int axis = 0; k % step == 0 && axis < 3; ++axis)
             tube.points[axis][k / step] = static_cast<float>(begin[axis] + (k == last ? way[axis] : 0.0));
     }
-    // The points in floats are less than a block's padding away, and so are the vertices in fixed numbers.
+    // Rounding to floats, and of vertices to fixed-point numbers, moves points by less than a block's padding.
     tube.radius = static_cast<float>(radius) * (1.0f + 0x1p-20f) + 2.0f * kBlockPadding;
     return tube;
 }

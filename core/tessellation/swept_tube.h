@@ -8,10 +8,10 @@
 
 namespace rayleaf {
 
-/// Around everything within `reach` of a place of the profile, at all rings: 5, 9 or 17.
+/// Around everything within `reach` of a place of the profile, at all rings, of which there are 5, 9 or 17.
 SubpatchBounds::Tube tube_around(std::span<const SweepRing> rings, const Vec2d& middle, double reach);
 
-/// Around a ring of a profile that reaches so far.
+/// The box of a ring, whose profile lies within `extent`.
 Box3d box_of(const SweepRing& ring, double extent);
 
 }  // namespace rayleaf

@@ -17,12 +17,12 @@ SIZE = 513
 STRIP = dict(crop_x=248, crop_y=252, crop_width=176, crop_height=9)
 # The pixel of a strip that shows the picture's middle.
 MIDDLE = (4, 8)
-# Nothing is left to chance: one ray through the middle of every pixel.
+# Without random numbers: one ray through the middle of every pixel.
 STILL = dict(samples=1, filter="BOX", filter_width=0.0)
 
 
 def world(core):
-    """A smooth world: brighter towards +x, so that directions can be told from radiance without any edge."""
+    """A smooth world: brighter towards +x, so that radiance shows directions, without any edge."""
     program = core.Program("world")
     one = program.constant(1, 1, 1, 1)
     direction = program.operation("generated")

@@ -71,7 +71,7 @@ def varied_scene(core):
 
 
 def nasty_scene(core, rng):
-    """Random materials and lamps whose numbers are nothing, tiny or huge."""
+    """Random materials and lamps with numbers that are zero, tiny or huge."""
 
     def nasty():
         return float(rng.choice([0.0, 1e-30, 1e-9, 1e-3, 0.5, 1.0, 3.0, 1e6, 1e20, 1e30]))

@@ -1,4 +1,4 @@
-"""Trees, rays and closed forms for the tests of the ray cache."""
+"""Caches, rays and closed forms for the tests of the ray cache."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ FOLLOWED, MANY_CLASSES, FEW_CORNERS, ANGLE, ORIGIN, LARGE_CELL, NOT_WORTH_IT, ER
 # Every array of an answer that describes the output ray.
 OUTPUTS = ("hit", "first_class", "exit_class", "interior_hits", "total_reflections", "ending")
 OUTPUTS += ("position", "normal", "uv", "exit_position", "exit_direction", "length")
-ANY_ANGLE = 4.0  # radians: more than two directions can differ by
+ANY_ANGLE = 4.0  # radians: larger than any angle between directions
 Doubles = NDArray[np.float64]
 
 
@@ -23,12 +23,12 @@ TREES = {"ReferenceTree": rayleaf_rivals.ReferenceTree, "FastTree": ri_tree.Fast
 
 
 def tree_of(shape: Any, kind: str, tree: str = "ReferenceTree", **settings: Any) -> Any:
-    """A tree whose facets are too fine to matter."""
+    """The published tree, with facets so fine that they do not matter."""
     return TREES[tree](shape, kind, **{"facet_tolerance": 2.0**-20, **settings})
 
 
 def rays_towards(target: Doubles, radius: float, count: int, seed: int = 1, eye: Any = (0.5, -4.0, 1.5)) -> Any:
-    """Rays of one eye towards a ball around a point."""
+    """Rays from one eye point towards a ball around a point."""
     random = np.random.default_rng(seed)
     points = target + radius * shapes.random_directions(random, count) * random.uniform(0, 1, (count, 1))
     origins = np.broadcast_to(np.asarray(eye, float), (count, 3)).copy()
@@ -36,7 +36,7 @@ def rays_towards(target: Doubles, radius: float, count: int, seed: int = 1, eye:
 
 
 def rays_with_steps(scale: float, center: Any) -> Any:
-    """Rays towards a body of that size and place, and for each two steps of its origin and two of its direction."""
+    """Rays towards a body of a size and place, and for each ray two steps of its origin and two of its direction."""
     origins, directions = rays_towards(np.array([0.1, -0.2, 0.1]), 0.6, 300)
     origins = scale * origins + np.asarray(center, float)
     across = np.random.default_rng(5).normal(size=(2, len(origins), 2, 3))
@@ -110,12 +110,12 @@ def cuboid_length(origins: Doubles, directions: Doubles, half: Any) -> Doubles:
 
 
 def angles(a: Doubles, b: Doubles) -> Doubles:
-    """Between unit vectors, radians; exact for small ones."""
+    """Angles between unit vectors, radians; accurate for small ones."""
     return 2 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=1) / 2, 0, 1))
 
 
 def check_same_answers(a: dict[str, Any], b: dict[str, Any]) -> None:
-    """Bit by bit."""
+    """Answers are equal bit by bit."""
     for name in (*OUTPUTS, "answered_by", "error"):
         np.testing.assert_array_equal(a[name], b[name], err_msg=name)
 

@@ -101,7 +101,7 @@ def lumpy_mesh() -> Any:
 
 
 def leaving(hits: dict[str, Any], directions: Doubles) -> Doubles:
-    """Where rays start that leave the hit points: SurfacePoint::ray_origin."""
+    """The origins of rays that leave the hit points: SurfacePoint::ray_origin."""
     normal = hits["facet_normal"].astype(np.float64)
     side = np.where(np.sum(directions * normal, axis=1) < 0, -1.0, 1.0)
     return hits["facet_position"] + normal * (side * hits["start_offset"])[:, None]

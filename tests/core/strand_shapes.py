@@ -42,7 +42,7 @@ def torus_knot(tube_points: int = 40) -> Doubles:
 
 
 def crossings(shape: Any, rays: int, seed: int) -> dict[str, int]:
-    """Random rays through a shape, followed through every surface from the point each was hit, as glass would be."""
+    """Random rays through a shape, continued behind every surface from the hit point, as in glass."""
     scene = tracer(shape)
     low, high = (np.array(corner) for corner in scene.bounds())
     random = np.random.default_rng(seed)

@@ -1,4 +1,4 @@
-"""Cages for the tests of subdivision surfaces, and the rules of Catmull and Clark written down once more, slowly."""
+"""Cages for the tests of subdivision surfaces, and a slow reference of the rules of Catmull and Clark."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -126,7 +126,7 @@ def assembled(cage: Cage, moved: Doubles, edge_points: Doubles, face_points: Dou
 
 
 def limit_points(cage: Cage) -> Doubles:
-    """Where the vertices of a refined cage go (Halstead, Kass, DeRose 1993), all creases being sharp for ever.
+    """The limits of a refined cage's vertices (Halstead, Kass, DeRose 1993), if all creases are infinitely sharp.
 
     NaN where a crease ends: there the vertices around move by other rules than the smooth ones.
     """
@@ -160,7 +160,7 @@ def cube() -> Cage:
 
 
 def tetrahedron() -> Cage:
-    """Triangles alone."""
+    """Triangles only."""
     points = np.array([[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]], float)
     return Cage(points, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 

@@ -1,4 +1,4 @@
-"""Bevelled curves for the tests, and a reference of their surfaces written from the description alone, dense and slow."""
+"""Bevelled curves for the tests, and a dense, slow reference of their surfaces, independent of the core."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ def weighted(points: Any) -> Doubles:
 
 
 def splines(type_name: str, points: Any, handles: Any = None, counts: Any = None, **arguments: Any) -> Any:
-    """A group of splines; one unless `counts` says otherwise."""
+    """A group of splines; one if `counts` is not given."""
     points = np.asarray(points, float)
     counts = np.array([len(points)] if counts is None else counts, np.int32)
     given = points if points.shape[1] == 4 else weighted(points)
@@ -76,7 +76,7 @@ def upright(tangent: Doubles) -> Doubles:
 
 
 class MinimumTwist:
-    """The frame without twist along a smooth open spline: each step's rotation, so small that its error cannot be seen."""
+    """The frame without twist along a smooth open spline, by rotations in very small steps."""
 
     STEPS = 60_000
 
@@ -112,7 +112,7 @@ def rays_at(targets: Doubles, distance: float, random: np.random.Generator) -> t
 
 
 def balance(tracer: Any, origins: Doubles, directions: Doubles, step: float, most: int = 64) -> tuple[Any, Any]:
-    """(entries minus exits, hits) of rays that are followed through everything; each must end."""
+    """(entries minus exits, hits) of rays that are followed through all surfaces; each must end."""
     count = len(origins)
     sums, hits, start = np.zeros(count, int), np.zeros(count, int), np.zeros(count)
     alive = np.arange(count)

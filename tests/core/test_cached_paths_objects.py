@@ -1,4 +1,4 @@
-"""Which objects get a ray cache, of what kind, and what is said of the others."""
+"""Which objects get a ray cache, of which kind, and the reasons given for others."""
 
 import re
 
@@ -9,8 +9,8 @@ from path_scenes import material
 from scenes import CUBE_TRIANGLES, CUBE_VERTICES, emission, look_down, matrix, sphere_spline
 
 
-# A whole picture that is worth a probe.
-# A picture that a probe pays for, of which a part is rendered, and a part of that.
+# A picture large enough for a probe.
+# A picture large enough for a probe, a part of it that is rendered, and a part of that.
 LARGE = dict(width=1024, height=1024, samples=4, crop_x=480, crop_y=480, crop_width=96, crop_height=96)
 PART = dict(crop_x=512, crop_y=496, crop_width=40, crop_height=40)
 
@@ -115,7 +115,7 @@ def test_auto_foretells_from_a_few_blocks_what_a_whole_picture_samples(core, kin
     answers = on["answers"]
     queries = sum(count for name, count in answers.items() if name not in ("not a ray", "box missed"))
     told = float(re.search(r"([\d.]+) samples a query", auto["reason"]).group(1))
-    # A block shares far less than the picture it is cut from: 8 to 12 times as many samples a query are taken there.
+    # A block shares far fewer samples than its whole picture, so it takes many more of them per query.
     assert 1 / 3 < told / (on["samples_taken"] / queries) < 3
     assert auto["used"]
 
@@ -130,7 +130,7 @@ def test_auto_knows_that_glass_with_something_inside_is_answered_with_first_hits
         reason = reports(render(core, scene, "AUTO", **LARGE))["ball"]["reason"]
         return float(re.search(r"costs ([\d.]+) of tracing", reason).group(1))
 
-    # A first hit is two fifths of the way through; a sample takes the whole way all the same.
+    # A first hit costs two fifths of the whole path, but a sample always takes the whole path.
     assert told(True) > 1.5 * told(False)
 
 
@@ -153,7 +153,7 @@ def test_settings_without_meaning_are_rejected_by_name(core, settings):
 
 
 def extreme_picture(core, kind, mode="ON", **settings):
-    """A tiny picture whose every cell is sampled, whatever few rays cross it."""
+    """A tiny picture in which every cell is sampled, however few rays cross it."""
     interpolation = core.RayInterpolation(mode=mode, **{"depth_limit": 24, "rays_per_cell": 0.0, **settings})
     values = core.Settings(width=8, height=8, samples=2, threads=1, ray_interpolation=interpolation)
     session = core.Session(ball_scene(core, kind), values)
@@ -176,7 +176,7 @@ def test_pictures_at_the_ends_of_every_threshold_are_right(core, kind):
         again, cache = extreme_picture(core, kind, cache_bytes=size)
         assert np.array_equal(again, usual) and cache["bytes"] <= size, "the cache's size shows"
     wild, cache = extreme_picture(core, kind, distance_threshold=float("inf"), angle_threshold=float("inf"))
-    # Any direction may come out, but none that sees what is not there.
+    # Any direction is possible, but none that sees objects that do not exist.
     assert cache["interpolated"] > 20 and np.isfinite(wild).all()
     assert wild.min() >= 0.9 * traced.min() and wild.max() <= 1.1 * traced.max()
 

@@ -30,7 +30,7 @@ def test_the_uv_pass_of_interpolated_surfaces_is_that_of_tracing(core):
     assert np.median(np.abs(on - off)) < 0.01
 
 
-# What centres of cells may be off by where the error is 0.005 (quality_settings in core/ri_tree/ray_cache.h).
+# The allowed error at cell centres for an error of 0.005 (quality_settings in core/ri_tree/ray_cache.h).
 MOST_AT_CENTRES = 0.05
 
 
@@ -45,7 +45,7 @@ def test_an_interpolated_picture_is_that_of_tracing_within_the_error(core, kind)
 
 
 def test_interpolated_glass_is_the_same_body_as_traced_glass(core):
-    # Auto uses the model of On; for an error this small no cache pays, so its rays are traced.
+    # Auto uses the model of On; for an error this small no cache is faster, so its rays are traced.
     traced, on = render(core, ball_scene(core, "glass"), "AUTO", error=1e-6), render(core, ball_scene(core, "glass"))
     assert used(traced) == [] and share_of(on, INTERPOLATED) > 0.1
     assert np.abs(picture(on) - picture(traced)).mean() < 0.01 * picture(traced).mean()
@@ -86,7 +86,7 @@ def test_frames_of_a_kept_cache_show_the_same_for_any_threads_and_differ_by_litt
     one, many = frames(threads=1), frames(threads=4, tile_size=8)
     for i, (a, b) in enumerate(zip(one, many)):
         assert np.array_equal(a, b), i
-    # Later frames interpolate more; by what the setting's error allows.
+    # Later frames interpolate more, within the error of the setting.
     assert np.abs(one[-1] - one[0]).mean() < 0.005
 
 
@@ -138,7 +138,7 @@ def test_a_shape_that_another_object_still_has_keeps_its_cache(core):
         taken.append({name: each["samples_taken"] for each in shown for name in each["objects"]})
         held = store.count()
         store.next_frame()
-    # Made for the first, asked for by the second. What is kept buys a little more; what is new, all.
+    # Made for the first frame, used by the second. A kept cache takes a few more samples; a new one takes all of them.
     assert held == 2 and taken[0]["second"] > 0
     assert taken[1]["second"] < 0.4 * taken[0]["second"] and taken[1]["first"] > 0
 
@@ -186,7 +186,7 @@ def test_shadows_of_an_interpolated_object_fall_where_they_did(core):
 
 @pytest.mark.parametrize("error", [0.02, 0.005, 0.001])
 def test_rays_that_enter_glass_at_an_interpolated_point_start_neither_behind_facets_nor_far_away(core, error):
-    """A body of which the floor cuts off a part: its inside is traced, from where the cache says that rays enter."""
+    """A body that the floor intersects: its inside is traced, from where the cache says that rays enter."""
     made = ball_scene(core, "glass", floor=False)
     ground = material(core, made, ("diffuse", 1.0, 0.5), name="ground")
     made.add_instance("floor", quad(made, "floor", 6.0, -0.5), matrix(), ground)
@@ -208,7 +208,7 @@ def test_what_lies_right_behind_an_interpolated_film_is_seen_where_it_is(core):
     off = picture(render(core, made, "OFF"))
     on = render(core, made, error=0.02)
     assert share_of(on, INTERPOLATED) > 0.2
-    # Transparency is all that the film does: the same rays meet the same things.
+    # The film is only transparent: the same rays meet the same objects.
     assert (np.abs(picture(on) - off).max(axis=-1) > 0.01).mean() < 0.001
 
 
@@ -297,7 +297,7 @@ def tilted():
 
 
 def test_glass_followed_past_the_cells_is_the_same_as_traced_glass(core):
-    # Wide spacing: no cell is worth its samples.
+    # Wide spacing: too few rays cross any cell.
     settings = dict(STILL, width=65, height=65, crop_x=0, crop_y=0, crop_width=65, crop_height=65)
     traced = render(core, ball_scene(core, "glass"), "AUTO", **settings)
     on = render(core, ball_scene(core, "glass"), **settings)

@@ -42,7 +42,7 @@ def test_the_path_length_of_a_sphere_is_that_of_its_chords(core, mode):
     scene = scene_of(core, ((0, 0, 0), 1.0, core.VolumeVisualisation()))
     session = render(core, scene, mode, **STILL, passes=PASSES)
     lengths = session.pass_pixels("path_length")[..., 0]
-    # Interpolated lengths may be off by the threshold, a share of half the object's size; more at the rim.
+    # The error of interpolated lengths is within the threshold, a share of half the object's size; more at the rim.
     apart = np.abs(lengths - chords())
     # Traced: facets lie within 1e-4 of the sphere, which shortens a chord of length l by 4e-4 / l.
     assert (apart * chords() < 4e-4).all() if mode == "OFF" else np.median(apart) < 0.005

@@ -1,4 +1,4 @@
-"""Rays at convex glass that no cell answers are followed by Newton's iteration: as tracing has them, and only there."""
+"""Rays against convex glass that no cell answers are followed by Newton's iteration, with the results of tracing."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -31,18 +31,18 @@ def surface(*grids):
 
 
 def barrel(waist=1.0):
-    """Two Bezier curves from pole to pole; convex unless the middle is drawn in."""
+    """Two Bezier curves from pole to pole; convex unless the middle is pulled inwards."""
     return [(0, -1.2), (0.5, -1.2), (waist, -0.6), (waist, 0), (waist, 0.6), (0.5, 1.2), (0, 1.2)]
 
 
 def spaced(tree, rays, spacing=0.01):
-    """Answers to rays that lie that far apart."""
+    """Answers to rays with a spacing."""
     apart = np.full(len(rays[0]), spacing, np.float32)
     return tree.ask(*rays, distances=apart, angles=apart)
 
 
 def same_path(a, b):
-    """Which rays took the same way."""
+    """Which rays took the same path."""
     names = ("hit", "first_class", "exit_class", "interior_hits", "total_reflections", "ending")
     return np.logical_and.reduce([a[name] == b[name] for name in names])
 
@@ -60,12 +60,12 @@ def test_what_is_followed_goes_as_traced_and_decides_alike_at_every_crossing(sha
     assert not truth["hit"][missed].any() and not got["hit"][missed].any()
     in_box = got["answered_by"] != BOX_MISSED
     assert missed[~truth["hit"] & in_box].mean() > 0.9, support.counts(got)
-    # At a border of total reflection, and where the limit of hits is close, a last bit decides.
+    # At a border of total reflection, and at the limit of hits, the last bit decides.
     same = same_path(got, truth)[used]
     assert same.mean() > 0.998, (same.mean(), support.counts(got))
     for name in ("position", "normal", "exit_position", "exit_direction"):
         error = np.linalg.norm(got[name] - truth[name], axis=1)[used][same]
-        # Single precision; paths of many crossings, and those that leave at the critical angle, make more of it.
+        # Single precision; the error grows on paths of many crossings and at the critical angle.
         assert np.median(error) < 3e-6 and np.quantile(error, 0.99) < 1e-3, (name, np.quantile(error, [0.5, 0.99, 1]))
     traced = got["answered_by"] >= MANY_CLASSES
     np.testing.assert_array_equal(got["exit_direction"][traced], truth["exit_direction"][traced])
@@ -90,7 +90,7 @@ def test_far_away_bodies_and_eyes_cost_a_followed_ray_no_precision():
         got = spaced(there, (near[0] * scale + np.array(center), near[1]), 0.01 * scale)
         assert (got["answered_by"] == FOLLOWED).all(), support.counts(got)
         np.testing.assert_allclose(got["exit_direction"], expected["exit_direction"], atol=2e-5)
-        # A coordinate of 10^6 has 10^-10 to give.
+        # A coordinate of 10^6 has an error of 10^-10.
         position = (got["exit_position"] - np.array(center)) / scale
         np.testing.assert_allclose(position, expected["exit_position"], atol=2e-5)
 
@@ -143,7 +143,7 @@ def test_only_glass_is_followed(kind):
 
 def test_rays_that_start_inside_the_box_are_not_followed():
     random = np.random.default_rng(2)
-    # Corners of the box, outside the ball: its line may hit the ball behind them.
+    # Corners of the box, outside the ball: the line may hit the ball behind them.
     origins = random.choice([-1.0, 1.0], (400, 3)) * random.uniform(0.75, 0.99, (400, 3))
     rays = origins, shapes.random_directions(random, 400)
     tree = support.tree_of(shapes.nurbs_sphere(), "GLASS", "FastTree", **NO_CELLS)
@@ -213,7 +213,7 @@ def test_samples_are_followed_to_what_tracing_makes_of_them_and_of_their_changes
 @pytest.mark.parametrize("scale, center", [(1.0, (0, 0, 0)), (50.0, (300, -200, 1000))])
 def test_changes_of_followed_answers_agree_with_finite_differences(scale, center):
     shape = shapes.nurbs_sphere(scale=scale, center=center)
-    # So shallow that no cell is close enough.
+    # A depth limit so low that no cell is close enough.
     shallow = {"depth_limit": 4, "mixed_depth_limit": 4}
     tree = support.tree_of(shape, "GLASS", "FastTree", ior=1.2, **shallow)
     origins, directions, by_origin, by_direction = support.rays_with_steps(scale, center)
@@ -227,5 +227,5 @@ def test_changes_of_followed_answers_agree_with_finite_differences(scale, center
             sides.append(tree.ask(origins + sign * by_origin[:, i], turn))
         for name, unit in (("normal", 1.0), ("exit_position", scale), ("exit_direction", 1.0)):
             off = np.abs((sides[0][name] - sides[1][name]) / (2 * step) - got[name][:, i]) / unit
-            # Close to the silhouette third derivatives show.
+            # Near the silhouette third derivatives matter.
             assert np.median(off) < 3e-3 and np.quantile(off, 0.9) < 0.03, (name, np.quantile(off, [0.5, 0.9, 1]))

@@ -1,4 +1,4 @@
-"""The same curve as other primitives: the finer, the nearer to the round one, to the same picture."""
+"""Curves as other primitives: the finer they are, the nearer to the round curve, up to the same picture."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def distances(shape, scale=1.0):
 
 
 def difference(t, reference):
-    """(share of rays that hit one alone, median difference of the others)."""
+    """(share of rays that hit only one of them, median difference of the others)."""
     hit, wanted = np.isfinite(t), np.isfinite(reference)
     return np.mean(hit != wanted), np.median(np.abs(t[hit & wanted] - reference[hit & wanted]))
 

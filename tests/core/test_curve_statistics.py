@@ -1,4 +1,4 @@
-"""The statistics tell what curves and hair a scene holds."""
+"""The statistics name the curves and the hair of a scene."""
 
 import numpy as np
 from core import scenes

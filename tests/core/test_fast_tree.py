@@ -1,4 +1,4 @@
-"""The fast tree: answers close to tracing, the same for any number of threads, any cache size and any company of rays."""
+"""The fast tree: answers close to tracing, the same for any number of threads, cache size and batch of rays."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -13,7 +13,7 @@ KINDS = ("SIMPLE", "MIRROR", "GLASS", "VOLUME")
 
 
 def fast_tree(shape, kind, **settings):
-    """A fast tree whose facets are too fine to matter."""
+    """A fast tree with facets so fine that they do not matter."""
     return support.ri_tree.FastTree(shape, kind, **{"facet_tolerance": 2.0**-20, **settings})
 
 
@@ -64,11 +64,11 @@ def test_answers_are_tracings_own_or_close_to_it(kind):
     for name in support.OUTPUTS:
         np.testing.assert_array_equal(got[name][traced], truth[name][traced], err_msg=name)
     used = (by == INTERPOLATED) & truth["hit"]
-    # Misses inside cells whose samples all hit, and the other way round, are silhouettes that no sample met.
+    # Misses in cells whose samples all hit, and vice versa, are silhouettes between samples.
     assert (got["hit"] != truth["hit"]).mean() < 0.002
     for name in ("normal", "exit_direction") if kind != "VOLUME" else ():
         error = support.angles(got[name], truth[name])[used]
-        # The thresholds bound the error at centres, where it is largest for an even function.
+        # The thresholds bound the error at centres, where that of an even function is largest.
         assert error.mean() < 0.004 and np.quantile(error, 0.99) < 0.02, (name, error.mean(), error.max())
     difference = np.abs(got["length"] - truth["length"])[used]
     assert difference.mean() < 0.004, difference.mean()
@@ -85,7 +85,7 @@ def test_rays_with_wide_spacing_are_traced_and_with_none_interpolated():
     zero = np.zeros(count, np.float32)
     close = tree.ask(*rays, distances=zero, angles=zero)
     support.check_same_answers(close, tree.ask(*rays))
-    # The cells are there now, but a ray is answered by its own spacing.
+    # The cells exist now, but a ray's own spacing decides how it is answered.
     support.check_same_answers(got, tree.ask(*rays, distances=wide, angles=wide))
     mixed = np.where(np.arange(count) % 2 == 0, wide, zero)
     half = tree.ask(*rays, distances=mixed, angles=mixed)
@@ -110,7 +110,7 @@ def test_fewer_rays_per_cell_buy_more_samples_and_change_what_is_traced_alone():
 
 
 def spaced_frames(tree, rays, count, **company):
-    """The same rays in one frame after the other: their answers, and the share of them that was not worth samples."""
+    """The same rays in consecutive frames: their answers, and the share of them in cells that too few rays cross."""
     spacing = {"distances": np.full(len(rays[0]), 0.02, np.float32), "angles": np.full(len(rays[0]), 0.005, np.float32)}
     frames = []
     for _ in range(count):
@@ -129,7 +129,7 @@ def test_what_many_frames_cross_is_bought_in_the_end_for_any_threads_and_cache_s
     truth = kept.trace(*rays)
     used = expected[-1]["answered_by"] == INTERPOLATED
     assert used.sum() > (expected[0]["answered_by"] == INTERPOLATED).sum()
-    # The thresholds hold for cells bought late too: 1 degree where they are tested, at centres.
+    # The thresholds also hold for cells that are sampled in later frames: 1 degree at centres, where they are tested.
     late = used & (expected[0]["answered_by"] != INTERPOLATED) & truth["hit"]
     error = support.angles(expected[-1]["exit_direction"], truth["exit_direction"])[late]
     assert late.any() and np.median(error) < np.radians(1.0), (late.sum(), np.median(error))
@@ -185,7 +185,7 @@ def test_one_number_sets_the_thresholds_and_bounds_the_error():
         got, truth = tree.ask(*rays), tree.trace(*rays)
         used = (got["answered_by"] == INTERPOLATED) & truth["hit"]
         assert used.mean() > 0.5, support.counts(got)
-        # A colour that changes by as much as the direction does.
+        # A colour that changes as much as the direction.
         errors.append(support.angles(got["exit_direction"], truth["exit_direction"])[used].mean())
         assert errors[-1] < error, (error, errors)
         samples.append(tree.statistics()["samples_taken"])
@@ -206,5 +206,5 @@ def test_of_a_view_that_moves_a_small_cache_forgets_what_is_not_asked_for_again(
     all_held, few_held = taken(10**9), taken(16 * 10**6)
     assert all_held["samples"] == all_held["samples_taken"]
     assert few_held["samples"] < 0.1 * all_held["samples"]
-    # Twice as many where chance decides what is forgotten.
+    # If random samples were replaced, twice as many would be traced.
     assert few_held["samples_taken"] < 1.1 * all_held["samples_taken"]

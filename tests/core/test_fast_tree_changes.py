@@ -1,4 +1,4 @@
-"""How samples change with their line, against finite differences, and what that buys: an error of fourth order."""
+"""Derivatives of samples by their line, against finite differences, and the fourth-order error that follows."""
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def test_changes_of_samples_agree_with_finite_differences(kind):
 
 @pytest.mark.parametrize("kind", ["MIRROR", "GLASS"])
 def test_the_error_is_of_fourth_order_in_the_cells_sides(kind):
-    """Four more halvings halve every side: a sixteenth of the error, until float leaves and facets show."""
+    """Four more halvings halve every side: a sixteenth of the error, down to that of float leaves and facets."""
     rays = support.rays_towards(np.array([0.0, -0.6, 0.2]), 0.1, 200)
     errors, depths, threshold = [], [], 1.0
     for _ in range(3):
@@ -83,7 +83,7 @@ def test_changes_of_interpolated_answers_agree_with_finite_differences(kind, sca
         for sign in (1, -1):
             moved = origins + sign * step * by_origin[:, i]
             sides.append(tree.ask(moved, turned(directions, sign * step * by_direction[:, i])))
-        # Both in the same cell: between cells the answers may jump.
+        # Both in the same cell: answers may jump from cell to cell.
         cells = [tree.final_cells(origins + s * by_origin[:, i], turned(directions, s * by_direction[:, i]))
                  for s in (step, -step)]  # fmt: skip
         same = got["known"] & np.array([a == b for a, b in zip(*cells)])
@@ -93,7 +93,7 @@ def test_changes_of_interpolated_answers_agree_with_finite_differences(kind, sca
                 continue
             slope = (sides[0][name] - sides[1][name]) / (2 * step)
             off = np.abs(slope - got[name][:, i])[same] / unit
-            # Values are made of floats: a step of 1e-6 may be off by 2^-24 / 1e-6, some per cent.
+            # Values are floats: the difference over a step of 1e-6 may be off by 2^-24 / 1e-6, some per cent.
             assert off.max() < 0.3 and np.median(off) < 0.03, (name, np.sort(off.max(axis=1))[-5:])
 
 

@@ -1,4 +1,4 @@
-"""The fast tree at its limits: settings, shapes, places and rays."""
+"""The fast tree in extreme cases: settings, shapes, places and rays."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_infinite_thresholds_and_depth_zero_still_answer_with_finite_numbers():
         got, truth = tree.ask(*rays), tree.trace(*rays)
         for name in ("position", "normal", "exit_position", "exit_direction", "error"):
             assert np.isfinite(got[name]).all(), (settings, name)
-        # Whatever the error may be, no cell is answered that holds misses and hits.
+        # Whatever the allowed error, no cell with misses and hits is interpolated.
         assert (got["hit"] != truth["hit"]).mean() < 0.01, (settings, support.counts(got))
         if settings.get("depth_limit") == 0:
             np.testing.assert_array_equal(got["exit_direction"], truth["exit_direction"])
@@ -45,7 +45,7 @@ def test_a_sheet_without_thickness_and_a_needle():
     assert used.mean() > 0.2, support.counts(got)
     assert (got["hit"] != truth["hit"]).mean() < 0.01
     both = used & truth["hit"]
-    # All normals are alike, and the sheet is the middle plane: exact up to the rounding of floats.
+    # All normals are equal, and the sheet is the middle plane: exact up to the rounding of floats.
     np.testing.assert_allclose(got["exit_direction"][both], truth["exit_direction"][both], atol=3e-7)
     np.testing.assert_allclose(got["position"][both], truth["position"][both], atol=3e-7)
     thin = support.cuboid((1e-5, 1.0, 1e-5))

@@ -74,8 +74,8 @@ def test_what_fits_is_kept_and_never_diced_again():
     origins, directions, width = rays(50_000)
     width = np.maximum(width, 1e-2)  # no subpatch is split
     tracer = tracer_of(megabytes=100.0)
-    # Who cannot have a slot at once, because another thread is at it, dices for itself alone: the grid is kept when it is
-    # missed again. How often that happens depends on the machine's load, but each round leaves fewer.
+    # A thread that gets no slot at once, because another one has the lock, dices into its own memory: the grid is kept
+    # when it is missed again. How often that happens depends on the machine's load, but each round leaves fewer.
     rounds = []
     while len(rounds) < 2 or rounds[-1]["vertices_diced"] != rounds[-2]["vertices_diced"]:
         assert len(rounds) < 10, [each["vertices_diced"] for each in rounds]
@@ -105,7 +105,7 @@ def test_a_thrashing_cache_gives_the_same_hits(megabytes):
 
 
 def fine_torus(around):
-    """Of so many small bicubic patches each way, a few of them across the planes of the axes."""
+    """A surface of many small bicubic patches, a few of them across the coordinate planes."""
     u, v = np.meshgrid(*2 * [2 * np.pi * np.arange(around) / around])
     ring = 0.7 + 0.25 * np.cos(u)
     points = np.stack([ring * np.cos(v), ring * np.sin(v), 0.25 * np.sin(u), np.ones_like(u)], axis=2)
@@ -131,7 +131,7 @@ def test_grids_that_are_kept_packed_are_those_that_were_diced_bit_by_bit(around,
             np.testing.assert_array_equal(again[key], values, err_msg=key)
     medium = cache_statistics(kept)["levels"]["medium"]
     assert medium["cold"] > 1000 and medium["lookups"] > 2 * medium["diced"]
-    # A grid takes 320 bytes as it is, 128 or 64 packed; of small patches nearly all, of larger ones most.
+    # A grid takes 320 bytes, packed 128 or 64; nearly all grids of small patches are packed, most of larger ones.
     assert medium["bytes"] / medium["cold"] < most_bytes, medium
 
 

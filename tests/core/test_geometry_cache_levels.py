@@ -82,8 +82,8 @@ def test_wide_rays_that_start_where_others_hit_never_leave_a_closed_shell(name, 
         normals = hits["facet_normal"].astype(np.float64)
         missed = hits["instance"] < 0
         outside = np.flatnonzero(missed | (np.sum(normals * directions, axis=1) < -1e-6))
-        # As for facets of one size, though coarse ones meet at sharper edges: a ray that starts beside a sharp edge
-        # may lie behind the other facet by the offset.
+        # As for facets of one size, but coarse ones meet at sharper edges: a ray that starts near a sharp edge may be
+        # behind the other facet by the offset.
         assert len(outside) <= count * 5e-4, f"bounce {bounce}: {origins[outside[:3]]!r}"
         normals[missed] = -directions[missed]
         directions = shapes.random_directions(random, count)
@@ -151,7 +151,7 @@ def test_stochastic_rounding_is_the_same_for_the_same_ray_and_coarser_for_some()
     first, second = (tracer.closest_hits(origins, directions, width=width) for _ in range(2))
     np.testing.assert_array_equal(first["t"], second["t"])
     rounded = own_level(first["anchors"])
-    # Where two levels touch, a ray may hit another subpatch than before; up to a level coarser is all that may happen.
+    # Where two levels meet, a ray may hit another subpatch than before, at most one level coarser.
     assert 0.1 < (rounded < up).mean() < 0.9 and (rounded > up).mean() < 0.01
 
 
@@ -173,7 +173,7 @@ def test_a_beam_that_narrows_sees_finer_facets_near_its_focus_than_before_and_be
 def test_a_concave_mirror_that_looks_at_a_large_patch_gets_facets_as_fine_as_its_rays_are_narrow():
     random = np.random.default_rng(11)
     count, focal_length, width = 20_000, 3.0, 0.02
-    # A view that asks for nothing: the sphere is few large patches. Its lowest point lies near the mirror's focus.
+    # A view that needs no detail: the sphere has few large patches. Its lowest point is near the mirror's focus.
     ball = [(shapes.nurbs_sphere(), np.eye(4), shapes.EVERYTHING)]
     tracer = trace.Tracer(ball, pixel_angle=1.0, cache=trace.GeometryCacheSettings())
     focus = np.array([0.0, 0.0, -1.0])
@@ -204,5 +204,5 @@ def test_wide_rays_in_a_stretched_instance_see_what_they_see_in_the_shape_itself
     large = tracer_of("lumpy_torus", np.diag([scale, scale, scale, 1.0])).closest_hits(
         origins * scale, directions, width=width * np.float32(scale), spread=spread
     )
-    # The levels are chosen in single precision; a width at the border of two may fall to either side.
+    # Levels are chosen in single precision; a width at the border of two levels may give either.
     assert (own_level(alone["anchors"]) == own_level(large["anchors"])).mean() > 0.99

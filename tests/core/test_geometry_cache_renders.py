@@ -1,4 +1,4 @@
-"""The geometry cache under whole renders: levels, settings, passes, statistics, what a wrong setting says."""
+"""The geometry cache in whole renders: levels, settings, passes, statistics, messages for wrong settings."""
 
 import numpy as np
 import path_scenes
@@ -11,7 +11,7 @@ CACHE_PASSES = ["combined", "geometry_level", "geometry_misses", "object_index"]
 
 
 def render(core, scene, **settings):
-    """Nothing stays in memory but what the cache keeps."""
+    """Nothing is resident: all facets go through the cache."""
     return path_scenes.render(core, scene, resident_megabytes=0.0, **settings)
 
 
@@ -65,7 +65,7 @@ def test_a_single_resolution_is_fine_for_all_rays_and_looks_the_same(core):
     on_patches = sessions["SINGLE"].pass_pixels("geometry_level")[..., 0] > 0
     assert set(np.unique(sessions["SINGLE"].pass_pixels("geometry_level"))) == {0.0, 3.0} and on_patches.any()
     several, single = (sessions[mode].pass_pixels("combined")[..., :3] for mode in ("MULTI", "SINGLE"))
-    # A silhouette may lie a tenth of a pixel further in: a difference below the noise of so many samples.
+    # A silhouette may be a tenth of a pixel further inside: a difference below the noise of these samples.
     other_noise = render(core, scene, size=48, samples=16, geometry_cache_mode="SINGLE", seed=1)
     noise = other_noise.pass_pixels("combined")[..., :3] - single
     assert several.mean() == pytest.approx(single.mean(), rel=0.01)
@@ -164,7 +164,7 @@ def test_what_a_magnifying_glass_shows_is_split_beyond_the_finest_level(core):
     assert counters["splits"] > 0 and counters["parts"]["diced"] > 0
     assert picture(False)[1]["splits"] == 0
     finest = picture(True, tessellation_factor=0.1)[0]
-    # Silhouettes lie a tenth of a pixel off at most, and one of four samples may fall to the other side.
+    # Silhouettes are off by at most a tenth of a pixel, and one of four samples may be on the other side.
     assert 0.02 < finest.mean() < 0.98
     assert np.abs(image - finest).max() <= 0.25 and image.mean() == pytest.approx(finest.mean(), abs=0.01)
 
@@ -200,7 +200,7 @@ def test_the_error_of_occlusion_is_at_most_two_thousandths(core, integrator, ray
         .astype(float)
         for mode in ("MULTI", "SINGLE")
     )
-    # Equal random numbers, and all samples of a pixel at one place: the noise is the same.
+    # With equal random numbers, and all samples of a pixel at one place, the noise is the same.
     assert 0.3 < several.mean() < 0.95
     assert np.sqrt(np.mean((several - single) ** 2)) <= 0.002
 

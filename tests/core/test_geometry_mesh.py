@@ -1,4 +1,4 @@
-"""Triangle meshes: what is refused, and what a hit becomes."""
+"""Triangle meshes: invalid input, and the surface at a hit."""
 
 import numpy as np
 import pytest

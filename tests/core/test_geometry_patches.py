@@ -1,4 +1,4 @@
-"""Surfaces of patches: exact positions, normals and derivatives at hits, and what is refused."""
+"""Surfaces of patches: exact positions, normals and derivatives at hits, and invalid input."""
 
 import numpy as np
 import pytest

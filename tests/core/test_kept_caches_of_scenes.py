@@ -1,4 +1,4 @@
-"""Ray caches that several scenes keep, which are rendered in turn, frame by frame."""
+"""Ray caches that are shared by several scenes, which are rendered in turn, frame by frame."""
 
 from cached_scenes import ball_scene, render, used, world
 from path_scenes import material
@@ -39,7 +39,7 @@ def test_objects_of_one_name_and_several_shapes_keep_a_cache_in_each_scene(core)
     counts = [[taken(core, store.of_scene(str(radius)), scene(radius)) for radius in (1.0, 0.9)] for _ in range(2)]
     assert store.count() == 2
     assert all(0 <= again < 0.4 * first for first, again in zip(*counts)), counts
-    # In one scene the old shape's makes way.
+    # Within one scene, the cache of the old shape is dropped.
     taken(core, store.of_scene("1.0"), scene(0.8))
     assert store.count() == 2
 

@@ -1,4 +1,4 @@
-"""Normals of patches that have none of their own."""
+"""Normals of patches at singular points."""
 
 import numpy as np
 

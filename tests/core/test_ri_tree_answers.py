@@ -1,4 +1,4 @@
-"""What the tree answers: against closed forms, against tracing, and where samples must not be blended."""
+"""The answers of the published tree: against closed forms, against tracing, and where samples must not blend."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ IOR = 1.5
 
 def test_tracing_a_mirror_plane_agrees_with_the_closed_form():
     origins, directions = support.rays_towards(np.zeros(3), 0.5, 2000, eye=(0.2, -1.0, 2.0))
-    # Interpolated are rays whose cells span less than the angle; any angle: nearly all.
+    # Rays are interpolated if their cells span less than the angle; with any angle, nearly all are.
     for angle in (np.radians(30), support.ANY_ANGLE):
         tree = support.tree_of(support.square(), "MIRROR", angle_threshold=angle)
         got = tree.ask(origins, directions)
@@ -27,10 +27,10 @@ def test_tracing_a_mirror_plane_agrees_with_the_closed_form():
 
 
 def test_some_corners_of_a_cell_reproduce_affine_functions():
-    """At a border some corners hit and some miss; hits in the middle plane are affine in the line."""
+    """At a border some corners hit and some miss; hits in the middle plane are affine functions of the line."""
     origins, directions = support.rays_towards(np.zeros(3), 0.3, 3000, eye=(0.2, -1.0, 2.0))
     settings = {"depth_limit": 22, "angle_threshold": support.ANY_ANGLE}
-    # A slanted border: along an axis, the corners that hit would all lie in one side of the cell, which does not do.
+    # A slanted border: along an axis, the corners that hit would all be on one side of the cell, which is not enough.
     corners = np.array([[-1, -1, 0], [1, -1, 0], [-0.5, 1, 0]], np.float32)
     triangle = shapes.trace.TriangleMesh("triangle", corners, np.array([[0, 1, 2]], np.int32))
     tree = support.tree_of(triangle, "MIRROR", **settings)
@@ -55,8 +55,8 @@ def test_a_mirror_sphere_agrees_with_the_closed_form():
     interpolated = got["answered_by"] == INTERPOLATED
     assert interpolated.mean() > 0.5, support.counts(got)
     error = support.angles(got["exit_direction"], expected)[interpolated]
-    # The threshold bounds the distance at cell centres: 0.004 at a reach of 2 is 0.002 radians there; between centre
-    # and corners the error of a quadrilinear interpolant is at most its value at the centre for a quadratic function.
+    # The threshold bounds the distance at cell centres: 0.004 at a reach of 2 is 0.002 radians there. Between centre
+    # and corners, the error of quadrilinear interpolation of a quadratic function is at most that at the centre.
     assert error.mean() < 0.002 and np.quantile(error, 0.99) < 0.006
 
 
@@ -138,7 +138,7 @@ def test_the_error_is_of_second_order_in_the_cells_sides(kind):
         assert interpolated.mean() > 0.5, (depth, support.counts(got))
         errors.append(support.angles(got["exit_direction"], truth["exit_direction"])[interpolated].mean())
     ratios = np.array(errors[:-1]) / errors[1:]
-    # 4 in the limit: 3.6 and 4.0 here, for these rays' cells are not all halved alike.
+    # 4 in the limit; less here, because the cells of these rays are not all halved along the same axes.
     assert (ratios > 3.2).all() and (ratios < 4.8).all(), errors
 
 
@@ -163,7 +163,7 @@ def test_nothing_is_blended_over_the_edges_of_a_cube():
     got, truth = tree.ask(origins, directions), tree.trace(origins, directions)
     np.testing.assert_array_equal(got["hit"], truth["hit"])
     hit = truth["hit"]
-    # Face normals are exact in floats, so any blend of two would show.
+    # Face normals are exact in floats, so a blend of two would be detected.
     np.testing.assert_array_equal(got["normal"][hit], truth["normal"][hit])
     np.testing.assert_array_equal(got["first_class"], truth["first_class"])
     by = got["answered_by"]
@@ -178,7 +178,7 @@ def test_classes_follow_smoothness():
     # Texture coordinates jump at a seam: where they are stored the sphere is cut open, and so are both ways of a torus,
     # which stay one class: it can be walked around within the cuts.
     assert support.tree_of(shapes.nurbs_torus(), "SIMPLE").class_count == 1
-    # Flat shaded splines have no class to interpolate in.
+    # Flat shaded splines have no class, so nothing is interpolated.
     faceted = support.tree_of(shapes.nurbs_sphere(smooth=False), "MIRROR")
     assert faceted.class_count == 0
     origins, directions = support.rays_towards(np.zeros(3), 0.3, 50)
@@ -188,7 +188,7 @@ def test_classes_follow_smoothness():
 
 
 def test_a_silhouette_is_where_tracing_has_it():
-    """Rays around the rim of a ball, where cells hold misses and hits: the first-hit test decides."""
+    """Rays around the rim of a ball, where cells contain misses and hits: the first-hit test decides."""
     random = np.random.default_rng(8)
     angle, radius = random.uniform(0, 2 * np.pi, 1500), random.uniform(0.9, 1.1, 1500)
     points = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(1500)], axis=1)

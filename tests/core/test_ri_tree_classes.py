@@ -1,4 +1,4 @@
-"""Which patches and triangles join to one class: samples are blended only within it."""
+"""Which patches and triangles belong to one class: samples are blended only within a class."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ TWO = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
 
 
 def bent_mesh(normals=None, slots=(0, 0), uv=None):
-    """The two triangles with one normal each, or with the shared edge's."""
+    """The two triangles, with one normal each or with common normals at the shared edge."""
     more = {}
     if normals is not None:
         more["corner_normals"] = np.array(normals, np.float32)
@@ -24,7 +24,7 @@ def bent_mesh(normals=None, slots=(0, 0), uv=None):
 def test_triangles_join_where_their_normals_agree_along_the_edge():
     smooth = [[UP, UP, TILTED], [UP, TILTED, UP]]  # vertex 0 has one normal in both, and vertex 2
     sharp = [[UP, UP, UP], [TILTED, TILTED, TILTED]]
-    half_sharp = [[UP, UP, TILTED], [UP, UP, UP]]  # agrees at vertex 0 alone
+    half_sharp = [[UP, UP, TILTED], [UP, UP, UP]]  # agrees at vertex 0 only
     for normals, count in ((smooth, 1), (sharp, 2), (half_sharp, 2), (None, 2)):
         assert support.tree_of(bent_mesh(normals), "MIRROR").class_count == count, normals
 
@@ -74,5 +74,5 @@ def test_samples_on_both_sides_of_a_crease_are_not_blended():
     both = got["hit"] & truth["hit"]
     assert set(truth["first_class"][both]) == {1, 2}
     np.testing.assert_array_equal(got["first_class"][both], truth["first_class"][both])
-    # Both sides are flat: any blend would show in the normal.
+    # Both sides are flat: a blend would be detected in the normal.
     np.testing.assert_allclose(got["normal"][both], truth["normal"][both], atol=1e-6)

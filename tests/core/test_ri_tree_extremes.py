@@ -1,4 +1,4 @@
-"""The ray cache at its limits: settings, cache sizes, shapes, places and rays."""
+"""The ray cache in extreme cases: settings, cache sizes, shapes, places and rays."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def test_pruning_changes_no_answer(tree, kind):
         support.check_same_answers(expected, cache.ask(origins, directions))
         statistics = cache.statistics()
         assert statistics["prunes"] > 0 and statistics["bytes"] <= cache_bytes
-        # What one ray adds before the next pruning: a path of 21 cells of some 250 bytes, 9 samples of 80 bytes each.
+        # The most that one ray adds before the next pruning: 21 cells of about 250 bytes, with 9 samples of 80 bytes.
         assert statistics["most_bytes"] <= cache_bytes + 21 * (300 + 9 * 80), statistics
 
 
@@ -66,8 +66,8 @@ def test_thresholds_of_zero_and_infinity(tree, kind, distance, angle):
     got, truth = cache.ask(origins, directions), cache.trace(origins, directions)
     assert np.isfinite(got["exit_direction"]).all() and np.isfinite(got["length"]).all()
     if (angle == 0.0 and kind != "VOLUME") or (distance == 0.0 and tree == "FastTree"):
-        # No two directions are alike on a sphere, and no blend is without error (the fast tree traces what is not close
-        # at the depth limit, the published one does not): what is hit is traced, so all is exact.
+        # No two directions on a sphere are equal, and no blend is exact (the fast tree traces cells that are not close
+        # at the depth limit, the published one does not): all hits are traced, so everything is exact.
         assert not (got["answered_by"] == INTERPOLATED).any()
         np.testing.assert_array_equal(got["exit_direction"], truth["exit_direction"])
     else:
@@ -84,13 +84,13 @@ def test_at_depth_zero_everything_is_traced(tree, kind):
     got, truth = cache.ask(origins, directions), cache.trace(origins, directions)
     for name in support.OUTPUTS:
         np.testing.assert_array_equal(got[name], truth[name], err_msg=name)
-    # One cell a direction; the fast tree holds none, for it knows without asking that they are traced.
+    # One cell per direction; the fast tree stores none, because such settings leave all rays to tracing.
     directions_met = {cell[0] for cell in cache.final_cells(origins, directions) if cell}
     assert cache.statistics()["nodes"] <= len(directions_met) == 6
 
 
 def check_close(cache, origins, directions, tolerance):
-    """Hits agree, and interpolated exit directions within the tolerance on the mean."""
+    """Hits agree, and the mean error of interpolated exit directions is within the tolerance."""
     got, truth = cache.ask(origins, directions), cache.trace(origins, directions)
     assert (got["hit"] == truth["hit"]).mean() > 0.985, support.counts(got)
     interpolated = (got["answered_by"] == INTERPOLATED) & truth["hit"]
@@ -203,7 +203,7 @@ def test_a_ray_from_inside_the_box_is_not_told_what_lies_behind_it(tree, kind):
     got, truth = cache.ask(origins, directions), cache.trace(origins, directions)
     by = got["answered_by"]
     assert (by == ORIGIN).any() and (by == CELL_MISSED).any(), support.counts(got)
-    # What is left are silhouettes thinner than a cell that no sample met.
+    # The rest are silhouettes thinner than a cell, between its samples.
     assert (got["hit"] != truth["hit"]).mean() < 0.005, support.counts(got)
     if kind == "VOLUME":
         assert not (by == INTERPOLATED).any()
@@ -234,7 +234,7 @@ def test_a_path_inside_glass_ends_after_64_hits(tree):
 
 
 def test_no_blend_crosses_a_border_of_total_reflection(tree):
-    """A prism with a right angle: rays through its hypotenuse go over from refraction to total reflection."""
+    """A prism with a right angle: rays through its hypotenuse change from refraction to total reflection."""
     vertices = np.array([[-1, -1, -1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [-1, 1, 1]], np.float32)
     faces = [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [0, 3, 5], [0, 5, 2], [1, 2, 5], [1, 5, 4]]
     prism = shapes.trace.TriangleMesh("prism", vertices, np.array(faces, np.int32))

@@ -81,7 +81,7 @@ def test_the_line_of_a_corner_ray_is_that_corner(name):
             found, shares = tree.lines(origins, directions)
             corners = np.array([[index[k] + (corner >> k & 1) for k in range(4)] for corner in range(16)])
             expected = corners / 2.0 ** np.array(levels)
-            # Where a slope is 1, another axis is as dominant.
+            # If a slope is 1, another axis is equally dominant.
             plain = (expected[:, 2:] > 0).all(axis=1) & (expected[:, 2:] < 1).all(axis=1)
             assert (found[plain] == direction).all()
             np.testing.assert_allclose(shares[plain], expected[plain], atol=1e-14)
@@ -119,7 +119,7 @@ def test_ties_of_the_dominant_direction_go_to_the_first_axis():
 
 @pytest.mark.parametrize("half", [(1, 1, 1), (1, 1, 1e-6), (1e-6, 1, 1e-6), (0.2, 1, 0.6)])
 def test_the_longest_side_is_halved(half):
-    """A slope's side counts by what it makes over the half extent."""
+    """The side of a slope is measured as its length over the half extent."""
     tree = support.tree_of(support.cuboid(half), "SIMPLE")
     low, high = (np.array(corner) for corner in tree.box())
     sides = (high - low) / 2

@@ -1,4 +1,4 @@
-"""What ray caches are measured against sees the same surfaces, and sets of objects answer as their members do."""
+"""The rivals of ray caches see the same surfaces, and sets of objects answer like their members."""
 
 import numpy as np
 import pytest
@@ -43,12 +43,12 @@ def test_rivals_answer_as_the_sample_tracer(kind, method):
     rival = rayleaf_rivals.RivalTracer([(shape, kind, 1.45)], method)
     got = rival.trace(origins, directions)
     same = truth["hit"] == (got["object"] == 0)
-    # Facets of 16 x 16 cells leave out slivers at silhouettes.
+    # Facets of 16 x 16 cells lack slivers at silhouettes.
     assert same.mean() > 0.99
     hit = truth["hit"] & same
     assert hit.sum() > 200
     if kind == "VOLUME":
-        # Facets cut the corners of rays that graze.
+        # Facets are inside the surface at grazing rays.
         off = np.abs(got["length"] - truth["length"])[hit]
         assert np.median(off) < 0.008 and (off > 0.02).mean() < 0.04, np.sort(off)[-20:]
         return
@@ -65,7 +65,7 @@ def test_packets_answer_as_single_rays(kind):
     np.testing.assert_array_equal(single["object"], packets["object"])
     hit = single["object"] == 0
     assert hit.sum() > 300
-    # Embree's kernels for packets round differently; at a border of total reflection that is another path.
+    # Embree's packet kernels round differently; near a border of total reflection that changes the path.
     off = np.linalg.norm(single["exit_direction"] - packets["exit_direction"], axis=1)[hit]
     assert (off > 1e-3).mean() < 0.01
     assert (np.abs(single["length"] - packets["length"])[hit] > 1e-3).mean() < 0.01

@@ -154,7 +154,7 @@ def test_a_nearly_collapsed_row_is_regular(core):
 
 
 def test_a_sheared_patch_keeps_its_own_normal(core):
-    """P_u and P_v 1e-6 from parallel everywhere: below the threshold, but the cross product is sound."""
+    """P_u and P_v 1e-6 from parallel everywhere: below the threshold, but the cross product is accurate."""
     x, y = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
     net = np.stack([x + 1e6 * y, y, np.zeros_like(x), np.ones_like(x)], axis=-1)
     normals, _ = core.BezierPatch(net).normals(np.array([0.0, 0.3, 1.0]), np.array([0.0, 0.6, 1.0]))

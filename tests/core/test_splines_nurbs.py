@@ -1,4 +1,4 @@
-"""NURBS to Bezier form: against de Boor's definition in exact arithmetic, with bit-equal borders and honest continuity."""
+"""NURBS to Bezier form: against de Boor's definition in exact arithmetic, with bit-equal borders and correct continuity."""
 
 import itertools
 import math

@@ -21,7 +21,7 @@ def test_both_ways_to_evaluate_are_stable(core, degree):
     points = np.hstack([random.uniform(-1, 1, (degree + 1, 3)), np.ones((degree + 1, 1))])
     places = np.concatenate([[0.0, 1.0, 0.5, 1e-9, 1 - 1e-9], random.random(8)])
     curve = core.BezierCurve(points)
-    # Each level of either triangle rounds three times: sums of terms that are not negative lose no more than this.
+    # Each level of either triangle rounds three times; sums of non-negative terms lose no more than this.
     bound = 3 * (degree + 1) * EPSILON
     with mpmath.workdps(50):
         for t, one, other in zip(places, curve.evaluate(places)[:, 0], curve.de_casteljau(places), strict=True):
@@ -40,7 +40,7 @@ def test_both_ways_agree_for_rational_curves(core, degree):
 
 
 def test_the_power_form_would_not_be_stable(core):
-    # What the two are chosen for: at degree 30 coefficients of t^k have 12 digits too few.
+    # The reason for these algorithms: at degree 30, coefficients of t^k lose 12 digits.
     degree = 30
     points = np.hstack([np.random.default_rng(0).uniform(-1, 1, (degree + 1, 3)), np.ones((degree + 1, 1))])
     with mpmath.workdps(50):

@@ -1,4 +1,4 @@
-"""What strands accept: bad data is named, thin air renders, and a million strands fit."""
+"""Input of strands: invalid data is named, empty input renders, and a million strands fit."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Rays against strands: none aimed at the axis is lost, and every one leaves as often as it enters."""
+"""Rays against strands: none that is aimed at the axis misses, and each leaves as often as it enters."""
 
 import numpy as np
 import pytest

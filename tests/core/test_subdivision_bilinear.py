@@ -1,4 +1,4 @@
-"""Meshes as they are, with points wherever they are asked for: what displacement of plain meshes stands on."""
+"""The bilinear scheme: plain meshes with a point at any parameters, as displacement needs them."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Cages as users make them: every one is either refused with a clear message or rendered."""
+"""Cages as users make them: each is either rejected with a clear message or rendered."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The limit of cages: against the rules of Catmull and Clark written down once more, and closed forms."""
+"""The limit of cages: against a reference of the rules of Catmull and Clark, and closed forms."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def object_space(surface, local):
 
 
 def at_places(surface, refined):
-    """What the surface has at the corners of a refined cage's faces: (faces * 4, 6, 3), and their vertices."""
+    """The surface at the corners of a refined cage's faces: (faces * 4, 6, 3), and their vertices."""
     elements = np.repeat([element for element, _ in refined.places], 4).astype(np.int32)
     parameters = np.concatenate([corners for _, corners in refined.places])
     return surface.points(elements, parameters), np.concatenate(refined.faces)

@@ -1,4 +1,4 @@
-"""No ray passes between the elements of a subdivision surface, whatever meets there and however it is diced."""
+"""No ray passes between the elements of a subdivision surface, for any topology and dicing."""
 
 import numpy as np
 import pytest

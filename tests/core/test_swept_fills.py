@@ -1,4 +1,4 @@
-"""Filled areas of curves in two dimensions: where they are, that they close their walls, and what they do with bad outlines."""
+"""Filled areas of curves in two dimensions: their place, their closed walls, and bad outlines."""
 
 import numpy as np
 import pytest
@@ -182,7 +182,7 @@ def test_front_and_back_lie_at_the_ends_of_the_profile_and_face_away():
 
 
 def test_the_border_is_the_curve_at_any_distance():
-    """From near as from afar, the border of a disk is round to half a pixel of 1e-3 rad."""
+    """From near and from afar, the border of a disk is round to half a pixel of 1e-3 rad."""
     angle = np.linspace(-np.pi, np.pi, 2000)
     spline = swept.splines(
         "NURBS",

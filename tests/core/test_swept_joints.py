@@ -1,4 +1,4 @@
-"""Rings where segments of bevelled curves meet, begin and end: where Blender has them, and which way they look."""
+"""Rings where segments of bevelled curves meet, begin and end: place and direction as in Blender."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Grids of bevelled curves take 16 bits a coordinate where that is fine enough, and lie folded around long tubes."""
+"""Grids of bevelled curves take 16 bits a coordinate where that is fine enough, and are folded around long tubes."""
 
 import numpy as np
 import pytest
@@ -6,12 +6,12 @@ from core import shapes
 from core import swept_support as swept
 from rayleaf import _core
 
-# Of a grid in steps and of one in 32 bits; both with what keeps track of them.
+# Bytes of a grid in steps and of one in 32 bits, both with their bookkeeping.
 STEPS, WHOLE = 2624, 5184
 
 
 def bytes_of_a_grid(tracer, rays) -> float:
-    """Memory of the fine level by its grids. Who cannot have a slot at once dices for itself alone, so rays are repeated
+    """Memory of the fine level per grid. A thread without a slot dices into its own memory, so rays are repeated
     until every grid is kept."""
     for _ in range(10):
         before = tracer.statistics()["geometry_cache"]["levels"]["fine"]
@@ -23,7 +23,7 @@ def bytes_of_a_grid(tracer, rays) -> float:
 
 
 def traced(depth: float, pixel_angle: float):
-    """A bent rod seen from aside, the rays, and how far its hits lie from those of the finest one, in radii."""
+    """A bent rod seen from the side, the rays, and the distance of its hits from those of the finest one, in radii."""
     random = np.random.default_rng(31)
     axis = swept.along(swept.segments(swept.BEND_POINTS, swept.BEND_HANDLES), random.uniform(0.02, 0.98, 20_000))[0]
     rays = swept.rays_at(axis + random.uniform(-depth, depth, axis.shape), 3.0, random)
