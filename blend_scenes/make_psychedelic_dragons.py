@@ -24,6 +24,7 @@ from scene_tools import (  # noqa: E402
     add_grid,
     arguments,
     color_ramp,
+    displace,
     graded_world,
     lathe,
     link,
@@ -65,6 +66,7 @@ def lumpy_paint(name: str, hue: float, scale: float, height: float) -> Any:
     shader = tree.add("ShaderNodeBsdfDiffuse", {"Color": colors})
     moved = tree.add("ShaderNodeDisplacement", {"Height": height_of, "Midlevel": 0.5, "Scale": height})
     tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0], "Displacement": moved.outputs[0]})
+    displace(made)
     return made
 
 

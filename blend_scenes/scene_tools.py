@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import addon_utils
 import bpy
 import numpy as np
 from mathutils import Vector
@@ -255,6 +256,15 @@ def material(name: str, color: Triple = (0.8, 0.8, 0.8), roughness: float = 0.5,
     tree.add("ShaderNodeOutputMaterial", {"Surface": shader.outputs[0]})
     made.diffuse_color = (*color, 1)
     return made
+
+
+def displace(made: Any) -> None:
+    """Have a material's displacement move points; as Blender makes it, it bends normals alone."""
+    if hasattr(made, "displacement_method"):  # 4.1
+        made.displacement_method = "DISPLACEMENT"
+    else:
+        addon_utils.enable("cycles")
+        made.cycles.displacement_method = "DISPLACEMENT"
 
 
 def matte(name: str, color: Triple) -> Any:

@@ -117,6 +117,17 @@ def transparent_shadow(material: Any) -> bool:
     return bool(cycles_setting(material, "use_transparent_shadow", True))
 
 
+_DISPLACEMENT_METHODS = ("BUMP", "DISPLACEMENT", "BOTH")
+
+
+def displacement_method(material: Any) -> str:
+    """What a material's Displacement output does: BUMP bends normals, DISPLACEMENT moves points, BOTH does both."""
+    if hasattr(material, "displacement_method"):  # 4.1
+        return str(material.displacement_method)
+    method = cycles_setting(material, "displacement_method", "BUMP")
+    return _DISPLACEMENT_METHODS[method] if isinstance(method, int) else str(method)
+
+
 def world_visibility(world: Any, kinds: Iterable[str]) -> dict[str, bool]:
     """Which kinds of rays see the world, as Cycles is told."""
     own = getattr(world, "cycles_visibility", None)

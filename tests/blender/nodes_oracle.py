@@ -4,7 +4,7 @@ Each case is a node whose result shines from a square of its own; one picture ho
 material that shines by position, tells where each sample hit: at equal seeds Cycles hits the same points.
 
 An input named "x", "y", "z" or "p" is linked to the square's coordinate: x, y in [-2, 2], z a constant; "kelvins" and
-"nanometres" to temperatures and wavelengths beyond both ends of what is defined.
+"nanometres" to temperatures and wavelengths beyond both ends of what is defined; "direction" to unit vectors around x.
 """
 
 import math
@@ -53,6 +53,13 @@ def build_material(case: Case, center: tuple[float, float]) -> Any:
         scaled[name].inputs[1].default_value, scaled[name].inputs[2].default_value = factor, middle
     sources = {name: node.outputs[0] for name, node in scaled.items()}
     sources |= {"p": local.outputs[0], **{name: separate.outputs[i] for i, name in enumerate("xyz")}}
+
+    turned, unit = tree.nodes.new("ShaderNodeCombineXYZ"), tree.nodes.new("ShaderNodeVectorMath")
+    unit.operation = "NORMALIZE"
+    for target, axis in enumerate((1, 2, 0)):
+        tree.links.new(separate.outputs[axis], turned.inputs[target])
+    tree.links.new(turned.outputs[0], unit.inputs[0])
+    sources["direction"] = unit.outputs[0]
 
     node = tree.nodes.new(case.node)
     for name, value in case.settings.items():

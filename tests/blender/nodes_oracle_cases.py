@@ -95,6 +95,34 @@ def _textures(case: Callable[..., Any], make_image: Callable[[str], Any]) -> lis
     return found
 
 
+def _skies(case: Callable[..., Any]) -> list[Any]:
+    """Both models, the sun high, low and below the horizon, with its disc and without."""
+    looked, found = {"Vector": "direction"}, []
+    for sun, turbidity in (((0.3, 0.2, 0.9), 2.2), ((0.9, 0.1, 0.2), 5.0)):
+        settings = {"sky_type": "PREETHAM", "sun_direction": sun, "turbidity": turbidity}
+        found.append(case("ShaderNodeTexSky", settings, looked))
+    base = {"sky_type": "NISHITA", "sun_disc": False}
+    for more in (
+        {"sun_elevation": 0.26, "sun_rotation": 1.9},
+        {"sun_elevation": 1.2, "sun_rotation": -0.7, "air_density": 2.0, "dust_density": 4.0, "ozone_density": 3.0},
+        {"sun_elevation": 0.02, "altitude": 3000.0},
+        {"sun_elevation": -0.05},
+        {"sun_elevation": 2.6, "sun_rotation": 0.4},
+    ):
+        found.append(case("ShaderNodeTexSky", {**base, **more}, looked))
+    # A disc as wide as the square sees.
+    for elevation in (0.4, 0.1):
+        disc = {
+            "sun_disc": True,
+            "sun_size": 1.2,
+            "sun_elevation": elevation,
+            "sun_rotation": 1.57,
+            "sun_intensity": 0.3,
+        }
+        found.append(case("ShaderNodeTexSky", {**base, **disc}, looked))
+    return found
+
+
 def all_cases(case: Callable[..., Any], make_image: Callable[[str], Any]) -> list[Any]:
     """Every case; `case` makes one, `make_image` a small picture of a colour space."""
-    return _arithmetic(case) + _colors(case) + _textures(case, make_image) + pattern_cases(case)
+    return _arithmetic(case) + _colors(case) + _textures(case, make_image) + _skies(case) + pattern_cases(case)

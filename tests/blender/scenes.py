@@ -92,6 +92,15 @@ def material(name="Material"):
     return result, tree, tree.nodes.new("ShaderNodeOutputMaterial")
 
 
+def set_displacement(material, method):
+    """BUMP, DISPLACEMENT or BOTH."""
+    if hasattr(material, "displacement_method"):  # 4.1
+        material.displacement_method = method
+    else:
+        addon_utils.enable("cycles")
+        material.cycles.displacement_method = method
+
+
 def fcurves(owner):
     """Of an animated data block's action."""
     action = owner.animation_data.action

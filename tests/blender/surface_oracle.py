@@ -18,6 +18,7 @@ report = globals()["report"]  # given by the test
 PIXELS, OFFSET = 48, 4.0
 # Pixels that are compared: so far from a square's middle, of its side. The balls reach to 0.36 at least.
 INSIDE = 0.27
+DISPLACING = ("ShaderNodeDisplacement", "ShaderNodeVectorDisplacement")
 
 
 def sources(tree):
@@ -59,6 +60,11 @@ def build_material(case):
             node.inputs[name].default_value = value
     result = node.outputs[case.output] if case.output else node.outputs[0]
     output = tree.nodes.new("ShaderNodeOutputMaterial")
+    if case.node in DISPLACING:  # bump only, which is what a new material has
+        tree.links.new(result, output.inputs["Displacement"])
+        shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        tree.links.new(shader.outputs[0], output.inputs["Surface"])
+        return material
     if result.type == "SHADER":
         tree.links.new(result, output.inputs["Surface"])
         return material
@@ -139,7 +145,8 @@ def main(folder):
     pictures = {engine: 0.0 for engine in ("CYCLES", "RAYLEAF")}
     for lit in (False, True):
         for case, item in zip(CASES, sorted(b.name for b in bpy.data.objects if b.name.startswith("Ball"))):
-            bpy.data.objects[item].hide_render = case.node.startswith("ShaderNodeBsdf") != lit
+            is_shader = case.node.startswith("ShaderNodeBsdf") or case.node in DISPLACING
+            bpy.data.objects[item].hide_render = is_shader != lit
         for engine in pictures:
             pictures[engine] = pictures[engine] + picture(scene, engine, folder / f"{engine}.exr")
     # Negative light is Cycles' alone.

@@ -49,6 +49,16 @@ def _bumps() -> list[Case]:
     return found
 
 
+def _displacements() -> list[Case]:
+    """Of materials that bend normals by what would displace."""
+    found = []
+    for space in ("OBJECT", "WORLD"):
+        for inputs in ({"Height": "height", "Scale": 0.3}, {"Height": "height", "Midlevel": 0.2, "Scale": -0.2}):
+            found.append(Case("ShaderNodeDisplacement", {"space": space}, inputs))
+        found.append(Case("ShaderNodeVectorDisplacement", {"space": space}, {"Vector": "object", "Scale": 0.2}))
+    return found
+
+
 def _images() -> list[Case]:
     found = []
     for source in ("object", "generated"):
@@ -88,4 +98,4 @@ def _shaders() -> list[Case]:
     return found
 
 
-CASES = _coordinates() + _bumps() + _images() + _shaders()
+CASES = _coordinates() + _bumps() + _displacements() + _images() + _shaders()

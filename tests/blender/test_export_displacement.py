@@ -12,8 +12,56 @@ def displacing(kind, space, value, name="Material"):
     node.inputs[0].default_value = value
     node.inputs["Midlevel"].default_value, node.inputs["Scale"].default_value = 0.5, 2.0
     tree.links.new(node.outputs[0], output.inputs["Displacement"])
+    scenes.set_displacement(material, "DISPLACEMENT")
     return material
 """
+
+
+def test_the_materials_method_says_what_displacement_does(run_blender):
+    run = run_blender(
+        START
+        + """
+found = {}
+for method in ("BUMP", "DISPLACEMENT", "BOTH"):
+    material = displacing("ShaderNodeDisplacement", "OBJECT", 0.75, method)
+    shader = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
+    output = material.node_tree.get_output_node("CYCLES")
+    material.node_tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    scenes.set_displacement(material, method)
+    scenes.quad(method).data.materials.append(material)
+sent, told, messages = recording_core.export()
+for material in sent.materials:
+    program = material["surface"]
+    (diffuse,) = [line for line in program.lines if line["op"] == "diffuse"]
+    normal = program.operands(diffuse)[3]
+    found[material["name"]] = [material["displacement"] is not None, normal and normal["op"]]
+report(found=found, messages=messages)
+"""
+    ).report
+    assert run["messages"] == []
+    assert run["found"] == {"BUMP": [False, "bump"], "DISPLACEMENT": [True, None], "BOTH": [True, None]}
+
+
+def test_a_material_as_blender_makes_it_is_bumped(run_blender):
+    run = run_blender(
+        START
+        + """
+from rayleaf import versions
+import addon_utils
+found = []
+for enabled in (True, False):
+    (addon_utils.enable if enabled else addon_utils.disable)("cycles")
+    found.append([versions.displacement_method(bpy.data.materials.new("New"))])
+    for method in ("DISPLACEMENT", "BOTH", "BUMP"):
+        material = bpy.data.materials.new(method)
+        scenes.set_displacement(material, method)
+        if not enabled:
+            addon_utils.disable("cycles")
+        found[-1].append(versions.displacement_method(material))
+report(found=found)
+"""
+    ).report
+    assert run["found"] == [["BUMP", "DISPLACEMENT", "BOTH", "BUMP"]] * 2
 
 
 def test_both_nodes_arrive_in_their_space(run_blender):
@@ -122,6 +170,7 @@ material, tree, output = scenes.material()
 item.data.materials.append(material)
 unknown = tree.nodes.new("ShaderNodeUVAlongStroke")
 tree.links.new(unknown.outputs["UV"], output.inputs["Displacement"])
+scenes.set_displacement(material, "DISPLACEMENT")
 sent, _, texts = recording_core.export()
 program, object_space, world_space = sent.materials[0]["displacement"]
 report(object_space=object_space, vector=program.registers[world_space], texts=texts)

@@ -127,6 +127,7 @@ hairy.particle_systems[0].settings.type, hairy.particle_systems[0].settings.coun
 displaced = scenes.quad("Displaced")
 material, tree, output = scenes.material()
 tree.links.new(tree.nodes.new("ShaderNodeDisplacement").outputs[0], output.inputs["Displacement"])
+scenes.set_displacement(material, "DISPLACEMENT")
 displaced.data.materials.append(material)
 scenes.add(bpy.data.lights.new("Lamp", "AREA"), "Lamp")
 report(told=[failed(), failed()])

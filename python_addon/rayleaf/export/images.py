@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ..messages import Messages, Subject
 from ..names import name_of
@@ -35,6 +36,7 @@ class ImageLibrary:
         self._check_cancel = check_cancel or CancelCheck(lambda: False)
         self._core, self._scene, self._messages = core, scene, messages
         self._known: dict[tuple[int, str], int | None] = {}
+        self._computed: dict[tuple[Any, ...], int] = {}
 
     def texture(self, image: Any, user: Any, frame: int) -> int | None:
         """The texture id of an image as a node uses it, or None if it cannot be read."""
@@ -50,6 +52,14 @@ class ImageLibrary:
                 self._messages.warn(f"{error}; rendered pink", Subject("Image", name_of(image)))
                 self._known[key] = None
         return self._known[key]
+
+    def computed(self, name: str, key: tuple[Any, ...], make: Callable[[], NDArray[np.float32]]) -> int:
+        """The texture id of a table that is computed, linear colours in rows from below; once for each key."""
+        if (name, *key) not in self._computed:
+            table = np.ascontiguousarray(make(), np.float32)
+            add = self._scene.add_image_pixels
+            self._computed[(name, *key)] = int(self._check_cancel.while_waiting_for(lambda: add(name, table, "LINEAR")))
+        return self._computed[(name, *key)]
 
     def tiles(self, image: Any) -> list[int]:
         """The UDIM tiles of an image: number and texture id of each in turn."""

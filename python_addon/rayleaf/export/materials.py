@@ -4,11 +4,12 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
+from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
 from . import unsupported
 from .nodes.compiler import Compiler, Resources
-from .nodes.displacement import compile_displacement
+from .nodes.displacement import bend_normal, compile_displacement
 from .nodes.emitter import Emitter
 from .ray_interpolation import volume_of
 
@@ -55,7 +56,10 @@ class MaterialLibrary:
         emitter = Emitter(self._core, subject.name)
         try:
             if material.use_nodes and material.node_tree is not None:
-                Compiler(emitter, subject, self._resources, self._messages).compile_tree(material.node_tree)
+                compiler = Compiler(emitter, subject, self._resources, self._messages)
+                if versions.displacement_method(material) == "BUMP":
+                    bend_normal(compiler, material.node_tree)
+                compiler.compile_tree(material.node_tree)
             else:
                 emitter.operation("diffuse", [emitter.scalar(1.0), emitter.constant(*material.diffuse_color[:3])])
             volume = volume_of(self._core, material.rayleaf)
@@ -74,7 +78,8 @@ class MaterialLibrary:
 
     def _displacement(self, material: Any, subject: Subject) -> tuple[Any, int, int] | None:
         """A program that displaces, and the registers of its vectors in object and in world space."""
-        if not material.use_nodes or material.node_tree is None:
+        moves = versions.displacement_method(material) != "BUMP"
+        if not moves or not material.use_nodes or material.node_tree is None:
             return None
         emitter = Emitter(self._core, subject.name)
         compiler = Compiler(emitter, subject, self._resources, self._messages, displaces=True)

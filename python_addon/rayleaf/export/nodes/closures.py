@@ -22,20 +22,20 @@ _SPECULAR_SCALE = 0.08
 @closure_node("ShaderNodeBsdfDiffuse")
 def diffuse(view: NodeView, weight: Register) -> None:
     """Diffuse BSDF."""
-    operands = [weight, view.input("Color"), view.input("Roughness"), view.linked("Normal")]
+    operands = [weight, view.input("Color"), view.input("Roughness"), view.normal("Normal")]
     view.emitter.operation("diffuse", operands)
 
 
 @closure_node("ShaderNodeBsdfTranslucent")
 def translucent(view: NodeView, weight: Register) -> None:
     """Translucent BSDF."""
-    view.emitter.operation("translucent", [weight, view.input("Color"), view.linked("Normal")])
+    view.emitter.operation("translucent", [weight, view.input("Color"), view.normal("Normal")])
 
 
 @closure_node("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic")
 def glossy(view: NodeView, weight: Register) -> None:
     """Glossy BSDF; in Blender 4 it is the anisotropic node."""
-    operands = [weight, view.input("Color"), view.input("Roughness"), view.linked("Normal")]
+    operands = [weight, view.input("Color"), view.input("Roughness"), view.normal("Normal")]
     if view.socket("Anisotropy") is not None:
         anisotropy = view.input("Anisotropy")
         if _may_be_other_than(view, anisotropy, 0.0):
@@ -57,14 +57,14 @@ def _tangent(view: NodeView) -> Register:
 @closure_node("ShaderNodeBsdfVelvet")
 def velvet(view: NodeView, weight: Register) -> None:
     """Velvet BSDF."""
-    operands = [weight, view.input("Color"), view.input("Sigma"), view.linked("Normal")]
+    operands = [weight, view.input("Color"), view.input("Sigma"), view.normal("Normal")]
     view.emitter.operation("velvet", operands)
 
 
 @closure_node("ShaderNodeBsdfToon")
 def toon(view: NodeView, weight: Register) -> None:
     """Toon BSDF."""
-    operands = [weight, view.input("Color"), view.input("Size"), view.input("Smooth"), view.linked("Normal")]
+    operands = [weight, view.input("Color"), view.input("Size"), view.input("Smooth"), view.normal("Normal")]
     view.emitter.operation("toon", operands, text=view.node.component)
 
 
@@ -81,7 +81,7 @@ def refraction(view: NodeView, weight: Register) -> None:
 
 
 def _dielectric(view: NodeView, weight: Register, operation: str) -> None:
-    operands = [weight, view.input("Color"), view.input("Roughness"), view.input("IOR"), view.linked("Normal")]
+    operands = [weight, view.input("Color"), view.input("Roughness"), view.input("IOR"), view.normal("Normal")]
     view.emitter.operation(operation, operands, text=view.node.distribution)
 
 
@@ -193,8 +193,8 @@ def principled(view: NodeView, weight: Register) -> None:
             _named(view, "emission_color"),
             view.input("Emission Strength", default=1.0),
             view.input("Alpha", default=1.0),
-            view.linked("Normal"),
-            view.linked(*PRINCIPLED_SOCKETS["clearcoat_normal"]),
+            view.normal("Normal"),
+            view.normal(*PRINCIPLED_SOCKETS["clearcoat_normal"]),
             tangent,
         ],
         text=getattr(view.node, "distribution", ""),

@@ -71,6 +71,11 @@ class NodeView:
             return UNCONNECTED
         return self.compiler.input(socket, self._path)
 
+    def normal(self, *names: str) -> Register:
+        """A linked normal; without a link the one that the material's displacement bends, if it does."""
+        register = self.linked(*names)
+        return self.compiler.bent_normal if register == UNCONNECTED else register
+
     def vector(self, *names: str) -> Register:
         """A linked vector; without a link the texture coordinate that Blender takes: Generated."""
         register = self.linked(*names)
@@ -127,6 +132,8 @@ class Compiler:
         load_nodes()
         self.emitter, self.resources, self.is_world, self._displaces = emitter, resources, is_world, displaces
         self._subject, self._messages = subject, messages
+        # What stands for the surface's normal, where displacement is bump only.
+        self.bent_normal: Register = UNCONNECTED
         # What functions raise where a node is in a mode that they, or the core, do not know.
         self._unknown = (emitter.rejected, LookupError, ValueError, AttributeError)
         self._links: dict[int, dict[int, Any]] = {}  # by the pointer of the tree, then of the input
@@ -137,6 +144,11 @@ class Compiler:
         """Tell about a node, once."""
         subject = replace(self._subject, node=name_of(node))
         self._messages.warn(f"{subject}: {text}", subject)
+
+    def bend_normal(self, normal: Register) -> None:
+        """From now on this stands for the surface's normal."""
+        self.bent_normal = normal
+        self._done.clear()
 
     # --- the graph ---------------------------------------------------------------------------------------------------
 

@@ -6,6 +6,8 @@ from .compiler import Compiler, NodeView
 from .emitter import UNCONNECTED, Register
 from .graph import Path
 
+_WORLD, _OBJECT = 0, 1  # spaces of the operation `transform`
+
 
 def compile_displacement(compiler: Compiler, tree: Any) -> tuple[Register, Register] | None:
     """Write what a tree's output displaces by; the registers of the vector in object space and of the one in world
@@ -22,6 +24,20 @@ def compile_displacement(compiler: Compiler, tree: Any) -> tuple[Register, Regis
     if node.bl_idname == "ShaderNodeVectorDisplacement":
         return _vector(view)
     return UNCONNECTED, compiler.output(socket, path)  # any other vector is one of the world, as in Cycles
+
+
+def bend_normal(compiler: Compiler, tree: Any) -> None:
+    """Have the surface's normal bent by what a tree's output would displace by."""
+    registers = compile_displacement(compiler, tree)
+    if registers is None:
+        return
+    emitter = compiler.emitter
+    in_object, offset = registers
+    if in_object != UNCONNECTED:
+        offset = emitter.operation("transform", [in_object], [_OBJECT, _WORLD], text="VECTOR")
+    height = emitter.operation("vector_math", [offset, emitter.operation("normal")], text="DOT_PRODUCT")
+    one = emitter.scalar(1.0)
+    compiler.bend_normal(emitter.operation("bump", [height, one, one]))
 
 
 def _source(compiler: Compiler, socket: Any) -> tuple[Any, Path] | None:

@@ -9,7 +9,9 @@ from ..attributes import STRAND_INFO, STRAND_RANDOM
 from ..instance_values import OBJECT_COLOR, PARTICLE, PROPERTY_OF
 from ..mesh_derived import ISLAND_RANDOM, POINTINESS, TANGENT_OF
 from .compiler import NodeView, value_node
-from .emitter import Register
+from .emitter import UNCONNECTED, Register
+
+_WORLD, _OBJECT = 0, 1  # spaces of the operation `transform`
 
 
 def _one_of(view: NodeView, output: str, operations: dict[str, str], neutral: float) -> Register:
@@ -34,6 +36,8 @@ def texture_coordinate(view: NodeView, output: str) -> Register:
         return emitter.operation("uv", ints=[view.resources.active_uv()])
     if output == "Object" and view.node.object is not None:
         return _in_space_of(view, np.array(view.node.object.matrix_world.inverted_safe(), np.float64))
+    if output == "Normal" and view.compiler.bent_normal != UNCONNECTED:
+        return emitter.operation("transform", [view.compiler.bent_normal], [_WORLD, _OBJECT], text="NORMAL")
     operations = {
         "Generated": "generated",
         "Normal": "object_normal",
@@ -70,6 +74,8 @@ def geometry(view: NodeView, output: str) -> Register:
     """Geometry."""
     if output == "Tangent":  # whatever the UV maps are
         return view.emitter.operation("radial_tangent", ints=[2])
+    if output == "Normal" and view.compiler.bent_normal != UNCONNECTED:
+        return view.compiler.bent_normal
     derived = {"Pointiness": POINTINESS, "Random Per Island": ISLAND_RANDOM}
     if output in derived:
         value = view.emitter.operation("attribute", ints=[view.resources.attribute(derived[output])])
@@ -203,13 +209,13 @@ def point_info(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeFresnel")
 def fresnel(view: NodeView, output: str) -> Register:
     """Fresnel."""
-    return view.emitter.operation("fresnel", [view.input("IOR"), view.linked("Normal")])
+    return view.emitter.operation("fresnel", [view.input("IOR"), view.normal("Normal")])
 
 
 @value_node("ShaderNodeLayerWeight")
 def layer_weight(view: NodeView, output: str) -> Register:
     """Layer Weight."""
-    return view.emitter.operation("layer_weight", [view.input("Blend"), view.linked("Normal")], text=output.upper())
+    return view.emitter.operation("layer_weight", [view.input("Blend"), view.normal("Normal")], text=output.upper())
 
 
 @value_node("ShaderNodeTangent")

@@ -94,9 +94,9 @@ def bump(view: NodeView, output: str) -> Register:
     """Bump."""
     height = view.linked("Height")
     if height == UNCONNECTED:  # as high everywhere
-        normal = view.linked("Normal")
+        normal = view.normal("Normal")
         return view.emitter.operation("normal") if normal == UNCONNECTED else normal
-    operands = [height, view.input("Strength"), view.input("Distance"), view.linked("Normal")]
+    operands = [height, view.input("Strength"), view.input("Distance"), view.normal("Normal")]
     return view.emitter.operation("bump", operands, [int(view.node.invert)])
 
 

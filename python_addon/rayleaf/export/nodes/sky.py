@@ -1,0 +1,179 @@
+"""Sky Texture: Nishita's sky with its sun, and Preetham's (Preetham, Shirley, Smits: "A Practical Analytic Model for
+Daylight", SIGGRAPH 1999)."""
+
+import math
+
+import numpy as np
+
+from ..atmosphere import FROM_XYZ, Air, sky_table, sun_disc
+from .compiler import NodeView, value_node
+from .emitter import Register
+from .textures import name_hidden_mapping
+
+_EXTEND, _LINEAR, _FLAT = 1, 0, 0
+_LIMB_DARKENING = 0.6
+# Below this height the ground is black, and above it the sky fades.
+_GROUND = -0.4
+# Perez' five parameters of Y, x and y: factors on the turbidity, and what is added.
+_PEREZ = (
+    ((0.1787, -1.4630), (-0.3554, 0.4275), (-0.0227, 5.3251), (0.1206, -2.5771), (-0.0670, 0.3703)),
+    ((-0.0193, -0.2592), (-0.0665, 0.0008), (-0.0004, 0.2125), (-0.0641, -0.8989), (-0.0033, 0.0452)),
+    ((-0.0167, -0.2608), (-0.0950, 0.0092), (-0.0079, 0.2102), (-0.0441, -1.6537), (-0.0109, 0.0529)),
+)
+# The zenith's x and y: by powers of the turbidity (2, 1, 0), by powers of the sun's angle to the zenith (3, 2, 1, 0).
+_ZENITH = (
+    (
+        (0.00166, -0.00375, 0.00209, 0.0),
+        (-0.02903, 0.06377, -0.03202, 0.00394),
+        (0.11693, -0.21196, 0.06052, 0.25886),
+    ),
+    (
+        (0.00275, -0.00610, 0.00317, 0.0),
+        (-0.04214, 0.08970, -0.04153, 0.00516),
+        (0.15346, -0.26756, 0.06670, 0.26688),
+    ),
+)
+_BRIGHTNESS = 0.06  # Cycles' factor on Preetham's luminance
+
+
+class _Sky:
+    """A direction, and arithmetic with what is known of it."""
+
+    def __init__(self, view: NodeView) -> None:
+        self.emitter = view.emitter
+        self.direction = self.vector("NORMALIZE", view.vector("Vector"))
+        self.height = self.emitter.component(self.direction, 2)
+
+    def vector(self, name: str, *operands: Register) -> Register:
+        return self.emitter.operation("vector_math", operands, text=name)
+
+    def number(self, name: str, *operands: Register | float) -> Register:
+        known = [self.emitter.scalar(each) if isinstance(each, float) else each for each in operands]
+        return self.emitter.math(name, *known)
+
+    def angle_to(self, direction: tuple[float, float, float]) -> Register:
+        """Exact where it is small, too."""
+        other = self.emitter.constant(*direction)
+        apart, together = (
+            self.vector("LENGTH", self.vector(name, self.direction, other)) for name in ("SUBTRACT", "ADD")
+        )
+        return self.number("MULTIPLY", self.number("ARCTAN2", apart, together), 2.0)
+
+
+@value_node("ShaderNodeTexSky")
+def sky(view: NodeView, output: str) -> Register:
+    """Sky Texture."""
+    name_hidden_mapping(view)
+    if view.node.sky_type == "PREETHAM":
+        return _preetham(view)
+    if view.node.sky_type == "HOSEK_WILKIE":
+        view.warn("the sky of Hosek and Wilkie is rendered as Preetham's")
+        return _preetham(view)
+    if view.node.sky_type not in ("NISHITA", "SINGLE_SCATTERING"):
+        view.warn(f"the sky type {view.node.sky_type} is rendered as Nishita's")
+    return _nishita(view)
+
+
+# --- Preetham -----------------------------------------------------------------------------------------------------------
+
+
+def _perez_at(parameters: list[float], zenith_angle: float, sun_angle: float) -> float:
+    a, b, c, d, e = parameters
+    gradation = 1.0 + a * math.exp(b / math.cos(zenith_angle))
+    return gradation * (1.0 + c * math.exp(d * sun_angle) + e * math.cos(sun_angle) ** 2)
+
+
+def _zenith(turbidity: float, angle: float) -> list[float]:
+    """Y, x and y."""
+    depth = (4.0 / 9.0 - turbidity / 120.0) * (math.pi - 2.0 * angle)
+    luminance = (4.0453 * turbidity - 4.9710) * math.tan(depth) - 0.2155 * turbidity + 2.4192
+    powers = np.array([angle**3, angle**2, angle, 1.0])
+    chromaticities = [float(np.array([turbidity**2, turbidity, 1.0]) @ np.array(each) @ powers) for each in _ZENITH]
+    return [luminance * _BRIGHTNESS, *chromaticities]
+
+
+def _preetham(view: NodeView) -> Register:
+    found, node, emitter = _Sky(view), view.node, view.emitter
+    sun = np.array(node.sun_direction, float)
+    sun /= max(float(np.linalg.norm(sun)), 1e-9)
+    angle = math.acos(float(np.clip(sun[2], -1.0, 1.0)))
+    slant = found.number("MAXIMUM", found.height, math.sin(0.001))  # the cosine to the zenith
+    apart = found.angle_to((float(sun[0]), float(sun[1]), float(sun[2])))
+    near = found.number("POWER", found.number("COSINE", apart), 2.0)
+    channels = []
+    for zenith, rows in zip(_zenith(node.turbidity, angle), _PEREZ):
+        parameters = [factor * node.turbidity + added for factor, added in rows]
+        a, b, c, d, e = parameters
+        gradation = found.number("EXPONENT", found.number("DIVIDE", b, slant))
+        gradation = found.number("MULTIPLY_ADD", gradation, a, 1.0)
+        glow = found.number("EXPONENT", found.number("MULTIPLY", apart, d))
+        scattering = found.number("ADD", found.number("MULTIPLY_ADD", glow, c, 1.0), found.number("MULTIPLY", near, e))
+        scale = zenith / _perez_at(parameters, 0.0, angle)
+        channels.append(found.number("MULTIPLY", found.number("MULTIPLY", gradation, scattering), scale))
+    luminance, x, y = channels
+    by_y = found.number("DIVIDE", luminance, y)
+    rest = found.number("SUBTRACT", found.number("SUBTRACT", 1.0, x), y)
+    xyz = emitter.operation(
+        "combine", [found.number("MULTIPLY", x, by_y), luminance, found.number("MULTIPLY", rest, by_y)]
+    )
+    rgb = [found.vector("DOT_PRODUCT", xyz, emitter.constant(*row)) for row in FROM_XYZ]
+    return found.vector("MAXIMUM", emitter.operation("combine", rgb), emitter.scalar(0.0))
+
+
+# --- Nishita ------------------------------------------------------------------------------------------------------------
+
+
+def _nishita(view: NodeView) -> Register:
+    node = view.node
+    dust = node.dust_density if hasattr(node, "dust_density") else node.aerosol_density  # 5.0
+    elevation, rotation = node.sun_elevation, node.sun_rotation
+    # Cycles takes the sun over the zenith to the other side.
+    elevation = math.remainder(elevation, 2.0 * math.pi)
+    if abs(elevation) > 0.5 * math.pi:
+        elevation = math.copysign(math.pi, elevation) - elevation
+        rotation += math.pi
+    altitude = min(max(node.altitude, 1.0), 59999.0)
+    air = Air(elevation, altitude, node.air_density, dust, node.ozone_density)
+    found = _Sky(view)
+    shade = _nishita_sky(view, found, air, rotation)
+    return _with_sun(view, found, air, rotation, shade) if node.sun_disc else shade
+
+
+def _nishita_sky(view: NodeView, found: _Sky, air: Air, rotation: float) -> Register:
+    """By the table, and below the horizon its lowest row, fading."""
+    emitter = view.emitter
+    elevation = found.number("ARCSINE", found.number("MAXIMUM", found.height, 0.0))
+    row = found.number("SQRT", found.number("DIVIDE", elevation, 0.5 * math.pi))
+    x, y = (emitter.component(found.direction, axis) for axis in (0, 1))
+    azimuth = found.number("ADD", found.number("ARCTAN2", x, y), math.pi - rotation)
+    column = found.number("FRACT", found.number("DIVIDE", azimuth, 2.0 * math.pi))
+    table = view.resources.images.computed("Sky", (air,), lambda: sky_table(air))
+    place = emitter.operation("combine", [column, row, emitter.scalar(0.0)])
+    color = emitter.operation("image", [place], [table, _EXTEND, _LINEAR, _FLAT])
+    below = found.number("MAXIMUM", found.number("MULTIPLY_ADD", found.height, -1.0 / _GROUND, 1.0), 0.0)
+    fade = found.number("POWER", found.number("MINIMUM", below, 1.0), 3.0)
+    return found.vector("MULTIPLY", color, fade)
+
+
+def _with_sun(view: NodeView, found: _Sky, air: Air, rotation: float, shade: Register) -> Register:
+    """With the disc over the sky, darker towards its edge, and redder towards the horizon."""
+    emitter, diameter, e = view.emitter, view.node.sun_size, air.elevation
+    half = 0.5 * diameter
+    if e + half <= 0.0:
+        return shade
+    low, high = sun_disc(air, diameter)
+    sun = (math.cos(e) * math.sin(rotation), math.cos(e) * math.cos(rotation), math.sin(e))
+    apart = found.number("DIVIDE", found.angle_to(sun), half)
+    lowest = max(e - half, 0.0)
+    above = found.number("SUBTRACT", found.number("ARCSINE", found.height), lowest)
+    share = found.number("DIVIDE", above, e + half - lowest)
+    radiance = emitter.operation("mix", [share, emitter.constant(*low), emitter.constant(*high)], [1, 0], text="MIX")
+    rim = found.number("SUBTRACT", 1.0, found.number("MULTIPLY", apart, apart))
+    rim = found.number("SQRT", found.number("MAXIMUM", rim, 0.0))
+    limb = found.number("MULTIPLY_ADD", rim, _LIMB_DARKENING, 1.0 - _LIMB_DARKENING)
+    seen = found.number("MULTIPLY", limb, float(view.node.sun_intensity))
+    inside = found.number(
+        "MULTIPLY", found.number("LESS_THAN", apart, 1.0), found.number("GREATER_THAN", found.height, 0.0)
+    )
+    disc = found.vector("MAXIMUM", found.vector("MULTIPLY", radiance, seen), emitter.scalar(0.0))
+    return emitter.operation("mix", [inside, shade, disc], [1, 0], text="MIX")
