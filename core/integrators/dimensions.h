@@ -20,6 +20,7 @@ enum class PathDimension : uint32_t {
     Roulette = 3,
     Occlusion = 4,   ///< the pass
     Hemisphere = 5,  ///< distribution ray tracing: rays from diffuse lobes
+    Walk = 6,        ///< path tracing: the tag of a walk below the surface
     Child = 6        ///< the same: the first of the tags of mirrors and refractions; 6 to 15
 };
 

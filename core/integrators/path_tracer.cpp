@@ -1,11 +1,13 @@
 #include "integrators/path_tracer.h"
 
 #include "integrators/ambient_occlusion.h"
+#include "integrators/fibre.h"
 #include "integrators/first_surface.h"
 #include "integrators/glass_path.h"
 #include "integrators/ray_passes.h"
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
+#include "integrators/subsurface_walk.h"
 #include "integrators/volumes.h"
 
 namespace rayleaf {
@@ -167,8 +169,9 @@ void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     to_light.shares = lit.shares;
     to_light.first = first;
     to_light.scatterings = bounces_.count() + 1;
-    const std::optional<Ray> ray = shadow_ray(scene_, vertex.point, *light);
+    std::optional<Ray> ray = shadow_ray(scene_, vertex.point, *light);
     if (!ray) return receive(Color(1.0f));
+    leave_fibre(scene_, vertex.point, vertex.closures, *ray);
     to_light.ray = *ray;
     if (has_footprint_) to_light.differential = shadow_differential(vertex.differential, *light, kPathSiblings);
     to_light.state = bounces_.of_shadow_ray();
@@ -233,6 +236,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
     const Vec3f& facet = vertex.point.facet_normal;
     const std::optional<LobeSample> sample = vertex.closures.sample(vertex.outgoing, facet, random);
     if (!sample) return false;
+    if (sample->subsurface) return scatter_below(vertex, *sample);
     if (bounces_.count() == 0 && settings_.light_passes)
         first_shares_ = shares_of_scattering(vertex, vertex.closures, *sample);
     throughput_ *= sample->weight;
@@ -246,9 +250,55 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
     ray_ = Ray{};
     vertex.point.release(ray_, sample->direction);
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
+    if (sample->fibre) leave_fibre(scene_, vertex.point, vertex.closures, ray_);
     outside_of_ = kNowhere;
     const GlassBody* body = enters ? scene_.glass_body(vertex.point.instance) : nullptr;
     return !body || cross_glass(*body, vertex);
+}
+
+/// The point where a walk below the surface ends, as a vertex that scatters by the cosine; empty where light is lost.
+std::optional<Vertex> PathTracer::exit_below(const Vertex& vertex, const LobeSample& entry) {
+    SubsurfaceEntry start;
+    start.instance = vertex.point.instance;
+    start.medium = subsurface_medium(*entry.subsurface);
+    vertex.point.release(start.ray, entry.direction);
+    start.ray.direction = normalized_or(Vec3d(entry.direction), Vec3d(0, 0, 1));
+    start.ray = with_width(start.ray, vertex.differential);
+    const std::optional<SubsurfaceExit> exit =
+        walk_below(scene_, start, sampler_, dimension(vertex_, PathDimension::Walk));
+    throughput_ *= entry.weight * start.medium.factor;
+    if (!exit) return std::nullopt;
+    throughput_ *= exit->throughput;
+    Vertex found;
+    found.point = scene_.tracer().surface_point(exit->ray, exit->hit);
+    found.differential = vertex.differential;
+    // As if seen from outside. The material tells which normal light leaves by.
+    found.outgoing = Vec3f(exit->ray.direction);
+    scene_.shade(found.point, found.outgoing, found.differential, bounces_.at(0), found.closures);
+    Lobe lobe;
+    const bool faces = found.point.facet_normal.dot(found.outgoing) > 0.0f;
+    lobe.normal = faces ? found.point.normal : -found.point.normal;
+    for (int i = 0; i < found.closures.size(); ++i)
+        if (found.closures[i].type == LobeType::Subsurface) lobe.normal = found.closures[i].normal;
+    const bool is_disney = entry.subsurface->fresnel == Lobe::Fresnel::Schlick;
+    lobe.type = is_disney ? LobeType::LambertExit : LobeType::Diffuse;
+    lobe.weight = Color(1.0f);
+    found.closures.clear();
+    found.closures.add(lobe);
+    return found;
+}
+
+bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry) {
+    if (light_ray_) {  // of the point where light enters: there is room for one
+        const LightRay& light = *light_ray_;
+        receive(free_share(scene_, light.ray, light.differential, light.kind, light.state, light.transparent_left,
+                           light.widening));
+    }
+    const std::optional<Vertex> exit = exit_below(vertex, entry);
+    if (!exit || !(max_component(throughput_) > 0.0f) || !is_finite(throughput_)) return false;
+    ++vertex_;
+    add_direct_light(*exit, random3(PathDimension::Light));
+    return scatter(*exit, random3(PathDimension::Scatter));
 }
 
 /// Goes on from where the ray that has just entered a glass body leaves it; false if the path ends inside.

@@ -51,7 +51,7 @@ Vec3f aim_change(const Vec3f& direction, double distance, const Vec3f& dp) {
 
 RayDifferential scattered_differential(const RayDifferential& differential, const Vec3f& direction,
                                        const SurfacePoint& point, const LobeSample& sample) {
-    if (sample.kind == LobeKind::Diffuse) return widened(differential, sample.direction, kWidestLobe);
+    if (sample.kind == LobeKind::Diffuse || sample.fibre) return widened(differential, sample.direction, kWidestLobe);
     RayDifferential mirrored = curved(differential, direction, point, sample);
     if (sample.roughness <= 0.0f) return mirrored;
     return widened(mirrored, sample.direction, kWidestLobe * sample.roughness);

@@ -1,5 +1,6 @@
 #include "shading/closures.h"
 
+#include "shading/fresnel.h"
 #include "shading/lobes.h"
 
 #include <limits>
@@ -33,10 +34,24 @@ bool refracts(const Lobe& lobe) {
     return lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
 }
 
+Lobe sound_fibre(Lobe lobe) {
+    constexpr float kLeastWidth = 1e-7f, kGreatestWidth = 100.0f, kLeastFibreIndex = 1.001f;
+    lobe.alpha_x = limited(lobe.alpha_x, kLeastWidth, kGreatestWidth);
+    lobe.alpha_y = limited(lobe.alpha_y, kLeastWidth, kGreatestWidth);
+    lobe.roughness = limited(lobe.roughness, kLeastWidth, kGreatestWidth);
+    lobe.ior = limited(lobe.ior, kLeastFibreIndex, kLargestIndex);
+    lobe.across = limited(lobe.across, -1.0f, 1.0f);
+    lobe.tilt = std::isfinite(lobe.tilt) ? lobe.tilt : 0.0f;
+    lobe.tangent = normalized_or(lobe.tangent, Vec3f(0, 0, 1));
+    return lobe;
+}
+
 /// A lobe all of whose numbers can be computed with.
 Lobe sound(Lobe lobe) {
     lobe.weight = positive(lobe.weight);
     lobe.fresnel_0 = positive(lobe.fresnel_0);
+    if (is_fibre(lobe)) return sound_fibre(lobe);
+    lobe.radius = positive(lobe.radius);
     lobe.roughness = limited(lobe.roughness, 0.0f, 1.0f);
     lobe.softness = limited(lobe.softness, 0.0f, 1.0f);
     lobe.ior = limited(lobe.ior, kLeastIndex, kLargestIndex);
@@ -60,7 +75,7 @@ bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
     return a.type == b.type && a.kind == b.kind && a.distribution == b.distribution && a.normal == b.normal &&
            a.tangent == b.tangent && a.alpha_x == b.alpha_x && a.alpha_y == b.alpha_y && a.ior == b.ior &&
            a.roughness == b.roughness && a.softness == b.softness && a.fresnel_0 == b.fresnel_0 &&
-           a.fresnel == b.fresnel;
+           a.fresnel == b.fresnel && a.radius == b.radius && a.across == b.across && a.tilt == b.tilt;
 }
 
 /// How far two lobes are from each other; infinite for those that nothing makes alike: of two types, or a mirror and
@@ -214,7 +229,14 @@ std::optional<LobeSample> Closures::sample(const Vec3f& outgoing, const Vec3f& f
     sample.transmitted = side == Side::Transmitted;
     sample.eta = direction->eta;
     sample.roughness = lobe_width(lobe);
-    if (sample.singular) {
+    sample.fibre = is_fibre(lobe);
+    if (sample.fibre) sample.transmitted = direction->through;
+    if (lobe.type == LobeType::Subsurface) {
+        sample.subsurface = &lobe;
+        const float darkening =
+            lobe.fresnel == Lobe::Fresnel::Schlick ? 1.0f - 0.5f * schlick_weight(lobe.normal.dot(outgoing)) : 1.0f;
+        sample.weight = lobe.weight * (darkening / probability);
+    } else if (sample.singular) {
         // A shading normal bent far from the facet may send the ray to the wrong side.
         if (sample.transmitted != (lobe.normal.dot(direction->direction) < 0.0f)) return std::nullopt;
         sample.weight = direction->weight / probability;
@@ -230,7 +252,13 @@ std::optional<LobeSample> Closures::sample(const Vec3f& outgoing, const Vec3f& f
 
 bool Closures::has_smooth_lobes() const {
     for (int i = 0; i < count_; ++i)
-        if (!is_singular(lobes_[i])) return true;
+        if (!is_singular(lobes_[i]) && lobes_[i].type != LobeType::Subsurface) return true;
+    return false;
+}
+
+bool Closures::has_fibre_lobes() const {
+    for (int i = 0; i < count_; ++i)
+        if (is_fibre(lobes_[i])) return true;
     return false;
 }
 

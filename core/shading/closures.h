@@ -30,7 +30,13 @@ enum class LobeType : uint8_t {
     ToonDiffuse,        ///< the same all over a cone around the normal
     ToonGlossy,         ///< around the mirror direction
     PrincipledDiffuse,  ///< Disney diffuse with its retro-reflection
-    Clearcoat
+    RetroReflection,    ///< the second of these alone
+    LambertExit,        ///< Lambert, darkened at grazing as Disney's is: of light that leaves a body
+    Clearcoat,
+    HairReflection,    ///< Hair BSDF (shading/lobe_fibre.h)
+    HairTransmission,  ///< the same
+    HairFibre,         ///< Principled Hair BSDF
+    Subsurface         ///< light that enters, and leaves elsewhere (shading/subsurface.h): never evaluated
 };
 
 enum class MicrofacetDistribution : uint8_t { Ggx, Beckmann };
@@ -40,18 +46,26 @@ struct Lobe {
     LobeType type = LobeType::Diffuse;
     LobeKind kind = LobeKind::Diffuse;  ///< Glass: its reflection counts as Glossy, its refraction as Transmission
     MicrofacetDistribution distribution = MicrofacetDistribution::Ggx;
-    Color weight{0, 0, 0};           ///< factor on the lobe's value
-    Vec3f normal{0, 0, 1};           ///< unit; faces the viewer
-    Vec3f tangent{0, 0, 0};          ///< for anisotropy, made orthogonal to `normal` by `add`; zero: any
-    float alpha_x = 0, alpha_y = 0;  ///< microfacet roughness (already squared); both 0: singular
-    float ior = 1.5f;                ///< index beyond the surface over that on the viewer's side
+    Color weight{0, 0, 0};  ///< factor on the lobe's value
+    Vec3f normal{0, 0, 1};  ///< unit; faces the viewer
+    /// For anisotropy, made orthogonal to `normal` by `add`; zero: any. Of hair: along the fibre.
+    Vec3f tangent{0, 0, 0};
+    /// Microfacet roughness (already squared); both 0: singular. Of hair: how wide it scatters along and around the
+    /// fibre; HairFibre: a variance and a scale.
+    float alpha_x = 0, alpha_y = 0;
+    float ior = 1.5f;  ///< index beyond the surface over that on the viewer's side
     /// Diffuse: Oren-Nayar's sigma, 0..1; PrincipledDiffuse: Disney's roughness; Velvet: its sigma; Toon: the cone's
-    /// angle, 1 a quarter turn.
+    /// angle, 1 a quarter turn; HairFibre: the variance of its primary reflection.
     float roughness = 0;
-    float softness = 0;        ///< Toon: of the cone's border, 1 a quarter turn
-    Color fresnel_0{0, 0, 0};  ///< Schlick: reflectance at normal incidence
+    float softness = 0;  ///< Toon: of the cone's border, 1 a quarter turn; Subsurface: anisotropy of the phase function
+    /// Schlick: reflectance at normal incidence; Subsurface: the surface's albedo; HairFibre: absorption over a radius.
+    Color fresnel_0{0, 0, 0};
+    Color radius{0, 0, 0};  ///< Subsurface: mean free paths, world units
+    float across = 0;       ///< HairFibre: sine of the angle around the fibre from the viewer to the point
+    float tilt = 0;         ///< of hair: of the cuticle's scales, radians
     /// Dielectric: Reflection is weighted by the reflectance of `ior`, Refraction by the rest. Schlick: Reflection is
-    /// coloured, from `fresnel_0` to white along the dielectric curve of `ior` (shading/fresnel.h).
+    /// coloured, from `fresnel_0` to white along the dielectric curve of `ior` (shading/fresnel.h). Subsurface with
+    /// Schlick: darkened at grazing where light enters and leaves, as Disney's diffuse.
     enum class Fresnel : uint8_t { None, Dielectric, Schlick } fresnel = Fresnel::None;
 };
 
@@ -66,6 +80,10 @@ struct LobeSample {
     bool transmitted = false;           ///< went through the surface
     float eta = 1;                      ///< refraction: index on the viewer's side over that beyond; else 1
     float roughness = 0;                ///< of the lobe, 0..1: how wide the ray's differential opens
+    /// Of a Subsurface lobe, else null: `direction` is the way into the body, where a walk begins. Lives as the
+    /// closures.
+    const Lobe* subsurface = nullptr;
+    bool fibre = false;  ///< of a hair
 };
 
 class Closures {
@@ -96,6 +114,8 @@ class Closures {
     std::optional<LobeSample> sample(const Vec3f& outgoing, const Vec3f& facet_normal, const Vec3f& random) const;
     /// True if any lobe can be lit by sampled lights.
     bool has_smooth_lobes() const;
+    /// True if any lobe is one of hair, which sends light through the fibre.
+    bool has_fibre_lobes() const;
     /// Albedo (directional reflectance, approximate for microfacets) of the lobes of `kind`, for the colour passes.
     Color albedo(const Vec3f& outgoing, LobeKind kind) const;
 

@@ -26,6 +26,14 @@ float disney_diffuse(float roughness, float cos_i, float cos_o, float cos_half) 
     return cos_i / kPi * (1.0f + grazing * schlick_weight(cos_i)) * (1.0f + grazing * schlick_weight(cos_o));
 }
 
+/// Its part that is not Lambert's (Burley 2015, equation 4), times the cosine.
+float disney_retro_reflection(float roughness, float cos_i, float cos_o, float cos_half) {
+    if (cos_o <= 0.0f) return 0.0f;
+    const float at_grazing = 2.0f * roughness * cos_half * cos_half;
+    const float in = schlick_weight(cos_i), out = schlick_weight(cos_o);
+    return cos_i / kPi * at_grazing * (in + out + in * out * (at_grazing - 1.0f));
+}
+
 /// Fibres that stand on the surface, tilted by about `sigma` (Ashikhmin, Premoze, Shirley, "A Microfacet-based BRDF
 /// Generator", section 6, with Cycles' masking by V-shaped grooves); times the cosine.
 float velvet(float sigma, float cos_i, float cos_o, float cos_normal_half, float cos_outgoing_half) {
@@ -52,6 +60,8 @@ LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const Vec3f& outgoing, const V
     float value = density;
     if (lobe.type == LobeType::Diffuse) {
         value = oren_nayar(lobe.roughness, cos_i, cos_o, outgoing.dot(incoming));
+    } else if (lobe.type == LobeType::LambertExit) {
+        value = density * (1.0f - 0.5f * schlick_weight(cos_i));
     } else if (!translucent) {
         const Vec3f half = normalized_or(outgoing + incoming, lobe.normal);
         const float cos_half = half.dot(incoming);
@@ -59,6 +69,8 @@ LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const Vec3f& outgoing, const V
             value = velvet(lobe.roughness, cos_i, cos_o, std::abs(lobe.normal.dot(half)), std::abs(cos_half));
         } else if (lobe.type == LobeType::PrincipledDiffuse) {
             value = disney_diffuse(lobe.roughness, cos_i, cos_o, cos_half);
+        } else if (lobe.type == LobeType::RetroReflection) {
+            value = disney_retro_reflection(lobe.roughness, cos_i, cos_o, cos_half);
         } else {  // Disney's sheen has no 1 / pi
             value = cos_o > 0.0f ? cos_i * schlick_weight(cos_half) : 0.0f;
         }
@@ -68,7 +80,7 @@ LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const Vec3f& outgoing, const V
 
 LobeDirection sample_diffuse_lobe(const Lobe& lobe, const Vec3f& random) {
     Vec3f local = cosine_hemisphere(random.x, random.y);
-    if (lobe.type == LobeType::Translucent) local.z = -local.z;
+    if (lobe.type == LobeType::Translucent || lobe.type == LobeType::Subsurface) local.z = -local.z;
     return {LobeFrame(lobe).to_world(local), Color(0.0f), 1.0f};
 }
 

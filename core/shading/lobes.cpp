@@ -1,6 +1,7 @@
 #include "shading/lobes.h"
 
 #include "shading/lobe_diffuse.h"
+#include "shading/lobe_fibre.h"
 #include "shading/lobe_microfacet.h"
 #include "shading/lobe_toon.h"
 
@@ -10,6 +11,11 @@ bool is_singular(const Lobe& lobe) {
     const bool microfacets =
         lobe.type == LobeType::Reflection || lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
     return microfacets && lobe.alpha_x == 0.0f;
+}
+
+bool is_fibre(const Lobe& lobe) {
+    return lobe.type == LobeType::HairReflection || lobe.type == LobeType::HairTransmission ||
+           lobe.type == LobeType::HairFibre;
 }
 
 LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
@@ -23,6 +29,12 @@ LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& in
         case LobeType::ToonDiffuse:
         case LobeType::ToonGlossy:
             return evaluate_toon_lobe(lobe, outgoing, incoming, side);
+        case LobeType::HairReflection:
+        case LobeType::HairTransmission:
+        case LobeType::HairFibre:
+            return evaluate_fibre_lobe(lobe, outgoing, incoming, side);
+        case LobeType::Subsurface:
+            return {};
         default:
             return evaluate_diffuse_lobe(lobe, outgoing, incoming, side);
     }
@@ -39,6 +51,10 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing
         case LobeType::ToonDiffuse:
         case LobeType::ToonGlossy:
             return sample_toon_lobe(lobe, outgoing, random);
+        case LobeType::HairReflection:
+        case LobeType::HairTransmission:
+        case LobeType::HairFibre:
+            return sample_fibre_lobe(lobe, outgoing, random);
         default:
             return sample_diffuse_lobe(lobe, random);
     }
@@ -46,7 +62,8 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing
 
 float choice_weight(const Lobe& lobe, const Vec3f& outgoing) {
     const float mean = (lobe.weight.x + lobe.weight.y + lobe.weight.z) / 3.0f;
-    if (lobe.fresnel == Lobe::Fresnel::None || lobe.type == LobeType::Glass) return mean;
+    const bool plain = lobe.type == LobeType::Glass || lobe.type == LobeType::Subsurface;
+    if (plain || lobe.fresnel == Lobe::Fresnel::None) return mean;
     const float cosine = lobe.normal.dot(outgoing);
     float share = 0.0f;
     if (lobe.type == LobeType::Refraction) {
@@ -72,6 +89,8 @@ Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind) {
         return lobe.weight * (kind == LobeKind::Glossy ? reflectance(lobe, cosine).x : transmittance(lobe, cosine));
     }
     if (lobe.kind != kind) return Color(0.0f);
+    if (lobe.type == LobeType::Subsurface) return lobe.weight;
+    if (is_fibre(lobe)) return fibre_albedo(lobe);
     if (lobe.type == LobeType::Refraction) return lobe.weight * transmittance(lobe, cosine);
     return lobe.weight * reflectance(lobe, cosine);
 }

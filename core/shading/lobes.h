@@ -20,9 +20,11 @@ struct LobeDirection {
     Vec3f direction;
     Color weight{0, 0, 0};  ///< singular lobes: weighted value * |cosine| / discrete probability
     float eta = 1;          ///< of a refraction: index on the viewer's side over that beyond
+    bool through = false;   ///< of hair: came out of the fibre, not off it
 };
 
 bool is_singular(const Lobe& lobe);
+bool is_fibre(const Lobe& lobe);
 /// 0 for singular lobes.
 LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side);
 /// `random` in [0,1)³. Empty where there is no such direction (total internal reflection, masked).

@@ -57,6 +57,8 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::vector_rotate:
         case Operation::wireframe:
         case Operation::bump:
+        case Operation::subsurface:
+        case Operation::principled:
             return {0, 1};
         case Operation::mix:
         case Operation::normal_map:
@@ -101,6 +103,8 @@ constexpr std::string_view kWave[] = {RAYLEAF_WAVE_VARIANTS(RAYLEAF_NAME)};
 constexpr std::string_view kVectorRotate[] = {RAYLEAF_VECTOR_ROTATE_VARIANTS(RAYLEAF_NAME)};
 constexpr std::string_view kTransform[] = {RAYLEAF_TRANSFORM_VARIANTS(RAYLEAF_NAME)};
 constexpr std::string_view kToon[] = {RAYLEAF_TOON_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kHair[] = {RAYLEAF_HAIR_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kHairFibre[] = {RAYLEAF_HAIR_FIBRE_VARIANTS(RAYLEAF_NAME)};
 #undef RAYLEAF_NAME
 
 }  // namespace
@@ -149,6 +153,10 @@ std::span<const std::string_view> variants_of(Operation operation) {
             return kTransform;
         case Operation::toon:
             return kToon;
+        case Operation::hair:
+            return kHair;
+        case Operation::hair_fibre:
+            return kHairFibre;
         case Operation::glossy:
         case Operation::refraction:
         case Operation::glass:

@@ -1,5 +1,6 @@
 #include "shading/operations_closure.h"
 
+#include "shading/lobe_fibre.h"
 #include "shading/microfacet_albedo.h"
 #include "shading/operations_input.h"
 #include "shading/operations_math.h"
@@ -140,8 +141,83 @@ Lobe glass_lobe(MicrofacetVariant variant, const Operands& operands, const Shadi
     return lobe;
 }
 
-PrincipledParameters principled_parameters(PrincipledVariant variant, const Operands& operands,
+/// Of hair; as Cycles.
+constexpr float kLeastFibreRoughness = 0.001f;
+
+Lobe hair_lobe(HairVariant variant, const Operands& operands, const ShadingInputs& inputs) {
+    const bool reflects = variant == HairVariant::REFLECTION;
+    Lobe lobe;
+    lobe.type = reflects ? LobeType::HairReflection : LobeType::HairTransmission;
+    lobe.kind = reflects ? LobeKind::Glossy : LobeKind::Transmission;
+    lobe.weight = weight_of(operands) * operands.vector(1);
+    lobe.normal = facing_normal(inputs);
+    lobe.tilt = -operands.scalar(2);
+    lobe.alpha_x = std::clamp(operands.scalar(3), kLeastFibreRoughness, 1.0f);
+    lobe.alpha_y = std::clamp(operands.scalar(4), kLeastFibreRoughness, 1.0f);
+    const bool is_strand = inputs.point->shape != nullptr && inputs.point->shape->kind() == ShapeKind::Strands;
+    if (operands.connected(5)) {
+        lobe.tangent = operands.vector(5);
+    } else {  // on other surfaces hair lies along V
+        lobe.tangent = is_strand ? inputs.point->dp_du : inputs.point->dp_dv;
+        if (!is_strand) lobe.tilt = 0.0f;
+    }
+    return lobe;
+}
+
+Color fibre_absorption(HairColoring coloring, const Operands& operands, float color_factor, float radial) {
+    if (coloring == HairColoring::ABSORPTION) return operands.vector(1);
+    if (coloring == HairColoring::COLOR) return absorption_of_color(operands.vector(1), radial);
+    return absorption_of_melanin(operands.scalar(2) * color_factor, operands.scalar(3)) +
+           absorption_of_color(operands.vector(4), radial);
+}
+
+Lobe hair_fibre_lobe(HairColoring coloring, const Operands& operands, const ShadingInputs& inputs) {
+    const auto limited = [](float roughness) { return std::clamp(roughness, kLeastFibreRoughness, 1.0f); };
+    const float deviation = 2.0f * (operands.scalar(10) - 0.5f);  // of the strand's random number, -1..1
+    const float color_factor = 1.0f + deviation * saturate(operands.scalar(11));
+    const float roughness_factor = 1.0f + deviation * operands.scalar(12);
+    const float roughness = limited(operands.scalar(5) * roughness_factor);
+    const float radial = operands.scalar(6) * roughness_factor;
+    Lobe lobe;
+    lobe.type = LobeType::HairFibre;
+    lobe.kind = LobeKind::Glossy;
+    lobe.weight = weight_of(operands);
+    lobe.normal = facing_normal(inputs);
+    lobe.tangent = normalized_or(inputs.point->dp_du, Vec3f(0, 0, 1));
+    lobe.across = fibre_offset(lobe.tangent, inputs.outgoing, lobe.normal);
+    lobe.alpha_x = longitudinal_variance(roughness);
+    lobe.alpha_y = azimuthal_scale(limited(radial));
+    lobe.roughness = longitudinal_variance(limited(roughness * (1.0f - saturate(operands.scalar(7)))));
+    lobe.ior = operands.scalar(8);
+    lobe.tilt = operands.scalar(9);
+    lobe.fresnel_0 = fibre_absorption(coloring, operands, color_factor, radial);
+    return lobe;
+}
+
+/// Light that a diffuse lobe has scattered before leaves bodies where it entered them: nobody sees the difference.
+bool is_after_diffuse(const ShadingInputs& inputs) {
+    return inputs.path.diffuse_depth > 0;
+}
+
+SubsurfaceMethod subsurface_method(std::span<const int32_t> ints) {
+    return !ints.empty() && ints[0] != 0 ? SubsurfaceMethod::Physical : SubsurfaceMethod::FixedRadius;
+}
+
+SubsurfaceParameters subsurface_parameters(const Operands& operands, std::span<const int32_t> ints,
                                            const ShadingInputs& inputs) {
+    SubsurfaceParameters p;
+    p.albedo = operands.vector(1);
+    p.weight = weight_of(operands) * p.albedo;
+    p.radius = operands.vector(3) * (is_after_diffuse(inputs) ? 0.0f : operands.scalar(2));
+    p.ior = operands.scalar(4);
+    p.anisotropy = operands.scalar(5);
+    p.method = subsurface_method(ints);
+    p.normal = scattering_normal(operands, 6, inputs);
+    return p;
+}
+
+PrincipledParameters principled_parameters(PrincipledVariant variant, const Operands& operands,
+                                           std::span<const int32_t> ints, const ShadingInputs& inputs) {
     PrincipledParameters p;
     p.multiple_scattering = variant == PrincipledVariant::MULTI_GGX;
     p.weight = weight_of(operands);
@@ -165,13 +241,20 @@ PrincipledParameters principled_parameters(PrincipledVariant variant, const Oper
     p.clearcoat_normal = scattering_normal(operands, 19, inputs);
     p.tangent = operands.vector(20, inputs.point->dp_du);
     p.outgoing = inputs.outgoing;
+    p.subsurface = saturate(operands.scalar(21));
+    p.subsurface_color = operands.vector(22, p.base_color);
+    p.subsurface_radius = operands.vector(23);
+    p.subsurface_ior = operands.scalar(24, p.subsurface_ior);
+    p.subsurface_anisotropy = operands.scalar(25);
+    p.subsurface_method = subsurface_method(ints);
+    p.after_diffuse = is_after_diffuse(inputs);
     return p;
 }
 
 }  // namespace
 
-void add_closure(Operation operation, uint8_t variant, const Operands& operands, const ShadingInputs& inputs,
-                 Closures& closures) {
+void add_closure(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints,
+                 const ShadingInputs& inputs, Closures& closures) {
     const Color weight = weight_of(operands);
     if (is_black(weight)) return;
     switch (operation) {
@@ -212,8 +295,18 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
         case Operation::transparent:
             closures.transparency += weight * operands.vector(1);
             return;
+        case Operation::hair:
+            closures.add(hair_lobe(static_cast<HairVariant>(variant), operands, inputs));
+            return;
+        case Operation::hair_fibre:
+            closures.add(hair_fibre_lobe(static_cast<HairColoring>(variant), operands, inputs));
+            return;
+        case Operation::subsurface:
+            add_subsurface(subsurface_parameters(operands, ints, inputs), closures);
+            return;
         case Operation::principled:
-            add_principled(principled_parameters(static_cast<PrincipledVariant>(variant), operands, inputs), closures);
+            add_principled(principled_parameters(static_cast<PrincipledVariant>(variant), operands, ints, inputs),
+                           closures);
             return;
         default:
             return;

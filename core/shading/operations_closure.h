@@ -9,8 +9,8 @@
 namespace rayleaf {
 
 /// Adds what a closure operation stands for. In the world's program only emission, background and holdout count.
-void add_closure(Operation operation, uint8_t variant, const Operands& operands, const ShadingInputs& inputs,
-                 Closures& closures);
+void add_closure(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints,
+                 const ShadingInputs& inputs, Closures& closures);
 
 /// The normal nearest to `normal`, in the plane of the two, whose mirror direction of `outgoing` clears the facet: a
 /// shading normal bent too far would reflect rays into the surface. `facet_normal` is on the viewer's side.

@@ -29,13 +29,33 @@ Lobe lobe_of(LobeType type, LobeKind kind, const Parameters& p, const Color& wei
     return lobe;
 }
 
+void add_spread(const Parameters& p, const Color& weight, const Color& color, Closures& closures) {
+    SubsurfaceParameters spread;
+    spread.weight = weight * color;
+    spread.albedo = color;
+    spread.radius = p.subsurface_radius * p.subsurface;
+    spread.ior = p.subsurface_ior;
+    spread.anisotropy = p.subsurface_anisotropy;
+    spread.method = p.subsurface_method;
+    spread.normal = p.normal;
+    spread.is_disney = true;
+    spread.roughness = p.roughness;
+    add_subsurface(spread, closures);
+}
+
 void add_diffuse(const Parameters& p, const Color& weight, Closures& closures) {
-    Lobe diffuse = lobe_of(LobeType::PrincipledDiffuse, LobeKind::Diffuse, p, weight * p.base_color);
-    diffuse.roughness = p.roughness;
-    closures.add(diffuse);
+    constexpr float kLeastShare = 1e-5f;  // as Cycles
+    const Color color = mixed(p.base_color, p.subsurface_color, p.subsurface);
+    if (p.subsurface > kLeastShare && !p.after_diffuse) {
+        add_spread(p, weight, color, closures);
+    } else {
+        Lobe diffuse = lobe_of(LobeType::PrincipledDiffuse, LobeKind::Diffuse, p, weight * color);
+        diffuse.roughness = p.roughness;
+        closures.add(diffuse);
+    }
     if (!(p.sheen > 0.0f)) return;
-    const Color color = mixed(Color(1.0f), tint(p.base_color, Color(0.2126729f, 0.7151522f, 0.0721750f)), p.sheen_tint);
-    closures.add(lobe_of(LobeType::Sheen, LobeKind::Diffuse, p, weight * color * p.sheen));
+    const Color sheen = mixed(Color(1.0f), tint(p.base_color, Color(0.2126729f, 0.7151522f, 0.0721750f)), p.sheen_tint);
+    closures.add(lobe_of(LobeType::Sheen, LobeKind::Diffuse, p, weight * sheen * p.sheen));
 }
 
 /// Index of refraction whose reflectance at normal incidence is 8 % of `specular`.

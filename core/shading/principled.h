@@ -1,9 +1,9 @@
 // Blender's Principled shader up to 3.6: Disney's model of 2012 with the transmission of 2015 (Burley, "Physically
 // Based Shading at Disney"; "Extending the Disney BRDF to a BSDF"), with Cycles' choices where Disney's differ.
-// Subsurface is not part of it; the compiler mixes its colour into the base.
 #pragma once
 
 #include "shading/closures.h"
+#include "shading/subsurface.h"
 
 namespace rayleaf {
 
@@ -18,6 +18,11 @@ struct PrincipledParameters {
     float alpha = 1;
     Vec3f normal, clearcoat_normal, tangent;  ///< world; normals unit and on the viewer's side
     Vec3f outgoing;
+    float subsurface = 0;  ///< the share of its colour, and a factor on its radius
+    Color subsurface_color{0, 0, 0}, subsurface_radius{0, 0, 0};
+    float subsurface_ior = 1.4f, subsurface_anisotropy = 0;
+    SubsurfaceMethod subsurface_method = SubsurfaceMethod::FixedRadius;
+    bool after_diffuse = false;  ///< light was scattered by a diffuse lobe before: nobody sees where it leaves a body
     bool multiple_scattering = false;  ///< give back the energy that single scattering loses
 };
 

@@ -51,6 +51,8 @@ IntRange int_range(Operation operation, size_t i) {
             return {0, 2};
         case Operation::brick:
             return {0, 99};
+        case Operation::subsurface:
+        case Operation::principled:
         case Operation::table:
         case Operation::math:
         case Operation::mix:
@@ -192,6 +194,12 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::glossy:
             reads_element_ |=
                 operands.size() > 4 && operands[4] >= 0 && !surely(4, 0.0f) && (operands.size() < 7 || operands[6] < 0);
+            break;
+        case Operation::hair:
+            reads_element_ |= operands.size() < 6 || operands[5] < 0;
+            break;
+        case Operation::hair_fibre:
+            reads_element_ = true;
             break;
         case Operation::principled:
             reads_element_ |= operands[20] < 0 && !surely(6, 0.0f);  // anisotropy along the surface's own u

@@ -188,8 +188,8 @@ void Program::compute(const Instruction& instruction, const RegisterBank& regist
 void Program::add_closures(const Instruction& instruction, const RegisterBank& registers, Inputs inputs,
                            Results results) const {
     for (uint32_t i = 0; i < registers.points; ++i)
-        add_closure(instruction.operation, instruction.variant, operands_of(instruction, registers, i), *inputs[i],
-                    *results[i]);
+        add_closure(instruction.operation, instruction.variant, operands_of(instruction, registers, i),
+                    ints_of(instruction), *inputs[i], *results[i]);
 }
 
 void Program::run(Inputs inputs, const RegisterBank& registers, Results results) const {

@@ -19,6 +19,9 @@ bool is_hemispherical(const Lobe& lobe) {
         case LobeType::Glass:
         case LobeType::Clearcoat:
         case LobeType::ToonGlossy:
+        case LobeType::HairReflection:
+        case LobeType::HairTransmission:
+        case LobeType::HairFibre:
             return false;
         default:
             return true;
@@ -43,7 +46,11 @@ Color hemispherical_albedo(const Lobe& lobe, const Vec3f& outgoing) {
 
 SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, const Vec3f& facet_normal) {
     for (int i = 0; i < closures.size(); ++i) {
-        const Lobe& lobe = closures[i];
+        Lobe lobe = closures[i];
+        if (lobe.type == LobeType::Subsurface) {  // no walks there: light leaves where it entered
+            lobe.type = LobeType::Diffuse;
+            lobe.roughness = 0.0f;
+        }
         if (is_singular(lobe))
             add_singular(lobe, outgoing, facet_normal);
         else

@@ -43,6 +43,8 @@ namespace rayleaf {
 #define RAYLEAF_VECTOR_ROTATE_VARIANTS(X) X(AXIS_ANGLE) X(X_AXIS) X(Y_AXIS) X(Z_AXIS) X(EULER_XYZ)
 #define RAYLEAF_TRANSFORM_VARIANTS(X) X(POINT) X(VECTOR) X(NORMAL)
 #define RAYLEAF_TOON_VARIANTS(X) X(DIFFUSE) X(GLOSSY)
+#define RAYLEAF_HAIR_VARIANTS(X) X(REFLECTION) X(TRANSMISSION)
+#define RAYLEAF_HAIR_FIBRE_VARIANTS(X) X(COLOR) X(MELANIN) X(ABSORPTION)
 // clang-format on
 
 #define RAYLEAF_ENUMERATOR(name) name,
@@ -64,6 +66,8 @@ enum class WaveProfile : uint8_t { RAYLEAF_WAVE_VARIANTS(RAYLEAF_ENUMERATOR) };
 enum class VectorRotateVariant : uint8_t { RAYLEAF_VECTOR_ROTATE_VARIANTS(RAYLEAF_ENUMERATOR) };
 enum class TransformVariant : uint8_t { RAYLEAF_TRANSFORM_VARIANTS(RAYLEAF_ENUMERATOR) };
 enum class ToonVariant : uint8_t { RAYLEAF_TOON_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class HairVariant : uint8_t { RAYLEAF_HAIR_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class HairColoring : uint8_t { RAYLEAF_HAIR_FIBRE_VARIANTS(RAYLEAF_ENUMERATOR) };
 #undef RAYLEAF_ENUMERATOR
 
 /// The variant of `noise`, which no text names: what the operations after it read. Unread counts as all.

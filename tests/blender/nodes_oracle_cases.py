@@ -96,7 +96,7 @@ def _textures(case: Callable[..., Any], make_image: Callable[[str], Any]) -> lis
 
 
 def _skies(case: Callable[..., Any]) -> list[Any]:
-    """Both models, the sun high, low and below the horizon, with its disc and without."""
+    """Both models, the sun high, low, below the horizon and behind the zenith; its disc: test_sky_oracle.py."""
     looked, found = {"Vector": "direction"}, []
     for sun, turbidity in (((0.3, 0.2, 0.9), 2.2), ((0.9, 0.1, 0.2), 5.0)):
         settings = {"sky_type": "PREETHAM", "sun_direction": sun, "turbidity": turbidity}
@@ -110,16 +110,6 @@ def _skies(case: Callable[..., Any]) -> list[Any]:
         {"sun_elevation": 2.6, "sun_rotation": 0.4},
     ):
         found.append(case("ShaderNodeTexSky", {**base, **more}, looked))
-    # A disc as wide as the square sees.
-    for elevation in (0.4, 0.1):
-        disc = {
-            "sun_disc": True,
-            "sun_size": 1.2,
-            "sun_elevation": elevation,
-            "sun_rotation": 1.57,
-            "sun_intensity": 0.3,
-        }
-        found.append(case("ShaderNodeTexSky", {**base, **disc}, looked))
     return found
 
 

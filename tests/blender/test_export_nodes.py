@@ -198,7 +198,7 @@ report(plain=told(program.operands(program.line("diffuse"))[1]), empty=sent.mate
     assert run["texts"] == []
 
 
-def test_principled_takes_its_sockets_by_name_and_mixes_in_the_subsurface_colour(run_blender):
+def test_principled_takes_its_sockets_by_name_and_those_of_subsurface_scattering_where_it_has_a_share(run_blender):
     run = run_blender(
         START
         + """
@@ -223,8 +223,13 @@ wrong = [socket.name for value, socket in compared if abs(value[0] - socket.defa
 report(count=len(operands), compared=len(compared), wrong=wrong, unlinked=operands[18:20], texts=texts,
        tangent=told(operands[20]))
 node.inputs[scenes.SUBSURFACE].default_value = 0.5
-program, texts = compiled()
-report(base=told(program.operands(program.line("principled"))[1])[:3], subsurface=texts, version=bpy.app.version[0])
+found = {}
+for method in node.bl_rna.properties["subsurface_method"].enum_items.keys():
+    node.subsurface_method = method
+    program, texts = compiled()
+    line = program.line("principled")
+    found[method] = [program.operands(line)[21][0], len(line["operands"]), line["ints"], len(texts)]
+report(found=found, version=bpy.app.version[0])
 """
     ).report
     assert run["count"] == 21
@@ -233,8 +238,9 @@ report(base=told(program.operands(program.line("principled"))[1])[:3], subsurfac
     assert run["unlinked"] == [None, None]
     assert run["tangent"] == ["radial_tangent", "", [2]]  # Blender's own, around the object
     assert run["texts"] == []
-    assert run["base"] == (["mix", "MIX", [1, 0]] if run["version"] < 4 else pytest.approx([0.8] * 3))
-    assert len(run["subsurface"]) == 1
+    told = 0 if run["version"] < 4 else 1
+    assert run["found"]["BURLEY"] == [0.5, 26, [0], told + 1]
+    assert run["found"]["RANDOM_WALK"] == [0.5, 26, [1 if run["version"] < 4 else 0], told]
 
 
 def test_ramps_and_curves_become_tables_of_blenders_own_values(run_blender):

@@ -6,6 +6,6 @@
 
 def load_nodes() -> None:
     """Make the families of nodes known to the compiler."""
-    from . import closures, colors, inputs, maths, patterns, sky, textures
+    from . import closures, colors, inputs, maths, patterns, sky, spread, textures
 
-    assert closures and colors and inputs and maths and patterns and sky and textures
+    assert closures and colors and inputs and maths and patterns and sky and spread and textures

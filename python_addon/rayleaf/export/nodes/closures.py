@@ -3,6 +3,7 @@
 from ...versions import PRINCIPLED_SOCKETS
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
+from .spread import method_of
 
 # Inputs of Blender 4 that are not supported, by the value that changes nothing.
 PRINCIPLED_NEUTRAL = {
@@ -153,17 +154,20 @@ def _warn_of_unsupported(view: NodeView) -> None:
             view.warn(f"{name} is not supported; rendered without")
 
 
-def _base_color(view: NodeView) -> Register:
-    """The base colour; subsurface scattering is rendered as a diffuse share of its colour."""
-    emitter, base = view.emitter, view.input("Base Color")
-    share = _named(view, "subsurface")
-    known = emitter.value_of(share)
-    if known is not None and known[0] == 0.0:
-        return base
-    view.warn("subsurface scattering is not supported; rendered diffuse")
-    if view.socket("Subsurface Color") is None:
-        return base
-    return emitter.operation("mix", [share, base, view.input("Subsurface Color")], [1, 0], text="MIX")
+def _subsurface(view: NodeView) -> tuple[list[Register], list[int]]:
+    """The operands of subsurface scattering, and its method; none where there is none."""
+    emitter, share = view.emitter, _named(view, "subsurface")
+    if not _may_be_other_than(view, share, 0.0):
+        return [], []
+    radius = view.input("Subsurface Radius")
+    if view.socket("Subsurface Scale") is not None:
+        # Since 4.0 the share is one, and the radius has a scale of its own.
+        view.warn("the part of light that is scattered below the surface is taken as of Blender 3")
+        scaled = emitter.operation("vector_math", [radius, view.input("Subsurface Scale")], text="MULTIPLY")
+        radius = emitter.operation("vector_math", [scaled, share], text="DIVIDE")
+    color = view.input("Subsurface Color") if view.socket("Subsurface Color") is not None else view.input("Base Color")
+    operands = [share, color, radius, view.input("Subsurface IOR", default=1.4), view.input("Subsurface Anisotropy")]
+    return operands, [method_of(view, view.node.subsurface_method)]
 
 
 @closure_node("ShaderNodeBsdfPrincipled")
@@ -172,11 +176,12 @@ def principled(view: NodeView, weight: Register) -> None:
     _warn_of_unsupported(view)
     anisotropic = view.input("Anisotropic")
     tangent = _tangent(view) if _may_be_other_than(view, anisotropic, 0.0) else UNCONNECTED
+    subsurface, method = _subsurface(view)
     view.emitter.operation(
         "principled",
         [
             weight,
-            _base_color(view),
+            view.input("Base Color"),
             view.input("Metallic"),
             _specular(view),
             _tint(view, "Specular Tint"),
@@ -196,6 +201,8 @@ def principled(view: NodeView, weight: Register) -> None:
             view.normal("Normal"),
             view.normal(*PRINCIPLED_SOCKETS["clearcoat_normal"]),
             tangent,
+            *subsurface,
         ],
+        method,
         text=getattr(view.node, "distribution", ""),
     )

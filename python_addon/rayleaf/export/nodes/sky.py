@@ -41,7 +41,11 @@ class _Sky:
 
     def __init__(self, view: NodeView) -> None:
         self.emitter = view.emitter
-        self.direction = self.vector("NORMALIZE", view.vector("Vector"))
+        # With the sun's disc, Blender takes the vector away; a link to it may still be there.
+        socket = view.socket("Vector")
+        is_asked = socket is not None and socket.enabled
+        along = view.vector("Vector") if is_asked else view.emitter.operation("generated")
+        self.direction = self.vector("NORMALIZE", along)
         self.height = self.emitter.component(self.direction, 2)
 
     def vector(self, name: str, *operands: Register) -> Register:

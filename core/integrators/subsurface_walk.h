@@ -1,0 +1,30 @@
+// The way of light below a surface, from where it enters a body to where it leaves it (shading/subsurface.h).
+#pragma once
+
+#include "base/random.h"
+#include "scene/scene.h"
+#include "shading/subsurface.h"
+
+#include <optional>
+
+namespace rayleaf {
+
+struct SubsurfaceExit {
+    Ray ray;                    ///< the last one, inside the body
+    Hit hit;                    ///< where it meets the surface
+    Color throughput{1, 1, 1};  ///< what is left of light on the way
+};
+
+/// Where a ray may begin that enters a body: direction and start inside, with the width of what it does there.
+struct SubsurfaceEntry {
+    Ray ray;
+    uint32_t instance = 0;
+    SubsurfaceMedium medium;
+};
+
+/// Scatters until the surface of the instance is met again, and meets nothing else; empty where light is lost on the
+/// way. `dimension` is the first of the sampler's that the walk may use; it takes them from a branch of its own.
+std::optional<SubsurfaceExit> walk_below(const Scene& scene, const SubsurfaceEntry& entry, const Sampler& sampler,
+                                         uint32_t dimension);
+
+}  // namespace rayleaf

@@ -1,0 +1,40 @@
+// Light that enters a body and leaves it elsewhere: the lobe that stands for it, and the medium that a walk goes
+// through (Chiang, Kutz, Burley: "Practical and Controllable Subsurface Scattering for Production Path Tracing",
+// SIGGRAPH 2016; the fit to anisotropic media of Wrenninge, Villemin, Hery: "Path Traced Subsurface Scattering using
+// Anisotropic Phase Functions and Non-Exponential Free Flights", 2017).
+#pragma once
+
+#include "shading/closures.h"
+
+#include <cstdint>
+
+namespace rayleaf {
+
+/// How the radius is meant: scaled as in older models, or such that light spreads that far in a body of that index.
+enum class SubsurfaceMethod : uint8_t { FixedRadius, Physical };
+
+struct SubsurfaceParameters {
+    Color weight{0, 0, 0};  ///< times the albedo already
+    Color albedo{0, 0, 0};  ///< of the surface
+    Color radius{0, 0, 0};  ///< as an artist sets it, world units
+    float ior = 1.4f;
+    float anisotropy = 0;  ///< -1..1
+    SubsurfaceMethod method = SubsurfaceMethod::FixedRadius;
+    Vec3f normal{0, 0, 1};
+    bool is_disney = false;  ///< darkened at grazing, where light enters and leaves, with Disney's retro-reflection
+    float roughness = 0;     ///< of that
+};
+
+/// Channels too small to scatter in are diffuse.
+void add_subsurface(const SubsurfaceParameters& parameters, Closures& closures);
+
+/// What a walk goes through.
+struct SubsurfaceMedium {
+    Color extinction{1, 1, 1};  ///< per world unit
+    Color albedo{0, 0, 0};      ///< of one scattering
+    Color factor{1, 1, 1};      ///< on the light of a walk
+    float anisotropy = 0;       ///< of the phase function (Henyey, Greenstein)
+};
+SubsurfaceMedium subsurface_medium(const Lobe& lobe);
+
+}  // namespace rayleaf

@@ -1,0 +1,83 @@
+"""Shader nodes of light that goes through what it meets: hair, and bodies below their surface."""
+
+from ..attributes import STRAND_INFO, STRAND_RANDOM
+from .compiler import NodeView, closure_node
+from .emitter import UNCONNECTED, Register
+
+# The core's methods of subsurface scattering, by Blender's names.
+_FIXED_RADIUS, _PHYSICAL = 0, 1
+_METHODS = {
+    "RANDOM_WALK_FIXED_RADIUS": _FIXED_RADIUS,
+    "RANDOM_WALK": _PHYSICAL,
+    "RANDOM_WALK_SKIN": _PHYSICAL,
+    "BURLEY": _FIXED_RADIUS,
+}
+
+
+def method_of(view: NodeView, identifier: str) -> int:
+    """The core's method; Christensen and Burley's profiles become a walk of that radius."""
+    if identifier == "BURLEY":
+        view.warn("the method Christensen-Burley is rendered as a random walk with fixed radius")
+    # Since 4.0 "Random Walk" is the one of fixed radius, and the other is called "Skin".
+    if identifier == "RANDOM_WALK" and "RANDOM_WALK_SKIN" in {
+        item.identifier for item in view.node.bl_rna.properties[_method_property(view)].enum_items
+    }:
+        return _FIXED_RADIUS
+    return _METHODS[identifier]
+
+
+def _method_property(view: NodeView) -> str:
+    return "falloff" if hasattr(view.node, "falloff") else "subsurface_method"
+
+
+@closure_node("ShaderNodeSubsurfaceScattering")
+def subsurface(view: NodeView, weight: Register) -> None:
+    """Subsurface Scattering."""
+    operands = [weight, view.input("Color"), view.input("Scale"), view.input("Radius")]
+    operands += [view.input("IOR", default=1.4), view.input("Anisotropy", "Subsurface Anisotropy")]
+    method = method_of(view, view.node.falloff)
+    view.emitter.operation("subsurface", [*operands, view.normal("Normal")], [method])
+
+
+@closure_node("ShaderNodeBsdfHair")
+def hair(view: NodeView, weight: Register) -> None:
+    """Hair BSDF."""
+    operands = [weight, view.input("Color"), view.input("Offset"), view.input("RoughnessU"), view.input("RoughnessV")]
+    operation, kinds = view.emitter.operation, {"Reflection": "REFLECTION", "Transmission": "TRANSMISSION"}
+    operation("hair", [*operands, view.linked("Tangent")], text=kinds[view.node.component])
+
+
+@closure_node("ShaderNodeBsdfHairPrincipled")
+def principled_hair(view: NodeView, weight: Register) -> None:
+    """Principled Hair BSDF: Chiang's model."""
+    node, emitter = view.node, view.emitter
+    if getattr(node, "model", "CHIANG") != "CHIANG":
+        view.warn(f"the model {node.model.title()} is rendered as Chiang's")
+    coloring = node.parametrization
+    color = view.input("Absorption Coefficient" if coloring == "ABSORPTION" else "Color", default=0.0)
+    random = view.linked("Random")
+    if random == UNCONNECTED:  # the strand's own, where there is one
+        is_strand, own = (
+            emitter.operation("attribute", ints=[view.resources.attribute(name)])
+            for name in (STRAND_INFO["IS_STRAND"], STRAND_RANDOM)
+        )
+        random = emitter.operation("mix", [is_strand, view.input("Random"), own], [1, 0], text="MIX")
+    emitter.operation(
+        "hair_fibre",
+        [
+            weight,
+            color,
+            view.input("Melanin"),
+            view.input("Melanin Redness"),
+            view.input("Tint", default=1.0),
+            view.input("Roughness"),
+            view.input("Radial Roughness"),
+            view.input("Coat"),
+            view.input("IOR", default=1.55),
+            view.input("Offset"),
+            random,
+            view.input("Random Color"),
+            view.input("Random Roughness"),
+        ],
+        text=coloring,
+    )

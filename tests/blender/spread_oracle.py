@@ -1,0 +1,166 @@
+"""Runs inside Blender: Cycles and Rayleaf render the same bodies that light goes through, or the same tufts of hair, each
+with a material of its own; reports each one's mean colour, converged, and what the noise of both leaves open.
+
+Subsurface: bodies of flat faces, so that both have the same geometry. Hair: straight strands of even width, thick enough
+to see.
+"""
+
+import math
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import plain_exr
+import scenes
+from oracle_case import Case
+
+report = globals()["report"]  # given by the test
+PIXELS, SAMPLES = 12, 64
+RADIUS = (0.3, 0.15, 0.08)
+
+
+def subsurface_cases():
+    """The node and the Principled shader, by method, index, anisotropy and share."""
+    color = {"Color": (0.8, 0.5, 0.3, 1), "Radius": RADIUS}
+    node = "ShaderNodeSubsurfaceScattering"
+    found = []
+    for falloff in ("RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK"):
+        for more in ({}, {"Scale": 4.0}, {"Anisotropy": 0.8}, {"Radius": (0.3, 0.0, 0.08)}):
+            found.append(Case(node, {"falloff": falloff}, {**color, **more}))
+    found.append(Case(node, {"falloff": "RANDOM_WALK"}, {**color, "IOR": 2.5}))
+    found.append(Case(node, {"falloff": "RANDOM_WALK"}, {**color, "Color": (1.0, 0.02, 0.0, 1)}))
+    node = "ShaderNodeBsdfPrincipled"
+    both = {"Base Color": (0.8, 0.5, 0.3, 1), "Subsurface Color": (0.3, 0.7, 0.8, 1), "Subsurface Radius": RADIUS}
+    for method in ("RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK"):
+        for more in ({"Subsurface": 1.0}, {"Subsurface": 0.3, "Roughness": 1.0}, {"Subsurface": 1.0, "Metallic": 0.5}):
+            found.append(Case(node, {"subsurface_method": method}, {**both, **more}))
+    return found
+
+
+def hair_cases():
+    """Both components of the node, and the principled one by all its colours."""
+    found = []
+    for component in ("Reflection", "Transmission"):
+        for more in ({}, {"Offset": 0.4}, {"RoughnessU": 0.4, "RoughnessV": 0.5}):
+            inputs = {"Color": (0.8, 0.5, 0.3, 1), **more}
+            found.append(Case("ShaderNodeBsdfHair", {"component": component}, inputs))
+    node = "ShaderNodeBsdfHairPrincipled"
+    color = {"Color": (0.5, 0.2, 0.08, 1)}
+    for more in (
+        {},
+        {"Roughness": 0.1, "Radial Roughness": 0.2},
+        {"Roughness": 0.8, "Radial Roughness": 0.9},
+        {"Coat": 0.7},
+        {"IOR": 1.2},
+        {"Offset": 0.3},
+    ):
+        found.append(Case(node, {"parametrization": "COLOR"}, {**color, **more}))
+    for more in (
+        {"Melanin": 0.3, "Melanin Redness": 0.5},
+        {"Melanin": 0.6, "Melanin Redness": 0.0, "Tint": (1, 0.5, 0.4, 1)},
+    ):
+        found.append(Case(node, {"parametrization": "MELANIN"}, more))
+    absorbed = {"Absorption Coefficient": (0.1, 0.5, 2.0)}
+    return found + [Case(node, {"parametrization": "ABSORPTION"}, absorbed)]
+
+
+def build_material(case):
+    """A material of a case's node."""
+    material = bpy.data.materials.new(case.name[:60])
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    node, output = tree.nodes.new(case.node), tree.nodes.new("ShaderNodeOutputMaterial")
+    for name, value in case.settings.items():
+        setattr(node, name, value)
+    for name, value in case.inputs.items():
+        node.inputs[name].default_value = value
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def body(x, y, material):
+    """A cut stone."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.4, location=(x, y, 0), rotation=(0.3, 0.2, 0.1))
+    bpy.context.object.data.materials.append(material)
+
+
+def tuft(x, y, material):
+    """Strands that stand on a square: its corners lie behind them."""
+    half = 0.25
+    corners = [
+        (x - half, y - 0.4, -half),
+        (x + half, y - 0.4, -half),
+        (x + half, y - 0.4, half),
+        (x - half, y - 0.4, half),
+    ]
+    skin = scenes.mesh(corners, [(0, 3, 2, 1)], "Skin")
+    skin.data.materials.append(material)
+    skin.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    settings = skin.particle_systems[0].settings
+    settings.type, settings.count, settings.hair_length, settings.hair_step = "HAIR", 12, 0.8, 2
+    settings.emit_from, settings.distribution, settings.use_modifier_stack = "FACE", "JIT", True
+    settings.root_radius = settings.tip_radius = 1.0
+    settings.radius_scale, settings.shape, settings.use_close_tip = 0.05, 0.0, False
+    settings.display_step = settings.render_step = 2
+    skin.show_instancer_for_render = False
+
+
+def set_up(columns, rows):
+    """An orthographic camera over unit squares, two suns, a dim world."""
+    scenes.empty_file()
+    scene = bpy.context.scene
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.type, camera.data.ortho_scale = "ORTHO", max(columns, rows)
+    camera.location = (columns / 2, rows / 2, 5)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    for name, turn, power in (("Front", (0.1, 0.8, 0.0), 2.0), ("Back", (0.1, 2.6, 0.0), 3.0)):
+        sun = bpy.data.objects.new(name, bpy.data.lights.new(name, "SUN"))
+        sun.data.angle, sun.data.energy, sun.rotation_euler = 0.1, power, turn
+        scene.collection.objects.link(sun)
+    scene.render.film_transparent = True
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.cycles.sample_clamp_indirect = scene.rayleaf.clamp_indirect = 0.0
+    scene.cycles_curves.shape, scene.rayleaf.strand_shape = "THICK", "ROUND"
+    for own in (scene.cycles, scene.rayleaf):
+        own.samples, own.max_bounces, own.diffuse_bounces, own.glossy_bounces = SAMPLES, 12, 4, 12
+        own.transmission_bounces = 12
+    scene.render.resolution_x, scene.render.resolution_y = columns * PIXELS, rows * PIXELS
+    scenes.write_layers()
+    return scene
+
+
+def picture(scene, engine, path):
+    """Colour and alpha, rows bottom to top."""
+    scene.render.engine, scene.render.filepath = engine, str(path)
+    bpy.ops.render.render(write_still=True)
+    channels = plain_exr.read(path)
+    return np.stack([channels[f"ViewLayer.Combined.{letter}"] for letter in "RGBA"], -1).astype(np.float64)
+
+
+def main(kind, folder):
+    """Render both, each twice, and report means by case."""
+    cases, add = (subsurface_cases(), body) if kind == "subsurface" else (hair_cases(), tuft)
+    columns = math.ceil(math.sqrt(len(cases)))
+    rows = math.ceil(len(cases) / columns)
+    scene = set_up(columns, rows)
+    for i, case in enumerate(cases):
+        add(i % columns + 0.5, i // columns + 0.5, build_material(case))
+    pictures = {}
+    for engine in ("CYCLES", "RAYLEAF"):
+        for seed in (1, 2):
+            scene.cycles.seed = scene.rayleaf.seed = seed
+            pictures[engine, seed] = picture(scene, engine, folder / f"{engine}{seed}.exr")
+    found = {}
+    for i, case in enumerate(cases):
+        row, column = i // columns, i % columns
+        part = np.s_[row * PIXELS : (row + 1) * PIXELS, column * PIXELS : (column + 1) * PIXELS]
+        found[case.name] = {
+            f"{engine} {seed}": each[part].mean(axis=(0, 1)).tolist() for (engine, seed), each in pictures.items()
+        }
+    report(found=found)
+
+
+main(sys.argv[1], Path(sys.argv[2]))
