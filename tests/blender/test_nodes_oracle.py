@@ -12,7 +12,14 @@ LUMINANCE = 1e-4
 FITTED = 1e-3
 # The observer's table has four digits.
 TABLE = 1e-4
-TOLERANCES = {"TexImage": HALF, "TexEnvironment": HALF, "Blackbody": FITTED, "Wavelength": TABLE, "RGBToBW": LUMINANCE}
+TOLERANCES = {
+    "TexImage": HALF,
+    "TexSky": HALF,
+    "TexEnvironment": HALF,
+    "Blackbody": FITTED,
+    "Wavelength": TABLE,
+    "RGBToBW": LUMINANCE,
+}
 # Steps (floors, comparisons, borders of cells) fall differently where a coordinate rounds to the other side.
 SHARE_AT_STEPS = 0.03
 
