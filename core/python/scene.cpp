@@ -4,6 +4,7 @@
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "scene/description.h"
+#include "scene/edits.h"
 #include "scene/scene_parts.h"
 #include "splines/nurbs.h"
 
@@ -93,16 +94,46 @@ int add_curve(SceneDescription& scene, const SweptCurveDescription& curve) {
     return scene.add_shape(std::make_shared<const SweptSurface>(curve));
 }
 
-int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
-                 int pass_index, const std::optional<VolumeVisualisation>& volume,
-                 const std::optional<std::tuple<std::shared_ptr<Program>, int, int>>& displacement) {
+using DisplacementTuple = std::optional<std::tuple<std::shared_ptr<Program>, int, int>>;
+
+Material material_of(const std::string& name, const std::shared_ptr<Program>& surface, int pass_index,
+                     const std::optional<VolumeVisualisation>& volume, const DisplacementTuple& displacement) {
     Material material{name, copy_of(surface), static_cast<float>(pass_index), volume, {}};
     if (displacement) {
         const auto& [program, object, world] = *displacement;
         if (!program) throw InputError(name, "displacement", "without a program", "(program, register, register)");
         material.displacement = {copy_of(program), object, world};
     }
-    return scene.add_material(std::move(material));
+    return material;
+}
+
+int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
+                 int pass_index, const std::optional<VolumeVisualisation>& volume,
+                 const DisplacementTuple& displacement) {
+    return scene.add_material(material_of(name, surface, pass_index, volume, displacement));
+}
+
+void change_material(SceneDescription& scene, int index, const std::string& name,
+                     const std::shared_ptr<Program>& surface, int pass_index,
+                     const std::optional<VolumeVisualisation>& volume, const DisplacementTuple& displacement) {
+    replace_material(scene, index, material_of(name, surface, pass_index, volume, displacement));
+}
+
+std::shared_ptr<Shape> shape_of(const SceneDescription& scene, int index) {
+    if (index < 0 || static_cast<size_t>(index) >= scene.shapes.size())
+        throw InputError("scene", "shape", std::to_string(index),
+                         "an index from 0 to " + std::to_string(static_cast<int>(scene.shapes.size()) - 1));
+    // Python sees nothing that could change it.
+    return std::const_pointer_cast<Shape>(scene.shapes[static_cast<size_t>(index)]);
+}
+
+void move_instances(SceneDescription& scene, const Array<int32_t>& indices, const Array<double>& matrices) {
+    check_shape("instances", "indices", indices, {-1});
+    check_shape("instances", "matrices", matrices, {indices.shape(0), 4, 4});
+    std::vector<Affine3d> places;
+    for (py::ssize_t i = 0; i < indices.shape(0); ++i)
+        places.push_back(affine_of("instances", matrices.data() + 16 * i));
+    place_instances(scene, span_of(indices), places);
 }
 
 int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
@@ -253,6 +284,26 @@ void bind_scene(py::module_& module) {
         .def("add_curve", &add_curve, "curve"_a)
         .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
              "volume"_a = py::none(), "displacement"_a = py::none())
+        .def("copy", [](const SceneDescription& scene) { return std::make_shared<SceneDescription>(scene); })
+        .def("emptied",
+             [](const SceneDescription& scene) { return std::make_shared<SceneDescription>(emptied(scene)); })
+        .def(
+            "shows_same_as",
+            [](const SceneDescription& scene, const std::shared_ptr<SceneDescription>& other) {
+                return shows_same(scene, *other);
+            },
+            py::arg("other").none(false))
+        .def("shape", &shape_of, "index"_a)
+        .def(
+            "replace_shape",
+            [](SceneDescription& scene, int index, const std::shared_ptr<Shape>& shape) {
+                replace_shape(scene, index, shape);
+            },
+            "index"_a, py::arg("shape").none(false))
+        .def("replace_material", &change_material, "index"_a, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
+             "volume"_a = py::none(), "displacement"_a = py::none())
+        .def("place_instances", &move_instances, "indices"_a, "matrices"_a)
+        .def("clear_lamps", [](SceneDescription& scene) { scene.lamps.clear(); })
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
         .def("add_instance", &add_instance, "name"_a, "shape"_a, "matrix"_a, "material_list"_a = -1,
              "object_index"_a = 0, "random"_a = 0.0f, "visibility"_a = static_cast<int>(kVisibleAll),

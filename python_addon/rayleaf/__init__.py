@@ -46,13 +46,14 @@ def register() -> None:
         ui_view_layer,
     )
     from .report import panel
+    from .viewport import render_pass, undo
 
     _is_wanted = True
     if _registered or enabling.is_another_enabled():
         return
     enabling.check()
     shown = (ui_messages, sampling_presets, ui, ui_rays, ui_view_layer, panel, ui_debug)
-    for module in (preferences, properties, engine, animation, kept_messages, *shown):
+    for module in (preferences, properties, render_pass, undo, engine, animation, kept_messages, *shown):
         module.register()
         _registered.append(module)
 

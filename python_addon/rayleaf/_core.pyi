@@ -417,6 +417,28 @@ class SceneDescription:
         `displacement` moves the points of spline and subdivision surfaces: a program, and the registers that hold the
         vector in object space and the one in world space, -1 for none.
         """
+    def copy(self) -> SceneDescription:
+        """Another of the same, to be changed by what follows: the two share what is not."""
+    def emptied(self) -> SceneDescription:
+        """One with nothing in it, where attributes and textures keep their ids."""
+    def shows_same_as(self, other: SceneDescription) -> bool:
+        """Whether both are known to look alike, cameras aside: the same shapes, equal values of all else."""
+    def shape(self, index: int) -> Any:
+        """What `add_…` made, to be given to other scenes."""
+    def replace_shape(self, index: int, shape: Any) -> None: ...
+    def replace_material(
+        self,
+        index: int,
+        name: str,
+        surface: Program | None,
+        pass_index: int = 0,
+        volume: VolumeVisualisation | None = None,
+        displacement: tuple[Program, int, int] | None = None,
+    ) -> None:
+        """As `add_material`."""
+    def place_instances(self, indices: Ints, matrices: Doubles) -> None:
+        """Move instances: indices (n,), matrices (n, 4, 4). Raises, and moves none, if one cannot be."""
+    def clear_lamps(self) -> None: ...
     def add_material_list(self, materials: Sequence[int]) -> int:
         """Materials by slot; -1 in a slot is the neutral material."""
     def add_instance(

@@ -18,6 +18,7 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
     bl_idname = "RAYLEAF"
     bl_label = "Rayleaf"
     bl_use_eevee_viewport = True
+    bl_use_preview = True
     bl_use_shading_nodes_custom = False
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -55,6 +56,11 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
             if enabling.problem is not None:
                 raise core_module.CoreError(enabling.problem)
             core = core_module.load()
+            if self.is_preview:
+                from . import preview
+
+                preview.render(self, depsgraph, core)
+                return
             from .animation import KEPT
             from .part_render import renderer
 
@@ -86,4 +92,7 @@ def unregister() -> None:
     """Take it away; views stop rendering first."""
     while _VIEWPORTS:
         _VIEWPORTS.popitem()[1].close()
+    preview = sys.modules.get(f"{__package__}.preview")  # loaded by the first
+    if preview is not None:
+        preview.forget()
     bpy.utils.unregister_class(RayleafRenderEngine)

@@ -10,7 +10,8 @@ import bpy
 from . import cache_report, kept_messages, passes, ray_report, statistics, versions
 from .export import ExportCancelled, ExportError
 from .export.camera import CropRectangle, Frame, crop_of, frame_of
-from .export.scene import ExportReport, SceneExporter
+from .export.scene import SceneExporter
+from .export.shapes import ExportReport
 from .messages import Message, Messages
 from .names import is_plain, name_of
 from .session import RenderThread

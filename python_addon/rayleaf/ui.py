@@ -16,7 +16,6 @@ _UNSUITABLE = {
     "DATA_PT_area",
     "DATA_PT_falloff_curve",
     "DATA_PT_light",
-    "DATA_PT_preview",
     "DATA_PT_spot",
     "NODE_DATA_PT_light",
     "RENDER_PT_freestyle",
@@ -31,6 +30,7 @@ _SUITABLE = {
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
     "DATA_PT_camera_dof",
+    "MATERIAL_PT_preview",
     "DATA_PT_camera_dof_aperture",
 }
 

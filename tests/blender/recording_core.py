@@ -129,6 +129,9 @@ class SceneDescription:
         self.surfaces.append(dict(name=name, splines=splines))
         return self._shape("surface", self.surfaces[-1])
 
+    def shape(self, index):
+        return self.shapes[index]
+
     def add_shape(self, shape):
         if isinstance(shape, SubdivisionSurface):
             self.cages.append(shape.arguments)

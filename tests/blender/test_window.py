@@ -48,7 +48,7 @@ def drive(steps):
     def step():
         try:
             if last[1] is not None and not last[1]():
-                if time.perf_counter() - last[0] > 30:
+                if time.perf_counter() - last[0] > 30 * float(os.environ.get("RAYLEAF_PATIENCE", "1")):
                     raise TimeoutError(f"still waiting; so far {times}")
                 return 0.02
             waits = next(steps)

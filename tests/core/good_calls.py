@@ -136,6 +136,16 @@ CALLS: dict[str, Call] = {
     "SceneDescription.add_shape": method(scene, "add_shape", shape=shapes.nurbs_sphere()),
     "SceneDescription.add_surface": method(scene, "add_surface", name="a", splines=[_core.NurbsSpline(PATCH, 2, 2)]),
     "SceneDescription.add_curve": method(scene, "add_curve", curve=swept()),
+    "SceneDescription.copy": method(scene, "copy"),
+    "SceneDescription.emptied": method(scene, "emptied"),
+    "SceneDescription.shows_same_as": method(scene, "shows_same_as", other=scene()),
+    "SceneDescription.shape": method(scene, "shape", index=0),
+    "SceneDescription.replace_shape": method(scene, "replace_shape", index=0, shape=shapes.nurbs_sphere()),
+    "SceneDescription.replace_material": method(scene, "replace_material", index=0, name="material", surface=program()),
+    "SceneDescription.place_instances": method(
+        scene, "place_instances", indices=np.zeros(1, np.int32), matrices=np.eye(4)[None]
+    ),
+    "SceneDescription.clear_lamps": method(scene, "clear_lamps"),
     "SceneDescription.add_material": method(
         scene,
         "add_material",

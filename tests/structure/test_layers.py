@@ -44,7 +44,7 @@ MEET_BLENDER = {
         "versions.py",
     ),
     *("export/images.py", "report/panel.py", "report/render_points.py", "report/render_silhouettes.py"),
-    "viewport/viewport.py",
+    *(f"viewport/{name}.py" for name in ("changes", "render_pass", "sync", "undo", "viewport")),
 }
 # The files that import the core; the others get it, or what it made, handed over.
 MEET_CORE = {"core_module.py", "report/curve_primitives.py"}

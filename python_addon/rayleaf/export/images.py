@@ -34,35 +34,47 @@ class ImageLibrary:
         self, core: ModuleType, scene: Any, messages: Messages, check_cancel: CancelCheck | None = None
     ) -> None:
         self._check_cancel = check_cancel or CancelCheck(lambda: False)
-        self._core, self._scene, self._messages = core, scene, messages
-        self._known: dict[tuple[int, str], int | None] = {}
+        self._core, self.scene, self._messages = core, scene, messages
+        self.known: dict[tuple[int, str], int | None] = {}  # textures by image and path
         self._computed: dict[tuple[Any, ...], int] = {}
+        self.asked = 0  # how often something was
+        self.added = 0
+
+    def go_on_in(self, scene: Any) -> None:
+        """What is asked for from now on, which may have changed, is added to another scene."""
+        self.scene = scene
+        self.known.clear()
+        self._computed.clear()
 
     def texture(self, image: Any, user: Any, frame: int) -> int | None:
         """The texture id of an image as a node uses it, or None if it cannot be read."""
         return self._texture_at(image, self._path(image, user, frame))
 
     def _texture_at(self, image: Any, path: str) -> int | None:
+        self.asked += 1
         key = (image.original.as_pointer(), path)
-        if key not in self._known:
+        if key not in self.known:
             self._check_cancel()
             try:
-                self._known[key] = self._add(image, path)
+                self.known[key] = self._add(image, path)
             except self._core.InputError as error:
                 self._messages.warn(f"{error}; rendered pink", Subject("Image", name_of(image)))
-                self._known[key] = None
-        return self._known[key]
+                self.known[key] = None
+        return self.known[key]
 
     def computed(self, name: str, key: tuple[Any, ...], make: Callable[[], NDArray[np.float32]]) -> int:
         """The texture id of a table that is computed, linear colours in rows from below; once for each key."""
+        self.asked += 1
         if (name, *key) not in self._computed:
             table = np.ascontiguousarray(make(), np.float32)
-            add = self._scene.add_image_pixels
+            add = self.scene.add_image_pixels
+            self.added += 1
             self._computed[(name, *key)] = int(self._check_cancel.while_waiting_for(lambda: add(name, table, "LINEAR")))
         return self._computed[(name, *key)]
 
     def tiles(self, image: Any) -> list[int]:
         """The UDIM tiles of an image: number and texture id of each in turn."""
+        self.asked += 1
         found = []
         for tile in list(image.tiles)[:_MOST_TILES]:
             path = str(bpy.path.abspath(image.filepath, library=image.library)).replace("<UDIM>", str(tile.number))
@@ -94,11 +106,12 @@ class ImageLibrary:
         if not os.path.isfile(path):
             self._warn(image, f"no file at {path or 'an empty path'}; rendered pink")
             return None
-        return self._send(self._scene.add_image_file, image, os.fsencode(path), space)
+        return self._send(self.scene.add_image_file, image, os.fsencode(path), space)
 
     def _send(self, add: Callable[[str, Any, str], int], image: Any, what: Any, space: str) -> int:
         """Hand an image to the core, which converts it: seconds for a large one."""
         name = name_of(image)
+        self.added += 1
         return int(self._check_cancel.while_waiting_for(lambda: add(name, what, space)))
 
     def _color_space(self, image: Any) -> str:
@@ -124,4 +137,4 @@ class ImageLibrary:
             if pixels.shape[2] == 4 and image.alpha_mode not in ("CHANNEL_PACKED", "NONE"):
                 alpha = pixels[..., 3:]
                 pixels[..., :3] /= np.where(alpha > 0.0, alpha, np.float32(1.0))
-        return self._send(self._scene.add_image_pixels, image, pixels, space)
+        return self._send(self.scene.add_image_pixels, image, pixels, space)

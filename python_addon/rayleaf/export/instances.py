@@ -40,6 +40,14 @@ class Group:
     from_owner: bool  # the data is the owner's own, so its material slots count
     members: list[int]  # places in the depsgraph's list of instances
     hair: int | None = None  # which of the owner's hair particle systems, in place of the data
+    instanced: bool = False  # some member is made by another object
+
+    @property
+    def sources(self) -> frozenset[int]:
+        """Pointers of the original data blocks that its geometry comes from."""
+        data = self.owner.data
+        blocks = [self.owner] if data is None else [self.owner, data]
+        return frozenset(block.original.as_pointer() for block in blocks)
 
     @property
     def shape_key(self) -> Any:
@@ -65,6 +73,7 @@ class Instances:
     randoms: NDArray[np.float32]  # (n,) 0..1
     groups: list[Group] = field(default_factory=list)
     lamps: list[tuple[Any, int]] = field(default_factory=list)  # evaluated lamp object, place in the list
+    instanced_lamps: bool = False  # some lamp is made by another object
     skipped: dict[str, str] = field(default_factory=dict)  # object name -> why it is not rendered
     without_faces: list[Any] = field(default_factory=list)  # curves, texts and the like of which Blender makes no mesh
     reasons: dict[str, str] = field(default_factory=dict)  # object name -> why not from control points
@@ -111,8 +120,9 @@ class _Collector:
     two exactly one is taken.
     """
 
-    def __init__(self, core: ModuleType, depsgraph: Any) -> None:
+    def __init__(self, core: ModuleType, depsgraph: Any, space: Any) -> None:
         self._exact = _ExactForms(core, depsgraph)
+        self._space = space
         self._known: dict[tuple[int, int], Group | None] = {}
         self._hair: dict[int, list[Group]] = {}
         self._matrices, self._randoms = array("f"), array("d")
@@ -124,6 +134,8 @@ class _Collector:
         self._randoms.append((instance.random_id & _RANDOM_RANGE) / _RANDOM_RANGE)
         shown, with_particles = instance.show_self, instance.show_particles
         if not shown and not with_particles:
+            return
+        if self._space is not None and self._is_hidden(instance):
             return
         item, owner = instance.object, instance.instance_object
         data = item.data
@@ -142,6 +154,7 @@ class _Collector:
             group = self._known[key] = self._new_group(item, owner, data)
         if group is not None:
             group.members.append(place)
+            group.instanced |= owner is not None
             system = None if owner is None else instance.particle_system
             if system is not None:
                 self._result.particles[place] = (system, instance.persistent_id[0])
@@ -149,6 +162,12 @@ class _Collector:
                 self._randoms[place] = random_of_name(bytes_of_name(item))
         elif item.type == "LIGHT":
             self._result.lamps.append((settings, place))
+            self._result.instanced_lamps |= owner is not None
+
+    def _is_hidden(self, instance: Any) -> bool:
+        """Whether a 3-D view hides what others show, as local view does."""
+        shown = instance.parent if instance.is_instance else instance.object
+        return shown is not None and not shown.visible_in_viewport_get(self._space)
 
     def result(self) -> Instances:
         """What was taken."""
@@ -194,14 +213,14 @@ class _Collector:
         return None
 
 
-def collect(core: ModuleType, depsgraph: Any, check_cancel: Callable[[], None]) -> Instances:
-    """Walk over the view layer once.
+def collect(core: ModuleType, depsgraph: Any, check_cancel: Callable[[], None], space: Any = None) -> Instances:
+    """Walk over the view layer once. `space`: a 3-D view, which may hide some.
 
     Blender frees the instances that an object makes only when their list has been walked to its end. `foreach_get` looks at
     the first entry alone to learn its type, and leaves such a list behind: so values are read one by one, and whoever stops
     early goes on to the end.
     """
-    collector = _Collector(core, depsgraph)
+    collector = _Collector(core, depsgraph, space)
     listed = iter(depsgraph.object_instances)
     try:
         for place, instance in enumerate(listed):

@@ -8,6 +8,7 @@ from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
 from . import unsupported
+from .kept import CompiledMaterial, KeptExport
 from .nodes.compiler import Compiler, Resources
 from .nodes.displacement import bend_normal, compile_displacement
 from .nodes.emitter import Emitter
@@ -27,14 +28,18 @@ class MaterialLibrary:
         messages: Messages,
         depsgraph: Any,
         check_cancel: Callable[[], None],
+        former: KeptExport,
     ) -> None:
-        """`depsgraph`: materials are taken as evaluated in it, so that animated values count."""
+        """`depsgraph`: materials are taken as evaluated in it, so that animated values count. `former`: what an earlier
+        export compiled."""
         self._core, self._scene, self._resources, self._messages = core, scene, resources, messages
         self._depsgraph, self._check_cancel = depsgraph, check_cancel
         self._materials: dict[int, int] = {}  # by the pointer of the original
         self._lists: dict[tuple[int, ...], int] = {}
         self._holdout: int | None = None
         self._displacing: set[int] = set()
+        self._former = former
+        self.compiled: dict[int, CompiledMaterial] = {}  # by pointer, as `former`
 
     def displaces(self, material: Any) -> bool:
         """Whether a material moves the points of surfaces."""
@@ -50,11 +55,34 @@ class MaterialLibrary:
             self._materials[key] = self._add(material.evaluated_get(self._depsgraph))
         return self._materials[key]
 
+    def index_of(self, pointer: int) -> int | None:
+        """The index of the material of that original; None where no object shows it."""
+        return self._materials.get(pointer)
+
     def _add(self, material: Any) -> int:
         subject = Subject("Material", name_of(material))
         unsupported.name_material_settings(material, self._messages)
-        emitter = Emitter(self._core, subject.name)
+        pointer = material.original.as_pointer()
         try:
+            compiled = self._former.materials.get(pointer) or self.compile(material)
+            index = int(self._scene.add_material(*compiled.arguments))
+        except self._core.InputError as error:
+            self._messages.warn(f"{subject}: {error}; rendered grey", subject)
+            return _NEUTRAL
+        except RecursionError:
+            self._messages.warn(f"{subject}: its chain of nodes is too long; rendered grey", subject)
+            return _NEUTRAL
+        self._resources.wanted_attributes |= compiled.wanted
+        self.compiled[pointer] = compiled
+        if compiled.displaces:
+            self._displacing.add(index)
+        return index
+
+    def compile(self, material: Any) -> CompiledMaterial:
+        """An evaluated material's program. Raises InputError, RecursionError."""
+        subject = Subject("Material", name_of(material))
+        emitter = Emitter(self._core, subject.name)
+        with self._resources.noted() as asked:
             if material.use_nodes and material.node_tree is not None:
                 compiler = Compiler(emitter, subject, self._resources, self._messages)
                 if versions.displacement_method(material) == "BUMP":
@@ -64,17 +92,8 @@ class MaterialLibrary:
                 emitter.operation("diffuse", [emitter.scalar(1.0), emitter.constant(*material.diffuse_color[:3])])
             volume = volume_of(self._core, material.rayleaf)
             displacement = self._displacement(material, subject)
-            index = int(
-                self._scene.add_material(subject.name, emitter.program, material.pass_index, volume, displacement)
-            )
-            if displacement is not None:
-                self._displacing.add(index)
-            return index
-        except self._core.InputError as error:
-            self._messages.warn(f"{subject}: {error}; rendered grey", subject)
-        except RecursionError:
-            self._messages.warn(f"{subject}: its chain of nodes is too long; rendered grey", subject)
-        return _NEUTRAL
+        arguments = (subject.name, emitter.program, material.pass_index, volume, displacement)
+        return CompiledMaterial(arguments, frozenset(asked.attributes), asked.images)
 
     def _displacement(self, material: Any, subject: Subject) -> tuple[Any, int, int] | None:
         """A program that displaces, and the registers of its vectors in object and in world space."""

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
 
@@ -18,19 +17,16 @@ from . import (
     instance_values,
     instances,
     lights,
-    meshes,
     ray_interpolation,
-    strand_arrays,
-    strands,
-    subdivision,
-    surfaces,
     unsupported,
     world,
 )
 from .images import ImageLibrary
+from .kept import KeptExport, KeptShape
 from .instances import Group, Instances
 from .materials import MaterialLibrary, slots_of
 from .nodes.compiler import Resources
+from .shapes import ExportReport, ShapeExporter
 
 # Width of the table by which a world made of nodes is importance sampled; a plain colour needs none.
 _WORLD_TABLE_WIDTH = 1024
@@ -45,20 +41,6 @@ _CORE_MESSAGE = re.compile("object '(.*?)': ", re.DOTALL)
 _EVALUATED_REASONS = {"META": "metaball"}
 
 
-@dataclass
-class ExportReport:
-    """What was sent, and how."""
-
-    exact: list[str] = field(default_factory=list)  # objects sent as splines
-    strands: list[str] = field(default_factory=list)  # objects whose hair was sent
-    subdivision: list[str] = field(default_factory=list)  # objects sent as cages
-    evaluated: dict[str, str] = field(default_factory=dict)  # object -> why as its evaluated mesh
-    left_out: dict[str, str] = field(default_factory=dict)  # object -> why not rendered
-    shapes: int = 0
-    instances: int = 0
-    lamps: int = 0
-
-
 def _is_thread(group: Group) -> bool:
     """Whether a group is an exact curve or hair, which displacement leaves as it is."""
     is_curve = group.exact and group.owner.type != "SURFACE"
@@ -71,7 +53,7 @@ def _subject_of(problem: str) -> Subject | None:
     return Subject("Object", found[1]) if found else None
 
 
-class SceneExporter:
+class SceneExporter(ShapeExporter):
     """Exports one view layer once."""
 
     def __init__(
@@ -81,13 +63,22 @@ class SceneExporter:
         messages: Messages,
         should_stop: Callable[[], bool] = lambda: False,
         parts: Any = None,
+        former: KeptExport | None = None,
+        space: Any = None,
     ) -> None:
-        """`should_stop` is asked often; when it says so, `export` raises ExportCancelled. `parts`: SceneParts, or None."""
+        """`should_stop` is asked often; when it says so, `export` raises ExportCancelled. `parts`: SceneParts, or None.
+        `former`: what an earlier export left, and still holds. `space`: the 3-D view that shows it, which may hide some.
+        """
         self._core, self._depsgraph, self._messages = core, depsgraph, messages
         self._check_cancel = CancelCheck(should_stop)
         self._blender_scene = depsgraph.scene_eval
         self._view_layer = depsgraph.view_layer
-        self.scene = core.SceneDescription(parts)
+        self._space = space
+        self._former = former or KeptExport()
+        self.scene = core.SceneDescription(parts) if self._former.scene is None else self._former.scene.emptied()
+        self._shapes: dict[Any, KeptShape] = {}
+        self.rows: dict[int, int] | None = {}  # instances that are objects' own, by pointer; None: not known
+        self.lamps: list[Any] | None = []  # original objects; None: some are instanced
         self.report = ExportReport()
         images = ImageLibrary(core, self.scene, messages, self._check_cancel)
         self._resources = Resources(
@@ -96,7 +87,9 @@ class SceneExporter:
             self._blender_scene.frame_current,
             frozenset(name_of(output) for output in self._view_layer.aovs),
         )
-        self._materials = MaterialLibrary(core, self.scene, self._resources, messages, depsgraph, self._check_cancel)
+        self.materials = MaterialLibrary(
+            core, self.scene, self._resources, messages, depsgraph, self._check_cancel, self._former
+        )
 
     def export(self, frame: camera.Frame, needs_uv: bool, camera_arguments: dict[str, Any] | None = None) -> Any:
         """The scene description. `needs_uv`: a pass shows the UV map. `camera_arguments`: of the core's `set_camera`, where
@@ -108,14 +101,14 @@ class SceneExporter:
             self.scene.set_camera(**camera_arguments)
         unsupported.name_scene_settings(self._blender_scene, self._messages)
         unsupported.name_passes(self._view_layer, self._messages)
-        listed = instances.collect(self._core, self._depsgraph, self._check_cancel)
+        listed = instances.collect(self._core, self._depsgraph, self._check_cancel, self._space)
         listed.groups = [group for group in listed.groups if self._is_in_layer(group)]
         for name, reason in listed.skipped.items():
             self._leave_out(name, reason)
         for owner in listed.without_faces:
             self.report.left_out[name_of(owner)] = f"{owner.type.lower()} without faces"
         material_lists = [self._material_list(group) for group in listed.groups]
-        self._export_world()
+        self.export_world()
         self._export_lamps(listed)
         if needs_uv:
             self._resources.active_uv()
@@ -123,6 +116,27 @@ class SceneExporter:
         self._note_undisplaced(listed.groups)
         self._export_instances(listed, shapes, material_lists)
         return self.scene
+
+    @property
+    def left(self) -> KeptExport:
+        """What a later export may go on with."""
+        return KeptExport(self.scene, self._shapes, self.materials.compiled)
+
+    @property
+    def wanted_attributes(self) -> frozenset[str]:
+        """What shapes and instances carry."""
+        return frozenset(self._resources.wanted_attributes)
+
+    @property
+    def textures(self) -> int:
+        """How many this exporter has added."""
+        return self._resources.images.added
+
+    def edit(self, scene: Any, depsgraph: Any) -> None:
+        """What is exported from now on goes into another description, a copy of the one that was."""
+        self.scene = scene
+        self._resources.images.go_on_in(scene)
+        self._depsgraph, self._blender_scene, self._view_layer = depsgraph, depsgraph.scene_eval, depsgraph.view_layer
 
     def _is_in_layer(self, group: Group) -> bool:
         """Whether the view layer's filter lets a group through: hair, or any other surface."""
@@ -152,12 +166,13 @@ class SceneExporter:
 
     def _material_list(self, group: Group) -> int:
         unsupported.name_object_settings(group.owner, self._messages)
-        return self._materials.slot_list(self._slots(group), instances.is_holdout(group.owner, self._view_layer))
+        return self.materials.slot_list(self._slots(group), instances.is_holdout(group.owner, self._view_layer))
 
     def _is_displaced(self, group: Group) -> bool:
-        return any(slot is not None and self._materials.displaces(slot) for slot in self._slots(group))
+        return any(slot is not None and self.materials.displaces(slot) for slot in self._slots(group))
 
-    def _export_world(self) -> None:
+    def export_world(self) -> None:
+        """The world's program."""
         blender_world = self._blender_scene.world
         if blender_world is None or not self._view_layer.use_sky:
             self.scene.set_world(None)
@@ -174,16 +189,21 @@ class SceneExporter:
     def _export_lamps(self, listed: Instances) -> None:
         for lamp_object, place in listed.lamps:
             self._check_cancel()
-            if lights.is_portal(lamp_object.data):
-                subject = Subject("Light", name_of(lamp_object))
-                self._messages.note(f"{subject}: a portal does not shine; the world's light is found without", subject)
-                continue
-            visibility = instances.visibility(lamp_object, self._view_layer)
-            try:
-                self.scene.add_lamp(**lights.describe(lamp_object, listed.matrices[place], visibility, self._messages))
-                self.report.lamps += 1
-            except self._core.InputError as error:
-                self._leave_out(name_of(lamp_object), str(error))
+            self.export_lamp(lamp_object, listed.matrices[place])
+        self.lamps = None if listed.instanced_lamps else [lamp_object.original for lamp_object, _ in listed.lamps]
+
+    def export_lamp(self, lamp_object: Any, matrix: Any) -> None:
+        """An evaluated lamp object at its place."""
+        if lights.is_portal(lamp_object.data):
+            subject = Subject("Light", name_of(lamp_object))
+            self._messages.note(f"{subject}: a portal does not shine; the world's light is found without", subject)
+            return
+        visibility = instances.visibility(lamp_object, self._view_layer)
+        try:
+            self.scene.add_lamp(**lights.describe(lamp_object, matrix, visibility, self._messages))
+            self.report.lamps += 1
+        except self._core.InputError as error:
+            self._leave_out(name_of(lamp_object), str(error))
 
     def _export_shapes(self, listed: Instances) -> list[int | None]:
         """The shape of each group; groups with the same data share one."""
@@ -195,99 +215,24 @@ class SceneExporter:
             # An object's own material may displace what another object shows smooth.
             key = group.shape_key, not _is_thread(group) and self._is_displaced(group)
             if key not in known:
-                known[key] = self._export_shape(group, wanted, listed.judged)
+                known[key] = self._kept_or_exported(key, group, wanted, listed.judged)
             result.append(known[key])
             self._note_way(group, listed.reasons)
         self.report.shapes = sum(shape is not None for shape in known.values())
         return result
 
-    def _export_shape(self, group: Group, wanted: frozenset[str], judged: dict[Any, curves.Judged]) -> int | None:
-        if group.hair is not None or group.owner.type == "CURVES":
-            return self._export_strands(group, wanted)
-        return self._export_surface(group, judged) if group.exact else self._export_mesh(group, wanted)
-
-    def _export_strands(self, group: Group, wanted: frozenset[str]) -> int | None:
-        name = name_of(group.owner)
-        if group.hair is None:
-            arrays = strands.curves_strands(self._core, group.data, wanted)
-        else:
-            system, modifier = strands.hair_systems(group.owner)[group.hair]
-            arrays = strands.particle_strands(group.owner, system, modifier, wanted, self._check_cancel)
-        if arrays is None:
-            self._messages.note(f"Object '{name}' has no hair; left out", Subject("Object", name))
-            return None
-        dropped = strand_arrays.without_bad_points(arrays)
-        if dropped:
-            subject = Subject("Object", name)
-            self._messages.warn(f"{subject}: {dropped} strands have points that are not finite; left out", subject)
-        try:
-            settings = strands.curve_settings(self._blender_scene.rayleaf)
-            return strands.add_strands(self._core, self.scene, name, arrays, settings, wanted)
-        except self._core.InputError as error:
-            self._leave_out(name, str(error))
-            return None
-
-    def _export_surface(self, group: Group, judged: dict[Any, curves.Judged]) -> int | None:
-        name = name_of(group.owner)
-        if group.owner.type == "SURFACE":
-            shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages)
-        else:
-            settings = strands.curve_settings(self._blender_scene.rayleaf)
-            # Once is enough: groups with the same key share the shape, and a million splines take memory.
-            found = judged.pop(group.shape_key)
-            shape = curves.add_curve(self._core, self.scene, name, found, self._messages, settings)
-        if shape is None:
-            self.report.left_out.setdefault(name, "no spline that can be rendered")
-        return shape
-
-    def _export_mesh(self, group: Group, wanted: frozenset[str]) -> int | None:
-        if group.from_owner and subdivision.last_subdivision(group.owner, self._depsgraph) is not None:
-            shape = self._export_cage(group.owner, wanted)
-            if shape is not None:
-                return shape
-        if self._is_displaced(group):
-            shape = self._export_polygons(group, wanted)
-            if shape is not None:
-                return shape
-        name = name_of(group.owner)
-        arrays = meshes.mesh_arrays(group.data, wanted)
-        if arrays is None:
-            self.report.left_out[name] = "no faces"
-            self._messages.note(f"Object '{name}' has no faces; left out", Subject("Object", name))
-            return None
-        try:
-            return meshes.add_mesh(self.scene, name, arrays)
-        except self._core.InputError as error:
-            self._leave_out(name, str(error))
-            return None
-
-    def _export_cage(self, owner: Any, wanted: frozenset[str]) -> int | None:
-        """The shape of a mesh that is subdivided last; None, and a line in the report, if Blender's mesh must do."""
-        name = name_of(owner)
-        reason = subdivision.fallback_reason(owner, self._depsgraph, self._blender_scene.rayleaf)
-        if reason is None:
-            try:
-                arrays = subdivision.cage_arrays(owner, self._depsgraph, wanted)
-                if arrays is None:
-                    return None
-                shape = subdivision.add_cage(self._core, self.scene, name, arrays)
-                self.report.subdivision.append(name)
-                return shape
-            except self._core.InputError as error:
-                reason = str(error)
-                self._messages.warn(f"{reason}; Blender's mesh is rendered", Subject("Object", name))
-        self.report.evaluated[name] = reason
-        return None
-
-    def _export_polygons(self, group: Group, wanted: frozenset[str]) -> int | None:
-        """The shape of a mesh that has points wherever displacement asks for them; None, and a warning, without."""
-        name = name_of(group.owner)
-        try:
-            arrays = subdivision.polygon_arrays(group.data, wanted)
-            return None if arrays is None else subdivision.add_cage(self._core, self.scene, name, arrays)
-        except self._core.InputError as error:
-            self._messages.warn(f"{error}; its displacement is left out", Subject("Object", name))
-            return None
+    def _kept_or_exported(
+        self, key: Any, group: Group, wanted: frozenset[str], judged: dict[Any, curves.Judged]
+    ) -> int | None:
+        sources = group.sources
+        kept = self._former.shapes.get(key)
+        if kept is not None and kept.is_of(sources, wanted):
+            self._shapes[key] = kept
+            return int(self.scene.add_shape(kept.shape))
+        index = self._export_shape(group, wanted, judged)
+        if index is not None and group.hair is None:  # hair depends on settings that are no data block's of these
+            self._shapes[key] = KeptShape(self.scene.shape(index), sources, wanted)
+        return index
 
     def _note_way(self, group: Group, reasons: dict[str, str]) -> None:
         """Which way an object went: exact or as a mesh, and why."""
@@ -315,6 +260,7 @@ class SceneExporter:
         if not chosen:
             return
         counts = [len(group.members) for group, _, _ in chosen]
+        self._note_rows([group for group, _, _ in chosen], counts)
         places = np.concatenate([np.array(group.members, np.int64) for group, _, _ in chosen])
 
         def spread(values: list[int]) -> Any:
@@ -347,7 +293,18 @@ class SceneExporter:
             )
             self.report.instances += len(shape) - len(problems)
             for problem in problems:
+                self.rows = None  # those that follow have moved up
                 self._messages.warn(f"{problem}; left out", _subject_of(problem))
+
+    def _note_rows(self, groups: list[Group], counts: list[int]) -> None:
+        rows: dict[int, int] = {}
+        instanced: set[int] = set()
+        for group, first, count in zip(groups, np.cumsum([0, *counts]), counts, strict=False):
+            pointer = group.owner.original.as_pointer()
+            if group.instanced or count > 1 or pointer in rows:
+                instanced.add(pointer)
+            rows[pointer] = int(first)
+        self.rows = {pointer: row for pointer, row in rows.items() if pointer not in instanced}
 
     def _instance_values(self, listed: Instances, owned: list[tuple[Any, list[int]]]) -> dict[int, Any]:
         """What materials ask for of whole instances: (instances, 4) by attribute."""
@@ -369,8 +326,3 @@ class SceneExporter:
             self._core, owner.rayleaf.ray_interpolation, self._blender_scene.rayleaf.ray_interpolation
         )
         return -1 if own is None else int(self.scene.add_ray_interpolation(name_of(owner), own))
-
-    def _leave_out(self, name: str, reason: str) -> None:
-        self.report.left_out[name] = reason
-        text = reason if name in reason else f"Object '{name}': {reason}"
-        self._messages.warn(f"{text}; left out", Subject("Object", name))

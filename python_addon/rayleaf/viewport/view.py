@@ -71,11 +71,54 @@ def camera_of(context: Any, depsgraph: Any) -> dict[str, Any]:
     return arguments
 
 
-def settings_of(core: Any, scene: Any, view_layer: Any, frame: Frame, combined: Pass) -> dict[str, Any]:
+def crop_of(context: Any, frame: Frame, camera_arguments: dict[str, Any]) -> CropRectangle:
+    """The part of the view that is rendered: its own border, or through a camera, that of the scene."""
+    space, scene = context.space_data, context.scene
+    if context.region_data.view_perspective != "CAMERA":
+        if not space.use_render_border:
+            return CropRectangle(0, 0, frame.width, frame.height)
+        border = _border_of(space, "render_border_")
+        return _rectangle(border, frame)
+    seen_by = space.camera
+    if not scene.render.use_border or seen_by is None or seen_by.type != "CAMERA":
+        return CropRectangle(0, 0, frame.width, frame.height)
+    picture_min, picture_max = camera.window(seen_by.data, camera.frame_of(scene))
+    border, shares = _border_of(scene.render, "border_"), []
+    for side in range(2):
+        for axis in range(2):
+            low, high = camera_arguments["window_min"][axis], camera_arguments["window_max"][axis]
+            place = picture_min[axis] + border[2 * side + axis] * (picture_max[axis] - picture_min[axis])
+            shares.append((place - low) / (high - low))
+    return _rectangle(tuple(shares), frame)
+
+
+def _border_of(owner: Any, prefix: str) -> tuple[float, ...]:
+    return tuple(float(getattr(owner, prefix + side)) for side in ("min_x", "min_y", "max_x", "max_y"))
+
+
+def _rectangle(shares: tuple[float, ...], frame: Frame) -> CropRectangle:
+    """At least a pixel, within the frame; `shares` of it: left, bottom, right, top."""
+    sizes = (frame.width, frame.height)
+    first = [min(max(round(shares[axis] * sizes[axis]), 0), sizes[axis] - 1) for axis in range(2)]
+    end = [min(max(round(shares[2 + axis] * sizes[axis]), first[axis] + 1), sizes[axis]) for axis in range(2)]
+    return CropRectangle(first[0], first[1], end[0] - first[0], end[1] - first[1])
+
+
+def settings_of(
+    core: Any, scene: Any, view_layer: Any, frame: Frame, crop: CropRectangle, shown: Pass
+) -> dict[str, Any]:
     """The arguments of the core's Settings: those of a render, without what would delay the first picture."""
-    crop = CropRectangle(0, 0, frame.width, frame.height)
-    settings = core_settings(core, scene, view_layer, frame, crop, [combined])
+    settings = core_settings(core, scene, view_layer, frame, crop, [shown])
     settings.update(samples=1, time_limit=0.0)  # samples are taken in rounds
     if settings["ray_interpolation"].mode == "AUTO":  # whose probe takes as long as a picture
         settings["ray_interpolation"] = core.RayInterpolation()
     return settings
+
+
+def as_picture(pixels: Any) -> Any:
+    """Of (height, width, channels): one channel as grey, three without transparency."""
+    channels = pixels.shape[2]
+    if channels == 4:
+        return pixels
+    colors = np.repeat(pixels, 3, axis=2) if channels == 1 else pixels
+    return np.concatenate([colors, np.ones_like(colors[..., :1])], axis=2)

@@ -9,12 +9,15 @@ import gpu
 import numpy as np
 from gpu_extras.presets import draw_texture_2d
 
-from .. import kept_messages, passes
+from .. import kept_messages
 from ..export import ExportError
-from ..export.scene import SceneExporter
 from ..messages import Messages
-from . import view
+from . import render_pass, view
+from .sync import SceneSync
 from .worker import Picture, Request, Worker, same_camera
+
+# Textures hold half floats.
+_LARGEST_HALF = 65504.0
 
 _OPEN: "weakref.WeakSet[Viewport]" = weakref.WeakSet()
 
@@ -37,7 +40,7 @@ class Viewport:
     def __init__(self, engine: Any, core: ModuleType) -> None:
         self._core = core
         self._engine: Callable[[], Any] = weakref.ref(engine)
-        self._parts = core.SceneParts()
+        self.sync = SceneSync(core, lambda: Messages(kept_messages.keep))
         self._scene: Any | None = None  # the core's
         self._request: Request | None = None
         self._texture: Any | None = None
@@ -61,11 +64,11 @@ class Viewport:
 
     def update(self, context: Any, depsgraph: Any) -> None:
         """The scene has changed: export it."""
-        messages = Messages(kept_messages.keep)
-        exporter = SceneExporter(self._core, depsgraph, messages, parts=self._parts)
         try:
             camera = view.camera_of(context, depsgraph)
-            self._scene = exporter.export(view.frame_of(context), needs_uv=False, camera_arguments=camera)
+            shows_uv = render_pass.entry_of(context.space_data).identifier == "uv"
+            frame = view.frame_of(context)
+            self._scene = self.sync.update(depsgraph, frame, camera, shows_uv, context.space_data)
             self._problem = ""
         except (ExportError, self._core.InputError) as error:
             self._scene, self._problem = None, str(error)
@@ -85,16 +88,17 @@ class Viewport:
         engine = self._engine()
         gpu.state.blend_set("ALPHA_PREMULT")
         engine.bind_display_space_shader(depsgraph.scene)
-        draw_texture_2d(self._texture, (0, 0), context.region.width, context.region.height)
+        draw_texture_2d(self._texture, *picture.place_in(context.region.width, context.region.height))
         engine.unbind_display_space_shader()
         gpu.state.blend_set("NONE")
 
     def _ask(self, context: Any, depsgraph: Any) -> None:
         if self._scene is None:
             return
-        scene = depsgraph.scene
-        camera = view.camera_of(context, depsgraph)
-        settings = view.settings_of(self._core, scene, depsgraph.view_layer, view.frame_of(context), _combined())
+        scene, frame = depsgraph.scene, view.frame_of(context)
+        camera, shown = view.camera_of(context, depsgraph), render_pass.entry_of(context.space_data)
+        crop = view.crop_of(context, frame, camera)
+        settings = view.settings_of(self._core, scene, depsgraph.view_layer, frame, crop, shown)
         request = Request(self._scene, settings, camera, scene.rayleaf.preview_samples)
         before = self._request
         is_edit = not request.is_same_scene(before)
@@ -112,7 +116,9 @@ class Viewport:
             return
         wanted = self._request.samples if self._request else 0
         taken = self._drawn.samples if self._drawn else 0
-        engine.update_stats("", f"Rayleaf | Sample {taken}/{wanted}")
+        caches = self._drawn.interpolated if self._drawn else None
+        told = "" if caches is None else f" | {caches:.0%} of rays interpolated"
+        engine.update_stats("", f"Rayleaf | Sample {taken}/{wanted}{told}")
 
     def _redraw(self) -> None:
         engine = self._engine()
@@ -124,12 +130,8 @@ class Viewport:
             pass
 
 
-def _combined() -> passes.Pass:
-    return next(entry for entry in passes.table() if entry.identifier == "combined")
-
-
 def _texture_of(picture: Picture) -> Any:
     height, width = picture.pixels.shape[:2]
-    values = np.ascontiguousarray(picture.pixels, np.float32)
+    values = np.clip(view.as_picture(picture.pixels), -_LARGEST_HALF, _LARGEST_HALF).astype(np.float32)
     buffer = gpu.types.Buffer("FLOAT", height * width * 4, values.ravel())
     return gpu.types.GPUTexture((width, height), format="RGBA16F", data=buffer)

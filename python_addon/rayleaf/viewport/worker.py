@@ -42,8 +42,23 @@ def same_camera(one: dict[str, Any], other: dict[str, Any]) -> bool:
 class Picture:
     """What has been rendered so far."""
 
-    pixels: Any  # (height, width, 4), linear light, rows bottom to top
+    pixels: Any  # (height, width, channels), linear light, rows bottom to top
     samples: int  # 0: blocks
+    settings: dict[str, Any]  # with which it was rendered
+    interpolated: float | None = None  # share of the rays that asked a ray cache; None: none did
+
+    def place_in(self, width: int, height: int) -> tuple[tuple[float, float], float, float]:
+        """Lower left corner, width and height in a region of that size."""
+        across, up = width / self.settings["width"], height / self.settings["height"]
+        x, y, wide, high = (self.settings[f"crop_{name}"] for name in ("x", "y", "width", "height"))
+        return (x * across, y * up), wide * across, high * up
+
+
+def interpolated_share(statistics: dict[str, Any]) -> float | None:
+    """Of the rays that asked a cache, those that it answered without tracing."""
+    used = [cache for cache in statistics["ray_caches"] if cache["used"]]
+    queries = sum(cache["queries"] for cache in used)
+    return sum(cache["interpolated"] for cache in used) / queries if queries else None
 
 
 class Worker:
@@ -56,6 +71,7 @@ class Worker:
         self._condition = threading.Condition()
         self._wanted: Request | None = None  # not begun
         self._session: Any | None = None
+        self._request_settings: dict[str, Any] = {}
         self._began = 0.0
         self._picture: Picture | None = None
         self._is_new = True  # nothing of the request under way has been shown
@@ -140,6 +156,7 @@ class Worker:
                 if self._condition.wait_for(lambda: self._is_over(), _REST_SECONDS):
                     return
             self._dicing = request.scene, request.camera
+            del session
             session = self._begin(request)
             if session is None:
                 return
@@ -151,6 +168,9 @@ class Worker:
     def _begin(self, request: Request) -> Any | None:
         """A session whose scene is built; None if there is something newer to do."""
         assert self._dicing is not None
+        with self._condition:
+            self._session = None  # what it holds goes to the next
+        self._request_settings = request.settings
         request.scene.set_camera(**request.camera)
         request.scene.set_camera(**self._dicing[1], dicing=True)
         self._ray_caches.next_frame()
@@ -187,7 +207,9 @@ class Worker:
                     return
 
     def _publish(self, session: Any, samples: int) -> None:
-        pixels = session.pass_pixels("combined")
+        settings = self._request_settings
+        pixels = session.pass_pixels(settings["passes"][0])
+        share = interpolated_share(session.statistics()) if samples else None
         with self._condition:
-            self._picture, self._is_new = Picture(pixels, samples), False
+            self._picture, self._is_new = Picture(pixels, samples, settings, share), False
         self._redraw()

@@ -1,7 +1,8 @@
 """Walks a node tree from its output and writes the operations its nodes stand for."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,6 +14,14 @@ from .emitter import UNCONNECTED, Emitter, Register
 from .graph import Path, Shader, by_identifier, group_output, key_of
 
 _SCALARS = {"VALUE", "INT", "BOOLEAN"}
+
+
+@dataclass
+class Asked:
+    """What the compilation of one tree asked for."""
+
+    attributes: set[str] = field(default_factory=set)
+    images: bool = False
 
 
 @dataclass
@@ -29,6 +38,17 @@ class Resources:
         """The id of an attribute; shapes that have it will carry it."""
         self.wanted_attributes.add(name)
         return self.attribute_id(name)
+
+    @contextmanager
+    def noted(self) -> Iterator[Asked]:
+        """Notes what is asked for meanwhile."""
+        asked, before = Asked(), self.wanted_attributes
+        count, self.wanted_attributes = self.images.asked, asked.attributes
+        try:
+            yield asked
+        finally:
+            asked.images = self.images.asked > count
+            self.wanted_attributes = before | asked.attributes
 
     def active_uv(self) -> int:
         """The active UV map, as operations name it."""

@@ -1,0 +1,17 @@
+// What a description takes: each of these throws InputError, which names the object, for anything else.
+#pragma once
+
+#include "scene/description.h"
+
+#include <cstddef>
+#include <string>
+
+namespace rayleaf {
+
+/// An index from `least` to below `count`.
+void check_index(const std::string& object, const char* argument, int index, size_t count, int least);
+/// Rejects maps that are not finite or that flatten space so far that its normals have no direction.
+void check_matrix(const std::string& object, const Affine3d& m);
+void check_material(const Material& material);
+
+}  // namespace rayleaf

@@ -1,0 +1,74 @@
+// Whether two descriptions show the same.
+#include "scene/edits.h"
+
+#include <algorithm>
+
+namespace rayleaf {
+namespace {
+
+template <typename T, typename Same>
+bool are_same(const std::vector<T>& a, const std::vector<T>& b, const Same& same) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
+}
+
+bool same_programs(const std::shared_ptr<const Program>& a, const std::shared_ptr<const Program>& b) {
+    if (a == b) return true;
+    if (!a || !b) return false;
+    ContentHasher of_a, of_b;
+    a->add_to(of_a);
+    b->add_to(of_b);
+    return of_a.value() == of_b.value();
+}
+
+bool same_maps(const Affine3d& a, const Affine3d& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z && a.translation == b.translation;
+}
+
+bool same_volumes(const std::optional<VolumeVisualisation>& a, const std::optional<VolumeVisualisation>& b) {
+    if (!a || !b) return a.has_value() == b.has_value();
+    return a->kind == b->kind && a->density == b->density && a->color == b->color;
+}
+
+bool same_displacements(const MaterialDisplacement& a, const MaterialDisplacement& b) {
+    return same_programs(a.program, b.program) && a.object == b.object && a.world == b.world;
+}
+
+bool same_materials(const Material& a, const Material& b) {
+    return same_programs(a.surface, b.surface) && a.pass_index == b.pass_index && same_volumes(a.volume, b.volume) &&
+           same_displacements(a.displacement, b.displacement);
+}
+
+bool same_instances(const InstanceDescription& a, const InstanceDescription& b) {
+    return a.name == b.name && a.shape == b.shape && same_maps(a.object_to_world, b.object_to_world) &&
+           a.material_list == b.material_list && a.object_index == b.object_index && a.random == b.random &&
+           a.visibility == b.visibility && a.ray_interpolation == b.ray_interpolation && a.attributes == b.attributes;
+}
+
+bool same_lamps(const Lamp& a, const Lamp& b) {
+    return a.name == b.name && a.kind == b.kind && same_maps(a.to_world, b.to_world) && a.strength == b.strength &&
+           a.radius == b.radius && a.angle == b.angle && a.spot_size == b.spot_size && a.spot_blend == b.spot_blend &&
+           a.spot_profile == b.spot_profile && a.size_x == b.size_x && a.size_y == b.size_y && a.spread == b.spread &&
+           a.casts_shadow == b.casts_shadow && a.visibility == b.visibility;
+}
+
+bool same_textures(const SceneDescription& a, const SceneDescription& b) {
+    if (a.existing_textures() == b.existing_textures()) return true;
+    if (!a.existing_textures() || !b.existing_textures()) return false;
+    ContentHasher of_a, of_b;
+    a.existing_textures()->add_to(of_a);
+    b.existing_textures()->add_to(of_b);
+    return of_a.value() == of_b.value();
+}
+
+}  // namespace
+
+bool shows_same(const SceneDescription& a, const SceneDescription& b) {
+    // Settings of the objects' own say how they are rendered, not what: they are compared by nobody, and differ.
+    return a.ray_interpolations.empty() && b.ray_interpolations.empty() && a.texture_memory == b.texture_memory &&
+           a.world_resolution == b.world_resolution && same_programs(a.world, b.world) && same_textures(a, b) &&
+           are_same(a.shapes, b.shapes, std::equal_to<>()) && are_same(a.materials, b.materials, same_materials) &&
+           are_same(a.material_lists, b.material_lists, std::equal_to<>()) && are_same(a.lamps, b.lamps, same_lamps) &&
+           are_same(a.instances, b.instances, same_instances);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,62 @@
+"""What Blender says has changed since a view was told last."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+
+# Data blocks that no picture of a view depends on: its camera is asked each time, trees belong to what uses them.
+_CAMERAS_AND_TREES = (bpy.types.Camera, bpy.types.NodeTree)
+
+
+@dataclass
+class Changes:
+    """Data blocks that have changed, by the pointers of their originals."""
+
+    materials: dict[int, Any] = field(default_factory=dict)
+    moved: dict[int, Any] = field(default_factory=dict)  # objects that are elsewhere, and otherwise as they were
+    world: bool = False
+    lamps: bool = False
+    images: bool = False
+    is_simple: bool = True  # nothing but what is told apart above
+    pointers: set[int] = field(default_factory=set)  # of all that may make other geometry or other programs
+
+    @classmethod
+    def of(cls, updates: Iterable[Any]) -> "Changes":
+        """As a depsgraph lists them."""
+        changes = cls()
+        for update in updates:
+            changes._add(update, update.id.original)
+        return changes
+
+    def _add(self, update: Any, block: Any) -> None:
+        pointer = block.as_pointer()
+        if isinstance(block, bpy.types.Object):
+            self._add_object(update, block, pointer)
+            return
+        self.pointers.add(pointer)
+        if isinstance(block, bpy.types.Material):
+            self.materials[pointer] = block
+        elif isinstance(block, bpy.types.World):
+            self.world = True
+        elif isinstance(block, bpy.types.Light):
+            self.lamps = True
+        elif isinstance(block, bpy.types.Image):
+            self.images, self.is_simple = True, False
+        elif not isinstance(block, _CAMERAS_AND_TREES):
+            self.is_simple = False
+
+    def _add_object(self, update: Any, block: Any, pointer: int) -> None:
+        only_moved = not (update.is_updated_geometry or update.is_updated_shading)
+        if not only_moved:
+            self.pointers.add(pointer)
+        if block.type == "CAMERA":
+            return
+        if block.type == "LIGHT":
+            self.lamps = True
+            self.is_simple &= not update.is_updated_shading
+        elif only_moved and update.is_updated_transform:
+            self.moved[pointer] = block
+        else:
+            self.is_simple = False

@@ -1,0 +1,169 @@
+"""The core's scene of a view layer, kept up to date by what Blender says has changed.
+
+Materials, lamps, the world, and objects that only move are changed in a copy of the scene as it was. Whatever else is
+exported anew, but for shapes and programs of what has not changed.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..export.camera import Frame
+from ..export.kept import KeptExport
+from ..export.scene import SceneExporter
+from ..messages import Messages
+from ..names import name_of
+from . import undo
+from .changes import Changes
+
+# Textures that edits have added stay, with those that they replace, until so many make it worth to begin anew.
+_MOST_ADDED = 64
+
+
+def _values(group: Any) -> tuple[Any, ...]:
+    """Of all properties of a group of the add-on's."""
+    found: list[Any] = []
+    for item in group.bl_rna.properties:
+        if item.identifier == "rna_type":  # which is said to be a group of the same kind
+            continue
+        value = getattr(group, item.identifier)
+        if isinstance(value, bpy.types.PropertyGroup):
+            found.append(_values(value))
+        elif isinstance(value, (bool, int, float, str)):
+            found.append(value)
+    return tuple(found)
+
+
+def _circumstances(depsgraph: Any) -> tuple[Any, ...]:
+    """What all geometry and all programs depend on, beside themselves."""
+    scene, layer = depsgraph.scene, depsgraph.view_layer
+    render = scene.render
+    simplify = (render.use_simplify, render.simplify_subdivision, render.simplify_child_particles)
+    outputs = tuple(name_of(output) for output in layer.aovs)
+    own = _values(scene.rayleaf)
+    frame = (scene.frame_current, scene.frame_subframe)
+    return (undo.count(), scene.as_pointer(), name_of(layer), simplify, outputs, own, frame)
+
+
+@dataclass(frozen=True)
+class _View:
+    frame: Frame
+    camera: dict[str, Any]
+    shows_uv: bool
+    space: Any
+
+
+class SceneSync:
+    """Exports a view layer, again and again."""
+
+    def __init__(self, core: ModuleType, messages: Callable[[], Messages]) -> None:
+        """`messages` makes one for each export."""
+        self._core, self._messages = core, messages
+        self._parts = core.SceneParts()
+        self._exporter: SceneExporter | None = None
+        self._circumstances: tuple[Any, ...] = ()
+        self._added = 0  # textures, by edits
+        self.exports = {"edit": 0, "whole": 0, "same": 0}  # how often which way was taken
+
+    def update(self, depsgraph: Any, frame: Frame, camera: dict[str, Any], shows_uv: bool, space: Any) -> Any:
+        """The core's scene as it is now; the same object where nothing in it has changed. `space`: the 3-D view. Raises
+        as exports do."""
+        former, circumstances = self._exporter, (shows_uv, *_circumstances(depsgraph))
+        view = _View(frame, camera, shows_uv, space)
+        changes, textures = Changes.of(depsgraph.updates), 0 if former is None else former.textures
+        self._exporter = None  # an export that fails leaves nothing
+        exporter = former
+        if former is None or circumstances != self._circumstances or self._added > _MOST_ADDED:
+            exporter = self._exported(depsgraph, view, None)
+            self._added = 0
+        elif not (changes.is_simple and _edit(former, depsgraph, changes)):
+            left = former.left.without(changes.pointers, changes.images)
+            exporter = self._exported(depsgraph, view, left)
+            self._added += exporter.textures
+            if former.scene.shows_same_as(exporter.scene):
+                exporter.scene = former.scene
+                self.exports["same"] += 1
+        else:
+            self._added += former.textures - textures
+            self.exports["edit"] += 1
+        assert exporter is not None
+        self._exporter, self._circumstances = exporter, circumstances
+        return exporter.scene
+
+    def _exported(self, depsgraph: Any, view: "_View", left: KeptExport | None) -> SceneExporter:
+        self.exports["whole"] += 1
+        exporter = SceneExporter(
+            self._core, depsgraph, self._messages(), parts=self._parts, former=left, space=view.space
+        )
+        exporter.export(view.frame, needs_uv=view.shows_uv, camera_arguments=view.camera)
+        return exporter
+
+
+def _edit(exporter: SceneExporter, depsgraph: Any, changes: Changes) -> bool:
+    """Changes a copy of what was exported; False, and the export is as it was, where that is not enough."""
+    rows = _rows_of(exporter, changes)
+    if rows is None or (changes.lamps and exporter.lamps is None):
+        return False
+    shown = any(exporter.materials.index_of(pointer) is not None for pointer in changes.materials)
+    if not (rows or shown or changes.world or changes.lamps):
+        return True
+    before = exporter.scene
+    exporter.edit(before.copy(), depsgraph)
+    if not _replace_materials(exporter, depsgraph, changes):
+        exporter.edit(before, depsgraph)
+        return False
+    if changes.world:
+        exporter.export_world()
+    if changes.lamps:
+        exporter.scene.clear_lamps()
+        for lamp in exporter.lamps or ():
+            evaluated = lamp.evaluated_get(depsgraph)
+            exporter.export_lamp(evaluated, np.array(evaluated.matrix_world, np.float64))
+    if rows:
+        matrices = [np.array(block.evaluated_get(depsgraph).matrix_world, np.float64) for block in rows.values()]
+        try:
+            exporter.scene.place_instances(np.array(list(rows), np.int32), np.array(matrices))
+        except ValueError:  # the core's InputError: a whole export says which is left out
+            exporter.edit(before, depsgraph)
+            return False
+    return True
+
+
+def _rows_of(exporter: SceneExporter, changes: Changes) -> dict[int, Any] | None:
+    """The objects that have moved, by instance; None where more depends on where they are."""
+    rows = {}
+    for pointer, block in changes.moved.items():
+        if block.is_instancer or block.instance_type != "NONE" or len(block.particle_systems) > 0:
+            return None
+        if any(modifier.type == "NODES" for modifier in block.modifiers):
+            return None
+        if block.type in ("EMPTY", "ARMATURE", "LATTICE", "SPEAKER"):
+            continue
+        if exporter.rows is None or pointer not in exporter.rows:
+            return None
+        rows[exporter.rows[pointer]] = block
+    return rows
+
+
+def _replace_materials(exporter: SceneExporter, depsgraph: Any, changes: Changes) -> bool:
+    library = exporter.materials
+    for pointer, block in changes.materials.items():
+        index = library.index_of(pointer)
+        if index is None:
+            continue
+        former = library.compiled.get(pointer)
+        if former is None:
+            return False
+        try:
+            compiled = library.compile(block.evaluated_get(depsgraph))
+        except (ValueError, RecursionError):
+            return False
+        if not compiled.wanted <= exporter.wanted_attributes or former.displaces or compiled.displaces:
+            return False
+        exporter.scene.replace_material(index, *compiled.arguments)
+        library.compiled[pointer] = compiled
+    return True
