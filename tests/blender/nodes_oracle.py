@@ -16,7 +16,8 @@ import numpy as np
 from oracle_case import Case
 from rayleaf import _core
 from rayleaf.export.images import ImageLibrary
-from rayleaf.export.nodes.compiler import Compiler, Resources
+from rayleaf.export.nodes.compiler import Compiler
+from rayleaf.export.nodes.resources import Resources
 from rayleaf.export.nodes.emitter import Emitter
 from rayleaf.messages import Messages, Subject
 

@@ -9,7 +9,8 @@ from ..messages import Messages, Subject
 from ..names import name_of
 from . import unsupported
 from .kept import CompiledMaterial, KeptExport
-from .nodes.compiler import Compiler, Resources
+from .nodes.compiler import Compiler
+from .nodes.resources import Resources
 from .nodes.displacement import bend_normal, compile_displacement
 from .nodes.emitter import Emitter
 from .ray_interpolation import volume_of

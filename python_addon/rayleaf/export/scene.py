@@ -25,7 +25,7 @@ from .images import ImageLibrary
 from .kept import KeptExport, KeptShape
 from .instances import Group, Instances
 from .materials import MaterialLibrary, slots_of
-from .nodes.compiler import Resources
+from .nodes.resources import Resources
 from .shapes import ExportReport, ShapeExporter
 
 # Width of the table by which a world made of nodes is importance sampled; a plain colour needs none.

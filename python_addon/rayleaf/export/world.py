@@ -5,7 +5,8 @@ from typing import Any
 
 from ..messages import Messages, Subject
 from ..names import name_of
-from .nodes.compiler import Compiler, Resources
+from .nodes.compiler import Compiler
+from .nodes.resources import Resources
 from .nodes.emitter import Emitter
 
 

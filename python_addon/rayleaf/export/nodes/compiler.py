@@ -1,63 +1,17 @@
 """Walks a node tree from its output and writes the operations its nodes stand for."""
 
 import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ...messages import Messages, Subject
 from ...names import name_of
-from ..attributes import ACTIVE_COLOR, ACTIVE_UV
-from ..images import ImageLibrary
 from .emitter import UNCONNECTED, Emitter, Register
 from .graph import Path, Shader, by_identifier, group_output, key_of
+from .resources import Resources
 
 _SCALARS = {"VALUE", "INT", "BOOLEAN"}
-
-
-@dataclass
-class Asked:
-    """What the compilation of one tree asked for."""
-
-    attributes: set[str] = field(default_factory=set)
-    images: bool = False
-
-
-@dataclass
-class Resources:
-    """What programs refer to: images, attribute ids; and what the shapes must carry because of it."""
-
-    attribute_id: Callable[[str], int]
-    images: ImageLibrary
-    frame: int
-    aovs: frozenset[str] = frozenset()  # the outputs that a view layer asks for by name
-    wanted_attributes: set[str] = field(default_factory=set)
-
-    def attribute(self, name: str) -> int:
-        """The id of an attribute; shapes that have it will carry it."""
-        self.wanted_attributes.add(name)
-        return self.attribute_id(name)
-
-    @contextmanager
-    def noted(self) -> Iterator[Asked]:
-        """Notes what is asked for meanwhile."""
-        asked, before = Asked(), self.wanted_attributes
-        count, self.wanted_attributes = self.images.asked, asked.attributes
-        try:
-            yield asked
-        finally:
-            asked.images = self.images.asked > count
-            self.wanted_attributes = before | asked.attributes
-
-    def active_uv(self) -> int:
-        """The active UV map, as operations name it."""
-        self.wanted_attributes.add(ACTIVE_UV)
-        return -1
-
-    def active_color(self) -> int:
-        """The active colour attribute."""
-        return self.attribute(ACTIVE_COLOR)
 
 
 class NodeView:
