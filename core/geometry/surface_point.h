@@ -25,6 +25,7 @@ struct SurfacePoint {
     LocalHit local;
     uint32_t instance = 0;
     RaySight sight;             ///< of the ray whose width decided how finely the surface was diced here
+    bool inside = false;        ///< in a medium that the shape holds, not on its surface: only `position` is known
     bool interpolated = false;  ///< not on a facet, and only approximate; derivatives are by the picture's x and y
 
     /// The anchor of a ray that starts or ends here.

@@ -29,7 +29,8 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         ray.t_max = settings.occlusion_distance;
         const RayDifferential differential =
             hemisphere_differential(vertex.differential, direction, local.z, std::max(rays, kPathSiblings));
-        sum += free_share(scene, ray, differential, kVisibleDiffuse, state, settings.transparent_bounces, widening);
+        sum += free_share(scene,
+                          {ray, differential, kVisibleDiffuse, state, settings.transparent_bounces, widening, {}, {}});
     }
     return sum / static_cast<float>(rays);
 }

@@ -7,6 +7,7 @@ void Bounces::scatter(const LobeSample& sample) {
     state_.camera = false;
     state_.diffuse = diffuse;
     state_.glossy = !diffuse;
+    state_.volume = false;
     state_.singular = sample.singular;
     state_.transmission = sample.transmitted;
     state_.reflection = !sample.transmitted;
@@ -26,6 +27,15 @@ void Bounces::scatter(const LobeSample& sample) {
     }
 }
 
+void Bounces::scatter_in_medium() {
+    state_.camera = state_.diffuse = state_.glossy = state_.singular = state_.transmission = state_.reflection = false;
+    state_.volume = true;
+    passed_ = 0;
+    is_last_ |= ++state_.depth > settings_.max_bounces;
+    is_last_ |= ++state_.volume_depth > settings_.volume_bounces;
+    ray_kind_ = kVisibleVolume;
+}
+
 void Bounces::pass_through(double length) {
     passed_ += length;
     ++state_.transparent_depth;
@@ -39,7 +49,8 @@ PathState Bounces::at(double length) const {
 
 PathState Bounces::of_shadow_ray() const {
     PathState state = state_;
-    state.camera = state.diffuse = state.glossy = state.singular = state.reflection = state.transmission = false;
+    state.camera = state.diffuse = state.glossy = state.singular = state.reflection = state.transmission =
+        state.volume = false;
     state.shadow = true;
     return state;
 }

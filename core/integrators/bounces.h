@@ -8,12 +8,19 @@
 
 namespace rayleaf {
 
+/// Vertices of one path, borders of media included: none gets stuck.
+constexpr int kMostVertices = 4096;
+
 class Bounces {
   public:
     explicit Bounces(const PathSettings& settings) : settings_(settings) {}
 
     /// After a scattering.
     void scatter(const LobeSample& sample);
+    /// After a scattering by a medium.
+    void scatter_in_medium();
+    /// After going straight on, `length` along, where nothing but a medium begins or ends.
+    void pass_boundary(double length) { passed_ += length; }
     /// After going straight on through a transparent surface `length` away.
     void pass_through(double length);
     /// One transparent surface more than allowed was passed: what the ray meets may emit, and that is all. (So a limit

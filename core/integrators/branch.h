@@ -4,6 +4,7 @@
 #include "base/random.h"
 #include "integrators/bounces.h"
 #include "integrators/dimensions.h"
+#include "integrators/medium_stack.h"
 #include "integrators/ray_counts.h"
 #include "integrators/vertex.h"
 
@@ -53,6 +54,7 @@ struct Branch {
     Color throughput{1, 1, 1};  ///< what light along the ray counts in the camera sample
     float share = 1;            ///< of the camera sample, were all surfaces white: a ray of n has a nth of its parent's
     ByKind first_shares;        ///< of the first scattering
+    MediumStack media;          ///< in which the ray starts
     Spread spread = Spread::Many;
     RayUse use = RayUse::Camera;
     bool splits_light;  ///< whether anyone asks for `first_shares`

@@ -18,10 +18,15 @@ enum class PathDimension : uint32_t {
     Scatter = 1,       ///< which lobe, and the direction: three numbers
     Transparency = 2,  ///< straight on or scattered
     Roulette = 3,
-    Occlusion = 4,   ///< the pass
-    Hemisphere = 5,  ///< distribution ray tracing: rays from diffuse lobes
-    Walk = 6,        ///< path tracing: the tag of a walk below the surface
-    Child = 6        ///< the same: the first of the tags of mirrors and refractions; 6 to 15
+    Occlusion = 4,     ///< the pass
+    Hemisphere = 5,    ///< distribution ray tracing: rays from diffuse lobes
+    Walk = 6,          ///< path tracing: the tag of a walk below the surface
+    Child = 6,         ///< the same: the tag of mirrors and refractions, with their number
+    Medium = 8,        ///< the way through media to the vertex: how far, by which channel
+    MediumLight = 9,   ///< and where on which light that arrives on that way; three numbers
+    MediumPlace = 10,  ///< and where it arrives
+    MediumWalk = 11,   ///< seeds a sequence of numbers for media that vary
+    ShadowWalk = 12    ///< the same for the ray to the light
 };
 
 constexpr uint32_t kFirstPathDimension = 16;

@@ -36,9 +36,13 @@ void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& 
 void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
     if (branch.vertex == 0 && settings_.ray_passes) write_level(hit, light_.sample);
     if (!scene_.volumes().empty()) pass_volumes(branch, hit);
-    add_lamps(branch, hit ? hit->t : std::numeric_limits<double>::infinity());
+    const double end = hit ? hit->t : std::numeric_limits<double>::infinity();
+    add_lamps(branch, end);
+    if (!branch.media.empty() && pass_media(branch, end)) return;
     if (!hit) return add_world(branch);
-    const Program& program = *scene_.material(hit->instance, hit->local).surface;
+    const Material& material = scene_.material(hit->instance, hit->local);
+    if (material.bounds_medium_alone) return pass_boundary(branch, *hit);
+    const Program& program = *material.surface;
     if (branch.bounces.is_last() && !program.emits() && !program.may_be_transparent()) return;
     Vertex vertex;
     vertex.point = scene_.tracer().surface_point(branch.ray, *hit);
@@ -54,7 +58,7 @@ void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
     add_emission(branch, vertex);
     if (branch.bounces.is_spent()) return;
     if (branch.spread == Spread::One) return send_one_on(branch, vertex);
-    if (!is_black(vertex.closures.transparency)) push(branch.straight_on(vertex));
+    if (!is_black(vertex.closures.transparency)) push(branch.straight_on(vertex), vertex);
     if (!branch.bounces.is_last()) send_on(branch, vertex);
 }
 
@@ -71,7 +75,7 @@ void DistributionTracer::add_lamps(const Branch& branch, double t_max) {
     Ray ray = branch.ray;
     ray.t_max = t_max;
     scene_.lights().lamp_hits(ray, branch.departure.position, branch.bounces.ray_kind(), [&](const LampHit& hit) {
-        add(branch, hit.radiance * branch.departure.weight(hit.density), Pass::emission);
+        add(branch, hit.radiance * branch.departure.weight(hit.density) * free_of_media(branch, hit.t), Pass::emission);
     });
 }
 
@@ -123,7 +127,9 @@ DistributionSettings::DistributionSettings(const Settings& settings)
 
 PixelSample trace_distributed(const DistributionFrame& frame, const CameraRay& camera_ray, const Sampler& sampler,
                               RayCounts& counts) {
-    return DistributionTracer(frame, counts).trace(Branch(frame.settings.path, camera_ray, sampler));
+    Branch camera(frame.settings.path, camera_ray, sampler);
+    if (frame.scene.has_media()) camera.media = media_around(frame.scene, camera.ray.origin);
+    return DistributionTracer(frame, counts).trace(camera);
 }
 
 HemisphereRay trace_hemisphere_ray(const DistributionFrame& frame, const Branch& ray, RayCounts& counts) {

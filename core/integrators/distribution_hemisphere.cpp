@@ -21,8 +21,7 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     if (nothing_near && scene_.volumes().empty())
         result.light.free = Color(1.0f);
     else if (scene_.has_transparency() || !scene_.volumes().empty())
-        result.light.free = free_share(scene_, limited, ray.differential, ray.bounces.ray_kind(), ray.bounces.at(0),
-                                       ray.bounces.transparent_left(), widening(ray));
+        result.light.free = free_share(scene_, way_of(ray, limited));
     if (carries_light) {
         Branch branch = ray;
         branch.ray = whole;
@@ -76,6 +75,7 @@ void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Ver
         child.departure.sampling = LightSampling::Alone;
         child.spread = Spread::One;
         child.use = RayUse::Hemisphere;
+        enter_media(child, vertex);
         if (distribution_.indirect == IndirectLight::AmbientOcclusion)
             add_unoccluded_world(child);
         else
@@ -88,8 +88,7 @@ void DistributionTracer::add_unoccluded_world(const Branch& child) {
     Ray ray = child.ray;
     ray.t_max = settings_.occlusion_distance;
     const PathState state = child.bounces.at(0);
-    const Color free = free_share(scene_, ray, child.differential, child.bounces.ray_kind(), state,
-                                  child.bounces.transparent_left(), widening(child));
+    const Color free = free_share(scene_, way_of(child, ray));
     if (is_black(free)) return;
     add(child, free * scene_.world(Vec3f(ray.direction), child.differential, state), Pass::environment);
 }

@@ -12,6 +12,19 @@ void DistributionTracer::send_on(const Branch& branch, const Vertex& vertex) {
     scatter_over_hemisphere(branch, vertex, lobes);
 }
 
+Color DistributionTracer::share_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
+                                         int siblings) const {
+    const std::optional<Ray> ray = shadow_ray(scene_, vertex.point, light);
+    if (!ray) return Color(1.0f);
+    FreeWay way = way_of(branch, *ray);
+    way.differential = shadow_differential(vertex.differential, light, siblings);
+    way.kind = kVisibleShadow;
+    way.state = branch.bounces.of_shadow_ray();
+    way.widening = settings_.widening(branch.importance(), false);
+    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(ray->direction), way.media);
+    return free_share(scene_, way);
+}
+
 void DistributionTracer::add_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
                                    const Color& value, const ByKind& shares, int count) {
     const float each = 1.0f / static_cast<float>(count);
@@ -19,9 +32,7 @@ void DistributionTracer::add_light(const Branch& branch, const Vertex& vertex, c
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
     const int siblings = branch.spread == Spread::One ? kPathSiblings : count;
-    const Color free =
-        shadow_transmittance(scene_, vertex.point, light, shadow_differential(vertex.differential, light, siblings),
-                             branch.bounces, settings_.widening(branch.importance(), false));
+    const Color free = share_of_light(branch, vertex, light, siblings);
     if (is_black(free)) return;
     if (branch.bounces.count() == 0)
         light_.add_first(arriving * free, shares, branch.share * each);
@@ -73,7 +84,7 @@ void DistributionTracer::follow_singular(const Branch& branch, const Vertex& ver
         child.sampler = branch.sampler.branch(0, 1, dimension(branch.vertex, PathDimension::Child) ^ (number++ << 24));
         child.differential = glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, sample, 1);
         child.use = RayUse::Specular;
-        push(std::move(child));
+        push(std::move(child), vertex);
     }
 }
 
@@ -93,7 +104,7 @@ void DistributionTracer::scatter_glossy(const Branch& branch, const Vertex& vert
         child.departure.density = static_cast<float>(count) * sample->density;
         child.departure.light_rays = static_cast<float>(rays(branch, distribution_.light_rays));
         child.use = RayUse::Glossy;
-        push(std::move(child));
+        push(std::move(child), vertex);
     }
 }
 
@@ -118,7 +129,7 @@ void DistributionTracer::send_one_on(const Branch& branch, const Vertex& vertex)
     if (straight > 0.0f && branch.random(PathDimension::Transparency) < straight) {
         Branch child = branch.straight_on(vertex);
         child.throughput /= straight;
-        return push(std::move(child));
+        return push(std::move(child), vertex);
     }
     if (last) return;
     const std::optional<LobeSample> sample =
@@ -133,7 +144,7 @@ void DistributionTracer::send_one_on(const Branch& branch, const Vertex& vertex)
         child.departure.density = sample->density;
     }
     child.use = RayUse::Indirect;
-    push(std::move(child));
+    push(std::move(child), vertex);
 }
 
 void DistributionTracer::push(Branch&& branch) {

@@ -3,6 +3,8 @@
 
 #include "integrators/branch.h"
 #include "integrators/distribution.h"
+#include "integrators/medium_tracking.h"
+#include "integrators/shadow.h"
 #include "shading/split_closures.h"
 
 #include <vector>
@@ -44,10 +46,26 @@ class DistributionTracer {
     }
     /// The branch's ray as wide as it is to be.
     Ray ray_of(const Branch& branch) const { return with_width(branch.ray, branch.differential, widening(branch)); }
+    /// Along it, or a part of it.
+    FreeWay way_of(const Branch& branch, const Ray& ray) const {
+        return {ray,
+                branch.differential,
+                branch.bounces.ray_kind(),
+                branch.bounces.at(0),
+                branch.bounces.transparent_left(),
+                widening(branch),
+                branch.media,
+                RandomStream(branch.sampler, dimension(branch.vertex, PathDimension::ShadowWalk))};
+    }
     void follow_pending();
     /// What the ray meets at its end.
     void arrive(Branch& branch, const std::optional<Hit>& hit);
     void pass_volumes(Branch& branch, const std::optional<Hit>& hit);
+    /// True if a medium scattered the ray's light on the way: then the branch ends.
+    bool pass_media(Branch& branch, double end);
+    Color free_of_media(const Branch& branch, double t) const;
+    void pass_boundary(const Branch& branch, const Hit& hit);
+    void add_scattered_light(const Branch& branch, const MediumStretch& stretch);
     /// Records light that a ray met, before its throughput; `seen` is its pass where the camera sees it.
     void add(const Branch& branch, const Color& radiance, Pass seen);
     void add_lamps(const Branch& branch, double t_max);
@@ -62,6 +80,7 @@ class DistributionTracer {
                    : std::max(1, static_cast<int>(std::lround(static_cast<float>(wanted) * branch.share)));
     }
     void send_on(const Branch& branch, const Vertex& vertex);
+    Color share_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light, int siblings) const;
     void add_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Color& value,
                    const ByKind& shares, int count);
     LitClasses lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
@@ -80,6 +99,14 @@ class DistributionTracer {
 
     /// Takes a ray up, unless it is black or, being dim, ends by chance.
     void push(Branch&& branch);
+    /// The same for one that leaves a vertex, maybe into other media.
+    void push(Branch&& branch, const Vertex& from) {
+        enter_media(branch, from);
+        push(std::move(branch));
+    }
+    void enter_media(Branch& branch, const Vertex& from) const {
+        leave_towards(scene_, from.point, from.outgoing, Vec3f(branch.ray.direction), branch.media);
+    }
 };
 
 }  // namespace rayleaf

@@ -24,7 +24,8 @@ namespace rayleaf {
 struct PathSettings {
     PathSettings(const Settings& settings);  // NOLINT(google-explicit-constructor): settings are path settings
 
-    int max_bounces, diffuse_bounces, glossy_bounces, transmission_bounces, transparent_bounces, roulette_start;
+    int max_bounces, diffuse_bounces, glossy_bounces, transmission_bounces, transparent_bounces, volume_bounces,
+        roulette_start;
     int most_interior_hits;              ///< of a path through glass
     float clamp_direct, clamp_indirect;  ///< infinity: no limit
     double occlusion_distance;           ///< infinity: no limit

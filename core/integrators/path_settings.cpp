@@ -32,6 +32,7 @@ PathSettings::PathSettings(const Settings& s)
       glossy_bounces(s.glossy_bounces),
       transmission_bounces(s.transmission_bounces),
       transparent_bounces(s.transparent_bounces),
+      volume_bounces(s.volume_bounces),
       roulette_start(s.roulette_start),
       most_interior_hits(rayleaf::most_interior_hits(s)),
       clamp_direct(limit_or_infinity(s.clamp_direct)),

@@ -49,7 +49,9 @@ void PathStream::trace_active(Coherence coherence) {
         scene_.tracer().closest({queries.data(), paths.size()}, coherence, found.data());
         for (size_t i = 0; i < paths.size(); ++i) {
             PathTracer& path = paths_[paths[i]];
-            if (!path.arrive(found[i])) continue;
+            const Arrival arrival = path.arrive(found[i]);
+            goes_on_[paths[i]] = arrival == Arrival::GoesOn ? 1 : 0;
+            if (arrival != Arrival::AtSurface) continue;
             bins_.add(*scene_.material(path.hit().instance, path.hit().local).surface, paths[i]);
         }
     });
@@ -111,6 +113,10 @@ void PathStream::trace_light_packet(std::span<const uint32_t> paths, Coherence c
         queries[i] = {&light.ray, light.kind, nullptr};
     }
     const std::span<const RayQuery> rays(queries.data(), paths.size());
+    if (scene_.has_media()) {
+        for (const uint32_t path : paths) paths_[path].receive(free_share(scene_, *paths_[path].light_ray()));
+        return;
+    }
     if (scene_.has_transparency()) {
         std::array<ClosestHit, kPacketSize> nearest;
         scene_.tracer().closest(rays, coherence, nearest.data());
@@ -134,8 +140,7 @@ Color PathStream::light_through(const LightRay& light, const ClosestHit& nearest
     const std::optional<Hit>& hit = nearest.hit;
     if (!hit) return through_volumes(scene_, light.ray, light.kind).transmittance;
     if (!scene_.material(hit->instance, hit->local).surface->may_be_transparent()) return Color(0.0f);
-    return free_share(scene_, light.ray, light.differential, light.kind, light.state, light.transparent_left,
-                      light.widening);
+    return free_share(scene_, light);
 }
 
 }  // namespace rayleaf

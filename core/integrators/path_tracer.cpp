@@ -21,11 +21,9 @@ constexpr float kLeastSurvival = 0.05f;
 PixelSample PathTracer::trace() {
     for (bool goes_on = true; goes_on;) {
         const RayQuery query = next_ray();
-        goes_on = arrive(scene_.tracer().closest(*query.ray, query.kind, query.differential)) && shade_alone();
-        if (!light_ray_) continue;
-        const LightRay& to_light = *light_ray_;
-        receive(free_share(scene_, to_light.ray, to_light.differential, to_light.kind, to_light.state,
-                           to_light.transparent_left, to_light.widening));
+        const Arrival arrival = arrive(scene_.tracer().closest(*query.ray, query.kind, query.differential));
+        goes_on = arrival == Arrival::GoesOn || (arrival == Arrival::AtSurface && shade_alone());
+        if (light_ray_) receive(free_share(scene_, *light_ray_));
     }
     return finish();
 }
@@ -36,12 +34,22 @@ RayQuery PathTracer::next_ray() {
     return {&ray_, bounces_.ray_kind(), scene_.needs_differentials() ? &differential_ : nullptr};
 }
 
-bool PathTracer::arrive(const ClosestHit& found) {
+Arrival PathTracer::arrive(const ClosestHit& found) {
     take_hit(found);
     pass_volumes();
-    add_lamps(hit_ ? hit_->t : std::numeric_limits<double>::infinity());
-    if (!hit_) add_world();
-    return hit_ && (!bounces_.is_last() || may_shine_or_let_through(*hit_));
+    const double end = hit_ ? hit_->t : std::numeric_limits<double>::infinity();
+    add_lamps(end);
+    const int vertex = vertex_;
+    if (!media_.empty() && pass_media(end)) return vertex_ > vertex ? Arrival::GoesOn : Arrival::Ends;
+    if (!hit_) {
+        add_world();
+        return Arrival::Ends;
+    }
+    if (scene_.has_media() && scene_.material(hit_->instance, hit_->local).bounds_medium_alone) {
+        pass_boundary();
+        return vertex_ < kMostVertices ? Arrival::GoesOn : Arrival::Ends;
+    }
+    return !bounces_.is_last() || may_shine_or_let_through(*hit_) ? Arrival::AtSurface : Arrival::Ends;
 }
 
 bool PathTracer::shade_alone() {
@@ -124,7 +132,7 @@ void PathTracer::add_lamps(double t_max) {
     Ray ray = ray_;
     ray.t_max = t_max;
     scene_.lights().lamp_hits(ray, departure_.position, bounces_.ray_kind(), [this](const LampHit& hit) {
-        add(hit.radiance * departure_.weight(hit.density), Pass::emission);
+        add(hit.radiance * departure_.weight(hit.density) * free_of_media(hit.t), Pass::emission);
     });
 }
 
@@ -177,6 +185,10 @@ void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     to_light.state = bounces_.of_shadow_ray();
     to_light.transparent_left = bounces_.transparent_left();
     to_light.widening = settings_.widening(importance(), false);
+    if (!scene_.has_media()) return;
+    to_light.media = media_;
+    to_light.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
+    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(ray->direction), to_light.media);
 }
 
 void PathTracer::receive(const Color& free) {
@@ -226,6 +238,7 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     throughput_ *= vertex.closures.transparency / probability;
     if (!is_finite(throughput_)) return false;
     bounces_.pass_through(vertex.point.t);
+    leave_towards(scene_, vertex.point, vertex.outgoing, -vertex.outgoing, media_);
     ray_ = vertex.point.behind(ray_);
     outside_of_ = kNowhere;
     differential_ = vertex.differential;
@@ -247,6 +260,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
     if (has_footprint_)
         differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
     departure_ = {vertex.point.position, sample->singular ? 0.0f : sample->density};
+    leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
     ray_ = Ray{};
     vertex.point.release(ray_, sample->direction);
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
@@ -289,11 +303,8 @@ std::optional<Vertex> PathTracer::exit_below(const Vertex& vertex, const LobeSam
 }
 
 bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry) {
-    if (light_ray_) {  // of the point where light enters: there is room for one
-        const LightRay& light = *light_ray_;
-        receive(free_share(scene_, light.ray, light.differential, light.kind, light.state, light.transparent_left,
-                           light.widening));
-    }
+    // Of the point where light enters: there is room for one.
+    if (light_ray_) receive(free_share(scene_, *light_ray_));
     const std::optional<Vertex> exit = exit_below(vertex, entry);
     if (!exit || !(max_component(throughput_) > 0.0f) || !is_finite(throughput_)) return false;
     ++vertex_;

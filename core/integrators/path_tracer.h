@@ -5,7 +5,9 @@
 #include "integrators/bounces.h"
 #include "integrators/contributions.h"
 #include "integrators/dimensions.h"
+#include "integrators/medium_tracking.h"
 #include "integrators/path.h"
+#include "integrators/shadow.h"
 #include "integrators/vertex.h"
 
 #include <optional>
@@ -13,13 +15,7 @@
 namespace rayleaf {
 
 /// A ray to a sampled light.
-struct LightRay {
-    Ray ray;
-    RayDifferential differential;  ///< where it leaves the vertex
-    Visibility kind = kVisibleShadow;
-    PathState state;
-    int transparent_left = 0;
-    RayWidening widening;
+struct LightRay : FreeWay {
     Color arriving{0, 0, 0};  ///< light that the path brings to the camera if nothing is in the way
     ByKind shares;            ///< where the vertex is the first: in the kinds of its lobes
     bool first = false;
@@ -41,6 +37,13 @@ struct Departure {
     }
 };
 
+/// What a path does where its ray has arrived.
+enum class Arrival : uint8_t {
+    Ends,
+    AtSurface,  ///< is to be shaded
+    GoesOn      ///< by its next ray: a medium scattered it, or began or ended
+};
+
 class PathTracer {
   public:
     PathTracer(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray, const Sampler& sampler,
@@ -54,7 +57,9 @@ class PathTracer {
           departure_{camera_ray.ray.origin},
           bounces_(settings),
           light_(settings),
-          has_footprint_(scene.needs_footprints()) {}
+          has_footprint_(scene.needs_footprints()) {
+        if (scene.has_media()) media_ = media_around(scene, ray_.origin);
+    }
 
     /// All of the path, ray by ray.
     PixelSample trace();
@@ -62,9 +67,8 @@ class PathTracer {
     // The same in steps, so that the rays of many paths can be traced together:
     /// The ray to trace next. Valid until the path has arrived.
     RayQuery next_ray();
-    /// What the ray met, and what that gives but for the surface there. True if the surface is to be shaded; else the
-    /// path has ended.
-    bool arrive(const ClosestHit& found);
+    /// What the ray met, and what that gives but for the surface there.
+    Arrival arrive(const ClosestHit& found);
     /// The ray that arrived, and its hit, where a surface is to be shaded.
     const Ray& ray() const { return ray_; }
     const Hit& hit() const { return *hit_; }
@@ -105,6 +109,7 @@ class PathTracer {
     RayUse use_ = RayUse::Camera;  ///< of the ray under way
     std::optional<Hit> hit_;       ///< of the vertex
     std::optional<LightRay> light_ray_;
+    MediumStack media_;               ///< that the ray under way starts in
     uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
     static constexpr uint32_t kNowhere = RayAnchor::kNone;
 
@@ -113,6 +118,11 @@ class PathTracer {
     void take_hit(ClosestHit found);
     bool shade_alone();
     void pass_volumes();
+    /// True if a medium scattered the path's light before the ray's end.
+    bool pass_media(double end);
+    void add_scattered_light(const MediumStretch& stretch);
+    bool scatter_in_medium(const MediumPassage& passage);
+    void pass_boundary();
     Vec3f random3(PathDimension use) const { return sampler_.get3(dimension(vertex_, use)); }
     float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
 
@@ -131,6 +141,8 @@ class PathTracer {
     /// it.
     void add(const Color& radiance, Pass seen);
     void add_lamps(double t_max);
+    /// Before the ray's end.
+    Color free_of_media(double t) const;
     void add_world();
     void add_emission(const Vertex& vertex);
     void add_direct_light(const Vertex& vertex, const Vec3f& random);

@@ -15,14 +15,16 @@ enum class RayUse : uint8_t {
     Glossy,      ///< rough microfacets
     Hemisphere,  ///< from diffuse lobes
     Indirect,    ///< any beyond a hemisphere ray
+    Medium,      ///< scattered by a medium, and any beyond such a ray
     Shadow,      ///< to sampled lights
     Occlusion    ///< of the pass
 };
-inline constexpr std::array kRayUseNames = {"camera",   "specular", "glossy",   "hemisphere",
-                                            "indirect", "shadow",   "occlusion"};
+inline constexpr std::array kRayUseNames = {"camera",   "specular", "glossy", "hemisphere",
+                                            "indirect", "medium",   "shadow", "occlusion"};
 
 /// Of the one ray that goes on from a surface that a ray of use `before` met.
 inline RayUse use_of_scattered(RayUse before, const LobeSample& sample) {
+    if (before == RayUse::Medium) return RayUse::Medium;
     if (before == RayUse::Hemisphere || before == RayUse::Indirect) return RayUse::Indirect;
     if (sample.singular) return RayUse::Specular;
     return sample.kind == LobeKind::Diffuse ? RayUse::Hemisphere : RayUse::Glossy;

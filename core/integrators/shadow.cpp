@@ -1,5 +1,6 @@
 #include "integrators/shadow.h"
 
+#include "integrators/medium_tracking.h"
 #include "integrators/volumes.h"
 
 namespace rayleaf {
@@ -43,34 +44,57 @@ std::optional<Ray> shadow_ray(const Scene& scene, const SurfacePoint& point, con
     return ray;
 }
 
-Color free_share(const Scene& scene, Ray ray, RayDifferential differential, Visibility kind, PathState state,
-                 int transparent_left, const RayWidening& widening) {
-    ray = with_width(ray, differential, widening);
-    Color transmittance = through_volumes(scene, ray, kind).transmittance;
-    if (!scene.has_transparency()) return scene.tracer().occluded(ray, kind) ? Color(0.0f) : transmittance;
-    const Vec3f outgoing = -Vec3f(ray.direction);
-    for (int left = transparent_left;; --left) {
-        const std::optional<Hit> hit = scene.tracer().closest_hit(ray, kind);
-        if (!hit) return transmittance;
-        if (left <= 0 || !scene.material(hit->instance, hit->local).surface->may_be_transparent()) return Color(0.0f);
-        const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
-        state.ray_length += static_cast<float>(hit->t);
-        differential = differential.transferred(Vec3f(ray.direction), hit->t, point.facet_normal);
-        Closures closures;
-        scene.shade(point, outgoing, differential, state, closures);
-        transmittance *= closures.transparency;
-        if (!(max_component(transmittance) > 0.0f)) return Color(0.0f);
-        ++state.transparent_depth;
-        ray = with_width(point.behind(ray), differential, widening);
-    }
+namespace {
+
+/// Up to where the ray meets something, if it does.
+Color through_media(const Scene& scene, FreeWay& way, const std::optional<Hit>& hit) {
+    if (way.media.empty()) return Color(1.0f);
+    const MediumStretch stretch{scene, way.media, way.ray, hit ? hit->t : way.ray.t_max, way.state};
+    return transmittance(stretch, way.random);
 }
 
-Color shadow_transmittance(const Scene& scene, const SurfacePoint& point, const LightSample& light,
-                           const RayDifferential& differential, const Bounces& bounces, const RayWidening& widening) {
-    const std::optional<Ray> ray = shadow_ray(scene, point, light);
-    if (!ray) return Color(1.0f);
-    return free_share(scene, *ray, differential, kVisibleShadow, bounces.of_shadow_ray(), bounces.transparent_left(),
-                      widening);
+/// What the surface lets through; the way then goes on behind it.
+Color through_surface(const Scene& scene, FreeWay& way, const Hit& hit) {
+    const Vec3f direction(way.ray.direction);
+    const SurfacePoint point = scene.tracer().surface_point(way.ray, hit);
+    way.state.ray_length += static_cast<float>(hit.t);
+    way.differential = way.differential.transferred(direction, hit.t, point.facet_normal);
+    Color share(1.0f);
+    if (!scene.material(hit.instance, hit.local).bounds_medium_alone) {
+        Closures closures;
+        scene.shade(point, -direction, way.differential, way.state, closures);
+        share = closures.transparency;
+        ++way.state.transparent_depth;
+        --way.transparent_left;
+    }
+    cross(scene, point, direction, way.media);
+    way.ray = with_width(point.behind(way.ray), way.differential, way.widening);
+    return share;
+}
+
+}  // namespace
+
+Color free_share(const Scene& scene, FreeWay way) {
+    way.ray = with_width(way.ray, way.differential, way.widening);
+    Color share = through_volumes(scene, way.ray, way.kind).transmittance;
+    if (!scene.has_transparency() && way.media.empty())
+        return scene.tracer().occluded(way.ray, way.kind) ? Color(0.0f) : share;
+    /// A ray that never gets through the borders of media stops somewhere.
+    constexpr int kMostSurfaces = 2048;
+    for (int i = 0; i < kMostSurfaces; ++i) {
+        const std::optional<Hit> hit = scene.tracer().closest_hit(way.ray, way.kind);
+        if (hit) {
+            const Material& material = scene.material(hit->instance, hit->local);
+            const bool is_surface = !material.bounds_medium_alone;
+            if (is_surface && (way.transparent_left <= 0 || !material.surface->may_be_transparent()))
+                return Color(0.0f);
+        }
+        share *= through_media(scene, way, hit);
+        if (!hit) return share;
+        share *= through_surface(scene, way, *hit);
+        if (!(max_component(share) > 0.0f)) return Color(0.0f);
+    }
+    return Color(0.0f);
 }
 
 }  // namespace rayleaf

@@ -25,6 +25,8 @@ enum class LampKind : uint8_t { Point, Sun, Spot, Rectangle, Disk };
 /// A spot's intensity within its cone, before it fades: by the cosine to the axis (Blender 3) or even (Blender 4).
 enum class SpotProfile : uint8_t { Cosine, Even };
 
+class Program;  // shading/program.h
+
 /// A lamp as Blender describes it. It shines along the -z axis of its frame.
 struct Lamp {
     std::string name;
@@ -40,6 +42,16 @@ struct Lamp {
     double spread = 3.14159265358979;  ///< area lamps: full angle of emission, radians
     bool casts_shadow = true;
     uint8_t visibility = kVisibleAll;  ///< which rays may hit the lamp itself
+    /// What it emits is a factor on the strength, by place and direction; null: 1.
+    std::shared_ptr<const Program> emission = nullptr;
+};
+
+/// A point of a lamp with a program, seen from somewhere.
+struct LampPoint {
+    size_t lamp = 0;          ///< place in the list of lamps
+    Vec3d position{0, 0, 0};  ///< world; the sun: the direction to it
+    Vec3f outgoing{0, 0, 1};  ///< unit, towards who sees it
+    double distance = 0;      ///< from there, world units; infinity for suns
 };
 
 /// Light that arrives at a point from a sampled direction.
@@ -66,6 +78,14 @@ struct LampHit {
 /// Emitted radiance of a surface point towards `outgoing`, for emitters and the world; given by the scene.
 using SurfaceEmission = std::function<Color(const SurfacePoint&, const Vec3f& outgoing)>;
 using WorldEmission = std::function<Color(const Vec3f& direction)>;
+/// Factor on the strength of a lamp with a program.
+using LampEmission = std::function<Color(const LampPoint&)>;
+
+struct Emissions {
+    SurfaceEmission surface;
+    WorldEmission world;
+    LampEmission lamp;
+};
 
 /// An emitting instance, all elements of which whose material slot emits.
 struct EmittingInstance {
@@ -80,8 +100,7 @@ class LightSet {
     /// `world_light` is the table by which the world is importance sampled; null: not sampled. Black and constant
     /// worlds are sampled by scattering alone whatever it is. Throws Cancelled soon after `cancel` says so.
     LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
-             SurfaceEmission emission, WorldEmission world, std::shared_ptr<const WorldLight> world_light,
-             const CancelToken& cancel);
+             Emissions emissions, std::shared_ptr<const WorldLight> world_light, const CancelToken& cancel);
     ~LightSet();
     LightSet(const LightSet&) = delete;
     LightSet& operator=(const LightSet&) = delete;

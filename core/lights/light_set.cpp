@@ -20,16 +20,22 @@ bool shines(const Lamp& lamp) {
     return is_finite(lamp.strength) && !is_black(lamp.strength);
 }
 
-struct PlacedLamp {
-    std::variant<PointLamp, AreaLamp> shape;
+/// What all lamps have.
+struct LampTraits {
     uint8_t visibility;
     bool casts_shadow;
+    size_t number;  ///< in the list of lamps
+    bool has_program;
+};
+
+struct PlacedLamp {
+    std::variant<PointLamp, AreaLamp> shape;
+    LampTraits traits;
 };
 
 struct DistantLamp {
     Sun sun;
-    uint8_t visibility;
-    bool casts_shadow;
+    LampTraits traits;
 };
 
 }  // namespace
@@ -41,15 +47,17 @@ struct LightSet::Implementation {
     LightTree hittable{{}};                 ///< over those
     SurfaceLights surfaces;
     WorldEmission world_emission;
+    LampEmission lamp_emission;
     std::shared_ptr<const WorldLight> world;
     LightTree tree{{}};
     double suns_and_world = 0;  ///< sum of irradiances
 
-    Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, SurfaceEmission emission,
-                   WorldEmission world_function)
-        : surfaces(emitters, tracer, std::move(emission)), world_emission(std::move(world_function)) {}
+    Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, Emissions emissions)
+        : surfaces(emitters, tracer, std::move(emissions.surface)),
+          world_emission(std::move(emissions.world)),
+          lamp_emission(std::move(emissions.lamp)) {}
 
-    void add(const Lamp& lamp);
+    void add(const Lamp& lamp, size_t number);
     void build_tree(const CancelToken& cancel);
 
     /// Whether light of the tree's item arrives at a position; the choice inside the tree asks it.
@@ -71,20 +79,30 @@ struct LightSet::Implementation {
         return group_probability(irradiance, suns_and_world + irradiance);
     }
     double total_irradiance(const Vec3d& position) const { return suns_and_world + tree.irradiance(position); }
+    /// What the lamp's program makes of light along `direction`, from who sees it.
+    Color shaded(const LampTraits& lamp, const Color& radiance, const Vec3d& from, const Vec3d& direction,
+                 double distance) const {
+        if (!lamp.has_program) return radiance;
+        const Vec3d position = std::isfinite(distance) ? from + direction * distance : direction;
+        return radiance * lamp_emission({lamp.number, position, -Vec3f(direction), distance});
+    }
+    std::optional<LightSample> chosen_of(const LampTraits& lamp, LampSample sample, const Vec3d& position,
+                                         double probability) const;
     std::optional<LightSample> sample_tree(const Vec3d& position, const Vec2f& random, double choice) const;
 };
 
-void LightSet::Implementation::add(const Lamp& lamp) {
+void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
+    const LampTraits traits{lamp.visibility, lamp.casts_shadow, number, lamp.emission != nullptr};
     if (lamp.kind == LampKind::Sun) {
-        suns.push_back({Sun(lamp), lamp.visibility, lamp.casts_shadow});
+        suns.push_back({Sun(lamp), traits});
         suns_and_world += suns.back().sun.irradiance();
         return;
     }
     const bool is_area = lamp.kind == LampKind::Rectangle || lamp.kind == LampKind::Disk;
     if (is_area)
-        lamps.push_back({AreaLamp(lamp), lamp.visibility, lamp.casts_shadow});
+        lamps.push_back({AreaLamp(lamp), traits});
     else
-        lamps.push_back({PointLamp(lamp), lamp.visibility, lamp.casts_shadow});
+        lamps.push_back({PointLamp(lamp), traits});
     const bool has_size = std::visit([](const auto& shape) { return shape.has_size(); }, lamps.back().shape);
     if (has_size) lamps_with_size.push_back(static_cast<uint32_t>(lamps.size() - 1));
 }
@@ -102,12 +120,11 @@ void LightSet::Implementation::build_tree(const CancelToken& cancel) {
 }
 
 LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
-                   SurfaceEmission emission, WorldEmission world, std::shared_ptr<const WorldLight> world_light,
-                   const CancelToken& cancel)
-    : implementation_(std::make_unique<Implementation>(emitters, tracer, std::move(emission), std::move(world))) {
+                   Emissions emissions, std::shared_ptr<const WorldLight> world_light, const CancelToken& cancel)
+    : implementation_(std::make_unique<Implementation>(emitters, tracer, std::move(emissions))) {
     Implementation& set = *implementation_;
-    for (const Lamp& lamp : lamps)
-        if (shines(lamp)) set.add(lamp);
+    for (size_t i = 0; i < lamps.size(); ++i)
+        if (shines(lamps[i])) set.add(lamps[i], i);
     if (world_light && !world_light->is_uniform()) set.world = std::move(world_light);
     if (set.world) set.suns_and_world += set.world->irradiance();
     set.build_tree(cancel);
@@ -143,6 +160,12 @@ std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position,
 
 }  // namespace
 
+std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits& lamp, LampSample sample,
+                                                               const Vec3d& position, double probability) const {
+    sample.radiance = shaded(lamp, sample.radiance, position, sample.direction, sample.distance);
+    return chosen(sample, position, probability, lamp.visibility, lamp.casts_shadow);
+}
+
 std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& position, const Vec2f& random,
                                                                  double choice) const {
     const std::optional<LightTree::Choice> item = tree.choose(position, choice, reaches(position));
@@ -152,7 +175,7 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& po
         const PlacedLamp& lamp = lamps[item->item];
         const auto sample = std::visit([&](const auto& shape) { return shape.sample(position, random); }, lamp.shape);
         if (!sample) return std::nullopt;
-        return chosen(*sample, position, probability, lamp.visibility, lamp.casts_shadow);
+        return chosen_of(lamp.traits, *sample, position, probability);
     }
     const auto surface = static_cast<uint32_t>(item->item - lamps.size());
     const auto sample = surfaces.sample(surface, position, random);
@@ -168,8 +191,7 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
     const double total = set.total_irradiance(position);
     for (const DistantLamp& lamp : set.suns) {
         const double probability = set.group_probability(lamp.sun.irradiance(), total);
-        if (choice < probability)
-            return chosen(lamp.sun.sample(within), position, probability, lamp.visibility, lamp.casts_shadow);
+        if (choice < probability) return set.chosen_of(lamp.traits, lamp.sun.sample(within), position, probability);
         choice -= probability;
     }
     if (set.world) {
@@ -185,8 +207,8 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
     }
     if (set.tree.empty()) {  // rounding left a crumb beyond the last sun
         const DistantLamp& lamp = set.suns.back();
-        return chosen(lamp.sun.sample(within), position, set.group_probability(lamp.sun.irradiance(), total),
-                      lamp.visibility, lamp.casts_shadow);
+        return set.chosen_of(lamp.traits, lamp.sun.sample(within), position,
+                             set.group_probability(lamp.sun.irradiance(), total));
     }
     return set.sample_tree(position, within, std::clamp(choice / set.tree_probability(position), 0.0, 1.0 - 0x1p-53));
 }
@@ -210,21 +232,24 @@ float LightSet::world_density(const Vec3f& direction, const Vec3d& from) const {
 void LightSet::lamp_hits(const Ray& ray, const Vec3d& from, Visibility kind,
                          const std::function<void(const LampHit&)>& add) const {
     const Implementation& set = *implementation_;
-    const auto report = [&](const LampIntersection& hit, double choice) {
-        add({hit.t, hit.radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity))});
+    const auto report = [&](const LampTraits& lamp, const LampIntersection& hit, double choice) {
+        const Color radiance = set.shaded(lamp, hit.radiance, ray.origin, ray.direction, hit.t);
+        add({hit.t, radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity))});
     };
     set.hittable.visit_crossed(ray, [&](uint32_t item) {
         const uint32_t index = set.lamps_with_size[item];
         const PlacedLamp& lamp = set.lamps[index];
-        if (!(lamp.visibility & kind)) return;
+        if (!(lamp.traits.visibility & kind)) return;
         const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, from); }, lamp.shape);
-        if (hit) report(*hit, set.tree_probability(from) * set.tree.probability(from, index, set.reaches(from)));
+        if (hit)
+            report(lamp.traits, *hit,
+                   set.tree_probability(from) * set.tree.probability(from, index, set.reaches(from)));
     });
     if (std::isfinite(ray.t_max)) return;
     for (const DistantLamp& lamp : set.suns) {
-        if (!(lamp.visibility & kind)) continue;
+        if (!(lamp.traits.visibility & kind)) continue;
         if (const auto hit = lamp.sun.hit(ray))
-            report(*hit, set.group_probability(lamp.sun.irradiance(), set.total_irradiance(from)));
+            report(lamp.traits, *hit, set.group_probability(lamp.sun.irradiance(), set.total_irradiance(from)));
     }
 }
 

@@ -97,8 +97,9 @@ int add_curve(SceneDescription& scene, const SweptCurveDescription& curve) {
 using DisplacementTuple = std::optional<std::tuple<std::shared_ptr<Program>, int, int>>;
 
 Material material_of(const std::string& name, const std::shared_ptr<Program>& surface, int pass_index,
-                     const std::optional<VolumeVisualisation>& volume, const DisplacementTuple& displacement) {
-    Material material{name, copy_of(surface), static_cast<float>(pass_index), volume, {}};
+                     const std::optional<VolumeVisualisation>& volume, const DisplacementTuple& displacement,
+                     const std::shared_ptr<Program>& medium) {
+    Material material{name, copy_of(surface), static_cast<float>(pass_index), volume, {}, copy_of(medium)};
     if (displacement) {
         const auto& [program, object, world] = *displacement;
         if (!program) throw InputError(name, "displacement", "without a program", "(program, register, register)");
@@ -109,14 +110,15 @@ Material material_of(const std::string& name, const std::shared_ptr<Program>& su
 
 int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
                  int pass_index, const std::optional<VolumeVisualisation>& volume,
-                 const DisplacementTuple& displacement) {
-    return scene.add_material(material_of(name, surface, pass_index, volume, displacement));
+                 const DisplacementTuple& displacement, const std::shared_ptr<Program>& medium) {
+    return scene.add_material(material_of(name, surface, pass_index, volume, displacement, medium));
 }
 
 void change_material(SceneDescription& scene, int index, const std::string& name,
                      const std::shared_ptr<Program>& surface, int pass_index,
-                     const std::optional<VolumeVisualisation>& volume, const DisplacementTuple& displacement) {
-    replace_material(scene, index, material_of(name, surface, pass_index, volume, displacement));
+                     const std::optional<VolumeVisualisation>& volume, const DisplacementTuple& displacement,
+                     const std::shared_ptr<Program>& medium) {
+    replace_material(scene, index, material_of(name, surface, pass_index, volume, displacement, medium));
 }
 
 std::shared_ptr<Shape> shape_of(const SceneDescription& scene, int index) {
@@ -199,7 +201,7 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
 int add_lamp(SceneDescription& scene, const std::string& name, const std::string& kind, const Array<double>& matrix,
              const std::array<float, 3>& strength, double radius, double angle, double spot_size, double spot_blend,
              const std::string& spot_profile, double size_x, double size_y, double spread, bool casts_shadow,
-             int visibility) {
+             int visibility, const std::shared_ptr<Program>& emission) {
     Lamp lamp;
     lamp.name = name;
     lamp.kind = lamp_kind(name, kind);
@@ -215,11 +217,13 @@ int add_lamp(SceneDescription& scene, const std::string& name, const std::string
     lamp.spread = spread;
     lamp.casts_shadow = casts_shadow;
     lamp.visibility = visibility_of(name, visibility);
+    lamp.emission = copy_of(emission);
     return scene.add_lamp(lamp);
 }
 
-void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, int sampling_resolution) {
-    scene.set_world(copy_of(world), sampling_resolution);
+void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, int sampling_resolution,
+               const std::shared_ptr<Program>& medium) {
+    scene.set_world(copy_of(world), sampling_resolution, copy_of(medium));
 }
 
 void set_camera(SceneDescription& scene, const std::string& kind, const Array<double>& matrix,
@@ -283,7 +287,7 @@ void bind_scene(py::module_& module) {
             py::arg("shape").none(false))
         .def("add_curve", &add_curve, "curve"_a)
         .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
-             "volume"_a = py::none(), "displacement"_a = py::none())
+             "volume"_a = py::none(), "displacement"_a = py::none(), "medium"_a = py::none())
         .def("copy", [](const SceneDescription& scene) { return std::make_shared<SceneDescription>(scene); })
         .def("emptied",
              [](const SceneDescription& scene) { return std::make_shared<SceneDescription>(emptied(scene)); })
@@ -301,7 +305,7 @@ void bind_scene(py::module_& module) {
             },
             "index"_a, py::arg("shape").none(false))
         .def("replace_material", &change_material, "index"_a, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
-             "volume"_a = py::none(), "displacement"_a = py::none())
+             "volume"_a = py::none(), "displacement"_a = py::none(), "medium"_a = py::none())
         .def("place_instances", &move_instances, "indices"_a, "matrices"_a)
         .def("clear_lamps", [](SceneDescription& scene) { scene.lamps.clear(); })
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
@@ -314,8 +318,9 @@ void bind_scene(py::module_& module) {
              "attributes"_a = py::none())
         .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
              "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
-             "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = static_cast<int>(kVisibleAll))
-        .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024)
+             "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = static_cast<int>(kVisibleAll),
+             "emission"_a = py::none())
+        .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024, "medium"_a = py::none())
         .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,
              "clip_end"_a, "aperture_radius"_a = 0.0, "focus_distance"_a = 10.0, "blades"_a = 0,
              "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0, "dicing"_a = false)

@@ -92,6 +92,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("glossy_bounces", &Settings::glossy_bounces)
         .def_readwrite("transmission_bounces", &Settings::transmission_bounces)
         .def_readwrite("transparent_bounces", &Settings::transparent_bounces)
+        .def_readwrite("volume_bounces", &Settings::volume_bounces)
         .def_readwrite("roulette_start", &Settings::roulette_start)
         .def_readwrite("shadow_bias", &Settings::shadow_bias)
         .def_readwrite("clamp_direct", &Settings::clamp_direct)

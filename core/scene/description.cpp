@@ -37,6 +37,7 @@ int SceneDescription::add_shape(std::shared_ptr<const Shape> shape) {
 
 int SceneDescription::add_material(Material material) {
     check_material(material);
+    material.bounds_medium_alone = material.medium && !material.surface;
     materials.push_back(std::move(material));
     return static_cast<int>(materials.size()) - 1;
 }
@@ -71,12 +72,14 @@ int SceneDescription::add_lamp(const Lamp& lamp) {
     return static_cast<int>(lamps.size()) - 1;
 }
 
-void SceneDescription::set_world(std::shared_ptr<const Program> program, int sampling_resolution) {
+void SceneDescription::set_world(std::shared_ptr<const Program> program, int sampling_resolution,
+                                 std::shared_ptr<const Program> medium) {
     constexpr int kLargest = 8192;
     if (sampling_resolution < 0 || sampling_resolution > kLargest)
         throw InputError("world", "sampling resolution", std::to_string(sampling_resolution),
                          "a number from 0 to 8192");
     world = std::move(program);
+    world_medium = std::move(medium);
     world_resolution = sampling_resolution;
 }
 

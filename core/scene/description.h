@@ -42,6 +42,9 @@ struct Material {
     float pass_index = 0;
     std::optional<VolumeVisualisation> volume;  ///< in place of the surface
     MaterialDisplacement displacement;          ///< of patches and subdivision surfaces
+    /// What fills the space behind the surface (shading/medium.h). Without `surface` there is none to be seen.
+    std::shared_ptr<const Program> medium = nullptr;
+    bool bounds_medium_alone = false;  ///< filled in when the material is added
 };
 
 struct InstanceDescription {
@@ -68,7 +71,9 @@ class SceneDescription {
     int add_ray_interpolation(const std::string& object, const RayInterpolation& interpolation);
     int add_instance(InstanceDescription instance);
     int add_lamp(const Lamp& lamp);
-    void set_world(std::shared_ptr<const Program> world, int sampling_resolution);
+    /// `medium` fills the space outside all objects, and them too; null: nothing does.
+    void set_world(std::shared_ptr<const Program> world, int sampling_resolution,
+                   std::shared_ptr<const Program> medium = nullptr);
     void set_camera(const CameraDescription& camera);
     /// The camera whose pixels facets are made fine enough for, where it is another: one that moves keeps its facets.
     void set_dicing_camera(const CameraDescription& camera);
@@ -83,7 +88,7 @@ class SceneDescription {
     std::vector<RayInterpolation> ray_interpolations;
     std::vector<InstanceDescription> instances;
     std::vector<Lamp> lamps;
-    std::shared_ptr<const Program> world;
+    std::shared_ptr<const Program> world, world_medium;
     int world_resolution = 0;
     size_t texture_memory = size_t{1} << 30;
     std::shared_ptr<SceneParts> parts;  ///< never null

@@ -37,6 +37,7 @@ ObjectOptics optics_of_object(const Scene& scene, uint32_t instance) {
     for (const int index : list) {
         const Program& program = *scene.material_at(index).surface;
         result.even &= index == list.front();
+        if (scene.material_at(index).medium) result.obstacle = "holds a volume";
         if (program.emits()) result.obstacle = "emits light";
         if (program.reads_element()) result.obstacle = "reads attributes, named texture coordinates or tangents";
         result.reads_uv |= program.reads_uv();

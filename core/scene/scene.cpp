@@ -9,6 +9,13 @@
 namespace rayleaf {
 namespace {
 
+/// A lamp may be flat, or as good as.
+Affine3d inverse_or_identity(const Affine3d& map) {
+    const Affine3d inverse = map.inverse();
+    const bool is_sound = is_finite(inverse.x) && is_finite(inverse.y) && is_finite(inverse.z);
+    return is_sound && is_finite(inverse.translation) ? inverse : Affine3d();
+}
+
 /// What an object without a material looks like: Blender's default grey, diffuse.
 std::shared_ptr<const Program> neutral_program() {
     Program program("neutral material");
@@ -16,6 +23,15 @@ std::shared_ptr<const Program> neutral_program() {
     const Register grey = program.constant(Vec4f(0.8f, 0.8f, 0.8f, 1.0f));
     const Register operands[] = {one, grey};
     program.operation("diffuse", operands);
+    return std::make_shared<const Program>(std::move(program));
+}
+
+/// The surface of an object of which only its medium is to be seen.
+std::shared_ptr<const Program> clear_program() {
+    Program program("border of a medium");
+    const Register one = program.constant(Vec4f(1.0f));
+    const Register operands[] = {one, one};
+    program.operation("transparent", operands);
     return std::make_shared<const Program>(std::move(program));
 }
 
@@ -103,6 +119,7 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
         std::move(traced), Camera(*description.dicing_camera(), settings.width, settings.height).dicing_view(), cancel,
         geometry_cache_settings(settings), &description.parts->shapes);
     cancel.throw_if_cancelled();
+    commit_media(description, cancel);
     commit_lights(description, cancel);
     commit_glass(description, cancel);
 }
@@ -114,7 +131,7 @@ void Scene::commit_materials(const SceneDescription& description) {
     materials_.push_back({"neutral material", neutral, 0, std::nullopt, {}});
     const int neutral_index = static_cast<int>(materials_.size()) - 1;
     for (Material& material : materials_) {
-        if (!material.surface) material.surface = neutral;
+        if (!material.surface) material.surface = material.bounds_medium_alone ? clear_program() : neutral;
         has_transparency_ |= material.surface->may_be_transparent();
         reads_footprints_ |= material.surface->reads_footprint();
     }
@@ -133,12 +150,31 @@ void Scene::commit_materials(const SceneDescription& description) {
     }
 }
 
+void Scene::commit_media(const SceneDescription& description, const CancelToken& cancel) {
+    media_.set_surroundings({tracer_.get(), &infos_, &camera_->info(), textures_.get()}, description.world_medium);
+    const auto holds_medium = [](const Material& material) { return material.medium != nullptr; };
+    if (std::any_of(materials_.begin(), materials_.end(), holds_medium))
+        for (uint32_t i = 0; i < instance_lists_.size(); ++i)
+            for (const int index : material_list(i))
+                if (const Material& material = material_at(index); material.medium) media_.add(i, material);
+    media_.commit(cancel);
+    has_media_ = !media_.empty();
+}
+
+/// Whether a medium may lie in the box of an instance, its own or another's.
+bool Scene::is_in_medium(uint32_t instance) const {
+    if (media_.world()) return true;
+    const Box3d box = tracer_->bounds(instance);
+    return std::any_of(media_.instances().begin(), media_.instances().end(),
+                       [&](uint32_t other) { return box.intersects(tracer_->bounds(other)); });
+}
+
 void Scene::commit_glass(const SceneDescription& description, const CancelToken& cancel) {
     std::optional<Occupancy> occupancy;
     for (uint32_t i = 0; i < interpolations_.size(); ++i) {
         if (interpolations_[i].mode == RayInterpolationMode::Off) continue;
         const std::optional<GlassBody> body = glass_body_of(*this, i);
-        if (!body) continue;
+        if (!body || is_in_medium(i)) continue;
         if (!occupancy) occupancy.emplace(description, *tracer_, cancel);
         if (occupancy->is_occupied(i)) continue;
         glass_bodies_.resize(interpolations_.size());
@@ -181,8 +217,39 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
     std::shared_ptr<const WorldLight> table;
     if (sampled && description.world_resolution > 0)
         table = world_light(description, camera_->info(), world_emission, cancel);
-    lights_ = std::make_unique<LightSet>(description.lamps, emitters, *tracer_, emission, world_emission,
+    lamps_ = description.lamps;
+    for (const Lamp& lamp : lamps_) lamp_infos_.push_back({lamp.to_world, inverse_or_identity(lamp.to_world)});
+    const auto lamp_light = [this](const LampPoint& lamp) { return lamp_emission(lamp); };
+    lights_ = std::make_unique<LightSet>(lamps_, emitters, *tracer_, Emissions{emission, world_emission, lamp_light},
                                          std::move(table), cancel);
+}
+
+/// Normals are those of the lamp's frame. Area lamps have parameters, 0 to 1, but no texture coordinates, as in Cycles.
+Color Scene::lamp_emission(const LampPoint& lamp) const {
+    const Lamp& description = lamps_[lamp.lamp];
+    const InstanceInfo& info = lamp_infos_[lamp.lamp];
+    const bool is_area = description.kind == LampKind::Rectangle || description.kind == LampKind::Disk;
+    SurfacePoint point;
+    point.position = point.facet_position = lamp.position;
+    point.inside = true;
+    point.normal = point.facet_normal = lamp.outgoing;
+    if (is_area) {
+        const Vec3d local = info.world_to_object.point(lamp.position);
+        point.local.u = static_cast<float>(local.x / description.size_x + 0.5);
+        point.local.v = static_cast<float>(local.y / description.size_y + 0.5);
+        point.normal = point.facet_normal = Vec3f(normalized_or(-description.to_world.z, Vec3d(0, 0, -1)));
+    }
+    ShadingInputs inputs;
+    inputs.point = &point;
+    inputs.instance = &info;
+    inputs.camera = &camera_->info();
+    inputs.textures = textures_.get();
+    inputs.outgoing = lamp.outgoing;
+    inputs.path.camera = false;
+    inputs.path.ray_length = static_cast<float>(lamp.distance);
+    Closures closures;
+    description.emission->evaluate(inputs, closures);
+    return closures.emission;
 }
 
 const Material& Scene::material_of(const std::vector<int>& list, uint32_t slot) const {

@@ -5,6 +5,7 @@
 #include "scene/camera.h"
 #include "scene/description.h"
 #include "scene/material_optics.h"
+#include "scene/scene_media.h"
 #include "scene/settings.h"
 #include "shading/program.h"
 #include "trace/tracer.h"
@@ -68,6 +69,9 @@ class Scene {
     float object_index(uint32_t instance) const { return infos_[instance].object_index; }
     /// Whether any material lets light straight through, so that shadow rays have to ask.
     bool has_transparency() const { return has_transparency_; }
+    /// Participating media, where there are any.
+    const SceneMedia& media() const { return media_; }
+    bool has_media() const { return has_media_; }
     /// World units (scene/settings.h).
     double shadow_bias() const { return shadow_bias_; }
     bool has_world() const { return world_ != nullptr; }
@@ -82,6 +86,8 @@ class Scene {
     std::unique_ptr<Camera> camera_;
     std::unique_ptr<Tracer> tracer_;
     std::unique_ptr<LightSet> lights_;
+    std::vector<Lamp> lamps_;
+    std::vector<InstanceInfo> lamp_infos_;
     std::vector<RayInterpolation> interpolations_;  ///< per instance
     std::vector<uint32_t> volumes_;
     std::vector<uint8_t> volume_visibility_;              ///< per instance
@@ -89,10 +95,15 @@ class Scene {
     int cached_ = 0;                                      ///< instances with a ray cache
     bool reads_footprints_ = false;                       ///< some material's program does
     bool has_transparency_ = false;
+    SceneMedia media_;
+    bool has_media_ = false;
     double shadow_bias_ = 0;
 
     void commit_materials(const SceneDescription& description);
+    void commit_media(const SceneDescription& description, const CancelToken& cancel);
+    bool is_in_medium(uint32_t instance) const;
     void commit_glass(const SceneDescription& description, const CancelToken& cancel);
+    Color lamp_emission(const LampPoint& lamp) const;
     void commit_lights(const SceneDescription& description, const CancelToken& cancel);
     const Material& material_of(const std::vector<int>& list, uint32_t slot) const;
 };

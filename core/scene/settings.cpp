@@ -47,6 +47,7 @@ void validate(const Settings& s) {
     check("glossy bounces", s.glossy_bounces, 0, 1024);
     check("transmission bounces", s.transmission_bounces, 0, 1024);
     check("transparent bounces", s.transparent_bounces, 0, 1024);
+    check("volume bounces", s.volume_bounces, 0, 1024);
     check("roulette start", s.roulette_start, 0, 1024);
     check("shadow bias", s.shadow_bias, 0, 1e30);
     check("clamp direct", s.clamp_direct, 0, 1e30);

@@ -50,6 +50,7 @@ struct Settings {
     int stream_paths = 512;
 
     int max_bounces = 12, diffuse_bounces = 4, glossy_bounces = 4, transmission_bounces = 12, transparent_bounces = 8;
+    int volume_bounces = 0;
     int roulette_start = 3;                       ///< bounces after which Russian roulette may end a path
     float clamp_direct = 0, clamp_indirect = 10;  ///< largest component of one contribution; 0: no limit
     /// What is nearer than this to the start of a shadow ray casts no shadow, world units. 0: everything casts shadows,

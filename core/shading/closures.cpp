@@ -138,6 +138,7 @@ Closures::Evaluation evaluate_all(const Closures& closures, const Choice& choice
 void Closures::clear() {
     emission = transparency = Color(0.0f);
     holdout = 0.0f;
+    medium.clear();
     count_ = 0;
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "shading/medium.h"
 
 #include <array>
 #include <cstddef>
@@ -93,6 +94,7 @@ class Closures {
     Color emission{0, 0, 0};      ///< radiance towards the viewer
     Color transparency{0, 0, 0};  ///< share of light that goes straight through
     float holdout = 0;            ///< share that shows the film's emptiness
+    MediumClosures medium;        ///< of a program of a volume; its emission is per world unit
 
     void clear();
     /// Drops lobes of zero or negative weight; lobes that differ in weight alone become one. Past kMaxLobes the two of

@@ -17,9 +17,9 @@ class TextureStore;  // textures/texture_store.h
 /// The kind of ray that asks, and how it came here (Blender's Light Path node).
 struct PathState {
     bool camera = true, shadow = false, diffuse = false, glossy = false, singular = false, reflection = false,
-         transmission = false;
+         transmission = false, volume = false;
     float ray_length = 0;  ///< world units
-    int depth = 0, diffuse_depth = 0, glossy_depth = 0, transparent_depth = 0, transmission_depth = 0;
+    int depth = 0, diffuse_depth = 0, glossy_depth = 0, transparent_depth = 0, transmission_depth = 0, volume_depth = 0;
 };
 
 /// A named value of a whole instance: the object's colour, the particle that it stands for.

@@ -75,7 +75,13 @@ constexpr IntCounts int_counts(Operation operation) {
 
 constexpr OperationInfo describe(Operation operation, std::string_view identifier, int least, int most) {
     const IntCounts ints = int_counts(operation);
-    return {identifier, least, most, family(operation), ints.least, ints.most, operation == Operation::table};
+    return {identifier,
+            least,
+            most,
+            family(operation),
+            ints.least,
+            ints.most,
+            operation == Operation::table || operation == Operation::ies};
 }
 
 constexpr std::array kOperations = {

@@ -4,6 +4,7 @@
 #include "shading/microfacet_albedo.h"
 #include "shading/operations_input.h"
 #include "shading/operations_math.h"
+#include "shading/operations_volume.h"
 #include "shading/principled.h"
 #include "shading/variants.h"
 
@@ -264,6 +265,11 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
             return;
         case Operation::holdout:
             closures.holdout += (weight.x + weight.y + weight.z) / 3.0f;
+            return;
+        case Operation::volume_absorption:
+        case Operation::volume_scatter:
+        case Operation::volume_principled:
+            add_volume_closure(operation, operands, inputs, closures);
             return;
         default:
             break;

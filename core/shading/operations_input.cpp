@@ -58,7 +58,8 @@ Vec3f generated(const ShadingInputs& inputs) {
 
 Vec4f attribute(const ShadingInputs& inputs, int32_t id) {
     if (inputs.point == nullptr || inputs.point->shape == nullptr) return spread(0.0f);
-    if (const std::optional<Vec4f> own = inputs.point->shape->attribute(id, inputs.point->local)) return *own;
+    if (!inputs.point->inside)
+        if (const std::optional<Vec4f> own = inputs.point->shape->attribute(id, inputs.point->local)) return *own;
     if (inputs.instance != nullptr)
         for (const InstanceAttribute& each : inputs.instance->attributes)
             if (each.id == id) return Vec4f(each.value[0], each.value[1], each.value[2], each.value[3]);
@@ -118,6 +119,8 @@ float light_path(LightPathVariant variant, const PathState& path) {
             return path.reflection ? 1.0f : 0.0f;
         case LightPathVariant::is_transmission:
             return path.transmission ? 1.0f : 0.0f;
+        case LightPathVariant::is_volume:
+            return path.volume ? 1.0f : 0.0f;
         case LightPathVariant::ray_length:
             return path.ray_length;
         case LightPathVariant::ray_depth:

@@ -1,6 +1,7 @@
 #include "shading/program.h"
 
 #include "base/error.h"
+#include "shading/ies.h"
 #include "shading/operands.h"
 #include "shading/variants.h"
 
@@ -19,6 +20,20 @@ std::string joined(std::span<const std::string_view> names) {
 std::string between(int least, int most) {
     if (least == most) return std::to_string(least);
     return std::to_string(least) + " to " + std::to_string(most);
+}
+
+/// What is the same for all points that an instance or a ray has.
+bool is_even_in_space(Operation operation) {
+    switch (operation) {
+        case Operation::light_path:
+        case Operation::object_location:
+        case Operation::object_index:
+        case Operation::object_random:
+        case Operation::material_index:
+            return true;
+        default:
+            return false;
+    }
 }
 
 bool is_finite(const Vec4f& v) {
@@ -111,6 +126,8 @@ Program::Instruction Program::checked(const std::string& identifier, std::span<c
                info.takes_floats ? "a positive multiple of 4" : "0");
     if (!std::all_of(floats.begin(), floats.end(), [](float x) { return std::isfinite(x); }))
         reject("table of '" + identifier + "'", "not finite", "finite numbers");
+    if (*operation == Operation::ies && !is_ies_table(floats))
+        reject("table of 'ies'", "no table of intensities over angles", "one as shading/ies.h has it");
 
     Instruction instruction{};
     instruction.operation = *operation;
@@ -175,8 +192,10 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         textured_ = true;
         if (operands[0] >= 0) differentiate(operands[0]);
     }
-    if (family == OperationFamily::Input || family == OperationFamily::Texture) constant_ = false;
-    reads_inputs_ |= family == OperationFamily::Input || family == OperationFamily::Texture;
+    const bool reads = family == OperationFamily::Input || family == OperationFamily::Texture;
+    varies_in_space_ |= reads && !is_even_in_space(instruction.operation);
+    if (reads) constant_ = false;
+    reads_inputs_ |= reads;
     switch (instruction.operation) {
         case Operation::uv:
             (is_named_uv(instruction) ? reads_element_ : reads_uv_) = true;

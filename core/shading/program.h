@@ -65,6 +65,8 @@ class Program {
     bool is_constant() const { return constant_; }
     /// True if its closures are the same on all of a surface: nothing is read but the normal and the view.
     bool has_even_closures() const { return !reads_inputs_; }
+    /// True if its closures may differ from place to place inside an object, beside those of its surface.
+    bool varies_in_space() const { return varies_in_space_; }
     /// True if it reads the active texture coordinate, as such.
     bool reads_uv() const { return reads_uv_; }
     /// True if it reads where the camera is.
@@ -126,6 +128,7 @@ class Program {
     std::vector<int32_t> origins_;  ///< per register: the instruction that writes it, or kConstant
     bool emits_ = false, transparent_ = false, constant_ = true;
     bool reads_inputs_ = false, reads_uv_ = false, reads_element_ = false;
+    bool varies_in_space_ = false;
     bool reads_pixels_ = false;               ///< wireframe in pixels
     bool textured_ = false;                   ///< some instruction is differentiated, or reads an image
     bool differentiates_attributes_ = false;  ///< and reads a named attribute

@@ -1,5 +1,6 @@
 // Running a program: the interpreter. Each operation is done for all points of the run before the next one.
 #include "base/assert.h"
+#include "shading/ies.h"
 #include "shading/neighbour.h"
 #include "shading/noise_lanes.h"
 #include "shading/operands.h"
@@ -136,6 +137,9 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
         case Operation::hue_saturation:
             return extended(hue_saturation(operands.vector(4), operands.scalar(0), operands.scalar(1),
                                            operands.scalar(2), operands.scalar(3)));
+        case Operation::ies:
+            return spread(
+                ies_value({floats_.data() + instruction.first_float, instruction.float_count}, operands.vector(0)));
         case Operation::table:
             return table_value({floats_.data() + instruction.first_float, instruction.float_count}, operands.scalar(0),
                                flag(0));

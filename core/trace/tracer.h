@@ -31,7 +31,8 @@ enum Visibility : uint8_t {
     kVisibleGlossy = 4,
     kVisibleTransmission = 8,
     kVisibleShadow = 16,
-    kVisibleAll = 31
+    kVisibleVolume = 32,  ///< rays that a medium has scattered
+    kVisibleAll = 63
 };
 
 struct TracedInstance {

@@ -411,8 +411,11 @@ class SceneDescription:
         pass_index: int = 0,
         volume: VolumeVisualisation | None = None,
         displacement: tuple[Program, int, int] | None = None,
+        medium: Program | None = None,
     ) -> int:
         """`volume` replaces the surface: the object shows the length of rays inside it.
+
+        `medium` is the program of a volume that fills the space behind the surface; without `surface` there is none.
 
         `displacement` moves the points of spline and subdivision surfaces: a program, and the registers that hold the
         vector in object space and the one in world space, -1 for none.
@@ -434,6 +437,7 @@ class SceneDescription:
         pass_index: int = 0,
         volume: VolumeVisualisation | None = None,
         displacement: tuple[Program, int, int] | None = None,
+        medium: Program | None = None,
     ) -> None:
         """As `add_material`."""
     def place_instances(self, indices: Ints, matrices: Doubles) -> None:
@@ -449,10 +453,10 @@ class SceneDescription:
         material_list: int = -1,
         object_index: int = 0,
         random: float = 0.0,
-        visibility: int = 31,
+        visibility: int = 63,
         ray_interpolation: int = -1,
     ) -> int:
-        """visibility: sum of 1 camera, 2 diffuse, 4 glossy, 8 transmission, 16 shadow."""
+        """visibility: sum of 1 camera, 2 diffuse, 4 glossy, 8 transmission, 16 shadow, 32 volume."""
     def add_ray_interpolation(self, object: str, interpolation: RayInterpolation) -> int:
         """An index for add_instance, for objects that have settings of their own."""
     def add_instances(
@@ -484,10 +488,16 @@ class SceneDescription:
         size_y: float = 1.0,
         spread: float = 3.141592653589793,
         casts_shadow: bool = True,
-        visibility: int = 31,
+        visibility: int = 63,
+        emission: Program | None = None,
     ) -> int:
-        """kind: POINT, SUN, SPOT, RECTANGLE, DISK. strength: colour times watts (SUN: W/m²). spot_profile: COSINE, EVEN."""
-    def set_world(self, world: Program | None, sampling_resolution: int = 1024) -> None: ...
+        """`emission` is a factor on the strength, by place and direction.
+
+        kind: POINT, SUN, SPOT, RECTANGLE, DISK. strength: colour times watts (SUN: W/m²). spot_profile: COSINE, EVEN.
+        """
+    def set_world(
+        self, world: Program | None, sampling_resolution: int = 1024, medium: Program | None = None
+    ) -> None: ...
     def set_camera(
         self,
         kind: str,
@@ -540,6 +550,7 @@ class Settings:
     glossy_bounces: int
     transmission_bounces: int
     transparent_bounces: int
+    volume_bounces: int
     roulette_start: int
     shadow_bias: float
     clamp_direct: float

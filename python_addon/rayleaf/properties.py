@@ -194,6 +194,13 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         min=0,
         max=1024,
     )
+    volume_bounces: IntProperty(  # type: ignore
+        name="Volume",
+        description="How often fog and smoke may scatter light again. Raise it for dense clouds that are too dark",
+        default=0,
+        min=0,
+        max=1024,
+    )
     roulette_start: IntProperty(  # type: ignore
         name="Russian Roulette",
         description="Bounces after which dim paths may end by chance. Lower is faster and noisier",

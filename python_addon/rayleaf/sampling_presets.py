@@ -5,7 +5,8 @@ from typing import Any
 import bpy
 from bpy.props import EnumProperty
 
-_BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_bounces")
+_KINDS = ("diffuse", "glossy", "transmission", "transparent", "volume")
+_BOUNCES = ("max_bounces", *(f"{kind}_bounces" for kind in _KINDS))
 _OF_PRESETS = ("samples", "preview_samples", "roulette_start", "clamp_indirect", *_BOUNCES)
 # What a preset sets beside the defaults.
 PRESETS: dict[str, dict[str, float]] = {
@@ -17,6 +18,7 @@ PRESETS: dict[str, dict[str, float]] = {
     "FINAL": {
         **{"samples": 512, "preview_samples": 64, "roulette_start": 4, "clamp_indirect": 0.0, "max_bounces": 24},
         **{"diffuse_bounces": 8, "glossy_bounces": 8, "transmission_bounces": 24, "transparent_bounces": 32},
+        **{"volume_bounces": 4},
     },
 }
 _ITEMS = (
@@ -40,6 +42,7 @@ FROM_CYCLES = {
     "glossy_bounces": "glossy_bounces",
     "transmission_bounces": "transmission_bounces",
     "transparent_max_bounces": "transparent_bounces",
+    "volume_bounces": "volume_bounces",
     "sample_clamp_direct": "clamp_direct",
     "sample_clamp_indirect": "clamp_indirect",
     "film_exposure": "film_exposure",

@@ -34,6 +34,7 @@ def core_settings(
         glossy_bounces=own.glossy_bounces,
         transmission_bounces=own.transmission_bounces,
         transparent_bounces=own.transparent_bounces,
+        volume_bounces=own.volume_bounces,
         roulette_start=own.roulette_start,
         shadow_bias=own.shadow_bias,
         clamp_direct=own.clamp_direct,

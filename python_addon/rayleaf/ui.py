@@ -84,14 +84,11 @@ class RAYLEAF_PT_sampling(_Panel, bpy.types.Panel):
         for name in sampling_presets.PRESETS:
             presets.operator("rayleaf.preset", text=name.title()).preset = name
         column.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
-        threshold = column.row(heading="Noise Threshold", align=True)
-        threshold.prop(settings, "use_noise_threshold", text="")
-        value = threshold.row()
-        value.active = settings.use_noise_threshold
-        value.prop(settings, "noise_threshold", text="")
-        least = column.row()
-        least.active = settings.use_noise_threshold
-        least.prop(settings, "least_samples")
+        column.prop(settings, "use_noise_threshold")
+        adaptive = column.column()
+        adaptive.active = settings.use_noise_threshold
+        adaptive.prop(settings, "noise_threshold")
+        adaptive.prop(settings, "least_samples")
         column.prop(settings, "time_limit")
         column.prop(settings, "preview_samples")
         row = column.row(align=True)
@@ -134,6 +131,7 @@ class RAYLEAF_PT_light_paths(_Panel, bpy.types.Panel):
         bounces.prop(settings, "glossy_bounces")
         bounces.prop(settings, "transmission_bounces")
         bounces.prop(settings, "transparent_bounces")
+        bounces.prop(settings, "volume_bounces")
         column.prop(settings, "roulette_start")
         column.prop(settings, "shadow_bias")
         clamping = column.column(align=True, heading="Clamping")

@@ -87,6 +87,9 @@ def change_input(node, index):
         tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Reflection"], socket)
         return True
     value = socket.default_value
+    if isinstance(value, str):
+        socket.default_value = value + "x"
+        return True
     socket.default_value = value * 0.5 + 0.3125 if isinstance(value, float) else [x * 0.5 + 0.3125 for x in value]
     return True
 

@@ -13,6 +13,7 @@ import numpy as np
 CLOSURES = {
     *("diffuse", "translucent", "velvet", "toon", "glossy", "refraction", "glass", "transparent"),
     *("emission", "background", "holdout", "principled"),
+    *("volume_absorption", "volume_scatter", "volume_principled"),
 }
 
 
@@ -143,8 +144,9 @@ class SceneDescription:
         self.curves.append(curve)
         return self._shape("curve", curve)
 
-    def add_material(self, name, surface, pass_index=0, volume=None, displacement=None):
+    def add_material(self, name, surface, pass_index=0, volume=None, displacement=None, medium=None):
         made = dict(name=name, surface=surface, pass_index=pass_index, volume=volume, displacement=displacement)
+        made["medium"] = medium
         self.materials.append(made)
         return len(self.materials) - 1
 
@@ -186,8 +188,8 @@ class SceneDescription:
         self.lamps.append(arguments)
         return len(self.lamps) - 1
 
-    def set_world(self, world, sampling_resolution=1024):
-        self.world = world
+    def set_world(self, world, sampling_resolution=1024, medium=None):
+        self.world, self.world_medium = world, medium
 
     def set_camera(self, **arguments):
         self.camera = arguments

@@ -78,7 +78,7 @@ holdout = sent.material_lists[table["material_lists"][at("B")]]
 report(holdout=[line["op"] for line in sent.materials[holdout[0]]["surface"].lines])
 """
     ).report
-    assert run["visibility"] == 31 - 1 - 16
+    assert run["visibility"] == 63 - 1 - 16
     assert run["index"] == 7
     assert run["holdout"] == ["holdout"]
     assert run["random"] == pytest.approx(0.31314194)  # what Cycles' Object Info gives an object named Cube
@@ -109,7 +109,7 @@ report(override=[sent.materials[m]["name"] for m in sent.material_lists[kept]])
 """
     ).report
     assert run["hole"] >= 0 and run["kept"] == -1
-    assert run["indirect"] == 30
+    assert run["indirect"] == 62
     assert run["override"] == ["Override"]
 
 

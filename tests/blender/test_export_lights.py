@@ -42,7 +42,7 @@ report(lamps=lamps, place=place, version=bpy.app.version[0])
         factor = 1 if run["version"] < 4 else later
         assert lamp["strength"] == pytest.approx([100 * factor, 50 * factor, 25 * factor]), name
     assert lamps["SPOT"]["spot_profile"] == ("COSINE" if run["version"] < 4 else "EVEN")
-    assert all(lamp["visibility"] == 30 for lamp in lamps.values())  # Blender hides lamps from the camera
+    assert all(lamp["visibility"] == 62 for lamp in lamps.values())  # Blender hides lamps from the camera
     assert (lamps["POINT"]["radius"], lamps["POINT"]["casts_shadow"], lamps["SUN"]["casts_shadow"]) == (
         0.25,
         False,
@@ -60,7 +60,7 @@ report(lamps=lamps, place=place, version=bpy.app.version[0])
     assert lamps["DISK"]["spread"] == 1.25
 
 
-def test_a_lamps_emission_node_multiplies_and_other_nodes_are_named(run_blender):
+def test_a_lamps_emission_node_multiplies_and_other_nodes_become_a_program(run_blender):
     run = run_blender(
         START
         + """
@@ -69,15 +69,16 @@ item.data.energy, item.data.use_nodes = 10, True
 node = item.data.node_tree.nodes["Emission"]
 node.inputs["Color"].default_value, node.inputs["Strength"].default_value = (1, 0.5, 0, 1), 2
 sent, _, texts = recording_core.export()
-report(strength=sent.lamps[0]["strength"], texts=texts)
+report(strength=sent.lamps[0]["strength"], program=sent.lamps[0]["emission"], texts=texts)
 noise = item.data.node_tree.nodes.new("ShaderNodeTexNoise")
 item.data.node_tree.links.new(noise.outputs["Color"], node.inputs["Color"])
-_, _, texts = recording_core.export()
-report(warned=texts)
+sent, _, texts = recording_core.export()
+report(whole=sent.lamps[0]["strength"], lines=[line["op"] for line in sent.lamps[0]["emission"].lines], more=texts)
 """
     ).report
-    assert (run["strength"], run["texts"]) == ([20, 10, 0], [])
-    assert len(run["warned"]) == 1 and "'Lamp'" in run["warned"][0]
+    assert (run["strength"], run["program"], run["texts"]) == ([20, 10, 0], None, [])
+    assert (run["whole"], run["more"]) == ([10, 10, 10], [])
+    assert run["lines"][-1] == "emission" and "noise" in run["lines"]
 
 
 def test_lamps_in_instanced_collections_shine_from_each_place(run_blender):

@@ -3,23 +3,28 @@
 from tree_scripts import START, run_tree
 
 
-def test_a_volume_without_a_surface_is_seen_through_and_named(run_blender):
+def test_a_volume_alone_has_no_surface_and_shaders_count_only_where_they_belong(run_blender):
     run = run_blender(
         START
         + """
-volume = nodes.new("ShaderNodeVolumeAbsorption")
+def sent():
+    made, _, texts = recording_core.export()
+    programs = [made.materials[0][name] for name in ("surface", "medium")]
+    return [None if each is None else [line["op"] for line in each.lines] for each in programs], texts
+
+volume, diffuse = nodes.new("ShaderNodeVolumeAbsorption"), nodes.new("ShaderNodeBsdfDiffuse")
 links.new(volume.outputs[0], output.inputs["Volume"])
-program, texts = compiled()
-report(alone=[line["op"] for line in program.lines], color=told(program.operands(program.line("transparent"))[1]), texts=texts)
+report(alone=sent())
 emission(tree, output)
-program, texts = compiled()
-report(beside=[line["op"] for line in program.lines], with_surface=texts)
+report(beside=sent())
+links.new(volume.outputs[0], output.inputs["Surface"])
+links.new(diffuse.outputs[0], output.inputs["Volume"])
+report(swapped=sent())
 """
     ).report
-    assert (run["alone"], run["color"]) == (["transparent"], [1, 1, 1, 1])
-    assert run["beside"] == ["emission"]
-    for texts in (run["texts"], run["with_surface"]):
-        assert len(texts) == 1 and "'Material Output'" in texts[0] and "volume is not supported" in texts[0]
+    assert run["alone"] == [[None, ["volume_absorption"]], []]
+    assert run["beside"] == [[["emission"], ["volume_absorption"]], []]
+    assert run["swapped"] == [[[], []], []]
 
 
 def test_an_unknown_node_passes_on_what_is_linked_or_written_to_an_input_of_its_type(run_blender):

@@ -70,7 +70,7 @@ def by_cycles(scene, case, path):
     scene.collection.objects.link(placed)
     scene.render.filepath = path
     bpy.ops.render.render(write_still=True)
-    arguments = lights.describe(placed, np.array(placed.matrix_world), 31, Messages())
+    arguments = lights.describe(core, placed, np.array(placed.matrix_world), 63, None, Messages())
     bpy.data.objects.remove(placed)
     image = bpy.data.images.load(path)
     pixels = np.array(image.pixels[:]).reshape(SIZE, SIZE, 4)[..., 0]

@@ -18,6 +18,8 @@ images = [bpy.data.images.new(name, 4, 4) for name in "AB"]
 place = scenes.add(None, "Place")
 place.location = (1, 2, 3)
 bpy.context.view_layer.update()
+distribution, other_text = (bpy.data.texts.new(name) for name in "CD")
+distribution.write("TILT=NONE 1 1 1 2 1 1 2 0 0 0 1 1 1 0 90 0 100 50".replace("NONE ", "NONE" + chr(10)))
 DISPLACING = {"ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"}
 
 class Images:
@@ -36,6 +38,8 @@ def made(kind):
     node = walk.KEPT[-1].nodes.new(kind)
     if hasattr(node, "image"):
         node.image = images[0]
+    if hasattr(node, "ies"):
+        node.ies = distribution
     return node
 
 def look(node):
@@ -44,11 +48,13 @@ def look(node):
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     for socket in [each for each in node.outputs if each.enabled]:
         displaces = node.bl_idname in DISPLACING
-        tree.links.new(socket, output.inputs["Displacement" if displaces else "Surface"])
+        fills = node.bl_idname in compiler.VOLUME_NODES and node.bl_idname not in compiler.CLOSURE_NODES
+        tree.links.new(socket, output.inputs["Displacement" if displaces else "Volume" if fills else "Surface"])
         messages, emitter, names = Messages(), Emitter(core, "Material"), []
         resources = compiler.Resources(lambda name: names.append(name) or 3, Images(), 1)
         compiled = compiler.Compiler(emitter, Subject("Material", "Material"), resources, messages)
-        registers = compile_displacement(compiled, tree) if displaces else compiled.compile_tree(tree)
+        compile_closures = compiled.compile_volume if fills else compiled.compile_tree
+        registers = compile_displacement(compiled, tree) if displaces else compile_closures(tree)
         program = (emitter.program.lines, emitter.program.registers)
         told.append((program, registers, names, sorted(resources.wanted_attributes), messages.texts))
     return told
@@ -75,7 +81,7 @@ def changes_of(kind):
     node, base = made(kind), bpy.types.ShaderNode
     shared = {prop.identifier for prop in base.bl_rna.properties}
     fixed = [prop.identifier for prop in node.bl_rna.properties if prop.is_readonly and prop.identifier not in shared]
-    result = walk.property_changes(node, base, {"Image": images[1], "Object": place}) + walk.input_changes(node)
+    result = walk.property_changes(node, base, {"Image": images[1], "Object": place, "Text": other_text}) + walk.input_changes(node)
     return result + [change for name in fixed for change in OF_POINTERS[name]]
 
 # Other settings of a node, under which others count than as it is made.
@@ -100,7 +106,7 @@ def unnoticed(kind):
     return sorted(found)
 
 mixing = {"ShaderNodeMixShader", "ShaderNodeAddShader"}
-every = set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | mixing | DISPLACING
+every = set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | set(compiler.VOLUME_NODES) | mixing | DISPLACING
 kinds = sorted(kind for kind in every if hasattr(bpy.types, kind))  # old ones leave Blender
 """
 
@@ -117,6 +123,8 @@ WITH_NAMED = {
 }
 # What no renderer reads.
 UNREAD = {
+    **{f"input {name} Attribute": "of grids, which nothing that is rendered has" for name in ("Color", "Density")},
+    "input Temperature Attribute": "the same",
     "input Weight": "hidden, and Blender's own",
     "use_alpha": "of the compositor's node, which shares the definition",
 }
@@ -200,7 +208,7 @@ def look(lamp):
     if lights.is_portal(lamp):
         return "a portal"
     item, messages = bpy.data.objects.new("Lamp", lamp), Messages()
-    sent = lights.describe(item, np.eye(4), 31, messages)
+    sent = lights.describe(core, item, np.eye(4), 63, None, messages)
     bpy.data.objects.remove(item)
     return {**sent, "matrix": None, "name": ""}, [text.partition(": ")[2] for text in messages.texts]
 
@@ -224,25 +232,32 @@ report(lost=lost)
     assert "cycles.is_portal" not in run["AREA"]
 
 
-def test_lamps_of_later_blenders_have_exposure_and_temperature_and_are_named_without_normalize(run_blender):
+def test_lamps_of_later_blenders_have_exposure_temperature_and_power_by_area(run_blender):
     run = run_blender(
         START
         + """
 from types import SimpleNamespace
 from rayleaf.export import lights
 from rayleaf.messages import Messages
-lamp = SimpleNamespace(type="POINT", color=(1, 0.5, 0.25), energy=100, use_nodes=False, use_shadow=True, shadow_soft_size=0,
+lamp = SimpleNamespace(type="POINT", color=(1, 0.5, 0.25), energy=100, use_nodes=False, use_shadow=True, shadow_soft_size=0.5,
                        exposure=2, use_temperature=True, temperature_color=(0.5, 1, 2), normalize=False, cycles=None)
 messages = Messages()
-sent = lights.describe(SimpleNamespace(name="Lamp", data=lamp), np.eye(4), 31, messages)
+
+def described():
+    return lights.describe(core, SimpleNamespace(name="Lamp", data=lamp), np.eye(4), 63, None, messages)
+
+by_area = described()["strength"]
+lamp.normalize = True
+sent = described()
 lamp.use_temperature, lamp.exposure = False, 0
-report(warm=sent["strength"], plain=lights.describe(SimpleNamespace(name="Lamp", data=lamp), np.eye(4), 31, messages)["strength"],
+report(by_area=by_area, warm=sent["strength"], plain=described()["strength"],
        texts=messages.texts)
 """
     ).report
     assert run["warm"] == [200, 200, 200]
     assert run["plain"] == [100, 50, 25]
-    assert len(run["texts"]) == 1 and "'Lamp'" in run["texts"][0] and "power by area" in run["texts"][0]
+    assert all(abs(strength - 200 * 0.25 * 3.14159265) < 1e-4 for strength in run["by_area"])
+    assert run["texts"] == []
 
 
 def test_portals_do_not_shine_and_are_told_of(run_blender):

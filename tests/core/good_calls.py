@@ -153,6 +153,7 @@ CALLS: dict[str, Call] = {
         surface=program(),
         volume=_core.VolumeVisualisation(),
         displacement=(program(), 0, -1),
+        medium=program(),
     ),
     "SceneDescription.add_material_list": method(scene, "add_material_list", materials=[0, -1]),
     "SceneDescription.add_instance": method(scene, "add_instance", name="a", shape=0, matrix=np.eye(4)),
@@ -161,9 +162,9 @@ CALLS: dict[str, Call] = {
     ),
     "SceneDescription.add_instances": method(scene, "add_instances", **INSTANCES),
     "SceneDescription.add_lamp": method(
-        scene, "add_lamp", name="lamp", kind="POINT", matrix=np.eye(4), strength=(1.0, 1.0, 1.0)
+        scene, "add_lamp", name="lamp", kind="POINT", matrix=np.eye(4), strength=(1.0, 1.0, 1.0), emission=program()
     ),
-    "SceneDescription.set_world": method(scene, "set_world", world=program()),
+    "SceneDescription.set_world": method(scene, "set_world", world=program(), medium=program()),
     "SceneDescription.set_camera": method(scene, "set_camera", **CAMERA),
     "SceneDescription.add_image_file": method(scene, "add_image_file", name="a", path="nowhere", color_space="SRGB"),
     "SceneDescription.add_image_pixels": method(

@@ -199,7 +199,9 @@ UNUSED = ("splines/", "tessellation/", "textures/", "ri_tree/", "geometry/patch_
           "trace/embree_strand_scene", "trace/inside_length", "trace/subdivision", "integrators/irradiance",
           "integrators/distribution", "integrators/volumes", "integrators/glass_path")  # fmt: skip
 # Names of a table, for the bindings; thresholds that settings have by default; a few settings, copied once a render.
+# Settings are read and checked whatever the scene holds.
 ASKED = ("rayleaf::answer_names(", "rayleaf::quality_settings(", "rayleaf::DistributionSettings::DistributionSettings(")
+ASKED += ("rayleaf::checked(", "rayleaf::(anonymous namespace)::require(")
 
 
 def defined_functions(object_file):

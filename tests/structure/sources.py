@@ -28,7 +28,12 @@ def python_files(*folders: str) -> list[Path]:
 
 def text_files() -> list[Path]:
     """Everything that people write and read."""
-    files = core_files() + cpp_files(RIVALS) + cpp_files(ROOT / "examples") + python_files("python_addon", "tests", "blend_scenes")
+    files = (
+        core_files()
+        + cpp_files(RIVALS)
+        + cpp_files(ROOT / "examples")
+        + python_files("python_addon", "tests", "blend_scenes")
+    )
     files += [ROOT / name for name in ("rayleaf", "CMakeLists.txt", "pyproject.toml", "CMakePresets.json")]
     return files + sorted(ROOT.glob("*.md")) + sorted(CORE.rglob("*.md")) + sorted(ADDON.rglob("*.pyi"))
 

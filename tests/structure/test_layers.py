@@ -43,7 +43,13 @@ MEET_BLENDER = {
         "ui_view_layer.py",
         "versions.py",
     ),
-    *("export/images.py", "report/panel.py", "report/render_points.py", "report/render_silhouettes.py"),
+    *(
+        "export/images.py",
+        "export/nodes/lamps.py",
+        "report/panel.py",
+        "report/render_points.py",
+        "report/render_silhouettes.py",
+    ),
     *(f"viewport/{name}.py" for name in ("changes", "render_pass", "sync", "undo", "viewport")),
 }
 # The files that import the core; the others get it, or what it made, handed over.

@@ -22,12 +22,13 @@ _CANCEL_STRIDE = 10_000
 _RANDOM_RANGE = 0xFFFFFFFF
 
 VISIBLE_CAMERA, VISIBLE_DIFFUSE, VISIBLE_GLOSSY, VISIBLE_TRANSMISSION, VISIBLE_SHADOW = 1, 2, 4, 8, 16
+VISIBLE_VOLUME = 32  # to rays that a medium has scattered
 
 # What has faces only through the mesh that Blender evaluates beside it.
 _WITH_MESH_TWIN = {"CURVE", "SURFACE", "FONT", "META"}
 # Of these, what the core can render from control points.
 WITH_EXACT_FORM = {"SURFACE", "CURVE", "FONT"}
-_UNSUPPORTED = {"VOLUME": "volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
+_UNSUPPORTED = {"VOLUME": "OpenVDB volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
 
 
 @dataclass
@@ -246,6 +247,7 @@ def visibility(owner: Any, view_layer: Any) -> int:
         (VISIBLE_GLOSSY, "visible_glossy"),
         (VISIBLE_TRANSMISSION, "visible_transmission"),
         (VISIBLE_SHADOW, "visible_shadow"),
+        (VISIBLE_VOLUME, "visible_volume_scatter"),
     ):
         if getattr(owner, name, True):
             bits |= flag

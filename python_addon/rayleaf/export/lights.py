@@ -1,5 +1,7 @@
 """Blender's lamps to the core's."""
 
+import math
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -8,8 +10,12 @@ from numpy.typing import NDArray
 from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
+from . import unsupported
 from .instances import VISIBLE_CAMERA
-from .nodes.constants import lamp_emission
+from .nodes.compiler import Compiler
+from .nodes.resources import Resources
+from .nodes.emitter import Emitter
+from .nodes.lamps import constant_emission
 
 
 # How far light of a lamp may go where nobody has limited it.
@@ -26,17 +32,51 @@ def _name_ignored(lamp: Any, subject: Subject, messages: Messages) -> None:
         messages.warn(f"{subject}: a limit of bounces of its own is not supported; it has none", subject)
     if not getattr(lamp, "use_soft_falloff", True):  # 4.2
         messages.warn(f"{subject}: a lamp without soft falloff is not supported; it has one", subject)
-    if not getattr(lamp, "normalize", True):  # 4.5
-        messages.warn(f"{subject}: power by area is not supported; taken as power in all", subject)
 
 
-def describe(lamp_object: Any, matrix: NDArray[np.float64], visibility: int, messages: Messages) -> dict[str, Any]:
+def _area(lamp: Any, matrix: NDArray[np.float64]) -> float:
+    """What Cycles takes for the lamp's area where its power is by area, world units squared; 1 for one without a size."""
+    if lamp.type == "AREA":
+        uneven = lamp.shape in ("RECTANGLE", "ELLIPSE")
+        sides = np.linalg.norm(matrix[:3, :2], axis=0) * (lamp.size, lamp.size_y if uneven else lamp.size)
+        area = float(sides[0] * sides[1]) * (math.pi / 4 if lamp.shape in ("DISK", "ELLIPSE") else 1.0)
+    else:
+        radius = math.tan(lamp.angle / 2) if lamp.type == "SUN" else lamp.shadow_soft_size
+        area = math.pi * radius * radius
+    return area or 1.0
+
+
+def _emission(core: ModuleType, lamp: Any, subject: Subject, resources: Resources, messages: Messages) -> Any:
+    """What the lamp's nodes make of its light: a colour, or a program where that is not the same everywhere."""
+    if not lamp.use_nodes or lamp.node_tree is None:
+        return np.ones(3)
+    emitter = Emitter(core, subject.name)
+    compiler = Compiler(emitter, subject, resources, messages)
+    constant = constant_emission(compiler, lamp.node_tree)
+    if constant is not None:
+        return constant
+    return emitter.program if compiler.compile_tree(lamp.node_tree) else np.zeros(3)
+
+
+def describe(
+    core: ModuleType,
+    lamp_object: Any,
+    matrix: NDArray[np.float64],
+    visibility: int,
+    resources: Resources,
+    messages: Messages,
+) -> dict[str, Any]:
     """The arguments of the core's `add_lamp`."""
     lamp, subject = lamp_object.data, Subject("Light", name_of(lamp_object))
     _name_ignored(lamp, subject, messages)
+    unsupported.name_light_linking(lamp_object, messages)
     factor = np.full(3, versions.lamp_factor(lamp))
-    if lamp.use_nodes and lamp.node_tree is not None:
-        factor *= lamp_emission(lamp, subject, messages)
+    if not getattr(lamp, "normalize", True):  # 4.5
+        factor *= _area(lamp, matrix)
+    emission = _emission(core, lamp, subject, resources, messages)
+    program = None if isinstance(emission, np.ndarray) else emission
+    if program is None:
+        factor *= emission
     arguments: dict[str, Any] = dict(
         name=subject.name,
         kind=lamp.type,
@@ -44,6 +84,7 @@ def describe(lamp_object: Any, matrix: NDArray[np.float64], visibility: int, mes
         strength=[float(channel) for channel in np.array(versions.lamp_color(lamp)) * lamp.energy * factor],
         casts_shadow=bool(lamp.use_shadow and versions.cycles_setting(lamp, "cast_shadow", True)),
         visibility=visibility & ~VISIBLE_CAMERA,  # Cycles never shows lamps to the camera
+        emission=program,
     )
     if lamp.type in ("POINT", "SPOT"):
         arguments["radius"] = lamp.shadow_soft_size

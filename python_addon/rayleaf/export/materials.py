@@ -82,19 +82,32 @@ class MaterialLibrary:
     def compile(self, material: Any) -> CompiledMaterial:
         """An evaluated material's program. Raises InputError, RecursionError."""
         subject = Subject("Material", name_of(material))
-        emitter = Emitter(self._core, subject.name)
+        emitter, has_surface = Emitter(self._core, subject.name), True
         with self._resources.noted() as asked:
             if material.use_nodes and material.node_tree is not None:
-                compiler = Compiler(emitter, subject, self._resources, self._messages)
+                compiler = self._compiler(emitter, subject)
                 if versions.displacement_method(material) == "BUMP":
                     bend_normal(compiler, material.node_tree)
-                compiler.compile_tree(material.node_tree)
+                has_surface = compiler.compile_tree(material.node_tree)
             else:
                 emitter.operation("diffuse", [emitter.scalar(1.0), emitter.constant(*material.diffuse_color[:3])])
             volume = volume_of(self._core, material.rayleaf)
             displacement = self._displacement(material, subject)
-        arguments = (subject.name, emitter.program, material.pass_index, volume, displacement)
+            medium = self._medium(material, subject)
+        # A material of nothing but a volume has no surface that could be seen.
+        surface = emitter.program if has_surface or medium is None else None
+        arguments = (subject.name, surface, material.pass_index, volume, displacement, medium)
         return CompiledMaterial(arguments, frozenset(asked.attributes), asked.images)
+
+    def _compiler(self, emitter: Emitter, subject: Subject, displaces: bool = False) -> Compiler:
+        return Compiler(emitter, subject, self._resources, self._messages, displaces=displaces)
+
+    def _medium(self, material: Any, subject: Subject) -> Any | None:
+        """The program of what fills the space behind the surface; None where nothing does."""
+        if not material.use_nodes or material.node_tree is None:
+            return None
+        emitter = Emitter(self._core, subject.name)
+        return emitter.program if self._compiler(emitter, subject).compile_volume(material.node_tree) else None
 
     def _displacement(self, material: Any, subject: Subject) -> tuple[Any, int, int] | None:
         """A program that displaces, and the registers of its vectors in object and in world space."""
@@ -102,7 +115,7 @@ class MaterialLibrary:
         if not moves or not material.use_nodes or material.node_tree is None:
             return None
         emitter = Emitter(self._core, subject.name)
-        compiler = Compiler(emitter, subject, self._resources, self._messages, displaces=True)
+        compiler = self._compiler(emitter, subject, displaces=True)
         try:
             registers = compile_displacement(compiler, material.node_tree)
         except self._core.InputError as error:

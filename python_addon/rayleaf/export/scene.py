@@ -179,9 +179,10 @@ class SceneExporter(ShapeExporter):
             return
         unsupported.name_world_settings(blender_world, self._messages)
         try:
-            program = world.compile_world(self._core, blender_world, self._resources, self._messages)
+            arguments = (self._core, blender_world, self._resources, self._messages)
+            program, medium = world.compile_world(*arguments), world.compile_medium(*arguments)
             width = _WORLD_TABLE_WIDTH if world.uses_nodes(blender_world) else 0
-            self.scene.set_world(program, sampling_resolution=width)
+            self.scene.set_world(program, sampling_resolution=width, medium=medium)
         except self._core.InputError as error:
             subject = Subject("World", name_of(blender_world))
             self._messages.warn(f"{subject}: {error}; rendered black", subject)
@@ -200,7 +201,8 @@ class SceneExporter(ShapeExporter):
             return
         visibility = instances.visibility(lamp_object, self._view_layer)
         try:
-            self.scene.add_lamp(**lights.describe(lamp_object, matrix, visibility, self._messages))
+            arguments = (self._core, lamp_object, matrix, visibility, self._resources, self._messages)
+            self.scene.add_lamp(**lights.describe(*arguments))
             self.report.lamps += 1
         except self._core.InputError as error:
             self._leave_out(name_of(lamp_object), str(error))

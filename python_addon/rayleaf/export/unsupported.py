@@ -59,8 +59,30 @@ def name_passes(view_layer: Any, messages: Messages) -> None:
         _warn(messages, subject, f"the pass {label} is not supported; left out")
 
 
+def name_light_linking(owner: Any, messages: Messages) -> None:
+    """Which objects a lamp or an emitting object lights or shades, since 4.0."""
+    linking = getattr(owner, "light_linking", None)
+    if linking is not None and (linking.receiver_collection is not None or linking.blocker_collection is not None):
+        kind = "Light" if owner.type == "LIGHT" else "Object"
+        subject = Subject(kind, name_of(owner))
+        _warn(messages, subject, "light linking is not supported; it lights and shades all objects")
+
+
+def _name_smoke(owner: Any, messages: Messages) -> None:
+    for modifier in owner.modifiers:
+        if (
+            modifier.type == "FLUID"
+            and modifier.fluid_type == "DOMAIN"
+            and modifier.domain_settings.domain_type == "GAS"
+        ):
+            subject = Subject("Object", name_of(owner))
+            _warn(messages, subject, "smoke and fire are not supported; its volume is the same all over")
+
+
 def name_object_settings(owner: Any, messages: Messages) -> None:
     """Those of an evaluated object."""
+    name_light_linking(owner, messages)
+    _name_smoke(owner, messages)
     if getattr(owner, "is_shadow_catcher", False):
         subject = Subject("Object", name_of(owner))
         _warn(messages, subject, "shadow catchers are not supported; rendered like any object")

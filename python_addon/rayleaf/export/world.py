@@ -21,6 +21,16 @@ def compile_world(core: ModuleType, world: Any, resources: Resources, messages: 
     return emitter.program
 
 
+def compile_medium(core: ModuleType, world: Any, resources: Resources, messages: Messages) -> Any | None:
+    """The program of what fills all of space; None where nothing does."""
+    if not world.use_nodes or world.node_tree is None:
+        return None
+    subject = Subject("World", name_of(world))
+    emitter = Emitter(core, subject.name)
+    compiler = Compiler(emitter, subject, resources, messages, is_world=True)
+    return emitter.program if compiler.compile_volume(world.node_tree) else None
+
+
 def uses_nodes(world: Any) -> bool:
     """Whether its light may have small bright parts, so that directions are worth sampling by a table."""
     return bool(world.use_nodes and world.node_tree is not None)

@@ -6,6 +6,6 @@
 
 def load_nodes() -> None:
     """Make the families of nodes known to the compiler."""
-    from . import closures, colors, inputs, maths, patterns, sky, spread, textures
+    from . import closures, colors, inputs, lamps, maths, patterns, sky, spread, textures, volumes
 
-    assert closures and colors and inputs and maths and patterns and sky and spread and textures
+    assert closures and colors and inputs and lamps and maths and patterns and sky and spread and textures and volumes

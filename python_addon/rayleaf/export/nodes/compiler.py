@@ -11,6 +11,7 @@ from .emitter import UNCONNECTED, Emitter, Register
 from .graph import Path, Shader, by_identifier, group_output, key_of
 from .resources import Resources
 
+_OF_BOTH = {"ShaderNodeEmission"}  # surfaces and volumes
 _SCALARS = {"VALUE", "INT", "BOOLEAN"}
 
 
@@ -64,6 +65,7 @@ ValueFunction = Callable[[NodeView, str], Register]
 ClosureFunction = Callable[[NodeView, Register], None]
 VALUE_NODES: dict[str, ValueFunction] = {}
 CLOSURE_NODES: dict[str, ClosureFunction] = {}
+VOLUME_NODES: dict[str, ClosureFunction] = {}
 
 
 def value_node(*identifiers: str) -> Callable[[ValueFunction], ValueFunction]:
@@ -77,15 +79,22 @@ def value_node(*identifiers: str) -> Callable[[ValueFunction], ValueFunction]:
     return keep
 
 
-def closure_node(*identifiers: str) -> Callable[[ClosureFunction], ClosureFunction]:
-    """Registers the function that writes these nodes' closures with a weight."""
-
+def _writer(table: dict[str, ClosureFunction], identifiers: tuple[str, ...]) -> Callable[..., ClosureFunction]:
     def keep(function: ClosureFunction) -> ClosureFunction:
-        for identifier in identifiers:
-            CLOSURE_NODES[identifier] = function
+        table.update(dict.fromkeys(identifiers, function))
         return function
 
     return keep
+
+
+def closure_node(*identifiers: str) -> Callable[[ClosureFunction], ClosureFunction]:
+    """Registers the function that writes these nodes' closures with a weight."""
+    return _writer(CLOSURE_NODES, identifiers)
+
+
+def volume_node(*identifiers: str) -> Callable[[ClosureFunction], ClosureFunction]:
+    """Registers the function that writes what these nodes do inside a volume."""
+    return _writer(VOLUME_NODES, identifiers)
 
 
 class Compiler:
@@ -105,6 +114,7 @@ class Compiler:
 
         load_nodes()
         self.emitter, self.resources, self.is_world, self._displaces = emitter, resources, is_world, displaces
+        self._is_volume, self.is_lamp = False, subject.kind == "Light"
         self._subject, self._messages = subject, messages
         # What stands for the surface's normal, where displacement is bump only.
         self.bent_normal: Register = UNCONNECTED
@@ -243,26 +253,23 @@ class Compiler:
 
     # --- closures ----------------------------------------------------------------------------------------------------
 
-    def compile_tree(self, tree: Any) -> None:
-        """Write the closures of a tree's output. Without one, or with nothing linked, there are none: black."""
+    def compile_tree(self, tree: Any) -> bool:
+        """Write the closures of a tree's output; False where nothing is linked and there are none."""
         self._name_aovs(tree, set())
+        return self._compile_input(tree, "Surface")
+
+    def compile_volume(self, tree: Any) -> bool:
+        """Write what fills the space behind the surface; False where nothing does."""
+        self._is_volume = True
+        return self._compile_input(tree, "Volume")
+
+    def _compile_input(self, tree: Any, name: str) -> bool:
         output = tree.get_output_node("CYCLES")
-        if output is None:
-            return
-        source = self._shader_source(output.inputs["Surface"], ())
+        socket = None if output is None else output.inputs.get(name)
+        source = None if socket is None else self._shader_source(socket, ())
         if source is not None:
             self._write_closures(source)
-        volume = output.inputs.get("Volume")
-        if volume is not None and self.link(volume) is not None:
-            self._write_without_volume(output, source is not None)
-
-    def _write_without_volume(self, output: Any, has_surface: bool) -> None:
-        """A material of nothing but a volume has no surface that could be seen."""
-        if has_surface or self.is_world:
-            self.warn(output, "volume is not supported; left out")
-            return
-        self.warn(output, "volume is not supported; without a surface it is seen through")
-        self.emitter.operation("transparent", [self.emitter.scalar(1.0), self.emitter.constant(1, 1, 1)])
+        return source is not None
 
     def _name_aovs(self, tree: Any, seen: set[int]) -> None:
         """Tell of what a tree, groups included, would write into passes that a view layer asks for."""
@@ -348,11 +355,13 @@ class Compiler:
         node = shader.socket.node
         if shader.socket.type != "SHADER":  # a value where a shader is wanted shines
             color = self._convert(self.output(shader.socket, shader.path), shader.socket.type, "RGBA")
-            kind = "background" if self.is_world else "emission"
+            kind = "background" if self.is_world and not self._is_volume else "emission"
             self.emitter.operation(kind, [weight, color, self.emitter.scalar(1.0)])
             return
         view = NodeView(self, node, shader.path)
-        function = CLOSURE_NODES.get(node.bl_idname)
+        if (node.bl_idname in VOLUME_NODES) != self._is_volume and node.bl_idname not in _OF_BOTH:
+            return  # in Cycles, what is for surfaces does nothing inside, nor what is for volumes outside
+        function = (VOLUME_NODES if self._is_volume else CLOSURE_NODES).get(node.bl_idname)
         why = f"{node.bl_label} nodes are not supported"
         if function is not None:
             try:

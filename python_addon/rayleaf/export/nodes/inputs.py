@@ -38,6 +38,8 @@ def texture_coordinate(view: NodeView, output: str) -> Register:
         return _in_space_of(view, np.array(view.node.object.matrix_world.inverted_safe(), np.float64))
     if output == "Normal" and view.compiler.bent_normal != UNCONNECTED:
         return emitter.operation("transform", [view.compiler.bent_normal], [_WORLD, _OBJECT], text="NORMAL")
+    if view.compiler.is_lamp and output in ("Generated", "Object"):
+        return emitter.operation("position")  # in Cycles a lamp is no object
     operations = {
         "Generated": "generated",
         "Normal": "object_normal",
@@ -145,8 +147,8 @@ def hair_info(view: NodeView, output: str) -> Register:
     return emitter.operation("attribute", ints=[view.resources.attribute(name)])
 
 
-# Outputs of Light Path for what Rayleaf's rays never do: scatter in volumes, pass portals.
-_NEVER_MET = ("Is Volume Scatter Ray", "Portal Depth")
+# Outputs of Light Path for what Rayleaf's rays never do: pass portals.
+_NEVER_MET = ("Portal Depth",)
 
 
 @value_node("ShaderNodeLightPath")
@@ -154,7 +156,8 @@ def light_path(view: NodeView, output: str) -> Register:
     """Light Path: "Is Camera Ray" is the core's is_camera, "Ray Depth" its ray_depth."""
     if output in _NEVER_MET:
         return view.emitter.scalar(0.0)
-    return view.emitter.operation("light_path", text=output.lower().replace(" ", "_").removesuffix("_ray"))
+    name = output.lower().replace(" ", "_").removesuffix("_ray").removesuffix("_scatter")
+    return view.emitter.operation("light_path", text=name)
 
 
 @value_node("ShaderNodeCameraData")

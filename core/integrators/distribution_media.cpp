@@ -1,0 +1,86 @@
+// Distribution ray tracing through participating media: one ray goes on from a place that scatters.
+#include "integrators/distribution_tracer.h"
+#include "integrators/medium_light.h"
+
+namespace rayleaf {
+namespace {
+
+/// Width to which what media scatter opens, radians: as of a diffuse surface.
+constexpr float kScatteredWidth = 0.5f;
+
+}  // namespace
+
+Color DistributionTracer::free_of_media(const Branch& branch, double t) const {
+    if (branch.media.empty()) return Color(1.0f);
+    RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::ShadowWalk));
+    return transmittance({scene_, branch.media, branch.ray, t, branch.bounces.at(0)}, random);
+}
+
+void DistributionTracer::add_scattered_light(const Branch& branch, const MediumStretch& stretch) {
+    FreeWay shadow = way_of(branch, branch.ray);
+    shadow.differential = {};
+    shadow.kind = kVisibleShadow;
+    shadow.state = branch.bounces.of_shadow_ray();
+    shadow.widening = settings_.widening(branch.importance(), false);
+    const std::optional<ScatteredLight> light =
+        scattered_light(stretch, branch.throughput, branch.sampler, branch.vertex, shadow);
+    if (!light) return;
+    Color value = branch.throughput * light->value;
+    if (light->way) {
+        ++counts_[RayUse::Shadow];
+        value *= free_share(scene_, *light->way);
+    }
+    if (is_black(value)) return;
+    if (branch.bounces.count() == 0)
+        light_.add_first(value, {}, branch.share);
+    else
+        light_.add_scattered(value, branch.bounces.count() + 1, branch.first_shares, branch.share);
+}
+
+bool DistributionTracer::pass_media(Branch& branch, double end) {
+    const MediumStretch stretch{scene_, branch.media, branch.ray, end, branch.bounces.at(0)};
+    const bool scatters = !branch.bounces.is_last();
+    if (scatters) add_scattered_light(branch, stretch);
+    RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::MediumWalk));
+    const Vec2f distance = branch.sampler.get2(dimension(branch.vertex, PathDimension::Medium));
+    const MediumPassage passage = pass(stretch, branch.throughput, scatters, distance, random);
+    if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission);
+    branch.throughput *= passage.weight;
+    if (!is_finite(branch.throughput) || is_black(branch.throughput)) return true;
+    if (!passage.t) return false;
+    const Vec3f direction(branch.ray.direction);
+    const std::optional<PhaseSample> sample =
+        passage.medium.sample(-direction, branch.sampler.get3(dimension(branch.vertex, PathDimension::Scatter)));
+    if (!sample) return true;
+    Branch child = branch;
+    child.throughput *= sample->weight;
+    child.bounces.scatter_in_medium();
+    child.use = RayUse::Medium;
+    child.differential =
+        widened(branch.differential.transferred(direction, *passage.t, -direction), sample->direction, kScatteredWidth);
+    child.departure = {};
+    child.departure.position = branch.ray.at(*passage.t);
+    child.departure.sampling = LightSampling::Weighed;
+    child.departure.density = sample->density;
+    child.ray = Ray{};
+    child.ray.origin = child.departure.position;
+    child.ray.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
+    ++child.vertex;
+    push(std::move(child));
+    return true;
+}
+
+void DistributionTracer::pass_boundary(const Branch& branch, const Hit& hit) {
+    if (branch.vertex >= kMostVertices) return;
+    const Vec3f direction(branch.ray.direction);
+    const SurfacePoint point = scene_.tracer().surface_point(branch.ray, hit);
+    Branch child = branch;
+    cross(scene_, point, direction, child.media);
+    child.bounces.pass_boundary(point.t);
+    child.differential = branch.differential.transferred(direction, point.t, point.facet_normal);
+    child.ray = point.behind(branch.ray);
+    ++child.vertex;
+    pending_.push_back(std::move(child));
+}
+
+}  // namespace rayleaf

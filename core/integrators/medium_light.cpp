@@ -1,0 +1,46 @@
+#include "integrators/medium_light.h"
+
+#include "integrators/dimensions.h"
+#include "integrators/vertex.h"
+
+namespace rayleaf {
+
+std::optional<ScatteredLight> scattered_light(const MediumStretch& stretch, const Color& throughput,
+                                              const Sampler& sampler, int vertex, const FreeWay& shadow) {
+    const LightSet& lights = stretch.scene.lights();
+    if (lights.empty()) return std::nullopt;
+    RandomStream random(sampler, dimension(vertex, PathDimension::MediumPlace));
+    const Vec3d likely = stretch.ray.at(likely_distance(stretch, random.next()));
+    const Vec3f choice(random.next(), random.next(), random.next());
+    const std::optional<Vec3d> pivot = place_of(lights.sample(likely, choice));
+    const Vec2f numbers = sampler.get2(dimension(vertex, PathDimension::MediumPlace));
+    const std::optional<LitPlace> place = place_of_light(stretch, throughput, pivot, numbers, random);
+    if (!place) return std::nullopt;
+    const Vec3d position = stretch.ray.at(place->t);
+    const std::optional<LightSample> light =
+        lights.sample(position, sampler.get3(dimension(vertex, PathDimension::MediumLight)));
+    if (!light || !(light->visibility & kVisibleVolume)) return std::nullopt;
+    const Vec3f outgoing = stretch.outgoing();
+    const float density = place->medium.density(outgoing, light->direction);
+    const float weight = light->delta ? 1.0f : power_heuristic(light->density, density);
+    ScatteredLight result;
+    result.value = place->weight * place->medium.evaluate(outgoing, light->direction) *
+                   (light->radiance / light->density) * weight;
+    if (!is_finite(result.value) || is_black(result.value)) return std::nullopt;
+    if (!light->casts_shadow) return result;
+    result.way = shadow;
+    Ray& ray = result.way->ray;
+    ray = Ray{};
+    ray.origin = position;
+    ray.direction = normalized_or(Vec3d(light->direction), Vec3d(0, 0, 1));
+    if (std::isfinite(light->distance)) {
+        ray.end = light->target_anchor;
+        const Vec3d way = light->target - position;
+        ray.direction = normalized_or(way, ray.direction);
+        ray.t_max = way.length();
+    }
+    result.way->media = stretch.media;
+    return result;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,26 @@
+// Light that media scatter straight from lamps, emitting surfaces and the world into a ray.
+#pragma once
+
+#include "base/random.h"
+#include "integrators/medium_tracking.h"
+#include "integrators/shadow.h"
+
+namespace rayleaf {
+
+struct ScatteredLight {
+    Color value{0, 0, 0};        ///< what arrives at the begin of the stretch if nothing hides the light
+    std::optional<FreeWay> way;  ///< to the light; empty: nothing can hide it
+};
+
+/// One light from one place on the stretch, by the random numbers of vertex `vertex` of a path. `shadow`: the way that
+/// shadow rays go from there, but for the ray itself.
+std::optional<ScatteredLight> scattered_light(const MediumStretch& stretch, const Color& throughput,
+                                              const Sampler& sampler, int vertex, const FreeWay& shadow);
+
+/// Lamps have places; suns and the world have none.
+inline std::optional<Vec3d> place_of(const std::optional<LightSample>& light) {
+    if (!light || !std::isfinite(light->distance)) return std::nullopt;
+    return light->target;
+}
+
+}  // namespace rayleaf

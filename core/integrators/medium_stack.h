@@ -1,0 +1,43 @@
+// The media that a ray is in: those whose borders it has crossed from outside and not yet from inside. Where several
+// overlap, they add up, as in Cycles; which was entered first does not matter.
+#pragma once
+
+#include "scene/scene.h"
+
+#include <array>
+#include <span>
+
+namespace rayleaf {
+
+class MediumStack {
+  public:
+    /// More than so many at a place are not noticed.
+    static constexpr size_t kMost = 8;
+
+    bool empty() const { return count_ == 0; }
+    std::span<const SceneMedium* const> all() const { return {media_.data(), count_}; }
+    /// Once, however often its border is crossed inwards.
+    void enter(const SceneMedium* medium);
+    void leave(const SceneMedium* medium);
+    /// Whether any varies from place to place.
+    bool varies() const;
+
+  private:
+    std::array<const SceneMedium*, kMost> media_;
+    size_t count_ = 0;
+};
+
+/// The media at a point that lies on no surface, where a path starts.
+MediumStack media_around(const Scene& scene, const Vec3d& position);
+
+/// The media beyond a surface point, for a ray that goes on through it along `direction`.
+void cross(const Scene& scene, const SurfacePoint& point, const Vec3f& direction, MediumStack& media);
+
+/// The media that a ray is in that leaves a point along `direction`; `outgoing` is on the side of `media`.
+inline void leave_towards(const Scene& scene, const SurfacePoint& point, const Vec3f& outgoing, const Vec3f& direction,
+                          MediumStack& media) {
+    const Vec3f& facet = point.facet_normal;
+    if (scene.has_media() && facet.dot(outgoing) * facet.dot(direction) < 0.0f) cross(scene, point, direction, media);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,246 @@
+#include "integrators/medium_tracking.h"
+
+#include "integrators/medium_majorants.h"
+
+namespace rayleaf {
+namespace {
+
+/// Null collisions on one stretch: beyond these a medium is taken to end.
+constexpr int kMostSteps = 4096;
+/// Light dimmer than this share of what it was goes on by chance.
+constexpr float kFaint = 0.02f, kFaintSurvival = 0.25f;
+
+float exponential(float extinction, double t) {
+    return extinction > 0.0f ? static_cast<float>(std::exp(-static_cast<double>(extinction) * t)) : 1.0f;
+}
+
+Color exponential(const Color& extinction, double t) {
+    return {exponential(extinction.x, t), exponential(extinction.y, t), exponential(extinction.z, t)};
+}
+
+/// Length over which light that is emitted evenly gets to the begin of a stretch; none where that has no end.
+float lit_length(float extinction, double end) {
+    const double depth = static_cast<double>(extinction) * end;
+    if (depth > 0.0) return static_cast<float>(-std::expm1(-depth) / static_cast<double>(extinction));
+    return std::isfinite(end) ? static_cast<float>(end) : 0.0f;
+}
+
+/// With which probability each channel decides on a distance: by how much of its light there is.
+Color shares_of(const Color& throughput) {
+    const Color size(std::max(throughput.x, 0.0f), std::max(throughput.y, 0.0f), std::max(throughput.z, 0.0f));
+    const float sum = size.x + size.y + size.z;
+    return sum > 0.0f && std::isfinite(sum) ? size / sum : Color(1.0f / 3.0f);
+}
+
+int channel_of(const Color& shares, float random) {
+    if (random < shares.x) return 0;
+    return random < shares.x + shares.y || !(shares.z > 0.0f) ? 1 : 2;
+}
+
+/// What is denser than its bound is as dense as that: else few paths would carry most of the light.
+Closures limited(Closures closures, float majorant) {
+    MediumClosures& medium = closures.medium;
+    const float largest = max_component(medium.extinction);
+    if (!(largest > majorant)) return closures;
+    const float factor = majorant / largest;
+    medium.extinction *= factor;
+    for (int i = 0; i < medium.count; ++i) medium.phases[static_cast<size_t>(i)].scattering *= factor;
+    return closures;
+}
+
+/// Goes from one tentative collision to the next; `visit(t, majorant)` says whether to go on.
+template <typename Visit>
+void track(const MediumStretch& stretch, RandomStream& random, const Visit& visit) {
+    const Majorants majorants(stretch);
+    double t = 0.0;
+    for (int i = 0; i < kMostSteps && t < stretch.end; ++i) {
+        const MajorantStep step = majorants.at(t);
+        const double border = std::min(step.end, stretch.end);
+        double next = std::numeric_limits<double>::infinity();
+        if (step.majorant > 0.0f)
+            next = t - std::log1p(-static_cast<double>(random.next())) / static_cast<double>(step.majorant);
+        t = std::min(next, border);
+        if (next < border && !visit(t, step.majorant)) return;
+    }
+}
+
+/// Ends faint light by chance; the rest is brighter.
+bool stays(Color& light, RandomStream& random) {
+    const float largest = max_abs(light);
+    if (largest >= kFaint) return true;
+    if (!(largest > 0.0f) || random.next() >= kFaintSurvival) {
+        light = Color(0.0f);
+        return false;
+    }
+    light /= kFaintSurvival;
+    return true;
+}
+
+MediumPassage pass_even(const MediumStretch& stretch, const Color& throughput, bool scatters, const Vec2f& distance) {
+    const Closures closures = stretch.at(0.0);
+    const Color& extinction = closures.medium.extinction;
+    MediumPassage passage;
+    for (int c = 0; c < 3; ++c) passage.emission[c] = closures.emission[c] * lit_length(extinction[c], stretch.end);
+    passage.weight = exponential(extinction, stretch.end);
+    if (!scatters || !closures.medium.scatters()) return passage;
+    const Color shares = shares_of(throughput);
+    const float chosen = extinction[channel_of(shares, distance.y)];
+    const double t = chosen > 0.0f ? -std::log1p(-static_cast<double>(distance.x)) / static_cast<double>(chosen)
+                                   : std::numeric_limits<double>::infinity();
+    if (!(t < stretch.end)) {
+        passage.weight /= shares.dot(passage.weight);
+        return passage;
+    }
+    const Color through = exponential(extinction, t);
+    passage.weight = through / (shares * extinction).dot(through);
+    passage.t = t;
+    passage.medium = closures.medium;
+    return passage;
+}
+
+MediumPassage pass_varying(const MediumStretch& stretch, const Color& throughput, bool scatters, RandomStream& random) {
+    MediumPassage passage;
+    track(stretch, random, [&](double t, float majorant) {
+        const Closures closures = limited(stretch.at(t), majorant);
+        passage.emission += passage.weight * closures.emission / majorant;
+        const Color& extinction = closures.medium.extinction;
+        const Color null = Color(majorant) - extinction;
+        if (!scatters || !closures.medium.scatters()) {
+            passage.weight *= null / majorant;
+            return stays(passage.weight, random);
+        }
+        const Color shares = shares_of(throughput * passage.weight);
+        const float real = shares.dot(extinction);
+        const float probability = real / (real + shares.dot(null));
+        if (random.next() >= probability) {
+            passage.weight *= null / (majorant * (1.0f - probability));
+            return stays(passage.weight, random);
+        }
+        passage.weight /= majorant * probability;
+        passage.t = t;
+        passage.medium = closures.medium;
+        return false;
+    });
+    return passage;
+}
+
+/// Places seen from a point under even angles.
+class Equiangular {
+  public:
+    Equiangular(const MediumStretch& stretch, const Vec3d& pivot) {
+        const Vec3d to_pivot = pivot - stretch.ray.origin;
+        nearest_ = to_pivot.dot(stretch.ray.direction);
+        distance_ = std::max((to_pivot - stretch.ray.direction * nearest_).length(), kLeastDistance);
+        first_ = std::atan2(-nearest_, distance_);
+        last_ = std::isfinite(stretch.end) ? std::atan2(stretch.end - nearest_, distance_) : std::numbers::pi / 2;
+    }
+    double sample(double random) const { return nearest_ + distance_ * std::tan(first_ + (last_ - first_) * random); }
+    double density(double t) const {
+        const double along = t - nearest_;
+        return distance_ / ((last_ - first_) * (distance_ * distance_ + along * along));
+    }
+
+  private:
+    static constexpr double kLeastDistance = 1e-6;  ///< world units: a light on the ray itself
+    double nearest_, distance_, first_, last_;
+};
+
+/// A place and its density, by one of two techniques.
+template <typename ByDistance>
+std::optional<std::pair<double, double>> chosen_place(const MediumStretch& stretch, const ByDistance& by_distance,
+                                                      const std::optional<Vec3d>& pivot, float random) {
+    double t = 0.0, density = 0.0;
+    if (!pivot) {
+        t = by_distance.sample(random);
+        density = by_distance.density(t);
+    } else {
+        const Equiangular by_angle(stretch, *pivot);
+        t = random < 0.5f ? by_distance.sample(2.0f * random)
+                          : by_angle.sample(2.0 * static_cast<double>(random) - 1.0);
+        density = 0.5 * (by_distance.density(t) + by_angle.density(t));
+    }
+    if (!(t >= 0.0 && t < stretch.end) || !(density > 0.0) || !std::isfinite(density)) return std::nullopt;
+    return std::pair(t, density);
+}
+
+/// As pass_even's, but within the stretch.
+struct EvenDepth {
+    const Color& extinction;
+    Color shares;
+    int channel;
+    double end;
+
+    double part(int c) const { return -std::expm1(-static_cast<double>(extinction[c]) * end); }
+    double sample(float random) const {
+        if (!(extinction[channel] > 0.0f)) return std::numeric_limits<double>::infinity();
+        return -std::log1p(-static_cast<double>(random) * part(channel)) / static_cast<double>(extinction[channel]);
+    }
+    double density(double t) const {
+        double sum = 0.0;
+        for (int c = 0; c < 3; ++c)
+            if (extinction[c] > 0.0f)
+                sum += static_cast<double>(shares[c] * extinction[c] * exponential(extinction[c], t)) / part(c);
+        return sum;
+    }
+};
+
+}  // namespace
+
+Closures MediumStretch::at(double t) const {
+    Closures sum;
+    const std::span<const SceneMedium* const> all = media.all();
+    scene.media().evaluate(*all.front(), ray.at(t), outgoing(), state, sum);
+    for (const SceneMedium* medium : all.subspan(1)) {
+        Closures more;
+        scene.media().evaluate(*medium, ray.at(t), outgoing(), state, more);
+        sum.medium.add(more.medium);
+        sum.emission += more.emission;
+    }
+    return sum;
+}
+
+Color transmittance(const MediumStretch& stretch, RandomStream& random) {
+    if (!stretch.media.varies()) return exponential(stretch.at(0.0).medium.extinction, stretch.end);
+    Color through(1.0f);
+    track(stretch, random, [&](double t, float majorant) {
+        through *= (Color(majorant) - limited(stretch.at(t), majorant).medium.extinction) / majorant;
+        return stays(through, random);
+    });
+    return through;
+}
+
+MediumPassage pass(const MediumStretch& stretch, const Color& throughput, bool scatters, const Vec2f& distance,
+                   RandomStream& random) {
+    if (stretch.media.varies()) return pass_varying(stretch, throughput, scatters, random);
+    return pass_even(stretch, throughput, scatters, distance);
+}
+
+std::optional<LitPlace> place_of_light(const MediumStretch& stretch, const Color& throughput,
+                                       const std::optional<Vec3d>& pivot, const Vec2f& place, RandomStream& random) {
+    if (!stretch.media.varies()) {
+        const MediumClosures medium = stretch.at(0.0).medium;
+        if (!medium.scatters()) return std::nullopt;
+        const Color shares = shares_of(throughput);
+        const EvenDepth depth{medium.extinction, shares, channel_of(shares, place.y), stretch.end};
+        const auto chosen = chosen_place(stretch, depth, pivot, place.x);
+        if (!chosen) return std::nullopt;
+        const Color through = exponential(medium.extinction, chosen->first);
+        return LitPlace{chosen->first, through / static_cast<float>(chosen->second), medium};
+    }
+    const Majorants majorants(stretch);
+    const auto chosen = chosen_place(stretch, RoughDepth(majorants, stretch.end), pivot, place.x);
+    if (!chosen) return std::nullopt;
+    const float majorant = majorants.at(chosen->first).majorant;
+    const MediumClosures medium = limited(stretch.at(chosen->first), majorant).medium;
+    if (!medium.scatters()) return std::nullopt;
+    const MediumStretch up_to{stretch.scene, stretch.media, stretch.ray, chosen->first, stretch.state};
+    return LitPlace{chosen->first, transmittance(up_to, random) / static_cast<float>(chosen->second), medium};
+}
+
+double likely_distance(const MediumStretch& stretch, float random) {
+    const double t = RoughDepth(Majorants(stretch), stretch.end).sample(random);
+    if (std::isfinite(t)) return std::min(t, stretch.end);
+    return std::isfinite(stretch.end) ? static_cast<double>(random) * stretch.end : 0.0;
+}
+
+}  // namespace rayleaf

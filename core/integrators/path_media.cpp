@@ -1,0 +1,88 @@
+// Paths through participating media.
+#include "integrators/medium_light.h"
+#include "integrators/path_tracer.h"
+
+namespace rayleaf {
+namespace {
+
+/// Width to which what media scatter opens, radians: as of a diffuse surface.
+constexpr float kScatteredWidth = 0.5f;
+
+}  // namespace
+
+Color PathTracer::free_of_media(double t) const {
+    if (media_.empty()) return Color(1.0f);
+    RandomStream random(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
+    return transmittance({scene_, media_, ray_, t, bounces_.at(0)}, random);
+}
+
+bool PathTracer::pass_media(double end) {
+    const MediumStretch stretch{scene_, media_, ray_, end, bounces_.at(0)};
+    const bool scatters = !bounces_.is_last();
+    if (scatters) add_scattered_light(stretch);
+    RandomStream random(sampler_, dimension(vertex_, PathDimension::MediumWalk));
+    const Vec2f distance = sampler_.get2(dimension(vertex_, PathDimension::Medium));
+    const MediumPassage passage = pass(stretch, throughput_, scatters, distance, random);
+    if (!is_black(passage.emission)) add(passage.emission, Pass::emission);
+    throughput_ *= passage.weight;
+    if (!is_finite(throughput_) || is_black(throughput_)) return true;
+    if (!passage.t) return false;
+    scatter_in_medium(passage);
+    return true;
+}
+
+/// Whether anything hides the light is found out at once: few paths of a stream are in media.
+void PathTracer::add_scattered_light(const MediumStretch& stretch) {
+    FreeWay shadow;
+    shadow.state = bounces_.of_shadow_ray();
+    shadow.transparent_left = bounces_.transparent_left();
+    shadow.widening = settings_.widening(importance(), false);
+    shadow.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
+    const std::optional<ScatteredLight> light = scattered_light(stretch, throughput_, sampler_, vertex_, shadow);
+    if (!light) return;
+    Color value = throughput_ * light->value;
+    if (light->way) {
+        ++counts_[RayUse::Shadow];
+        value *= free_share(scene_, *light->way);
+    }
+    if (is_black(value)) return;
+    if (bounces_.count() == 0)
+        light_.add_first(value, {});
+    else
+        light_.add_scattered(value, bounces_.count() + 1, first_shares_);
+}
+
+/// False where the path ends; `vertex_` stays then.
+bool PathTracer::scatter_in_medium(const MediumPassage& passage) {
+    const Vec3f direction(ray_.direction);
+    const std::optional<PhaseSample> sample = passage.medium.sample(-direction, random3(PathDimension::Scatter));
+    if (!sample) return false;
+    throughput_ *= sample->weight;
+    bounces_.scatter_in_medium();
+    use_ = RayUse::Medium;
+    if (!survives_roulette()) return false;
+    if (has_footprint_)
+        differential_ =
+            widened(differential_.transferred(direction, *passage.t, -direction), sample->direction, kScatteredWidth);
+    const Vec3d position = ray_.at(*passage.t);
+    departure_ = {position, sample->density};
+    ray_ = Ray{};
+    ray_.origin = position;
+    ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
+    outside_of_ = kNowhere;
+    ++vertex_;
+    return true;
+}
+
+void PathTracer::pass_boundary() {
+    const Vec3f direction(ray_.direction);
+    const SurfacePoint point = scene_.tracer().surface_point(ray_, *hit_);
+    cross(scene_, point, direction, media_);
+    bounces_.pass_boundary(point.t);
+    if (has_footprint_) differential_ = differential_.transferred(direction, point.t, point.facet_normal);
+    ray_ = point.behind(ray_);
+    outside_of_ = kNowhere;
+    ++vertex_;
+}
+
+}  // namespace rayleaf

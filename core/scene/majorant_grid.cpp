@@ -1,0 +1,85 @@
+#include "scene/majorant_grid.h"
+
+#include <array>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace rayleaf {
+namespace {
+
+/// Lattice points along a side of a cell, those of its neighbours' sides included.
+constexpr int kPointsPerCell = 2;
+/// What lies between the points may be denser by this factor: fewer surprises.
+constexpr float kReserve = 1.25f;
+constexpr size_t kTogether = 32;
+
+double share_of(int i, int count) {
+    return count > 0 ? static_cast<double>(i) / count : 0.5;
+}
+
+/// Extinctions at the points of one layer of the lattice.
+void fill_layer(const Box3d& box, int z, int last, const MajorantGrid::Extinctions& extinctions, float* layer) {
+    std::array<Vec3d, kTogether> points;
+    const Vec3d size = box.size();
+    const int side = last + 1, count = side * side;
+    for (int first = 0; first < count; first += static_cast<int>(kTogether)) {
+        const int together = std::min(static_cast<int>(kTogether), count - first);
+        for (int i = 0; i < together; ++i) {
+            const Vec3d share(share_of((first + i) % side, last), share_of((first + i) / side, last),
+                              share_of(z, last));
+            points[static_cast<size_t>(i)] = box.min + size * share;
+        }
+        extinctions({points.data(), static_cast<size_t>(together)}, layer + first);
+    }
+}
+
+}  // namespace
+
+MajorantGrid::MajorantGrid(const Box3d& box, int cells, const Extinctions& extinctions, const CancelToken& cancel)
+    : box_(box), cells_(cells), majorants_(static_cast<size_t>(cells) * cells * cells, 0.0f) {
+    const int last = cells * kPointsPerCell, side = last + 1;
+    const size_t layer_size = static_cast<size_t>(side) * side;
+    std::vector<float> lattice(layer_size * side);
+    tbb::parallel_for(0, side, [&](int z) {
+        cancel.throw_if_cancelled();
+        fill_layer(box, z, last, extinctions, lattice.data() + layer_size * z);
+    });
+    double sum = 0;
+    for (int z = 0; z < side; ++z)
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x) {
+                const float value = lattice[layer_size * z + static_cast<size_t>(side) * y + x];
+                sum += value;
+                largest_ = std::max(largest_, value * kReserve);
+                const auto first = [](int i) { return std::max((i - 1) / kPointsPerCell, 0); };
+                const auto end = [cells](int i) { return std::min(i / kPointsPerCell, cells - 1); };
+                for (int k = first(z); k <= end(z); ++k)
+                    for (int j = first(y); j <= end(y); ++j)
+                        for (int i = first(x); i <= end(x); ++i) {
+                            float& majorant = majorants_[(static_cast<size_t>(k) * cells + j) * cells + i];
+                            majorant = std::max(majorant, value * kReserve);
+                        }
+            }
+    mean_ = static_cast<float>(sum / static_cast<double>(lattice.size()));
+}
+
+MajorantStep MajorantGrid::at(const Vec3d& origin, const Vec3d& direction, double t) const {
+    const Vec3d place = origin + direction * t, size = box_.size();
+    MajorantStep step{largest_, std::numeric_limits<double>::infinity()};
+    size_t index = 0;
+    for (int axis = 2; axis >= 0; --axis) {
+        if (!(size[axis] > 0.0)) continue;
+        const double width = size[axis] / cells_, cell = std::floor((place[axis] - box_.min[axis]) / width);
+        if (!(cell >= 0.0 && cell < cells_)) return {largest_, std::numeric_limits<double>::infinity()};
+        index = index * static_cast<size_t>(cells_) + static_cast<size_t>(cell);
+        if (direction[axis] == 0.0) continue;
+        // A little beyond the border, so that rounding never finds the same cell again.
+        constexpr double kBeyond = 1e-6;
+        const double border = box_.min[axis] + width * (direction[axis] > 0.0 ? cell + 1.0 + kBeyond : cell - kBeyond);
+        step.end = std::min(step.end, (border - origin[axis]) / direction[axis]);
+    }
+    step.majorant = majorants_[index];
+    return step;
+}
+
+}  // namespace rayleaf

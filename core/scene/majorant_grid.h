@@ -1,0 +1,43 @@
+// How dense a medium that varies may be at most, cell by cell: what null collisions go by (Woodcock et al. 1965).
+//
+// The bound is looked up at points of a lattice, with some reserve. Where a medium is denser between them, it is
+// rendered as dense as its bound (integrators/medium_tracking.cpp).
+#pragma once
+
+#include "base/cancel.h"
+#include "base/vector.h"
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace rayleaf {
+
+/// What a ray finds at a place of the grid.
+struct MajorantStep {
+    float majorant = 0;  ///< extinction of the densest channel, per world unit
+    double end = 0;      ///< how far along the ray it holds
+};
+
+class MajorantGrid {
+  public:
+    /// Extinction's largest channel at points of the grid's own space; up to kMostPoints at once (shading/program.h).
+    using Extinctions = std::function<void(std::span<const Vec3d> points, float* extinctions)>;
+
+    /// `cells` along each side of `box`. Throws Cancelled soon after `cancel` says so.
+    MajorantGrid(const Box3d& box, int cells, const Extinctions& extinctions, const CancelToken& cancel);
+
+    /// Along a ray in the grid's space, at `t`. Beyond the box: as dense as anywhere, for ever.
+    MajorantStep at(const Vec3d& origin, const Vec3d& direction, double t) const;
+    /// Of the box, per world unit.
+    float mean() const { return mean_; }
+    size_t bytes() const { return majorants_.capacity() * sizeof(float); }
+
+  private:
+    Box3d box_;
+    int cells_;
+    std::vector<float> majorants_;  ///< x fastest
+    float mean_ = 0, largest_ = 0;
+};
+
+}  // namespace rayleaf

@@ -1,0 +1,55 @@
+"""Nodes for lamps: the IES Texture; and whether a lamp's tree is more than a constant colour."""
+
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...names import name_of, text_of
+from .. import ies
+from .compiler import Compiler, NodeView, value_node
+from .emitter import UNCONNECTED, Register
+
+# More than any manufacturer's.
+_LARGEST_FILE = 1 << 24
+
+
+def _text_of(node: Any) -> str:
+    """What the node's file says. Raises OSError, IesError."""
+    if node.mode == "INTERNAL":
+        if node.ies is None:
+            raise ies.IesError("no text is chosen")
+        return str(node.ies.as_string())
+    path = bpy.path.abspath(text_of(node, "filepath"))
+    with open(path, encoding="latin-1") as file:
+        return file.read(_LARGEST_FILE)
+
+
+@value_node("ShaderNodeTexIES")
+def ies_texture(view: NodeView, output: str) -> Register:
+    """IES Texture: by the direction in which the lamp shines, in its own space."""
+    emitter, strength = view.emitter, view.input("Strength")
+    try:
+        table = ies.parse(_text_of(view.node))
+    except (OSError, ies.IesError) as error:
+        view.warn(f"its IES file cannot be used: {error}; the lamp shines alike everywhere")
+        return strength
+    direction = view.linked("Vector")
+    if direction == UNCONNECTED:
+        direction = emitter.operation("object_normal")
+    value = emitter.operation("ies", [direction], floats=table)
+    return emitter.math("MULTIPLY", value, strength)
+
+
+def constant_emission(compiler: Compiler, tree: Any) -> NDArray[np.float64] | None:
+    """Colour times strength where a tree is one Emission node without links; None for other trees."""
+    output = tree.get_output_node("CYCLES")
+    link = None if output is None else compiler.link(output.inputs["Surface"])
+    node = None if link is None else link.from_node
+    if node is None or node.mute or node.bl_idname != "ShaderNodeEmission":
+        return None
+    if any(compiler.link(socket) is not None for socket in node.inputs):
+        return None
+    color, strength = (next(s for s in node.inputs if name_of(s) == name) for name in ("Color", "Strength"))
+    return np.array(color.default_value[:3]) * strength.default_value

@@ -1,0 +1,154 @@
+"""Runs inside Blender: Cycles and Rayleaf render a floor under lamps with nodes; reports the pixels."""
+
+import itertools
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import plain_exr
+import scenes
+
+report = globals()["report"]  # given by the test
+SIZE, SAMPLES = 12, 400
+LAMPS = {
+    "point": dict(type="POINT", energy=100, shadow_soft_size=0.0),
+    "spot": dict(type="SPOT", energy=100, shadow_soft_size=0.0, spot_size=2.2, spot_blend=0.3),
+    "sun": dict(type="SUN", energy=3, angle=0.0),
+    "rectangle": dict(type="AREA", energy=100, shape="RECTANGLE", size=1.5, size_y=0.7),
+    "disk": dict(type="AREA", energy=100, shape="DISK", size=1.2),
+}
+# One quadrant; half; all around; a single column. Candela.
+IES = {
+    "quadrant": ((0, 30, 60, 90), (0, 45, 90), (900, 700, 300, 0, 800, 400, 100, 0, 900, 900, 600, 100)),
+    "half": ((0, 30, 60, 90), (0, 90, 180), (900, 700, 300, 0, 900, 400, 100, 0, 900, 900, 600, 100)),
+    "around": ((0, 45, 90), (0, 120, 240, 360), (500, 700, 300, 500, 200, 100, 500, 900, 800, 500, 700, 300)),
+    "column": ((0, 20, 40, 90, 180), (0,), (900, 1200, 300, 200, 100)),
+}
+
+
+def ies_text(name):
+    """A file with a distribution, as Blender's text."""
+    down, around, values = IES[name]
+    header = f"IESNA:LM-63-1995\n[TEST] {name}\nTILT=NONE\n1 1000 1.5 {len(down)} {len(around)} 1 2 0 0 0\n1 0.9 60\n"
+    text = bpy.data.texts.new(name)
+    text.write(header + "\n".join(" ".join(map(str, row)) for row in (down, around, values)) + "\n")
+    return text
+
+
+def tint(tree, *wanted):
+    """The emission of a lamp by what a case names."""
+    kind, name = wanted
+    emission = tree.nodes.new("ShaderNodeEmission")
+    if kind == "IES":
+        node = tree.nodes.new("ShaderNodeTexIES")
+        node.ies = ies_text(name)
+        node.inputs["Strength"].default_value = 0.5
+        tree.links.new(node.outputs[0], emission.inputs["Strength"])
+    elif kind == "falloff":
+        node = tree.nodes.new("ShaderNodeLightFalloff")
+        node.inputs["Strength"].default_value, node.inputs["Smooth"].default_value = 0.7, 1.5
+        tree.links.new(node.outputs[name], emission.inputs["Strength"])
+    elif kind == "blackbody":
+        node = tree.nodes.new("ShaderNodeBlackbody")
+        node.inputs[0].default_value = float(name)
+        tree.links.new(node.outputs[0], emission.inputs["Color"])
+    else:  # a vector; shown in colours that are positive
+        node, shift = tree.nodes.new(f"ShaderNode{kind}"), tree.nodes.new("ShaderNodeVectorMath")
+        tree.links.new(node.outputs[name], shift.inputs[0])
+        shift.inputs[1].default_value = (3, 3, 3)
+        tree.links.new(shift.outputs[0], emission.inputs["Color"])
+    return emission.outputs[0]
+
+
+def several(tree):
+    """Two emissions added, and mixed with a third."""
+    nodes = [tree.nodes.new("ShaderNodeEmission") for _ in range(3)]
+    for node, color in zip(nodes, ((1, 0.2, 0.1, 1), (0.1, 1, 0.3, 1), (0.3, 0.2, 1, 1))):
+        node.inputs["Color"].default_value = color
+    added, mixed = tree.nodes.new("ShaderNodeAddShader"), tree.nodes.new("ShaderNodeMixShader")
+    mixed.inputs[0].default_value = 0.3
+    for source, target in zip((*nodes[:2], added, nodes[2]), (*added.inputs, *mixed.inputs[1:])):
+        tree.links.new(source.outputs[0], target)
+    return mixed.outputs[0]
+
+
+def cases():
+    """Name -> lamp, and what makes its emission."""
+    found = {f"{lamp}, IES {name}": (lamp, "IES", name) for lamp, name in itertools.product(("point", "spot"), IES)}
+    found["sun, IES"] = ("sun", "IES", "half")
+    found["rectangle, IES"] = ("rectangle", "IES", "half")
+    for lamp in LAMPS:
+        for name in ("Normal", "UV") + (("Object",) if lamp != "sun" else ()):  # a sun has no place
+            found[f"{lamp}, coordinate {name}"] = (lamp, "TexCoord", name)
+        for name in ("Normal", "Incoming") + (("Position",) if lamp != "sun" else ()):
+            found[f"{lamp}, geometry {name}"] = (lamp, "NewGeometry", name)
+    for name in ("Quadratic", "Linear", "Constant"):
+        found[f"point, falloff {name}"] = ("point", "falloff", name)
+        found[f"rectangle, falloff {name}"] = ("rectangle", "falloff", name)
+    found["point, blackbody"] = ("point", "blackbody", "2700")
+    found["spot, several"] = ("spot", "several", "")
+    return found
+
+
+def build():
+    """A white floor seen from above."""
+    scenes.empty_file()
+    scene = bpy.context.scene
+    scenes.plain_world((0, 0, 0))
+    bpy.ops.mesh.primitive_plane_add(size=100)
+    material = bpy.data.materials.new("white")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    diffuse, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    diffuse.inputs[0].default_value = (1, 1, 1, 1)
+    tree.links.new(diffuse.outputs[0], output.inputs[0])
+    bpy.context.object.data.materials.append(material)
+    camera = bpy.data.cameras.new("camera")
+    camera.type, camera.ortho_scale = "ORTHO", 4.0
+    scene.camera = scenes.add(camera)
+    scene.camera.location = (0, 0, 20)
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scenes.write_layers()
+    for own in (scene.cycles, scene.rayleaf):
+        own.samples, own.max_bounces = SAMPLES, 0
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.cycles.pixel_filter_type = scene.rayleaf.filter_type = "BOX"
+    scene.rayleaf.filter_width = 1.0
+    return scene
+
+
+def add_lamp(lamp, kind, name):
+    """A lamp above the floor, a little turned."""
+    described = dict(LAMPS[lamp])
+    data = bpy.data.lights.new("lamp", described.pop("type"))
+    for key, value in described.items():
+        setattr(data, key, value)
+    data.use_nodes = True
+    tree = data.node_tree
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputLight")
+    made = several(tree) if kind == "several" else tint(tree, kind, name)
+    tree.links.new(made, output.inputs[0])
+    placed = scenes.add(data)
+    placed.location, placed.rotation_euler = (0.3, 0.2, 1.6), (0.25, 0.15, 0.4)
+    return placed
+
+
+def picture(scene, engine, path):
+    """Pixels by row, column, channel."""
+    scene.render.engine, scene.render.filepath = engine, str(path)
+    bpy.ops.render.render(write_still=True)
+    channels = plain_exr.read(path)
+    return np.stack([channels[f"ViewLayer.Combined.{letter}"] for letter in "RGB"], -1)
+
+
+if __name__ == "__main__":
+    scene_of_all, folder, pictures = build(), Path(sys.argv[1]), {}
+    for case, described_lamp in cases().items():
+        thing = add_lamp(*described_lamp)
+        engines = ("CYCLES", "RAYLEAF")
+        pictures[case] = [picture(scene_of_all, e, folder / "picture.exr").ravel().tolist() for e in engines]
+        bpy.data.objects.remove(thing)
+    report(pictures=pictures)

@@ -1,0 +1,147 @@
+"""Runs inside Blender: Cycles and Rayleaf render a body with a volume on a floor; reports means over parts of the picture."""
+
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import plain_exr
+import scenes
+from volume_oracle_cases import CASES
+
+report = globals()["report"]  # given by the test
+SIZE, SAMPLES = 24, 256
+ENGINES = {"CYCLES": {}, "RAYLEAF": {"integrator": "PATH"}, "DISTRIBUTION": {"integrator": "DISTRIBUTION"}}
+# Distribution ray tracing has one diffuse bounce at most: these have none to speak of.
+ALSO_DISTRIBUTED = ("tinted glass", "scattering", "uneven scattering", "a world of mist")
+
+
+def textures(tree):
+    """What cases link to by name."""
+    place, noise, colors = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "TexNoise"))
+    gradient, faint = tree.nodes.new("ShaderNodeTexGradient"), tree.nodes.new("ShaderNodeMath")
+    strong = tree.nodes.new("ShaderNodeMath")
+    for node, scale in ((noise, 1.7), (colors, 0.9)):
+        tree.links.new(place.outputs["Object"], node.inputs["Vector"])
+        node.inputs["Scale"].default_value, node.inputs["Detail"].default_value = scale, 1.0
+    tree.links.new(place.outputs["Generated"], gradient.inputs["Vector"])
+    for node, factor in ((faint, 0.1), (strong, 2.0)):
+        node.operation = "MULTIPLY"
+        tree.links.new(noise.outputs["Fac"], node.inputs[0])
+        node.inputs[1].default_value = factor
+    return {
+        "noise": strong.outputs[0],
+        "colors": colors.outputs["Color"],
+        "gradient": gradient.outputs["Fac"],
+        "faint": faint.outputs[0],
+    }
+
+
+def shader(tree, named, described):
+    """The output of a described shader."""
+    kind, inputs = described
+    node = tree.nodes.new(f"ShaderNode{kind}")
+    for name, value in inputs.items():
+        if isinstance(value, tuple) and isinstance(value[0], str):
+            tree.links.new(shader(tree, named, value), node.inputs[name])
+        elif isinstance(value, str):
+            tree.links.new(named[value], node.inputs[name])
+        else:
+            node.inputs[name].default_value = value
+    return node.outputs[0]
+
+
+def fill(owner, kind, **described):
+    """Give a material or world the nodes that are described by input of the output."""
+    owner.use_nodes = True
+    tree = owner.node_tree
+    tree.nodes.clear()
+    output, named = tree.nodes.new(f"ShaderNodeOutput{kind}"), textures(tree)
+    for name, each in described.items():
+        if each is not None:
+            tree.links.new(shader(tree, named, each), output.inputs[name])
+
+
+def add_body(name, shape, size, location):
+    """A closed body with a material of its own."""
+    if shape == "ball":
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=size / 2, location=location, segments=48, ring_count=24)
+        bpy.ops.object.shade_smooth()
+    else:
+        bpy.ops.mesh.primitive_cube_add(size=size, location=location, rotation=(0.0, 0.0, 0.4))
+    body = bpy.context.object
+    body.name = name
+    body.data.materials.append(bpy.data.materials.new(name))
+    return body
+
+
+def build(case):
+    """A body on a floor under a point lamp, an area lamp and a grey sky."""
+    scenes.empty_file()
+    scene = bpy.context.scene
+    scene.world = bpy.data.worlds.new("grey")
+    fill(scene.world, "World", Surface=("Background", {"Color": (0.2, 0.25, 0.3, 1)}), Volume=case.world)
+    bpy.ops.mesh.primitive_plane_add(size=8)
+    bpy.context.object.data.materials.append(bpy.data.materials.new("floor"))
+    fill(bpy.data.materials["floor"], "Material", Surface=("BsdfDiffuse", {"Color": (0.7, 0.7, 0.7, 1)}))
+    size, place = (12.0, (0, 0, 5.9)) if case.camera_inside else (1.6, (0, 0, 1.0))
+    add_body("body", case.shape, size, place)
+    fill(bpy.data.materials["body"], "Material", Surface=case.surface, Volume=case.volume)
+    if case.inner:
+        add_body("inner", "cube", 0.7, (0.1, 0.0, 1.0))
+        fill(bpy.data.materials["inner"], "Material", Volume=case.inner)
+    # Without a size: Cycles' balls of light are disks that face who looks, which shows in mist close by.
+    point = scenes.add(bpy.data.lights.new("point", "POINT"))
+    point.data.energy, point.data.shadow_soft_size, point.location = 150, 0.0, (1.5, -1.5, 3.0)
+    area = scenes.add(bpy.data.lights.new("area", "AREA"))
+    area.data.energy, area.data.size = 60, 1.0
+    area.location, area.rotation_euler = (-2.5, -0.5, 2.5), (0.2, -0.9, 0.0)
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0.0, -4.5, 2.4), (1.25, 0, 0)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scenes.write_layers()
+    return scene
+
+
+def set_up(scene, settings):
+    """The same for both engines."""
+    for name, value in {"max_bounces": 16, "volume_bounces": 0, "diffuse_bounces": 1, **settings}.items():
+        setattr(scene.cycles, name, value)
+        setattr(scene.rayleaf, name, value)
+    for own in (scene.cycles, scene.rayleaf):
+        own.samples = SAMPLES
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.cycles.sample_clamp_indirect = scene.rayleaf.clamp_indirect = 0.0
+    scene.cycles.blur_glossy = 0.0
+    scene.cycles.volume_step_rate, scene.cycles.volume_preview_step_rate = 0.1, 0.1
+    scene.cycles.pixel_filter_type = scene.rayleaf.filter_type = "BOX"
+    scene.rayleaf.filter_width = 1.0
+
+
+def parts(scene, engine, path):
+    """Means of the picture over 3 x 3 parts, by channel."""
+    scene.render.engine, scene.render.filepath = engine, str(path)
+    bpy.ops.render.render(write_still=True)
+    channels = plain_exr.read(path)
+    picture = np.stack([channels[f"ViewLayer.Combined.{letter}"] for letter in "RGB"], -1)
+    third = SIZE // 3
+    return picture.reshape(3, third, 3, third, 3).mean((1, 3)).ravel().tolist()
+
+
+if __name__ == "__main__":
+    folder, result = Path(sys.argv[1]), {}
+    wanted = sys.argv[2:] or list(CASES)
+    for case_name in wanted:
+        scene_of_case = build(CASES[case_name])
+        set_up(scene_of_case, CASES[case_name].settings)
+        result[case_name] = {}
+        for engine_name, own_settings in ENGINES.items():
+            if engine_name == "DISTRIBUTION" and case_name not in ALSO_DISTRIBUTED:
+                continue
+            for key, setting in own_settings.items():
+                setattr(scene_of_case.rayleaf, key, setting)
+            chosen = "CYCLES" if engine_name == "CYCLES" else "RAYLEAF"
+            result[case_name][engine_name] = parts(scene_of_case, chosen, folder / "picture.exr")
+    report(result=result)

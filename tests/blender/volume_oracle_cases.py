@@ -1,0 +1,56 @@
+"""Materials and worlds with volumes that test_volume_oracle.py compares with Cycles."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass
+class Volume:
+    """A case: nodes of the body's surface and volume, and of the world's volume. A shader is a tuple of the node's name
+    without ShaderNode, and its inputs; an input is a value, the name of a texture, or another such tuple."""
+
+    surface: Any = None
+    volume: Any = None
+    world: Any = None
+    inner: Any = None  # a volume in a smaller body inside
+    settings: dict[str, Any] = field(default_factory=dict)  # of the scene's light paths, for both engines
+    camera_inside: bool = False
+    shape: str = "cube"
+
+
+GLASS = ("BsdfGlass", {"Roughness": 0.0, "IOR": 1.4})
+TINT = ("VolumeAbsorption", {"Color": (0.2, 0.6, 0.9, 1), "Density": 1.2})
+FOG = ("VolumeScatter", {"Color": (0.9, 0.6, 0.3, 1), "Density": 0.8, "Anisotropy": 0.0})
+PRINCIPLED = {"Color": (0.7, 0.5, 0.3, 1), "Density": 1.1, "Anisotropy": 0.3, "Absorption Color": (0.4, 0.1, 0.6, 1)}
+GLOW = {"Emission Strength": 0.4, "Emission Color": (0.2, 0.5, 0.9, 1)}
+FIRE = {"Blackbody Intensity": 0.9, "Blackbody Tint": (1, 0.8, 0.7, 1), "Temperature": 1900.0, "Density": 0.3}
+
+CASES = {
+    "tinted glass": Volume(GLASS, TINT),
+    "a ball of tinted glass": Volume(GLASS, TINT, shape="ball"),
+    "tinted translucent skin": Volume(("BsdfTranslucent", {"Color": (0.8, 0.8, 0.8, 1)}), TINT),
+    "absorption": Volume(None, TINT),
+    "scattering": Volume(None, FOG),
+    "scattering forwards": Volume(None, ("VolumeScatter", {**FOG[1], "Anisotropy": 0.7})),
+    "scattering backwards": Volume(None, ("VolumeScatter", {**FOG[1], "Anisotropy": -0.6, "Density": 2.0})),
+    "milky glass": Volume(GLASS, FOG),
+    "several bounces": Volume(None, ("VolumeScatter", {**FOG[1], "Density": 4.0}), settings={"volume_bounces": 5}),
+    "emission": Volume(None, ("Emission", {"Color": (0.2, 0.5, 0.9, 1), "Strength": 0.4})),
+    "principled": Volume(None, ("VolumePrincipled", PRINCIPLED)),
+    "principled, glowing": Volume(None, ("VolumePrincipled", {**PRINCIPLED, **GLOW})),
+    "principled, burning": Volume(None, ("VolumePrincipled", FIRE)),
+    "a mixture": Volume(None, ("MixShader", {0: 0.3, 1: TINT, 2: FOG})),
+    "a glowing mixture": Volume(
+        None, ("MixShader", {0: 0.3, 1: ("VolumePrincipled", {**PRINCIPLED, **GLOW}), 2: TINT})
+    ),
+    "a sum": Volume(None, ("AddShader", {0: TINT, 1: FOG})),
+    "uneven absorption": Volume(None, ("VolumeAbsorption", {**TINT[1], "Density": "noise"})),
+    "uneven tint in glass": Volume(GLASS, ("VolumeAbsorption", {"Density": 1.0, "Color": "colors"})),
+    "uneven scattering": Volume(None, ("VolumeScatter", {**FOG[1], "Density": "noise"})),
+    "uneven glow": Volume(None, ("VolumePrincipled", {**PRINCIPLED, **GLOW, "Density": "gradient"})),
+    "one in another": Volume(GLASS, TINT, inner=FOG),
+    "a world of mist": Volume(("BsdfDiffuse", {}), None, ("VolumeScatter", {**FOG[1], "Density": 0.05})),
+    "a dark world": Volume(("BsdfDiffuse", {}), None, ("VolumeAbsorption", {**TINT[1], "Density": 0.1})),
+    "a world of uneven mist": Volume(("BsdfDiffuse", {}), None, ("VolumeScatter", {**FOG[1], "Density": "faint"})),
+    "seen from inside": Volume(None, ("VolumeScatter", {**FOG[1], "Density": 0.15}), camera_inside=True),
+}

@@ -1,0 +1,186 @@
+"""Participating media: closed forms, both integrators, streams, and input that nobody wants."""
+
+import numpy as np
+import pytest
+from path_scenes import ALL_PASSES, lit_plane, material, picture, render, varied_scene
+from scenes import CUBE_TRIANGLES, CUBE_VERTICES, background, look_down, matrix, sphere_spline
+
+WHITE = (1.0, 1.0, 1.0)
+
+
+def medium(core, *closures):
+    """A program of the sum of (operation, arguments…); a string names an input operation, of which x counts."""
+    program = core.Program("medium")
+
+    def operand(value):
+        if isinstance(value, str):
+            return program.operation("component", [program.operation(value)], [0])
+        return program.constant(*(value if isinstance(value, tuple) else (value,) * 3), 1.0)
+
+    for operation, *arguments in closures:
+        program.operation(operation, [operand(each) for each in arguments])
+    return program
+
+
+def absorbing(core, left=(0.2, 0.5, 0.9), density=1.0):
+    return medium(core, ("volume_absorption", 1.0, left, density))
+
+
+def scattering(core, color=(0.9, 0.6, 0.3), density=1.0, g=0.3):
+    return medium(core, ("volume_scatter", 1.0, color, density, g))
+
+
+def add_box(core, scene, program, place=(0, 0, 0), scale=1.0, surface=None, name="box"):
+    """A cube of twice `scale` that holds a medium."""
+    box = scene.add_mesh(name, CUBE_VERTICES, CUBE_TRIANGLES)
+    materials = scene.add_material_list([scene.add_material(name, surface, medium=program)])
+    scene.add_instance(name, box, matrix(place, scale), materials)
+
+
+def in_front_of_the_world(core, *programs, world=WHITE):
+    """Boxes of media two units deep, one behind the other, before a world."""
+    scene = core.SceneDescription()
+    for i, program in enumerate(programs):
+        add_box(core, scene, program, (0, 0, -3.0 * i), name=f"box {i}")
+    scene.set_world(background(core, world), 0)
+    look_down(scene, half=0.05)
+    return scene
+
+
+INTEGRATORS = ["PATH", "DISTRIBUTION"]
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_absorption_is_beers_law(core, integrator):
+    scene = in_front_of_the_world(core, absorbing(core, density=0.7), absorbing(core, (0.9, 0.9, 0.1), 0.2))
+    expected = np.exp(-2.0 * (0.7 * np.array([0.8, 0.5, 0.1]) + 0.2 * np.array([0.1, 0.1, 0.9])))
+    image = picture(core, scene, samples=2, integrator=integrator)
+    np.testing.assert_allclose(image, np.broadcast_to(expected, image.shape), rtol=3e-3)  # rays slant
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_an_uneven_medium_absorbs_by_its_integral(core, integrator):
+    """Density is the height above the box's bottom, 0 to 1."""
+    program = core.Program("medium")
+    height = program.operation("component", [program.operation("generated")], [2])
+    operands = [program.constant(1, 1, 1, 1), program.constant(0.5, 0.0, 1.0, 1), height]
+    program.operation("volume_absorption", operands)
+    image = picture(core, in_front_of_the_world(core, program), samples=4000, size=2, integrator=integrator)
+    np.testing.assert_allclose(image.mean((0, 1)), np.exp([-0.5, -1.0, 0.0]), rtol=0.02)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_medium_that_loses_nothing_is_invisible_in_even_light(core, integrator):
+    """Whatever is scattered away from a ray is scattered into it."""
+    program = scattering(core, WHITE, 0.8, 0.5)
+    settings = dict(samples=1024, size=4, max_bounces=200, volume_bounces=200, roulette_start=200)
+    image = picture(core, in_front_of_the_world(core, program), integrator=integrator, **settings)
+    np.testing.assert_allclose(image.mean(), 1.0, atol=5e-3)
+
+
+def test_emission_grows_with_the_way_and_dims_by_absorption(core):
+    program = medium(core, ("emission", 1.0, (0.5, 0.2, 0.1), 1.0), ("volume_absorption", 1.0, (0.0, 0.5, 1.0), 1.0))
+    image = picture(core, in_front_of_the_world(core, program, world=(0, 0, 0)), samples=2)
+    extinction = np.array([1.0, 0.5, 1e-9])
+    expected = np.array([0.5, 0.2, 0.1]) * -np.expm1(-2.0 * extinction) / extinction
+    np.testing.assert_allclose(image, np.broadcast_to(expected, image.shape), rtol=2e-3)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_shadows_are_as_dark_as_the_medium(core, integrator):
+    lit, dimmed = lit_plane(core), lit_plane(core)
+    for scene in (lit, dimmed):
+        scene.add_lamp("sun", "SUN", matrix(), WHITE)
+    add_box(core, dimmed, absorbing(core, (0.5, 0.5, 0.5), 1.0), (0, 0, 20), 8.0)
+    images = [picture(core, scene, samples=2, integrator=integrator) for scene in (lit, dimmed)]
+    np.testing.assert_allclose(images[1], images[0] * np.exp(-0.5 * 16.0), rtol=5e-3)
+
+
+def test_media_that_overlap_add_up(core):
+    once = in_front_of_the_world(core, medium(core, *[("volume_absorption", 1.0, 0.5, 1.0)] * 2))
+    twice = in_front_of_the_world(core, absorbing(core, (0.5,) * 3))
+    add_box(core, twice, absorbing(core, (0.5,) * 3), scale=1.0, place=(0.01, 0.02, 0.01), name="other")
+    np.testing.assert_allclose(picture(core, twice, samples=2), picture(core, once, samples=2), rtol=1e-4)
+
+
+def test_a_camera_inside_sees_the_medium_around_it(core):
+    scene = in_front_of_the_world(core)
+    add_box(core, scene, absorbing(core, (0.5,) * 3, 1.0), (0, 0, 5.0), 2.0)
+    image = picture(core, scene, samples=2)
+    np.testing.assert_allclose(image, np.exp(-0.5 * 2.0), rtol=2e-3)
+
+
+def test_glass_tints_by_the_way_inside(core):
+    """Straight through a slab, but for what its two sides mirror."""
+    program = core.Program("glass")
+    one = program.constant(1, 1, 1, 1)
+    program.operation("glass", [one, one, program.constant(0, 0, 0, 1), program.constant(*[1.5] * 4)], text="SHARP")
+    images = []
+    for density in (0.0, 1.0):
+        scene = core.SceneDescription()
+        add_box(core, scene, absorbing(core, (0.5,) * 3, density), surface=program)
+        scene.set_world(background(core, WHITE), 0)
+        look_down(scene, half=0.01)
+        images.append(picture(core, scene, samples=512, size=4, max_bounces=8).mean())
+    mirrored, through = 0.04, np.exp(-1.0)  # the series of inner reflections
+    expected = mirrored + 0.96**2 * through / (1 - 0.04**2 * through**2) * (1 + 0.04 * through)
+    assert images[0] == pytest.approx(1.0, abs=2e-3)
+    assert images[1] == pytest.approx(expected, abs=0.01)
+
+
+def scenes_of_media(core):
+    """The varied scene with media of every kind."""
+    scene = varied_scene(core)
+    add_box(core, scene, scattering(core, density=0.5), (0.2, 0.3, 0.5), 0.45, name="even")
+    program = core.Program("uneven")
+    one, position = program.constant(1, 1, 1, 1), program.operation("object_coordinates")
+    numbers = [program.constant(*[x] * 4) for x in (0.0, 3.0, 2.0, 0.5, 0.0)]
+    noise = program.operation("noise", [position, *numbers], [3])
+    program.operation("volume_scatter", [one, noise, program.operation("component", [noise], [3]), numbers[0]])
+    add_box(core, scene, program, (-0.3, 0.1, 0.6), 0.4, name="uneven")
+    world = medium(core, ("volume_scatter", 1.0, (0.5, 0.7, 0.9), 0.02, -0.3))
+    scene.set_world(background(core, (0.3, 0.4, 0.5)), 0, medium=world)
+    return scene
+
+
+@pytest.mark.parametrize("paths", [1, 17, 512])
+def test_streams_through_media_give_the_bits_of_single_paths(core, paths):
+    scene = scenes_of_media(core)
+    settings = dict(size=10, samples=5, passes=ALL_PASSES, volume_bounces=3)
+    alone, together = (render(core, scene, stream_paths=n, **settings) for n in (0, paths))
+    for name in ALL_PASSES:
+        np.testing.assert_array_equal(together.pass_pixels(name), alone.pass_pixels(name), err_msg=name)
+    assert np.isfinite(alone.pass_pixels("combined")).all()
+    assert alone.statistics()["rays"]["medium"] > 0
+
+
+def test_both_integrators_agree_on_media(core):
+    settings = dict(size=2, samples=3000, volume_bounces=2, diffuse_bounces=1, max_bounces=6)
+    images = [picture(core, scenes_of_media(core), integrator=name, **settings).mean((0, 1)) for name in INTEGRATORS]
+    np.testing.assert_allclose(images[0], images[1], rtol=0.03)
+
+
+@pytest.mark.parametrize("density", [1e9, 3e38, 1e-30])
+@pytest.mark.parametrize("uneven", [False, True])
+def test_densities_beyond_all_measure_make_pictures_of_numbers(core, density, uneven):
+    scene = varied_scene(core)
+    program = core.Program("medium")
+    one, amount = program.constant(1, 1, 1, 1), program.constant(*[density] * 4)
+    if uneven:
+        height = program.operation("component", [program.operation("generated")], [2])
+        amount = program.operation("math", [amount, height], [0], text="MULTIPLY")
+    program.operation("volume_scatter", [one, one, amount, program.constant(*[2.0] * 4)])
+    add_box(core, scene, program, (0, 0, 0.5), 0.4)
+    scene.set_world(background(core, (0.3, 0.4, 0.5)), 0, medium=program)
+    image = picture(core, scene, samples=4, size=6, volume_bounces=4)
+    assert np.isfinite(image).all() and image.min() >= 0.0
+
+
+def test_a_body_that_holds_a_volume_is_not_interpolated_and_the_statistics_say_why(core):
+    scene = in_front_of_the_world(core)
+    materials = scene.add_material_list([scene.add_material("body", None, medium=absorbing(core))])
+    scene.add_instance("body", scene.add_surface("ball", [sphere_spline(core)]), matrix(), materials)
+    settings = core.Settings(width=4, height=4, samples=1, ray_interpolation=core.RayInterpolation(mode="ON"))
+    session = core.Session(scene, settings)
+    assert session.render()
+    assert [each["reason"] for each in session.statistics()["ray_caches"]] == ["holds a volume"]
