@@ -8,6 +8,10 @@
 #include "lights/surface_light.h"
 #include "lights/world_light.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 #include <variant>
 
 namespace rayleaf {
@@ -20,12 +24,46 @@ bool shines(const Lamp& lamp) {
     return is_finite(lamp.strength) && !is_black(lamp.strength);
 }
 
+/// Directions spread evenly over what a lamp shines on, around the -z axis of its frame.
+Vec3f spread_direction(const Lamp& lamp, size_t number, size_t count) {
+    double least_cosine = -1;
+    if (lamp.kind == LampKind::Spot) least_cosine = std::cos(std::min(lamp.spot_size / 2, std::numbers::pi));
+    if (lamp.kind == LampKind::Rectangle || lamp.kind == LampKind::Disk) least_cosine = 0;
+    const double share = (static_cast<double>(number) + 0.5) / static_cast<double>(count);
+    const double cosine = 1.0 - share * (1.0 - least_cosine), sine = std::sqrt(std::max(1.0 - cosine * cosine, 0.0));
+    const double angle =
+        2.0 * std::numbers::pi * std::numbers::phi * static_cast<double>(number);  // Fibonacci's lattice
+    const Affine3d& frame = lamp.to_world;
+    return Vec3f(frame.x.normalized() * (sine * std::cos(angle)) + frame.y.normalized() * (sine * std::sin(angle)) -
+                 frame.z.normalized() * cosine);
+}
+
+/// What a lamp's program makes of its light in the mean, for the choice of a light: a guess from some directions, one
+/// world unit away. Never 0, for a narrow beam may lie between them.
+double mean_factor(const Lamp& lamp, size_t number, const LampEmission& emission) {
+    if (!lamp.emission) return 1;
+    constexpr size_t kDirections = 128;
+    constexpr double kLeast = 1e-3, kMost = 1e12;
+    const bool is_sun = lamp.kind == LampKind::Sun;
+    double sum = 0;
+    for (size_t i = 0; i < kDirections; ++i) {
+        const Vec3f outgoing = is_sun ? -Vec3f(lamp.to_world.z.normalized()) : spread_direction(lamp, i, kDirections);
+        const Vec3d position = is_sun ? Vec3d(-outgoing) : lamp.to_world.translation;
+        const double distance = is_sun ? std::numeric_limits<double>::infinity() : 1.0;
+        const Color factor = emission({number, position, outgoing, distance});
+        sum += std::abs(double{factor.x} + double{factor.y} + double{factor.z}) / 3;
+    }
+    const double mean = sum / kDirections;
+    return std::isfinite(mean) ? std::clamp(mean, kLeast, kMost) : 1.0;
+}
+
 /// What all lamps have.
 struct LampTraits {
     uint8_t visibility;
     bool casts_shadow;
     size_t number;  ///< in the list of lamps
     bool has_program;
+    double factor;  ///< of the program, in the mean
 };
 
 struct PlacedLamp {
@@ -36,6 +74,8 @@ struct PlacedLamp {
 struct DistantLamp {
     Sun sun;
     LampTraits traits;
+
+    double irradiance() const { return sun.irradiance() * traits.factor; }
 };
 
 }  // namespace
@@ -92,10 +132,11 @@ struct LightSet::Implementation {
 };
 
 void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
-    const LampTraits traits{lamp.visibility, lamp.casts_shadow, number, lamp.emission != nullptr};
+    const LampTraits traits{lamp.visibility, lamp.casts_shadow, number, lamp.emission != nullptr,
+                            mean_factor(lamp, number, lamp_emission)};
     if (lamp.kind == LampKind::Sun) {
         suns.push_back({Sun(lamp), traits});
-        suns_and_world += suns.back().sun.irradiance();
+        suns_and_world += suns.back().irradiance();
         return;
     }
     const bool is_area = lamp.kind == LampKind::Rectangle || lamp.kind == LampKind::Disk;
@@ -110,7 +151,11 @@ void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
 void LightSet::Implementation::build_tree(const CancelToken& cancel) {
     std::vector<LightTreeItem> items;
     for (const PlacedLamp& lamp : lamps)
-        std::visit([&](const auto& shape) { items.push_back({shape.bounds(), shape.intensity()}); }, lamp.shape);
+        std::visit(
+            [&](const auto& shape) {
+                items.push_back({shape.bounds(), shape.intensity() * lamp.traits.factor});
+            },
+            lamp.shape);
     std::vector<LightTreeItem> with_size;
     for (const uint32_t index : lamps_with_size) with_size.push_back(items[index]);
     hittable = LightTree(with_size, cancel);
@@ -190,7 +235,7 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
     double choice = random.z;
     const double total = set.total_irradiance(position);
     for (const DistantLamp& lamp : set.suns) {
-        const double probability = set.group_probability(lamp.sun.irradiance(), total);
+        const double probability = set.group_probability(lamp.irradiance(), total);
         if (choice < probability) return set.chosen_of(lamp.traits, lamp.sun.sample(within), position, probability);
         choice -= probability;
     }
@@ -208,7 +253,7 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
     if (set.tree.empty()) {  // rounding left a crumb beyond the last sun
         const DistantLamp& lamp = set.suns.back();
         return set.chosen_of(lamp.traits, lamp.sun.sample(within), position,
-                             set.group_probability(lamp.sun.irradiance(), total));
+                             set.group_probability(lamp.irradiance(), total));
     }
     return set.sample_tree(position, within, std::clamp(choice / set.tree_probability(position), 0.0, 1.0 - 0x1p-53));
 }
@@ -249,7 +294,7 @@ void LightSet::lamp_hits(const Ray& ray, const Vec3d& from, Visibility kind,
     for (const DistantLamp& lamp : set.suns) {
         if (!(lamp.traits.visibility & kind)) continue;
         if (const auto hit = lamp.sun.hit(ray))
-            report(lamp.traits, *hit, set.group_probability(lamp.sun.irradiance(), set.total_irradiance(from)));
+            report(lamp.traits, *hit, set.group_probability(lamp.irradiance(), set.total_irradiance(from)));
     }
 }
 

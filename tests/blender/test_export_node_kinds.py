@@ -17,6 +17,9 @@ class Images:
     def texture(self, image, user, frame):
         return 0
 
+    def computed(self, name, key, make):
+        return 0
+
 def variants(node):
     "The node with each value of each of its own enumerations in turn."
     yield ""
@@ -97,6 +100,9 @@ class View:
         return self.emitter.constant(*value) if isinstance(value, tuple) else self.emitter.scalar(value)
 
     def linked(self, *names):
+        return UNCONNECTED
+
+    def normal(self, *names):
         return UNCONNECTED
 
     def warn(self, text):

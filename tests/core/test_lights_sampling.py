@@ -330,3 +330,20 @@ def test_a_lamp_of_negative_strength_takes_light_away(core):
     value, error = irradiance(both.sample(POSITION, random_numbers(40000)))
     alone, own_error = irradiance(probe_of(core, LAMPS["rectangle"]).sample(POSITION, random_numbers(40000)))
     assert abs(value - alone / 2) < 5 * np.hypot(error, own_error)
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "RECTANGLE", "SUN"])
+def test_a_lamp_is_chosen_by_what_its_nodes_make_of_its_strength(core, kind):
+    """A measured light distribution may be a thousand times as strong as the lamp's own number says."""
+    scene = core.SceneDescription()
+    look_down(scene)
+    away = {"SPOT": {"spot_size": 1.0}, "SUN": {"angle": 0.01}}.get(kind, {})
+    scene.add_lamp("weak", kind, matrix((-2, 0, 4)), (1, 1, 1), **away)
+    strong = emission(core, strength=1000.0)
+    scene.add_lamp("strong", kind, matrix((2, 0, 4)), (1, 1, 1), emission=strong, **away)
+    random = np.random.default_rng(3).random((2000, 3)).astype(np.float32)
+    chosen = core.LightProbe(scene).sample(np.array([0.0, 0, 0]), random)
+    # Suns are chosen by their irradiance for half of all choices, and evenly for the others.
+    least = 0.7 if kind == "SUN" else 0.95
+    bright = chosen["radiance"][:, 0] > chosen["radiance"][:, 0].max() / 30
+    assert least < bright.mean() < 1

@@ -29,7 +29,8 @@ class CompiledMaterial:
     @property
     def displaces(self) -> bool:
         """Whether it moves the points of surfaces."""
-        return self.arguments[-1] is not None
+        (_name, _surface, _pass_index, _volume, displacement, _medium) = self.arguments
+        return displacement is not None
 
 
 @dataclass
