@@ -1,10 +1,11 @@
 #include "geometry/face_limit.h"
 
+#include "geometry/corner_rings.h"
+
 #include <algorithm>
 #include <mutex>
 #include <shared_mutex>
 
-#include <opensubdiv/bfr/parameterization.h>
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
 
 namespace rayleaf {
@@ -39,6 +40,12 @@ PatchPoint bilinear(const std::vector<Vec3d>& corners, const Vec2d& at) {
             Vec3d(0.0)};
 }
 
+/// From parameters of a part to those of its face.
+PatchPoint by_face(const PatchPoint& p) {
+    constexpr double k = kPartsAlong;
+    return {p.position, p.du * k, p.dv * k, p.duu * (k * k), p.duv * (k * k), p.dvv * (k * k)};
+}
+
 }  // namespace
 
 FaceLimit::FaceLimit() = default;
@@ -51,11 +58,10 @@ bool FaceLimit::is_regular() const {
 }
 
 FaceLimit::InPart FaceLimit::part_at(const Vec2d& at) const {
-    if (size_ != 4) {
-        const Bfr::Parameterization parameters(OpenSubdiv::Sdc::SCHEME_CATMARK, size_);
+    if (parameters_.HasSubFaces()) {
         const double whole[2] = {at.x, at.y};
         double part[2];
-        const int index = parameters.ConvertCoordToNormalizedSubFace(whole, part);
+        const int index = parameters_.ConvertCoordToNormalizedSubFace(whole, part);
         return {static_cast<size_t>(index), {part[0], part[1]}};
     }
     const bool far_u = at.x >= 0.5, far_v = at.y >= 0.5;
@@ -63,14 +69,28 @@ FaceLimit::InPart FaceLimit::part_at(const Vec2d& at) const {
     return {part, at * kPartsAlong - Vec2d(far_u ? 1.0 : 0.0, far_v ? 1.0 : 0.0)};
 }
 
+FaceLimit::InPart FaceLimit::quad_at(const Vec2d& at) const {
+    return parameters_.HasSubFaces() ? part_at(at) : InPart{0, at};
+}
+
 PatchPoint FaceLimit::evaluate(const Vec2d& parameters) const {
     if (!corners_.empty()) return bilinear(corners_, parameters);
     if (!parts_.empty()) {
         const InPart in = part_at(parameters);
-        const PatchPoint p = parts_[in.part].evaluate(in.parameters);
-        constexpr double k = kPartsAlong;
-        return {p.position, p.du * k, p.dv * k, p.duu * (k * k), p.duv * (k * k), p.dvv * (k * k)};
+        return by_face(parts_[in.part].evaluate(in.parameters));
     }
+    const std::optional<PatchPoint> known = in_quadtree(parameters);
+    return known ? *known : by_opensubdiv(parameters);
+}
+
+std::optional<PatchPoint> FaceLimit::in_quadtree(const Vec2d& parameters) const {
+    if (quadtree_.quad_count() == 0) return std::nullopt;
+    const InPart in = quad_at(parameters);
+    const std::optional<PatchPoint> p = quadtree_.evaluate(in.part, in.parameters);
+    return p && parameters_.HasSubFaces() ? by_face(*p) : p;
+}
+
+PatchPoint FaceLimit::by_opensubdiv(const Vec2d& parameters) const {
     PatchPoint p{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
     const double uv[2] = {parameters.x, parameters.y};
     surface_.Evaluate(uv, numbers(points_.data()), kPoints, numbers(&p.position), numbers(&p.du), numbers(&p.dv),
@@ -79,10 +99,24 @@ PatchPoint FaceLimit::evaluate(const Vec2d& parameters) const {
 }
 
 Vec3d FaceLimit::position(const Vec2d& parameters) const {
+    LimitQuadtree::Walk walk(quadtree_);
+    return position(parameters, walk);
+}
+
+void FaceLimit::positions(std::span<const Vec2d> parameters, Vec3d* positions) const {
+    LimitQuadtree::Walk walk(quadtree_);
+    for (size_t i = 0; i < parameters.size(); ++i) positions[i] = position(parameters[i], walk);
+}
+
+Vec3d FaceLimit::position(const Vec2d& parameters, LimitQuadtree::Walk& walk) const {
     if (!corners_.empty()) return bilinear(corners_, parameters).position;
     if (!parts_.empty()) {
         const InPart in = part_at(parameters);
         return parts_[in.part].position(in.parameters);
+    }
+    if (quadtree_.quad_count() > 0) {
+        const InPart in = quad_at(parameters);
+        if (const std::optional<Vec3d> known = walk.position(in.part, in.parameters)) return *known;
     }
     Vec3d position(0.0);
     const double uv[2] = {parameters.x, parameters.y};
@@ -91,7 +125,7 @@ Vec3d FaceLimit::position(const Vec2d& parameters) const {
 }
 
 size_t FaceLimit::bytes() const {
-    size_t total = sizeof(*this) + (points_.capacity() + corners_.capacity()) * sizeof(Vec3d);
+    size_t total = sizeof(*this) + (points_.capacity() + corners_.capacity()) * sizeof(Vec3d) + quadtree_.bytes();
     for (const FaceLimit& part : parts_) total += part.bytes();
     return total;
 }
@@ -137,6 +171,11 @@ std::optional<FaceLimit> FaceLimitMaker::operator()(int face) const {
                 return in_parts(FaceCage(*mesh_, 0, face, channel_, values_), 1);
     FaceLimit limit;
     if (!factory_->init(face, channel_, values_, limit)) return std::nullopt;
+    if (channel_ == kOfVertices && mesh_->GetSchemeType() == OpenSubdiv::Sdc::SCHEME_CATMARK && !limit.is_regular()) {
+        const std::optional<std::vector<CornerRing>> corners = corner_rings(level, face, values_);
+        if (corners) limit.quadtree_ = LimitQuadtree(*corners);
+        limit.parameters_ = {OpenSubdiv::Sdc::SCHEME_CATMARK, level.GetFaceVertices(face).size()};
+    }
     return limit;
 }
 
@@ -147,7 +186,7 @@ std::optional<FaceLimit> FaceLimitMaker::in_parts(const FaceCage& cage, int step
         if (!of_part) return std::nullopt;
         limit.parts_.push_back(std::move(*of_part));
     }
-    limit.size_ = static_cast<int>(limit.parts_.size());
+    limit.parameters_ = {OpenSubdiv::Sdc::SCHEME_CATMARK, static_cast<int>(limit.parts_.size())};
     return limit;
 }
 

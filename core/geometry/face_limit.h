@@ -4,9 +4,13 @@
 // writes beyond its arrays if there is also a border, an infinitely sharp edge, or a neighbour of the same topology.
 // Such faces are subdivided once, which moves borders and other vertices out of reach. An infinitely sharp edge that
 // ends at that vertex stays, so the part there is subdivided further until its corners are the limit.
+//
+// OpenSubdiv takes long for each point of an irregular face. So where the corners are smooth, a quadtree of bicubic
+// patches holds most of the face, and OpenSubdiv answers for the rest near irregular corners.
 #pragma once
 
 #include "geometry/face_cage.h"
+#include "geometry/limit_quadtree.h"
 #include "splines/bezier_patch.h"
 
 #include <memory>
@@ -14,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include <opensubdiv/bfr/parameterization.h>
 #include <opensubdiv/bfr/surface.h>
 
 namespace rayleaf {
@@ -36,6 +41,8 @@ class FaceLimit {
     bool is_regular() const;
     PatchPoint evaluate(const Vec2d& parameters) const;
     Vec3d position(const Vec2d& parameters) const;
+    /// Positions in turn, faster where the second parameter stays.
+    void positions(std::span<const Vec2d> parameters, Vec3d* positions) const;
     size_t bytes() const;
 
   private:
@@ -44,15 +51,22 @@ class FaceLimit {
 
     Surface surface_;
     std::vector<Vec3d> points_;     ///< control points and what OpenSubdiv derives from them
+    LimitQuadtree quadtree_;        ///< of a face with smooth corners
     std::vector<FaceLimit> parts_;  ///< one a corner of the face, each with the unit square; or none
     std::vector<Vec3d> corners_;    ///< of a bilinear patch that ends the row of parts; or none
-    int size_ = 0;                  ///< corners of the face that has parts
+    /// Of a face that has parts or a quadtree.
+    OpenSubdiv::Bfr::Parameterization parameters_;
 
     struct InPart {
         size_t part;
         Vec2d parameters;
     };
     InPart part_at(const Vec2d& parameters) const;
+    /// The quadtree's quad and the parameters there.
+    InPart quad_at(const Vec2d& parameters) const;
+    std::optional<PatchPoint> in_quadtree(const Vec2d& parameters) const;
+    PatchPoint by_opensubdiv(const Vec2d& parameters) const;
+    Vec3d position(const Vec2d& parameters, LimitQuadtree::Walk& walk) const;
 };
 
 /// Makes the limits of a mesh's faces. Thread-safe.

@@ -140,6 +140,10 @@ Vec3d LimitFaces::position(uint32_t face, const Vec2d& parameters) const {
     return faces_->faces[face].position(parameters);
 }
 
+void LimitFaces::positions(uint32_t face, std::span<const Vec2d> parameters, Vec3d* positions) const {
+    faces_->faces[face].positions(parameters, positions);
+}
+
 void LimitFaces::forget(uint32_t face) {
     faces_->faces[face] = {};
 }

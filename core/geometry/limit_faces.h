@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace rayleaf {
@@ -33,6 +34,8 @@ class LimitFaces {
     /// The value and its derivatives by the face's parameters.
     PatchPoint evaluate(uint32_t face, const Vec2d& parameters) const;
     Vec3d position(uint32_t face, const Vec2d& parameters) const;
+    /// Positions in turn, faster where the second parameter stays.
+    void positions(uint32_t face, std::span<const Vec2d> parameters, Vec3d* positions) const;
     /// Frees a face, which must not be evaluated any more.
     void forget(uint32_t face);
     size_t bytes() const;

@@ -290,6 +290,19 @@ Vec3d SubdivisionSurface::position(uint32_t index, double u, double v) const {
     return limit_.position(element.face, element.square.origin + element.square.previous * u + element.square.next * v);
 }
 
+void SubdivisionSurface::irregular_positions(uint32_t index, double u, std::span<const double> v,
+                                             Vec3d* positions) const {
+    const SubdivisionElement& element = elements_[index];
+    constexpr size_t kAtOnce = 17;  // a line of a grid
+    Vec2d at[kAtOnce];
+    for (size_t first = 0; first < v.size(); first += kAtOnce) {
+        const size_t count = std::min(kAtOnce, v.size() - first);
+        for (size_t i = 0; i < count; ++i)
+            at[i] = element.square.origin + element.square.previous * u + element.square.next * v[first + i];
+        limit_.positions(element.face, {at, count}, positions + first);
+    }
+}
+
 Vec3d SubdivisionSurface::line_position(uint32_t index, double at) const {
     const SubdivisionLine& line = lines_[index];
     const Vec2d place = border_place(line.border, is_reversed(elements_[line.owner], line.border) ? 1.0 - at : at);

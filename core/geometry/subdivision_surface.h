@@ -71,6 +71,8 @@ class SubdivisionSurface final : public Shape {
     /// The point of an element, evaluated by the element even on borders.
     PatchPoint evaluate(uint32_t element, double u, double v) const;
     Vec3d position(uint32_t element, double u, double v) const;
+    /// Positions of an element that is not one bicubic patch, along a line of constant u.
+    void irregular_positions(uint32_t element, double u, std::span<const double> v, Vec3d* positions) const;
     /// The point of a border by its owner; `at` from the lower node.
     Vec3d line_position(uint32_t line, double at) const;
     /// The same point by its owner, which all elements that meet there use.

@@ -34,6 +34,26 @@ uint32_t grid_triangle(const FacetBlock& block, uint32_t triangle) {
     return 2 * (j * kGridCells + i) + triangle % 2;
 }
 
+/// Sets every fourth vertex along both sides.
+void dice_medium(const LevelDicer& dicer, uint32_t subpatch, GridRows& rows) {
+    MediumGrid medium;
+    dicer.dice_medium(subpatch, medium);
+    for (int axis = 0; axis < 3; ++axis)
+        for (int k = 0; k < kBlockSize; ++k)
+            rows.vertices[axis][(k / kBlockVertices * kGridVertices + k % kBlockVertices) * kBlockCells] =
+                medium.vertices[axis][k];
+}
+
+/// Sets the vertices of 2^log2_cells cells along a side, and maybe others.
+void dice_needed(const LevelDicer& dicer, uint32_t subpatch, int log2_cells, const SubpatchDetail& detail,
+                 GridRows& rows) {
+    if (1 << log2_cells > kBlockCells) return dicer.dice_rows(subpatch, rows);
+    if (log2_cells > 0) return dice_medium(dicer, subpatch, rows);
+    for (int axis = 0; axis < 3; ++axis)
+        for (int k = 0; k < kCorners; ++k)
+            rows.vertices[axis][(k / 2 * kGridVertices + k % 2) * kGridCells] = detail.corners[axis][k];
+}
+
 }  // namespace
 
 Resolution resolution_for(const SubpatchDetail& detail, const FacetTolerance& tolerance) {
@@ -98,13 +118,7 @@ void FacetBlocks::fill(const Dicer& dicer, std::span<const SubpatchDetail> detai
 void FacetBlocks::fill_levels(const LevelDicer& dicer, uint32_t subpatch, const SubpatchDetail& detail) {
     const Resolution& resolution = resolutions_[subpatch];
     GridRows rows;
-    if (resolution.own > 0) {
-        dicer.dice_rows(subpatch, rows);
-    } else {
-        for (int axis = 0; axis < 3; ++axis)
-            for (int k = 0; k < kCorners; ++k)
-                rows.vertices[axis][(k / 2 * kGridVertices + k % 2) * kGridCells] = detail.corners[axis][k];
-    }
+    dice_needed(dicer, subpatch, resolution.own, detail, rows);
     FacetBlock* block = &blocks_[first_[subpatch]];
     for (int row = 0; row < resolution.blocks(); ++row) {
         for (int column = 0; column < resolution.blocks(); ++column, ++block) {

@@ -74,20 +74,26 @@ void SubdivisionDicer::evaluate_irregular(uint32_t index, const Span& u, const S
         if (surface_->line(line).cubic) return std::nullopt;
         return surface_->line_position(line, surface_->is_reversed(element, border) ? 1.0 - at : at);
     };
-    const auto position = [&](int i, int j) -> std::optional<Vec3d> {
-        const bool on_u = u.at_begin(i) || u.at_end(i), on_v = v.at_begin(j) || v.at_end(j);
-        if (on_u && on_v) return std::nullopt;
-        if (on_v) return border_position(v.at_begin(j) ? 0 : 2, u.at(i));
-        if (on_u) return border_position(u.at_begin(i) ? 3 : 1, v.at(j));
-        return surface_->position(index, u.at(i), v.at(j));
+    const auto set = [&](int i, int j, const Vec3d& p) {
+        for (int axis = 0; axis < 3; ++axis)
+            target.axes[axis][j * (target.quads + 1) + i] = static_cast<float>(p[axis]);
     };
-    for (int j = 0; j <= target.quads; ++j) {
-        for (int i = 0; i <= target.quads; ++i) {
-            const std::optional<Vec3d> p = position(i, j);
-            if (!p) continue;
-            for (int axis = 0; axis < 3; ++axis)
-                target.axes[axis][j * (target.quads + 1) + i] = static_cast<float>((*p)[axis]);
+    const auto set_border = [&](int i, int j, int border, double at) {
+        if (const std::optional<Vec3d> p = border_position(border, at)) set(i, j, *p);
+    };
+    const int below = v.at_begin(0) ? 1 : 0, above = v.at_end(target.quads) ? target.quads : target.quads + 1;
+    double along[kGridVertices];
+    Vec3d inside[kGridVertices];
+    for (int j = below; j < above; ++j) along[j] = v.at(j);
+    for (int i = 0; i <= target.quads; ++i) {
+        if (u.at_begin(i) || u.at_end(i)) {
+            for (int j = below; j < above; ++j) set_border(i, j, u.at_begin(i) ? 3 : 1, v.at(j));
+            continue;
         }
+        surface_->irregular_positions(index, u.at(i), {along + below, along + above}, inside + below);
+        for (int j = below; j < above; ++j) set(i, j, inside[j]);
+        if (below > 0) set_border(i, 0, 0, u.at(i));
+        if (above == target.quads) set_border(i, target.quads, 2, u.at(i));
     }
 }
 

@@ -68,6 +68,22 @@ def test_derivatives_are_those_of_differences(name):
         assert np.mean(near) > 0.98
 
 
+@pytest.mark.parametrize("name", ["a cube", "a tetrahedron", "a prism of seven sides", "a drum with poles of 5 faces"])
+def test_the_patches_of_an_irregular_face_join(name):
+    """Where a step of subdivision ends, and around irregular corners, where OpenSubdiv goes on."""
+    surface = CASES[name]().surface()
+    elements = np.arange(surface.element_count, dtype=np.int32)
+    apart = 1e-9
+    for at in (2.0**-6, 2.0**-5, 2.0**-4, 2.0**-3, 0.25, 0.5, 0.75, 1 - 2.0**-4):
+        for other in (2.0**-7, 0.3, 1 - 2.0**-7):
+            for low, high in (((at - apart, other), (at + apart, other)), ((other, at - apart), (other, at + apart))):
+                below = surface.points(elements, np.broadcast_to(low, (len(elements), 2)))
+                above = surface.points(elements, np.broadcast_to(high, (len(elements), 2)))
+                np.testing.assert_allclose(below[:, 0], above[:, 0], rtol=0, atol=2e-8)
+                # The patch that ends the row at an irregular corner is only near the limit.
+                np.testing.assert_allclose(below[:, 1:3], above[:, 1:3], rtol=0, atol=1e-5)
+
+
 def test_the_outside_of_a_closed_surface_is_that_of_its_cage():
     surface = cages.prism(5).surface()
     elements = np.arange(surface.element_count, dtype=np.int32)
