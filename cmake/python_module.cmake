@@ -17,8 +17,6 @@ endfunction()
 file(GLOB RAYLEAF_BINDINGS CONFIGURE_DEPENDS core/python/*.cpp)
 rayleaf_add_module(_core ${RAYLEAF_BINDINGS})
 target_link_libraries(_core PRIVATE rayleaf_core rayleaf_flags)
-target_precompile_headers(_core PRIVATE <pybind11/numpy.h> <pybind11/pybind11.h> <pybind11/stl.h>
-                                        <Imath/ImathMatrix.h> <Imath/ImathVec.h>)
 set_source_files_properties(core/python/module.cpp PROPERTIES COMPILE_DEFINITIONS
   "RAYLEAF_VERSION=\"${PROJECT_VERSION}\";RAYLEAF_COMPILER=\"${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}\";\
 RAYLEAF_EMBREE_VERSION=\"${embree_VERSION}\";RAYLEAF_OPENIMAGEIO_VERSION=\"${OPENIMAGEIO_VERSION}\";\
@@ -31,7 +29,7 @@ file(GLOB RAYLEAF_RIVALS CONFIGURE_DEPENDS rivals/*.cpp)
 rayleaf_add_module(rayleaf_rivals EXCLUDE_FROM_ALL ${RAYLEAF_RIVALS} core/python/arrays.cpp)
 target_include_directories(rayleaf_rivals PRIVATE ${CMAKE_SOURCE_DIR})
 target_link_libraries(rayleaf_rivals PRIVATE rayleaf_core rayleaf_flags embree)
-set_target_properties(rayleaf_rivals PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/rivals)
+set_target_properties(rayleaf_rivals PROPERTIES UNITY_BUILD OFF LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/rivals)
 
 # The folder Blender sees through BLENDER_USER_SCRIPTS: the add-on's sources by link, the module beside them.
 set(RAYLEAF_PACKAGE ${CMAKE_BINARY_DIR}/scripts/addons/rayleaf)

@@ -66,6 +66,10 @@ Imath::Vec3<T> normalized_or(const Imath::Vec3<T>& v, const Imath::Vec3<T>& othe
     return scaled / length;
 }
 
+inline float finite_or_zero(float x) {
+    return std::isfinite(x) ? x : 0.0f;
+}
+
 /// Two unit vectors that complete unit `n` to a right-handed orthonormal frame (Duff et al. 2017, revised ONB).
 inline void orthonormal_basis(const Vec3f& n, Vec3f& tangent, Vec3f& bitangent) {
     const float sign = std::copysign(1.0f, n.z);
@@ -99,6 +103,16 @@ struct Affine3d {
 /// The map "first `inner`, then `outer`".
 inline Affine3d operator*(const Affine3d& outer, const Affine3d& inner) {
     return {outer.vector(inner.x), outer.vector(inner.y), outer.vector(inner.z), outer.point(inner.translation)};
+}
+
+/// Bounds of a box's image.
+inline Box3d image_of(const Box3d& box, const Affine3d& map) {
+    if (box.isEmpty()) return {};
+    const Vec3d center = map.point((box.min + box.max) * 0.5), half = (box.max - box.min) * 0.5;
+    Vec3d reach(0.0);
+    for (int axis = 0; axis < 3; ++axis)
+        reach[axis] = std::abs(map.x[axis]) * half.x + std::abs(map.y[axis]) * half.y + std::abs(map.z[axis]) * half.z;
+    return {center - reach, center + reach};
 }
 
 }  // namespace rayleaf

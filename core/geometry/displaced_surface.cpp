@@ -16,7 +16,7 @@ namespace {
 
 /// Slopes are differences over this share of an element: well above rounding in single precision, which programs
 /// compute with, and below the quads that displaced elements are diced to.
-constexpr float kStep = 0x1p-10f;
+constexpr float kSlopeStep = 0x1p-10f;
 
 /// The reach of a displacement is estimated from about so many samples, at most this many along an element's side.
 constexpr double kSamples = 40'000;
@@ -127,8 +127,8 @@ DisplacedSurface::Slopes DisplacedSurface::slopes(uint32_t element, const Vec2f&
     result.here = moved(element, parameters);
     for (const int axis : {0, 1}) {
         Vec2f low = parameters, high = parameters;
-        low[axis] = std::max(parameters[axis] - kStep, 0.0f);
-        high[axis] = std::min(parameters[axis] + kStep, 1.0f);
+        low[axis] = std::max(parameters[axis] - kSlopeStep, 0.0f);
+        high[axis] = std::min(parameters[axis] + kSlopeStep, 1.0f);
         const double step = double{high[axis]} - double{low[axis]};
         const Moved before = moved(element, low), after = moved(element, high);
         if (result.here.finite && before.finite && after.finite)

@@ -13,7 +13,7 @@ namespace rayleaf {
 namespace {
 
 namespace Far = OpenSubdiv::Far;
-using Descriptor = Far::TopologyDescriptor;
+using FaceDescriptor = Far::TopologyDescriptor;
 using Level = FaceCage::Level;
 
 /// A value in the form that OpenSubdiv interpolates.
@@ -86,7 +86,7 @@ Cut::Cut(const Level& level, const std::vector<int>& faces, int channel) {
 }
 
 std::shared_ptr<const FaceCage::Refiner> Cut::refiner(const FaceCage::Refiner& like) const {
-    Descriptor descriptor;
+    FaceDescriptor descriptor;
     descriptor.numVertices = vertices_;
     descriptor.numFaces = static_cast<int>(face_sizes.size());
     descriptor.numVertsPerFace = face_sizes.data();
@@ -97,12 +97,12 @@ std::shared_ptr<const FaceCage::Refiner> Cut::refiner(const FaceCage::Refiner& l
     descriptor.numCorners = static_cast<int>(vertex_sharpness.size());
     descriptor.cornerVertexIndices = sharp_vertices.data();
     descriptor.cornerWeights = vertex_sharpness.data();
-    Descriptor::FVarChannel numbered;
+    FaceDescriptor::FVarChannel numbered;
     numbered.numValues = static_cast<int>(values.size());
     numbered.valueIndices = value_numbers.data();
     descriptor.numFVarChannels = value_numbers.empty() ? 0 : 1;
     descriptor.fvarChannels = &numbered;
-    using Factory = Far::TopologyRefinerFactory<Descriptor>;
+    using Factory = Far::TopologyRefinerFactory<FaceDescriptor>;
     std::unique_ptr<FaceCage::Refiner> result(
         Factory::Create(descriptor, Factory::Options(like.GetSchemeType(), like.GetSchemeOptions())));
     if (!result) throw InternalError("OpenSubdiv cannot connect a part of what it could connect");

@@ -1,5 +1,7 @@
 #include "geometry/shape.h"
 
+#include "base/error.h"
+
 namespace rayleaf {
 
 LocalFrame LocalFrame::fitting(const Box3d& box) {
@@ -9,6 +11,18 @@ LocalFrame LocalFrame::fitting(const Box3d& box) {
     const double half = max_component(box.max - box.min) * 0.5;
     if (half > 0.0) frame.scale = std::exp2(std::ceil(std::log2(half)));
     return frame;
+}
+
+std::vector<uint16_t> checked_material_slots(const std::string& shape, std::span<const int32_t> slots) {
+    std::vector<uint16_t> result;
+    result.reserve(slots.size());
+    for (const int32_t slot : slots) {
+        if (slot < 0 || slot > kLargestMaterialSlot)
+            throw InputError(shape, "material_slots", std::to_string(slot),
+                             "0 to " + std::to_string(kLargestMaterialSlot));
+        result.push_back(static_cast<uint16_t>(slot));
+    }
+    return result;
 }
 
 void Shape::line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const {

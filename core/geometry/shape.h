@@ -77,6 +77,12 @@ struct BorderPlace {
 enum class ShapeKind { TriangleMesh, PatchSurface, Strands, SweptSurface, SubdivisionSurface, DisplacedSurface };
 inline constexpr size_t kShapeKinds = static_cast<size_t>(ShapeKind::DisplacedSurface) + 1;
 
+/// More material slots than Blender offers.
+inline constexpr int32_t kLargestMaterialSlot = 65535;
+
+/// Slots as shapes keep them; throws InputError naming the first that is out of range.
+std::vector<uint16_t> checked_material_slots(const std::string& shape, std::span<const int32_t> slots);
+
 /// A renderable shape. Immutable after construction; all threads read it. Constructors validate and throw InputError.
 class Shape {
   public:

@@ -9,8 +9,6 @@
 namespace rayleaf {
 namespace {
 
-/// More slots than Blender offers.
-constexpr int32_t kLargestMaterialSlot = 65535;
 /// More are indistinguishable from the round form.
 constexpr int kMostSpheres = 4096;
 
@@ -110,12 +108,7 @@ void Strands::set_strands(const StrandArrays& arrays) {
         strand_of_segment_.insert(strand_of_segment_.end(), first_segment_[i + 1] - first_segment_[i], i);
     if (arrays.material_slots.empty()) return;
     require_size(name(), "material_slots", arrays.material_slots, count);
-    for (const int32_t slot : arrays.material_slots) {
-        if (slot < 0 || slot > kLargestMaterialSlot)
-            throw InputError(name(), "material_slots", std::to_string(slot),
-                             "0 to " + std::to_string(kLargestMaterialSlot));
-        material_slots_.push_back(static_cast<uint16_t>(slot));
-    }
+    material_slots_ = checked_material_slots(name(), arrays.material_slots);
 }
 
 void Strands::set_points(const StrandArrays& arrays) {

@@ -1,6 +1,7 @@
 #include "geometry/subdivision_cage.h"
 
 #include "base/error.h"
+#include "geometry/shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +10,6 @@
 namespace rayleaf {
 namespace {
 
-/// More slots than Blender offers.
-constexpr int32_t kLargestMaterialSlot = 65535;
 /// Elements are counted in 32 bits, with room for the lines between them.
 constexpr int64_t kMostCorners = int64_t{1} << 28;
 

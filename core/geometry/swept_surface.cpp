@@ -13,11 +13,11 @@ namespace {
 
 /// Where a surface has no normal (a ring of radius 0, a curve without speed), it is taken this far inside the
 /// piece.
-constexpr double kInset = 1e-3;
+constexpr double kTangentInset = 1e-3;
 /// |P_u x P_v|² of less than this share of |P_u|² |P_v|² counts as degenerate, as on patches.
 constexpr double kDegenerate = 1e-20;
 /// Step of the difference that gives the change of a ring's derivative.
-constexpr double kStep = 1e-4;
+constexpr double kRingStep = 1e-4;
 /// Corners per profile part of the outline that decides which points of a cap's square lie on the cap.
 constexpr int kOutlineCorners = 32;
 
@@ -247,7 +247,7 @@ LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement&
 
     Vec3d normal = crossing(ring, around);
     if (max_abs(normal) == 0.0) {
-        normal = crossing(path_.evaluate(piece, u < 0.5 ? u + kInset : u - kInset), around);
+        normal = crossing(path_.evaluate(piece, u < 0.5 ? u + kTangentInset : u - kTangentInset), around);
         if (max_abs(normal) == 0.0) return result;
         result.normal = Vec3f(normalized_or(normal, Vec3d(facet_normal)));
         if (result.normal.dot(facet_normal) < 0.0f) result.normal = -result.normal;
@@ -259,7 +259,7 @@ LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement&
     const double side = Vec3f(n).dot(facet_normal) < 0.0f ? -1.0 : 1.0;
     result.normal = Vec3f(n * side);
     if (detail == SurfaceDetail::Normal) return result;
-    const double step = u < 0.5 ? kStep : -kStep;
+    const double step = u < 0.5 ? kRingStep : -kRingStep;
     const SweepRingPoint next = path_.evaluate(piece, u + step);
     const Vec3d along_along = (next.change.center - ring.change.center + next.change.vector(around.position) -
                                ring.change.vector(around.position)) /

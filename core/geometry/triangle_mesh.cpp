@@ -8,9 +8,6 @@
 namespace rayleaf {
 namespace {
 
-/// More slots than Blender offers.
-constexpr int32_t kLargestMaterialSlot = 65535;
-
 void require_finite(const std::string& name, const char* argument, std::span<const float> values) {
     const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
     if (bad == values.end()) return;
@@ -28,8 +25,9 @@ void require_multiple_of_three(const std::string& name, const char* argument, si
 
 /// Derivatives of the weights of vertices 1 and 2 by the texture coordinates; zero if these do not span the triangle.
 ParameterSlopes weight_slopes(const Vec2f& uv0, const Vec2f& uv1, const Vec2f& uv2) {
-    constexpr Vec2d kNone(0.0, 0.0);
-    return parameter_slopes(Vec2d(uv1) - Vec2d(uv0), Vec2d(uv2) - Vec2d(uv0)).value_or(ParameterSlopes{kNone, kNone});
+    constexpr Vec2d kNoCoordinates(0.0, 0.0);
+    return parameter_slopes(Vec2d(uv1) - Vec2d(uv0), Vec2d(uv2) - Vec2d(uv0))
+        .value_or(ParameterSlopes{kNoCoordinates, kNoCoordinates});
 }
 
 }  // namespace
@@ -81,13 +79,7 @@ void TriangleMesh::set_corner_normals(std::span<const float> normals) {
 void TriangleMesh::set_material_slots(std::span<const int32_t> slots) {
     if (slots.empty()) return;
     require_size(name(), "material_slots", slots.size(), triangles_.size());
-    material_slots_.reserve(slots.size());
-    for (const int32_t slot : slots) {
-        if (slot < 0 || slot > kLargestMaterialSlot)
-            throw InputError(name(), "material_slots", std::to_string(slot),
-                             "0 to " + std::to_string(kLargestMaterialSlot));
-        material_slots_.push_back(static_cast<uint16_t>(slot));
-    }
+    material_slots_ = checked_material_slots(name(), slots);
 }
 
 void TriangleMesh::set_attributes(std::vector<CornerAttribute> attributes, AttributeId active_uv) {

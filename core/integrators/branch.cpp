@@ -7,7 +7,7 @@ namespace {
 /// on at most what it gets, so at most the inverse of it are followed at a time.
 constexpr float kLeastImportance = 0.01f;
 /// The least probability of going on beyond hemisphere rays, as in path tracing.
-constexpr float kLeastSurvival = 0.05f;
+constexpr float kLeastBranchSurvival = 0.05f;
 
 }  // namespace
 
@@ -43,7 +43,7 @@ bool survives(Branch& branch, const PathSettings& settings) {
     if (branch.spread == Spread::Many)
         survival = std::min(importance / kLeastImportance, 1.0f);
     else if (branch.bounces.count() > settings.roulette_start)
-        survival = std::clamp(importance, kLeastSurvival, 1.0f);
+        survival = std::clamp(importance, kLeastBranchSurvival, 1.0f);
     if (survival < 1.0f && branch.random(PathDimension::Roulette) >= survival) return false;
     branch.throughput /= survival;
     return true;

@@ -3,12 +3,7 @@
 #include "integrators/medium_light.h"
 
 namespace rayleaf {
-namespace {
-
-/// Width to which what media scatter opens, radians: as of a diffuse surface.
-constexpr float kScatteredWidth = 0.5f;
-
-}  // namespace
+namespace {}  // namespace
 
 Color DistributionTracer::free_of_media(const Branch& branch, double t) const {
     if (branch.media.empty()) return Color(1.0f);

@@ -8,7 +8,7 @@ namespace {
 /// How far behind a record's horizon a point may lie, as part of its reach: what the surface's own curvature makes.
 constexpr float kBehind = 0.05f;
 /// Error below which records count alike; keeps weights finite.
-constexpr float kLeastError = 1e-4f;
+constexpr float kLeastRecordError = 1e-4f;
 
 uint64_t cell_key(int64_t x, int64_t y, int64_t z) {
     return hash64(hash64(hash64(static_cast<uint64_t>(x) + kHashStep) + static_cast<uint64_t>(y) + kHashStep) +
@@ -59,7 +59,7 @@ float IrradianceCache::weight(const HemisphereRecord& record, const Vec3d& posit
     const float error = offset.length() / record.radius + std::sqrt(turn);
     if (!(error < error_)) return 0.0f;
     if (0.5f * offset.dot(normal + record.normal) < -kBehind * error_ * record.radius) return 0.0f;
-    return 1.0f / std::max(error, kLeastError) - 1.0f / error_;
+    return 1.0f / std::max(error, kLeastRecordError) - 1.0f / error_;
 }
 
 std::optional<HemisphereLight> IrradianceCache::interpolate(const Vec3d& position, const Vec3f& normal) const {

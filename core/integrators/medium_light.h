@@ -7,6 +7,9 @@
 
 namespace rayleaf {
 
+/// Width to which what media scatter opens, radians: as of a diffuse surface.
+inline constexpr float kScatteredWidth = 0.5f;
+
 struct ScatteredLight {
     Color value{0, 0, 0};        ///< what arrives at the begin of the stretch if nothing hides the light
     std::optional<FreeWay> way;  ///< to the light; empty: nothing can hide it

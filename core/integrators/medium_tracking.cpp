@@ -6,7 +6,7 @@ namespace rayleaf {
 namespace {
 
 /// Null collisions on one stretch: beyond these a medium is taken to end.
-constexpr int kMostSteps = 4096;
+constexpr int kMostCollisions = 4096;
 /// Light dimmer than this share of what it was goes on by chance.
 constexpr float kFaint = 0.02f, kFaintSurvival = 0.25f;
 
@@ -53,7 +53,7 @@ template <typename Visit>
 void track(const MediumStretch& stretch, RandomStream& random, const Visit& visit) {
     const Majorants majorants(stretch);
     double t = 0.0;
-    for (int i = 0; i < kMostSteps && t < stretch.end; ++i) {
+    for (int i = 0; i < kMostCollisions && t < stretch.end; ++i) {
         const MajorantStep step = majorants.at(t);
         const double border = std::min(step.end, stretch.end);
         double next = std::numeric_limits<double>::infinity();

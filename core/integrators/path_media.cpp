@@ -3,12 +3,7 @@
 #include "integrators/path_tracer.h"
 
 namespace rayleaf {
-namespace {
-
-/// Width to which what media scatter opens, radians: as of a diffuse surface.
-constexpr float kScatteredWidth = 0.5f;
-
-}  // namespace
+namespace {}  // namespace
 
 Color PathTracer::free_of_media(double t) const {
     if (media_.empty()) return Color(1.0f);

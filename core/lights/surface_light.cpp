@@ -21,7 +21,7 @@ WorldElementPoint to_world(const Affine3d& local_to_world, const Shape& shape, c
 }
 
 /// Where an element is looked at to guess what it emits: parameters inside a triangle too.
-constexpr Vec2f kProbes[] = {Vec2f(0.2f, 0.2f), Vec2f(0.6f, 0.2f), Vec2f(0.2f, 0.6f), Vec2f(0.75f, 0.75f)};
+constexpr Vec2f kLightProbes[] = {Vec2f(0.2f, 0.2f), Vec2f(0.6f, 0.2f), Vec2f(0.2f, 0.6f), Vec2f(0.75f, 0.75f)};
 /// An element whose probes saw less than this share of the mean is still sampled as often as one with that share.
 constexpr double kSmallestShare = 0.05;
 
@@ -39,13 +39,13 @@ Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_
             const ElementPoint point = shape.element_point(element, Vec2f(u, v));
             result.bounds.extendBy(local_to_world.point(Vec3d(point.hit.position)));
         }
-    for (const Vec2f& probe : kProbes) {
+    for (const Vec2f& probe : kLightProbes) {
         const ElementPoint point = shape.element_point(element, probe);
         const WorldElementPoint world = to_world(local_to_world, shape, point);
         const SurfacePoint surface = tracer.surface_point(instance, point.hit);
         const Color color = emission(surface, surface.normal);
-        result.area += world.area_factor / std::size(kProbes);
-        if (is_finite(color)) result.radiance += std::max(0.0f, max_component(color)) / double(std::size(kProbes));
+        result.area += world.area_factor / std::size(kLightProbes);
+        if (is_finite(color)) result.radiance += std::max(0.0f, max_component(color)) / double(std::size(kLightProbes));
     }
     return result;
 }

@@ -5,10 +5,20 @@
 #include "base/vector.h"
 #include "python/bindings.h"
 
+#include <array>
 #include <span>
 #include <string>
 
 namespace rayleaf {
+
+/// Three numbers of Python, and back.
+using Vector = std::array<float, 3>;
+inline Vec3f vec(const Vector& v) {
+    return {v[0], v[1], v[2]};
+}
+inline Vector tuple(const Vec3f& v) {
+    return {v.x, v.y, v.z};
+}
 
 /// A contiguous array of T, made of what Python gave: other real numbers are converted, without a copy where the type
 /// already fits. Anything else is refused by `check_numbers` or `check_shape`, which know the argument's name; until

@@ -2,27 +2,11 @@
 #include "base/random.h"
 #include "integrators/hemisphere_record.h"
 #include "integrators/scattered_differential.h"
-#include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/differential_rows.h"
 
 namespace rayleaf {
 namespace {
-
-using Vector = std::array<float, 3>;
-using Rows = std::array<Vector, 4>;
-
-Vec3f vec(const Vector& v) {
-    return {v[0], v[1], v[2]};
-}
-Vector tuple(const Vec3f& v) {
-    return {v.x, v.y, v.z};
-}
-RayDifferential differential(const Rows& rows) {
-    return {vec(rows[0]), vec(rows[1]), vec(rows[2]), vec(rows[3])};
-}
-Rows rows(const RayDifferential& d) {
-    return {tuple(d.dp_dx), tuple(d.dp_dy), tuple(d.dd_dx), tuple(d.dd_dy)};
-}
 
 /// Of a normal, dp_du, dp_dv, dn_du, dn_dv.
 SurfacePoint surface_point(const std::array<Vector, 5>& surface) {

@@ -29,7 +29,7 @@ std::unique_ptr<FilmSums> make_film_sums(int width, int height, const std::vecto
 }
 
 /// The samples of a rectangle, sums of each pass (row, column, channel, term).
-struct Part {
+struct FilmPart {
     int x, y, width, height;
     std::vector<std::pair<Pass, Array<double>>> sums;
 };
@@ -45,8 +45,8 @@ void check_terms(const Array<double>& array, Pass pass) {
         if (!ExactSum::is_term(term)) throw InputError(kObject, name, number_text(term), "terms of sums of floats");
 }
 
-Part checked_part(const FilmSums& film, int x, int y, const std::map<std::string, Array<double>>& sums) {
-    Part part{x, y, 0, 0, {}};
+FilmPart checked_part(const FilmSums& film, int x, int y, const std::map<std::string, Array<double>>& sums) {
+    FilmPart part{x, y, 0, 0, {}};
     for (const Pass pass : film.passes()) {
         const std::string name(info(pass).identifier);
         const auto found = sums.find(name);
@@ -68,7 +68,7 @@ Part checked_part(const FilmSums& film, int x, int y, const std::map<std::string
     return part;
 }
 
-void add_pixel(FilmSums& film, const Part& part, int column, int row, int samples) {
+void add_pixel(FilmSums& film, const FilmPart& part, int column, int row, int samples) {
     PixelSums pixel;
     for (const auto& [pass, array] : part.sums) {
         const auto channels = static_cast<size_t>(array.shape(2)), terms = static_cast<size_t>(array.shape(3));
@@ -84,7 +84,7 @@ void add(FilmSums& film, int x, int y, int samples, const std::map<std::string, 
     constexpr int kMost = 1 << 24;
     if (samples < 1 || samples > kMost - film.most_samples())
         throw InputError(kObject, "samples", std::to_string(samples), "1 or more, 2^24 in all");
-    const Part part = checked_part(film, x, y, sums);
+    const FilmPart part = checked_part(film, x, y, sums);
     const py::gil_scoped_release release;
     for (int row = 0; row < part.height; ++row)
         for (int column = 0; column < part.width; ++column) add_pixel(film, part, column, row, samples);

@@ -54,7 +54,7 @@ py::dict trace_alone(const RayCache& cache, const Array<double>& origins, const 
     return result;
 }
 
-py::dict statistics(const RayCache& tree) {
+py::dict ray_cache_statistics(const RayCache& tree) {
     const RayCacheStatistics s = tree.statistics();
     py::dict answers;
     for (size_t i = 0; i < kAnswerKinds; ++i) answers[answer_names()[i]] = s.answers[i];
@@ -152,7 +152,7 @@ void bind_ri_tree(py::module_& parent) {
              "distances and angles (n,): the rays' spacing. Other threads may run meanwhile.")
         .def("trace", &trace_alone, py::arg("origins"), py::arg("directions"), "The same by tracing alone.")
         .def("next_frame", &RayCache::next_frame)
-        .def("statistics", &statistics);
+        .def("statistics", &ray_cache_statistics);
     bind_tree<FastTree>(module, "FastTree", "The ray cache that renders. Any number of threads.")
         .def("changes", &changes, py::arg("origins"), py::arg("directions"), py::arg("origin_steps"),
              py::arg("direction_steps"),

@@ -114,7 +114,7 @@ py::dict curves(const RenderStatistics& s) {
     return result;
 }
 
-py::dict statistics(const Session& session) {
+py::dict session_statistics(const Session& session) {
     using namespace py::literals;
     const RenderStatistics s = session.statistics();
     const TraceStatistics& t = s.trace;
@@ -181,7 +181,7 @@ void bind_session(py::module_& module) {
                  return std::make_pair(std::string(state_name(progress.state)), progress.share);
              })
         .def("pass_pixels", &pass_pixels, "name"_a)
-        .def("statistics", &statistics)
+        .def("statistics", &session_statistics)
         .def("sums", &sums)
         .def(
             "write_exr", [](const Session& session, const std::string& path) { write_exr(session.film(), path); },

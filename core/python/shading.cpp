@@ -13,12 +13,8 @@ namespace {
 
 using Floats = Array<float>;
 using OptionalFloats = std::optional<Floats>;
-using Vector = std::array<float, 3>;
 
-Vec3f vec(const Vector& v) {
-    return {v[0], v[1], v[2]};
-}
-Vec3f vec(const Floats& rows, size_t i) {
+Vec3f row_of(const Floats& rows, size_t i) {
     const float* row = rows.data() + 3 * i;
     return {row[0], row[1], row[2]};
 }
@@ -84,12 +80,12 @@ std::unique_ptr<ShadingPoints> surface_points(const Floats& position, const Floa
     result->points.resize(count);
     result->inputs.resize(count);
     const auto optional = [](const OptionalFloats& array, size_t i, const Vec3f& otherwise) {
-        return array ? vec(*array, i) : otherwise;
+        return array ? row_of(*array, i) : otherwise;
     };
     for (size_t i = 0; i < count; ++i) {
         SurfacePoint& point = result->points[i];
-        point.position = point.facet_position = Vec3d(vec(position, i));
-        point.normal = vec(normal, i);
+        point.position = point.facet_position = Vec3d(row_of(position, i));
+        point.normal = row_of(normal, i);
         point.facet_normal = optional(facet_normal, i, point.normal);
         point.uv = uv ? pair(*uv, i) : Vec2f(0.0f, 0.0f);
         point.dp_du = optional(dp_du, i, Vec3f(0.0f));
@@ -99,7 +95,7 @@ std::unique_ptr<ShadingPoints> surface_points(const Floats& position, const Floa
         inputs.point = &point;
         inputs.instance = &result->instance;
         inputs.textures = result->textures.get();
-        inputs.outgoing = vec(outgoing, i);
+        inputs.outgoing = row_of(outgoing, i);
         inputs.differential = {optional(dp_dx, i, Vec3f(0.0f)), optional(dp_dy, i, Vec3f(0.0f)), Vec3f(0.0f),
                                Vec3f(0.0f)};
     }
@@ -118,9 +114,9 @@ std::unique_ptr<ShadingPoints> world_directions(const Floats& direction, const O
     for (size_t i = 0; i < count; ++i) {
         ShadingInputs& inputs = result->inputs[i];
         inputs.textures = result->textures.get();
-        inputs.outgoing = -vec(direction, i);
-        inputs.differential = {Vec3f(0.0f), Vec3f(0.0f), dd_dx ? vec(*dd_dx, i) : Vec3f(0.0f),
-                               dd_dy ? vec(*dd_dy, i) : Vec3f(0.0f)};
+        inputs.outgoing = -row_of(direction, i);
+        inputs.differential = {Vec3f(0.0f), Vec3f(0.0f), dd_dx ? row_of(*dd_dx, i) : Vec3f(0.0f),
+                               dd_dy ? row_of(*dd_dy, i) : Vec3f(0.0f)};
     }
     return result;
 }
@@ -176,7 +172,7 @@ Floats evaluate(const Closures& closures, const Vector& outgoing, const Floats& 
     const auto count = static_cast<size_t>(incoming.shape(0));
     Floats values = rows(count, 3);
     for (size_t i = 0; i < count; ++i) {
-        const Vec3f direction = vec(incoming, i);
+        const Vec3f direction = row_of(incoming, i);
         put(values, i,
             kind ? closures.evaluate(vec(outgoing), direction, vec(facet_normal), *kind)
                  : closures.evaluate(vec(outgoing), direction, vec(facet_normal)));
@@ -189,7 +185,7 @@ Floats density(const Closures& closures, const Vector& outgoing, const Floats& i
     Floats values(incoming.shape(0));
     for (py::ssize_t i = 0; i < incoming.shape(0); ++i)
         values.mutable_data()[i] =
-            closures.density(vec(outgoing), vec(incoming, static_cast<size_t>(i)), vec(facet_normal));
+            closures.density(vec(outgoing), row_of(incoming, static_cast<size_t>(i)), vec(facet_normal));
     return values;
 }
 
@@ -202,7 +198,7 @@ py::dict sample(const Closures& closures, const Vector& outgoing, const Vector& 
     Array<bool> valid(length), singular(length), transmitted(length);
     Array<int32_t> kind(length);
     for (size_t i = 0; i < count; ++i) {
-        const std::optional<LobeSample> found = closures.sample(vec(outgoing), vec(facet_normal), vec(random, i));
+        const std::optional<LobeSample> found = closures.sample(vec(outgoing), vec(facet_normal), row_of(random, i));
         const LobeSample s = found.value_or(LobeSample{Vec3f(0.0f), Color(0.0f)});
         valid.mutable_data()[i] = found.has_value();
         put(direction, i, s.direction);

@@ -24,9 +24,9 @@ constexpr std::pair<const char*, AttributeId StrandInfoIds::*> kInfos[] = {{"IS_
                                                                            {"LENGTH", &StrandInfoIds::length},
                                                                            {"THICKNESS", &StrandInfoIds::thickness}};
 
-using Attributes = std::map<int, Array<float>>;
+using StrandAttributes = std::map<int, Array<float>>;
 
-void add_attributes(StrandArrays& arrays, const Attributes& given, StrandDomain domain) {
+void add_attributes(StrandArrays& arrays, const StrandAttributes& given, StrandDomain domain) {
     for (const auto& [id, array] : given) {
         check_shape(arrays.name, "attributes", array, {-1, -1});
         const std::span<const float> values = span_of(array);
@@ -38,7 +38,8 @@ std::shared_ptr<Strands> make_strands(const std::string& name, const Array<doubl
                                       const Array<int32_t>& offsets, const std::string& basis, const std::string& form,
                                       const std::optional<Array<uint8_t>>& cyclic,
                                       const std::optional<Array<int32_t>>& material_slots, int spheres_per_segment,
-                                      int uv, const Attributes& attributes, const Attributes& point_attributes,
+                                      int uv, const StrandAttributes& attributes,
+                                      const StrandAttributes& point_attributes,
                                       const std::map<std::string, int>& info) {
     check_shape(name, "points", points, {-1, 3});
     check_shape(name, "radii", radii, {-1});
@@ -71,7 +72,7 @@ void bind_strands(py::module_& module) {
     py::class_<Strands, Shape, std::shared_ptr<Strands>>(module, "Strands", "Many thin curves.")
         .def(py::init(&make_strands), "name"_a, "points"_a, "radii"_a, "offsets"_a, "basis"_a = "CATMULL_ROM",
              "form"_a = "ROUND", "cyclic"_a = py::none(), "material_slots"_a = py::none(), "spheres_per_segment"_a = 16,
-             "uv"_a = -1, "attributes"_a = Attributes(), "point_attributes"_a = Attributes(),
+             "uv"_a = -1, "attributes"_a = StrandAttributes(), "point_attributes"_a = StrandAttributes(),
              "info"_a = std::map<std::string, int>());
     module.def(
         "strand_tubes",

@@ -20,11 +20,11 @@ constexpr std::pair<const char*, UvSmoothing> kUvSmoothings[] = {
     {"PRESERVE_BOUNDARIES", UvSmoothing::KeepBoundaries},
     {"SMOOTH_ALL", UvSmoothing::All}};
 
-using Attributes = std::map<int, Array<float>>;
+using CageAttributes = std::map<int, Array<float>>;
 template <typename T>
 using Optional = std::optional<Array<T>>;
 
-std::vector<CornerAttribute> attributes_of(const std::string& name, const char* argument, const Attributes& given) {
+std::vector<CornerAttribute> attributes_of(const std::string& name, const char* argument, const CageAttributes& given) {
     std::vector<CornerAttribute> result;
     for (const auto& [id, array] : given) {
         check_shape(name, argument, array, {-1, -1});
@@ -46,7 +46,7 @@ std::shared_ptr<SubdivisionSurface> make_subdivision(
     const Array<int32_t>& corners, const Optional<int32_t>& crease_edges, const Optional<float>& crease_sharpness,
     const Optional<int32_t>& crease_vertices, const Optional<float>& vertex_sharpness,
     const Optional<int32_t>& material_slots, const std::string& border_corners, const std::string& uv_smoothing,
-    const Attributes& uv_maps, int uv, const Attributes& attributes, const Optional<float>& corner_normals,
+    const CageAttributes& uv_maps, int uv, const CageAttributes& attributes, const Optional<float>& corner_normals,
     const std::string& scheme) {
     check_shape(name, "vertices", vertices, {-1, 3});
     check_shape(name, "face_sizes", face_sizes, {-1});
@@ -124,8 +124,8 @@ void bind_subdivision(py::module_& module) {
         .def(py::init(&make_subdivision), "name"_a, "vertices"_a, "face_sizes"_a, "corners"_a,
              "crease_edges"_a = py::none(), "crease_sharpness"_a = py::none(), "crease_vertices"_a = py::none(),
              "vertex_sharpness"_a = py::none(), "material_slots"_a = py::none(), "border_corners"_a = "SMOOTH",
-             "uv_smoothing"_a = "PRESERVE_BOUNDARIES", "uv_maps"_a = Attributes(), "uv"_a = -1,
-             "attributes"_a = Attributes(), "corner_normals"_a = py::none(), "scheme"_a = "CATMULL_CLARK")
+             "uv_smoothing"_a = "PRESERVE_BOUNDARIES", "uv_maps"_a = CageAttributes(), "uv"_a = -1,
+             "attributes"_a = CageAttributes(), "corner_normals"_a = py::none(), "scheme"_a = "CATMULL_CLARK")
         .def("points", &points, "elements"_a, "parameters"_a)
         .def("values", &values, "attribute"_a, "elements"_a, "parameters"_a);
     module.def(

@@ -18,10 +18,11 @@
 namespace rayleaf {
 namespace {
 
-using Direction = std::tuple<int, bool, bool, bool>;
+using SampledDirection = std::tuple<int, bool, bool, bool>;
 
 /// `points` (count_v, count_u, 4): x, y, z, weight; directions: order, cyclic, endpoint, bezier.
-NurbsSpline make_spline(const Array<double>& points, const Direction& u, const Direction& v, bool smooth, int slot) {
+NurbsSpline make_spline(const Array<double>& points, const SampledDirection& u, const SampledDirection& v, bool smooth,
+                        int slot) {
     check_shape("spline", "points", points, {-1, -1, 4});
     NurbsSpline spline;
     spline.surface.count_v = static_cast<int>(points.shape(0));
@@ -30,7 +31,7 @@ NurbsSpline make_spline(const Array<double>& points, const Direction& u, const D
         const double* p = points.data() + i;
         spline.surface.points.emplace_back(p[0], p[1], p[2], p[3]);
     }
-    const auto direction = [](const Direction& d) {
+    const auto direction = [](const SampledDirection& d) {
         return NurbsDirection{std::get<0>(d), std::get<1>(d), std::get<2>(d), std::get<3>(d)};
     };
     spline.surface.u = direction(u);
@@ -40,7 +41,7 @@ NurbsSpline make_spline(const Array<double>& points, const Direction& u, const D
     return spline;
 }
 
-using SplineArguments = std::tuple<Array<double>, Direction, Direction, bool, int>;
+using SplineArguments = std::tuple<Array<double>, SampledDirection, SampledDirection, bool, int>;
 
 std::shared_ptr<PatchSurface> make_surface(const std::string& name, const std::vector<SplineArguments>& splines) {
     std::vector<NurbsSpline> made;
@@ -266,7 +267,7 @@ py::tuple timed(const Tracer& tracer, const Array<double>& origins, const Array<
     });
 }
 
-py::dict statistics(const Tracer& tracer) {
+py::dict tracer_statistics(const Tracer& tracer) {
     const TraceStatistics s = tracer.statistics();
     py::dict result;
     result["subpatches"] = s.subpatches;
@@ -345,7 +346,7 @@ void bind_trace(py::module_& parent) {
              py::arg("spread") = float_number(0.0f), py::arg("starts") = Array<uint32_t>(0),
              "(processor seconds on one thread, t)")
         .def("bounds", &bounds)
-        .def("statistics", &statistics);
+        .def("statistics", &tracer_statistics);
 
     bind_geometry_cache(module);
     bind_packets(module);

@@ -27,12 +27,12 @@ constexpr double kPoleSize = 1e-6;
 /// Thinner bodies, local units, are traced.
 constexpr float kLeastThickness = 0x1p-6f;
 /// Lines that meet the surface at less than this cosine are near its silhouette.
-constexpr float kLeastCosine = 0.02f;
+constexpr float kLeastTangentCosine = 0.02f;
 /// How far apart body and line must be for a miss, local units: the depth of dents that a lattice may overlook.
 constexpr float kApart = 1e-4f;
 /// Limits of the two iterations.
 constexpr int kMostPlanes = 8;
-constexpr int kMostSteps = 6;
+constexpr int kMostPlaceSteps = 6;
 /// How near the line the point must be, local units: the resolution of single precision.
 constexpr float kTolerance = 2e-6f;
 
@@ -281,10 +281,10 @@ ConvexBody::Meeting ConvexBody::leave(const Vec3d& origin, const Vec3d& directio
     if (meeting != Meeting::Crossed) return meeting;
     Place place = place_of(static_cast<uint32_t>(seed - seeds_.data()));
     Tangent tangent = seed->tangent;
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMostPlaceSteps; ++step) {
         const Vec3f normal = tangent.outward();
         const float square = normal.length2(), cosine = normal.dot(along);
-        if (!(cosine > kLeastCosine * std::sqrt(square))) return Meeting::Uncertain;
+        if (!(cosine > kLeastTangentCosine * std::sqrt(square))) return Meeting::Uncertain;
         const float t = normal.dot(tangent.position - from) / cosine;
         const Vec3f missing = from + along * t - tangent.position;
         if (step > 0 && missing.length2() <= kTolerance * kTolerance) {
@@ -311,8 +311,8 @@ ConvexBody::Meeting ConvexBody::close_in(const Vec3f& from, const Vec3f& along, 
         if (next == seed) break;
         seed = next;
         const float cosine = seed->normal.dot(along), before = seed->normal.dot(seed->tangent.position - from);
-        ends = cosine > kLeastCosine;
-        if (std::abs(cosine) > kLeastCosine) {
+        ends = cosine > kLeastTangentCosine;
+        if (std::abs(cosine) > kLeastTangentCosine) {
             float& bound = ends ? inside.end : inside.begin;
             bound = ends ? std::min(bound, before / cosine) : std::max(bound, before / cosine);
         }

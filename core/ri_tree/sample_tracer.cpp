@@ -2,15 +2,12 @@
 
 #include "base/error.h"
 #include "ri_tree/glass_walk.h"
+#include "trace/inside_length.h"
 
 #include <limits>
 
 namespace rayleaf {
 namespace {
-
-/// How far beyond a crossing a line continues, local units: above the rounding of two facets that share an edge, below
-/// any thickness that matters.
-constexpr double kCrossingStep = 0x1p-20;
 
 /// How far from its facet a ray inside glass starts, local units: the error of a float ray (trace/tracer.cpp), and the
 /// rounding of the hit, 64 operations of 2^-53 of the coordinates that it was computed from.

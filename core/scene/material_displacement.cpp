@@ -68,10 +68,10 @@ std::vector<Material> materials_of(const SceneDescription& description, const st
 }
 
 /// All that a displacement may depend on.
-using Look = std::tuple<const Shape*, const std::vector<int>*, std::array<double, 12>, float, float,
-                        std::vector<InstanceAttribute>>;
+using DisplacementLook = std::tuple<const Shape*, const std::vector<int>*, std::array<double, 12>, float, float,
+                                    std::vector<InstanceAttribute>>;
 
-Look look_of(const Shape* shape, const std::vector<int>* list, const InstanceDescription& instance) {
+DisplacementLook look_of(const Shape* shape, const std::vector<int>* list, const InstanceDescription& instance) {
     const Affine3d& m = instance.object_to_world;
     return {shape,
             list,
@@ -91,7 +91,7 @@ void displace(std::vector<TracedInstance>& traced, const SceneDescription& descr
         return material >= 0 && static_cast<size_t>(material) < description.materials.size() &&
                description.materials[static_cast<size_t>(material)].displacement.program != nullptr;
     };
-    std::map<Look, std::shared_ptr<const Shape>> known;
+    std::map<DisplacementLook, std::shared_ptr<const Shape>> known;
     for (size_t i = 0; i < traced.size(); ++i) {
         const std::vector<int>& list = *lists[i];
         std::shared_ptr<const Shape>& shape = traced[i].shape;

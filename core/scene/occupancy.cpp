@@ -13,14 +13,6 @@ namespace {
 /// Boxes that reach into one another by this share of the smaller one's size only touch: a vase stands on a table.
 constexpr double kTouching = 1e-4;
 
-Box3d image_of(const Box3d& box, const Affine3d& map) {
-    Box3d image;
-    for (int corner = 0; corner < 8; ++corner)
-        image.extendBy(map.point({corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                                  corner & 4 ? box.max.z : box.min.z}));
-    return image;
-}
-
 Box3d box_of_triangle(const TriangleMesh& mesh, uint32_t triangle) {
     Box3d box;
     for (const Vec3d& corner : mesh.corners(triangle)) box.extendBy(corner);

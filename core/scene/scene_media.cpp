@@ -6,7 +6,7 @@ namespace rayleaf {
 namespace {
 
 /// Cells along a side of the box of a medium that varies, and cells of all of them together.
-constexpr int kMostCells = 16;
+constexpr int kMostOccupiedCells = 16;
 constexpr double kMostCellsInAll = 1 << 18;
 
 /// The space in which a world's medium is bounded cell by cell is larger than what it surrounds.
@@ -37,10 +37,10 @@ void SceneMedia::commit(const CancelToken& cancel) {
     size_t varying = 0;
     for (const auto& [key, medium] : all_) varying += medium.program->varies_in_space() ? 1 : 0;
     const double each = kMostCellsInAll / static_cast<double>(std::max<size_t>(varying, 1));
-    const int cells = std::clamp(static_cast<int>(std::cbrt(each)), 1, kMostCells);
+    const int cells = std::clamp(static_cast<int>(std::cbrt(each)), 1, kMostOccupiedCells);
     for (auto& [key, medium] : all_)
         if (medium.program->varies_in_space()) bound(medium, cells, cancel);
-    if (world_.program && world_.program->varies_in_space()) bound(world_, kMostCells, cancel);
+    if (world_.program && world_.program->varies_in_space()) bound(world_, kMostOccupiedCells, cancel);
 }
 
 void SceneMedia::bound(SceneMedium& medium, int cells, const CancelToken& cancel) const {

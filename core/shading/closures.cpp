@@ -11,7 +11,7 @@ namespace {
 /// Below this product of the two roughnesses a lobe is singular (Cycles' limit; float cannot resolve narrower ones).
 constexpr float kSingularAlphaProduct = 1e-7f;
 /// The narrower direction of a lobe that is not singular.
-constexpr float kLeastAlpha = 1e-4f;
+constexpr float kLeastLobeAlpha = 1e-4f;
 /// An interface whose index differs less from 1 bends rays by less than a milliradian: clear, whatever its roughness.
 constexpr float kLeastIndexStep = 1e-3f;
 constexpr float kLeastIndex = 1e-5f, kLargestIndex = 1e5f;
@@ -62,8 +62,8 @@ Lobe sound(Lobe lobe) {
         lobe.alpha_x = lobe.alpha_y = 0.0f;
         if (lobe.type == LobeType::Clearcoat) lobe.type = LobeType::Reflection;
     } else {
-        lobe.alpha_x = std::max(lobe.alpha_x, kLeastAlpha);
-        lobe.alpha_y = std::max(lobe.alpha_y, kLeastAlpha);
+        lobe.alpha_x = std::max(lobe.alpha_x, kLeastLobeAlpha);
+        lobe.alpha_y = std::max(lobe.alpha_y, kLeastLobeAlpha);
     }
     Vec3f tangent, bitangent;
     orthonormal_basis(lobe.normal, tangent, bitangent);

@@ -11,16 +11,16 @@ namespace {
 constexpr int kNodes = 24;       ///< of each axis of the reflection table
 constexpr int kGlassNodes = 16;  ///< of each axis of the glass tables
 constexpr int kQuadrature = 16;  ///< points of the quadrature per dimension
-constexpr float kLeastCosine = 1e-3f, kLeastAlpha = 1e-3f;
+constexpr float kLeastTableCosine = 1e-3f, kLeastTableAlpha = 1e-3f;
 /// Axis of indices: |ior - 1| / (ior + 1), up to an index of 10.
 constexpr float kLargestIndexAxis = 9.0f / 11.0f;
 
 // Nodes lie closer at grazing angles and at small roughness, where albedo changes fastest.
 float cosine_at(float x) {
-    return std::max(x * x, kLeastCosine);
+    return std::max(x * x, kLeastTableCosine);
 }
 float alpha_at(float x) {
-    return std::max(x * x, kLeastAlpha);
+    return std::max(x * x, kLeastTableAlpha);
 }
 
 /// Midpoints of the unit square, crowded towards both ends of x, where the integrands have roots; the weights add up

@@ -11,15 +11,12 @@ namespace rayleaf {
 namespace {
 
 template <int N>
-using Point = LatticePoint<N>;
-
-template <int N>
-Point<N> plus(Point<N> a, const Point<N>& b) {
+LatticePoint<N> plus(LatticePoint<N> a, const LatticePoint<N>& b) {
     for (int i = 0; i < N; ++i) a[i] += b[i];
     return a;
 }
 template <int N>
-Point<N> times(Point<N> a, float factor) {
+LatticePoint<N> times(LatticePoint<N> a, float factor) {
     for (float& x : a) x *= factor;
     return a;
 }
@@ -38,16 +35,16 @@ float negated_if(uint32_t condition, float x) {
 }
 
 // Scalar products of the offset from a lattice point with the gradient that the hash names.
-float gradient(uint32_t hash, const Point<1>& p) {
+float gradient(uint32_t hash, const LatticePoint<1>& p) {
     const float slope = 1.0f + static_cast<float>(hash & 7u);
     return negated_if(hash & 8u, slope) * p[0];
 }
-float gradient(uint32_t hash, const Point<2>& p) {
+float gradient(uint32_t hash, const LatticePoint<2>& p) {
     const bool first = (hash & 7u) < 4u;
     const float u = first ? p[0] : p[1], v = 2.0f * (first ? p[1] : p[0]);
     return negated_if(hash & 1u, u) + negated_if(hash & 2u, v);
 }
-float gradient(uint32_t hash, const Point<4>& p) {
+float gradient(uint32_t hash, const LatticePoint<4>& p) {
     const uint32_t h = hash & 31u;
     const float u = h < 24u ? p[0] : p[1], v = h < 16u ? p[1] : p[2], s = h < 8u ? p[2] : p[3];
     return negated_if(h & 1u, u) + negated_if(h & 2u, v) + negated_if(h & 4u, s);
@@ -66,7 +63,7 @@ Float4 gradient4(Words4 hash, Float4 x, Float4 y, Float4 z) {
 }
 
 /// The values at the eight corners of a cell in three dimensions: corner i lies at the bits of i, x lowest.
-void corner_values(const std::array<uint32_t, 3>& cell, const Point<3>& fraction, float* values) {
+void corner_values(const std::array<uint32_t, 3>& cell, const LatticePoint<3>& fraction, float* values) {
     const uint32_t x0 = cell[0], x1 = cell[0] + 1u, y0 = cell[1], y1 = cell[1] + 1u;
     const Words4 x{x0, x1, x0, x1}, y{y0, y0, y1, y1};
     const Float4 from_x{fraction[0], fraction[0] - 1.0f, fraction[0], fraction[0] - 1.0f};
@@ -80,10 +77,10 @@ void corner_values(const std::array<uint32_t, 3>& cell, const Point<3>& fraction
 }
 
 template <int N>
-void corner_values(const std::array<uint32_t, N>& cell, const Point<N>& fraction, float* values) {
+void corner_values(const std::array<uint32_t, N>& cell, const LatticePoint<N>& fraction, float* values) {
     for (int corner = 0; corner < (1 << N); ++corner) {
         std::array<uint32_t, N> lattice = cell;
-        Point<N> offset = fraction;
+        LatticePoint<N> offset = fraction;
         for (int i = 0; i < N; ++i) {
             if (((corner >> i) & 1) == 0) continue;
             lattice[i] += 1u;
@@ -96,8 +93,8 @@ void corner_values(const std::array<uint32_t, N>& cell, const Point<N>& fraction
 }  // namespace
 
 template <int N>
-float signed_noise(const Point<N>& p) {
-    Point<N> fraction{}, blend{};
+float signed_noise(const LatticePoint<N>& p) {
+    LatticePoint<N> fraction{}, blend{};
     std::array<uint32_t, N> cell{};
     for (int i = 0; i < N; ++i) {
         const float x = std::abs(p[i]) < kNoiseLatticeLimit ? p[i] : 0.0f;
@@ -119,16 +116,16 @@ float signed_noise(const Point<N>& p) {
     return corners[0] * kNoiseScale[N - 1];
 }
 
-template float signed_noise<1>(const Point<1>&);
-template float signed_noise<2>(const Point<2>&);
-template float signed_noise<3>(const Point<3>&);
-template float signed_noise<4>(const Point<4>&);
+template float signed_noise<1>(const LatticePoint<1>&);
+template float signed_noise<2>(const LatticePoint<2>&);
+template float signed_noise<3>(const LatticePoint<3>&);
+template float signed_noise<4>(const LatticePoint<4>&);
 
 namespace {
 
 /// Octaves of noise in [0, 1], weighted by powers of the roughness.
 template <int N>
-float fractal_noise(const Point<N>& p, const NoiseParameters& parameters) {
+float fractal_noise(const LatticePoint<N>& p, const NoiseParameters& parameters) {
     const float detail = parameters.detail > 0.0f ? std::min(parameters.detail, kMostOctaves) : 0.0f;
     if (parameters.type != FractalType::FBM || !parameters.normalize)
         return fractal<N>(parameters.type, p,
@@ -150,15 +147,15 @@ float fractal_noise(const Point<N>& p, const NoiseParameters& parameters) {
 }
 
 template <int N>
-Point<N> seed_offset(int seed) {
-    Point<N> offset{};
+LatticePoint<N> seed_offset(int seed) {
+    LatticePoint<N> offset{};
     for (int i = 0; i < N; ++i) offset[i] = noise_seed_offset(N, seed, i);
     return offset;
 }
 
 template <int N>
-Vec3f texture(const Point<N>& point, const NoiseParameters& parameters, NoiseChannels channels) {
-    Point<N> p = point;
+Vec3f texture(const LatticePoint<N>& point, const NoiseParameters& parameters, NoiseChannels channels) {
+    LatticePoint<N> p = point;
     if (parameters.distortion != 0.0f)
         for (int i = 0; i < N; ++i) p[i] += signed_noise<N>(plus<N>(point, seed_offset<N>(i))) * parameters.distortion;
     const float factor = fractal_noise<N>(p, parameters);

@@ -59,11 +59,9 @@ bool has_footprint(const ShadingInputs& inputs) {
     return !(is_black(d.dp_dx) && is_black(d.dp_dy) && is_black(d.dd_dx) && is_black(d.dd_dy));
 }
 
-float finite(float x) {
-    return std::isfinite(x) ? x : 0.0f;
-}
 Color finite_and_positive(const Color& c) {
-    return {std::max(finite(c.x), 0.0f), std::max(finite(c.y), 0.0f), std::max(finite(c.z), 0.0f)};
+    return {std::max(finite_or_zero(c.x), 0.0f), std::max(finite_or_zero(c.y), 0.0f),
+            std::max(finite_or_zero(c.z), 0.0f)};
 }
 
 }  // namespace
@@ -306,7 +304,7 @@ void Program::evaluate(std::span<const ShadingInputs* const> inputs, std::span<C
     for (Closures* result : results) {
         result->emission = finite_and_positive(result->emission);
         result->transparency = finite_and_positive(result->transparency);
-        result->holdout = saturate(finite(result->holdout));
+        result->holdout = saturate(finite_or_zero(result->holdout));
     }
 }
 

@@ -7,63 +7,60 @@
 namespace rayleaf {
 namespace {
 
-template <int N>
-using Point = LatticePoint<N>;
-
 /// Farther than any point of the cubes around.
-constexpr float kFar = 8.0f;
+constexpr float kFarthestPoint = 8.0f;
 
 template <int N, typename Function>
-Point<N> each(const Point<N>& a, const Point<N>& b, Function function) {
-    Point<N> result{};
+LatticePoint<N> each(const LatticePoint<N>& a, const LatticePoint<N>& b, Function function) {
+    LatticePoint<N> result{};
     for (int i = 0; i < N; ++i) result[i] = function(a[i], b[i]);
     return result;
 }
 template <int N>
-Point<N> plus(const Point<N>& a, const Point<N>& b) {
+LatticePoint<N> plus(const LatticePoint<N>& a, const LatticePoint<N>& b) {
     return each<N>(a, b, [](float x, float y) { return x + y; });
 }
 template <int N>
-Point<N> minus(const Point<N>& a, const Point<N>& b) {
+LatticePoint<N> minus(const LatticePoint<N>& a, const LatticePoint<N>& b) {
     return each<N>(a, b, [](float x, float y) { return x - y; });
 }
 template <int N>
-float dot(const Point<N>& a, const Point<N>& b) {
+float dot(const LatticePoint<N>& a, const LatticePoint<N>& b) {
     float sum = 0.0f;
     for (int i = 0; i < N; ++i) sum += a[i] * b[i];
     return sum;
 }
 template <int N>
-float length(const Point<N>& v) {
+float length(const LatticePoint<N>& v) {
     return std::sqrt(dot<N>(v, v));
 }
 
 // Where in its cube the point of a cell lies, each coordinate 0..1. The rules are Blender's.
-Point<1> chance(const Point<1>& c) {
+LatticePoint<1> chance(const LatticePoint<1>& c) {
     return {unit_hash(c[0])};
 }
-Point<2> chance(const Point<2>& c) {
+LatticePoint<2> chance(const LatticePoint<2>& c) {
     return {unit_hash(c[0], c[1]), unit_hash(c[0], c[1], 1.0f)};
 }
-Point<3> chance(const Point<3>& c) {
+LatticePoint<3> chance(const LatticePoint<3>& c) {
     return {unit_hash(c[0], c[1], c[2]), unit_hash(c[0], c[1], c[2], 1.0f), unit_hash(c[0], c[1], c[2], 2.0f)};
 }
-Point<4> chance(const Point<4>& c) {
+LatticePoint<4> chance(const LatticePoint<4>& c) {
     return {unit_hash(c[0], c[1], c[2], c[3]), unit_hash(c[3], c[0], c[1], c[2]), unit_hash(c[2], c[3], c[0], c[1]),
             unit_hash(c[1], c[2], c[3], c[0])};
 }
 
-Color color_of(const Point<1>& c) {
+Color color_of(const LatticePoint<1>& c) {
     return {unit_hash(c[0]), unit_hash(c[0], 1.0f), unit_hash(c[0], 2.0f)};
 }
-Color color_of(const Point<2>& c) {
+Color color_of(const LatticePoint<2>& c) {
     return {unit_hash(c[0], c[1]), unit_hash(c[0], c[1], 1.0f), unit_hash(c[0], c[1], 2.0f)};
 }
-Color color_of(const Point<3>& c) {
-    const Point<3> p = chance(c);
+Color color_of(const LatticePoint<3>& c) {
+    const LatticePoint<3> p = chance(c);
     return {p[0], p[1], p[2]};
 }
-Color color_of(const Point<4>& c) {
+Color color_of(const LatticePoint<4>& c) {
     return {unit_hash(c[0], c[1], c[2], c[3]), unit_hash(c[2], c[0], c[3], c[1]), unit_hash(c[3], c[2], c[1], c[0])};
 }
 
@@ -71,7 +68,7 @@ Color color_of(const Point<4>& c) {
 template <int N>
 class Cells {
   public:
-    Cells(const Point<N>& p, const VoronoiParameters& parameters)
+    Cells(const LatticePoint<N>& p, const VoronoiParameters& parameters)
         : parameters_(parameters), randomness_(std::clamp(parameters.randomness, 0.0f, 1.0f)) {
         for (int i = 0; i < N; ++i) {
             const float x = std::isfinite(p[i]) ? p[i] : 0.0f;
@@ -90,7 +87,7 @@ class Cells {
     /// Calls a function with the offset of each cell at most `reach` away, the first coordinate fastest.
     template <typename Function>
     static void around(int reach, Function function) {
-        Point<N> offset;
+        LatticePoint<N> offset;
         offset.fill(static_cast<float>(-reach));
         for (;;) {
             function(offset);
@@ -101,25 +98,25 @@ class Cells {
         }
     }
     /// The point of a neighbouring cell, from this cell's corner.
-    Point<N> point_in(const Point<N>& offset) const {
-        Point<N> p = chance(plus<N>(cell_, offset));
+    LatticePoint<N> point_in(const LatticePoint<N>& offset) const {
+        LatticePoint<N> p = chance(plus<N>(cell_, offset));
         for (int i = 0; i < N; ++i) p[i] = offset[i] + p[i] * randomness_;
         return p;
     }
-    float distance(const Point<N>& a, const Point<N>& b) const;
+    float distance(const LatticePoint<N>& a, const LatticePoint<N>& b) const;
     /// The cell whose point is nearest by Euclid's distance.
-    Point<N> nearest_cell(const Point<N>& from, const Point<N>* but) const;
-    VoronoiResult result(float distance, const Point<N>& offset) const;
-    Vec4f place(const Point<N>& p) const;
+    LatticePoint<N> nearest_cell(const LatticePoint<N>& from, const LatticePoint<N>* but) const;
+    VoronoiResult result(float distance, const LatticePoint<N>& offset) const;
+    Vec4f place(const LatticePoint<N>& p) const;
 
     const VoronoiParameters& parameters_;
     float randomness_;
-    Point<N> cell_{}, local_{};
+    LatticePoint<N> cell_{}, local_{};
 };
 
 template <int N>
-float Cells<N>::distance(const Point<N>& a, const Point<N>& b) const {
-    const Point<N> apart = each<N>(a, b, [](float x, float y) { return std::abs(x - y); });
+float Cells<N>::distance(const LatticePoint<N>& a, const LatticePoint<N>& b) const {
+    const LatticePoint<N> apart = each<N>(a, b, [](float x, float y) { return std::abs(x - y); });
     if (N == 1) return apart[0];
     float sum = 0.0f, largest = 0.0f;
     switch (parameters_.metric) {
@@ -139,8 +136,8 @@ float Cells<N>::distance(const Point<N>& a, const Point<N>& b) const {
 }
 
 template <int N>
-Vec4f Cells<N>::place(const Point<N>& p) const {
-    const Point<N> at = plus<N>(p, cell_);
+Vec4f Cells<N>::place(const LatticePoint<N>& p) const {
+    const LatticePoint<N> at = plus<N>(p, cell_);
     if constexpr (N == 1) return Vec4f(0.0f, 0.0f, 0.0f, at[0]);
     Vec4f result(0.0f, 0.0f, 0.0f, 0.0f);
     for (int i = 0; i < N; ++i) result[i] = at[i];
@@ -148,15 +145,15 @@ Vec4f Cells<N>::place(const Point<N>& p) const {
 }
 
 template <int N>
-VoronoiResult Cells<N>::result(float distance, const Point<N>& offset) const {
+VoronoiResult Cells<N>::result(float distance, const LatticePoint<N>& offset) const {
     return {distance, color_of(plus<N>(cell_, offset)), place(point_in(offset))};
 }
 
 template <int N>
 VoronoiResult Cells<N>::nearest() const {
-    float least = kFar;
-    Point<N> found{};
-    around(1, [&](const Point<N>& offset) {
+    float least = kFarthestPoint;
+    LatticePoint<N> found{};
+    around(1, [&](const LatticePoint<N>& offset) {
         const float d = distance(point_in(offset), local_);
         if (!(d < least)) return;
         least = d;
@@ -167,9 +164,9 @@ VoronoiResult Cells<N>::nearest() const {
 
 template <int N>
 VoronoiResult Cells<N>::second_nearest() const {
-    float first = kFar, second = kFar;
-    Point<N> first_cell{}, second_cell{};
-    around(1, [&](const Point<N>& offset) {
+    float first = kFarthestPoint, second = kFarthestPoint;
+    LatticePoint<N> first_cell{}, second_cell{};
+    around(1, [&](const LatticePoint<N>& offset) {
         const float d = distance(point_in(offset), local_);
         if (d < first) {
             second = first;
@@ -190,11 +187,11 @@ template <int N>
 VoronoiResult Cells<N>::smooth() const {
     const float smoothness = std::clamp(0.5f * parameters_.smoothness, 0.0f, 0.5f);
     if (!(smoothness > 0.0f)) return nearest();
-    float least = kFar;
+    float least = kFarthestPoint;
     Color color(0.0f);
-    Point<N> point{};
-    around(2, [&](const Point<N>& offset) {
-        const Point<N> candidate = point_in(offset);
+    LatticePoint<N> point{};
+    around(2, [&](const LatticePoint<N>& offset) {
+        const LatticePoint<N> candidate = point_in(offset);
         const float d = distance(candidate, local_);
         const float x = std::clamp(0.5f + 0.5f * (least - d) / smoothness, 0.0f, 1.0f);
         const float share = x * x * (3.0f - 2.0f * x);
@@ -210,13 +207,13 @@ VoronoiResult Cells<N>::smooth() const {
 }
 
 template <int N>
-Point<N> Cells<N>::nearest_cell(const Point<N>& from, const Point<N>* but) const {
+LatticePoint<N> Cells<N>::nearest_cell(const LatticePoint<N>& from, const LatticePoint<N>* but) const {
     float least = std::numeric_limits<float>::max();
-    Point<N> found{};
-    around(1, [&](const Point<N>& step) {
-        const Point<N> offset = but != nullptr ? plus<N>(*but, step) : step;
+    LatticePoint<N> found{};
+    around(1, [&](const LatticePoint<N>& step) {
+        const LatticePoint<N> offset = but != nullptr ? plus<N>(*but, step) : step;
         if (but != nullptr && offset == *but) return;
-        const Point<N> away = minus<N>(point_in(offset), from);
+        const LatticePoint<N> away = minus<N>(point_in(offset), from);
         const float d = dot<N>(away, away);
         if (!(d < least)) return;
         least = d;
@@ -235,10 +232,10 @@ float Cells<1>::distance_to_edge() const {
 template <int N>
 float Cells<N>::distance_to_edge() const {
     constexpr float kSamePoint = 1e-4f;  // squared: the point itself
-    const Point<N> to_nearest = minus<N>(point_in(nearest_cell(local_, nullptr)), local_);
-    float least = kFar;
-    around(1, [&](const Point<N>& offset) {
-        const Point<N> to_other = minus<N>(point_in(offset), local_), between = minus<N>(to_other, to_nearest);
+    const LatticePoint<N> to_nearest = minus<N>(point_in(nearest_cell(local_, nullptr)), local_);
+    float least = kFarthestPoint;
+    around(1, [&](const LatticePoint<N>& offset) {
+        const LatticePoint<N> to_other = minus<N>(point_in(offset), local_), between = minus<N>(to_other, to_nearest);
         if (dot<N>(between, between) <= kSamePoint) return;
         least = std::min(least, 0.5f * dot<N>(plus<N>(to_nearest, to_other), between) / length<N>(between));
     });
@@ -248,12 +245,12 @@ float Cells<N>::distance_to_edge() const {
 /// Half the way from the nearest point to the point nearest to that.
 template <int N>
 float Cells<N>::sphere_radius() const {
-    const Point<N> cell = nearest_cell(local_, nullptr), center = point_in(cell);
+    const LatticePoint<N> cell = nearest_cell(local_, nullptr), center = point_in(cell);
     return 0.5f * length<N>(minus<N>(point_in(nearest_cell(center, &cell)), center));
 }
 
 template <int N>
-VoronoiResult texture(const Point<N>& p, const VoronoiParameters& parameters) {
+VoronoiResult texture(const LatticePoint<N>& p, const VoronoiParameters& parameters) {
     const Cells<N> cells(p, parameters);
     switch (parameters.feature) {
         case VoronoiFeature::F1:

@@ -7,7 +7,7 @@ namespace rayleaf {
 
 namespace {
 
-constexpr int kMostSteps = 40;
+constexpr int kMostDampedSteps = 40;
 constexpr double kFirstDamping = 1e-6, kMostDamping = 1e12;
 
 ClosestPoint sample(const PatchView& patch, const Vec3d& target, double u, double v) {
@@ -47,7 +47,7 @@ ClosestPoint step(const PatchView& patch, const Vec3d& target, const ClosestPoin
 
 ClosestPoint refined(const PatchView& patch, const Vec3d& target, ClosestPoint best) {
     double damping = kFirstDamping;
-    for (int i = 0; i < kMostSteps && damping < kMostDamping; ++i) {
+    for (int i = 0; i < kMostDampedSteps && damping < kMostDamping; ++i) {
         const ClosestPoint next = step(patch, target, best, damping);
         if (next.distance < best.distance) {
             best = next;

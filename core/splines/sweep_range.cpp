@@ -18,7 +18,7 @@ constexpr std::array<std::array<double, 2>, 5> kGauss{{{0.046910077030668004, 0.
                                                        {0.769234655052841546, 0.239314335249683234},
                                                        {0.953089922969331996, 0.118463442528094543}}};
 /// Equal parts of a segment that the rule is applied to.
-constexpr int kParts = 16;
+constexpr int kLengthParts = 16;
 
 double part_length(const SweepPath& path, const SweepSegment& segment, double begin, double end) {
     double sum = 0.0;
@@ -28,9 +28,9 @@ double part_length(const SweepPath& path, const SweepSegment& segment, double be
 }
 
 double length(const SweepPath& path, const SweepSegment& segment, double begin = 0.0, double end = 1.0) {
-    const double part = (end - begin) / kParts;
+    const double part = (end - begin) / kLengthParts;
     double sum = 0.0;
-    for (int k = 0; k < kParts; ++k) sum += part_length(path, segment, begin + k * part, begin + (k + 1) * part);
+    for (int k = 0; k < kLengthParts; ++k) sum += part_length(path, segment, begin + k * part, begin + (k + 1) * part);
     return sum;
 }
 
@@ -66,10 +66,10 @@ double share_by_legs(const SweepPath& path, const SweepElements& elements, doubl
 /// The parameter at which a segment has reached a length.
 double parameter_at(const SweepPath& path, const SweepSegment& segment, double wanted) {
     double passed = 0.0;
-    for (int k = 0; k < kParts; ++k) {
-        const double begin = static_cast<double>(k) / kParts, end = static_cast<double>(k + 1) / kParts;
+    for (int k = 0; k < kLengthParts; ++k) {
+        const double begin = static_cast<double>(k) / kLengthParts, end = static_cast<double>(k + 1) / kLengthParts;
         const double part = part_length(path, segment, begin, end);
-        if (passed + part < wanted && k + 1 < kParts) {
+        if (passed + part < wanted && k + 1 < kLengthParts) {
             passed += part;
             continue;
         }

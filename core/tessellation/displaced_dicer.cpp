@@ -17,7 +17,7 @@ constexpr uint32_t kMostDisplacedSubpatches = 1u << 12;
 /// The most additional splits of the base surface.
 constexpr int kMostExtraSplits = 6;
 /// The number of subpatches by which a split is judged.
-constexpr uint32_t kLooks = 64;
+constexpr uint32_t kDisplacementLooks = 64;
 
 std::unique_ptr<const Dicer> dicer_below(const DisplacedSurface& surface, const FacetTolerance& tolerance, int extra) {
     const LocalFrame &frame = surface.frame(), &below = surface.base().frame();
@@ -44,7 +44,7 @@ DisplacedDicer::DisplacedDicer(const DisplacedSurface& surface, const FacetToler
 }
 
 bool DisplacedDicer::is_fine_enough(const FacetTolerance& tolerance) const {
-    const uint32_t count = subpatch_count(), looks = std::min(count, kLooks);
+    const uint32_t count = subpatch_count(), looks = std::min(count, kDisplacementLooks);
     std::atomic<bool> fine{true};  // read when all tasks have ended
     tbb::parallel_for(uint32_t{0}, looks, [&](uint32_t i) {
         GridRows rows;

@@ -8,13 +8,13 @@ namespace rayleaf {
 namespace {
 
 /// Number of places at which the bend of a Bezier part is sampled.
-constexpr int kLooks = 16;
+constexpr int kProfileLooks = 16;
 
 /// The largest second derivative of a part.
 double bend(const SweepProfile& profile, size_t part) {
     double largest = 0.0;
-    for (int k = 0; k <= kLooks; ++k)
-        largest = std::max(largest, profile.evaluate(part, static_cast<double>(k) / kLooks).second.length());
+    for (int k = 0; k <= kProfileLooks; ++k)
+        largest = std::max(largest, profile.evaluate(part, static_cast<double>(k) / kProfileLooks).second.length());
     return largest;
 }
 

@@ -11,30 +11,30 @@ namespace rayleaf {
 namespace {
 
 /// Points along a side of an irregular element by which its bend is measured.
-constexpr int kLooks = 5;
+constexpr int kRingLooks = 5;
 
 /// Second derivatives by differences, and a box. At an irregular corner the derivatives themselves are unbounded.
-struct Look {
+struct RingLook {
     CurvatureBounds bounds;
     Box3d box;
 
-    Look(const SubdivisionSurface& surface, uint32_t element) {
-        Vec3d p[kLooks][kLooks];
-        for (int j = 0; j < kLooks; ++j) {
-            for (int i = 0; i < kLooks; ++i) {
-                p[j][i] = surface.position(element, i / (kLooks - 1.0), j / (kLooks - 1.0));
+    RingLook(const SubdivisionSurface& surface, uint32_t element) {
+        Vec3d p[kRingLooks][kRingLooks];
+        for (int j = 0; j < kRingLooks; ++j) {
+            for (int i = 0; i < kRingLooks; ++i) {
+                p[j][i] = surface.position(element, i / (kRingLooks - 1.0), j / (kRingLooks - 1.0));
                 box.extendBy(p[j][i]);
             }
         }
-        constexpr int kLast = kLooks - 1;
-        constexpr double kPerDifference = kLast * kLast;
-        for (int j = 0; j < kLooks; ++j) {
-            for (int i = 0; i < kLooks; ++i) {
-                if (i > 0 && i < kLast)
+        constexpr int kLastLook = kRingLooks - 1;
+        constexpr double kPerDifference = kLastLook * kLastLook;
+        for (int j = 0; j < kRingLooks; ++j) {
+            for (int i = 0; i < kRingLooks; ++i) {
+                if (i > 0 && i < kLastLook)
                     bounds.duu = std::max(bounds.duu, (p[j][i - 1] + p[j][i + 1] - p[j][i] * 2.0).length());
-                if (j > 0 && j < kLast)
+                if (j > 0 && j < kLastLook)
                     bounds.dvv = std::max(bounds.dvv, (p[j - 1][i] + p[j + 1][i] - p[j][i] * 2.0).length());
-                if (i < kLast && j < kLast)
+                if (i < kLastLook && j < kLastLook)
                     bounds.duv = std::max(bounds.duv, (p[j][i] + p[j + 1][i + 1] - p[j][i + 1] - p[j + 1][i]).length());
             }
         }
@@ -51,7 +51,7 @@ SplineSplit wanted_split(const SubdivisionSurface& surface, uint32_t index, cons
         const PatchView net = surface.net(element);
         return split_for(curvature_bounds(net), tolerance(hull_bounds(net)));
     }
-    const Look look(surface, index);
+    const RingLook look(surface, index);
     return split_for(look.bounds, tolerance(look.box));
 }
 

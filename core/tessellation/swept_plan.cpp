@@ -18,7 +18,7 @@ constexpr double kMostCells = 1 << 16;
 /// strand must hit it.
 constexpr double kMostShareOfRadius = 0.25;
 /// Rings of a piece at which its bend is sampled.
-constexpr int kLooks = 5;
+constexpr int kPathLooks = 5;
 
 /// A grid is folded while it stays longer than this share of its tube's width. Rays along the tube would meet too many
 /// flatter slices.
@@ -42,12 +42,12 @@ struct SweptDicer::PieceNeed {
 
 SweptDicer::PieceNeed SweptDicer::need_of(const SweepPath& path, const SweepPiece& piece, double extent,
                                           const FacetTolerance& tolerance) {
-    SweepRing rings[kLooks];
+    SweepRing rings[kPathLooks];
     Box3d box;
     double radius = 0.0;
     PieceNeed need;
-    for (int k = 0; k < kLooks; ++k) {
-        rings[k] = path.ring(piece, static_cast<double>(k) / (kLooks - 1));
+    for (int k = 0; k < kPathLooks; ++k) {
+        rings[k] = path.ring(piece, static_cast<double>(k) / (kPathLooks - 1));
         box.extendBy(box_of(rings[k], extent));
         radius = std::max({radius, rings[k].across.length(), rings[k].up.length()});
         if (k > 0) need.length += (rings[k].center - rings[k - 1].center).length();
@@ -61,7 +61,7 @@ SweptDicer::PieceNeed SweptDicer::need_of(const SweepPath& path, const SweepPiec
     // Two triangles differ from a bilinear cell by |P_uv| hu hv / 4; around, a cell is at most a sixteenth of a
     // circle.
     constexpr double kLongestCell = 0.4;
-    const SweepRing &first = rings[0], &last = rings[kLooks - 1];
+    const SweepRing &first = rings[0], &last = rings[kPathLooks - 1];
     const double turn = extent * ((last.across - first.across).length() + (last.up - first.up).length());
     const double around = std::min(kLongestCell, size > 0.0 ? std::sqrt(8.0 * wanted / size) : kLongestCell);
     const double twist_cells = turn * around / (4.0 * most);
@@ -74,10 +74,10 @@ SweptDicer::PieceNeed SweptDicer::need_of(const SweepPath& path, const SweepPiec
     const auto second = [&](const Vec3d SweepRing::*part, int k) {
         return ((rings[k + 1].*part - rings[k].*part) - (rings[k].*part - rings[k - 1].*part)).length();
     };
-    for (int k = 1; k + 1 < kLooks; ++k)
+    for (int k = 1; k + 1 < kPathLooks; ++k)
         bend = std::max(
             bend, second(&SweepRing::center, k) + extent * (second(&SweepRing::across, k) + second(&SweepRing::up, k)));
-    bend *= (kLooks - 1) * (kLooks - 1);
+    bend *= (kPathLooks - 1) * (kPathLooks - 1);
     need.cells = cells(std::max(twist_cells, std::sqrt(bend / (8.0 * most))));
     return need;
 }

@@ -79,11 +79,8 @@ void check_spec(const std::string& name, const std::string& path, const oiio::Im
         throw InputError(name, argument, size, "at least 1 x 1 and at most 2^30 pixels, 2^17 a side");
 }
 
-float finite(float x) {
-    return std::isfinite(x) ? x : 0.0f;
-}
-Vec2f finite(const Vec2f& v) {
-    return {finite(v.x), finite(v.y)};
+Vec2f finite_coordinates(const Vec2f& v) {
+    return {finite_or_zero(v.x), finite_or_zero(v.y)};
 }
 
 }  // namespace
@@ -194,7 +191,7 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
                            TextureExtension extension, TextureInterpolation interpolation) const {
     if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return Vec4f(0.0f, 0.0f, 0.0f, 0.0f);
     const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
-    const Vec2f p = finite(uv), dx = finite(duv_dx), dy = finite(duv_dy);
+    const Vec2f p = finite_coordinates(uv), dx = finite_coordinates(duv_dx), dy = finite_coordinates(duv_dy);
     oiio::TextureOpt lookup_options = options(extension, interpolation);
     // A point needs no level of the pyramid to be found.
     if (dx == Vec2f(0.0f) && dy == Vec2f(0.0f)) lookup_options.mipmode = oiio::TextureOpt::MipModeNoMIP;
@@ -209,7 +206,8 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
     if (texture.channels() == 1) value[1] = value[2] = value[0];
     if (texture.associated() && value[3] > 0.0f)
         for (int c = 0; c < 3; ++c) value[c] /= value[3];
-    return Vec4f(finite(value[0]), finite(value[1]), finite(value[2]), finite(value[3]));
+    return Vec4f(finite_or_zero(value[0]), finite_or_zero(value[1]), finite_or_zero(value[2]),
+                 finite_or_zero(value[3]));
 }
 
 TextureStore::Statistics TextureStore::statistics() const {

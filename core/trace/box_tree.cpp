@@ -12,14 +12,14 @@ namespace rayleaf {
 namespace {
 
 /// What Embree makes: a node, or a leaf.
-struct Part {
+struct BuildPart {
     bool is_leaf = false;
 };
-struct Node : Part {
+struct Node : BuildPart {
     BoxNode boxes;
-    const Part* children[BoxNode::kMostChildren];
+    const BuildPart* children[BoxNode::kMostChildren];
 };
-struct Leaf : Part {
+struct Leaf : BuildPart {
     uint32_t count = 0;
     uint32_t items[BoxTree::kMostInLeaf];
 };
@@ -33,7 +33,7 @@ void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void*) {
 
 void set_children(void* parent, void** children, unsigned count, void*) {
     for (unsigned i = 0; i < count; ++i)
-        static_cast<Node*>(parent)->children[i] = static_cast<const Part*>(children[i]);
+        static_cast<Node*>(parent)->children[i] = static_cast<const BuildPart*>(children[i]);
 }
 
 void set_box(BoxNode& node, unsigned child, const RTCBounds& box) {
@@ -60,7 +60,7 @@ struct TreeCopy {
     std::vector<BoxNode> nodes;
     BoxLeaves* leaves;
 
-    uint32_t add(const Part& part) {
+    uint32_t add(const BuildPart& part) {
         return part.is_leaf ? BoxNode::kLeaf | add_leaf(static_cast<const Leaf&>(part))
                             : add_node(static_cast<const Node&>(part));
     }
@@ -130,7 +130,7 @@ std::vector<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelTok
     arguments.createLeaf = create_leaf;
     arguments.buildProgress = embree_goes_on;
     arguments.userPtr = const_cast<CancelToken*>(&cancel);
-    const auto* root = static_cast<const Part*>(rtcBuildBVH(&arguments));
+    const auto* root = static_cast<const BuildPart*>(rtcBuildBVH(&arguments));
     throw_embree_error();
     TreeCopy copy{{}, leaves};
     if (root->is_leaf)

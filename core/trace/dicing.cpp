@@ -7,7 +7,7 @@ namespace {
 
 /// A patch is never taken to be nearer to the eye than this share of its own size: an eye inside the patch's box says
 /// little about its distance from the surface.
-constexpr double kNearestShare = 0.05;
+constexpr double kNearestPatchShare = 0.05;
 
 /// So many instances of one shape are looked at; beyond that the nearest by their origins.
 constexpr size_t kMostInstancesLookedAt = 64;
@@ -38,7 +38,7 @@ double distance(const Box3d& box, const Vec3d& point) {
 }
 
 double tolerance_for(const LocalView& local, const DicingView& view, const Box3d& box) {
-    const double floor = kNearestShare * (box.max - box.min).length();
+    const double floor = kNearestPatchShare * (box.max - box.min).length();
     // Distance in world units along the shortest stretch is what the eye is at least away.
     const double away = std::max(distance(box, local.eye), floor) / local.local_per_world;
     const double pixel = view.pixel_width > 0.0 ? view.pixel_width : view.pixel_angle * away;

@@ -3,9 +3,6 @@
 namespace rayleaf {
 namespace {
 
-/// How far behind a crossing a line goes on, local units: above the rounding of two facets that share an edge, below
-/// any thickness that counts.
-constexpr double kCrossingStep = 0x1p-20;
 /// A ray through more surfaces than this has met facets that cannot be told apart.
 constexpr int kMostCrossings = 1 << 12;
 

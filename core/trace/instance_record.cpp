@@ -6,15 +6,6 @@
 namespace rayleaf {
 namespace {
 
-Box3d image_of(const Box3d& box, const Affine3d& map) {
-    if (box.isEmpty()) return {};
-    const Vec3d center = map.point((box.min + box.max) * 0.5), half = (box.max - box.min) * 0.5;
-    Vec3d reach(0.0);
-    for (int axis = 0; axis < 3; ++axis)
-        reach[axis] = std::abs(map.x[axis]) * half.x + std::abs(map.y[axis]) * half.y + std::abs(map.z[axis]) * half.z;
-    return {center - reach, center + reach};
-}
-
 /// Whether a box is so near to a point; with a margin, for distances to places in it are taken in single precision.
 bool is_within(const Box3d& box, const Vec3d& point, float reach) {
     Vec3d outside;

@@ -11,7 +11,7 @@ namespace rayleaf {
 namespace {
 
 /// So few rays are tested against a block faster one by one.
-constexpr int kFewRays = 3;
+constexpr int kFewBlockRays = 3;
 
 /// A block's vertices, filled up to whole vectors.
 constexpr int kVertexRoom = (3 * kBlockSize + kPacketSize - 1) / kPacketSize * kPacketSize;
@@ -98,7 +98,7 @@ bool ResidentScene::occluded(const LocalRay& ray) const {
 uint32_t ResidentScene::visit(PacketQuery& packet, uint32_t number, uint32_t lanes, float* farthest) const {
     float room[kVertexRoom];
     const FindInBlock test_block =
-        std::popcount(lanes) <= kFewRays ? packet_kernels_.one_by_one : packet_kernels_.together;
+        std::popcount(lanes) <= kFewBlockRays ? packet_kernels_.one_by_one : packet_kernels_.together;
     const uint32_t sure =
         test_block(float_vertices(blocks_[number], room), number, packet.rays, lanes, farthest, packet.open);
     uint32_t crowded = 0;
@@ -137,7 +137,7 @@ void ResidentScene::find(PacketQuery& packet, Wanted wanted) const {
     Packet asked{this, &packet};
     const BoxVisitor visitor{wanted == Wanted::Any ? BoxVisitor::Visit{visit_any} : BoxVisitor::Visit{visit_closest},
                              &asked, &blocks_[0], sizeof(FacetBlock)};
-    traversal_.packet(tree_.nodes(), packet.rays, packet.lanes, kFewRays, farthest, visitor);
+    traversal_.packet(tree_.nodes(), packet.rays, packet.lanes, kFewBlockRays, farthest, visitor);
     decide(packet, packet.lanes, farthest);
 }
 

@@ -11,9 +11,9 @@ namespace {
 /// counted, for a ray that runs along a straight wall leaves all in doubt.
 constexpr int kDeep = 8, kDeepest = 30, kMostDeepHalvings = 200;
 /// Steps of the bracketed Newton iteration; bisection alone would need 53.
-constexpr int kMostSteps = 60;
+constexpr int kMostNewtonSteps = 60;
 /// Rounding of products of coordinates, relative to the largest.
-constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+constexpr double kProductRounding = 16 * std::numeric_limits<double>::epsilon();
 /// The parameter is exact when a step moves the axis by less than this share of the radius: a distance along the ray
 /// is an extremum, so its error is the square of that.
 constexpr double kStepShare = 1e-7;
@@ -72,7 +72,7 @@ bool surely_missed(const StrandSegment& piece, double radius) {
     const double s = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
     const double x = p[0].x + dx * s, y = p[0].y + dy * s;
     const double size = std::abs(p[0].x) + std::abs(p[0].y) + std::abs(dx) + std::abs(dy);
-    return x * x + y * y > reach * reach * (1.0 + 1e-6) + kRounding * size * size;
+    return x * x + y * y > reach * reach * (1.0 + 1e-6) + kProductRounding * size * size;
 }
 
 double least_second_difference(const Coefficients& c) {
@@ -96,7 +96,7 @@ double rising_zero(const Evaluate& evaluate, double low, double high, double sta
     double s = std::clamp(start, low, high);
     bool probing = false;
     double step_before = high - low, last_step = high - low;
-    for (int i = 0; i < kMostSteps; ++i) {
+    for (int i = 0; i < kMostNewtonSteps; ++i) {
         const Slope at = evaluate(s);
         if (at.value == 0.0) return s;
         (at.value < 0.0 ? low : high) = s;

@@ -12,7 +12,7 @@ namespace {
 constexpr float kAlongError = 0x1p-18f;
 
 /// So few rays are parted at once.
-constexpr int kFewRays = 2;
+constexpr int kFewStrandRays = 2;
 
 enum class Crossing : uint8_t { Enters, Leaves };
 
@@ -314,7 +314,7 @@ void StrandScene::find(PacketQuery& packet, Wanted wanted) const {
         for_each_lane(lanes, [&](size_t lane) {
             farthest[lane] = asked.rays[lane].float_distance(asked.queries[lane]->farthest);
         });
-        traversal_.packet(tree_.nodes(), packet.rays, lanes, kFewRays, farthest,
+        traversal_.packet(tree_.nodes(), packet.rays, lanes, kFewStrandRays, farthest,
                           {visit_lanes, &asked, capsules_.data(), sizeof(Capsules)});
         uint32_t again = 0;
         for_each_lane(lanes, [&](size_t lane) {

@@ -12,7 +12,7 @@ namespace rayleaf {
 namespace {
 
 /// So few rays meet an instance faster one by one.
-constexpr int kFewRays = 2;
+constexpr int kFewAboveInstances = 2;
 
 }  // namespace
 
@@ -63,7 +63,7 @@ void Tracer::Implementation::ask_above(Packet& packet, Wanted wanted) const {
     };
     alignas(64) float farthest[kPacketSize];
     std::copy_n(packet.above.farthest, kPacketSize, farthest);
-    traversal.packet(tree.nodes(), packet.above, lanes, kFewRays, farthest, {visit_lanes, &asked});
+    traversal.packet(tree.nodes(), packet.above, lanes, kFewAboveInstances, farthest, {visit_lanes, &asked});
 }
 
 void Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const {
@@ -77,7 +77,7 @@ void Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lane
         else
             together |= 1u << lane;
     });
-    if (std::popcount(together) > kFewRays)
+    if (std::popcount(together) > kFewAboveInstances)
         visit_shape(packet, index, together, wanted);
     else
         for_each_lane(together, [&](size_t lane) { visit_alone(packet.queries[lane], index, wanted); });

@@ -1,6 +1,6 @@
 """What a scene does not need costs no byte and no call: by the core's own counters, and by looking at every call it makes."""
 
-import os
+import re
 import shutil
 import subprocess
 import sys
@@ -12,8 +12,9 @@ import scenes
 import strand_shapes
 import subdivision_cages as cages
 import swept_support
-from core import subdivision_cages as cages
 from path_scenes import material
+
+CORE = Path(__file__).parents[2] / "core"
 
 UNNEEDED = {
     "texture system",
@@ -200,24 +201,28 @@ UNUSED = ("splines/", "tessellation/", "textures/", "ri_tree/", "geometry/patch_
           "integrators/distribution", "integrators/volumes", "integrators/glass_path")  # fmt: skip
 # Names of a table, for the bindings; thresholds that settings have by default; a few settings, copied once a render.
 # Settings are read and checked whatever the scene holds.
-ASKED = ("rayleaf::answer_names(", "rayleaf::quality_settings(", "rayleaf::DistributionSettings::DistributionSettings(")
-ASKED += ("rayleaf::checked(", "rayleaf::(anonymous namespace)::require(")
+ASKED = {"answer_names", "quality_settings", "DistributionSettings::DistributionSettings", "checked", "require"}
 
 
-def defined_functions(object_file):
-    """Demangled names of the functions that an object file alone defines."""
-    done = subprocess.run(["nm", "-C", "--defined-only", object_file], capture_output=True, text=True, check=True)
-    lines = (line.split(" ", 2) for line in done.stdout.splitlines())
-    return {name for _, kind, name in lines if kind in "tT" and name.startswith("rayleaf::")}
+def defined_functions(source):
+    """Names of the functions that a source defines outside classes, as it writes them: `name` and `Class::name`."""
+    return set(re.findall(r"^[A-Za-z][^#=;(]*?[ &*]([\w:~]+)\(", source.read_text(), re.M))
+
+
+def plain_name(demangled):
+    """`rayleaf::(anonymous namespace)::Class::name<type>(types) const` as a source writes it: `Class::name`."""
+    name = demangled.replace("(anonymous namespace)::", "")
+    while (shorter := re.sub(r"<[^<>]*>", "", name)) != name:
+        name = shorter
+    return re.sub(r"N_[A-Z0-9]+::", "", name.split("(")[0].split(" ")[-1]).removeprefix("rayleaf::")
 
 
 @pytest.mark.slow
 def test_a_scene_of_diffuse_meshes_calls_no_function_of_splines_trees_or_textures(tmp_path):
-    """Every function that runs, by callgrind, against those defined in the object files of what should not run."""
+    """Every function that runs, by callgrind, against those that sources define of what should not run."""
     valgrind = shutil.which("valgrind")
-    objects = Path(os.environ["RAYLEAF_PACKAGE_DIR"]).parents[1] / "CMakeFiles" / "rayleaf_core.dir" / "core"
-    if valgrind is None or not objects.is_dir():
-        pytest.skip("needs valgrind and the build's object files")
+    if valgrind is None:
+        pytest.skip("needs valgrind")
     script = tmp_path / "watched.py"
     script.write_text(WATCHED.format(paths=[path for path in sys.path if path]))
     calls = tmp_path / "calls"
@@ -225,13 +230,11 @@ def test_a_scene_of_diffuse_meshes_calls_no_function_of_splines_trees_or_texture
     subprocess.run(command, check=True, capture_output=True, text=True)
     listed = subprocess.run(["callgrind_annotate", "--threshold=100", str(calls)], capture_output=True, text=True)
     lines = [line for line in listed.stdout.splitlines() if "rayleaf::" in line]
-    called = {line[line.index("rayleaf::") :].split(" [")[0] for line in lines}
-    assert "rayleaf::Session::render()" in called, "callgrind saw nothing of the core"
-    assert called & defined_functions(objects / "integrators" / "path_tracer.cpp.o"), "names are written in two ways"
-    unwanted = {}
-    for path in sorted(objects.rglob("*.o")):
-        place = str(path.relative_to(objects))
-        if place.startswith(UNUSED):
-            found = (name for name in defined_functions(path) & called if not name.startswith(ASKED))
-            unwanted.update({name: place for name in found})
+    called = {plain_name(line[line.index("rayleaf::") :].split(" [")[0]) for line in lines}
+    assert "Session::render" in called, "callgrind saw nothing of the core"
+    sources = {str(path.relative_to(CORE)): defined_functions(path) for path in sorted(CORE.rglob("*.cpp"))}
+    assert called & sources["integrators/path_tracer.cpp"], "names are written in two ways"
+    used = set().union(*(names for place, names in sources.items() if not place.startswith(UNUSED)), ASKED)
+    unwanted = {place: found for place, names in sources.items()
+                if place.startswith(UNUSED) and (found := (names & called) - used)}  # fmt: skip
     assert unwanted == {}
