@@ -17,6 +17,7 @@ endfunction()
 file(GLOB RAYLEAF_BINDINGS CONFIGURE_DEPENDS core/python/*.cpp)
 rayleaf_add_module(_core ${RAYLEAF_BINDINGS})
 target_link_libraries(_core PRIVATE rayleaf_core rayleaf_flags)
+set_target_properties(_core PROPERTIES UNITY_BUILD_BATCH_SIZE 8)  # templates of pybind11 fill a compiler early
 set_source_files_properties(core/python/module.cpp PROPERTIES COMPILE_DEFINITIONS
   "RAYLEAF_VERSION=\"${PROJECT_VERSION}\";RAYLEAF_COMPILER=\"${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}\";\
 RAYLEAF_EMBREE_VERSION=\"${embree_VERSION}\";RAYLEAF_OPENIMAGEIO_VERSION=\"${OPENIMAGEIO_VERSION}\";\

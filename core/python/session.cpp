@@ -24,7 +24,7 @@ const char* state_name(RenderState state) {
     return "cancelled";
 }
 
-py::array_t<float> pass_pixels(const Session& session, const std::string& name) {
+py::array_t<float> session_pixels(const Session& session, const std::string& name) {
     const std::optional<Pass> pass = find_pass(name);
     std::vector<float> pixels = pass ? session.film().pixels(*pass) : std::vector<float>();
     if (pixels.empty()) throw InputError("session", "pass", "'" + name + "'", "one of the passes in the settings");
@@ -180,7 +180,7 @@ void bind_session(py::module_& module) {
                  const Progress progress = session.progress();
                  return std::make_pair(std::string(state_name(progress.state)), progress.share);
              })
-        .def("pass_pixels", &pass_pixels, "name"_a)
+        .def("pass_pixels", &session_pixels, "name"_a)
         .def("statistics", &session_statistics)
         .def("sums", &sums)
         .def(

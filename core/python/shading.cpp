@@ -189,7 +189,8 @@ Floats density(const Closures& closures, const Vector& outgoing, const Floats& i
     return values;
 }
 
-py::dict sample(const Closures& closures, const Vector& outgoing, const Vector& facet_normal, const Floats& random) {
+py::dict sample_closures(const Closures& closures, const Vector& outgoing, const Vector& facet_normal,
+                         const Floats& random) {
     check_shape("closures", "random", random, {-1, 3});
     const auto count = static_cast<size_t>(random.shape(0));
     Floats direction = rows(count, 3), weight = rows(count, 3);
@@ -271,7 +272,7 @@ void bind_closures(py::module_& module) {
         .def("evaluate", &evaluate, "outgoing"_a, "incoming"_a, "facet_normal"_a, "kind"_a = py::none(),
              "Value times cosine for each incoming direction: (n, 3).")
         .def("density", &density, "outgoing"_a, "incoming"_a, "facet_normal"_a, "Density of `sample`: (n,).")
-        .def("sample", &sample, "outgoing"_a, "facet_normal"_a, "random"_a,
+        .def("sample", &sample_closures, "outgoing"_a, "facet_normal"_a, "random"_a,
              "Sampled directions for random numbers (n, 3): arrays by name.")
         .def("has_smooth_lobes", &Closures::has_smooth_lobes)
         .def(

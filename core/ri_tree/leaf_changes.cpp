@@ -13,9 +13,9 @@ Vec3f unfolded_change(const FoldedVector& folded, const Vec3d& unit, float a, fl
     return change;
 }
 
-bool is_finite(const HitChanges::Step& step) {
-    return rayleaf::is_finite(step.normal) && std::isfinite(step.uv.x) && std::isfinite(step.uv.y) &&
-           rayleaf::is_finite(step.exit_position) && rayleaf::is_finite(step.exit_direction);
+bool is_finite_step(const HitChanges::Step& step) {
+    return is_finite(step.normal) && std::isfinite(step.uv.x) && std::isfinite(step.uv.y) &&
+           is_finite(step.exit_position) && is_finite(step.exit_direction);
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ HitChanges hit_changes(const OutputChanges& changes, double scale) {
         step.normal = Vec3f(changes[i].normal);
         step.exit_position = Vec3f(changes[i].exit_position * scale);
         step.exit_direction = Vec3f(changes[i].exit_direction);
-        if (!is_finite(step)) return {};
+        if (!is_finite_step(step)) return {};
     }
     result.are_known = true;
     return result;
@@ -70,7 +70,7 @@ HitChanges output_changes(OutputKind kind, const CellLeaf& leaf, const float (&c
             step.exit_direction =
                 unfolded_change(leaf.exit_direction, out.exit_direction, changes[i][6], changes[i][7]);
         }
-        if (!is_finite(step)) return {};
+        if (!is_finite_step(step)) return {};
     }
     result.are_known = true;
     return result;

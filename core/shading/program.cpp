@@ -36,7 +36,7 @@ bool is_even_in_space(Operation operation) {
     }
 }
 
-bool is_finite(const Vec4f& v) {
+bool is_finite_color(const Vec4f& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
 }
 
@@ -92,7 +92,7 @@ void Program::reject(const std::string& argument, const std::string& got, const 
 }
 
 Register Program::constant(const Vec4f& value) {
-    if (!is_finite(value)) reject("shader constant", "not finite", "four finite numbers");
+    if (!is_finite_color(value)) reject("shader constant", "not finite", "four finite numbers");
     registers_.push_back(value);
     origins_.push_back(kConstant);
     return static_cast<Register>(registers_.size()) - 1;
@@ -163,7 +163,7 @@ Register Program::operation(const std::string& identifier, std::span<const Regis
         operands_.resize(instruction.first_operand);
         ints_.resize(instruction.first_int);
         floats_.resize(instruction.first_float);
-        return constant(is_finite(value) ? value : spread(0.0f));
+        return constant(is_finite_color(value) ? value : spread(0.0f));
     }
     if (family != OperationFamily::Closure) {
         instruction.result = register_count();
