@@ -5,7 +5,7 @@
 namespace rayleaf {
 namespace {
 
-using Level = FaceCage::Level;
+using RefinedLevel = FaceCage::Level;
 
 constexpr size_t kFewestFaces = 3;
 
@@ -13,7 +13,7 @@ int index_in(const OpenSubdiv::Far::ConstIndexArray& list, int wanted) {
     return static_cast<int>(std::find(list.begin(), list.end(), wanted) - list.begin());
 }
 
-Vec3d face_middle(const Level& level, int face, std::span<const Vec3d> values) {
+Vec3d face_middle(const RefinedLevel& level, int face, std::span<const Vec3d> values) {
     const OpenSubdiv::Far::ConstIndexArray vertices = level.GetFaceVertices(face);
     Vec3d sum(0.0);
     for (const int vertex : vertices) sum += values[static_cast<size_t>(vertex)];
@@ -21,7 +21,7 @@ Vec3d face_middle(const Level& level, int face, std::span<const Vec3d> values) {
 }
 
 /// The face on the other side of a smooth edge, if there is exactly one.
-std::optional<int> face_across(const Level& level, int edge, int face) {
+std::optional<int> face_across(const RefinedLevel& level, int edge, int face) {
     const OpenSubdiv::Far::ConstIndexArray faces = level.GetEdgeFaces(edge);
     if (faces.size() != 2 || faces[0] == faces[1] || level.IsEdgeNonManifold(edge)) return std::nullopt;
     if (level.GetEdgeSharpness(edge) > 0.0f) return std::nullopt;
@@ -29,7 +29,8 @@ std::optional<int> face_across(const Level& level, int edge, int face) {
 }
 
 /// Goes from face to face around a vertex, across the edge that leads to it.
-std::optional<CornerRing> ring_around(const Level& level, int first_face, int vertex, std::span<const Vec3d> values) {
+std::optional<CornerRing> ring_around(const RefinedLevel& level, int first_face, int vertex,
+                                      std::span<const Vec3d> values) {
     if (level.GetVertexSharpness(vertex) > 0.0f || level.IsVertexNonManifold(vertex)) return std::nullopt;
     const auto faces = static_cast<size_t>(level.GetVertexFaces(vertex).size());
     if (faces < kFewestFaces) return std::nullopt;
@@ -53,7 +54,8 @@ std::optional<CornerRing> ring_around(const Level& level, int first_face, int ve
 
 }  // namespace
 
-std::optional<std::vector<CornerRing>> corner_rings(const Level& level, int face, std::span<const Vec3d> values) {
+std::optional<std::vector<CornerRing>> corner_rings(const RefinedLevel& level, int face,
+                                                    std::span<const Vec3d> values) {
     std::vector<CornerRing> rings;
     for (const int vertex : level.GetFaceVertices(face)) {
         std::optional<CornerRing> ring = ring_around(level, face, vertex, values);

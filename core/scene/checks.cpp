@@ -36,9 +36,11 @@ void check_matrix(const std::string& object, const Affine3d& m) {
                          "a matrix that can be inverted");
 }
 
-void check_material(const Material& material) {
+Material checked_material(Material material) {
     if (material.volume) check_volume(material.name, *material.volume);
     check_displacement(material.name, material.displacement);
+    material.bounds_medium_alone = material.medium && !material.surface;
+    return material;
 }
 
 }  // namespace rayleaf

@@ -12,6 +12,7 @@ namespace rayleaf {
 void check_index(const std::string& object, const char* argument, int index, size_t count, int least);
 /// Rejects maps that are not finite or that flatten space so far that its normals have no direction.
 void check_matrix(const std::string& object, const Affine3d& m);
-void check_material(const Material& material);
+/// Also fills in what follows from the rest: `bounds_medium_alone`.
+Material checked_material(Material material);
 
 }  // namespace rayleaf

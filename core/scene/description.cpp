@@ -36,9 +36,7 @@ int SceneDescription::add_shape(std::shared_ptr<const Shape> shape) {
 }
 
 int SceneDescription::add_material(Material material) {
-    check_material(material);
-    material.bounds_medium_alone = material.medium && !material.surface;
-    materials.push_back(std::move(material));
+    materials.push_back(checked_material(std::move(material)));
     return static_cast<int>(materials.size()) - 1;
 }
 

@@ -44,7 +44,7 @@ struct Material {
     MaterialDisplacement displacement;          ///< of patches and subdivision surfaces
     /// What fills the space behind the surface (shading/medium.h). Without `surface` there is none to be seen.
     std::shared_ptr<const Program> medium = nullptr;
-    bool bounds_medium_alone = false;  ///< filled in when the material is added
+    bool bounds_medium_alone = false;  ///< follows from the programs
 };
 
 struct InstanceDescription {

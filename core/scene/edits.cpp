@@ -23,9 +23,7 @@ void replace_shape(SceneDescription& scene, int index, std::shared_ptr<const Sha
 
 void replace_material(SceneDescription& scene, int index, Material material) {
     check_index(material.name, "material", index, scene.materials.size(), 0);
-    check_material(material);
-    material.bounds_medium_alone = material.medium && !material.surface;
-    scene.materials[static_cast<size_t>(index)] = std::move(material);
+    scene.materials[static_cast<size_t>(index)] = checked_material(std::move(material));
 }
 
 void place_instances(SceneDescription& scene, std::span<const int32_t> indices, std::span<const Affine3d> places) {

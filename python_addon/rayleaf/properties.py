@@ -4,6 +4,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from . import ray_interpolation
+from .registration import registration_factory
 
 FILTERS = (
     ("BOX", "Box", "Every sample of a pixel counts alike"),
@@ -343,15 +344,16 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
     ray_interpolation: PointerProperty(type=ray_interpolation.RayleafRayInterpolation)  # type: ignore
 
 
+_register, _unregister = registration_factory((RayleafSceneSettings,), {bpy.types.Scene: RayleafSceneSettings})
+
+
 def register() -> None:
     """Make the settings part of every scene, object, material and view layer."""
     ray_interpolation.register()
-    bpy.utils.register_class(RayleafSceneSettings)
-    bpy.types.Scene.rayleaf = PointerProperty(type=RayleafSceneSettings)
+    _register()
 
 
 def unregister() -> None:
     """Take them away again."""
-    del bpy.types.Scene.rayleaf
-    bpy.utils.unregister_class(RayleafSceneSettings)
+    _unregister()
     ray_interpolation.unregister()

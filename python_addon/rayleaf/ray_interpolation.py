@@ -7,6 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty
 
 from . import core_module
+from .registration import registration_factory
 from .setting_values import BYTES_PER_MEGABYTE, as_typed
 
 MODES = (
@@ -235,17 +236,12 @@ CLASSES = (
 )
 
 
-def register() -> None:
-    """Make the settings part of every object, material and view layer. The scene's are in properties.py."""
-    for each in CLASSES:
-        bpy.utils.register_class(each)
-    bpy.types.Object.rayleaf = PointerProperty(type=RayleafObjectSettings)
-    bpy.types.Material.rayleaf = PointerProperty(type=RayleafMaterialSettings)
-    bpy.types.ViewLayer.rayleaf = PointerProperty(type=RayleafViewLayerSettings)
-
-
-def unregister() -> None:
-    """Take them away again."""
-    del bpy.types.ViewLayer.rayleaf, bpy.types.Material.rayleaf, bpy.types.Object.rayleaf
-    for each in reversed(CLASSES):
-        bpy.utils.unregister_class(each)
+# The scene's settings are in properties.py.
+register, unregister = registration_factory(
+    CLASSES,
+    {
+        bpy.types.Object: RayleafObjectSettings,
+        bpy.types.Material: RayleafMaterialSettings,
+        bpy.types.ViewLayer: RayleafViewLayerSettings,
+    },
+)

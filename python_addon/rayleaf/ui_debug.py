@@ -8,15 +8,19 @@ from . import passes
 from .ui import _Panel
 
 
-class RAYLEAF_PT_debug(_Panel, bpy.types.Panel):
-    """Other ways to render the same, to compare."""
+class _ForDevelopers:
+    """Shown with Developer Extras alone."""
 
     bl_label = "Debug"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        return bool(context.preferences.view.show_developer_ui) and super().poll(context)
+        return bool(context.preferences.view.show_developer_ui) and super().poll(context)  # type: ignore[misc]
+
+
+class RAYLEAF_PT_debug(_ForDevelopers, _Panel, bpy.types.Panel):
+    """Other ways to render the same, to compare."""
 
     def draw(self, context: Any) -> None:
         column, settings = self._column(), context.scene.rayleaf
@@ -31,17 +35,11 @@ class RAYLEAF_PT_debug(_Panel, bpy.types.Panel):
         levels.prop(settings, "least_mirrored_spread")
 
 
-class RAYLEAF_PT_debug_passes(_Panel, bpy.types.Panel):
+class RAYLEAF_PT_debug_passes(_ForDevelopers, _Panel, bpy.types.Panel):
     """Passes that tell how a picture was made."""
 
-    bl_label = "Debug"
     bl_context = "view_layer"
     bl_parent_id = "RAYLEAF_PT_passes"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: Any) -> bool:
-        return bool(context.preferences.view.show_developer_ui) and super().poll(context)
 
     def draw(self, context: Any) -> None:
         column = self._column().column(align=True)

@@ -4,9 +4,8 @@ import itertools
 import sys
 from pathlib import Path
 
+import both_engines
 import bpy
-import numpy as np
-import plain_exr
 import scenes
 
 report = globals()["report"]  # given by the test
@@ -95,27 +94,12 @@ def build():
     """A white floor seen from above."""
     scenes.empty_file()
     scene = bpy.context.scene
-    scenes.plain_world((0, 0, 0))
-    bpy.ops.mesh.primitive_plane_add(size=100)
-    material = bpy.data.materials.new("white")
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    diffuse, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
-    diffuse.inputs[0].default_value = (1, 1, 1, 1)
-    tree.links.new(diffuse.outputs[0], output.inputs[0])
-    bpy.context.object.data.materials.append(material)
-    camera = bpy.data.cameras.new("camera")
-    camera.type, camera.ortho_scale = "ORTHO", 4.0
-    scene.camera = scenes.add(camera)
-    scene.camera.location = (0, 0, 20)
+    both_engines.white_floor(4.0)
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scenes.write_layers()
-    for own in (scene.cycles, scene.rayleaf):
-        own.samples, own.max_bounces = SAMPLES, 0
-    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
-    scene.cycles.pixel_filter_type = scene.rayleaf.filter_type = "BOX"
-    scene.rayleaf.filter_width = 1.0
+    both_engines.set_alike(scene, max_bounces=0)
+    both_engines.sample_plainly(scene, SAMPLES)
+    both_engines.filter_by_box(scene)
     return scene
 
 
@@ -138,10 +122,7 @@ def add_lamp(lamp, kind, name):
 
 def picture(scene, engine, path):
     """Pixels by row, column, channel."""
-    scene.render.engine, scene.render.filepath = engine, str(path)
-    bpy.ops.render.render(write_still=True)
-    channels = plain_exr.read(path)
-    return np.stack([channels[f"ViewLayer.Combined.{letter}"] for letter in "RGB"], -1)
+    return both_engines.color(both_engines.channels(scene, engine, path))
 
 
 if __name__ == "__main__":

@@ -3,9 +3,8 @@
 import sys
 from pathlib import Path
 
+import both_engines
 import bpy
-import numpy as np
-import plain_exr
 import scenes
 
 SIZE, SAMPLES = 24, 1024
@@ -93,16 +92,10 @@ def set_limits(scene, values):
     limits = {**dict.fromkeys(names, 64), "transparent_bounces": 64, **values}
     scene.render.film_transparent = limits.pop("film_transparent", False)
     scene.cycles.transparent_max_bounces = scene.rayleaf.transparent_bounces = limits.pop("transparent_bounces")
-    for name, value in limits.items():
-        setattr(scene.cycles, name, value)
-        setattr(scene.rayleaf, name, value)
-    for own in (scene.cycles, scene.rayleaf):
-        own.samples = SAMPLES
-    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
-    scene.cycles.sample_clamp_indirect = scene.rayleaf.clamp_indirect = 0.0
-    scene.cycles.blur_glossy = 0.0
-    scene.cycles.pixel_filter_type = scene.rayleaf.filter_type = "BOX"
-    scene.rayleaf.filter_width = 1.0
+    both_engines.set_alike(scene, **limits)
+    both_engines.sample_plainly(scene, SAMPLES)
+    both_engines.without_blur(scene)
+    both_engines.filter_by_box(scene)
 
 
 def parts(picture):
@@ -113,15 +106,13 @@ def parts(picture):
 
 def light_by_pass(scene, engine, path):
     """Light by pass, colours multiplied back in."""
-    scene.render.engine, scene.render.filepath = engine, str(path)
-    bpy.ops.render.render(write_still=True)
-    channels = plain_exr.read(path)
+    channels = both_engines.channels(scene, engine, path)
 
     def color(name):
-        return np.stack([channels[f"ViewLayer.{name}.{letter}"] for letter in "RGB"], -1)
+        return both_engines.color(channels, name)
 
     light = {name: color(name) for name in ("Combined", "Emit", "Env")}
-    light["Alpha"] = channels["ViewLayer.Combined.A"][..., None]
+    light["Alpha"] = both_engines.color(channels, letters="A")
     for kind in ("Diff", "Gloss", "Trans"):
         for part in ("Dir", "Ind"):
             light[kind + part] = color(kind + part) * color(kind + "Col")

@@ -9,9 +9,9 @@ import math
 import sys
 from pathlib import Path
 
+import both_engines
 import bpy
 import numpy as np
-import plain_exr
 import scenes
 from oracle_case import Case
 
@@ -121,23 +121,13 @@ def set_up(columns, rows):
         sun.data.angle, sun.data.energy, sun.rotation_euler = 0.1, power, turn
         scene.collection.objects.link(sun)
     scene.render.film_transparent = True
-    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
-    scene.cycles.sample_clamp_indirect = scene.rayleaf.clamp_indirect = 0.0
+    both_engines.sample_plainly(scene, SAMPLES)
     scene.cycles_curves.shape, scene.rayleaf.strand_shape = "THICK", "ROUND"
-    for own in (scene.cycles, scene.rayleaf):
-        own.samples, own.max_bounces, own.diffuse_bounces, own.glossy_bounces = SAMPLES, 12, 4, 12
-        own.transmission_bounces = 12
+    limits = {"diffuse_bounces": 4, "glossy_bounces": 12, "transmission_bounces": 12}
+    both_engines.set_alike(scene, max_bounces=12, **limits)
     scene.render.resolution_x, scene.render.resolution_y = columns * PIXELS, rows * PIXELS
     scenes.write_layers()
     return scene
-
-
-def picture(scene, engine, path):
-    """Colour and alpha, rows bottom to top."""
-    scene.render.engine, scene.render.filepath = engine, str(path)
-    bpy.ops.render.render(write_still=True)
-    channels = plain_exr.read(path)
-    return np.stack([channels[f"ViewLayer.Combined.{letter}"] for letter in "RGBA"], -1).astype(np.float64)
 
 
 def main(kind, folder):
@@ -152,7 +142,7 @@ def main(kind, folder):
     for engine in ("CYCLES", "RAYLEAF"):
         for seed in (1, 2):
             scene.cycles.seed = scene.rayleaf.seed = seed
-            pictures[engine, seed] = picture(scene, engine, folder / f"{engine}{seed}.exr")
+            pictures[engine, seed] = both_engines.picture(scene, engine, folder / f"{engine}{seed}.exr")
     found = {}
     for i, case in enumerate(cases):
         row, column = i // columns, i % columns

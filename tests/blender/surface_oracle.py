@@ -8,9 +8,9 @@ import math
 import sys
 from pathlib import Path
 
+import both_engines
 import bpy
 import numpy as np
-import plain_exr
 import scenes
 from surface_oracle_cases import CASES
 
@@ -106,21 +106,12 @@ def set_up(columns, rows):
     sun.data.angle, sun.data.energy, sun.rotation_euler = 0.0, 3.0, (0.4, 0.3, 0.0)
     scene.collection.objects.link(sun)
     scene.render.film_transparent = True
-    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
-    scene.cycles.pixel_filter_type = scene.rayleaf.filter_type = "BOX"
-    for own in (scene.cycles, scene.rayleaf):
-        own.samples, own.max_bounces, own.filter_width = 1, 0, 0.01
+    both_engines.sample_plainly(scene, 1)
+    both_engines.filter_by_box(scene)
+    both_engines.set_alike(scene, max_bounces=0, filter_width=0.01)
     scene.render.resolution_x, scene.render.resolution_y = columns * PIXELS, rows * PIXELS
     scenes.write_layers()
     return scene
-
-
-def picture(scene, engine, path):
-    """Colour and alpha, rows bottom to top."""
-    scene.render.engine, scene.render.filepath = engine, str(path)
-    bpy.ops.render.render(write_still=True)
-    channels = plain_exr.read(path)
-    return np.stack([channels[f"ViewLayer.Combined.{letter}"] for letter in "RGBA"], -1).astype(np.float64)
 
 
 def make_image():
@@ -148,7 +139,7 @@ def main(folder):
             is_shader = case.node.startswith("ShaderNodeBsdf") or case.node in DISPLACING
             bpy.data.objects[item].hide_render = is_shader != lit
         for engine in pictures:
-            pictures[engine] = pictures[engine] + picture(scene, engine, folder / f"{engine}.exr")
+            pictures[engine] = pictures[engine] + both_engines.picture(scene, engine, folder / f"{engine}.exr")
     # Negative light is Cycles' alone.
     cycles, rayleaf = np.maximum(pictures["CYCLES"], 0.0), pictures["RAYLEAF"]
     y, x = (np.mgrid[:PIXELS, :PIXELS] + 0.5) / PIXELS - 0.5

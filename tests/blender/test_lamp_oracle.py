@@ -6,9 +6,9 @@ import pytest
 # Lamps above the plane. Radii are small: Cycles lights from a disk that faces the point (since 4.1 on request), Rayleaf
 # from a sphere.
 SCRIPT = """
+import both_engines
 import bpy
 import numpy as np
-import scenes
 from rayleaf import _core as core
 from rayleaf.export import lights
 from rayleaf.messages import Messages
@@ -40,23 +40,7 @@ def cycles_scene():
     scene.cycles.pixel_filter_type = "BOX"  # one pixel wide
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-    scenes.plain_world((0, 0, 0))
-    mesh = bpy.data.meshes.new("plane")
-    mesh.from_pydata([(-50, -50, 0), (50, -50, 0), (50, 50, 0), (-50, 50, 0)], [], [(0, 1, 2, 3)])
-    material = bpy.data.materials.new("white")
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    diffuse, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
-    diffuse.inputs[0].default_value = (1, 1, 1, 1)
-    tree.links.new(diffuse.outputs[0], output.inputs[0])
-    mesh.materials.append(material)
-    scene.collection.objects.link(bpy.data.objects.new("plane", mesh))
-    camera = bpy.data.cameras.new("camera")
-    camera.type, camera.ortho_scale = "ORTHO", VIEW
-    scene.camera = bpy.data.objects.new("camera", camera)
-    scene.camera.location = (0, 0, 20)
-    scene.collection.objects.link(scene.camera)
+    both_engines.white_floor(VIEW)
     return scene
 
 

@@ -3,9 +3,8 @@
 import sys
 from pathlib import Path
 
+import both_engines
 import bpy
-import numpy as np
-import plain_exr
 import scenes
 from volume_oracle_cases import CASES
 
@@ -107,25 +106,16 @@ def build(case):
 
 def set_up(scene, settings):
     """The same for both engines."""
-    for name, value in {"max_bounces": 16, "volume_bounces": 0, "diffuse_bounces": 1, **settings}.items():
-        setattr(scene.cycles, name, value)
-        setattr(scene.rayleaf, name, value)
-    for own in (scene.cycles, scene.rayleaf):
-        own.samples = SAMPLES
-    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
-    scene.cycles.sample_clamp_indirect = scene.rayleaf.clamp_indirect = 0.0
-    scene.cycles.blur_glossy = 0.0
+    both_engines.set_alike(scene, **{"max_bounces": 16, "volume_bounces": 0, "diffuse_bounces": 1, **settings})
+    both_engines.sample_plainly(scene, SAMPLES)
+    both_engines.without_blur(scene)
+    both_engines.filter_by_box(scene)
     scene.cycles.volume_step_rate, scene.cycles.volume_preview_step_rate = 0.1, 0.1
-    scene.cycles.pixel_filter_type = scene.rayleaf.filter_type = "BOX"
-    scene.rayleaf.filter_width = 1.0
 
 
 def parts(scene, engine, path):
     """Means of the picture over 3 x 3 parts, by channel."""
-    scene.render.engine, scene.render.filepath = engine, str(path)
-    bpy.ops.render.render(write_still=True)
-    channels = plain_exr.read(path)
-    picture = np.stack([channels[f"ViewLayer.Combined.{letter}"] for letter in "RGB"], -1)
+    picture = both_engines.color(both_engines.channels(scene, engine, path))
     third = SIZE // 3
     return picture.reshape(3, third, 3, third, 3).mean((1, 3)).ravel().tolist()
 

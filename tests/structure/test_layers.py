@@ -31,7 +31,16 @@ WITHIN_A_FLOOR = {("lights", "trace"): "emitting surfaces are found and sampled 
 # The files of the add-on that import Blender's modules. The others get what they need handed over, and work (and are
 # tested) in plain Python.
 MEET_BLENDER = {
-    *("animation.py", "enabling.py", "engine.py", "frame.py", "kept_messages.py", "preferences.py", "properties.py"),
+    *(
+        "animation.py",
+        "enabling.py",
+        "engine.py",
+        "frame.py",
+        "kept_messages.py",
+        "preferences.py",
+        "properties.py",
+        "registration.py",
+    ),
     *(
         "ray_interpolation.py",
         "sampling_presets.py",

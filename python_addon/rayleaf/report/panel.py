@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
 
+from ..registration import registration_factory
 from . import points
 from .points import Point
 
@@ -241,15 +242,6 @@ CLASSES = (
 )
 
 
-def register() -> None:
-    """Add the button."""
-    for each in CLASSES:
-        bpy.utils.register_class(each)
-    bpy.types.WindowManager.rayleaf_measurement = PointerProperty(type=RayleafMeasurement)
-
-
-def unregister() -> None:
-    """Take it away."""
-    del bpy.types.WindowManager.rayleaf_measurement
-    for each in reversed(CLASSES):
-        bpy.utils.unregister_class(each)
+register, unregister = registration_factory(
+    CLASSES, {bpy.types.WindowManager: RayleafMeasurement}, attribute="rayleaf_measurement"
+)

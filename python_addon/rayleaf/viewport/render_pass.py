@@ -3,9 +3,10 @@
 from typing import Any
 
 import bpy
-from bpy.props import EnumProperty, PointerProperty
+from bpy.props import EnumProperty
 
 from .. import passes
+from ..registration import registration_factory
 
 # Passes that are pictures or look like one; the others hold places and numbers of any size.
 _LEFT_OUT = ("depth", "position")
@@ -51,18 +52,6 @@ class RAYLEAF_PT_shading_pass(bpy.types.Panel):
         self.layout.prop(context.space_data.shading.rayleaf, "render_pass", text="")
 
 
-_CLASSES = (RayleafShadingSettings, RAYLEAF_PT_shading_pass)
-
-
-def register() -> None:
-    """Add the choice to views."""
-    for kind in _CLASSES:
-        bpy.utils.register_class(kind)
-    bpy.types.View3DShading.rayleaf = PointerProperty(type=RayleafShadingSettings)
-
-
-def unregister() -> None:
-    """Take it away."""
-    del bpy.types.View3DShading.rayleaf
-    for kind in reversed(_CLASSES):
-        bpy.utils.unregister_class(kind)
+register, unregister = registration_factory(
+    (RayleafShadingSettings, RAYLEAF_PT_shading_pass), {bpy.types.View3DShading: RayleafShadingSettings}
+)

@@ -1,0 +1,68 @@
+"""Settings that oracles make for Cycles and Rayleaf alike, and the picture of either. Inside Blender."""
+
+import bpy
+import numpy as np
+import plain_exr
+import scenes
+
+
+def engines(scene):
+    """The settings of either, which share names."""
+    return scene.cycles, scene.rayleaf
+
+
+def set_alike(scene, **values):
+    """Settings that both have by one name."""
+    for own in engines(scene):
+        for name, value in values.items():
+            setattr(own, name, value)
+
+
+def sample_plainly(scene, samples):
+    """As many samples in each pixel, and nothing that trades light for less noise."""
+    set_alike(scene, samples=samples)
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.cycles.sample_clamp_indirect = scene.rayleaf.clamp_indirect = 0.0
+
+
+def without_blur(scene):
+    """Cycles widens what is glossy after diffuse bounces (Filter Glossy); Rayleaf does not."""
+    scene.cycles.blur_glossy = 0.0
+
+
+def filter_by_box(scene, width=1.0):
+    """Pixels that are means over squares. Cycles' box is a pixel wide."""
+    scene.cycles.pixel_filter_type = scene.rayleaf.filter_type = "BOX"
+    scene.rayleaf.filter_width = width
+
+
+def channels(scene, engine, path):
+    """All channels of a render as plain_exr reads them; `scenes.write_layers` says the format."""
+    scene.render.engine, scene.render.filepath = engine, str(path)
+    bpy.ops.render.render(write_still=True)
+    return plain_exr.read(path)
+
+
+def color(by_name, layer="Combined", letters="RGB"):
+    """One pass as an array by row (bottom to top), column and channel."""
+    return np.stack([by_name[f"ViewLayer.{layer}.{letter}"] for letter in letters], -1)
+
+
+def picture(scene, engine, path):
+    """Colour and alpha by row (bottom to top), column and channel."""
+    return color(channels(scene, engine, path), letters="RGBA").astype(np.float64)
+
+
+def white_floor(size):
+    """A diffuse floor seen from straight above, `size` wide in the picture, without any light."""
+    scenes.plain_world((0, 0, 0))
+    floor = scenes.quad("floor")
+    floor.location, floor.scale = (-50, -50, 0), (100, 100, 1)
+    material, tree, _ = scenes.material("white")
+    scenes.diffuse_alone(tree).inputs[0].default_value = (1, 1, 1, 1)
+    floor.data.materials.append(material)
+    camera = bpy.data.cameras.new("camera")
+    camera.type, camera.ortho_scale = "ORTHO", size
+    scene = bpy.context.scene
+    scene.camera = scenes.add(camera)
+    scene.camera.location = (0, 0, 20)
