@@ -53,6 +53,16 @@ Color through_media(const Scene& scene, FreeWay& way, const std::optional<Hit>& 
     return transmittance(stretch, way.random);
 }
 
+/// Behind a surface, to the same end. A parallel ray would end beside it, and that may be behind what shines there.
+Ray behind(const SurfacePoint& point, const Ray& ray) {
+    Ray rest = point.behind(ray);
+    if (!std::isfinite(ray.t_max) || !(rest.t_max > 0.0)) return rest;
+    const Vec3d way = ray.at(ray.t_max) - rest.origin;
+    rest.direction = normalized_or(way, ray.direction);
+    rest.t_max = way.length();
+    return rest;
+}
+
 /// What the surface lets through; the way then goes on behind it.
 Color through_surface(const Scene& scene, FreeWay& way, const Hit& hit) {
     const Vec3f direction(way.ray.direction);
@@ -68,7 +78,7 @@ Color through_surface(const Scene& scene, FreeWay& way, const Hit& hit) {
         --way.transparent_left;
     }
     cross(scene, point, direction, way.media);
-    way.ray = with_width(point.behind(way.ray), way.differential, way.widening);
+    way.ray = with_width(behind(point, way.ray), way.differential, way.widening);
     return share;
 }
 

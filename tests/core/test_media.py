@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from path_scenes import ALL_PASSES, lit_plane, material, picture, render, varied_scene
-from scenes import CUBE_TRIANGLES, CUBE_VERTICES, background, look_down, matrix, sphere_spline
+from scenes import CUBE_TRIANGLES, CUBE_VERTICES, background, emission, look_down, matrix, sphere_spline
 
 WHITE = (1.0, 1.0, 1.0)
 
@@ -94,6 +94,25 @@ def test_shadows_are_as_dark_as_the_medium(core, integrator):
     add_box(core, dimmed, absorbing(core, (0.5, 0.5, 0.5), 1.0), (0, 0, 20), 8.0)
     images = [picture(core, scene, samples=2, integrator=integrator) for scene in (lit, dimmed)]
     np.testing.assert_allclose(images[1], images[0] * np.exp(-0.5 * 16.0), rtol=5e-3)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("clear", ["medium", "surface"])
+def test_borders_that_hold_nothing_back_leave_the_light_of_surfaces_as_it_is(core, integrator, clear):
+    def lit(has_box):
+        scene = lit_plane(core)
+        glow = scene.add_material_list([scene.add_material("glow", emission(core, strength=20.0))])
+        cube = scene.add_mesh("glow", CUBE_VERTICES, CUBE_TRIANGLES)
+        scene.add_instance("glow", cube, matrix((0.6, 0.3, 1.5), 0.15), glow, visibility=62)
+        if has_box and clear == "medium":
+            add_box(core, scene, absorbing(core, density=1e-9), (0, 0, 1.4), 1.0)
+        elif has_box:
+            box = scene.add_mesh("box", CUBE_VERTICES, CUBE_TRIANGLES)
+            scene.add_instance("box", box, matrix((0, 0, 1.4), 1.0), material(core, scene, ("transparent", 1.0, 1.0)))
+        look_down(scene, height=5, half=0.4)
+        return picture(core, scene, samples=256, integrator=integrator)
+
+    np.testing.assert_allclose(lit(True).mean(), lit(False).mean(), rtol=0.03)  # noise
 
 
 def test_media_that_overlap_add_up(core):
