@@ -25,7 +25,7 @@ std::vector<float> interleaved(const Film& film, size_t channels) {
 
 }  // namespace
 
-void write_exr(const Film& film, const std::string& path) {
+void write_exr(const Film& film, const std::string& path, const std::map<std::string, std::string>& attributes) {
     OIIO::ImageSpec spec(film.width(), film.height(), 0, OIIO::TypeFloat);
     for (const Pass pass : film.passes())
         for (const char channel : info(pass).channels) {
@@ -33,6 +33,7 @@ void write_exr(const Film& film, const std::string& path) {
             ++spec.nchannels;
         }
     spec.attribute("compression", "zip");
+    for (const auto& [name, text] : attributes) spec.attribute(name, text);
     const std::vector<float> rows = interleaved(film, static_cast<size_t>(spec.nchannels));
     const std::unique_ptr<OIIO::ImageOutput> file = OIIO::ImageOutput::create(path);
     if (!file || !file->open(path, spec) || !file->write_image(OIIO::TypeFloat, rows.data()) || !file->close())

@@ -5,22 +5,26 @@
 namespace rayleaf {
 
 Film::Film(int width, int height, std::vector<Pass> passes)
-    : width_(width), height_(height), passes_(std::move(passes)) {
-    for (const Pass pass : passes_)
+    : width_(width),
+      height_(height),
+      passes_(std::move(passes)),
+      summed_(without_mattes(passes_)),
+      mattes_(mattes_for(width, height, passes_)) {
+    for (const Pass pass : summed_)
         data_[static_cast<size_t>(pass)].assign(
             static_cast<size_t>(width) * static_cast<size_t>(height) * info(pass).channels.size(), 0.0f);
 }
 
 void Film::put(int x, int y, int width, int height, std::span<const PixelValues> values) {
     const std::scoped_lock lock(mutex_);
-    for (const Pass pass : passes_) {
+    for (const Pass pass : summed_) {
         const size_t channels = info(pass).channels.size();
         for (int row = 0; row < height; ++row) {
             float* out = at(pass, x, y + row);
             for (int column = 0; column < width; ++column) {
                 const size_t pixel =
                     static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(column);
-                const Vec4f& value = values[pixel][static_cast<size_t>(pass)];
+                const Vec4f& value = values[pixel][pass];
                 for (size_t c = 0; c < channels; ++c) *out++ = value[static_cast<int>(c)];
             }
         }
@@ -29,7 +33,7 @@ void Film::put(int x, int y, int width, int height, std::span<const PixelValues>
 
 void Film::refine(int x, int y, int width, int height, std::span<const PixelValues> values, float share) {
     const std::scoped_lock lock(mutex_);
-    for (const Pass pass : passes_) {
+    for (const Pass pass : summed_) {
         if (rule(pass).rule == PassRule::FirstSample) continue;
         const bool counts = rule(pass).rule == PassRule::Count;
         const size_t channels = info(pass).channels.size();
@@ -38,7 +42,7 @@ void Film::refine(int x, int y, int width, int height, std::span<const PixelValu
             for (int column = 0; column < width; ++column) {
                 const size_t pixel =
                     static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(column);
-                const Vec4f& value = values[pixel][static_cast<size_t>(pass)];
+                const Vec4f& value = values[pixel][pass];
                 for (size_t c = 0; c < channels; ++c, ++out)
                     *out += counts ? value[static_cast<int>(c)] : (value[static_cast<int>(c)] - *out) * share;
             }
@@ -48,7 +52,7 @@ void Film::refine(int x, int y, int width, int height, std::span<const PixelValu
 
 void Film::divide_light() {
     const std::scoped_lock lock(mutex_);
-    for (const Pass pass : passes_) {
+    for (const Pass pass : summed_) {
         const PassRuleInfo info = rule(pass);
         if (info.rule != PassRule::Divided) continue;
         std::vector<float>& light = data_[static_cast<size_t>(pass)];
@@ -61,13 +65,19 @@ void Film::divide_light() {
     }
 }
 
+void Film::add_mattes(int x, int y, int width, int samples, std::span<const PixelMattes> mattes) {
+    const std::scoped_lock lock(mutex_);
+    for (size_t i = 0; i < mattes.size(); ++i)
+        mattes_->add(x + static_cast<int>(i) % width, y + static_cast<int>(i) / width, samples, mattes[i]);
+}
+
 void Film::put_blocks(int x, int y, int width, std::span<const PixelValues> values, int size) {
     const std::scoped_lock lock(mutex_);
     for (size_t i = 0; i < values.size(); ++i) {
         const int left = (x + static_cast<int>(i) % width) * size, low = (y + static_cast<int>(i) / width) * size;
         const int right = std::min(left + size, width_), high = std::min(low + size, height_);
-        for (const Pass pass : passes_) {
-            const Vec4f& value = values[i][static_cast<size_t>(pass)];
+        for (const Pass pass : summed_) {
+            const Vec4f& value = values[i][pass];
             const size_t channels = info(pass).channels.size();
             for (int row = low; row < high; ++row) {
                 float* out = at(pass, left, row);
@@ -80,11 +90,17 @@ void Film::put_blocks(int x, int y, int width, std::span<const PixelValues> valu
 
 std::vector<float> Film::pixels(Pass pass) const {
     const std::scoped_lock lock(mutex_);
+    if (is_matte(pass)) return has(pass) ? mattes_->pixels(pass) : std::vector<float>();
     return data_[static_cast<size_t>(pass)];
 }
 
+bool Film::has(Pass pass) const {
+    return is_matte(pass) ? mattes_ && mattes_->has(matte_kind(pass)) : !data_[static_cast<size_t>(pass)].empty();
+}
+
 size_t Film::bytes() const {
-    size_t sum = 0;
+    const std::scoped_lock lock(mutex_);
+    size_t sum = mattes_ ? mattes_->bytes() : 0;
     for (const std::vector<float>& data : data_) sum += data.size() * sizeof(float);
     return sum;
 }

@@ -3,8 +3,10 @@
 // Rows run bottom to top, as Blender wants them. Tiles do not share pixels, so their order does not matter.
 #pragma once
 
+#include "film/mattes.h"
 #include "film/pixel_sums.h"
 
+#include <map>
 #include <mutex>
 #include <span>
 #include <string>
@@ -19,12 +21,17 @@ class Film {
     int width() const { return width_; }
     int height() const { return height_; }
     const std::vector<Pass>& passes() const { return passes_; }
+    /// Those that hold sums of samples: all but mattes.
+    const std::vector<Pass>& summed_passes() const { return summed_; }
+    bool has_mattes() const { return mattes_ != nullptr; }
 
     /// Stores a tile of finished pixels (row by row, x from left, y from below).
     void put(int x, int y, int width, int height, std::span<const PixelValues> values);
     /// Moves pixels by a share of the way to new values, like a mean that takes in more samples; passes that cannot be
     /// averaged keep their values.
     void refine(int x, int y, int width, int height, std::span<const PixelValues> values, float share);
+    /// Adds so many samples of each pixel of a tile.
+    void add_mattes(int x, int y, int width, int samples, std::span<const PixelMattes> mattes);
     /// Divides light by its colour, pixel by pixel, once all samples are in that were put as means.
     void divide_light();
     /// Stores values that each fill a block of pixels, clipped at the right and upper border. `x` and `y` are in units
@@ -32,13 +39,14 @@ class Film {
     void put_blocks(int x, int y, int width, std::span<const PixelValues> values, int size);
     /// Copies a pass, channels interleaved; empty if the film does not have it. Safe while tiles arrive.
     std::vector<float> pixels(Pass pass) const;
-    bool has(Pass pass) const { return !data_[static_cast<size_t>(pass)].empty(); }
+    bool has(Pass pass) const;
     size_t bytes() const;
 
   private:
     int width_, height_;
-    std::vector<Pass> passes_;
-    std::array<std::vector<float>, kPassCount> data_;
+    std::vector<Pass> passes_, summed_;
+    std::array<std::vector<float>, kFirstMatte> data_;
+    std::unique_ptr<Mattes> mattes_;  ///< null: none
     mutable std::mutex mutex_;
 
     float* at(Pass pass, int x, int y) {
@@ -48,8 +56,8 @@ class Film {
 };
 
 /// Writes all passes as one multilayer EXR, channels named `Pass.channel`, 32-bit floats.
-/// Throws InputError that names the path.
-void write_exr(const Film& film, const std::string& path);
+/// `attributes` go into the file's header. Throws InputError that names the path.
+void write_exr(const Film& film, const std::string& path, const std::map<std::string, std::string>& attributes = {});
 /// Writes the combined pass as a binary PPM: 8 bits a channel, sRGB, clipped at white, no alpha.
 /// Throws InputError that names the path, or the pass if the film has none.
 void write_ppm(const Film& film, const std::string& path);

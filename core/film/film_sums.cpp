@@ -5,9 +5,13 @@
 namespace rayleaf {
 
 FilmSums::FilmSums(int width, int height, std::vector<Pass> passes)
-    : width_(width), height_(height), passes_(std::move(passes)) {
+    : width_(width),
+      height_(height),
+      passes_(std::move(passes)),
+      summed_(without_mattes(passes_)),
+      mattes_(mattes_for(width, height, passes_)) {
     samples_.assign(static_cast<size_t>(width) * static_cast<size_t>(height), 0);
-    for (const Pass pass : passes_)
+    for (const Pass pass : summed_)
         terms_[static_cast<size_t>(pass)].emplace_back(samples_.size() * info(pass).channels.size(), 0.0);
 }
 
@@ -19,17 +23,22 @@ size_t FilmSums::bytes() const {
     size_t numbers = 0;
     for (const auto& terms : terms_)
         for (const std::vector<double>& term : terms) numbers += term.size();
-    return numbers * sizeof(double) + samples_.size() * sizeof(int);
+    return numbers * sizeof(double) + samples_.size() * sizeof(int) + (mattes_ ? mattes_->bytes() : 0);
 }
 
 void FilmSums::add(int x, int y, int samples, PixelSums& sums) {
     const std::scoped_lock lock(mutex_);
     const size_t place = pixel(x, y);
-    for (const Pass pass : passes_) {
+    for (const Pass pass : summed_) {
         if (samples_[place] > 0) add_terms(place, pass, sums);
         keep_terms(place, pass, sums);
     }
     samples_[place] += samples;
+}
+
+void FilmSums::add_mattes(int x, int y, int samples, const PixelMattes& mattes) {
+    const std::scoped_lock lock(mutex_);
+    mattes_->add(x, y, samples, mattes);
 }
 
 /// Adds the terms of a pixel to `sums`.
@@ -60,6 +69,7 @@ int FilmSums::most_samples() const {
 }
 
 std::vector<float> FilmSums::pixels(Pass pass) const {
+    if (is_matte(pass)) return mattes_->pixels(pass);
     const std::vector<Pass> needed = computed_passes({pass});
     const size_t channels = info(pass).channels.size();
     std::vector<float> pixels;
@@ -70,7 +80,7 @@ std::vector<float> FilmSums::pixels(Pass pass) const {
         for (const Pass each : needed)
             if (has(each)) add_terms(place, each, sums);
         const PixelValues values = sums.values(needed, samples_[place]);
-        for (size_t c = 0; c < channels; ++c) pixels.push_back(values[static_cast<size_t>(pass)][static_cast<int>(c)]);
+        for (size_t c = 0; c < channels; ++c) pixels.push_back(values[pass][static_cast<int>(c)]);
     }
     return pixels;
 }

@@ -16,11 +16,17 @@ class FilmSums {
     int width() const { return width_; }
     int height() const { return height_; }
     const std::vector<Pass>& passes() const { return passes_; }
+    const std::vector<Pass>& summed_passes() const { return summed_; }
+    /// Null where no pass is one.
+    const Mattes* mattes() const { return mattes_.get(); }
     bool has(Pass pass) const;
     size_t bytes() const;
 
     /// Adds samples of one pixel; `sums` is used up. Safe from any thread.
     void add(int x, int y, int samples, PixelSums& sums);
+
+    /// Mattes of samples of one pixel. Safe from any thread.
+    void add_mattes(int x, int y, int samples, const PixelMattes& mattes);
 
     /// The functions below give complete results once nothing is added any more.
     int least_samples() const;
@@ -32,9 +38,10 @@ class FilmSums {
 
   private:
     int width_, height_;
-    std::vector<Pass> passes_;
+    std::vector<Pass> passes_, summed_;
     std::vector<int> samples_;  ///< of each pixel
-    std::array<std::vector<std::vector<double>>, kPassCount> terms_;
+    std::array<std::vector<std::vector<double>>, kFirstMatte> terms_;
+    std::unique_ptr<Mattes> mattes_;
     mutable std::mutex mutex_;
 
     size_t pixel(int x, int y) const {

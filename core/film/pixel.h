@@ -2,23 +2,44 @@
 #pragma once
 
 #include "base/vector.h"
+#include "film/mattes.h"
 #include "film/pass.h"
 
 #include <array>
+#include <vector>
 
 namespace rayleaf {
+
+/// What a sample holds beside the passes of the table, where anybody asks.
+struct SampleExtras {
+    std::vector<Vec4f> slots;
+    std::vector<MatteRecord> mattes;
+
+    void clear(size_t slot_count) {
+        slots.assign(slot_count, Vec4f(0.0f));
+        mattes.clear();
+    }
+};
 
 /// Values of all passes for one sample; passes that are off are simply not read. xyzw are the channels in order.
 struct PixelSample {
     std::array<Vec4f, kPassCount> values;
+    SampleExtras* extras = nullptr;  ///< null: nobody asks
 
     PixelSample() { values.fill(Vec4f(0.0f)); }
 
     Vec4f& operator[](Pass pass) { return values[static_cast<size_t>(pass)]; }
-    const Vec4f& operator[](Pass pass) const { return values[static_cast<size_t>(pass)]; }
+    const Vec4f& operator[](Pass pass) const {
+        return is_slot(pass) ? extras->slots[slot_of(pass)] : values[static_cast<size_t>(pass)];
+    }
     void add(Pass pass, const Color& color) {
         Vec4f& value = (*this)[pass];
         value += Vec4f(color.x, color.y, color.z, 0.0f);
+    }
+    /// Light of a group; of one that has no slot (-1) nobody asks.
+    void add_to_slot(int slot, const Color& color) {
+        if (!extras || slot < 0 || static_cast<size_t>(slot) >= extras->slots.size()) return;
+        extras->slots[static_cast<size_t>(slot)] += Vec4f(color.x, color.y, color.z, 0.0f);
     }
 };
 

@@ -7,20 +7,21 @@ namespace rayleaf {
 namespace {
 
 /// Sums of all passes in double precision.
-using RoundedSums = std::array<Vec4d, kPassCount>;
+using RoundedSums = PerPass<Vec4d>;
 
 Vec4f value(Pass pass, const RoundedSums& sums, int count, bool more_follow) {
     const PassRuleInfo info = rule(pass);
-    const Vec4d& sum = sums[static_cast<size_t>(pass)];
+    const Vec4d& sum = sums[pass];
     if (info.rule == PassRule::FirstSample) return Vec4f(sum);
     if (info.rule == PassRule::Count) return Vec4f(static_cast<float>(count));
     if (info.rule == PassRule::Mean || more_follow) {
         Vec4f mean(sum / std::max(count, 1));
         // If a material transmits and scatters more light than arrives, alpha is only right as a mean of many samples.
         if (pass == Pass::combined) mean.w = std::clamp(mean.w, 0.0f, 1.0f);
+        if (pass == Pass::mist) mean.x = std::clamp(mean.x, 0.0f, 1.0f);  // for the same reason
         return mean;
     }
-    return divided(sum, sums[static_cast<size_t>(info.color)]);
+    return divided(sum, sums[info.color]);
 }
 
 }  // namespace
@@ -80,17 +81,16 @@ void PixelSums::add(const PixelSample& sample, int number, std::span<const Pass>
 }
 
 void PixelSums::clear(std::span<const Pass> passes) {
-    for (const Pass pass : passes) sums_[static_cast<size_t>(pass)].fill(ExactSum());
+    for (const Pass pass : passes) sums_[pass].fill(ExactSum());
 }
 
 PixelValues PixelSums::values(std::span<const Pass> passes, int count, bool more_follow) const {
     RoundedSums rounded;
     for (const Pass pass : passes)
         for (size_t c = 0; c < 4; ++c)
-            rounded[static_cast<size_t>(pass)][static_cast<int>(c)] =
-                c < info(pass).channels.size() ? sums_[static_cast<size_t>(pass)][c].terms()[0] : 0.0;
+            rounded[pass][static_cast<int>(c)] = c < info(pass).channels.size() ? sums_[pass][c].terms()[0] : 0.0;
     PixelValues values;
-    for (const Pass pass : passes) values[static_cast<size_t>(pass)] = value(pass, rounded, count, more_follow);
+    for (const Pass pass : passes) values[pass] = value(pass, rounded, count, more_follow);
     return values;
 }
 

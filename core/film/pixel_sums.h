@@ -31,7 +31,7 @@ Vec4f divided(const Vec4d& light, const Vec4d& color);
 std::vector<Pass> computed_passes(const std::vector<Pass>& wanted);
 
 /// Values of all passes for one pixel. xyzw are the channels in order.
-using PixelValues = std::array<Vec4f, kPassCount>;
+using PixelValues = PerPass<Vec4f>;
 
 /// Sums of one pixel's samples, or of some of them: separate sums give the same bits when they are joined.
 class PixelSums {
@@ -39,13 +39,13 @@ class PixelSums {
     /// `number`: which sample of the pixel it is.
     void add(const PixelSample& sample, int number, std::span<const Pass> passes);
     void clear(std::span<const Pass> passes);
-    ExactSum& sum(Pass pass, size_t channel) { return sums_[static_cast<size_t>(pass)][channel]; }
+    ExactSum& sum(Pass pass, size_t channel) { return sums_[pass][channel]; }
     /// The values of `count` samples, or of fewer if there are fewer. What is Divided is a mean still where
     /// more samples follow.
     PixelValues values(std::span<const Pass> passes, int count, bool more_follow = false) const;
 
   private:
-    std::array<std::array<ExactSum, 4>, kPassCount> sums_;
+    PerPass<std::array<ExactSum, 4>> sums_;
 };
 
 }  // namespace rayleaf

@@ -17,6 +17,7 @@ class TileSums {
     struct Wanted {
         FilmSums* sums = nullptr;   ///< gets the sums of finished pixels; null: nobody
         bool moments = false;       ///< what noise is estimated from
+        bool mattes = false;        ///< what each pixel shows
         bool more_samples = false;  ///< follow, so that light is not divided yet
     };
 
@@ -28,11 +29,13 @@ class TileSums {
     void add(const PixelSample& sample) {
         sums_.add(sample, samples_.first + added_, passes_);
         if (wanted_.moments) pixel_moments_.add(sample);
+        if (wanted_.mattes) add_mattes(sample.extras->mattes);
         if (++added_ == samples_.count) finish_pixel();
     }
     /// The values of finished pixels.
     std::span<const PixelValues> values() const { return values_; }
     std::span<const PixelMoments> moments() const { return moments_; }
+    std::span<const PixelMattes> mattes() const { return mattes_; }
 
   private:
     int x_, y_, width_;
@@ -41,15 +44,26 @@ class TileSums {
     Wanted wanted_;
     PixelSums sums_;  ///< of the current pixel
     PixelMoments pixel_moments_;
+    PixelMattes pixel_mattes_;
     int added_ = 0;  ///< samples of it so far
     std::vector<PixelValues> values_;
     std::vector<PixelMoments> moments_;
+    std::vector<PixelMattes> mattes_;
 
+    void add_mattes(std::span<const MatteRecord> records) {
+        for (const MatteRecord& record : records)
+            for (size_t kind = 0; kind < kMatteKinds; ++kind) pixel_mattes_[kind].add(record.ids[kind], record.weight);
+    }
     void finish_pixel() {
         const int number = static_cast<int>(values_.size());
         values_.push_back(sums_.values(passes_, samples_.count, wanted_.more_samples));
         if (wanted_.moments) moments_.push_back(std::exchange(pixel_moments_, {}));
-        if (wanted_.sums) wanted_.sums->add(x_ + number % width_, y_ + number / width_, samples_.count, sums_);
+        if (wanted_.mattes) mattes_.push_back(std::exchange(pixel_mattes_, {}));
+        if (wanted_.sums) {
+            const int x = x_ + number % width_, y = y_ + number / width_;
+            wanted_.sums->add(x, y, samples_.count, sums_);
+            if (wanted_.mattes) wanted_.sums->add_mattes(x, y, samples_.count, mattes_.back());
+        }
         sums_.clear(passes_);
         added_ = 0;
     }

@@ -22,6 +22,7 @@ Branch Branch::scattered(const Vertex& from, const Closures& closures, const Lob
     child.throughput *= sample.weight / static_cast<float>(count);
     child.share /= static_cast<float>(count);
     if (splits_light && bounces.count() == 0) child.first_shares = shares_of_scattering(from, closures, sample);
+    child.shows_features = false;
     ++child.vertex;
     return child;
 }

@@ -3,6 +3,7 @@
 
 #include "base/random.h"
 #include "integrators/bounces.h"
+#include "integrators/denoising_features.h"
 #include "integrators/dimensions.h"
 #include "integrators/medium_stack.h"
 #include "integrators/ray_counts.h"
@@ -59,6 +60,8 @@ struct Branch {
     RayUse use = RayUse::Camera;
     bool splits_light;  ///< whether anyone asks for `first_shares`
     int vertex = 0;     ///< counted from the camera
+    DenoisingFeatures features;
+    bool shows_features = true;  ///< for denoisers: by way of mirrors and clear glass alone
 
     /// How bright the ray is for one of its kind.
     float importance() const { return max_component(throughput) / share; }

@@ -16,8 +16,9 @@ constexpr std::array kIndirectPasses = {Pass::diffuse_indirect, Pass::glossy_ind
 
 }  // namespace
 
-void Contributions::add_seen(Pass pass, const Color& light) {
+void Contributions::add_seen(Pass pass, const Color& light, int group) {
     const Color c = clamped(light, settings_.clamp_direct);
+    sample.add_to_slot(group, c * settings_.exposure);
     sample.add(Pass::combined, c);
     sample.add(pass, c);
 }
@@ -26,21 +27,24 @@ void Contributions::add_hidden_world(const Color& light) {
     sample.add(Pass::environment, clamped(light, settings_.clamp_direct));
 }
 
-void Contributions::add_split(const Color& light, const ByKind& shares, bool direct) {
+void Contributions::add_split(const Color& light, const ByKind& shares, bool direct, int group) {
     sample.add(Pass::combined, light);
+    sample.add_to_slot(group, light * settings_.exposure);
     if (!settings_.light_passes) return;
+    if (shares.in_medium) return sample.add(direct ? Pass::volume_direct : Pass::volume_indirect, light);
     const auto& passes = direct ? kDirectPasses : kIndirectPasses;
     for (const LobeKind kind : kLobeKinds) sample.add(passes[static_cast<size_t>(kind)], light * shares[kind]);
 }
 
-void Contributions::add_first(const Color& light, const ByKind& shares, float share) {
-    add_split(clamped(light, settings_.clamp_direct * share), shares, true);
+void Contributions::add_first(const Color& light, const ByKind& shares, int group, float share) {
+    add_split(clamped(light, settings_.clamp_direct * share), shares, true, group);
 }
 
-void Contributions::add_scattered(const Color& light, int scatterings, const ByKind& first_shares, float share) {
+void Contributions::add_scattered(const Color& light, int scatterings, const ByKind& first_shares, int group,
+                                  float share) {
     const bool direct = scatterings == 1;
     add_split(clamped(light, (direct ? settings_.clamp_direct : settings_.clamp_indirect) * share), first_shares,
-              direct);
+              direct, group);
 }
 
 void Contributions::add_albedo(const ByKind& albedo) {
@@ -54,6 +58,7 @@ void Contributions::finish(float alpha) {
         for (const PassInfo& entry : kPasses) {
             const bool light =
                 entry.pass == Pass::combined || entry.pass == Pass::emission || entry.pass == Pass::environment ||
+                entry.pass == Pass::volume_direct || entry.pass == Pass::volume_indirect ||
                 std::find(kDirectPasses.begin(), kDirectPasses.end(), entry.pass) != kDirectPasses.end() ||
                 std::find(kIndirectPasses.begin(), kIndirectPasses.end(), entry.pass) != kIndirectPasses.end();
             if (light) sample[entry.pass] *= settings_.exposure;

@@ -20,6 +20,7 @@ PixelSample DistributionTracer::trace(const Branch& camera) {
     pending_.push_back(camera);
     follow_pending();
     if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
+    light_.sample[Pass::mist].x = 1.0f - light_.sample[Pass::mist].x;
     light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
     return light_.sample;
 }
@@ -28,7 +29,7 @@ void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& 
     Ray ray = ray_of(branch);
     if (hit) ray.t_max = hit->t;
     const VolumePassage passage = through_volumes(scene_, ray, branch.bounces.ray_kind());
-    if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission);
+    if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission, -1);
     branch.throughput *= passage.transmittance;
     if (branch.vertex == 0 && settings_.ray_passes) write_volumes(passage, light_.sample);
 }
@@ -52,9 +53,12 @@ void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
     // Light sampling looks at points: where it might have found the same emission, both must see it alike, or their
     // weights would not add up to one.
     const bool sampled = branch.departure.sampling != LightSampling::None && program.emits();
+    vertex.closures.aovs = aovs(branch);
     scene_.shade(vertex.point, vertex.outgoing, sampled ? RayDifferential{} : vertex.differential,
                  branch.bounces.at(hit->t), vertex.closures);
     if (branch.bounces.count() == 0) record_surface(branch, vertex);
+    if (settings_.feature_passes && branch.shows_features)
+        branch.features.meet(scene_, vertex, hit->t - branch.ray.t_min, light_.sample);
     add_emission(branch, vertex);
     if (branch.bounces.is_spent()) return;
     if (branch.spread == Spread::One) return send_one_on(branch, vertex);
@@ -62,12 +66,12 @@ void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
     if (!branch.bounces.is_last()) send_on(branch, vertex);
 }
 
-void DistributionTracer::add(const Branch& branch, const Color& radiance, Pass seen) {
+void DistributionTracer::add(const Branch& branch, const Color& radiance, Pass seen, int group) {
     const Color light = branch.throughput * radiance;
     if (branch.bounces.count() == 0)
-        light_.add_seen(seen, light);
+        light_.add_seen(seen, light, group);
     else
-        light_.add_scattered(light, branch.bounces.count(), branch.first_shares, branch.share);
+        light_.add_scattered(light, branch.bounces.count(), branch.first_shares, group, branch.share);
 }
 
 void DistributionTracer::add_lamps(const Branch& branch, double t_max) {
@@ -75,14 +79,15 @@ void DistributionTracer::add_lamps(const Branch& branch, double t_max) {
     Ray ray = branch.ray;
     ray.t_max = t_max;
     scene_.lights().lamp_hits(ray, branch.departure.position, branch.bounces.ray_kind(), [&](const LampHit& hit) {
-        add(branch, hit.radiance * branch.departure.weight(hit.density) * free_of_media(branch, hit.t), Pass::emission);
+        add(branch, hit.radiance * branch.departure.weight(hit.density) * free_of_media(branch, hit.t), Pass::emission,
+            hit.light_group);
     });
 }
 
 void DistributionTracer::add_world(const Branch& branch) {
     const bool hidden = branch.bounces.count() == 0 && settings_.film_transparent;
     if (hidden) alpha_ -= average(branch.throughput);
-    if (!scene_.has_world() || (hidden && !settings_.wants(Pass::environment))) return;
+    if (!scene_.has_world() || (hidden && !settings_.wants(Pass::environment) && settings_.slots == 0)) return;
     const Vec3f direction(branch.ray.direction);
     const Departure& departure = branch.departure;
     const float density =
@@ -91,11 +96,15 @@ void DistributionTracer::add_world(const Branch& branch) {
     if (weight == 0.0f) return;
     // As for surfaces that emit.
     const RayDifferential footprint = density > 0.0f ? RayDifferential{} : branch.differential;
-    const Color radiance = scene_.world(direction, footprint, branch.bounces.at(0));
+    const Color radiance = scene_.world(direction, footprint, branch.bounces.at(0), aovs(branch));
+    if (settings_.feature_passes && branch.shows_features) {
+        DenoisingFeatures features = branch.features;
+        features.meet_light(radiance, light_.sample);
+    }
     if (hidden)
         light_.add_hidden_world(branch.throughput * radiance);
     else
-        add(branch, radiance * weight, Pass::environment);
+        add(branch, radiance * weight, Pass::environment, scene_.world_light_group());
 }
 
 void DistributionTracer::add_emission(const Branch& branch, const Vertex& vertex) {
@@ -104,12 +113,15 @@ void DistributionTracer::add_emission(const Branch& branch, const Vertex& vertex
     const float density = departure.sampling != LightSampling::None
                               ? scene_.lights().emitter_density(departure.position, vertex.point)
                               : 0.0f;
-    add(branch, vertex.closures.emission * departure.weight(density), Pass::emission);
+    add(branch, vertex.closures.emission * departure.weight(density), Pass::emission,
+        scene_.light_group(vertex.point.instance));
 }
 
 void DistributionTracer::record_surface(const Branch& branch, const Vertex& vertex) {
     if (settings_.film_transparent) alpha_ -= average(branch.throughput) * vertex.closures.holdout;
     if (settings_.color_passes) light_.add_albedo(albedo_by_kind(vertex, branch.throughput));
+    if (settings_.mattes) write_matte(scene_, vertex, branch.throughput, light_.sample);
+    if (settings_.wants(Pass::mist)) write_mist(scene_, settings_, vertex, branch.throughput, light_.sample);
     if (!settings_.surface_passes || surface_recorded_ || !is_opaque_enough(vertex.closures)) return;
     surface_recorded_ = true;
     write_surface(scene_, vertex, light_.sample);
@@ -126,10 +138,10 @@ DistributionSettings::DistributionSettings(const Settings& settings)
 }
 
 PixelSample trace_distributed(const DistributionFrame& frame, const CameraRay& camera_ray, const Sampler& sampler,
-                              RayCounts& counts) {
+                              RayCounts& counts, SampleExtras* extras) {
     Branch camera(frame.settings.path, camera_ray, sampler);
     if (frame.scene.has_media()) camera.media = media_around(frame.scene, camera.ray.origin);
-    return DistributionTracer(frame, counts).trace(camera);
+    return DistributionTracer(frame, counts, extras).trace(camera);
 }
 
 HemisphereRay trace_hemisphere_ray(const DistributionFrame& frame, const Branch& ray, RayCounts& counts) {

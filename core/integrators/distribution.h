@@ -36,7 +36,7 @@ struct DistributionFrame {
 
 /// What one camera ray and all that follow contribute to each pass that is on. Pure, but for adding to `counts`.
 PixelSample trace_distributed(const DistributionFrame& frame, const CameraRay& camera_ray, const Sampler& sampler,
-                              RayCounts& counts);
+                              RayCounts& counts, SampleExtras* extras = nullptr);
 
 /// What a ray of a hemisphere, scattered once by a white diffuse surface, brings to it. The settings must ask for light
 /// passes.

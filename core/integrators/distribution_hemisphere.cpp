@@ -90,7 +90,8 @@ void DistributionTracer::add_unoccluded_world(const Branch& child) {
     const PathState state = child.bounces.at(0);
     const Color free = free_share(scene_, way_of(child, ray));
     if (is_black(free)) return;
-    add(child, free * scene_.world(Vec3f(ray.direction), child.differential, state), Pass::environment);
+    add(child, free * scene_.world(Vec3f(ray.direction), child.differential, state), Pass::environment,
+        scene_.world_light_group());
 }
 
 bool DistributionTracer::add_cached_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes) {
@@ -108,12 +109,13 @@ bool DistributionTracer::add_cached_hemisphere(const Branch& branch, const Verte
         direct_sum += factor * light->direct;
         indirect_sum += factor * light->indirect;
     }
+    constexpr int kNoGroup = -1;  // the cache holds the light of all groups together
     const int count = branch.bounces.count();
     const bool first = count == 0;
-    light_.add_scattered(direct_sum, count + 1, first ? shares_of(direct, direct_sum) : branch.first_shares,
+    light_.add_scattered(direct_sum, count + 1, first ? shares_of(direct, direct_sum) : branch.first_shares, kNoGroup,
                          branch.share);
     light_.add_scattered(indirect_sum, count + 2, first ? shares_of(indirect, indirect_sum) : branch.first_shares,
-                         branch.share);
+                         kNoGroup, branch.share);
     return true;
 }
 

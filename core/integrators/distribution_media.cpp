@@ -27,9 +27,9 @@ void DistributionTracer::add_scattered_light(const Branch& branch, const MediumS
     }
     if (is_black(value)) return;
     if (branch.bounces.count() == 0)
-        light_.add_first(value, {}, branch.share);
+        light_.add_first(value, kMediumFirst, light->light_group, branch.share);
     else
-        light_.add_scattered(value, branch.bounces.count() + 1, branch.first_shares, branch.share);
+        light_.add_scattered(value, branch.bounces.count() + 1, branch.first_shares, light->light_group, branch.share);
 }
 
 bool DistributionTracer::pass_media(Branch& branch, double end) {
@@ -39,7 +39,7 @@ bool DistributionTracer::pass_media(Branch& branch, double end) {
     RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::MediumWalk));
     const Vec2f distance = branch.sampler.get2(dimension(branch.vertex, PathDimension::Medium));
     const MediumPassage passage = pass(stretch, branch.throughput, scatters, distance, random);
-    if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission);
+    if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission, -1);
     branch.throughput *= passage.weight;
     if (!is_finite(branch.throughput) || is_black(branch.throughput)) return true;
     if (!passage.t) return false;
@@ -49,6 +49,10 @@ bool DistributionTracer::pass_media(Branch& branch, double end) {
     if (!sample) return true;
     Branch child = branch;
     child.throughput *= sample->weight;
+    if (settings_.feature_passes && branch.shows_features)
+        branch.features.meet_medium(passage.weight * sample->weight, light_.sample);
+    if (child.bounces.count() == 0) child.first_shares = kMediumFirst;
+    child.shows_features = false;
     child.bounces.scatter_in_medium();
     child.use = RayUse::Medium;
     child.differential =

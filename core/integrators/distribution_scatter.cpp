@@ -33,11 +33,13 @@ void DistributionTracer::add_light(const Branch& branch, const Vertex& vertex, c
     ++counts_[RayUse::Shadow];
     const int siblings = branch.spread == Spread::One ? kPathSiblings : count;
     const Color free = share_of_light(branch, vertex, light, siblings);
+    const int group = scene_.light_group(light);
     if (is_black(free)) return;
     if (branch.bounces.count() == 0)
-        light_.add_first(arriving * free, shares, branch.share * each);
+        light_.add_first(arriving * free, shares, group, branch.share * each);
     else
-        light_.add_scattered(arriving * free, branch.bounces.count() + 1, branch.first_shares, branch.share * each);
+        light_.add_scattered(arriving * free, branch.bounces.count() + 1, branch.first_shares, group,
+                             branch.share * each);
 }
 
 LitClasses DistributionTracer::lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
@@ -79,11 +81,15 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
 
 void DistributionTracer::follow_singular(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes) {
     uint32_t number = 0;
+    float total = max_component(vertex.closures.transparency);
+    for (const LobeSample& sample : lobes.singular()) total += max_component(sample.weight);
     for (const LobeSample& sample : lobes.singular()) {
         Branch child = branch.scattered(vertex, vertex.closures, sample, 1);
         child.sampler = branch.sampler.branch(0, 1, dimension(branch.vertex, PathDimension::Child) ^ (number++ << 24));
         child.differential = glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, sample, 1);
         child.use = RayUse::Specular;
+        child.shows_features = branch.shows_features;
+        child.features.take_share(max_component(sample.weight) / total);
         push(std::move(child), vertex);
     }
 }

@@ -19,13 +19,16 @@ struct LitClasses {
 
 class DistributionTracer {
   public:
-    DistributionTracer(const DistributionFrame& frame, RayCounts& counts)
+    DistributionTracer(const DistributionFrame& frame, RayCounts& counts, SampleExtras* extras = nullptr)
         : frame_(frame),
           scene_(frame.scene),
           distribution_(frame.settings),
           settings_(frame.settings.path),
           counts_(counts),
-          light_(frame.settings.path) {}
+          light_(frame.settings.path) {
+        if (extras) extras->clear(settings_.slots);
+        light_.sample.extras = extras;
+    }
 
     PixelSample trace(const Branch& camera);
     HemisphereRay trace_hemisphere(const Branch& ray);
@@ -67,7 +70,12 @@ class DistributionTracer {
     void pass_boundary(const Branch& branch, const Hit& hit);
     void add_scattered_light(const Branch& branch, const MediumStretch& stretch);
     /// Records light that a ray met, before its throughput; `seen` is its pass where the camera sees it.
-    void add(const Branch& branch, const Color& radiance, Pass seen);
+    void add(const Branch& branch, const Color& radiance, Pass seen, int group);
+    /// Where programs write their AOVs at the end of the ray; empty where nobody asks.
+    std::span<Vec4f> aovs(const Branch& branch) const {
+        const bool seen = light_.sample.extras && branch.bounces.count() == 0 && !surface_recorded_;
+        return seen ? std::span<Vec4f>(light_.sample.extras->slots) : std::span<Vec4f>();
+    }
     void add_lamps(const Branch& branch, double t_max);
     void add_world(const Branch& branch);
     void add_emission(const Branch& branch, const Vertex& vertex);

@@ -24,6 +24,7 @@ std::optional<ScatteredLight> scattered_light(const MediumStretch& stretch, cons
     const float density = place->medium.density(outgoing, light->direction);
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, density);
     ScatteredLight result;
+    result.light_group = stretch.scene.light_group(*light);
     result.value = place->weight * place->medium.evaluate(outgoing, light->direction) *
                    (light->radiance / light->density) * weight;
     if (!is_finite(result.value) || is_black(result.value)) return std::nullopt;

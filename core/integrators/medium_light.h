@@ -12,6 +12,7 @@ inline constexpr float kScatteredWidth = 0.5f;
 
 struct ScatteredLight {
     Color value{0, 0, 0};        ///< what arrives at the begin of the stretch if nothing hides the light
+    int light_group = -1;        ///< its slot; -1: none
     std::optional<FreeWay> way;  ///< to the light; empty: nothing can hide it
 };
 

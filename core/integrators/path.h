@@ -31,11 +31,16 @@ struct PathSettings {
     double occlusion_distance;           ///< infinity: no limit
     float exposure;
     bool film_transparent;
-    uint32_t passes;    ///< a bit per pass that is on
+    uint64_t passes;    ///< a bit per pass of the table that is on
+    size_t slots;       ///< as many as the passes need
+    bool mattes;        ///< any of them
     bool light_passes;  ///< any pass that splits light by the kind of lobe
     bool color_passes;
-    bool ray_passes;      ///< any pass that tells how rays were answered
-    bool surface_passes;  ///< any pass that describes the first surface
+    bool ray_passes;                ///< any pass that tells how rays were answered
+    bool surface_passes;            ///< any pass that describes the first surface
+    bool feature_passes;            ///< any pass that denoisers are guided by
+    double mist_start, mist_depth;  ///< world units
+    float mist_falloff;             ///< exponent
 
     bool importance_levels;       ///< Settings'
     float least_mirrored_spread;  ///< Settings', radians
@@ -43,11 +48,14 @@ struct PathSettings {
     /// For dicing what a ray meets that carries this share of a pixel's light; `scattered`: by a surface before.
     RayWidening widening(float importance, bool scattered) const;
     bool wants(Pass pass) const { return (passes >> static_cast<uint32_t>(pass)) & 1u; }
+    /// Whether samples hold more than the passes of the table.
+    bool has_extras() const { return slots > 0 || mattes; }
 };
 
 /// Traces one path from the camera ray and returns what it contributes to each pass that is on. `counts` gets its
-/// rays. Pure: equal arguments, equal bits. Dimensions of `sampler`: integrators/dimensions.h.
+/// rays; `extras` is there where the settings ask for some, and is written anew. Pure: equal arguments, equal bits.
+/// Dimensions of `sampler`: integrators/dimensions.h.
 PixelSample trace_path(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray,
-                       const Sampler& sampler, RayCounts& counts);
+                       const Sampler& sampler, RayCounts& counts, SampleExtras* extras = nullptr);
 
 }  // namespace rayleaf

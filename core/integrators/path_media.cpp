@@ -18,7 +18,7 @@ bool PathTracer::pass_media(double end) {
     RandomStream random(sampler_, dimension(vertex_, PathDimension::MediumWalk));
     const Vec2f distance = sampler_.get2(dimension(vertex_, PathDimension::Medium));
     const MediumPassage passage = pass(stretch, throughput_, scatters, distance, random);
-    if (!is_black(passage.emission)) add(passage.emission, Pass::emission);
+    if (!is_black(passage.emission)) add(passage.emission, Pass::emission, -1);
     throughput_ *= passage.weight;
     if (!is_finite(throughput_) || is_black(throughput_)) return true;
     if (!passage.t) return false;
@@ -42,9 +42,9 @@ void PathTracer::add_scattered_light(const MediumStretch& stretch) {
     }
     if (is_black(value)) return;
     if (bounces_.count() == 0)
-        light_.add_first(value, {});
+        light_.add_first(value, kMediumFirst, light->light_group);
     else
-        light_.add_scattered(value, bounces_.count() + 1, first_shares_);
+        light_.add_scattered(value, bounces_.count() + 1, first_shares_, light->light_group);
 }
 
 /// False where the path ends; `vertex_` stays then.
@@ -53,6 +53,8 @@ bool PathTracer::scatter_in_medium(const MediumPassage& passage) {
     const std::optional<PhaseSample> sample = passage.medium.sample(-direction, random3(PathDimension::Scatter));
     if (!sample) return false;
     throughput_ *= sample->weight;
+    if (settings_.feature_passes) features_.meet_medium(passage.weight * sample->weight, light_.sample);
+    if (bounces_.count() == 0) first_shares_ = kMediumFirst;
     bounces_.scatter_in_medium();
     use_ = RayUse::Medium;
     if (!survives_roulette()) return false;

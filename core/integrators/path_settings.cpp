@@ -10,18 +10,22 @@ float limit_or_infinity(float limit) {
     return limit > 0.0f ? limit : std::numeric_limits<float>::infinity();
 }
 
-constexpr uint32_t bit(Pass pass) {
-    return 1u << static_cast<uint32_t>(pass);
+constexpr uint64_t bit(Pass pass) {
+    return uint64_t{1} << static_cast<uint32_t>(pass);
 }
-static_assert(kPassCount <= 32, "a pass is a bit");
+static_assert(kPassCount <= 64, "a pass is a bit");
 
-constexpr uint32_t kLightPasses = bit(Pass::diffuse_direct) | bit(Pass::diffuse_indirect) | bit(Pass::glossy_direct) |
+constexpr uint64_t kLightPasses = bit(Pass::diffuse_direct) | bit(Pass::diffuse_indirect) | bit(Pass::glossy_direct) |
                                   bit(Pass::glossy_indirect) | bit(Pass::transmission_direct) |
-                                  bit(Pass::transmission_indirect);
-constexpr uint32_t kColorPasses = bit(Pass::diffuse_color) | bit(Pass::glossy_color) | bit(Pass::transmission_color);
-constexpr uint32_t kSurfacePasses = bit(Pass::depth) | bit(Pass::position) | bit(Pass::normal) | bit(Pass::uv) |
-                                    bit(Pass::object_index) | bit(Pass::material_index) | bit(Pass::ambient_occlusion);
-constexpr uint32_t kRayPasses = bit(Pass::mask) | bit(Pass::tree_index) | bit(Pass::mask_colors) |
+                                  bit(Pass::transmission_indirect) | bit(Pass::volume_direct) |
+                                  bit(Pass::volume_indirect);
+constexpr uint64_t kFeaturePasses =
+    bit(Pass::denoising_normal) | bit(Pass::denoising_albedo) | bit(Pass::denoising_depth);
+constexpr uint64_t kColorPasses = bit(Pass::diffuse_color) | bit(Pass::glossy_color) | bit(Pass::transmission_color);
+constexpr uint64_t kSurfacePasses = bit(Pass::depth) | bit(Pass::mist) | bit(Pass::position) | bit(Pass::normal) |
+                                    bit(Pass::uv) | bit(Pass::object_index) | bit(Pass::material_index) |
+                                    bit(Pass::ambient_occlusion);
+constexpr uint64_t kRayPasses = bit(Pass::mask) | bit(Pass::tree_index) | bit(Pass::mask_colors) |
                                 bit(Pass::interpolation_error) | bit(Pass::path_length) | bit(Pass::geometry_level);
 
 }  // namespace
@@ -41,13 +45,26 @@ PathSettings::PathSettings(const Settings& s)
       exposure(s.exposure),
       film_transparent(s.film_transparent),
       passes(0),
+      slots(0),
+      mattes(false),
+      mist_start(s.mist_start),
+      mist_depth(s.mist_depth),
+      mist_falloff(s.mist_falloff),
       importance_levels(s.importance_levels),
       least_mirrored_spread(s.least_mirrored_spread) {
-    for (const Pass pass : s.passes) passes |= bit(pass);
+    for (const Pass pass : s.passes) {
+        if (is_matte(pass))
+            mattes = true;
+        else if (is_slot(pass))
+            slots = std::max(slots, slot_of(pass) + 1);
+        else
+            passes |= bit(pass);
+    }
     light_passes = (passes & kLightPasses) != 0;
     color_passes = (passes & kColorPasses) != 0;
     ray_passes = (passes & kRayPasses) != 0;
-    surface_passes = (passes & kSurfacePasses) != 0;
+    surface_passes = (passes & kSurfacePasses) != 0 || slots > 0;
+    feature_passes = (passes & kFeaturePasses) != 0;
 }
 
 RayWidening PathSettings::widening(float importance, bool scattered) const {

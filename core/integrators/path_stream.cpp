@@ -26,6 +26,10 @@ void PathStream::add(const CameraRay& ray, const Sampler& sampler) {
 void PathStream::trace_all() {
     active_.resize(paths_.size());
     for (uint32_t i = 0; i < active_.size(); ++i) active_[i] = i;
+    if (settings_.has_extras()) {
+        extras_.resize(std::max(extras_.size(), paths_.size()));
+        for (size_t i = 0; i < paths_.size(); ++i) paths_[i].write_extras(extras_[i]);
+    }
     // Rays of the camera, and from what it sees to one light, run alike.
     Coherence coherence = Coherence::Coherent;
     while (!active_.empty()) {

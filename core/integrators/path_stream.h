@@ -38,6 +38,7 @@ class PathStream {
     const CancelToken& cancel_;
     RayCounts& counts_;
     std::vector<PathTracer> paths_;
+    std::vector<SampleExtras> extras_;  ///< by path, where the settings ask for some
     std::vector<uint32_t> active_;      ///< paths that go on
     std::vector<uint32_t> light_rays_;  ///< paths that wait for light
     MaterialBins bins_;                 ///< paths that met a surface

@@ -67,6 +67,7 @@ void PathTracer::ask_numbers(SamplePairs& pairs) const {
 ShadingInputs PathTracer::approach(Vertex& vertex) const {
     const Vec3f direction(ray_.direction);
     vertex.outgoing = -direction;
+    vertex.closures.aovs = aovs();
     if (has_footprint_) vertex.differential = differential_.transferred(direction, hit_->t, vertex.point.facet_normal);
     if (hit_->is_interpolated()) {
         vertex.point.dp_du = vertex.differential.dp_dx;
@@ -78,6 +79,7 @@ ShadingInputs PathTracer::approach(Vertex& vertex) const {
 
 bool PathTracer::shade(const Vertex& vertex, const VertexNumbers& numbers) {
     if (bounces_.count() == 0) record_surface(vertex);
+    if (settings_.feature_passes) features_.meet(scene_, vertex, hit_->t - ray_.t_min, light_.sample);
     add_emission(vertex);
     if (bounces_.is_spent()) return false;
     if (!bounces_.is_last()) add_direct_light(vertex, numbers.light);
@@ -88,6 +90,7 @@ bool PathTracer::shade(const Vertex& vertex, const VertexNumbers& numbers) {
 
 const PixelSample& PathTracer::finish() {
     if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
+    light_.sample[Pass::mist].x = 1.0f - light_.sample[Pass::mist].x;
     light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
     return light_.sample;
 }
@@ -114,17 +117,17 @@ void PathTracer::pass_volumes() {
     Ray ray = ray_;
     if (hit_) ray.t_max = hit_->t;
     const VolumePassage passage = through_volumes(scene_, ray, bounces_.ray_kind());
-    if (!is_black(passage.emission)) add(passage.emission, Pass::emission);
+    if (!is_black(passage.emission)) add(passage.emission, Pass::emission, -1);
     throughput_ *= passage.transmittance;
     if (vertex_ == 0 && settings_.ray_passes) write_volumes(passage, light_.sample);
 }
 
-void PathTracer::add(const Color& radiance, Pass seen) {
+void PathTracer::add(const Color& radiance, Pass seen, int group) {
     const Color light = throughput_ * radiance;
     if (bounces_.count() == 0)
-        light_.add_seen(seen, light);
+        light_.add_seen(seen, light, group);
     else
-        light_.add_scattered(light, bounces_.count(), first_shares_);
+        light_.add_scattered(light, bounces_.count(), first_shares_, group);
 }
 
 void PathTracer::add_lamps(double t_max) {
@@ -132,31 +135,33 @@ void PathTracer::add_lamps(double t_max) {
     Ray ray = ray_;
     ray.t_max = t_max;
     scene_.lights().lamp_hits(ray, departure_.position, bounces_.ray_kind(), [this](const LampHit& hit) {
-        add(hit.radiance * departure_.weight(hit.density) * free_of_media(hit.t), Pass::emission);
+        add(hit.radiance * departure_.weight(hit.density) * free_of_media(hit.t), Pass::emission, hit.light_group);
     });
 }
 
 void PathTracer::add_world() {
     const bool hidden = bounces_.count() == 0 && settings_.film_transparent;
     if (hidden) alpha_ -= average(throughput_);
-    if (!scene_.has_world() || (hidden && !settings_.wants(Pass::environment))) return;
+    if (!scene_.has_world() || (hidden && !settings_.wants(Pass::environment) && settings_.slots == 0)) return;
     const Vec3f direction(ray_.direction);
     const float density =
         departure_.density > 0.0f ? scene_.lights().world_density(direction, departure_.position) : 0.0f;
     // As in footprint_on.
     const RayDifferential footprint = density > 0.0f ? RayDifferential{} : differential_;
-    const Color radiance = scene_.world(direction, footprint, bounces_.at(0));
+    const Color radiance = scene_.world(direction, footprint, bounces_.at(0), aovs());
+    if (settings_.feature_passes) features_.meet_light(radiance, light_.sample);
     if (hidden)
         light_.add_hidden_world(throughput_ * radiance);
     else
-        add(radiance * departure_.weight(density), Pass::environment);
+        add(radiance * departure_.weight(density), Pass::environment, scene_.world_light_group());
 }
 
 void PathTracer::add_emission(const Vertex& vertex) {
     if (is_black(vertex.closures.emission)) return;
     const float density =
         departure_.density > 0.0f ? scene_.lights().emitter_density(departure_.position, vertex.point) : 0.0f;
-    add(vertex.closures.emission * departure_.weight(density), Pass::emission);
+    add(vertex.closures.emission * departure_.weight(density), Pass::emission,
+        scene_.light_group(vertex.point.instance));
 }
 
 void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
@@ -176,6 +181,7 @@ void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     to_light.arriving = arriving;
     to_light.shares = lit.shares;
     to_light.first = first;
+    to_light.group = scene_.light_group(*light);
     to_light.scatterings = bounces_.count() + 1;
     std::optional<Ray> ray = shadow_ray(scene_, vertex.point, *light);
     if (!ray) return receive(Color(1.0f));
@@ -195,9 +201,9 @@ void PathTracer::receive(const Color& free) {
     const LightRay& from = *light_ray_;
     if (!is_black(free)) {
         if (from.first)
-            light_.add_first(from.arriving * free, from.shares);
+            light_.add_first(from.arriving * free, from.shares, from.group);
         else
-            light_.add_scattered(from.arriving * free, from.scatterings, first_shares_);
+            light_.add_scattered(from.arriving * free, from.scatterings, first_shares_, from.group);
     }
     light_ray_.reset();
 }
@@ -206,6 +212,8 @@ void PathTracer::record_surface(const Vertex& vertex) {
     const Closures& closures = vertex.closures;
     if (settings_.film_transparent) alpha_ -= average(throughput_) * closures.holdout;
     if (settings_.color_passes) light_.add_albedo(albedo_by_kind(vertex, throughput_));
+    if (settings_.mattes) write_matte(scene_, vertex, throughput_, light_.sample);
+    if (settings_.wants(Pass::mist)) write_mist(scene_, settings_, vertex, throughput_, light_.sample);
     if (!settings_.surface_passes || surface_recorded_ || !is_opaque_enough(closures)) return;
     surface_recorded_ = true;
     write_surface(scene_, vertex, light_.sample);
@@ -353,8 +361,10 @@ bool PathTracer::survives_roulette() {
 }
 
 PixelSample trace_path(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray,
-                       const Sampler& sampler, RayCounts& counts) {
-    return PathTracer(scene, settings, camera_ray, sampler, counts).trace();
+                       const Sampler& sampler, RayCounts& counts, SampleExtras* extras) {
+    PathTracer path(scene, settings, camera_ray, sampler, counts);
+    if (extras) path.write_extras(*extras);
+    return path.trace();
 }
 
 }  // namespace rayleaf

@@ -4,6 +4,7 @@
 #include "base/sample_pairs.h"
 #include "integrators/bounces.h"
 #include "integrators/contributions.h"
+#include "integrators/denoising_features.h"
 #include "integrators/dimensions.h"
 #include "integrators/medium_tracking.h"
 #include "integrators/path.h"
@@ -19,6 +20,7 @@ struct LightRay : FreeWay {
     Color arriving{0, 0, 0};  ///< light that the path brings to the camera if nothing is in the way
     ByKind shares;            ///< where the vertex is the first: in the kinds of its lobes
     bool first = false;
+    int group = -1;       ///< the light's slot
     int scatterings = 1;  ///< on the way from the light to the camera
 };
 
@@ -61,6 +63,11 @@ class PathTracer {
         if (scene.has_media()) media_ = media_around(scene, ray_.origin);
     }
 
+    /// Where the path writes what it is asked beside the passes of the table; before its first ray.
+    void write_extras(SampleExtras& extras) {
+        extras.clear(settings_.slots);
+        light_.sample.extras = &extras;
+    }
     /// All of the path, ray by ray.
     PixelSample trace();
 
@@ -105,6 +112,7 @@ class PathTracer {
     float alpha_ = 1;
     bool has_footprint_;  ///< differentials count, and are kept
     bool surface_recorded_ = false;
+    DenoisingFeatures features_;
     int vertex_ = 0;
     RayUse use_ = RayUse::Camera;  ///< of the ray under way
     std::optional<Hit> hit_;       ///< of the vertex
@@ -139,7 +147,7 @@ class PathTracer {
     }
     /// Records light that the ray under way met, before the path's throughput; `seen` is its pass where the camera sees
     /// it.
-    void add(const Color& radiance, Pass seen);
+    void add(const Color& radiance, Pass seen, int group);
     void add_lamps(double t_max);
     /// Before the ray's end.
     Color free_of_media(double t) const;
@@ -147,6 +155,11 @@ class PathTracer {
     void add_emission(const Vertex& vertex);
     void add_direct_light(const Vertex& vertex, const Vec3f& random);
     void record_surface(const Vertex& vertex);
+    /// Where programs write their AOVs at the vertex; empty where nobody asks.
+    std::span<Vec4f> aovs() const {
+        const bool seen = light_.sample.extras && bounces_.count() == 0 && !surface_recorded_;
+        return seen ? std::span<Vec4f>(light_.sample.extras->slots) : std::span<Vec4f>();
+    }
 
     /// True if the path goes on past the surface.
     bool leave(const Vertex& vertex, const Vec3f& random);

@@ -42,6 +42,7 @@ struct Lamp {
     double spread = 3.14159265358979;  ///< area lamps: full angle of emission, radians
     bool casts_shadow = true;
     uint8_t visibility = kVisibleAll;  ///< which rays may hit the lamp itself
+    int light_group = -1;              ///< the slot of its light (film/pass.h); -1: none
     /// What it emits is a factor on the strength, by place and direction; null: 1.
     std::shared_ptr<const Program> emission = nullptr;
 };
@@ -65,6 +66,8 @@ struct LightSample {
     bool delta = false;        ///< cannot be hit by a scattered ray
     bool casts_shadow = true;
     bool world = false;                ///< light of the world, not of a lamp or surface
+    int lamp_group = -1;               ///< light group of the lamp; -1: none, or no lamp
+    int instance = -1;                 ///< of an emitting surface; else -1
     uint8_t visibility = kVisibleAll;  ///< which kinds of rays see the light: other lobes are not lit by it
 };
 
@@ -73,6 +76,7 @@ struct LampHit {
     double t = 0;
     Color radiance{0, 0, 0};
     float density = 0;
+    int light_group = -1;  ///< the lamp's
 };
 
 /// Emitted radiance of a surface point towards `outgoing`, for emitters and the world; given by the scene.

@@ -64,6 +64,7 @@ struct LampTraits {
     size_t number;  ///< in the list of lamps
     bool has_program;
     double factor;  ///< of the program, in the mean
+    int light_group;
 };
 
 struct PlacedLamp {
@@ -132,8 +133,9 @@ struct LightSet::Implementation {
 };
 
 void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
-    const LampTraits traits{lamp.visibility, lamp.casts_shadow, number, lamp.emission != nullptr,
-                            mean_factor(lamp, number, lamp_emission)};
+    const LampTraits traits{
+        lamp.visibility, lamp.casts_shadow, number, lamp.emission != nullptr, mean_factor(lamp, number, lamp_emission),
+        lamp.light_group};
     if (lamp.kind == LampKind::Sun) {
         suns.push_back({Sun(lamp), traits});
         suns_and_world += suns.back().irradiance();
@@ -208,7 +210,9 @@ std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position,
 std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits& lamp, LampSample sample,
                                                                const Vec3d& position, double probability) const {
     sample.radiance = shaded(lamp, sample.radiance, position, sample.direction, sample.distance);
-    return chosen(sample, position, probability, lamp.visibility, lamp.casts_shadow);
+    std::optional<LightSample> light = chosen(sample, position, probability, lamp.visibility, lamp.casts_shadow);
+    if (light) light->lamp_group = lamp.light_group;
+    return light;
 }
 
 std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& position, const Vec2f& random,
@@ -225,7 +229,9 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& po
     const auto surface = static_cast<uint32_t>(item->item - lamps.size());
     const auto sample = surfaces.sample(surface, position, random);
     if (!sample) return std::nullopt;
-    return chosen(*sample, position, probability, surfaces.visibility(surface), true);
+    std::optional<LightSample> light = chosen(*sample, position, probability, surfaces.visibility(surface), true);
+    if (light) light->instance = static_cast<int>(surfaces.instance(surface));
+    return light;
 }
 
 std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& random) const {
@@ -279,7 +285,7 @@ void LightSet::lamp_hits(const Ray& ray, const Vec3d& from, Visibility kind,
     const Implementation& set = *implementation_;
     const auto report = [&](const LampTraits& lamp, const LampIntersection& hit, double choice) {
         const Color radiance = set.shaded(lamp, hit.radiance, ray.origin, ray.direction, hit.t);
-        add({hit.t, radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity))});
+        add({hit.t, radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity)), lamp.light_group});
     };
     set.hittable.visit_crossed(ray, [&](uint32_t item) {
         const uint32_t index = set.lamps_with_size[item];

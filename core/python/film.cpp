@@ -28,10 +28,14 @@ std::unique_ptr<FilmSums> make_film_sums(int width, int height, const std::vecto
     return std::make_unique<FilmSums>(width, height, known_passes(passes));
 }
 
-/// The samples of a rectangle, sums of each pass (row, column, channel, term).
+constexpr std::array<const char*, kMatteKinds> kMatteKeys = {"mattes_object", "mattes_material", "mattes_asset"};
+
+/// The samples of a rectangle, sums of each pass (row, column, channel, term), and mattes (row, column, entry, id and
+/// weight).
 struct FilmPart {
     int x, y, width, height;
     std::vector<std::pair<Pass, Array<double>>> sums;
+    std::array<std::optional<Array<double>>, kMatteKinds> mattes;
 };
 
 void check_terms(const Array<double>& array, Pass pass) {
@@ -45,9 +49,35 @@ void check_terms(const Array<double>& array, Pass pass) {
         if (!ExactSum::is_term(term)) throw InputError(kObject, name, number_text(term), "terms of sums of floats");
 }
 
-FilmPart checked_part(const FilmSums& film, int x, int y, const std::map<std::string, Array<double>>& sums) {
-    FilmPart part{x, y, 0, 0, {}};
-    for (const Pass pass : film.passes()) {
+using NamedSums = std::map<std::string, Array<double>>;
+
+/// Whole numbers: an id, and a weight that leaves room for all samples.
+bool is_matte_entry(double id, double weight) {
+    constexpr double kMostId = 0x1p32 - 1, kMostWeight = 0x1p55;
+    return id >= 0 && id <= kMostId && weight >= 0 && weight <= kMostWeight && std::floor(id) == id &&
+           std::floor(weight) == weight;
+}
+
+void check_mattes(FilmPart& part, const FilmSums& film, const NamedSums& sums) {
+    for (size_t kind = 0; kind < kMatteKinds && film.mattes(); ++kind) {
+        if (!film.mattes()->has(static_cast<MatteKind>(kind))) continue;
+        const auto found = sums.find(kMatteKeys[kind]);
+        if (found == sums.end())
+            throw InputError(kObject, "sums", std::string("without ") + kMatteKeys[kind], "all mattes of the film");
+        check_shape(kObject, kMatteKeys[kind], found->second, {part.height, part.width, -1, 2});
+        const std::span<const double> numbers = span_of(found->second);
+        for (size_t i = 0; i < numbers.size(); i += 2)
+            if (!is_matte_entry(numbers[i], numbers[i + 1]))
+                throw InputError(kObject, kMatteKeys[kind],
+                                 number_text(numbers[i]) + ", " + number_text(numbers[i + 1]),
+                                 "ids and weights of mattes, whole numbers");
+        part.mattes[kind] = found->second;
+    }
+}
+
+FilmPart checked_part(const FilmSums& film, int x, int y, const NamedSums& sums) {
+    FilmPart part{x, y, 0, 0, {}, {}};
+    for (const Pass pass : film.summed_passes()) {
         const std::string name(info(pass).identifier);
         const auto found = sums.find(name);
         if (found == sums.end()) throw InputError(kObject, "sums", "without " + name, "all passes of the film");
@@ -60,6 +90,7 @@ FilmPart checked_part(const FilmSums& film, int x, int y, const std::map<std::st
         part.height = height;
         part.sums.emplace_back(pass, array);
     }
+    check_mattes(part, film, sums);
     if (x < 0 || y < 0 || x > film.width() - part.width || y > film.height() - part.height)
         throw InputError(kObject, "place",
                          std::to_string(part.width) + " x " + std::to_string(part.height) + " pixels at " +
@@ -78,9 +109,20 @@ void add_pixel(FilmSums& film, const FilmPart& part, int column, int row, int sa
             for (size_t i = 0; i < terms; ++i) pixel.sum(pass, c).add_term(*term++);
     }
     film.add(part.x + column, part.y + row, samples, pixel);
+    if (!film.mattes()) return;
+    PixelMattes mattes;
+    for (size_t kind = 0; kind < kMatteKinds; ++kind) {
+        if (!part.mattes[kind]) continue;
+        const auto entries = static_cast<size_t>(part.mattes[kind]->shape(2));
+        const size_t place = static_cast<size_t>(row) * static_cast<size_t>(part.width) + static_cast<size_t>(column);
+        const double* entry = part.mattes[kind]->data() + place * entries * 2;
+        for (size_t i = 0; i < entries; ++i, entry += 2)
+            mattes[kind].add(static_cast<uint32_t>(entry[0]), static_cast<uint64_t>(entry[1]));
+    }
+    film.add_mattes(part.x + column, part.y + row, samples, mattes);
 }
 
-void add(FilmSums& film, int x, int y, int samples, const std::map<std::string, Array<double>>& sums) {
+void add(FilmSums& film, int x, int y, int samples, const NamedSums& sums) {
     constexpr int kMost = 1 << 24;
     if (samples < 1 || samples > kMost - film.most_samples())
         throw InputError(kObject, "samples", std::to_string(samples), "1 or more, 2^24 in all");
@@ -116,6 +158,29 @@ py::array_t<double> sums_of(const FilmSums& film, Pass pass) {
     for (size_t i = 0; i < terms.front().size(); ++i)
         for (const std::vector<double>& term : terms) *out++ = term[i];
     return array;
+}
+
+void add_mattes(const FilmSums& film, py::dict& sums) {
+    if (!film.mattes()) return;
+    for (size_t k = 0; k < kMatteKinds; ++k) {
+        const auto kind = static_cast<MatteKind>(k);
+        if (!film.mattes()->has(kind)) continue;
+        size_t most = 1;
+        for (int y = 0; y < film.height(); ++y)
+            for (int x = 0; x < film.width(); ++x)
+                most = std::max(most, film.mattes()->at(kind, x, y).entries().size());
+        py::array_t<double> array(py::array::ShapeContainer{py::ssize_t{film.height()}, py::ssize_t{film.width()},
+                                                            static_cast<py::ssize_t>(most), py::ssize_t{2}});
+        double* out = array.mutable_data();
+        std::fill_n(out, array.size(), 0.0);
+        for (int y = 0; y < film.height(); ++y)
+            for (int x = 0; x < film.width(); ++x, out += 2 * most)
+                for (size_t i = 0; const MatteSums::Entry& entry : film.mattes()->at(kind, x, y).ranked()) {
+                    out[i++] = entry.id;
+                    out[i++] = static_cast<double>(entry.weight);
+                }
+        sums[kMatteKeys[k]] = array;
+    }
 }
 
 void bind_film(py::module_& module) {

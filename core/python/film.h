@@ -12,4 +12,7 @@ py::array_t<float> array_of(std::vector<float>&& pixels, int width, int height, 
 /// What `FilmSums.add` of the bindings takes: (row, column, channel, term).
 py::array_t<double> sums_of(const FilmSums& film, Pass pass);
 
+/// Adds the mattes of each kind to it, as `FilmSums.add` takes them: (row, column, entry, id and weight).
+void add_mattes(const FilmSums& film, py::dict& sums);
+
 }  // namespace rayleaf

@@ -139,7 +139,8 @@ void move_instances(SceneDescription& scene, const Array<int32_t>& indices, cons
 }
 
 int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
-                 int material_list, int object_index, float random, int visibility, int ray_interpolation) {
+                 int material_list, int object_index, float random, int visibility, int ray_interpolation,
+                 int light_group, const std::string& asset) {
     return scene.add_instance({name,
                                shape,
                                affine_of(name, matrix),
@@ -148,7 +149,9 @@ int add_instance(SceneDescription& scene, const std::string& name, int shape, co
                                random,
                                visibility_of(name, visibility),
                                ray_interpolation,
-                               {}});
+                               {},
+                               light_group,
+                               asset});
 }
 
 using InstanceAttributes = std::map<int, Array<float>>;  ///< by id: (instances, 4)
@@ -171,7 +174,9 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
                                        const Array<int32_t>& material_lists, const Array<int32_t>& object_indices,
                                        const Array<float>& randoms, const Array<int32_t>& visibilities,
                                        const std::optional<Array<int32_t>>& ray_interpolations,
-                                       const std::optional<InstanceAttributes>& attributes) {
+                                       const std::optional<InstanceAttributes>& attributes,
+                                       const std::optional<Array<int32_t>>& light_groups,
+                                       const std::optional<std::vector<std::string>>& assets) {
     const auto count = static_cast<py::ssize_t>(names.size());
     constexpr const char* kObject = "instances";
     check_shape(kObject, "shapes", shapes, {count});
@@ -181,6 +186,9 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
     check_shape(kObject, "randoms", randoms, {count});
     check_shape(kObject, "visibilities", visibilities, {count});
     if (ray_interpolations) check_shape(kObject, "ray_interpolations", *ray_interpolations, {count});
+    if (light_groups) check_shape(kObject, "light_groups", *light_groups, {count});
+    if (assets && assets->size() != names.size())
+        throw InputError(kObject, "assets", std::to_string(assets->size()), "as many as names");
     const InstanceAttributes named = attributes.value_or(InstanceAttributes());
     for (const auto& [id, values] : named) check_shape(kObject, "attributes", values, {count, 4});
     std::vector<std::string> messages;
@@ -190,7 +198,9 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
             scene.add_instance({name, shapes.data()[i], affine_of(name, matrices.data() + 16 * i),
                                 material_lists.data()[i], static_cast<float>(object_indices.data()[i]),
                                 randoms.data()[i], visibility_of(name, visibilities.data()[i]),
-                                ray_interpolations ? ray_interpolations->data()[i] : -1, attributes_at(named, i)});
+                                ray_interpolations ? ray_interpolations->data()[i] : -1, attributes_at(named, i),
+                                light_groups ? light_groups->data()[i] : -1,
+                                assets ? (*assets)[static_cast<size_t>(i)] : std::string()});
         } catch (const InputError& error) {
             messages.emplace_back(error.what());
         }
@@ -201,7 +211,7 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
 int add_lamp(SceneDescription& scene, const std::string& name, const std::string& kind, const Array<double>& matrix,
              const std::array<float, 3>& strength, double radius, double angle, double spot_size, double spot_blend,
              const std::string& spot_profile, double size_x, double size_y, double spread, bool casts_shadow,
-             int visibility, const std::shared_ptr<Program>& emission) {
+             int visibility, const std::shared_ptr<Program>& emission, int light_group) {
     Lamp lamp;
     lamp.name = name;
     lamp.kind = lamp_kind(name, kind);
@@ -218,11 +228,13 @@ int add_lamp(SceneDescription& scene, const std::string& name, const std::string
     lamp.casts_shadow = casts_shadow;
     lamp.visibility = visibility_of(name, visibility);
     lamp.emission = copy_of(emission);
+    lamp.light_group = light_group;
     return scene.add_lamp(lamp);
 }
 
 void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, int sampling_resolution,
-               const std::shared_ptr<Program>& medium) {
+               const std::shared_ptr<Program>& medium, int light_group) {
+    scene.set_world_light_group(light_group);
     scene.set_world(copy_of(world), sampling_resolution, copy_of(medium));
 }
 
@@ -245,6 +257,13 @@ void set_camera(SceneDescription& scene, const std::string& kind, const Array<do
     camera.blade_rotation = blade_rotation;
     camera.aperture_ratio = aperture_ratio;
     dicing ? scene.set_dicing_camera(camera) : scene.set_camera(camera);
+}
+
+std::map<std::string, std::string> manifest(const SceneDescription& scene, const std::string& kind,
+                                            const std::string& layer) {
+    constexpr std::pair<const char*, MatteKind> kKinds[] = {
+        {"OBJECT", MatteKind::Object}, {"MATERIAL", MatteKind::Material}, {"ASSET", MatteKind::Asset}};
+    return scene.matte_attributes(named("scene", "kind", kind, kKinds), layer);
 }
 
 // Converting a large image takes seconds; Python goes on meanwhile.
@@ -311,16 +330,18 @@ void bind_scene(py::module_& module) {
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
         .def("add_instance", &add_instance, "name"_a, "shape"_a, "matrix"_a, "material_list"_a = -1,
              "object_index"_a = 0, "random"_a = 0.0f, "visibility"_a = static_cast<int>(kVisibleAll),
-             "ray_interpolation"_a = -1)
+             "ray_interpolation"_a = -1, "light_group"_a = -1, "asset"_a = "")
         .def("add_ray_interpolation", &SceneDescription::add_ray_interpolation, "object"_a, "interpolation"_a)
         .def("add_instances", &add_instances, "names"_a, "shapes"_a, "matrices"_a, "material_lists"_a,
              "object_indices"_a, "randoms"_a, "visibilities"_a, "ray_interpolations"_a = py::none(),
-             "attributes"_a = py::none())
+             "attributes"_a = py::none(), "light_groups"_a = py::none(), "assets"_a = py::none())
         .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
              "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
              "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = static_cast<int>(kVisibleAll),
-             "emission"_a = py::none())
-        .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024, "medium"_a = py::none())
+             "emission"_a = py::none(), "light_group"_a = -1)
+        .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024, "medium"_a = py::none(),
+             "light_group"_a = -1)
+        .def("matte_attributes", &manifest, "kind"_a, "layer"_a)
         .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,
              "clip_end"_a, "aperture_radius"_a = 0.0, "focus_distance"_a = 10.0, "blades"_a = 0,
              "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0, "dicing"_a = false)

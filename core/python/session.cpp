@@ -34,8 +34,9 @@ py::array_t<float> session_pixels(const Session& session, const std::string& nam
 py::dict sums(const Session& session) {
     if (!session.sums()) throw InputError("session", "sums", "not kept", "settings with keep_sums");
     py::dict result;
-    for (const Pass pass : session.sums()->passes())
+    for (const Pass pass : session.sums()->summed_passes())
         result[py::str(std::string(info(pass).identifier))] = sums_of(*session.sums(), pass);
+    add_mattes(*session.sums(), result);
     return result;
 }
 
@@ -184,8 +185,8 @@ void bind_session(py::module_& module) {
         .def("statistics", &session_statistics)
         .def("sums", &sums)
         .def(
-            "write_exr", [](const Session& session, const std::string& path) { write_exr(session.film(), path); },
-            "path"_a, py::call_guard<py::gil_scoped_release>())
+            "write_exr", [](const Session& session, const std::string& path) { session.write_exr(path); }, "path"_a,
+            py::call_guard<py::gil_scoped_release>())
         .def(
             "write_ppm", [](const Session& session, const std::string& path) { write_ppm(session.film(), path); },
             "path"_a, py::call_guard<py::gil_scoped_release>());

@@ -224,14 +224,16 @@ void Session::render_tile(const Window& tile, const Frame& frame) {
     const Window whole = part(settings_);
     const int x = tile.x - whole.x, y = tile.y - whole.y;
     const bool is_noise_asked = noise_ && frame.step == 1;
-    TileSums sums(x, y, tile.width, frame.samples, settings_.passes,
-                  {sums_.get(), is_noise_asked, more_samples_follow_});
+    const bool shows_mattes = film_.has_mattes() && frame.step == 1;
+    TileSums sums(x, y, tile.width, frame.samples, film_.summed_passes(),
+                  {sums_.get(), is_noise_asked, shows_mattes, more_samples_follow_});
     RayCounts counts;
     // Which pixel pays for a tessellation is known of single paths only.
     const bool alone = frame.integrator != IntegratorKind::Path || settings_.stream_paths == 0 ||
                        frame.path.wants(Pass::geometry_misses);
     if (!(alone ? render_paths(tile, frame, sums, counts) : render_streams(tile, frame, sums, counts))) return;
     store({x, y, tile.width, tile.height}, frame, sums.values());
+    if (shows_mattes) film_.add_mattes(x, y, tile.width, frame.samples.count, sums.mattes());
     if (is_noise_asked)
         noise_->add({x, y, tile.width, tile.height}, sums.moments(), samples_taken_ + frame.samples.count);
     finished_paths_ += sums.values().size() * static_cast<uint64_t>(frame.samples.count);
@@ -322,6 +324,8 @@ void Session::add_counts(const RayCounts& counts) {
 
 bool Session::render_pixel(int x, int y, const Frame& frame, TileSums& sums, RayCounts& counts) const {
     const SampleRange range = frame.samples;
+    SampleExtras extras;
+    SampleExtras* const wanted_extras = frame.path.has_extras() ? &extras : nullptr;
     for (int s = range.first; s < range.first + range.count; ++s) {
         if ((s - range.first) % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
         const CameraPlace place = place_of(x, y, s, frame);
@@ -330,13 +334,20 @@ bool Session::render_pixel(int x, int y, const Frame& frame, TileSums& sums, Ray
         const CameraRay ray = camera_ray(place, sampler.get2(kFilterDimension), lens, frame);
         const uint64_t misses = frame.path.wants(Pass::geometry_misses) ? scene_->tracer().thread_misses() : 0;
         PixelSample value = frame.integrator == IntegratorKind::Distribution
-                                ? trace_distributed(frame.distribution, ray, sampler, counts)
-                                : trace_path(*scene_, frame.path, ray, sampler, counts);
+                                ? trace_distributed(frame.distribution, ray, sampler, counts, wanted_extras)
+                                : trace_path(*scene_, frame.path, ray, sampler, counts, wanted_extras);
         if (frame.path.wants(Pass::geometry_misses))
             value[Pass::geometry_misses].x = static_cast<float>(scene_->tracer().thread_misses() - misses);
         sums.add(value);
     }
     return true;
+}
+
+void Session::write_exr(const std::string& path) const {
+    std::map<std::string, std::string> attributes;
+    for (const auto& [kind, layer] : kMatteLayers)
+        if (film_.has(matte_pass(kind, 0))) attributes.merge(description_->matte_attributes(kind, layer));
+    rayleaf::write_exr(film_, path, attributes);
 }
 
 Progress Session::progress() const {

@@ -73,6 +73,8 @@ class Session {
     void cancel() { cancel_.cancel(); }
     Progress progress() const;
     const Film& film() const { return film_; }
+    /// The film as film/film.h writes it, with the names of Cryptomatte's ids. Throws InputError that names the path.
+    void write_exr(const std::string& path) const;
     /// What the samples add up to; null unless the settings keep it.
     const FilmSums* sums() const { return sums_.get(); }
     const Settings& settings() const { return settings_; }

@@ -134,6 +134,10 @@ double Camera::depth(const Vec3d& world) const {
     return -info_.world_to_camera.point(world).z;
 }
 
+double Camera::distance(const Vec3d& world) const {
+    return info_.perspective ? (world - to_world_.translation).length() : depth(world);
+}
+
 DicingView Camera::dicing_view() const {
     DicingView view;
     view.eye = to_world_.translation;

@@ -42,6 +42,8 @@ class Camera {
     CameraRay ray(const Vec2d& pixel, const Vec2f& lens) const;
     /// Distance of a point along the view axis, Blender's Depth.
     double depth(const Vec3d& world) const;
+    /// From the eye; of an orthographic camera along the view axis.
+    double distance(const Vec3d& world) const;
     const CameraInfo& info() const { return info_; }
     DicingView dicing_view() const;
 

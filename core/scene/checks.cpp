@@ -23,6 +23,10 @@ void check_index(const std::string& object, const char* argument, int index, siz
             "an index from " + std::to_string(least) + " to " + std::to_string(static_cast<int>(count) - 1));
 }
 
+void check_light_group(const std::string& object, int slot) {
+    check_index(object, "light group", slot, kMostSlots, -1);
+}
+
 void check_matrix(const std::string& object, const Affine3d& m) {
     if (!is_finite(m.x) || !is_finite(m.y) || !is_finite(m.z) || !is_finite(m.translation))
         throw InputError(object, "matrix", "not finite", "finite numbers");

@@ -10,6 +10,8 @@ namespace rayleaf {
 
 /// An index from `least` to below `count`.
 void check_index(const std::string& object, const char* argument, int index, size_t count, int least);
+/// Rejects what is no slot of a film, and not -1.
+void check_light_group(const std::string& object, int slot);
 /// Rejects maps that are not finite or that flatten space so far that its normals have no direction.
 void check_matrix(const std::string& object, const Affine3d& m);
 /// Also fills in what follows from the rest: `bounds_medium_alone`.

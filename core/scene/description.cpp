@@ -56,6 +56,7 @@ int SceneDescription::add_instance(InstanceDescription instance) {
     check_index(instance.name, "shape", instance.shape, shapes.size(), 0);
     check_index(instance.name, "material list", instance.material_list, material_lists.size(), -1);
     check_index(instance.name, "ray interpolation", instance.ray_interpolation, ray_interpolations.size(), -1);
+    check_light_group(instance.name, instance.light_group);
     check_matrix(instance.name, instance.object_to_world);
     instances.push_back(std::move(instance));
     return static_cast<int>(instances.size()) - 1;
@@ -66,8 +67,30 @@ int SceneDescription::add_lamp(const Lamp& lamp) {
     if (!is_finite(m.x) || !is_finite(m.y) || !is_finite(m.z) || !is_finite(m.translation))
         throw InputError(lamp.name, "matrix", "not finite", "finite numbers");
     check_strength(lamp);
+    check_light_group(lamp.name, lamp.light_group);
     lamps.push_back(lamp);
     return static_cast<int>(lamps.size()) - 1;
+}
+
+std::map<std::string, std::string> SceneDescription::matte_attributes(MatteKind kind, const std::string& layer) const {
+    return rayleaf::matte_attributes(layer, matte_manifest(kind));
+}
+
+void SceneDescription::set_world_light_group(int slot) {
+    check_light_group("world", slot);
+    world_light_group = slot;
+}
+
+std::string SceneDescription::matte_manifest(MatteKind kind) const {
+    std::vector<std::string> names;
+    if (kind == MatteKind::Material) {
+        for (const Material& material : materials) names.push_back(material.name);
+        names.emplace_back(kNeutralMaterial);
+    } else {
+        for (const InstanceDescription& instance : instances)
+            names.push_back(kind == MatteKind::Object ? instance.name : asset_of(instance));
+    }
+    return rayleaf::matte_manifest(std::move(names));
 }
 
 void SceneDescription::set_world(std::shared_ptr<const Program> program, int sampling_resolution,

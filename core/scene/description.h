@@ -2,6 +2,7 @@
 // the description as it was, so the rest of the scene can still be rendered.
 #pragma once
 
+#include "film/mattes.h"
 #include "geometry/shape.h"
 #include "lights/light.h"
 #include "scene/camera.h"
@@ -9,6 +10,7 @@
 #include "shading/program.h"
 #include "textures/texture_store.h"
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -56,7 +58,14 @@ struct InstanceDescription {
     uint8_t visibility = kVisibleAll;
     int ray_interpolation = -1;  ///< index of the object's own; -1: the scene's
     std::vector<InstanceAttribute> attributes = {};
+    int light_group = -1;    ///< the slot of the light that it emits (film/pass.h); -1: none
+    std::string asset = {};  ///< to which it belongs for Cryptomatte; empty: it is one itself
 };
+inline const std::string& asset_of(const InstanceDescription& instance) {
+    return instance.asset.empty() ? instance.name : instance.asset;
+}
+/// The material of what has none, as Cycles calls it.
+inline constexpr const char* kNeutralMaterial = "default_surface";
 
 struct SceneParts;  // scene/scene_parts.h
 
@@ -74,6 +83,12 @@ class SceneDescription {
     /// `medium` fills the space outside all objects, and them too; null: nothing does.
     void set_world(std::shared_ptr<const Program> world, int sampling_resolution,
                    std::shared_ptr<const Program> medium = nullptr);
+    /// Throws InputError for numbers that are no slot's.
+    void set_world_light_group(int slot);
+    /// Cryptomatte's list of the names of a kind.
+    std::string matte_manifest(MatteKind kind) const;
+    /// What a file's header says of it; `layer` names the kind's passes without their numbers.
+    std::map<std::string, std::string> matte_attributes(MatteKind kind, const std::string& layer) const;
     void set_camera(const CameraDescription& camera);
     /// The camera whose pixels facets are made fine enough for, where it is another: one that moves keeps its facets.
     void set_dicing_camera(const CameraDescription& camera);
@@ -90,6 +105,7 @@ class SceneDescription {
     std::vector<Lamp> lamps;
     std::shared_ptr<const Program> world, world_medium;
     int world_resolution = 0;
+    int world_light_group = -1;  ///< the slot of its light; -1: none
     size_t texture_memory = size_t{1} << 30;
     std::shared_ptr<SceneParts> parts;  ///< never null
 

@@ -13,6 +13,7 @@ SceneDescription emptied(const SceneDescription& scene) {
     result.instances.clear();
     result.lamps.clear();
     result.set_world(nullptr, 0);
+    result.world_light_group = -1;
     return result;
 }
 

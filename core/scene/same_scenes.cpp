@@ -41,14 +41,16 @@ bool same_materials(const Material& a, const Material& b) {
 bool same_instances(const InstanceDescription& a, const InstanceDescription& b) {
     return a.name == b.name && a.shape == b.shape && same_maps(a.object_to_world, b.object_to_world) &&
            a.material_list == b.material_list && a.object_index == b.object_index && a.random == b.random &&
-           a.visibility == b.visibility && a.ray_interpolation == b.ray_interpolation && a.attributes == b.attributes;
+           a.visibility == b.visibility && a.ray_interpolation == b.ray_interpolation && a.attributes == b.attributes &&
+           a.light_group == b.light_group && a.asset == b.asset;
 }
 
 bool same_lamps(const Lamp& a, const Lamp& b) {
     return a.name == b.name && a.kind == b.kind && same_maps(a.to_world, b.to_world) && a.strength == b.strength &&
            a.radius == b.radius && a.angle == b.angle && a.spot_size == b.spot_size && a.spot_blend == b.spot_blend &&
            a.spot_profile == b.spot_profile && a.size_x == b.size_x && a.size_y == b.size_y && a.spread == b.spread &&
-           a.casts_shadow == b.casts_shadow && a.visibility == b.visibility && same_programs(a.emission, b.emission);
+           a.casts_shadow == b.casts_shadow && a.visibility == b.visibility && same_programs(a.emission, b.emission) &&
+           a.light_group == b.light_group;
 }
 
 bool same_textures(const SceneDescription& a, const SceneDescription& b) {
@@ -65,8 +67,8 @@ bool same_textures(const SceneDescription& a, const SceneDescription& b) {
 bool shows_same(const SceneDescription& a, const SceneDescription& b) {
     // Settings of the objects' own say how they are rendered, not what: they are compared by nobody, and differ.
     return a.ray_interpolations.empty() && b.ray_interpolations.empty() && a.texture_memory == b.texture_memory &&
-           a.world_resolution == b.world_resolution && same_programs(a.world, b.world) &&
-           same_programs(a.world_medium, b.world_medium) && same_textures(a, b) &&
+           a.world_resolution == b.world_resolution && a.world_light_group == b.world_light_group &&
+           same_programs(a.world, b.world) && same_programs(a.world_medium, b.world_medium) && same_textures(a, b) &&
            are_same(a.shapes, b.shapes, std::equal_to<>()) && are_same(a.materials, b.materials, same_materials) &&
            are_same(a.material_lists, b.material_lists, std::equal_to<>()) && are_same(a.lamps, b.lamps, same_lamps) &&
            are_same(a.instances, b.instances, same_instances);

@@ -18,7 +18,7 @@ Affine3d inverse_or_identity(const Affine3d& map) {
 
 /// What an object without a material looks like: Blender's default grey, diffuse.
 std::shared_ptr<const Program> neutral_program() {
-    Program program("neutral material");
+    Program program(kNeutralMaterial);
     const Register one = program.constant(Vec4f(1.0f));
     const Register grey = program.constant(Vec4f(0.8f, 0.8f, 0.8f, 1.0f));
     const Register operands[] = {one, grey};
@@ -121,6 +121,7 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     cancel.throw_if_cancelled();
     commit_media(description, cancel);
     commit_lights(description, cancel);
+    if (std::any_of(settings.passes.begin(), settings.passes.end(), is_matte)) commit_mattes(description);
     commit_glass(description, cancel);
 }
 
@@ -128,7 +129,7 @@ Scene::~Scene() = default;
 
 void Scene::commit_materials(const SceneDescription& description) {
     const std::shared_ptr<const Program> neutral = neutral_program();
-    materials_.push_back({"neutral material", neutral, 0, std::nullopt, {}});
+    materials_.push_back({kNeutralMaterial, neutral, 0, std::nullopt, {}});
     const int neutral_index = static_cast<int>(materials_.size()) - 1;
     for (Material& material : materials_) {
         if (!material.surface) material.surface = material.bounds_medium_alone ? clear_program() : neutral;
@@ -148,6 +149,21 @@ void Scene::commit_materials(const SceneDescription& description) {
             instance.material_list >= 0 && !lists_[static_cast<size_t>(instance.material_list)].empty();
         instance_lists_.push_back(has_list ? instance.material_list : static_cast<int>(lists_.size()) - 1);
     }
+}
+
+void Scene::commit_mattes(const SceneDescription& description) {
+    const auto id = [](const std::string& name) { return matte_id(matte_hash(name)); };
+    for (const InstanceDescription& instance : description.instances) {
+        matte_ids_.objects.push_back(id(instance.name));
+        matte_ids_.assets.push_back(id(asset_of(instance)));
+    }
+    for (const Material& material : materials_) matte_ids_.materials.push_back(id(material.name));
+}
+
+std::array<uint32_t, kMatteKinds> Scene::matte_ids(const SurfacePoint& point) const {
+    const Material& material = this->material(point.instance, point.local);
+    const auto index = static_cast<size_t>(&material - materials_.data());
+    return {matte_ids_.objects[point.instance], matte_ids_.materials[index], matte_ids_.assets[point.instance]};
 }
 
 void Scene::commit_media(const SceneDescription& description, const CancelToken& cancel) {
@@ -217,6 +233,8 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
     std::shared_ptr<const WorldLight> table;
     if (sampled && description.world_resolution > 0)
         table = world_light(description, camera_->info(), world_emission, cancel);
+    for (const InstanceDescription& instance : description.instances) light_groups_.push_back(instance.light_group);
+    world_light_group_ = description.world_light_group;
     lamps_ = description.lamps;
     for (const Lamp& lamp : lamps_) lamp_infos_.push_back({lamp.to_world, inverse_or_identity(lamp.to_world)});
     const auto lamp_light = [this](const LampPoint& lamp) { return lamp_emission(lamp); };
@@ -283,7 +301,8 @@ void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDif
         .surface->evaluate(shading_inputs(point, outgoing, differential, path), result);
 }
 
-Color Scene::world(const Vec3f& direction, const RayDifferential& differential, const PathState& path) const {
+Color Scene::world(const Vec3f& direction, const RayDifferential& differential, const PathState& path,
+                   std::span<Vec4f> aovs) const {
     if (!world_) return Color(0.0f);
     ShadingInputs inputs;
     inputs.camera = &camera_->info();
@@ -292,6 +311,7 @@ Color Scene::world(const Vec3f& direction, const RayDifferential& differential, 
     inputs.differential = differential;
     inputs.path = path;
     Closures closures;
+    closures.aovs = aovs;
     world_->evaluate(inputs, closures);
     return closures.emission;
 }

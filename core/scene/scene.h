@@ -1,6 +1,7 @@
 // The committed scene: everything a render reads, immutable. Built from a SceneDescription.
 #pragma once
 
+#include "film/mattes.h"
 #include "lights/light.h"
 #include "scene/camera.h"
 #include "scene/description.h"
@@ -10,8 +11,10 @@
 #include "shading/program.h"
 #include "trace/tracer.h"
 
+#include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,7 +41,9 @@ class Scene {
     ShadingInputs shading_inputs(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                                  const PathState& path) const;
     /// Radiance of the world seen along `direction`.
-    Color world(const Vec3f& direction, const RayDifferential& differential, const PathState& path) const;
+    /// `aovs`: where its program writes its AOVs.
+    Color world(const Vec3f& direction, const RayDifferential& differential, const PathState& path,
+                std::span<Vec4f> aovs = {}) const;
     const Material& material(uint32_t instance, const LocalHit& hit) const;
     /// The materials of an instance by slot, never empty, and a material of such a list.
     const std::vector<int>& material_list(uint32_t instance) const {
@@ -66,6 +71,16 @@ class Scene {
     bool needs_footprints() const {
         return textures_ != nullptr || reads_footprints_ || cached_ > 0 || tracer_->has_levels();
     }
+    /// The slot of the group to which light belongs (film/pass.h): an instance's, the world's, any sampled light's. -1:
+    /// none.
+    int light_group(uint32_t instance) const { return light_groups_[instance]; }
+    int world_light_group() const { return world_light_group_; }
+    int light_group(const LightSample& light) const {
+        if (light.world) return world_light_group_;
+        return light.instance < 0 ? light.lamp_group : light_groups_[static_cast<size_t>(light.instance)];
+    }
+    /// What Cryptomatte calls a surface; where the settings ask for mattes.
+    std::array<uint32_t, kMatteKinds> matte_ids(const SurfacePoint& point) const;
     float object_index(uint32_t instance) const { return infos_[instance].object_index; }
     /// Whether any material lets light straight through, so that shadow rays have to ask.
     bool has_transparency() const { return has_transparency_; }
@@ -98,7 +113,14 @@ class Scene {
     SceneMedia media_;
     bool has_media_ = false;
     double shadow_bias_ = 0;
+    std::vector<int> light_groups_;  ///< per instance
+    int world_light_group_ = -1;
+    /// Hashes of names, where the settings ask for mattes.
+    struct MatteIds {
+        std::vector<uint32_t> objects, assets, materials;
+    } matte_ids_;
 
+    void commit_mattes(const SceneDescription& description);
     void commit_materials(const SceneDescription& description);
     void commit_media(const SceneDescription& description, const CancelToken& cancel);
     bool is_in_medium(uint32_t instance) const;

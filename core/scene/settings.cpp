@@ -57,6 +57,9 @@ void validate(const Settings& s) {
     check("light rays", s.light_rays, 1, kManyRays);
     check("hemisphere rays", s.hemisphere_rays, 1, kManyRays);
     check("irradiance error", s.irradiance_error, 0.01, 1);
+    check("mist start", s.mist_start, -1e30, 1e30);
+    check("mist depth", s.mist_depth, 0, 1e30);
+    check("mist falloff", s.mist_falloff, 0.01, 100);
     check("filter width", s.filter_width, 0, 10);
     check("exposure", s.exposure, 0, 1e10);
     check("resident megabytes", s.resident_megabytes, -1e9, 1e9);

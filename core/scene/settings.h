@@ -57,6 +57,9 @@ struct Settings {
     /// and surfaces need no more to be free of acne. For pictures like those of older ray tracers.
     double shadow_bias = 0;
     bool film_transparent = false;
+    /// The pass Mist: where it begins, how deep it is (world units), and the exponent of its falloff.
+    double mist_start = 5, mist_depth = 25;
+    float mist_falloff = 2;
     PixelFilterKind filter = PixelFilterKind::BlackmanHarris;
     float filter_width = 1.5f;  ///< pixels, as Blender's panel counts it (film/pixel_filter.h)
     float exposure = 1;         ///< factor on radiance, as Blender's Film exposure

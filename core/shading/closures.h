@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 namespace rayleaf {
 
@@ -94,7 +95,9 @@ class Closures {
     Color emission{0, 0, 0};      ///< radiance towards the viewer
     Color transparency{0, 0, 0};  ///< share of light that goes straight through
     float holdout = 0;            ///< share that shows the film's emptiness
-    MediumClosures medium;        ///< of a program of a volume; its emission is per world unit
+    /// Where the program writes its AOVs, by slot; empty: nowhere. Its caller sets it.
+    std::span<Vec4f> aovs;
+    MediumClosures medium;  ///< of a program of a volume; its emission is per world unit
 
     void clear();
     /// Drops lobes of zero or negative weight; lobes that differ in weight alone become one. Past kMaxLobes the two of

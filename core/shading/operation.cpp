@@ -42,6 +42,7 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::magic:
         case Operation::radial_tangent:
         case Operation::box_projection:
+        case Operation::aov:
             return {1, 1};
         case Operation::noise:
             return {1, 3};

@@ -18,7 +18,7 @@ enum class OperationFamily : uint8_t {
     Input,       ///< reads the point, the instance or the path
     Arithmetic,  ///< a pure function of its operands
     Texture,     ///< reads the scene's images
-    Closure      ///< adds to the point's closures, has no result
+    Closure      ///< adds to the point's closures or AOVs, has no result
 };
 
 struct OperationInfo {

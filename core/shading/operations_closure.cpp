@@ -252,10 +252,16 @@ PrincipledParameters principled_parameters(PrincipledVariant variant, const Oper
     return p;
 }
 
+void write_aov(int32_t slot, const Color& value, std::span<Vec4f> aovs) {
+    if (slot < 0 || static_cast<size_t>(slot) >= aovs.size() || !is_finite(value)) return;
+    aovs[static_cast<size_t>(slot)] += Vec4f(value.x, value.y, value.z, 1.0f);
+}
+
 }  // namespace
 
 void add_closure(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints,
                  const ShadingInputs& inputs, Closures& closures) {
+    if (operation == Operation::aov) return write_aov(ints[0], operands.vector(0), closures.aovs);
     const Color weight = weight_of(operands);
     if (is_black(weight)) return;
     switch (operation) {

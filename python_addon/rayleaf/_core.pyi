@@ -455,8 +455,11 @@ class SceneDescription:
         random: float = 0.0,
         visibility: int = 63,
         ray_interpolation: int = -1,
+        light_group: int = -1,
+        asset: str = "",
     ) -> int:
-        """visibility: sum of 1 camera, 2 diffuse, 4 glossy, 8 transmission, 16 shadow, 32 volume."""
+        """visibility: sum of 1 camera, 2 diffuse, 4 glossy, 8 transmission, 16 shadow, 32 volume. light_group: the slot of
+        the light that it emits (-1: none). asset: to which it belongs for Cryptomatte; itself if empty."""
     def add_ray_interpolation(self, object: str, interpolation: RayInterpolation) -> int:
         """An index for add_instance, for objects that have settings of their own."""
     def add_instances(
@@ -470,9 +473,11 @@ class SceneDescription:
         visibilities: Ints,
         ray_interpolations: Ints | None = None,
         attributes: Mapping[int, Floats] | None = None,
+        light_groups: Ints | None = None,
+        assets: Sequence[str] | None = None,
     ) -> list[str]:
-        """Many at once; matrices (n, 4, 4), attributes of whole instances by id (n, 4). Instances that cannot be rendered
-        are left out, one message for each."""
+        """Many at once; matrices (n, 4, 4), attributes of whole instances by id (n, 4), slots of light groups (-1: none).
+        Instances that cannot be rendered are left out, one message for each."""
     def add_lamp(
         self,
         name: str,
@@ -490,14 +495,22 @@ class SceneDescription:
         casts_shadow: bool = True,
         visibility: int = 63,
         emission: Program | None = None,
+        light_group: int = -1,
     ) -> int:
         """`emission` is a factor on the strength, by place and direction.
 
         kind: POINT, SUN, SPOT, RECTANGLE, DISK. strength: colour times watts (SUN: W/m²). spot_profile: COSINE, EVEN.
         """
     def set_world(
-        self, world: Program | None, sampling_resolution: int = 1024, medium: Program | None = None
+        self,
+        world: Program | None,
+        sampling_resolution: int = 1024,
+        medium: Program | None = None,
+        light_group: int = -1,
     ) -> None: ...
+    def matte_attributes(self, kind: str, layer: str) -> dict[str, str]:
+        """What headers of files say of Cryptomatte's passes of a kind (OBJECT, MATERIAL, ASSET): the names behind the ids.
+        layer: the passes' name without their numbers."""
     def set_camera(
         self,
         kind: str,
@@ -556,6 +569,9 @@ class Settings:
     clamp_direct: float
     clamp_indirect: float
     film_transparent: bool
+    mist_start: float
+    mist_depth: float
+    mist_falloff: float
     filter: str
     filter_width: float
     exposure: float

@@ -81,6 +81,7 @@ class FrameRender:
             self._follow(session)
             session.raise_error()
             self._write_result(session)
+            self._tell_mattes(self._mattes_of(description))
             rendered = time.perf_counter()
             times = {"export": exported - began, "render": rendered - exported, "total": rendered - began}
             self._publish(session, exporter.report, times)
@@ -94,7 +95,7 @@ class FrameRender:
         """Blender makes room for its own passes only."""
         self._layer = _layer_argument(self.depsgraph)
         for entry in self._passes:
-            if entry.is_own:
+            if entry.needs_room:
                 self._engine.add_pass(entry.name, len(entry.channels), entry.channels, layer=self._layer)
 
     def _follow(self, session: RenderThread) -> None:
@@ -126,7 +127,7 @@ class FrameRender:
 
     def _write_result(self, session: RenderThread) -> None:
         """Hand over the passes as they are."""
-        self._hand_over({entry.name: session.pixels(entry.identifier) for entry in self._passes})
+        self._hand_over(passes.pixels(self._passes, session.pixels))
 
     def _hand_over(self, pixels: dict[str, Any]) -> None:
         """By Blender's pass name. All is ready before Blender's result is opened."""
@@ -135,6 +136,20 @@ class FrameRender:
             versions.write_passes(result.layers[0], pixels)
         finally:
             self._engine.end_result(result)
+
+    def _mattes_of(self, description: Any) -> dict[str, str]:
+        """What Cryptomatte's passes need beside their pixels: fields of files' headers."""
+        fields: dict[str, str] = {}
+        for kind in passes.matte_kinds(self._passes):
+            layer = f"{self._layer_name}.{passes.matte_name(kind)}"
+            fields |= description.matte_attributes(kind.upper(), layer)
+        return fields
+
+    def _tell_mattes(self, fields: dict[str, str]) -> None:
+        """Which names the ids of mattes stand for; compositors and files get it with the picture."""
+        result = self._engine.get_result() if fields else None
+        for field, text in fields.items():
+            result.stamp_data_add_field(field, text)
 
     def _publish(self, session: RenderThread, report: ExportReport, times: dict[str, float]) -> None:
         record = {

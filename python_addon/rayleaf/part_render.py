@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from . import statistics
+from . import passes, statistics
 from .export import ExportError
 from .export.camera import CropRectangle
 from .frame import FrameRender
@@ -58,12 +58,17 @@ class PartRender(FrameRender):
             raise ExportError(
                 f"{task.cut.name} is empty: the picture has {crop.height} rows and {settings['samples']} samples"
             )
-        self._part = LayerPart(_shape(self, crop, settings), (0, row), count, {})
+        self._part = LayerPart(_shape(self, crop, settings), (0, row), count, {}, {})
         place = dict(part_x=crop.x, part_y=crop.y + row, part_width=crop.width, part_height=rows)
         if settings["noise_threshold"] or settings["time_limit"]:
             self._messages.note("Parts take all their samples: Noise Threshold and Time Limit count as off")
         whole = dict(noise_threshold=0.0, time_limit=0.0)
         return settings | place | whole | dict(first_sample=first, sample_count=count, keep_sums=True)
+
+    def _tell_mattes(self, fields: dict[str, str]) -> None:
+        assert isinstance(task, PartTask)
+        if task.layers:
+            task.layers[-1].fields.update(fields)
 
     def _write_result(self, session: RenderThread) -> None:
         assert isinstance(task, PartTask)
@@ -78,11 +83,13 @@ class MergedRender(FrameRender):
         assert isinstance(task, MergeTask)
         began = time.perf_counter()
         self._add_passes()
+        shape = _shape(self, self.crop, self._settings())
         try:
-            film = task.parts.film(self.core, _shape(self, self.crop, self._settings()))
+            film = task.parts.film(self.core, shape)
         except PartError as error:
             raise ExportError(str(error)) from error
-        self._hand_over({entry.name: film.pass_pixels(entry.identifier) for entry in self._passes})
+        self._hand_over(passes.pixels(self._passes, film.pass_pixels))
+        self._tell_mattes(task.parts.fields(shape))
         self._publish_merged([str(path) for path in task.parts.paths], time.perf_counter() - began)
 
     def _publish_merged(self, parts: Sequence[str], seconds: float) -> None:

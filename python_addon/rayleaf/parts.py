@@ -87,6 +87,7 @@ class LayerPart:
     place: tuple[int, int]  # in the crop, pixels from the lower left corner
     samples: int
     sums: dict[str, NDArray[np.float64]]
+    fields: dict[str, str]  # of files' headers: what mattes need beside their pixels
 
 
 def source_of(blend: Path, frame: int) -> Source:
@@ -108,7 +109,10 @@ def write(path: Path, source: Source, cut: Cut, layers: list[LayerPart]) -> None
     header = {
         "source": asdict(source),
         "cut": asdict(cut),
-        "layers": [{"shape": asdict(each.shape), "place": each.place, "samples": each.samples} for each in layers],
+        "layers": [
+            {"shape": asdict(each.shape), "place": each.place, "samples": each.samples, "fields": each.fields}
+            for each in layers
+        ],
     }
     arrays = {f"{i}.{name}": sums for i, each in enumerate(layers) for name, sums in each.sums.items()}
     text = np.frombuffer(json.dumps(header).encode(), np.uint8)
@@ -157,6 +161,12 @@ class Parts:
     def _names(tiles: int, ranges: int) -> set[str]:
         cuts = (Cut(Share(i, tiles), Share(j, ranges)) for i in range(1, tiles + 1) for j in range(1, ranges + 1))
         return {path_in(Path(), cut).name for cut in cuts}
+
+    def fields(self, shape: LayerShape) -> dict[str, str]:
+        """Fields of files' headers that a view layer's picture needs."""
+        wanted = json.loads(json.dumps(asdict(shape)))
+        layers = header_of(self.paths[0]).get("layers", [])
+        return next((dict(each.get("fields", {})) for each in layers if each["shape"] == wanted), {})
 
     def film(self, core: ModuleType, shape: LayerShape) -> Any:
         """The sum of all parts of a view layer, as the core's FilmSums. Raises PartError."""

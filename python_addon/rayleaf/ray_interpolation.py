@@ -179,6 +179,18 @@ class RayleafViewLayerSettings(bpy.types.PropertyGroup):
         default=False,
         update=_update_passes,
     )
+    # These three are Cycles' where it is enabled, so that its files find their passes.
+    use_pass_volume_direct: BoolProperty(  # type: ignore
+        name="Volume Direct", description="Light that volumes scatter straight from lights", update=_update_passes
+    )
+    use_pass_volume_indirect: BoolProperty(  # type: ignore
+        name="Volume Indirect", description="Light that volumes scatter after further bounces", update=_update_passes
+    )
+    denoising_store_passes: BoolProperty(  # type: ignore
+        name="Denoising Data",
+        description="Normal, albedo and depth as denoisers want them: seen through mirrors and clear glass",
+        update=_update_passes,
+    )
     use_pass_mask: BoolProperty(  # type: ignore
         name="Mask",
         description="How each pixel's ray was answered: 0 no interpolation, 1 traced, 2 interpolated, "

@@ -5,9 +5,20 @@ from typing import Any
 
 from .export import ray_interpolation
 from .export.camera import CropRectangle, Frame
-from .passes import Pass
+from .passes import Pass, Slots
 
 _LARGEST_SEED = 0xFFFFFFFF  # frames before the first count down from here
+
+
+_MIST_FALLOFF = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}  # exponents
+
+
+def _mist(world: Any) -> dict[str, float]:
+    """Where the world's mist begins and how deep it is; without a world, nowhere in particular."""
+    if world is None:
+        return {}
+    mist = world.mist_settings
+    return dict(mist_start=mist.start, mist_depth=mist.depth, mist_falloff=_MIST_FALLOFF[mist.falloff])
 
 
 def core_settings(
@@ -40,6 +51,7 @@ def core_settings(
         clamp_direct=own.clamp_direct,
         clamp_indirect=own.clamp_indirect,
         film_transparent=render.film_transparent,
+        **_mist(scene.world),
         filter=own.filter_type,
         filter_width=own.filter_width,
         exposure=own.film_exposure,
@@ -49,7 +61,8 @@ def core_settings(
         light_rays=own.light_rays,
         hemisphere_rays=own.hemisphere_rays,
         indirect=own.indirect,
-        irradiance_cache=own.use_irradiance_cache,
+        # It holds the light of all groups together.
+        irradiance_cache=own.use_irradiance_cache and not Slots.of(view_layer).light_groups,
         irradiance_error=own.irradiance_error,
         occlusion_distance=own.occlusion_distance,
         resident_megabytes=own.facet_memory,

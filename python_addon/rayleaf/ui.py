@@ -28,6 +28,7 @@ _UNSUITABLE_PREFIX = ("VIEWLAYER_PT_freestyle", "DATA_PT_lightprobe", "TEXTURE_P
 _SUITABLE = {
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_mist",
     "EEVEE_WORLD_PT_surface",
     "DATA_PT_camera_dof",
     "MATERIAL_PT_preview",

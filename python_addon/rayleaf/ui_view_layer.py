@@ -21,7 +21,7 @@ class RAYLEAF_PT_passes(_Panel, bpy.types.Panel):
                 groups.setdefault(entry.group, []).append(entry)
         for heading, entries in groups.items():
             column = self._column().column(heading=heading, align=True)
-            for entry in entries:
+            for entry in {entry.switch: entry for entry in entries}.values():
                 column.prop(*entry.place(context.view_layer), text=entry.label)
 
 

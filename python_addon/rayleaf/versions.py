@@ -39,6 +39,8 @@ _FULL_PASS_NAMES = {
     "Emit": "Emission",
     "Env": "Environment",
     "AO": "Ambient Occlusion",
+    "VolumeDir": "Volume Direct",
+    "VolumeInd": "Volume Indirect",
 }
 
 

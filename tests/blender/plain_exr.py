@@ -17,7 +17,7 @@ SHORT_NAMES = {
     "Ambient Occlusion": "AO",
 } | {
     f"{kind} {part}": f"{kind[:length]}{part[:3]}"
-    for kind, length in (("Diffuse", 4), ("Glossy", 5), ("Transmission", 5))
+    for kind, length in (("Diffuse", 4), ("Glossy", 5), ("Transmission", 5), ("Volume", 6))
     for part in ("Direct", "Indirect", "Color")
 }
 FLOAT = 2  # pixel type
@@ -29,14 +29,17 @@ def _text(data, at):
     return data[at:end].decode(), end + 1
 
 
-def _header(data, at):
-    """Channel names in file order and the data window (x min, y min, x max, y max), then where the header ends."""
+def _header(data, at, texts=None):
+    """Channel names in file order and the data window (x min, y min, x max, y max), then where the header ends. `texts`
+    gets attributes that are texts."""
     channels, window = [], None
     while data[at] != 0:
         name, at = _text(data, at)
-        _, at = _text(data, at)
+        kind, at = _text(data, at)
         (size,) = struct.unpack_from("<i", data, at)
         value, at = data[at + 4 : at + 4 + size], at + 4 + size
+        if kind == "string" and texts is not None:
+            texts[name] = value.decode()
         if name == "channels":
             place = 0
             while value[place] != 0:
@@ -49,6 +52,13 @@ def _header(data, at):
         elif name == "dataWindow":
             window = struct.unpack("<4i", value)
     return channels, window, at + 1
+
+
+def texts(path):
+    """The attributes of a file's first header that are texts."""
+    found = {}
+    _header(Path(path).read_bytes(), 8, found)
+    return found
 
 
 def _short(channel):

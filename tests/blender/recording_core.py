@@ -169,6 +169,8 @@ class SceneDescription:
         visibilities,
         ray_interpolations,
         attributes,
+        light_groups,
+        assets,
     ):
         part = dict(
             names=list(names),
@@ -179,6 +181,8 @@ class SceneDescription:
             randoms=randoms.tolist(),
             visibilities=visibilities.tolist(),
             ray_interpolations=ray_interpolations.tolist(),
+            light_groups=light_groups.tolist(),
+            assets=list(assets),
             attributes=[{key: rows[i].tolist() for key, rows in attributes.items()} for i in range(len(names))],
         )
         self.instances = {key: self.instances[key] + part[key] for key in part} if self.instances else part
@@ -188,8 +192,11 @@ class SceneDescription:
         self.lamps.append(arguments)
         return len(self.lamps) - 1
 
-    def set_world(self, world, sampling_resolution=1024, medium=None):
-        self.world, self.world_medium = world, medium
+    def set_world(self, world, sampling_resolution=1024, medium=None, light_group=-1):
+        self.world, self.world_medium, self.world_light_group = world, medium, light_group
+
+    def matte_attributes(self, kind, layer):
+        return {f"cryptomatte/{kind}/name": layer}
 
     def set_camera(self, **arguments):
         self.camera = arguments
@@ -261,11 +268,11 @@ class Session:
     def pass_pixels(self, name):
         from rayleaf import passes
 
-        (entry,) = [entry for entry in passes.table() if entry.identifier == name]
+        channels = next((len(entry.channels) for entry in passes.table() if entry.identifier == name), 4)
         s = self.settings
         x = np.arange(s.crop_x, s.crop_x + s.crop_width)[None, :, None]
         y = np.arange(s.crop_y, s.crop_y + s.crop_height)[:, None, None]
-        return (x + 1000 * y + 1_000_000 * np.arange(len(entry.channels))).astype(np.float32)
+        return (x + 1000 * y + 1_000_000 * np.arange(channels)).astype(np.float32)
 
     def statistics(self):
         return {"stand-in": True, "memory": {"facets": 0}, "geometry_cache": {"levels": {}, "parts": {"lookups": 0}}}

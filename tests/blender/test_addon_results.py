@@ -44,8 +44,8 @@ report(passes=[[entry.name, entry.channels] for entry in passes.table()])
 
 
 def test_a_pass_of_blender_that_rayleaf_lacks_takes_no_room(run_blender, tmp_path):
-    path = tmp_path / "mist.exr"
-    run_blender(SETUP + "bpy.context.view_layer.use_pass_mist = True" + RENDER, path)
+    path = tmp_path / "shadow.exr"
+    run_blender(SETUP + "bpy.context.view_layer.use_pass_shadow = True" + RENDER, path)
     assert set(plain_exr.read(path)) == {f"ViewLayer.Combined.{letter}" for letter in "RGBA"}
 
 

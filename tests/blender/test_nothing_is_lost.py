@@ -282,13 +282,14 @@ SETTINGS = {
         "scene.render.film_transparent = scene.cycles.film_transparent_glass = True",
         "Scene 'Scene'",
     ),
-    "the pass Mist": ("layer.use_pass_mist = True", "View layer 'ViewLayer'"),
     "the pass Vector": ("layer.use_pass_vector = True", "View layer 'ViewLayer'"),
-    "Cryptomatte Object": ("layer.use_pass_cryptomatte_object = True", "View layer 'ViewLayer'"),
     "Shadow Catcher": ("layer.cycles.use_pass_shadow_catcher = True", "View layer 'ViewLayer'"),
-    "Denoising Data": ("layer.cycles.denoising_store_passes = True", "View layer 'ViewLayer'"),
-    "of shaders 'Own'": ("layer.aovs.add().name = 'Own'", "View layer 'ViewLayer'"),
-    "of light group 'Sun'": ("layer.lightgroups.add(name='Sun')", "View layer 'ViewLayer'"),
+    "shader AOV 'Rayleaf Mask'": ("layer.aovs.add().name = 'Rayleaf Mask'", "View layer 'ViewLayer'"),
+    "knows no light groups": (
+        "layer.lightgroups.add(name='Sun'); scene.rayleaf.integrator = 'DISTRIBUTION';"
+        "scene.rayleaf.use_irradiance_cache = True; scene.update_tag()",
+        "View layer 'ViewLayer'",
+    ),
     "shadow catchers": ("item.is_shadow_catcher = True", "Object 'Quad'"),
     "ignore transparency": (
         "owner = material if hasattr(material, 'use_transparent_shadow') else material.cycles;"
@@ -331,7 +332,7 @@ report(found=found)
         assert run[text][0].startswith(f"{subject}: ") and text in run[text][0], (text, run[text])
 
 
-def test_an_aov_node_is_named_where_its_output_is_asked_for(run_blender):
+def test_an_aov_node_writes_where_its_output_is_asked_for(run_blender):
     run = run_blender(
         START
         + """
@@ -344,10 +345,13 @@ for owner, name in ((tree, "Own"), (inner, "Inside"), (tree, "Unasked")):
 tree.nodes.new("ShaderNodeGroup").node_tree = inner
 for name in ("Own", "Inside"):
     bpy.context.view_layer.aovs.add().name = name
-report(texts=[text for text in recording_core.export()[2] if "node" in text])
+sent, _, texts = recording_core.export()
+(program,) = [made for made in sent.materials if made["name"] == "Material"]
+report(texts=texts, written=[line["ints"] for line in program["surface"].lines if line["op"] == "aov"])
 """
     ).report
-    assert sorted(text.split("'")[3] for text in run["texts"]) == ["Inside", "Own"]
+    assert run["texts"] == []
+    assert sorted(run["written"]) == [[0], [1]]
 
 
 def test_a_view_layer_filters_the_scene_and_may_set_its_own_samples(run_blender):

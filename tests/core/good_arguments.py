@@ -158,6 +158,8 @@ INSTANCES = {
     "randoms": np.zeros(2, np.float32),
     "visibilities": np.full(2, 31, np.int32),
     "ray_interpolations": np.zeros(2, np.int32),
+    "light_groups": np.zeros(2, np.int32),
+    "assets": ["a", ""],
 }
 CAMERA = {
     "kind": "PERSPECTIVE",

@@ -49,6 +49,7 @@ MEET_BLENDER = {
         "ui_debug.py",
         "ui_messages.py",
         "ui_rays.py",
+        "ui_passes.py",
         "ui_view_layer.py",
         "versions.py",
     ),

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..messages import Messages, Subject
 from ..names import name_of
+from ..passes import Slots
 from . import (
     CancelCheck,
     ExportError,
@@ -53,6 +54,13 @@ def _subject_of(problem: str) -> Subject | None:
     return Subject("Object", found[1]) if found else None
 
 
+def _asset_of(owner: Any) -> str:
+    """What Cryptomatte calls an asset: the topmost parent."""
+    while owner.parent is not None:
+        owner = owner.parent
+    return name_of(owner)
+
+
 class SceneExporter(ShapeExporter):
     """Exports one view layer once."""
 
@@ -80,12 +88,14 @@ class SceneExporter(ShapeExporter):
         self.rows: dict[int, int] | None = {}  # instances that are objects' own, by pointer; None: not known
         self.lamps: list[Any] | None = []  # original objects; None: some are instanced
         self.report = ExportReport()
+        # Views show no pass by name.
+        self._named = Slots.of(self._view_layer) if space is None else Slots({}, {}, (), ())
         images = ImageLibrary(core, self.scene, messages, self._check_cancel)
         self._resources = Resources(
             self.scene.attribute,
             images,
             self._blender_scene.frame_current,
-            frozenset(name_of(output) for output in self._view_layer.aovs),
+            self._named.aovs,
         )
         self.materials = MaterialLibrary(
             core, self.scene, self._resources, messages, depsgraph, self._check_cancel, self._former
@@ -100,7 +110,7 @@ class SceneExporter(ShapeExporter):
         else:
             self.scene.set_camera(**camera_arguments)
         unsupported.name_scene_settings(self._blender_scene, self._messages)
-        unsupported.name_passes(self._view_layer, self._messages)
+        unsupported.name_passes(self._blender_scene, self._view_layer, self._messages)
         listed = instances.collect(self._core, self._depsgraph, self._check_cancel, self._space)
         listed.groups = [group for group in listed.groups if self._is_in_layer(group)]
         for name, reason in listed.skipped.items():
@@ -182,10 +192,16 @@ class SceneExporter(ShapeExporter):
             arguments = (self._core, blender_world, self._resources, self._messages)
             program, medium = world.compile_world(*arguments), world.compile_medium(*arguments)
             width = _WORLD_TABLE_WIDTH if world.uses_nodes(blender_world) else 0
-            self.scene.set_world(program, sampling_resolution=width, medium=medium)
+            self.scene.set_world(
+                program, sampling_resolution=width, medium=medium, light_group=self._light_group(blender_world)
+            )
         except self._core.InputError as error:
             subject = Subject("World", name_of(blender_world))
             self._messages.warn(f"{subject}: {error}; rendered black", subject)
+
+    def _light_group(self, owner: Any) -> int:
+        """The slot of the group that an object or world shines in; -1 for none."""
+        return self._named.light_groups.get(getattr(owner, "lightgroup", ""), -1)
 
     def _export_lamps(self, listed: Instances) -> None:
         for lamp_object, place in listed.lamps:
@@ -202,7 +218,7 @@ class SceneExporter(ShapeExporter):
         visibility = instances.visibility(lamp_object, self._view_layer)
         try:
             arguments = (self._core, lamp_object, matrix, visibility, self._resources, self._messages)
-            self.scene.add_lamp(**lights.describe(*arguments))
+            self.scene.add_lamp(light_group=self._light_group(lamp_object), **lights.describe(*arguments))
             self.report.lamps += 1
         except self._core.InputError as error:
             self._leave_out(name_of(lamp_object), str(error))
@@ -275,12 +291,14 @@ class SceneExporter(ShapeExporter):
             spread([group.owner.pass_index for group, _, _ in chosen]),
             spread([instances.visibility(group.owner, self._view_layer) for group, _, _ in chosen]),
             spread([self._ray_interpolation(group.owner) for group, _, _ in chosen]),
+            spread([self._light_group(group.owner) for group, _, _ in chosen]),
         )
+        assets = [name for group, _, _ in chosen for name in [_asset_of(group.owner)] * len(group.members)]
         values = self._instance_values(listed, [(group.owner, group.members) for group, _, _ in chosen])
         for first in range(0, len(places), _INSTANCE_CHUNK):
             self._check_cancel()
             part = slice(first, first + _INSTANCE_CHUNK)
-            shape, materials, index, visibility, interpolation = (column[part] for column in columns)
+            shape, materials, index, visibility, interpolation, light_groups = (column[part] for column in columns)
             matrices, randoms = listed.matrices[places[part]], listed.randoms[places[part]]
             problems = self.scene.add_instances(
                 names[part],
@@ -292,6 +310,8 @@ class SceneExporter(ShapeExporter):
                 visibility,
                 interpolation,
                 {identifier: rows[part] for identifier, rows in values.items()},
+                light_groups,
+                assets[part],
             )
             self.report.instances += len(shape) - len(problems)
             for problem in problems:

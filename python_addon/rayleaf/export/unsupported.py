@@ -8,16 +8,15 @@ from ..messages import Messages, Subject
 from ..names import name_of
 
 # Properties of a view layer that begin like passes and are none.
+# (Cryptomatte always counts all samples, which its switch for accuracy asks of other engines.)
 _NO_PASSES = {"use_pass_combined", "use_pass_cryptomatte_accurate"}
+_MATTES = {f"use_pass_cryptomatte_{kind}" for kind in ("object", "material", "asset")}
 # Kinds of rays to which Cycles can hide the world.
 _WORLD_VISIBILITY = ("camera", "diffuse", "glossy", "transmission", "shadow")
 # Passes that Blender's Cycles add-on keeps with a view layer.
 _CYCLES_PASSES = {
-    "use_pass_volume_direct": "Volume Direct",
-    "use_pass_volume_indirect": "Volume Indirect",
     "use_pass_shadow_catcher": "Shadow Catcher",
     "pass_debug_sample_count": "Debug Sample Count",
-    "denoising_store_passes": "Denoising Data",
 }
 
 
@@ -38,7 +37,7 @@ def name_scene_settings(scene: Any, messages: Messages) -> None:
 
 def _requested(view_layer: Any) -> Iterable[str]:
     """The passes that a view layer asks for and does not get."""
-    known = {entry.switch for entry in passes.table()} | _NO_PASSES
+    known = {entry.switch for entry in passes.table()} | _NO_PASSES | _MATTES
     for prop in view_layer.bl_rna.properties:
         if prop.identifier.startswith("use_pass_") and prop.identifier not in known:
             if getattr(view_layer, prop.identifier):
@@ -46,15 +45,17 @@ def _requested(view_layer: Any) -> Iterable[str]:
     for name, label in _CYCLES_PASSES.items():
         if versions.cycles_setting(view_layer, name, False):
             yield label
-    for output in view_layer.aovs:
-        yield f"of shaders '{name_of(output)}'"
-    for group in getattr(view_layer, "lightgroups", ()):
-        yield f"of light group '{name_of(group)}'"
 
 
-def name_passes(view_layer: Any, messages: Messages) -> None:
-    """Passes that the core has not."""
+def name_passes(scene: Any, view_layer: Any, messages: Messages) -> None:
+    """Passes that the core has not, or not as they are set."""
     subject = Subject("View layer", name_of(view_layer))
+    slots = passes.Slots.of(view_layer)
+    for text in slots.left_out:
+        _warn(messages, subject, f"{text}; left out")
+    own = scene.rayleaf
+    if slots.light_groups and own.integrator == "DISTRIBUTION" and own.use_irradiance_cache:
+        _warn(messages, subject, "the irradiance cache knows no light groups; rendered without it")
     for label in _requested(view_layer):
         _warn(messages, subject, f"the pass {label} is not supported; left out")
 

@@ -255,7 +255,8 @@ class Compiler:
 
     def compile_tree(self, tree: Any) -> bool:
         """Write the closures of a tree's output; False where nothing is linked and there are none."""
-        self._name_aovs(tree, set())
+        if self.resources.aovs and not self.is_lamp:
+            self._write_aovs(tree, ())
         return self._compile_input(tree, "Surface")
 
     def compile_volume(self, tree: Any) -> bool:
@@ -271,15 +272,17 @@ class Compiler:
             self._write_closures(source)
         return source is not None
 
-    def _name_aovs(self, tree: Any, seen: set[int]) -> None:
-        """Tell of what a tree, groups included, would write into passes that a view layer asks for."""
-        seen.add(tree.as_pointer())
+    def _write_aovs(self, tree: Any, path: Path) -> None:
+        """Write what a tree, groups included, sends to the passes that a view layer asks for by name."""
         for node in tree.nodes:
-            if node.bl_idname == "ShaderNodeOutputAOV" and name_of(node) in self.resources.aovs and not node.mute:
-                self.warn(node, "AOV outputs are not supported; left out")
-            inner = node.node_tree if node.bl_idname == "ShaderNodeGroup" and not node.mute else None
-            if inner is not None and inner.as_pointer() not in seen:
-                self._name_aovs(inner, seen)
+            if node.mute:
+                continue
+            if node.bl_idname == "ShaderNodeOutputAOV" and name_of(node) in self.resources.aovs:
+                slot, is_color = self.resources.aovs[name_of(node)]
+                value = NodeView(self, node, path).input("Color" if is_color else "Value")
+                self.emitter.operation("aov", [value], [slot])
+            elif node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
+                self._write_aovs(node.node_tree, (*path, node))
 
     def _shader_source(self, socket: Any, path: Path) -> tuple[Any, Path] | None:
         """The output that feeds a shader input, past everything that merely passes it on."""

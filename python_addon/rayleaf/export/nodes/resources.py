@@ -23,7 +23,8 @@ class Resources:
     attribute_id: Callable[[str], int]
     images: ImageLibrary
     frame: int
-    aovs: frozenset[str] = frozenset()  # the outputs that a view layer asks for by name
+    # By name the outputs that a view layer asks for: the slot of the core's film, and whether it is a colour.
+    aovs: dict[str, tuple[int, bool]] = field(default_factory=dict)
     wanted_attributes: set[str] = field(default_factory=set)
 
     def attribute(self, name: str) -> int:
