@@ -26,7 +26,8 @@ enum class PathDimension : uint32_t {
     MediumLight = 9,   ///< and where on which light that arrives on that way; three numbers
     MediumPlace = 10,  ///< and where it arrives
     MediumWalk = 11,   ///< seeds a sequence of numbers for media that vary
-    ShadowWalk = 12    ///< the same for the ray to the light
+    ShadowWalk = 12,   ///< the same for the ray to the light
+    Probe = 13         ///< the tag of what the material asks about its surroundings
 };
 
 constexpr uint32_t kFirstPathDimension = 16;

@@ -55,7 +55,8 @@ void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
     const bool sampled = branch.departure.sampling != LightSampling::None && program.emits();
     vertex.closures.aovs = aovs(branch);
     scene_.shade(vertex.point, vertex.outgoing, sampled ? RayDifferential{} : vertex.differential,
-                 branch.bounces.at(hit->t), vertex.closures);
+                 branch.bounces.at(hit->t), vertex.closures,
+                 {branch.sampler, dimension(branch.vertex, PathDimension::Probe)});
     if (branch.bounces.count() == 0) record_surface(branch, vertex);
     if (settings_.feature_passes && branch.shows_features)
         branch.features.meet(scene_, vertex, hit->t - branch.ray.t_min, light_.sample);

@@ -88,7 +88,8 @@ void PointFinder::look(const Branch& branch) {
     const Vec3f direction(branch.ray.direction);
     vertex.outgoing = -direction;
     vertex.differential = branch.differential.transferred(direction, hit->t, vertex.point.facet_normal);
-    frame_.scene.shade(vertex.point, vertex.outgoing, vertex.differential, branch.bounces.at(hit->t), vertex.closures);
+    frame_.scene.shade(vertex.point, vertex.outgoing, vertex.differential, branch.bounces.at(hit->t), vertex.closures,
+                       {branch.sampler, dimension(branch.vertex, PathDimension::Probe)});
     if (branch.bounces.count() == 0 && frame_.settings.path.wants(Pass::ambient_occlusion))
         add(branch, vertex, facing_normal(vertex));
     push(branch.straight_on(vertex));

@@ -73,8 +73,10 @@ ShadingInputs PathTracer::approach(Vertex& vertex) const {
         vertex.point.dp_du = vertex.differential.dp_dx;
         vertex.point.dp_dv = vertex.differential.dp_dy;
     }
-    return scene_.shading_inputs(vertex.point, vertex.outgoing, footprint_on(*hit_, vertex.differential),
-                                 bounces_.at(hit_->t));
+    ShadingInputs inputs = scene_.shading_inputs(vertex.point, vertex.outgoing,
+                                                 footprint_on(*hit_, vertex.differential), bounces_.at(hit_->t));
+    scene_.offer_surroundings(inputs, {sampler_, dimension(vertex_, PathDimension::Probe)});
+    return inputs;
 }
 
 bool PathTracer::shade(const Vertex& vertex, const VertexNumbers& numbers) {

@@ -118,6 +118,7 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     tracer_ = std::make_unique<Tracer>(
         std::move(traced), Camera(*description.dicing_camera(), settings.width, settings.height).dicing_view(), cancel,
         geometry_cache_settings(settings), &description.parts->shapes);
+    if (asks_surroundings_) surroundings_.emplace(*tracer_);
     cancel.throw_if_cancelled();
     commit_media(description, cancel);
     commit_lights(description, cancel);
@@ -135,6 +136,7 @@ void Scene::commit_materials(const SceneDescription& description) {
         if (!material.surface) material.surface = material.bounds_medium_alone ? clear_program() : neutral;
         has_transparency_ |= material.surface->may_be_transparent();
         reads_footprints_ |= material.surface->reads_footprint();
+        asks_surroundings_ |= material.surface->asks_surroundings();
     }
     for (std::vector<int>& list : lists_)
         for (int& material : list)
@@ -293,6 +295,13 @@ ShadingInputs Scene::shading_inputs(const SurfacePoint& point, const Vec3f& outg
     inputs.path = path;
     inputs.material_index = material(point.instance, point.local).pass_index;
     return inputs;
+}
+
+void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
+                  const PathState& path, Closures& result, const ProbeNumbers& probes) const {
+    ShadingInputs inputs = shading_inputs(point, outgoing, differential, path);
+    offer_surroundings(inputs, probes);
+    material(point.instance, point.local).surface->evaluate(inputs, result);
 }
 
 void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,

@@ -8,6 +8,7 @@
 #include "scene/material_optics.h"
 #include "scene/scene_media.h"
 #include "scene/settings.h"
+#include "scene/traced_surroundings.h"
 #include "shading/program.h"
 #include "trace/tracer.h"
 
@@ -36,10 +37,19 @@ class Scene {
 
     /// Runs the material at a point.
     void shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
+               const PathState& path, Closures& result, const ProbeNumbers& probes) const;
+    /// The same where a material is not told what is around.
+    void shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                const PathState& path, Closures& result) const;
     /// What a material's program is told of a point, which must stay.
     ShadingInputs shading_inputs(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                                  const PathState& path) const;
+    /// For materials that ask what is around.
+    void offer_surroundings(ShadingInputs& inputs, const ProbeNumbers& probes) const {
+        if (!asks_surroundings_) return;
+        inputs.surroundings = &surroundings_.value();
+        inputs.probes = probes;
+    }
     /// Radiance of the world seen along `direction`.
     /// `aovs`: where its program writes its AOVs.
     Color world(const Vec3f& direction, const RayDifferential& differential, const PathState& path,
@@ -108,7 +118,9 @@ class Scene {
     std::vector<uint8_t> volume_visibility_;              ///< per instance
     std::vector<std::optional<GlassBody>> glass_bodies_;  ///< per instance, or none at all
     int cached_ = 0;                                      ///< instances with a ray cache
-    bool reads_footprints_ = false;                       ///< some material's program does
+    std::optional<TracedSurroundings> surroundings_;
+    bool asks_surroundings_ = false;  ///< some material's program does
+    bool reads_footprints_ = false;   ///< some material's program does
     bool has_transparency_ = false;
     SceneMedia media_;
     bool has_media_ = false;

@@ -4,6 +4,7 @@
 #include "base/vector.h"
 #include "geometry/surface_point.h"
 #include "rays/ray_differential.h"
+#include "shading/surroundings.h"
 
 #include <array>
 #include <compare>
@@ -53,7 +54,9 @@ struct ShadingInputs {
     Vec3f outgoing;                ///< unit, from the point towards the viewer; the world: minus the ray's direction
     RayDifferential differential;  ///< transferred to the surface
     PathState path;
-    float material_index = 0;  ///< Blender's pass index
+    float material_index = 0;                    ///< Blender's pass index
+    const Surroundings* surroundings = nullptr;  ///< null where nobody can be asked
+    ProbeNumbers probes;                         ///< for these
 };
 
 }  // namespace rayleaf

@@ -15,6 +15,8 @@ constexpr OperationFamily family(Operation operation) {
             return OperationFamily::Texture;
         case Operation::transform:
         case Operation::wireframe:
+        case Operation::ambient_occlusion:
+        case Operation::bevel:
         case Operation::bump:
         case Operation::fresnel:
         case Operation::layer_weight:
@@ -43,8 +45,10 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::radial_tangent:
         case Operation::box_projection:
         case Operation::aov:
+        case Operation::bevel:
             return {1, 1};
         case Operation::noise:
+        case Operation::ambient_occlusion:
             return {1, 3};
         case Operation::voronoi:
             return {3, 3};

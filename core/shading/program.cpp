@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "shading/ies.h"
-#include "shading/operands.h"
+#include "shading/operations_surroundings.h"
 #include "shading/variants.h"
 
 #include <algorithm>
@@ -66,6 +66,9 @@ IntRange int_range(Operation operation, size_t i) {
             return {0, 2};
         case Operation::brick:
             return {0, 99};
+        case Operation::ambient_occlusion:
+        case Operation::bevel:
+            return i == 0 ? IntRange{1, 1024} : IntRange{0, 1};
         case Operation::subsurface:
         case Operation::principled:
         case Operation::table:
@@ -188,6 +191,7 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         if (operands[0] >= 0) differentiate(operands[0]);
     }
     reads_pixels_ |= instruction.operation == Operation::wireframe;
+    asks_surroundings_ |= is_probe(instruction.operation);
     if (instruction.operation == Operation::bump) {
         textured_ = true;
         if (operands[0] >= 0) differentiate(operands[0]);
@@ -204,6 +208,8 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::tangent:
         case Operation::radial_tangent:
         case Operation::wireframe:
+        case Operation::ambient_occlusion:
+        case Operation::bevel:
         case Operation::bump:
         case Operation::from_tangent_space:
         case Operation::parametric:

@@ -76,6 +76,8 @@ class Program {
     /// True if it reads what only an element of the shape knows, or its direction of u: attributes, named texture
     /// coordinates, tangents.
     bool reads_element() const { return reads_element_; }
+    /// Whether it asks what is around (ShadingInputs::surroundings).
+    bool asks_surroundings() const { return asks_surroundings_; }
 
   private:
     struct Instruction {
@@ -113,6 +115,7 @@ class Program {
                       Results results) const;
     void look_up(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const;
     void bend(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const;
+    void probe(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const;
     void run(Inputs inputs, const RegisterBank& registers, Results results) const;
     void run_textured(Inputs inputs, std::span<const RegisterBank> places, Results results) const;
     template <typename Function>
@@ -129,7 +132,8 @@ class Program {
     bool emits_ = false, transparent_ = false, constant_ = true;
     bool reads_inputs_ = false, reads_uv_ = false, reads_element_ = false;
     bool varies_in_space_ = false;
-    bool reads_pixels_ = false;               ///< wireframe in pixels
+    bool reads_pixels_ = false;  ///< wireframe in pixels
+    bool asks_surroundings_ = false;
     bool textured_ = false;                   ///< some instruction is differentiated, or reads an image
     bool differentiates_attributes_ = false;  ///< and reads a named attribute
 };

@@ -9,6 +9,7 @@
 #include "shading/operations_input.h"
 #include "shading/operations_math.h"
 #include "shading/operations_pattern.h"
+#include "shading/operations_surroundings.h"
 #include "shading/operations_texture.h"
 #include "shading/program.h"
 #include "shading/spectrum.h"
@@ -147,6 +148,9 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
 }
 
 Vec4f Program::value_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const {
+    if (is_probe(instruction.operation))
+        return surroundings_value(instruction.operation, operands, ints_of(instruction), inputs,
+                                  static_cast<uint32_t>(instruction.result));
     if (operation_info(instruction.operation).family == OperationFamily::Input)
         return input_value(instruction.operation, instruction.variant, operands, ints_of(instruction), inputs);
     return arithmetic(instruction, operands);
@@ -256,6 +260,15 @@ void Program::bend(const Instruction& instruction, std::span<const RegisterBank>
     }
 }
 
+/// What is around changes little from a hit to its neighbours, which have it too.
+void Program::probe(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const {
+    for (uint32_t point = 0; point < inputs.size(); ++point) {
+        const Vec4f value = value_at(instruction, operands_of(instruction, places[0], point), *inputs[point]);
+        for (size_t place = 0; place < (instruction.differentiated ? places.size() : 1); ++place)
+            places[place].set(instruction.result, point, value);
+    }
+}
+
 void Program::run_textured(Inputs inputs, std::span<const RegisterBank> places, Results results) const {
     const NeighbourAttributes attributes =
         differentiates_attributes_ ? NeighbourAttributes::Exact : NeighbourAttributes::None;
@@ -268,6 +281,8 @@ void Program::run_textured(Inputs inputs, std::span<const RegisterBank> places, 
             look_up(instruction, places, inputs);
         } else if (instruction.operation == Operation::bump) {
             bend(instruction, places, inputs);
+        } else if (is_probe(instruction.operation)) {
+            probe(instruction, places, inputs);
         } else {
             const size_t runs = instruction.differentiated ? places.size() : 1;
             for (size_t place = 0; place < runs; ++place) compute(instruction, places[place], inputs_of[place]);

@@ -112,13 +112,6 @@ kinds = sorted(kind for kind in every if hasattr(bpy.types, kind))  # old ones l
 
 # What counts only together with something that is named when it is set.
 WITH_NAMED = {
-    # Named as they are:
-    **{
-        ("ShaderNodeAmbientOcclusion", name): ("", "") for name in ("samples", "inside", "only_local", "input Distance")
-    },
-    ("ShaderNodeAmbientOcclusion", "input Normal"): ("", ""),
-    ("ShaderNodeBevel", "samples"): ("", ""),
-    ("ShaderNodeBevel", "input Radius"): ("", ""),
     ("ShaderNodeTexSky", "ground_albedo"): ("sky_type", "HOSEK_WILKIE"),
 }
 # What no renderer reads.
@@ -159,7 +152,7 @@ for kind, name, value in {sorted({(kind, *named) for (kind, _), named in WITH_NA
 report(named=named)
 """
     ).report
-    assert len(run["named"]) == 3
+    assert len(run["named"]) == 1
     assert all(count > 0 for _, count in run["named"]), run["named"]
 
 

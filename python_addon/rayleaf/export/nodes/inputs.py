@@ -176,11 +176,21 @@ def wireframe(view: NodeView, output: str) -> Register:
     return view.emitter.operation("wireframe", [view.input("Size")], [int(view.node.use_pixel_size)])
 
 
+# What a distance of 0 stands for: that of the world's own ambient occlusion, which Blender shows nowhere but beside
+# Cycles' Fast GI.
+WORLD_DISTANCE = 10.0
+
+
 @value_node("ShaderNodeAmbientOcclusion")
 def ambient_occlusion(view: NodeView, output: str) -> Register:
-    """Ambient Occlusion: nothing hides anything."""
-    view.warn("ambient occlusion in shaders is not supported; taken as if nothing were near")
-    return view.emitter.scalar(1.0) if output == "AO" else view.input("Color")
+    """Ambient Occlusion, by rays from the point that is shaded."""
+    emitter, node = view.emitter, view.node
+    ints = [node.samples, int(node.inside), int(node.only_local)]
+    distance = view.input("Distance")
+    if not node.inputs["Distance"].is_linked and node.inputs["Distance"].default_value == 0.0:
+        distance = emitter.scalar(WORLD_DISTANCE)
+    share = emitter.operation("ambient_occlusion", [distance, view.normal("Normal")], ints)
+    return share if output == "AO" else emitter.operation("vector_math", [view.input("Color"), share], text="MULTIPLY")
 
 
 @value_node("ShaderNodeLightFalloff")

@@ -102,10 +102,8 @@ def bump(view: NodeView, output: str) -> Register:
 
 @value_node("ShaderNodeBevel")
 def bevel(view: NodeView, output: str) -> Register:
-    """Bevel: its edges stay sharp."""
-    view.warn("rounded edges are not supported; edges stay sharp")
-    normal = view.linked("Normal")
-    return view.emitter.operation("normal") if normal == UNCONNECTED else normal
+    """Bevel: the mean of the normals within the radius, by rays."""
+    return view.emitter.operation("bevel", [view.input("Radius"), view.normal("Normal")], [view.node.samples])
 
 
 @value_node("ShaderNodeNormalMap")

@@ -1,0 +1,96 @@
+"""The nodes Ambient Occlusion and Bevel in both engines: bodies on a floor that glow by what the node says. Inside Blender."""
+
+import sys
+from pathlib import Path
+
+import both_engines
+import bpy
+import scenes
+
+SIZE, SAMPLES = 48, 32
+# Node, its properties, its inputs; linked: what a wave bends the normal by.
+CASES = {
+    "occlusion": ("AmbientOcclusion", {"samples": 8}, {"Distance": 1.0}, False),
+    "near": ("AmbientOcclusion", {"samples": 4}, {"Distance": 0.25}, False),
+    "without distance": ("AmbientOcclusion", {"samples": 8}, {"Distance": 0.0}, False),
+    "inside": ("AmbientOcclusion", {"samples": 8, "inside": True}, {"Distance": 0.6}, False),
+    "local": ("AmbientOcclusion", {"samples": 8, "only_local": True}, {"Distance": 1.0}, False),
+    "bent": ("AmbientOcclusion", {"samples": 8}, {"Distance": 1.0}, True),
+    "tinted": ("AmbientOcclusion", {"samples": 3}, {"Distance": 1.0, "Color": (0.9, 0.5, 0.1, 1)}, False),
+    "bevel": ("Bevel", {"samples": 8}, {"Radius": 0.15}, False),
+    "wide bevel": ("Bevel", {"samples": 4}, {"Radius": 0.5}, False),
+    "bent bevel": ("Bevel", {"samples": 8}, {"Radius": 0.2}, True),
+    "no bevel": ("Bevel", {"samples": 2}, {"Radius": 0.0}, False),
+}
+
+
+def bend(tree, node):
+    """A normal that leans along the x axis by half."""
+    geometry, lean = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeVectorMath")
+    lean.operation, lean.inputs[1].default_value = "ADD", (0.5, 0.0, 0.0)
+    unit = tree.nodes.new("ShaderNodeVectorMath")
+    unit.operation = "NORMALIZE"
+    tree.links.new(geometry.outputs["Normal"], lean.inputs[0])
+    tree.links.new(lean.outputs[0], unit.inputs[0])
+    tree.links.new(unit.outputs[0], node.inputs["Normal"])
+
+
+def glow(kind, properties, inputs, bent):
+    """A material that shines by the node's answer; vectors are brought to 0..1."""
+    material, tree, output = scenes.material(kind)
+    node = tree.nodes.new(f"ShaderNode{kind}")
+    for name, value in properties.items():
+        setattr(node, name, value)
+    for name, value in inputs.items():
+        node.inputs[name].default_value = value
+    if bent:
+        bend(tree, node)
+    answer = node.outputs["Color" if "Color" in inputs else "AO"] if kind == "AmbientOcclusion" else node.outputs[0]
+    if kind == "Bevel":
+        scaled = tree.nodes.new("ShaderNodeVectorMath")
+        scaled.operation = "MULTIPLY_ADD"
+        scaled.inputs[1].default_value = scaled.inputs[2].default_value = (0.5, 0.5, 0.5)
+        tree.links.new(answer, scaled.inputs[0])
+        answer = scaled.outputs[0]
+    shine = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(answer, shine.inputs["Color"])
+    tree.links.new(shine.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def build():
+    """A floor, a turned block that stands on it, and a smooth head."""
+    scenes.empty_file()
+    both_engines.white_floor(4.0)
+    scene = bpy.context.scene
+    scene.camera.location, scene.camera.rotation_euler = (2, -6, 5), (0.9, 0, 0.32)
+    bpy.ops.mesh.primitive_cube_add(size=1.2, location=(-0.5, 0, 0.6), rotation=(0, 0, 0.5))
+    bpy.ops.mesh.primitive_monkey_add(size=1.4, location=(0.8, 0.2, 0.65), rotation=(-0.3, 0, 0.3))
+    bpy.ops.object.shade_smooth()
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scenes.write_layers()
+    both_engines.set_alike(scene, max_bounces=0)
+    both_engines.sample_plainly(scene, SAMPLES)
+    both_engines.filter_by_box(scene)
+    return scene
+
+
+def parts(picture):
+    """Means over 8 x 8 pixels."""
+    cells = SIZE // 8
+    return picture[..., :3].reshape(cells, 8, cells, 8, 3).mean((1, 3)).ravel().tolist()
+
+
+if __name__ == "__main__":
+    scene_of_all, folder, found = build(), Path(sys.argv[1]), {}
+    things = [item for item in scene_of_all.objects if item.type == "MESH"]
+    for case, described in CASES.items():
+        shining = glow(*described)
+        for thing in things:
+            thing.data.materials.clear()
+            thing.data.materials.append(shining)
+        found[case] = {}
+        for engine in ("CYCLES", "RAYLEAF"):
+            path = folder / f"{engine} {case}.exr"
+            found[case][engine] = parts(both_engines.picture(scene_of_all, engine, path))
+    report(found=found)
