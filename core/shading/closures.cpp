@@ -46,11 +46,26 @@ Lobe sound_fibre(Lobe lobe) {
     return lobe;
 }
 
+Lobe sound_microfibres(Lobe lobe) {
+    constexpr float kLeastNarrowing = 1e-3f, kMostNarrowing = 1e3f, kMostSkew = 1e3f;
+    lobe.alpha_x = limited(lobe.alpha_x, kLeastNarrowing, kMostNarrowing);
+    lobe.alpha_y = limited(lobe.alpha_y, -kMostSkew, kMostSkew);
+    return lobe;
+}
+
+Lobe with_orthogonal_tangent(Lobe lobe) {
+    Vec3f tangent, bitangent;
+    orthonormal_basis(lobe.normal, tangent, bitangent);
+    lobe.tangent = normalized_or(lobe.tangent - lobe.normal * lobe.normal.dot(lobe.tangent), tangent);
+    return lobe;
+}
+
 /// A lobe all of whose numbers can be computed with.
 Lobe sound(Lobe lobe) {
     lobe.weight = positive(lobe.weight);
     lobe.fresnel_0 = positive(lobe.fresnel_0);
     if (is_fibre(lobe)) return sound_fibre(lobe);
+    if (lobe.type == LobeType::Microfibres) return with_orthogonal_tangent(sound_microfibres(lobe));
     lobe.radius = positive(lobe.radius);
     lobe.roughness = limited(lobe.roughness, 0.0f, 1.0f);
     lobe.softness = limited(lobe.softness, 0.0f, 1.0f);
@@ -65,24 +80,23 @@ Lobe sound(Lobe lobe) {
         lobe.alpha_x = std::max(lobe.alpha_x, kLeastLobeAlpha);
         lobe.alpha_y = std::max(lobe.alpha_y, kLeastLobeAlpha);
     }
-    Vec3f tangent, bitangent;
-    orthonormal_basis(lobe.normal, tangent, bitangent);
-    lobe.tangent = normalized_or(lobe.tangent - lobe.normal * lobe.normal.dot(lobe.tangent), tangent);
-    return lobe;
+    return with_orthogonal_tangent(lobe);
 }
 
 bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
     return a.type == b.type && a.kind == b.kind && a.distribution == b.distribution && a.normal == b.normal &&
            a.tangent == b.tangent && a.alpha_x == b.alpha_x && a.alpha_y == b.alpha_y && a.ior == b.ior &&
            a.roughness == b.roughness && a.softness == b.softness && a.fresnel_0 == b.fresnel_0 &&
-           a.fresnel == b.fresnel && a.radius == b.radius && a.across == b.across && a.tilt == b.tilt;
+           a.masking == b.masking && a.in_front == b.in_front && a.fresnel == b.fresnel && a.radius == b.radius &&
+           a.across == b.across && a.tilt == b.tilt;
 }
 
 /// How far two lobes are from each other; infinite for those that nothing makes alike: of two types, or a mirror and
 /// what spreads. There are fewer such classes than lobes, so some two of too many are alike.
 float difference(const Lobe& a, const Lobe& b) {
     if (a.type != b.type || is_singular(a) != is_singular(b)) return std::numeric_limits<float>::infinity();
-    const bool same_family = a.kind == b.kind && a.fresnel == b.fresnel && a.distribution == b.distribution;
+    const bool same_family =
+        a.kind == b.kind && a.fresnel == b.fresnel && a.distribution == b.distribution && a.masking == b.masking;
     constexpr float kOtherFamily = 100.0f;
     const float alphas = std::abs(a.alpha_x - b.alpha_x) + std::abs(a.alpha_y - b.alpha_y);
     return (same_family ? 0.0f : kOtherFamily) + (a.normal - b.normal).length() + alphas +

@@ -22,12 +22,13 @@ enum class LobeKind : uint8_t { Diffuse, Glossy, Transmission };
 inline constexpr size_t kLobeKindCount = 3;
 
 enum class LobeType : uint8_t {
-    Diffuse,      ///< Lambert, or Oren-Nayar with roughness
-    Translucent,  ///< Lambert on the far side
-    Reflection,   ///< GGX or Beckmann microfacets, reflection; roughness 0 is a mirror
-    Refraction,   ///< the same, refraction
-    Glass,        ///< both, weighted by Fresnel
-    Sheen,
+    Diffuse,            ///< Lambert, or Oren-Nayar with roughness
+    Translucent,        ///< Lambert on the far side
+    Reflection,         ///< GGX or Beckmann microfacets, reflection; roughness 0 is a mirror
+    Refraction,         ///< the same, refraction
+    Glass,              ///< both, weighted by Fresnel
+    Sheen,              ///< Disney's
+    Microfibres,        ///< sheen of a layer of fibres (shading/microfibres.h)
     Velvet,             ///< Ashikhmin's velvet
     ToonDiffuse,        ///< the same all over a cone around the normal
     ToonGlossy,         ///< around the mirror direction
@@ -42,33 +43,42 @@ enum class LobeType : uint8_t {
 };
 
 enum class MicrofacetDistribution : uint8_t { Ggx, Beckmann };
+/// Smith's masking: whether facets are hidden from the light independently of the viewer, or jointly, as the same low
+/// facets are hidden from both.
+enum class Masking : uint8_t { Separate, Joint };
 
 /// One lobe. `normal`, `tangent`, `weight` count for all types, the rest where named.
 struct Lobe {
     LobeType type = LobeType::Diffuse;
     LobeKind kind = LobeKind::Diffuse;  ///< Glass: its reflection counts as Glossy, its refraction as Transmission
     MicrofacetDistribution distribution = MicrofacetDistribution::Ggx;
+    Masking masking = Masking::Separate;
+    bool in_front = false;  ///< ToonGlossy: nothing at right angles to the mirror direction and beyond
     Color weight{0, 0, 0};  ///< factor on the lobe's value
     Vec3f normal{0, 0, 1};  ///< unit; faces the viewer
-    /// For anisotropy, made orthogonal to `normal` by `add`; zero: any. Of hair: along the fibre.
+    /// For anisotropy, made orthogonal to `normal` by `add`; zero: any. Of hair: along the fibre. Microfibres: towards
+    /// the viewer.
     Vec3f tangent{0, 0, 0};
     /// Microfacet roughness (already squared); both 0: singular. Of hair: how wide it scatters along and around the
-    /// fibre; HairFibre: a variance and a scale.
+    /// fibre; HairFibre: a variance and a scale. Microfibres: their narrowing and skew.
     float alpha_x = 0, alpha_y = 0;
     float ior = 1.5f;  ///< index beyond the surface over that on the viewer's side
     /// Diffuse: Oren-Nayar's sigma, 0..1; PrincipledDiffuse: Disney's roughness; Velvet: its sigma; Toon: the cone's
     /// angle, 1 a quarter turn; HairFibre: the variance of its primary reflection.
     float roughness = 0;
     float softness = 0;  ///< Toon: of the cone's border, 1 a quarter turn; Subsurface: anisotropy of the phase function
-    /// Schlick: reflectance at normal incidence; Subsurface: the surface's albedo; HairFibre: absorption over a radius.
+    /// Diffuse: of a rough surface that keeps its energy, the albedo, else 0; Schlick, Metal: reflectance at normal
+    /// incidence; Subsurface: the surface's albedo; HairFibre: absorption over a
+    /// radius.
     Color fresnel_0{0, 0, 0};
-    Color radius{0, 0, 0};  ///< Subsurface: mean free paths, world units
+    Color radius{0, 0, 0};  ///< Subsurface: mean free paths, world units; Metal: its dip (shading/fresnel.h)
     float across = 0;       ///< HairFibre: sine of the angle around the fibre from the viewer to the point
     float tilt = 0;         ///< of hair: of the cuticle's scales, radians
     /// Dielectric: Reflection is weighted by the reflectance of `ior`, Refraction by the rest. Schlick: Reflection is
-    /// coloured, from `fresnel_0` to white along the dielectric curve of `ior` (shading/fresnel.h). Subsurface with
-    /// Schlick: darkened at grazing where light enters and leaves, as Disney's diffuse.
-    enum class Fresnel : uint8_t { None, Dielectric, Schlick } fresnel = Fresnel::None;
+    /// coloured, from `fresnel_0` to white along the dielectric curve of `ior` (shading/fresnel.h), Refraction by the
+    /// rest. Subsurface with Schlick: darkened at grazing where light enters and leaves, as Disney's diffuse. Metal: by
+    /// `fresnel_0`, and `radius`.
+    enum class Fresnel : uint8_t { None, Dielectric, Schlick, Metal } fresnel = Fresnel::None;
 };
 
 /// A sampled direction.

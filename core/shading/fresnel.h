@@ -24,13 +24,26 @@ inline float normal_fresnel(float ior) {
     return r * r;
 }
 
-/// Reflectance that rises from the colour `fresnel_0` at normal incidence to white at grazing, along the dielectric
-/// curve of `ior` (where Schlick has a fifth power): Cycles' Principled shader up to 3.6.
-inline Color coloured_fresnel(const Color& fresnel_0, float ior, float cosine) {
+/// How far a dielectric's reflectance has risen from that at normal incidence, 0, to that at grazing, 1.
+inline float fresnel_rise(float ior, float cosine) {
     const float least = normal_fresnel(ior);
     const float rise = least < 1.0f ? (dielectric_fresnel(cosine, ior) - least) / (1.0f - least) : 0.0f;
-    const float h = std::clamp(rise, 0.0f, 1.0f);
+    return std::clamp(rise, 0.0f, 1.0f);
+}
+
+/// Reflectance that rises from the colour `fresnel_0` at normal incidence to white at grazing, along the dielectric
+/// curve of `ior` (where Schlick has a fifth power): Cycles' Principled shader.
+inline Color coloured_fresnel(const Color& fresnel_0, float ior, float cosine) {
+    const float h = fresnel_rise(ior, cosine);
     return fresnel_0 * (1.0f - h) + Color(h);
+}
+
+/// The mean of `fresnel_rise` over a hemisphere of light.
+inline float mean_fresnel_rise(float ior) {
+    constexpr int kPoints = 8;  // even in the squared cosine
+    float sum = 0.0f;
+    for (int i = 0; i < kPoints; ++i) sum += fresnel_rise(ior, std::sqrt((static_cast<float>(i) + 0.5f) / kPoints));
+    return sum / kPoints;
 }
 
 /// Schlick's fifth power, for diffuse retro-reflection and sheen (Burley 2012, section 5.3).
@@ -38,6 +51,25 @@ inline float schlick_weight(float cosine) {
     const float m = std::clamp(1.0f - cosine, 0.0f, 1.0f);
     const float m2 = m * m;
     return m2 * m2 * m;
+}
+
+// Metals: Schlick's curve, with a dip that makes the reflectance near 82 degrees, where the cosine is 1/7, `tint` times
+// what Schlick has there (Kutz, Hasan, Edmondson: "Novel aspects of the Adobe Standard Material", 2023).
+
+/// The factor of the dip.
+inline Color metal_dip(const Color& fresnel_0, const Color& tint) {
+    constexpr float kCosine = 1.0f / 7.0f, kFifth = 0.46266436f, kSixth = 0.39656946f;  // powers of 6/7
+    const Color there = fresnel_0 * (1.0f - kFifth) + Color(kFifth);
+    return there * (Color(1.0f) - tint) / (kCosine * kSixth);
+}
+inline Color metal_fresnel(const Color& fresnel_0, const Color& dip, float cosine) {
+    const float c = std::clamp(cosine, 0.0f, 1.0f), fifth = schlick_weight(c);
+    const Color f = fresnel_0 * (1.0f - fifth) + Color(fifth) - dip * (c * fifth * (1.0f - c));
+    return {std::clamp(f.x, 0.0f, 1.0f), std::clamp(f.y, 0.0f, 1.0f), std::clamp(f.z, 0.0f, 1.0f)};
+}
+/// Its mean over a hemisphere of light.
+inline Color mean_metal_fresnel(const Color& fresnel_0, const Color& dip) {
+    return fresnel_0 * (20.0f / 21.0f) + Color(1.0f / 21.0f) - dip * (1.0f / 126.0f);
 }
 
 }  // namespace rayleaf

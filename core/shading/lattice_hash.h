@@ -1,6 +1,9 @@
-// Bob Jenkins' lookup3 hash of a few words, by which Blender's procedural textures choose what is at a lattice point.
+// The hashes by which Blender's procedural textures choose what is at a lattice point: Bob Jenkins' lookup3 of a few
+// words; and, for the cells of Voronoi since Blender 5.0, the PCG hashes of points of integers (Jarzynski, Olano: "Hash
+// Functions for GPU Rendering", JCGT 9(3), 2020).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -62,6 +65,49 @@ template <typename... Floats>
 float unit_hash(Floats... key) {
     const std::array<uint32_t, sizeof...(key)> words{std::bit_cast<uint32_t>(static_cast<float>(key))...};
     return static_cast<float>(jenkins_hash(words)) * (1.0f / 4294967295.0f);
+}
+
+template <size_t N>
+using LatticeWords = std::array<uint32_t, N>;
+
+/// Each word is mixed with its neighbours. Blender's is that of signed words, so shifts repeat the sign.
+template <size_t N>
+void pcg_mix(LatticeWords<N>& v) {
+    constexpr uint32_t kMultiplier = 1664525u;
+    if constexpr (N == 2) {
+        v[0] += v[1] * kMultiplier;
+        v[1] += v[0] * kMultiplier;
+    } else if constexpr (N == 3) {
+        v[0] += v[1] * v[2];
+        v[1] += v[2] * v[0];
+        v[2] += v[0] * v[1];
+    } else {
+        v[0] += v[1] * v[3];
+        v[1] += v[2] * v[0];
+        v[2] += v[0] * v[1];
+        v[3] += v[1] * v[2];
+    }
+}
+
+/// A whole number as a word; what no word can hold becomes the nearest that one can.
+inline uint32_t lattice_word(float x) {
+    constexpr float kMost = 2147483520.0f;
+    return static_cast<uint32_t>(static_cast<int32_t>(std::clamp(x, -kMost, kMost)));
+}
+
+/// Numbers of 0..1, as many as there are coordinates.
+template <size_t N>
+std::array<float, N> pcg_hash(const std::array<float, N>& point) {
+    constexpr uint32_t kMultiplier = 1664525u, kIncrement = 1013904223u, kPositive = 0x7fffffffu;
+    LatticeWords<N> v;
+    for (size_t i = 0; i < N; ++i) v[i] = lattice_word(point[i]) * kMultiplier + kIncrement;
+    pcg_mix<N>(v);
+    for (uint32_t& word : v) word ^= static_cast<uint32_t>(static_cast<int32_t>(word) >> 16);
+    pcg_mix<N>(v);
+    std::array<float, N> result;
+    for (size_t i = 0; i < N; ++i)
+        result[i] = static_cast<float>(v[i] & kPositive) * (1.0f / static_cast<float>(kPositive));
+    return result;
 }
 
 }  // namespace rayleaf

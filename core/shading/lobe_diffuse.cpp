@@ -19,6 +19,28 @@ float oren_nayar(float sigma, float cos_i, float cos_o, float cos_between) {
     return cos_i * divisor * (1.0f + sigma * t);
 }
 
+/// Share of light from everywhere that Fujii's form reflects once towards `cosine`, but for the part that does not
+/// depend on it and for `sigma` (Portsmouth, Kutz, Hill: "EON: A Practical Energy-Preserving Rough Diffuse BRDF", 2024,
+/// equation 10).
+float rough_share(float cosine) {
+    constexpr float kGrazing = 1e-6f, kTwoThirds = 2.0f / 3.0f;
+    if (cosine < kGrazing) return 0.5f * kPi - kTwoThirds - cosine;
+    const float sine = std::sqrt(std::max(1.0f - cosine * cosine, 0.0f));
+    const float angle = std::acos(std::min(cosine, 1.0f));
+    return sine * (angle - kTwoThirds - sine * cosine) + kTwoThirds * (sine / cosine) * (1.0f - sine * sine * sine);
+}
+
+/// What rough surfaces of an albedo reflect more than once, over the albedo, times the cosine (the same, section 3,
+/// with a factor of the albedo more, as Cycles has it).
+Color repeated_oren_nayar(float sigma, const Color& albedo, float cos_i, float cos_o) {
+    const float base = kPi / (kPi + (3.0f * kPi - 4.0f) / 6.0f * sigma), slope = base * sigma / kPi;
+    const float mean = base + slope * (2.0f * kPi - 5.6f) / 3.0f;
+    const float lost_i = 1.0f - (base + slope * rough_share(cos_i));
+    const float lost_o = 1.0f - (base + slope * rough_share(std::max(cos_o, 0.0f)));
+    const Color again = albedo * albedo * mean / (Color(1.0f) - albedo * (1.0f - mean));
+    return again * (cos_i / kPi * lost_i * lost_o / (1.0f - mean));
+}
+
 /// Disney diffuse with retro-reflection (Burley 2012, section 5.3), times the cosine.
 float disney_diffuse(float roughness, float cos_i, float cos_o, float cos_half) {
     if (cos_o <= 0.0f) return 0.0f;
@@ -60,6 +82,9 @@ LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const Vec3f& outgoing, const V
     float value = density;
     if (lobe.type == LobeType::Diffuse) {
         value = oren_nayar(lobe.roughness, cos_i, cos_o, outgoing.dot(incoming));
+        if (lobe.roughness > 0.0f && !is_black(lobe.fresnel_0))
+            return {lobe.weight * (Color(value) + repeated_oren_nayar(lobe.roughness, lobe.fresnel_0, cos_i, cos_o)),
+                    density};
     } else if (lobe.type == LobeType::LambertExit) {
         value = density * (1.0f - 0.5f * schlick_weight(cos_i));
     } else if (!translucent) {

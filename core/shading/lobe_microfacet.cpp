@@ -35,7 +35,7 @@ LobeValue evaluate_reflection(const Lobe& lobe, const Vec3f& o, const Vec3f& i) 
     const Vec3f h = normalized_or(o + i, Vec3f(0.0f, 0.0f, 1.0f));
     const float density = facets.normal_density(h) * facets.masking(o) / (4.0f * o.z);
     const float cosine = o.dot(h);
-    return {lobe.weight * reflectance(lobe, cosine) * (density * facets.masking(i)),
+    return {lobe.weight * reflectance(lobe, cosine) * (density * facets.shadowing(o, i, lobe.masking)),
             density * reflection_share(lobe, cosine)};
 }
 
@@ -51,7 +51,8 @@ LobeValue evaluate_refraction(const Lobe& lobe, const Vec3f& o, const Vec3f& i) 
     const float density = facets.visible_density(o, h) * jacobian;
     const float share = 1.0f - (lobe.type == LobeType::Glass ? reflection_share(lobe, cos_o) : 0.0f);
     const Vec3f far_side(i.x, i.y, -i.z);
-    return {lobe.weight * (transmittance(lobe, cos_o) * density * facets.masking(far_side)), density * share};
+    return {lobe.weight * transmittance(lobe, cos_o) * (density * facets.shadowing(o, far_side, lobe.masking)),
+            density * share};
 }
 
 /// Singular glass, mirror or refraction about the lobe's own normal.
@@ -66,7 +67,7 @@ std::optional<LobeDirection> sample_singular(const Lobe& lobe, const Vec3f& outg
     }
     const std::optional<Vec3f> direction = refracted_direction(outgoing, lobe.normal, lobe.ior);
     if (!direction) return std::nullopt;
-    const float value = lobe.type == LobeType::Glass ? 1.0f : transmittance(lobe, cosine);
+    const Color value = lobe.type == LobeType::Glass ? Color(1.0f) : transmittance(lobe, cosine);
     return LobeDirection{*direction, lobe.weight * value, 1.0f / lobe.ior};
 }
 
@@ -83,12 +84,13 @@ Color reflectance(const Lobe& lobe, float cosine) {
     if (lobe.type == LobeType::Glass || lobe.fresnel == Lobe::Fresnel::Dielectric)
         return Color(dielectric_fresnel(cosine, lobe.ior));
     if (lobe.fresnel == Lobe::Fresnel::Schlick) return coloured_fresnel(lobe.fresnel_0, lobe.ior, cosine);
+    if (lobe.fresnel == Lobe::Fresnel::Metal) return metal_fresnel(lobe.fresnel_0, lobe.radius, cosine);
     return Color(1.0f);
 }
 
-float transmittance(const Lobe& lobe, float cosine) {
-    const bool fresnel = lobe.type == LobeType::Glass || lobe.fresnel == Lobe::Fresnel::Dielectric;
-    return fresnel ? 1.0f - dielectric_fresnel(cosine, lobe.ior) : 1.0f;
+Color transmittance(const Lobe& lobe, float cosine) {
+    const bool fresnel = lobe.type == LobeType::Glass || lobe.fresnel != Lobe::Fresnel::None;
+    return fresnel ? Color(1.0f) - reflectance(lobe, cosine) : Color(1.0f);
 }
 
 LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {

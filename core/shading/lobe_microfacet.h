@@ -14,6 +14,6 @@ std::optional<LobeDirection> sample_clearcoat(const Lobe& lobe, const Vec3f& out
 /// Reflectance of a lobe's interface at a facet seen under `cosine`: colour of the reflection, before the weight.
 Color reflectance(const Lobe& lobe, float cosine);
 /// What the interface lets through: 1 without Fresnel.
-float transmittance(const Lobe& lobe, float cosine);
+Color transmittance(const Lobe& lobe, float cosine);
 
 }  // namespace rayleaf

@@ -32,7 +32,7 @@ LobeValue evaluate_toon_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3
         return {};
     const Cone cone(lobe, outgoing);
     const float angle = std::acos(std::clamp(cone.axis.dot(incoming), 0.0f, 1.0f));
-    if (angle > cone.width) return {};
+    if (angle > cone.width || (lobe.in_front && !(angle < 0.5f * kPi))) return {};
     const float density = cone.density();
     return {lobe.weight * (density * cone.share_at(angle)), density};
 }

@@ -3,6 +3,7 @@
 #include "shading/lobe_diffuse.h"
 #include "shading/lobe_fibre.h"
 #include "shading/lobe_microfacet.h"
+#include "shading/lobe_microfibres.h"
 #include "shading/lobe_toon.h"
 
 namespace rayleaf {
@@ -33,6 +34,8 @@ LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& in
         case LobeType::HairTransmission:
         case LobeType::HairFibre:
             return evaluate_fibre_lobe(lobe, outgoing, incoming, side);
+        case LobeType::Microfibres:
+            return evaluate_microfibres(lobe, incoming, side);
         case LobeType::Subsurface:
             return {};
         default:
@@ -55,6 +58,8 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing
         case LobeType::HairTransmission:
         case LobeType::HairFibre:
             return sample_fibre_lobe(lobe, outgoing, random);
+        case LobeType::Microfibres:
+            return sample_microfibres(lobe, random);
         default:
             return sample_diffuse_lobe(lobe, random);
     }
@@ -65,13 +70,8 @@ float choice_weight(const Lobe& lobe, const Vec3f& outgoing) {
     const bool plain = lobe.type == LobeType::Glass || lobe.type == LobeType::Subsurface;
     if (plain || lobe.fresnel == Lobe::Fresnel::None) return mean;
     const float cosine = lobe.normal.dot(outgoing);
-    float share = 0.0f;
-    if (lobe.type == LobeType::Refraction) {
-        share = transmittance(lobe, cosine);
-    } else {
-        const Color f = reflectance(lobe, cosine);
-        share = (f.x + f.y + f.z) / 3.0f;
-    }
+    const Color f = lobe.type == LobeType::Refraction ? transmittance(lobe, cosine) : reflectance(lobe, cosine);
+    const float share = (f.x + f.y + f.z) / 3.0f;
     // Facets of a rough surface tilt, so their Fresnel factor may be far from that at the normal.
     constexpr float kLeastShare = 0.05f;
     return mean * (is_singular(lobe) ? share : std::max(share, kLeastShare));
@@ -86,7 +86,7 @@ Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind) {
     const float cosine = lobe.normal.dot(outgoing);
     if (lobe.type == LobeType::Glass) {
         if (kind == LobeKind::Diffuse) return Color(0.0f);
-        return lobe.weight * (kind == LobeKind::Glossy ? reflectance(lobe, cosine).x : transmittance(lobe, cosine));
+        return lobe.weight * (kind == LobeKind::Glossy ? reflectance(lobe, cosine) : transmittance(lobe, cosine));
     }
     if (lobe.kind != kind) return Color(0.0f);
     if (lobe.type == LobeType::Subsurface) return lobe.weight;

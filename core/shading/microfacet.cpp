@@ -106,6 +106,13 @@ float Microfacets::masking(const Vec3f& w) const {
     return 1.0f / (1.0f + beckmann_lambda(w.z / std::sqrt(spread2)));
 }
 
+float Microfacets::shadowing(const Vec3f& w, const Vec3f& i, Masking kind) const {
+    const float towards = masking(i);
+    if (kind == Masking::Separate || !(towards > 0.0f)) return towards;
+    const float seen = masking(w);
+    return towards / (towards + seen - towards * seen);  // Heitz 2014, equation 99, over the viewer's masking
+}
+
 float Microfacets::visible_density(const Vec3f& w, const Vec3f& h) const {
     if (!(w.z > 0.0f)) return 0.0f;
     return normal_density(h) * masking(w) * std::max(w.dot(h), 0.0f) / w.z;

@@ -1,5 +1,5 @@
-// Microfacet distributions: GGX and Beckmann, anisotropic, with Smith's masking in its uncorrelated form
-// (Walter et al. 2007; Heitz 2014, "Understanding the Masking-Shadowing Function"; uncorrelated as Cycles 3.4 has it).
+// Microfacet distributions: GGX and Beckmann, anisotropic, with Smith's masking (Walter et al. 2007; Heitz 2014,
+// "Understanding the Masking-Shadowing Function").
 //
 // Directions are unit, in the local frame: z the normal, x the tangent. Normals are sampled as they are seen: Heitz
 // 2018, "Sampling the GGX Distribution of Visible Normals"; for Beckmann the visible slopes' distribution is inverted
@@ -19,6 +19,8 @@ struct Microfacets {
     float normal_density(const Vec3f& h) const;
     /// Share of the facets seen from `w` that are not masked; 0 below the horizon.
     float masking(const Vec3f& w) const;
+    /// Share of the facets seen from `w`, and not masked there, that are seen from `i` too.
+    float shadowing(const Vec3f& w, const Vec3f& i, Masking kind) const;
     /// Density per solid angle with which `sample_visible` gives `h`: D(h) G1(w) max(w.h, 0) / w.z.
     float visible_density(const Vec3f& w, const Vec3f& h) const;
     /// A facet normal as seen from `w`, w.z > 0.

@@ -6,19 +6,29 @@
 // white lobe then reflects all light; a coloured one is more saturated, as after several bounces. The scale depends on
 // the viewer's direction alone, so compensated lobes are not reciprocal.
 //
-// The albedos are tables filled by quadrature at first use, some 0.1 s, and only programs with MULTI_GGX use them.
+// The albedos are tables filled by quadrature at first use, some 0.1 s, and only programs with MULTI_GGX, or with
+// layers of Blender 4, use them.
 #pragma once
 
 #include "base/vector.h"
+#include "shading/closures.h"
 
 namespace rayleaf {
 
 /// Albedo of white isotropic GGX reflection of roughness `alpha` seen under `cosine`.
-float ggx_reflection_albedo(float alpha, float cosine);
+float ggx_reflection_albedo(float alpha, float cosine, Masking masking = Masking::Separate);
+/// The same under light from everywhere, with joint masking.
+float ggx_mean_albedo(float alpha);
 /// Albedo of clear rough glass, reflection and refraction together; `ior` beyond over viewer's side.
-float ggx_glass_albedo(float alpha, float cosine, float ior);
+float ggx_glass_albedo(float alpha, float cosine, float ior, Masking masking = Masking::Separate);
+/// How far the reflectance of facets of a dielectric, joint masking, has risen from that at normal incidence, 0, to 1:
+/// the mean over the facets that the viewer sees. An index below 1 counts as its inverse, as in Cycles.
+float ggx_fresnel_rise(float alpha, float cosine, float ior);
 
 /// 1 + color (1 - albedo) / albedo.
 Color energy_compensation(const Color& color, float albedo);
+/// The reflectance of all further reflections together, `mean_albedo` leaving at each (Kulla, Conty: "Revisiting
+/// Physically Based Shading at Imageworks", SIGGRAPH 2017 course).
+Color repeated_fresnel(const Color& mean_fresnel, float mean_albedo);
 
 }  // namespace rayleaf

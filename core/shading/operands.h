@@ -93,4 +93,9 @@ inline Vec3f saturate(const Vec3f& v) {
     return {saturate(v.x), saturate(v.y), saturate(v.z)};
 }
 
+/// Per channel, at least 0.
+inline Vec3f not_negative(const Vec3f& v) {
+    return {std::max(v.x, 0.0f), std::max(v.y, 0.0f), std::max(v.z, 0.0f)};
+}
+
 }  // namespace rayleaf

@@ -51,11 +51,15 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::ambient_occlusion:
             return {1, 3};
         case Operation::voronoi:
-            return {3, 3};
+            return {3, 5};
         case Operation::wave:
         case Operation::brick:
-        case Operation::transform:
             return {2, 2};
+        case Operation::transform:
+            return {2, 3};
+        case Operation::diffuse:
+        case Operation::toon:
+            return {0, 1};
         case Operation::uv:
         case Operation::math:
         case Operation::map_range:
@@ -64,6 +68,7 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::bump:
         case Operation::subsurface:
         case Operation::principled:
+        case Operation::principled_layers:
             return {0, 1};
         case Operation::mix:
         case Operation::normal_map:
@@ -173,6 +178,7 @@ std::span<const std::string_view> variants_of(Operation operation) {
         case Operation::glass:
             return kMicrofacet;
         case Operation::principled:
+        case Operation::principled_layers:
             return kPrincipled;
         default:
             return {};

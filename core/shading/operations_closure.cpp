@@ -2,10 +2,12 @@
 
 #include "shading/lobe_fibre.h"
 #include "shading/microfacet_albedo.h"
+#include "shading/microfibres.h"
 #include "shading/operations_input.h"
 #include "shading/operations_math.h"
 #include "shading/operations_volume.h"
 #include "shading/principled.h"
+#include "shading/principled_layers.h"
 #include "shading/variants.h"
 
 namespace rayleaf {
@@ -50,11 +52,12 @@ float index_beyond(float ior, const ShadingInputs& inputs) {
     return is_backfacing(inputs) ? 1.0f / inside : inside;
 }
 
-Lobe diffuse_lobe(const Operands& operands, const ShadingInputs& inputs) {
+Lobe diffuse_lobe(const Operands& operands, std::span<const int32_t> ints, const ShadingInputs& inputs) {
     Lobe lobe;
     lobe.type = LobeType::Diffuse;
     lobe.weight = weight_of(operands) * operands.vector(1);
     lobe.roughness = operands.scalar(2);
+    if (!ints.empty() && ints[0] != 0) lobe.fresnel_0 = operands.vector(1);
     lobe.normal = scattering_normal(operands, 3, inputs);
     return lobe;
 }
@@ -108,7 +111,17 @@ Lobe velvet_lobe(const Operands& operands, const ShadingInputs& inputs) {
     return lobe;
 }
 
-Lobe toon_lobe(ToonVariant variant, const Operands& operands, const ShadingInputs& inputs) {
+Lobe microfibre_lobe(const Operands& operands, const ShadingInputs& inputs) {
+    Lobe lobe;
+    lobe.normal = scattering_normal(operands, 3, inputs);
+    const Microfibres fibres = microfibres(operands.scalar(2), lobe.normal.dot(inputs.outgoing));
+    set_microfibres(lobe, fibres, inputs.outgoing);
+    lobe.weight = weight_of(operands) * operands.vector(1) * fibres.albedo;
+    return lobe;
+}
+
+Lobe toon_lobe(ToonVariant variant, const Operands& operands, std::span<const int32_t> ints,
+               const ShadingInputs& inputs) {
     Lobe lobe;
     const bool glossy = variant == ToonVariant::GLOSSY;
     lobe.type = glossy ? LobeType::ToonGlossy : LobeType::ToonDiffuse;
@@ -116,6 +129,7 @@ Lobe toon_lobe(ToonVariant variant, const Operands& operands, const ShadingInput
     lobe.weight = weight_of(operands) * operands.vector(1);
     lobe.roughness = operands.scalar(2);
     lobe.softness = operands.scalar(3);
+    lobe.in_front = !ints.empty() && ints[0] != 0;
     lobe.normal = scattering_normal(operands, 4, inputs);
     return lobe;
 }
@@ -257,6 +271,49 @@ void write_aov(int32_t slot, const Color& value, std::span<Vec4f> aovs) {
     aovs[static_cast<size_t>(slot)] += Vec4f(value.x, value.y, value.z, 1.0f);
 }
 
+void read_sheen_and_coat(const Operands& operands, PrincipledLayers& p) {
+    p.sheen = std::max(operands.scalar(8), 0.0f);
+    p.sheen_roughness = saturate(operands.scalar(9));
+    p.sheen_tint = not_negative(operands.vector(10));
+    p.coat = std::max(operands.scalar(11), 0.0f);
+    p.coat_roughness = saturate(operands.scalar(12));
+    p.coat_ior = std::max(operands.scalar(13), 1.0f);
+    p.coat_tint = not_negative(operands.vector(14));
+}
+
+PrincipledLayers principled_layers(PrincipledVariant variant, const Operands& operands, std::span<const int32_t> ints,
+                                   const ShadingInputs& inputs) {
+    constexpr float kLeastIndex = 1e-5f;  // as Cycles
+    PrincipledLayers p;
+    p.multiple_scattering = variant == PrincipledVariant::MULTI_GGX;
+    p.weight = weight_of(operands);
+    p.base_color = not_negative(operands.vector(1));
+    p.metallic = saturate(operands.scalar(2));
+    p.specular_level = std::max(operands.scalar(3), 0.0f);
+    p.specular_tint = not_negative(operands.vector(4));
+    p.roughness = saturate(operands.scalar(5));
+    p.anisotropic = saturate(operands.scalar(6));
+    p.rotation = operands.scalar(7);
+    read_sheen_and_coat(operands, p);
+    p.emission = operands.vector(15) * operands.scalar(16);
+    p.alpha = saturate(operands.scalar(17, 1.0f));
+    p.ior = std::max(operands.scalar(18), kLeastIndex);
+    p.from_inside = is_backfacing(inputs);
+    p.transmission = saturate(operands.scalar(19));
+    p.normal = scattering_normal(operands, 20, inputs);
+    p.coat_normal = scattering_normal(operands, 21, inputs);
+    p.tangent = operands.vector(22, inputs.point->dp_du);
+    p.outgoing = inputs.outgoing;
+    p.diffuse_roughness = saturate(operands.scalar(23));
+    p.subsurface = saturate(operands.scalar(24));
+    p.subsurface_radius = operands.vector(25);
+    p.subsurface_ior = operands.scalar(26, p.subsurface_ior);
+    p.subsurface_anisotropy = operands.scalar(27);
+    p.subsurface_method = subsurface_method(ints);
+    p.after_diffuse = is_after_diffuse(inputs);
+    return p;
+}
+
 }  // namespace
 
 void add_closure(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints,
@@ -284,7 +341,7 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
     const auto microfacets = static_cast<MicrofacetVariant>(variant);
     switch (operation) {
         case Operation::diffuse:
-            closures.add(diffuse_lobe(operands, inputs));
+            closures.add(diffuse_lobe(operands, ints, inputs));
             return;
         case Operation::translucent:
             closures.add(translucent_lobe(operands, inputs));
@@ -295,8 +352,11 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
         case Operation::velvet:
             closures.add(velvet_lobe(operands, inputs));
             return;
+        case Operation::microfibres:
+            closures.add(microfibre_lobe(operands, inputs));
+            return;
         case Operation::toon:
-            closures.add(toon_lobe(static_cast<ToonVariant>(variant), operands, inputs));
+            closures.add(toon_lobe(static_cast<ToonVariant>(variant), operands, ints, inputs));
             return;
         case Operation::refraction:
             closures.add(refraction_lobe(microfacets, operands, inputs));
@@ -319,6 +379,10 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
         case Operation::principled:
             add_principled(principled_parameters(static_cast<PrincipledVariant>(variant), operands, ints, inputs),
                            closures);
+            return;
+        case Operation::principled_layers:
+            add_principled_layers(principled_layers(static_cast<PrincipledVariant>(variant), operands, ints, inputs),
+                                  closures);
             return;
         default:
             return;

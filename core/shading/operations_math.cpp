@@ -213,6 +213,12 @@ Vec4f vector_math_value(VectorMathVariant variant, const Vec3f& a, const Vec3f& 
             return extended(each(a, [](float x) { return std::cos(x); }));
         case TANGENT:
             return extended(each(a, [](float x) { return std::tan(x); }));
+        case POWER:
+            return extended(each(a, b, safe_power));
+        case SIGN:
+            return extended(each(a, sign));
+        case ROUND:
+            return extended(each(a, [](float x) { return std::floor(x + 0.5f); }));
     }
     return spread(0.0f);
 }

@@ -53,8 +53,17 @@ Vec4f musgrave(FractalType type, const Operands& operands, int dimensions) {
 
 Vec4f voronoi(VoronoiFeature feature, const Operands& operands, std::span<const int32_t> ints) {
     const float scale = operands.scalar(2);
-    const VoronoiParameters parameters{feature, static_cast<VoronoiMetric>(ints[1]), operands.scalar(4),
-                                       operands.scalar(3), operands.scalar(5)};
+    const bool normalize = ints.size() > 3 && ints[3] != 0;
+    const VoronoiParameters parameters{feature,
+                                       static_cast<VoronoiMetric>(ints[1]),
+                                       operands.scalar(4),
+                                       operands.scalar(3),
+                                       operands.scalar(5),
+                                       operands.scalar(6),
+                                       operands.scalar(7, 0.5f),
+                                       operands.scalar(8, 2.0f),
+                                       normalize,
+                                       static_cast<VoronoiHash>(ints.size() > 4 ? ints[4] : 0)};
     const VoronoiResult result = voronoi_texture(ints[0], coordinate(operands, scale), parameters);
     if (ints[2] == 0) return extended(result.color, result.distance);
     return scale != 0.0f ? result.place / scale : spread(0.0f);

@@ -5,10 +5,6 @@
 namespace rayleaf {
 namespace {
 
-Color not_negative(const Color& c) {
-    return {std::max(c.x, 0.0f), std::max(c.y, 0.0f), std::max(c.z, 0.0f)};
-}
-
 Color rest_of(const Color& c) {
     return not_negative(Color(1.0f) - c);
 }

@@ -69,8 +69,11 @@ IntRange int_range(Operation operation, size_t i) {
         case Operation::ambient_occlusion:
         case Operation::bevel:
             return i == 0 ? IntRange{1, 1024} : IntRange{0, 1};
+        case Operation::diffuse:
+        case Operation::toon:
         case Operation::subsurface:
         case Operation::principled:
+        case Operation::principled_layers:
         case Operation::table:
         case Operation::math:
         case Operation::mix:
@@ -135,7 +138,7 @@ Program::Instruction Program::checked(const std::string& identifier, std::span<c
     Instruction instruction{};
     instruction.operation = *operation;
     const std::span<const std::string_view> variants = variants_of(*operation);
-    const bool optional_text = *operation == Operation::principled;
+    const bool optional_text = *operation == Operation::principled || *operation == Operation::principled_layers;
     if (variants.empty() ? !text.empty() : !(optional_text && text.empty())) {
         const auto found = std::find(variants.begin(), variants.end(), text);
         if (found == variants.end())
@@ -229,6 +232,9 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::principled:
             reads_element_ |= operands[20] < 0 && !surely(6, 0.0f);  // anisotropy along the surface's own u
             break;
+        case Operation::principled_layers:
+            reads_element_ |= operands[22] < 0 && !surely(6, 0.0f);
+            break;
         default:
             break;
     }
@@ -244,6 +250,7 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::holdout:
             return;
         case Operation::principled:
+        case Operation::principled_layers:
             emits_ |= !surely(15, 0.0f) && !surely(16, 0.0f);
             transparent_ |= operands[17] >= 0 && !surely(17, 1.0f);
             break;

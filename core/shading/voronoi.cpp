@@ -64,6 +64,26 @@ Color color_of(const LatticePoint<4>& c) {
     return {unit_hash(c[0], c[1], c[2], c[3]), unit_hash(c[2], c[0], c[3], c[1]), unit_hash(c[3], c[2], c[1], c[0])};
 }
 
+template <int N>
+LatticePoint<N> chance(const LatticePoint<N>& c, VoronoiHash hash) {
+    if constexpr (N > 1)
+        if (hash == VoronoiHash::Pcg) return pcg_hash(c);
+    return chance(c);
+}
+
+template <int N>
+Color color_of(const LatticePoint<N>& c, VoronoiHash hash) {
+    if constexpr (N > 1) {
+        if (hash == VoronoiHash::Pcg) {
+            std::array<float, std::max(N, 3)> padded{};
+            std::copy(c.begin(), c.end(), padded.begin());
+            const auto numbers = pcg_hash(padded);
+            return {numbers[0], numbers[1], numbers[2]};
+        }
+    }
+    return color_of(c);
+}
+
 /// The texture around one place: its cell, and the place within it.
 template <int N>
 class Cells {
@@ -82,6 +102,8 @@ class Cells {
     VoronoiResult smooth() const;
     float distance_to_edge() const;
     float sphere_radius() const;
+    /// By the metric.
+    float distance(const LatticePoint<N>& a, const LatticePoint<N>& b) const;
 
   private:
     /// Calls a function with the offset of each cell at most `reach` away, the first coordinate fastest.
@@ -99,11 +121,10 @@ class Cells {
     }
     /// The point of a neighbouring cell, from this cell's corner.
     LatticePoint<N> point_in(const LatticePoint<N>& offset) const {
-        LatticePoint<N> p = chance(plus<N>(cell_, offset));
+        LatticePoint<N> p = chance<N>(plus<N>(cell_, offset), parameters_.hash);
         for (int i = 0; i < N; ++i) p[i] = offset[i] + p[i] * randomness_;
         return p;
     }
-    float distance(const LatticePoint<N>& a, const LatticePoint<N>& b) const;
     /// The cell whose point is nearest by Euclid's distance.
     LatticePoint<N> nearest_cell(const LatticePoint<N>& from, const LatticePoint<N>* but) const;
     VoronoiResult result(float distance, const LatticePoint<N>& offset) const;
@@ -146,7 +167,7 @@ Vec4f Cells<N>::place(const LatticePoint<N>& p) const {
 
 template <int N>
 VoronoiResult Cells<N>::result(float distance, const LatticePoint<N>& offset) const {
-    return {distance, color_of(plus<N>(cell_, offset)), place(point_in(offset))};
+    return {distance, color_of<N>(plus<N>(cell_, offset), parameters_.hash), place(point_in(offset))};
 }
 
 template <int N>
@@ -199,7 +220,7 @@ VoronoiResult Cells<N>::smooth() const {
         const auto mixed = [&](float a, float b) { return a + (b - a) * share - sunk; };
         least = mixed(least, d);
         sunk /= 1.0f + 3.0f * smoothness;
-        const Color other = color_of(plus<N>(cell_, offset));
+        const Color other = color_of<N>(plus<N>(cell_, offset), parameters_.hash);
         color = {mixed(color.x, other.x), mixed(color.y, other.y), mixed(color.z, other.z)};
         point = each<N>(point, candidate, mixed);
     });
@@ -250,7 +271,7 @@ float Cells<N>::sphere_radius() const {
 }
 
 template <int N>
-VoronoiResult texture(const LatticePoint<N>& p, const VoronoiParameters& parameters) {
+VoronoiResult octave(const LatticePoint<N>& p, const VoronoiParameters& parameters) {
     const Cells<N> cells(p, parameters);
     switch (parameters.feature) {
         case VoronoiFeature::F1:
@@ -265,6 +286,82 @@ VoronoiResult texture(const LatticePoint<N>& p, const VoronoiParameters& paramet
             return {cells.sphere_radius(), Color(0.0f), Vec4f(0.0f, 0.0f, 0.0f, 0.0f)};
     }
     return {};
+}
+
+/// Half the diagonal of the region in which a cell's point may lie, along each axis.
+float reach(const VoronoiParameters& parameters) {
+    return 0.5f + 0.5f * std::clamp(parameters.randomness, 0.0f, 1.0f);
+}
+
+/// The largest distance that counts as 1 after normalization.
+template <int N>
+float largest_distance(const VoronoiParameters& parameters) {
+    const float along = reach(parameters);
+    if (parameters.feature == VoronoiFeature::DISTANCE_TO_EDGE) return along;
+    LatticePoint<N> corner;
+    corner.fill(along);
+    const float distance = Cells<N>({}, parameters).distance({}, corner);
+    return parameters.feature == VoronoiFeature::F2 ? 2.0f * distance : distance;
+}
+
+/// Octaves laid over each other. Distances and colours add up; places are blended; of distances to the edge the least
+/// counts, blended in by the octave's amplitude.
+class VoronoiOctaves {
+  public:
+    VoronoiOctaves(VoronoiFeature feature, float largest_distance)
+        : to_edge_(feature == VoronoiFeature::DISTANCE_TO_EDGE),
+          largest_distance_(largest_distance),
+          most_(to_edge_ ? largest_distance : 0.0f) {
+        if (to_edge_) sum_.distance = kFarthestPoint;
+    }
+
+    /// The next octave, found at `scale` times the coordinate; `share` of it, 0..1.
+    void add(const VoronoiResult& octave, float scale, float amplitude, float share) {
+        const auto blend = [](auto a, auto b, float t) { return a * (1.0f - t) + b * t; };
+        if (to_edge_) {
+            if (scale == 0.0f) return;  // as wide as the world
+            const float nearer = std::min(sum_.distance, octave.distance / scale);
+            sum_.distance = blend(sum_.distance, nearer, amplitude * share);
+            most_ = blend(most_, largest_distance_ / scale, amplitude * share);
+            return;
+        }
+        sum_.distance += octave.distance * (amplitude * share);
+        sum_.color += octave.color * (amplitude * share);
+        for (int i = 0; i < 4 && scale != 0.0f; ++i)
+            sum_.place[i] = blend(sum_.place[i], octave.place[i] / scale, amplitude * share);
+        most_ += amplitude * share;
+    }
+    VoronoiResult sum() const { return sum_; }
+    VoronoiResult normalized() const {
+        if (to_edge_) return {sum_.distance / most_, sum_.color, sum_.place};
+        return {sum_.distance / (most_ * largest_distance_), sum_.color / most_, sum_.place};
+    }
+
+  private:
+    bool to_edge_;
+    float largest_distance_;
+    float most_;  ///< what the sum would be if each octave were at its largest
+    VoronoiResult sum_;
+};
+
+template <int N>
+VoronoiResult texture(const LatticePoint<N>& p, const VoronoiParameters& parameters) {
+    if (parameters.feature == VoronoiFeature::N_SPHERE_RADIUS) return octave<N>(p, parameters);
+    constexpr float kMostOctaves = 15.0f;
+    const float detail = parameters.detail > 0.0f ? std::min(parameters.detail, kMostOctaves) : 0.0f;
+    const float roughness = std::clamp(parameters.roughness, 0.0f, 1.0f);
+    const bool single = detail == 0.0f || !(roughness > 0.0f);
+    if (single && !parameters.normalize) return octave<N>(p, parameters);
+    VoronoiOctaves octaves(parameters.feature, parameters.normalize ? largest_distance<N>(parameters) : 1.0f);
+    float scale = 1.0f, amplitude = 1.0f;
+    for (float rest = single ? 1.0f : 1.0f + detail; rest > 0.0f; rest -= 1.0f) {
+        LatticePoint<N> scaled = p;
+        for (float& x : scaled) x *= scale;
+        octaves.add(octave<N>(scaled, parameters), scale, amplitude, std::min(rest, 1.0f));
+        scale *= parameters.lacunarity;
+        amplitude *= roughness;
+    }
+    return parameters.normalize ? octaves.normalized() : octaves.sum();
 }
 
 }  // namespace

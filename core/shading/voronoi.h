@@ -11,12 +11,21 @@ namespace rayleaf {
 
 enum class VoronoiMetric : uint8_t { Euclidean, Manhattan, Chebychev, Minkowski };
 
+/// By which the points of cells are chosen.
+enum class VoronoiHash : uint8_t { Jenkins, Pcg };
+
 struct VoronoiParameters {
     VoronoiFeature feature = VoronoiFeature::F1;
     VoronoiMetric metric = VoronoiMetric::Euclidean;  ///< of F1, F2 and SMOOTH_F1, in more than one dimension
     float exponent = 0.5f;                            ///< Minkowski's
     float smoothness = 1;                             ///< SMOOTH_F1, 0..1: how far cells blend into each other
     float randomness = 1;                             ///< 0..1: how far points may lie from the corner of their cube
+    // Since Blender 4.0. Not of N_SPHERE_RADIUS.
+    float detail = 0;                         ///< 0..15: octaves beyond the first; the last one may be a fraction
+    float roughness = 0;                      ///< 0..1: amplitude of an octave over that of the one before
+    float lacunarity = 2;                     ///< frequency of an octave over that of the one before
+    bool normalize = false;                   ///< divide by the most that the result can be
+    VoronoiHash hash = VoronoiHash::Jenkins;  ///< Pcg since Blender 5.0, in more than one dimension
 };
 
 /// What is known of the feature's point.

@@ -10,19 +10,6 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float32]
 
-# Sockets of the Principled node: our name, then the names it had, newest first.
-PRINCIPLED_SOCKETS = {
-    "specular": ("Specular IOR Level", "Specular"),
-    "transmission": ("Transmission Weight", "Transmission"),
-    "sheen": ("Sheen Weight", "Sheen"),
-    "clearcoat": ("Coat Weight", "Clearcoat"),
-    "clearcoat_roughness": ("Coat Roughness", "Clearcoat Roughness"),
-    "clearcoat_normal": ("Coat Normal", "Clearcoat Normal"),
-    "emission_color": ("Emission Color", "Emission"),
-    "subsurface": ("Subsurface Weight", "Subsurface"),
-}
-
-
 # Since 5.0 passes have names without abbreviations.
 _FULL_PASS_NAMES = {
     "IndexOB": "Object Index",
@@ -182,6 +169,26 @@ def _power_factor(lamp: Any) -> float:
 def spot_profile() -> str:
     """How a spot shines within its cone before it fades; until 4.0 by the cosine to its axis."""
     return "COSINE" if bpy.app.version < (4, 0, 0) else "EVEN"
+
+
+def rough_diffuse_keeps_energy() -> bool:
+    """Whether light that a rough matte surface scatters more than once counts."""
+    return bpy.app.version >= (4, 3, 0)
+
+
+def toon_ends_at_right_angles() -> bool:
+    """Whether a glossy toon shader lights nothing at right angles to the mirror direction and beyond."""
+    return bpy.app.version >= (4, 0, 0)
+
+
+def transforms_normals() -> bool:
+    """Whether Vector Transform keeps normals at right angles to their surface; before, they were directions."""
+    return bpy.app.version >= (4, 0, 0)
+
+
+def voronoi_hash() -> str:
+    """What chooses the points of Voronoi's cells."""
+    return "JENKINS" if bpy.app.version < (5, 0, 0) else "PCG"
 
 
 def reads_geometry(node: Any) -> bool:

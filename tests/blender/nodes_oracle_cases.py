@@ -2,6 +2,8 @@
 
 from typing import Any, Callable
 
+import bpy
+
 from nodes_oracle_patterns import pattern_cases
 
 _MATH = {
@@ -101,10 +103,14 @@ def _skies(case: Callable[..., Any]) -> list[Any]:
     for sun, turbidity in (((0.3, 0.2, 0.9), 2.2), ((0.9, 0.1, 0.2), 5.0)):
         settings = {"sky_type": "PREETHAM", "sun_direction": sun, "turbidity": turbidity}
         found.append(case("ShaderNodeTexSky", settings, looked))
-    base = {"sky_type": "NISHITA", "sun_disc": False}
+    # Names of 3 and of 5.
+    nishita, dust = (
+        ("NISHITA", "dust_density") if bpy.app.version < (5, 0, 0) else ("SINGLE_SCATTERING", "aerosol_density")
+    )
+    base = {"sky_type": nishita, "sun_disc": False}
     for more in (
         {"sun_elevation": 0.26, "sun_rotation": 1.9},
-        {"sun_elevation": 1.2, "sun_rotation": -0.7, "air_density": 2.0, "dust_density": 4.0, "ozone_density": 3.0},
+        {"sun_elevation": 1.2, "sun_rotation": -0.7, "air_density": 2.0, dust: 4.0, "ozone_density": 3.0},
         {"sun_elevation": 0.02, "altitude": 3000.0},
         {"sun_elevation": -0.05},
         {"sun_elevation": 2.6, "sun_rotation": 0.4},

@@ -3,6 +3,8 @@
 from itertools import product
 from typing import Any, Callable
 
+import bpy
+
 Make = Callable[..., Any]
 _DIMENSIONS = ("1D", "2D", "3D", "4D")
 
@@ -66,6 +68,28 @@ def _voronoi(case: Make) -> list[Any]:
     return found
 
 
+def _voronoi_octaves(case: Make) -> list[Any]:
+    """Since 4.0."""
+    found = []
+    octaves = ((2.0, 2.0, False), (2.6, 2.3, True), (0.0, 2.0, True), (1.5, 0.0, True))
+    for dimensions, feature in product(_DIMENSIONS, ("F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE", "N_SPHERE_RADIUS")):
+        for detail, lacunarity, normalize in octaves:
+            settings = {"voronoi_dimensions": dimensions, "feature": feature, "normalize": normalize}
+            inputs = {"Scale": 1.1, "Randomness": 0.8, "Smoothness": 0.6, **_coordinates(dimensions)}
+            inputs |= {"Detail": detail, "Roughness": 0.6, "Lacunarity": lacunarity}
+            blended = {"1D": ("W",), "4D": ("Position", "W")}.get(dimensions, ("Position",))
+            outputs = {"DISTANCE_TO_EDGE": ("Distance",), "N_SPHERE_RADIUS": ("Radius",)}
+            for output in outputs.get(feature, ("Distance", "Color", *blended)):
+                if lacunarity == 0.0 and (output in blended or feature == "DISTANCE_TO_EDGE"):
+                    continue  # Cycles divides by it
+                found.append(case("ShaderNodeTexVoronoi", settings, inputs, output))
+    for metric in ("MANHATTAN", "CHEBYCHEV", "MINKOWSKI"):
+        settings = {"distance": metric, "normalize": True}
+        inputs = {"Vector": "p", "Scale": 1.1, "Detail": 1.0, "Exponent": 1.7}
+        found.append(case("ShaderNodeTexVoronoi", settings, inputs, "Distance"))
+    return found
+
+
 def _waves(case: Make) -> list[Any]:
     found = []
     for shape, axes in (("BANDS", "X Y Z DIAGONAL"), ("RINGS", "X Y Z SPHERICAL")):
@@ -101,4 +125,5 @@ def _regular(case: Make) -> list[Any]:
 
 def pattern_cases(case: Make) -> list[Any]:
     """Every texture that is computed from its coordinate."""
-    return _noise(case) + _musgrave(case) + _voronoi(case) + _waves(case) + _regular(case)
+    octaves = _voronoi_octaves(case) if bpy.app.version >= (4, 0, 0) else []
+    return _noise(case) + _musgrave(case) + _voronoi(case) + octaves + _waves(case) + _regular(case)

@@ -179,6 +179,7 @@ def save(path, objects):
     ]
     np.savez(
         path,
+        version=bpy.app.version,
         kind=[item.name.split(".")[0] for item in objects],
         u=[settings_of(spline, "u") for spline in splines],
         v=[settings_of(spline, "v") for spline in splines],

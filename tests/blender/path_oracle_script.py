@@ -20,6 +20,10 @@ VARIANTS = {
     "one transparent surface": dict(transparent_bounces=1),
     "clear film": dict(film_transparent=True),
 }
+if bpy.app.version >= (5, 0, 0):
+    # Cycles now counts a surface of the path before it is passed, and those of shadows after: 1 means 0 to a path, 1 to a
+    # shadow. Ours means the same in all versions.
+    del VARIANTS["one transparent surface"]
 
 
 def material(name, kind, color, **inputs):

@@ -39,10 +39,7 @@ def setter(path, value):
     def apply(thing):
         for step in way:
             thing = getattr(thing, step)
-        try:
-            setattr(thing, name, value)
-        except TypeError:  # an entry for geometry nodes alone
-            return False
+        setattr(thing, name, value)
         return True
 
     return apply
@@ -52,7 +49,8 @@ def other_values(thing, prop, pointers):
     """Values that a property may have instead of its own."""
     value = getattr(thing, prop.identifier)
     if prop.type == "ENUM":
-        return [item.identifier for item in prop.enum_items if item.identifier != value]
+        others = [item.identifier for item in prop.enum_items if item.identifier != value]
+        return [other for other in others if accepts(thing, prop.identifier, other)]
     if prop.type == "BOOLEAN":
         return [not value]
     if prop.type == "STRING":
@@ -60,6 +58,17 @@ def other_values(thing, prop, pointers):
     if prop.type == "POINTER":
         return [pointers[prop.fixed_type.identifier]] if prop.fixed_type.identifier in pointers else []
     return [[other_number(prop, each) for each in value] if prop.is_array else other_number(prop, value)]
+
+
+def accepts(thing, name, value):
+    """Whether a property can have this entry: some are for geometry nodes alone. It is left as it was."""
+    before = getattr(thing, name)
+    try:
+        setattr(thing, name, value)
+    except TypeError:
+        return False
+    setattr(thing, name, before)
+    return True
 
 
 def other_number(prop, value):

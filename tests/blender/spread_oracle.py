@@ -18,6 +18,10 @@ from oracle_case import Case
 report = globals()["report"]  # given by the test
 PIXELS, SAMPLES = 12, 64
 RADIUS = (0.3, 0.15, 0.08)
+# Names of Blender 3 and of 4.
+FIXED, PHYSICAL = (
+    ("RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK") if bpy.app.version < (4, 0, 0) else ("RANDOM_WALK", "RANDOM_WALK_SKIN")
+)
 
 
 def subsurface_cases():
@@ -25,15 +29,17 @@ def subsurface_cases():
     color = {"Color": (0.8, 0.5, 0.3, 1), "Radius": RADIUS}
     node = "ShaderNodeSubsurfaceScattering"
     found = []
-    for falloff in ("RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK"):
+    for falloff in (FIXED, PHYSICAL):
         for more in ({}, {"Scale": 4.0}, {"Anisotropy": 0.8}, {"Radius": (0.3, 0.0, 0.08)}):
             found.append(Case(node, {"falloff": falloff}, {**color, **more}))
-    found.append(Case(node, {"falloff": "RANDOM_WALK"}, {**color, "IOR": 2.5}))
-    found.append(Case(node, {"falloff": "RANDOM_WALK"}, {**color, "Color": (1.0, 0.02, 0.0, 1)}))
+    found.append(Case(node, {"falloff": PHYSICAL}, {**color, "IOR": 2.5}))
+    found.append(Case(node, {"falloff": PHYSICAL}, {**color, "Color": (1.0, 0.02, 0.0, 1)}))
     node = "ShaderNodeBsdfPrincipled"
-    both = {"Base Color": (0.8, 0.5, 0.3, 1), "Subsurface Color": (0.3, 0.7, 0.8, 1), "Subsurface Radius": RADIUS}
-    for method in ("RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK"):
-        for more in ({"Subsurface": 1.0}, {"Subsurface": 0.3, "Roughness": 1.0}, {"Subsurface": 1.0, "Metallic": 0.5}):
+    both = {"Base Color": (0.8, 0.5, 0.3, 1), "Subsurface Radius": RADIUS}
+    both |= {"Subsurface Color": (0.3, 0.7, 0.8, 1)} if bpy.app.version < (4, 0, 0) else {"Subsurface Scale": 1.0}
+    share = scenes.SUBSURFACE
+    for method in (FIXED, PHYSICAL):
+        for more in ({share: 1.0}, {share: 0.3, "Roughness": 1.0}, {share: 1.0, "Metallic": 0.5}):
             found.append(Case(node, {"subsurface_method": method}, {**both, **more}))
     return found
 

@@ -2,6 +2,8 @@
 
 from itertools import permutations
 
+import bpy
+
 from oracle_case import Case
 
 
@@ -37,7 +39,7 @@ def _bumps() -> list[Case]:
         found.append(Case("ShaderNodeBump", {"invert": invert}, inputs))
     found.append(Case("ShaderNodeBump", {}, {"Height": "height", "Distance": 0.2, "Normal": "bumped"}))
     found.append(Case("ShaderNodeBump", {}, {"Height": 0.7}))
-    for name in ("Diffuse", "Glossy", "Velvet", "Toon"):
+    for name in ("Diffuse", "Glossy", "Velvet", "Sheen", "Toon"):
         found.append(Case(f"ShaderNodeBsdf{name}", {}, {"Normal": "bumped"}))
     found += [
         Case("ShaderNodeFresnel", {}, {"Normal": "bumped"}),
@@ -75,6 +77,8 @@ def _shaders() -> list[Case]:
     color = {"Color": (0.8, 0.5, 0.3, 1)}
     found = [Case("ShaderNodeBsdfDiffuse", {}, {**color, "Roughness": rough}) for rough in (0.0, 0.7)]
     found += [Case("ShaderNodeBsdfVelvet", {}, {**color, "Sigma": sigma}) for sigma in (0.3, 0.9)]
+    for distribution, roughness in (("ASHIKHMIN", 0.4), ("MICROFIBER", 0.2), ("MICROFIBER", 0.5), ("MICROFIBER", 1.0)):
+        found.append(Case("ShaderNodeBsdfSheen", {"distribution": distribution}, {**color, "Roughness": roughness}))
     for component in ("DIFFUSE", "GLOSSY"):
         for size, smooth in ((0.5, 0.0), (0.3, 0.4), (1.0, 0.5), (0.6, 0.6)):
             inputs = {**color, "Size": size, "Smooth": smooth}
@@ -93,9 +97,51 @@ def _shaders() -> list[Case]:
         inputs = {"Metallic": 1.0, "Roughness": 0.5, "Anisotropic": anisotropic, "Anisotropic Rotation": rotation}
         inputs |= {"Tangent": tangent} if tangent else {}
         found.append(Case("ShaderNodeBsdfPrincipled", {"distribution": "GGX"}, inputs))
-    inputs = {"Sheen": 1.0, "Sheen Tint": 0.7, "Base Color": (0.8, 0.5, 0.3, 1), "Specular": 0.0}
-    found.append(Case("ShaderNodeBsdfPrincipled", {}, inputs))
     return found
 
 
-CASES = _coordinates() + _bumps() + _displacements() + _images() + _shaders()
+def _principled_up_to_3() -> list[Case]:
+    inputs = {"Sheen": 1.0, "Sheen Tint": 0.7, "Base Color": (0.8, 0.5, 0.3, 1), "Specular": 0.0}
+    return [Case("ShaderNodeBsdfPrincipled", {}, inputs)]
+
+
+def _principled_since_4() -> list[Case]:
+    """Each layer alone, and over what it takes light from. None shines: it would light the others, by chance."""
+    tint, full = (0.4, 0.7, 0.9, 1), {"Coat Weight": 1.0, "Coat Roughness": 0.4}
+    sheen = {"Sheen Weight": 1.0, "Sheen Roughness": 0.4}
+    varied = [
+        {},
+        {"IOR": 2.2, "Specular Tint": tint},
+        {"Specular IOR Level": 1.0},
+        {"Specular IOR Level": 0.0},
+        {"IOR": 0.7},
+        {"Metallic": 1.0},
+        {"Metallic": 1.0, "Specular Tint": tint},
+        {"Metallic": 0.5, "Roughness": 0.9},
+        {"Transmission Weight": 0.6, "Roughness": 0.4},
+        {"Transmission Weight": 0.6, "Roughness": 0.4, "Specular Tint": tint},
+        full,
+        {**full, "Coat IOR": 2.5, "Metallic": 1.0},
+        {**full, "Coat Tint": tint, "Specular IOR Level": 0.0},
+        {**full, "Coat Weight": 0.5, "Coat Tint": tint, "Coat Roughness": 0.6},
+        {**full, "Coat Normal": "bumped"},
+        sheen,
+        {**sheen, "Sheen Roughness": 0.8, "Sheen Tint": tint, "Sheen Weight": 0.7},
+        {**sheen, **full, "Coat Normal": "bumped"},
+    ]
+    color = {"Base Color": (0.8, 0.5, 0.3, 1), "Roughness": 0.5}
+    node = "ShaderNodeBsdfPrincipled"
+    cases = [Case(node, {"distribution": name}, {**color, **more}) for more in varied for name in ("GGX", "MULTI_GGX")]
+    if bpy.app.version >= (4, 3, 0):
+        cases.append(Case(node, {}, {**color, "Diffuse Roughness": 0.8, "Specular IOR Level": 0.0}))
+    return cases
+
+
+def _of_this_version() -> list[Case]:
+    principled = _principled_up_to_3 if bpy.app.version < (4, 0, 0) else _principled_since_4
+    every = _coordinates() + _bumps() + _displacements() + _images() + _shaders() + principled()
+    # Nodes come and go: Velvet became a kind of Sheen in 4.0.
+    return [case for case in every if hasattr(bpy.types, case.node)]
+
+
+CASES = _of_this_version()

@@ -81,8 +81,9 @@ class View:
     sockets = {
         "Base Color": (0.8, 0.8, 0.8, 1), "Metallic": 0, "Roughness": 0.5, "IOR": 2, "Alpha": 1, "Subsurface Weight": 0,
         "Specular IOR Level": 0.5, "Specular Tint": (1, 1, 1, 1), "Anisotropic": 0, "Anisotropic Rotation": 0,
-        "Transmission Weight": 0.125, "Coat Weight": 0.25, "Coat Roughness": 0.375, "Sheen Weight": 0.625,
-        "Sheen Tint": (1, 1, 1, 1), "Emission Color": (1, 0.5, 0.25, 1), "Emission Strength": 3,
+        "Transmission Weight": 0.125, "Coat Weight": 0.25, "Coat Roughness": 0.375, "Coat IOR": 1.5,
+        "Coat Tint": (0.75, 1, 1, 1), "Sheen Weight": 0.625, "Sheen Roughness": 0.875, "Sheen Tint": (1, 1, 1, 1),
+        "Emission Color": (1, 0.5, 0.25, 1), "Emission Strength": 3, "Thin Film Thickness": 200,
     }
     node = SimpleNamespace(distribution="GGX")
 
@@ -111,36 +112,14 @@ class View:
 view = View(recording_core.install())
 compiler.CLOSURE_NODES["ShaderNodeBsdfPrincipled"](view, view.emitter.scalar(1))
 program = view.emitter.program
-report(operands=program.operands(program.line("principled")), texts=view.texts)
+report(operands=program.operands(program.line("principled_layers")), texts=view.texts)
 """
 
 
-def test_principled_of_blender_4_becomes_the_same_operation(run_blender):
+def test_principled_of_blender_4_becomes_layers(run_blender):
     run = run_blender("import recording_core\n" + PRINCIPLED_OF_4).report
     operands = [None if value is None else value[0] for value in run["operands"]]
-    reflectance = ((2 - 1) / (2 + 1)) ** 2  # of the index of refraction; the level of 0.5 leaves it as it is
-    expected = [
-        1,
-        0.8,
-        0,
-        reflectance / 0.08,
-        0,
-        0.5,
-        0,
-        0,
-        0.625,
-        0,
-        4 * 0.25,
-        0.375,
-        2,
-        0.125,
-        0,
-        1,
-        3,
-        1,
-        None,
-        None,
-        None,
-    ]
-    assert operands == pytest.approx(expected)
-    assert run["texts"] == []
+    body, sheen, coat = [1, 0.8, 0, 0.5, 1, 0.5, 0, 0], [0.625, 0.875, 1], [0.25, 0.375, 1.5, 0.75]
+    assert operands == pytest.approx([*body, *sheen, *coat, 1, 3, 1, 2, 0.125, None, None, None, 0])
+    (text,) = run["texts"]
+    assert "Thin Film" in text

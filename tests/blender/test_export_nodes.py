@@ -198,49 +198,56 @@ report(plain=told(program.operands(program.line("diffuse"))[1]), empty=sent.mate
     assert run["texts"] == []
 
 
-def test_principled_takes_its_sockets_by_name_and_those_of_subsurface_scattering_where_it_has_a_share(run_blender):
-    run = run_blender(
-        START
-        + """
+PRINCIPLED = """
 node = nodes.new("ShaderNodeBsdfPrincipled")
 links.new(node.outputs[0], output.inputs["Surface"])
-from rayleaf.versions import PRINCIPLED_SOCKETS
-from rayleaf.export.nodes.closures import PRINCIPLED_NEUTRAL
-newest = {names[-1]: names[0] for names in PRINCIPLED_SOCKETS.values()}
-# What is left out, or means something else in Blender 4: the test of its Principled has that.
-other = {"Weight", "Specular IOR Level", "Coat Weight", *PRINCIPLED_NEUTRAL}
-numbers = [s for s in node.inputs if s.type == "VALUE" and not s.name.startswith("Subsurface") and s.name not in other]
-for number, socket in enumerate(numbers):
-    socket.default_value = (number + 1) / 32
-names = ["weight", "Base Color", "Metallic", "Specular", "Specular Tint", "Roughness", "Anisotropic", "Anisotropic Rotation",
-         "Sheen", "Sheen Tint", "Clearcoat", "Clearcoat Roughness", "IOR", "Transmission", "Transmission Roughness",
-         "Emission", "Emission Strength", "Alpha", "Normal", "Clearcoat Normal", "Tangent"]
+numbers = [each for each in node.inputs if each.type == "VALUE" and each.name in NAMES]
+for number, each in enumerate(numbers):
+    each.default_value = (number + 1) / 32
 program, texts = compiled()
-operands = program.operands(program.line("principled"))
-compared = [(value, socket) for name, value in zip(names, operands)
-            for socket in numbers if socket.name in (name, newest.get(name))]
-wrong = [socket.name for value, socket in compared if abs(value[0] - socket.default_value) > 1e-6]
-report(count=len(operands), compared=len(compared), wrong=wrong, unlinked=operands[18:20], texts=texts,
-       tangent=told(operands[20]))
+operands = program.operands(program.line(OPERATION))
+compared = [(value, each) for name, value in zip(NAMES, operands) for each in numbers if each.name == name]
+wrong = [each.name for value, each in compared if abs(value[0] - each.default_value) > 1e-6]
+report(count=len(operands), compared=len(compared), wrong=wrong, unlinked=[operands[NAMES.index(n)] for n in NORMALS],
+       texts=texts, tangent=told(operands[NAMES.index("Tangent")]))
 node.inputs[scenes.SUBSURFACE].default_value = 0.5
 found = {}
 for method in node.bl_rna.properties["subsurface_method"].enum_items.keys():
     node.subsurface_method = method
     program, texts = compiled()
-    line = program.line("principled")
-    found[method] = [program.operands(line)[21][0], len(line["operands"]), line["ints"], len(texts)]
-report(found=found, version=bpy.app.version[0])
+    line = program.line(OPERATION)
+    found[method] = [program.operands(line)[len(NAMES)][0], len(line["operands"]), line["ints"], len(texts)]
+report(found=found)
 """
+DISNEY = [
+    *("weight", "Base Color", "Metallic", "Specular", "Specular Tint", "Roughness", "Anisotropic"),
+    *("Anisotropic Rotation", "Sheen", "Sheen Tint", "Clearcoat", "Clearcoat Roughness", "IOR", "Transmission"),
+    *("Transmission Roughness", "Emission", "Emission Strength", "Alpha", "Normal", "Clearcoat Normal", "Tangent"),
+]
+LAYERS = [
+    *("weight", "Base Color", "Metallic", "Specular IOR Level", "Specular Tint", "Roughness", "Anisotropic"),
+    *("Anisotropic Rotation", "Sheen Weight", "Sheen Roughness", "Sheen Tint", "Coat Weight", "Coat Roughness"),
+    *("Coat IOR", "Coat Tint", "Emission Color", "Emission Strength", "Alpha", "IOR", "Transmission Weight"),
+    *("Normal", "Coat Normal", "Tangent", "Diffuse Roughness"),
+]
+
+
+def test_principled_takes_its_sockets_by_name_and_those_of_subsurface_scattering_where_it_has_a_share(run_blender):
+    has_layers = run_blender("import bpy\nreport(found=bpy.app.version >= (4, 0, 0))").report["found"]
+    names, operation = (LAYERS, "principled_layers") if has_layers else (DISNEY, "principled")
+    normals = [name for name in names if name.endswith("Normal")]
+    run = run_blender(
+        START + f"NAMES, OPERATION, NORMALS = {names!r}, {operation!r}, {normals!r}\n" + PRINCIPLED
     ).report
-    assert run["count"] == 21
-    assert run["compared"] == (15 if run["version"] < 4 else 10)
+    assert run["count"] == len(names)
+    assert run["compared"] >= 15
     assert run["wrong"] == []
     assert run["unlinked"] == [None, None]
     assert run["tangent"] == ["radial_tangent", "", [2]]  # Blender's own, around the object
     assert run["texts"] == []
-    told = 0 if run["version"] < 4 else 1
-    assert run["found"]["BURLEY"] == [0.5, 26, [0], told + 1]
-    assert run["found"]["RANDOM_WALK"] == [0.5, 26, [1 if run["version"] < 4 else 0], told]
+    count = len(names) + (4 if has_layers else 5)  # layers have no colour of their own below the surface
+    assert run["found"]["BURLEY"] == [0.5, count, [0], 1]
+    assert run["found"]["RANDOM_WALK"] == [0.5, count, [0 if has_layers else 1], 0]
 
 
 def test_ramps_and_curves_become_tables_of_blenders_own_values(run_blender):

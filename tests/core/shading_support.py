@@ -47,6 +47,22 @@ def principled(text: str = "", **values: Any) -> Any:
     return program_with("principled", list({**PRINCIPLED_DEFAULTS, **values}.values()), text)
 
 
+LAYERS_DEFAULTS = {
+    **{"weight": 1.0, "base_color": (0.8, 0.8, 0.8), "metallic": 0.0, "specular_level": 0.5},
+    **{"specular_tint": (1.0, 1.0, 1.0), "roughness": 0.5, "anisotropic": 0.0, "anisotropic_rotation": 0.0},
+    **{"sheen": 0.0, "sheen_roughness": 0.5, "sheen_tint": (1.0, 1.0, 1.0), "coat": 0.0, "coat_roughness": 0.03},
+    **{"coat_ior": 1.5, "coat_tint": (1.0, 1.0, 1.0), "emission_color": (0.0, 0.0, 0.0), "emission_strength": 1.0},
+    **{"alpha": 1.0, "ior": 1.45, "transmission": 0.0, "normal": None, "coat_normal": None, "tangent": None},
+    **{"diffuse_roughness": 0.0},
+}
+
+
+def layers(text: str = "MULTI_GGX", **values: Any) -> Any:
+    """A Principled material of Blender 4, by name of operand; the rest as Blender has it."""
+    assert set(values) <= set(LAYERS_DEFAULTS)
+    return program_with("principled_layers", list({**LAYERS_DEFAULTS, **values}.values()), text)
+
+
 def direction(cosine: float, azimuth: float = 0.4) -> NDArray[np.float32]:
     """A unit vector at an angle to +z."""
     sine = np.sqrt(1.0 - cosine * cosine)

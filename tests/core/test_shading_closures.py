@@ -13,6 +13,7 @@ from shading_support import (
     closures,
     direction,
     integrated,
+    layers,
     principled,
     program_with,
     stratified,
@@ -33,6 +34,12 @@ def rough_lobes():
         "principled_diffuse": principled(base_color=WHITE, specular=0.0, roughness=0.7),
         "clearcoat": principled(base_color=(0.0, 0.0, 0.0), specular=0.0, clearcoat=1.0, clearcoat_roughness=0.5),
         "anisotropic": principled(base_color=WHITE, metallic=1.0, roughness=0.6, anisotropic=0.8),
+        "rough_keeping_energy": program_with("diffuse", [1.0, WHITE, 0.8, None], ints=[1]),
+        "microfibres": program_with("microfibres", [1.0, WHITE, 0.4, None]),
+        "microfibres_smooth": program_with("microfibres", [1.0, WHITE, 0.25, None]),
+        "layers": layers(metallic=0.2, coat=1.0, coat_roughness=0.4, sheen=0.7, transmission=0.4),
+        "metal": layers("GGX", base_color=(1.0, 0.7, 0.2), metallic=1.0, specular_tint=(0.3, 0.6, 1.0)),
+        "toon_in_front": program_with("toon", [1.0, WHITE, 0.8, 0.4, None], "GLOSSY", ints=[1]),
         "principled": principled(metallic=0.3, clearcoat=1.0, clearcoat_roughness=0.4, sheen=0.5, transmission=0.4),
     }
     for text in MICROFACETS:
@@ -102,6 +109,44 @@ def test_compensated_reflection_gives_back_all_light(roughness, cosine):
     outgoing = direction(cosine)
     share = albedo(closures(program_with("glossy", [1.0, WHITE, roughness], "MULTI_GGX"), outgoing), outgoing)
     np.testing.assert_allclose(share, 1.0, atol=0.01)
+
+
+@pytest.mark.parametrize("roughness", (0.3, 1.0))
+@pytest.mark.parametrize("cosine", COSINES)
+def test_a_rough_white_surface_that_keeps_its_energy_scatters_all_light(roughness, cosine):
+    outgoing = direction(cosine)
+    share = albedo(closures(program_with("diffuse", [1.0, WHITE, roughness, None], ints=[1]), outgoing), outgoing)
+    np.testing.assert_allclose(share, 1.0, atol=0.02)
+
+
+@pytest.mark.parametrize("roughness", (0.2, 0.6, 1.0))
+@pytest.mark.parametrize("cosine", (1.0, 0.6, 0.3))
+@pytest.mark.parametrize("more", ({}, {"metallic": 1.0}, {"transmission": 1.0}, {"sheen": 1.0}))
+def test_white_layers_lose_little_light_and_make_none(roughness, cosine, more):
+    outgoing = direction(cosine)
+    share = albedo(closures(layers(base_color=WHITE, roughness=roughness, **more), outgoing), outgoing)
+    # What a layer lets through on the way in is dimmed by the viewer's angle alone.
+    assert (share > 0.9).all() and (share < 1.03).all(), share
+
+
+def test_a_coat_dims_emission_by_what_it_reflects_and_tints_it_by_the_way_through_it():
+    tint, cosine, ior = np.array((0.5, 0.8, 1.0)), 0.4, 1.6
+    outgoing = direction(cosine)
+    program = layers(emission_color=WHITE, coat=1.0, coat_ior=ior, coat_tint=tuple(tint))
+    point = shading.surface_points(np.zeros((1, 3), np.float32), UP[None], outgoing[None])
+    inside = np.sqrt(1 - (1 - cosine**2) / ior**2)
+    s, p = (cosine - ior * inside) / (cosine + ior * inside), (inside - ior * cosine) / (inside + ior * cosine)
+    np.testing.assert_allclose(
+        point.results(program)["emission"][0], (1 - (s * s + p * p) / 2) * tint ** (1 / inside), rtol=1e-5
+    )
+
+
+def test_the_tint_of_a_metal_is_its_reflectance_near_82_degrees():
+    color, tint = np.array((0.9, 0.6, 0.3)), np.array((0.2, 0.5, 1.0))
+    outgoing = direction(1 / 7, 0.0)
+    metal = layers("GGX", base_color=tuple(color), metallic=1.0, roughness=0.0, specular_tint=tuple(tint))
+    sample = closures(metal, outgoing).sample(outgoing, UP, np.float32([[0.3, 0.4, 0.5]]))
+    np.testing.assert_allclose(sample["weight"][0], tint * (color + (1 - color) * (6 / 7) ** 5), rtol=1e-5)
 
 
 @pytest.mark.parametrize("roughness", (0.3, 0.6, 1.0))
@@ -250,6 +295,21 @@ def test_principled_is_finite_for_any_numbers(numbers, text, view, light, tilt):
     outgoing, incoming = direction(*view), direction(*light)
     normal = np.float32((np.sin(tilt), 0, np.cos(tilt)))
     lobes = closures(program_with("principled", operands, text), outgoing, normal=normal)
+    check_finite(lobes, outgoing, incoming)
+
+
+@given(
+    st.lists(extreme, min_size=24, max_size=24),
+    st.sampled_from(["", "MULTI_GGX"]),
+    unit,
+    unit,
+    st.floats(0, 6.25, width=32),
+)
+def test_layers_are_finite_for_any_numbers(numbers, text, view, light, tilt):
+    operands = [*numbers[:20], None, None, None, numbers[23]]
+    outgoing, incoming = direction(*view), direction(*light)
+    normal = np.float32((np.sin(tilt), 0, np.cos(tilt)))
+    lobes = closures(program_with("principled_layers", operands, text), outgoing, normal=normal)
     check_finite(lobes, outgoing, incoming)
 
 

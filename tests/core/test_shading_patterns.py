@@ -16,7 +16,8 @@ GRADIENTS = ("LINEAR", "QUADRATIC", "EASING", "DIAGONAL", "SPHERICAL", "QUADRATI
 OPERATIONS = [
     *(("noise", 9, "", [n, normal, kind]) for n, normal, kind in product((1, 2, 3, 4), (0, 1), range(5))),
     *(("musgrave", 8, kind, [n]) for kind, n in product(FRACTALS, (1, 2, 3, 4))),
-    *(("voronoi", 6, kind, [n, m, r]) for kind, n, m, r in product(FEATURES, (1, 2, 3, 4), range(4), (0, 1))),
+    *(("voronoi", 9, kind, [n, m, r, 0, r]) for kind, n, m, r in product(FEATURES, (1, 2, 3, 4), range(4), (0, 1))),
+    *(("voronoi", 9, kind, [n, 0, r, 1, 0]) for kind, n, r in product(FEATURES, (1, 2, 3, 4), (0, 1))),
     *(("white_noise", 2, "", [n]) for n in (1, 2, 3, 4)),
     *(("gradient", 1, kind, []) for kind in GRADIENTS),
     *(("wave", 7, kind, [s, axis]) for kind, s, axis in product(("SIN", "SAW", "TRI"), (0, 1), range(4))),
@@ -53,7 +54,7 @@ def test_operands_that_are_no_numbers_end_as_a_picture_of_numbers(identifier, co
 DEFAULTS = {
     "noise": (0.3, 5.0, 2.0, 0.5, 0.1, 2.0, 0.0, 1.0),
     "musgrave": (0.3, 5.0, 2.5, 2.0, 2.0, 0.0, 1.0),
-    "voronoi": (0.3, 5.0, 1.0, 0.5, 1.0),
+    "voronoi": (0.3, 5.0, 1.0, 0.5, 1.0, 2.6, 0.6, 2.1),
     "white_noise": (0.3,),
     "gradient": (),
     "wave": (5.0, 1.0, 2.0, 1.0, 0.5, 0.0),
@@ -101,6 +102,22 @@ def test_a_cells_border_lies_between_its_two_nearest_points():
     to_plane = np.einsum("ij,ij->i", (first + second) / 2 - places, apart) / np.linalg.norm(apart, axis=1)
     assert (border <= to_plane + 1e-5).all()
     assert np.isclose(border, to_plane, atol=1e-5).mean() > 0.6
+
+
+def test_octaves_of_cells_add_up_and_the_last_may_be_a_fraction():
+    places = np.random.default_rng(4).uniform(-9, 9, (200, 3)).astype(np.float32)
+    octaves = [values("voronoi", places, (0, scale, 0, 1, 1), "F1", [3, 0, 0]) for scale in (1.0, 2.0, 4.0)]
+    found = values("voronoi", places, (0, 1, 0, 1, 1, 1.25, 0.5, 2.0), "F1", [3, 0, 0])
+    np.testing.assert_allclose(found, octaves[0] + 0.5 * octaves[1] + 0.25 * 0.25 * octaves[2], atol=2e-5)
+
+
+@pytest.mark.parametrize("hash_function", (0, 1))
+@pytest.mark.parametrize("feature", FEATURES[:4])
+def test_normalized_cells_lie_in_the_unit_interval_and_reach_far_into_it(feature, hash_function):
+    places = np.random.default_rng(5).uniform(-9, 9, (2000, 3)).astype(np.float32)
+    ints = [3, 0, 0, 1, hash_function]
+    distance = values("voronoi", places, (0, 1, 0.5, 1, 1, 2.5, 0.5, 2.0), feature, ints)[:, 3]
+    assert -0.1 < distance.min() and 0.25 < distance.max() <= 1.0
 
 
 def test_noise_of_later_blenders_is_musgraves_with_one_octave_more():

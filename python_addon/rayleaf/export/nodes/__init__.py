@@ -6,6 +6,18 @@
 
 def load_nodes() -> None:
     """Make the families of nodes known to the compiler."""
-    from . import closures, colors, inputs, lamps, maths, patterns, sky, spread, textures, volumes
+    from . import closures, colors, inputs, lamps, maths, patterns, principled, sky, spread, textures, volumes
 
-    assert closures and colors and inputs and lamps and maths and patterns and sky and spread and textures and volumes
+    assert (
+        closures
+        and colors
+        and inputs
+        and lamps
+        and maths
+        and patterns
+        and principled
+        and sky
+        and spread
+        and textures
+        and volumes
+    )

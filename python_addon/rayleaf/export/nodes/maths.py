@@ -1,15 +1,18 @@
 """Nodes that calculate: Math, Vector Math, Map Range, Clamp, Mapping, and the vector nodes."""
 
 from ...names import text_of
+from ...versions import transforms_normals
 from ..mesh_derived import TANGENT_OF
 from .compiler import NodeView, value_node
 from .curves import curve_table
 from .emitter import UNCONNECTED, Register
 
 # Vector Math operations by the inputs they read.
-_UNARY = {"NORMALIZE", "LENGTH", "ABSOLUTE", "FLOOR", "CEIL", "FRACTION", "SINE", "COSINE", "TANGENT"}
+_UNARY = {"NORMALIZE", "LENGTH", "ABSOLUTE", "FLOOR", "CEIL", "FRACTION", "SINE", "COSINE", "TANGENT", "SIGN", "ROUND"}
 _TERNARY = {"MULTIPLY_ADD", "FACEFORWARD", "WRAP"}
 _SCALED = {"SCALE", "REFRACT"}
+_FILTER_WIDTH = 0.1  # of Bump, as Blender makes it
+_NEAR = 1e-6  # single precision's share in it
 
 
 @value_node("ShaderNodeMath")
@@ -85,13 +88,16 @@ def vector_rotate(view: NodeView, output: str) -> Register:
 def vector_transform(view: NodeView, output: str) -> Register:
     """Vector Transform."""
     node, spaces = view.node, ("WORLD", "OBJECT", "CAMERA")
-    ints = [spaces.index(node.convert_from), spaces.index(node.convert_to)]
+    ints = [spaces.index(node.convert_from), spaces.index(node.convert_to), *([1] if transforms_normals() else [])]
     return view.emitter.operation("transform", [view.input("Vector")], ints, text=node.vector_type)
 
 
 @value_node("ShaderNodeBump")
 def bump(view: NodeView, output: str) -> Register:
-    """Bump."""
+    """Bump. Heights are compared over the ray's width, where later Blenders take a share of it."""
+    share = view.emitter.value_of(view.input("Filter Width", default=_FILTER_WIDTH))
+    if share is None or abs(share[0] - _FILTER_WIDTH) > _NEAR:
+        view.warn("Filter Width is not supported; heights are compared over the ray's width")
     height = view.linked("Height")
     if height == UNCONNECTED:  # as high everywhere
         normal = view.normal("Normal")

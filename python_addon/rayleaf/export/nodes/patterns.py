@@ -1,11 +1,14 @@
 """Textures that are computed from their coordinate: noises, cells, and regular patterns."""
 
+from ...versions import voronoi_hash
 from .compiler import NodeView, value_node
 from .emitter import Register
 from .textures import name_hidden_mapping
 
 # Positions in the core's lists.
 _FRACTALS = ("FBM", "MULTIFRACTAL", "HYBRID_MULTIFRACTAL", "RIDGED_MULTIFRACTAL", "HETERO_TERRAIN")
+_VORONOI_OCTAVES = {"Detail": 0.0, "Roughness": 0.5, "Lacunarity": 2.0}
+_VORONOI_HASHES = ("JENKINS", "PCG")
 _METRICS = ("EUCLIDEAN", "MANHATTAN", "CHEBYCHEV", "MINKOWSKI")
 _AXES = {"X": 0, "Y": 1, "Z": 2, "DIAGONAL": 3, "SPHERICAL": 3}
 
@@ -65,21 +68,10 @@ def musgrave(view: NodeView, output: str) -> Register:
     return view.emitter.operation("musgrave", operands, [dimensions], text=node.musgrave_type)
 
 
-def _name_octaves(view: NodeView) -> None:
-    """Blender 4 adds octaves to Voronoi."""
-    if view.socket("Detail") is not None:
-        known = view.emitter.value_of(view.input("Detail"))
-        if known is None or known[0] != 0.0:
-            view.warn("octaves of Voronoi (Detail) are not supported; rendered without")
-    if getattr(view.node, "normalize", False):
-        view.warn("normalized Voronoi is not supported; rendered as it is")
-
-
 @value_node("ShaderNodeTexVoronoi")
 def voronoi(view: NodeView, output: str) -> Register:
-    """Voronoi Texture."""
+    """Voronoi Texture. Blender 4.0 gave it octaves."""
     name_hidden_mapping(view)
-    _name_octaves(view)
     node, emitter = view.node, view.emitter
     dimensions = int(node.voronoi_dimensions[0])
     place = output in ("Position", "W")
@@ -87,6 +79,9 @@ def voronoi(view: NodeView, output: str) -> Register:
     operands += [view.input("Scale"), _shown(view, "Smoothness", 0.0), _shown(view, "Exponent", 1.0)]
     operands.append(view.input("Randomness"))
     ints = [dimensions, _METRICS.index(node.distance), int(place)]
+    if view.socket("Detail") is not None:
+        operands += [_shown(view, name, default) for name, default in _VORONOI_OCTAVES.items()]
+        ints += [int(node.normalize), _VORONOI_HASHES.index(voronoi_hash())]
     result = emitter.operation("voronoi", operands, ints, text=node.feature)
     return result if output in ("Color", "Position") else emitter.component(result, 3)
 

@@ -1,6 +1,7 @@
 """Shader nodes of light that goes through what it meets: hair, and bodies below their surface."""
 
 from ..attributes import STRAND_INFO, STRAND_RANDOM
+from .closures import may_be_other_than
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
 
@@ -35,6 +36,9 @@ def subsurface(view: NodeView, weight: Register) -> None:
     """Subsurface Scattering."""
     operands = [weight, view.input("Color"), view.input("Scale"), view.input("Radius")]
     operands += [view.input("IOR", default=1.4), view.input("Anisotropy", "Subsurface Anisotropy")]
+    roughness = view.socket("Roughness")  # 4.2
+    if roughness is not None and roughness.enabled and may_be_other_than(view, view.input("Roughness"), 1.0):
+        view.warn("light enters as below a matte surface; Roughness is not supported")
     method = method_of(view, view.node.falloff)
     view.emitter.operation("subsurface", [*operands, view.normal("Normal")], [method])
 

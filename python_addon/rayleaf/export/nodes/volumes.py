@@ -10,12 +10,16 @@ def absorption(view: NodeView, weight: Register) -> None:
     view.emitter.operation("volume_absorption", [weight, view.input("Color"), view.input("Density")])
 
 
-@volume_node("ShaderNodeVolumeScatter")
-def scatter(view: NodeView, weight: Register) -> None:
-    """Volume Scatter."""
+def _name_phase(view: NodeView) -> None:
     phase = getattr(view.node, "phase", "HENYEY_GREENSTEIN")  # 4.3
     if phase != "HENYEY_GREENSTEIN":
         view.warn(f"the phase function {phase.title().replace('_', '-')} is not supported; Henyey-Greenstein is taken")
+
+
+@volume_node("ShaderNodeVolumeScatter")
+def scatter(view: NodeView, weight: Register) -> None:
+    """Volume Scatter."""
+    _name_phase(view)
     operands = [weight, view.input("Color"), view.input("Density"), view.input("Anisotropy")]
     view.emitter.operation("volume_scatter", operands)
 
@@ -23,6 +27,7 @@ def scatter(view: NodeView, weight: Register) -> None:
 @volume_node("ShaderNodeVolumeCoefficients")
 def coefficients(view: NodeView, weight: Register) -> None:
     """Volume Coefficients of 4.5: each by itself."""
+    _name_phase(view)
     emitter, one = view.emitter, view.emitter.scalar(1.0)
     left = emitter.operation("vector_math", [one, view.input("Absorption Coefficients")], text="SUBTRACT")
     emitter.operation("volume_absorption", [weight, left, one])

@@ -1,0 +1,185 @@
+#include "shading/principled_layers.h"
+
+#include "shading/fresnel.h"
+#include "shading/microfacet_albedo.h"
+#include "shading/microfibres.h"
+#include "shading/operands.h"
+#include "shading/operations_math.h"
+
+#include <utility>
+
+namespace rayleaf {
+namespace {
+
+Color power(const Color& base, float exponent) {
+    return {std::pow(base.x, exponent), std::pow(base.y, exponent), std::pow(base.z, exponent)};
+}
+Color blended(const Color& a, const Color& b, float share) {
+    return a * (1.0f - share) + b * share;
+}
+Color at_most_one(const Color& c) {
+    return {std::min(c.x, 1.0f), std::min(c.y, 1.0f), std::min(c.z, 1.0f)};
+}
+
+float cosine_to_viewer(const PrincipledLayers& p, const Vec3f& normal) {
+    return saturate(normal.dot(p.outgoing));
+}
+
+/// What a layer leaves to those below: one share for all channels, by the one that it reflects most of, so that a
+/// coloured layer does not tint what it covers.
+Color below(const Color& weight, const Color& reflected) {
+    float most = 0.0f;
+    for (int c = 0; c < 3; ++c)
+        if (weight[c] > 0.0f) most = std::max(most, reflected[c] / weight[c]);
+    return weight * saturate(1.0f - most);
+}
+
+Lobe microfacet_lobe(LobeType type, LobeKind kind, const Vec3f& normal, float alpha, const Color& weight) {
+    Lobe lobe;
+    lobe.type = type;
+    lobe.kind = kind;
+    lobe.masking = Masking::Joint;
+    lobe.normal = normal;
+    lobe.alpha_x = lobe.alpha_y = alpha;
+    lobe.weight = weight;
+    return lobe;
+}
+
+/// Of the metal's and the body's reflection.
+Lobe anisotropic_lobe(const PrincipledLayers& p, const Color& weight) {
+    const float alpha = p.roughness * p.roughness, aspect = std::sqrt(1.0f - 0.9f * p.anisotropic);
+    Lobe lobe = microfacet_lobe(LobeType::Reflection, LobeKind::Glossy, p.normal, alpha, weight);
+    lobe.alpha_x = alpha / aspect;
+    lobe.alpha_y = alpha * aspect;
+    lobe.tangent = rotated(p.tangent, p.normal, p.rotation * 2.0f * kPi);
+    return lobe;
+}
+
+Color add_sheen(const PrincipledLayers& p, const Color& weight, Closures& closures) {
+    constexpr float kLeastAlbedo = 1e-5f;  // as Cycles
+    Lobe lobe;
+    lobe.normal = normalized_or(blended(p.normal, p.coat_normal, saturate(p.coat)), p.normal);
+    const Microfibres fibres = microfibres(p.sheen_roughness, cosine_to_viewer(p, lobe.normal));
+    if (fibres.albedo < kLeastAlbedo) return weight;
+    set_microfibres(lobe, fibres, p.outgoing);
+    lobe.weight = weight * p.sheen_tint * (p.sheen * fibres.albedo);
+    closures.add(lobe);
+    return below(weight, lobe.weight);
+}
+
+Color add_coat(const PrincipledLayers& p, Color weight, Closures& closures) {
+    const float cosine = cosine_to_viewer(p, p.coat_normal);
+    Lobe lobe = microfacet_lobe(LobeType::Reflection, LobeKind::Glossy, p.coat_normal,
+                                p.coat_roughness * p.coat_roughness, weight * p.coat);
+    lobe.fresnel = Lobe::Fresnel::Dielectric;
+    lobe.ior = p.coat_ior;
+    closures.add(lobe);
+    weight = below(weight, lobe.weight * dielectric_fresnel(cosine, lobe.ior));
+    if (p.coat_tint == Color(1.0f)) return weight;
+    const float inside = std::sqrt(1.0f - (1.0f - cosine * cosine) / (p.coat_ior * p.coat_ior));
+    return weight * blended(Color(1.0f), power(p.coat_tint, 1.0f / inside), p.coat);
+}
+
+/// The factor that gives back what facets lose, and the share of it that a layer below counts.
+std::pair<Color, Color> multiple_scattering(const PrincipledLayers& p, const Color& mean_fresnel) {
+    if (!p.multiple_scattering) return {Color(1.0f), Color(1.0f)};
+    const float alpha = p.roughness * p.roughness, cosine = cosine_to_viewer(p, p.normal);
+    const float albedo = ggx_reflection_albedo(alpha, cosine, Masking::Joint);
+    const Color again = repeated_fresnel(mean_fresnel, ggx_mean_albedo(alpha));
+    const Color factor = energy_compensation(again, albedo);
+    return {factor, factor * albedo};
+}
+
+void add_metal(const PrincipledLayers& p, const Color& weight, Closures& closures) {
+    Lobe lobe = anisotropic_lobe(p, weight);
+    lobe.fresnel = Lobe::Fresnel::Metal;
+    lobe.fresnel_0 = at_most_one(p.base_color);
+    lobe.radius = metal_dip(lobe.fresnel_0, at_most_one(p.specular_tint));
+    lobe.weight = lobe.weight * multiple_scattering(p, mean_metal_fresnel(lobe.fresnel_0, lobe.radius)).first;
+    closures.add(lobe);
+}
+
+void add_glass(const PrincipledLayers& p, const Color& weight, Closures& closures) {
+    const float alpha = p.roughness * p.roughness, cosine = cosine_to_viewer(p, p.normal);
+    const float ior = p.from_inside ? 1.0f / p.ior : p.ior;
+    const bool white = p.specular_tint == Color(1.0f);
+    const Color scale = p.multiple_scattering
+                            ? energy_compensation(Color(1.0f), ggx_glass_albedo(alpha, cosine, ior, Masking::Joint))
+                            : Color(1.0f);
+    Lobe lobe = microfacet_lobe(LobeType::Reflection, LobeKind::Glossy, p.normal, alpha, weight * scale);
+    lobe.fresnel = white ? Lobe::Fresnel::Dielectric : Lobe::Fresnel::Schlick;
+    lobe.ior = ior;
+    lobe.fresnel_0 = p.specular_tint * normal_fresnel(ior);
+    closures.add(lobe);
+    lobe.type = LobeType::Refraction;
+    lobe.kind = LobeKind::Transmission;
+    lobe.weight = lobe.weight * power(at_most_one(p.base_color), 0.5f);  // light crosses the surface twice
+    closures.add(lobe);
+}
+
+/// Index of refraction of a reflectance at normal incidence.
+float index_of_reflectance(float reflectance) {
+    constexpr float kMost = 0.99f;  // beyond, the index runs to infinity
+    const float root = std::sqrt(std::clamp(reflectance, 0.0f, kMost));
+    return (1.0f + root) / (1.0f - root);
+}
+
+Color add_reflection(const PrincipledLayers& p, const Color& weight, Closures& closures) {
+    float ior = p.ior, fresnel_0 = normal_fresnel(p.ior);
+    if (p.specular_level != 0.5f) {
+        fresnel_0 *= 2.0f * p.specular_level;
+        ior = index_of_reflectance(fresnel_0);
+        if (p.ior < 1.0f) ior = 1.0f / ior;
+    }
+    if (ior == 1.0f) return weight;
+    Lobe lobe = anisotropic_lobe(p, weight);
+    lobe.fresnel = Lobe::Fresnel::Schlick;
+    lobe.ior = ior;
+    lobe.fresnel_0 = p.specular_tint * fresnel_0;
+    const auto [factor, counted] =
+        multiple_scattering(p, blended(lobe.fresnel_0, Color(1.0f), mean_fresnel_rise(lobe.ior)));
+    lobe.weight = weight * factor;
+    closures.add(lobe);
+    const float rise = ggx_fresnel_rise(p.roughness * p.roughness, cosine_to_viewer(p, p.normal), ior);
+    return below(weight, weight * counted * blended(lobe.fresnel_0, Color(1.0f), rise));
+}
+
+void add_body(const PrincipledLayers& p, const Color& weight, Closures& closures) {
+    const float spread = p.after_diffuse ? 0.0f : p.subsurface;
+    if (spread > 0.0f) {
+        SubsurfaceParameters body;
+        body.albedo = at_most_one(p.base_color);
+        body.weight = weight * body.albedo * spread;
+        body.radius = p.subsurface_radius;
+        body.ior = p.subsurface_ior;
+        body.anisotropy = p.subsurface_anisotropy;
+        body.method = p.subsurface_method;
+        body.normal = p.normal;
+        add_subsurface(body, closures);
+    }
+    Lobe diffuse;
+    diffuse.normal = p.normal;
+    diffuse.roughness = p.diffuse_roughness;
+    diffuse.fresnel_0 = at_most_one(p.base_color);
+    diffuse.weight = weight * p.base_color * (1.0f - spread);
+    closures.add(diffuse);
+}
+
+}  // namespace
+
+void add_principled_layers(const PrincipledLayers& p, Closures& closures) {
+    closures.transparency += p.weight * (1.0f - p.alpha);
+    Color weight = p.weight * p.alpha;
+    if (is_black(weight)) return;
+    if (p.sheen > 0.0f) weight = add_sheen(p, weight, closures);
+    if (p.coat > 0.0f) weight = add_coat(p, weight, closures);
+    closures.emission += weight * p.emission;
+    if (p.metallic > 0.0f) add_metal(p, weight * p.metallic, closures);
+    weight = weight * (1.0f - p.metallic);
+    if (p.transmission > 0.0f && !is_black(weight)) add_glass(p, weight * p.transmission, closures);
+    weight = weight * (1.0f - p.transmission);
+    if (is_black(weight)) return;
+    add_body(p, add_reflection(p, weight, closures), closures);
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,70 @@
+"""The Principled node: Disney's model up to Blender 3.6, one of layers since 4.0. The node's sockets say which it is."""
+
+from .closures import may_be_other_than, name_thin_film, tangent_of
+from .compiler import NodeView, closure_node
+from .emitter import UNCONNECTED, Register
+from .spread import method_of
+
+
+@closure_node("ShaderNodeBsdfPrincipled")
+def principled(view: NodeView, weight: Register) -> None:
+    """Principled BSDF."""
+    has_layers = view.socket("Coat Weight") is not None
+    operation, operands = ("principled_layers", _of_layers) if has_layers else ("principled", _of_disney)
+    scattered, method = _subsurface(view, has_layers)
+    registers = [weight, *operands(view), *scattered]
+    view.emitter.operation(operation, registers, method, text=getattr(view.node, "distribution", ""))
+
+
+def _anisotropy(view: NodeView) -> tuple[Register, Register]:
+    """How strong it is, and along what."""
+    strength = view.input("Anisotropic")
+    return strength, tangent_of(view) if may_be_other_than(view, strength, 0.0) else UNCONNECTED
+
+
+def _subsurface(view: NodeView, has_layers: bool) -> tuple[list[Register], list[int]]:
+    """The operands of subsurface scattering, and its method; none where there is none."""
+    share = view.input("Subsurface Weight" if has_layers else "Subsurface")
+    if not may_be_other_than(view, share, 0.0):
+        return [], []
+    radius = view.input("Subsurface Radius")
+    if has_layers:
+        scale = view.input("Subsurface Scale")
+        own = [view.emitter.operation("vector_math", [radius, scale], text="MULTIPLY")]
+    else:
+        own = [view.input("Subsurface Color"), radius]
+    # The sockets of the index and the anisotropy are hidden where the method has none.
+    operands = [share, *own, view.input("Subsurface IOR"), view.input("Subsurface Anisotropy")]
+    return operands, [method_of(view, view.node.subsurface_method)]
+
+
+def _of_disney(view: NodeView) -> list[Register]:
+    anisotropic, tangent = _anisotropy(view)
+    return [
+        *(view.input(name) for name in ("Base Color", "Metallic", "Specular", "Specular Tint", "Roughness")),
+        anisotropic,
+        *(view.input(name) for name in ("Anisotropic Rotation", "Sheen", "Sheen Tint")),
+        *(view.input(name) for name in ("Clearcoat", "Clearcoat Roughness")),
+        *(view.input(name) for name in ("IOR", "Transmission", "Transmission Roughness")),
+        *(view.input(name) for name in ("Emission", "Emission Strength", "Alpha")),
+        view.normal("Normal"),
+        view.normal("Clearcoat Normal"),
+        tangent,
+    ]
+
+
+def _of_layers(view: NodeView) -> list[Register]:
+    name_thin_film(view)
+    anisotropic, tangent = _anisotropy(view)
+    return [
+        *(view.input(name) for name in ("Base Color", "Metallic", "Specular IOR Level", "Specular Tint", "Roughness")),
+        anisotropic,
+        view.input("Anisotropic Rotation"),
+        *(view.input(f"Sheen {name}") for name in ("Weight", "Roughness", "Tint")),
+        *(view.input(f"Coat {name}") for name in ("Weight", "Roughness", "IOR", "Tint")),
+        *(view.input(name) for name in ("Emission Color", "Emission Strength", "Alpha", "IOR", "Transmission Weight")),
+        view.normal("Normal"),
+        view.normal("Coat Normal"),
+        tangent,
+        view.input("Diffuse Roughness"),  # since 4.3
+    ]
