@@ -38,8 +38,8 @@ struct DistributionFrame {
 PixelSample trace_distributed(const DistributionFrame& frame, const CameraRay& camera_ray, const Sampler& sampler,
                               RayCounts& counts, SampleExtras* extras = nullptr);
 
-/// What a ray of a hemisphere, scattered once by a white diffuse surface, brings to it. The settings must ask for light
-/// passes.
+/// The light that a ray of a hemisphere, scattered once by a white diffuse surface, adds to it. The settings must ask
+/// for light passes.
 HemisphereRay trace_hemisphere_ray(const DistributionFrame& frame, const Branch& ray, RayCounts& counts);
 
 /// False where hemisphere rays can find nothing that light sampling does not.

@@ -71,7 +71,7 @@ class DistributionTracer {
     void add_scattered_light(const Branch& branch, const MediumStretch& stretch);
     /// Records light that a ray met, before its throughput; `seen` is its pass where the camera sees it.
     void add(const Branch& branch, const Color& radiance, Pass seen, int group);
-    /// Where programs write their AOVs at the end of the ray; empty where nobody asks.
+    /// Where programs write their AOVs at the end of the ray; empty where none are wanted.
     std::span<Vec4f> aovs(const Branch& branch) const {
         const bool seen = light_.sample.extras && branch.bounces.count() == 0 && !surface_recorded_;
         return seen ? std::span<Vec4f>(light_.sample.extras->slots) : std::span<Vec4f>();

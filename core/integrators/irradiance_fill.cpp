@@ -26,7 +26,7 @@ constexpr int kFewestRays = 256, kMostRays = 4096;
 constexpr float kLeastBrightness = 0.05f;
 constexpr uint32_t kRecordTag = 0x49524143u;
 /// Where more than this share of the points that pixels see are open even near the end, surfaces are too rough to
-/// interpolate on: what is left samples for itself, instead of filling memory with records nobody shares.
+/// interpolate on: the remaining points sample their own hemispheres, instead of filling memory with unshared records.
 constexpr double kMostOpen = 0.75;
 constexpr int kLastSpacings = 2;
 
@@ -149,7 +149,7 @@ class Fill {
     std::unique_ptr<IrradianceCache> cache_;
     HemisphereGrid grid_;
 
-    /// A record tells direct from indirect light by the passes.
+    /// A record separates direct from indirect light by the passes.
     static DistributionSettings with_light_passes(const Settings& settings) {
         DistributionSettings result(settings);
         result.path.light_passes = true;

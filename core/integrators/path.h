@@ -36,7 +36,7 @@ struct PathSettings {
     bool mattes;        ///< any of them
     bool light_passes;  ///< any pass that splits light by the kind of lobe
     bool color_passes;
-    bool ray_passes;                ///< any pass that tells how rays were answered
+    bool ray_passes;                ///< any pass that shows how rays were answered
     bool surface_passes;            ///< any pass that describes the first surface
     bool feature_passes;            ///< any pass that denoisers are guided by
     double mist_start, mist_depth;  ///< world units

@@ -296,7 +296,7 @@ std::optional<Vertex> PathTracer::exit_below(const Vertex& vertex, const LobeSam
     Vertex found;
     found.point = scene_.tracer().surface_point(exit->ray, exit->hit);
     found.differential = vertex.differential;
-    // As if seen from outside. The material tells which normal light leaves by.
+    // Evaluated as seen from outside: the material may bend the normal by which light leaves.
     found.outgoing = Vec3f(exit->ray.direction);
     scene_.shade(found.point, found.outgoing, found.differential, bounces_.at(0), found.closures);
     Lobe lobe;

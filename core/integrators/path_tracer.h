@@ -17,7 +17,7 @@ namespace rayleaf {
 
 /// A ray to a sampled light.
 struct LightRay : FreeWay {
-    Color arriving{0, 0, 0};  ///< light that the path brings to the camera if nothing is in the way
+    Color arriving{0, 0, 0};  ///< light that reaches the camera if nothing blocks it
     ByKind shares;            ///< where the vertex is the first: in the kinds of its lobes
     bool first = false;
     int group = -1;       ///< the light's slot
@@ -79,12 +79,12 @@ class PathTracer {
     /// The ray that arrived, and its hit, where a surface is to be shaded.
     const Ray& ray() const { return ray_; }
     const Hit& hit() const { return *hit_; }
-    /// Completes a vertex of which the surface point is known, and says what the material's program is told.
+    /// Completes a vertex of which the surface point is known; the inputs of the material's program.
     ShadingInputs approach(Vertex& vertex) const;
     /// Asks for the random numbers of the vertex: kPairsOfVertex of them.
     void ask_numbers(SamplePairs& pairs) const;
     static constexpr size_t kPairsOfVertex = 4;
-    /// What was asked for; `first` is the first pair.
+    /// The numbers that were requested; `first` is the first pair.
     static VertexNumbers numbers(const SamplePairs& pairs, size_t first) {
         return {pairs.triple(first), pairs.triple(first + 2)};
     }
@@ -155,7 +155,7 @@ class PathTracer {
     void add_emission(const Vertex& vertex);
     void add_direct_light(const Vertex& vertex, const Vec3f& random);
     void record_surface(const Vertex& vertex);
-    /// Where programs write their AOVs at the vertex; empty where nobody asks.
+    /// Where programs write their AOVs at the vertex; empty where none are wanted.
     std::span<Vec4f> aovs() const {
         const bool seen = light_.sample.extras && bounces_.count() == 0 && !surface_recorded_;
         return seen ? std::span<Vec4f>(light_.sample.extras->slots) : std::span<Vec4f>();

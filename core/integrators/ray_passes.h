@@ -11,7 +11,7 @@ namespace rayleaf {
 void write_answer(const Tracer& tracer, const ClosestHit& found, PixelSample& sample);
 /// Writes Rayleaf Level.
 void write_level(const std::optional<Hit>& hit, PixelSample& sample);
-/// Writes Path Length, and in the others what volume objects say where it tells more.
+/// Writes Path Length, and in the others the values of volume objects where those say more.
 void write_volumes(const VolumePassage& passage, PixelSample& sample);
 
 }  // namespace rayleaf

@@ -8,7 +8,7 @@ namespace {
 /// The rays that see a light which lights lobes of a kind.
 constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
 
-/// The normal that tells on which side a light is: the exact one of splines, so that their facets do not show where
+/// The normal that decides on which side a light is: the exact one of splines, so that their facets do not show where
 /// light grazes; a facet's own on meshes, and where a facet is seen at a silhouette whose surface faces away.
 const Vec3f& side_normal(const Vertex& vertex) {
     const SurfacePoint& point = vertex.point;

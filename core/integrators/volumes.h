@@ -11,7 +11,7 @@ struct VolumePassage {
     Color transmittance{1, 1, 1};
     double length = 0;  ///< inside all of them, world units
     RayAnswer answer = RayAnswer::NotAsked;
-    float error = 0;    ///< the largest that a ray cache tells
+    float error = 0;    ///< the largest that a ray cache reports
     uint32_t tree = 0;  ///< number of the first one's ray cache that has one; 0: none
 };
 

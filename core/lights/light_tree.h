@@ -29,7 +29,7 @@ class LightTree {
     explicit LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel = kNeverCancelled);
 
     bool empty() const { return nodes_.empty(); }
-    /// Irradiance, very roughly, that all lights give to a point: what the tree is worth against suns and the world.
+    /// A rough estimate of the irradiance of all lights at a point: the weight of the tree against suns and the world.
     double irradiance(const Vec3d& position) const;
 
     struct Choice {

@@ -40,7 +40,7 @@ RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Se
         frame_.push_back({std::move(planned), nullptr, {}, {}});
         FrameCache& each = frame_.back();
         each.reason = each.planned.obstacle;
-        // Its surfaces are asked for more than the first hit: each mirror and each refraction is followed exactly.
+        // Its cache is needed for more than the first hit: each mirror and each refraction is followed exactly.
         if (each.reason.empty() && settings.integrator == IntegratorKind::Distribution &&
             each.planned.samples.kind != OutputKind::Volume)
             each.reason = "distribution ray tracing traces every surface";

@@ -80,7 +80,7 @@ bool Session::run(const std::function<void()>& work) {
     // Before the arena is made, which hands this thread's on to all that work in it.
     const FloatEnvironment environment;
     const int threads = settings_.threads > 0 ? settings_.threads : oneapi::tbb::this_task_arena::max_concurrency();
-    // More threads than cores only where they were asked for by number.
+    // More threads than cores only where their number was set.
     const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism,
                                             static_cast<size_t>(threads));
     oneapi::tbb::task_arena arena(threads);
@@ -228,7 +228,7 @@ void Session::render_tile(const Window& tile, const Frame& frame) {
     TileSums sums(x, y, tile.width, frame.samples, film_.summed_passes(),
                   {sums_.get(), is_noise_asked, shows_mattes, more_samples_follow_});
     RayCounts counts;
-    // Which pixel pays for a tessellation is known of single paths only.
+    // Which pixel caused a tessellation is known for single paths only.
     const bool alone = frame.integrator != IntegratorKind::Path || settings_.stream_paths == 0 ||
                        frame.path.wants(Pass::geometry_misses);
     if (!(alone ? render_paths(tile, frame, sums, counts) : render_streams(tile, frame, sums, counts))) return;

@@ -57,7 +57,7 @@ class Session {
     Session(std::shared_ptr<const SceneDescription> description, Settings settings,
             std::shared_ptr<RayCacheStore> ray_caches = nullptr);
 
-    /// Takes what the scene holds now; what is added later is not in the picture. Once, while nobody adds to it.
+    /// Takes what the scene holds now; later additions are not in the picture. Once, while nothing is added to it.
     /// Throws InputError if it was taken before.
     void take_scene();
     /// Commits the scene that was taken and renders it; blocks. False if it was cancelled.

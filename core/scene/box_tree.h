@@ -1,4 +1,4 @@
-// Finds things by their boxes: boxes around groups of things that follow one another, boxes around groups of those, and
+// Finds items by their boxes: boxes around groups of consecutive items, boxes around groups of those, and
 // so on. Where neighbours in number are neighbours in space, as in meshes and patches, a question looks at few of them.
 #pragma once
 
@@ -16,17 +16,17 @@ class BoxTree {
     using BoxOf = std::function<Box3d(uint32_t thing)>;
     using Test = std::function<bool(uint32_t thing)>;
 
-    /// Of so many things; empty boxes are never found. Throws Cancelled soon after `cancel` says so.
+    /// Over so many items; empty boxes are never found. Throws Cancelled soon after `cancel` says so.
     BoxTree(uint32_t count, const BoxOf& box_of, const CancelToken& cancel);
 
-    /// Whether a test is true of any thing whose group's box meets this one: of all things that meet it, and others.
+    /// Whether a test is true of any item whose group's box meets this one: of all items that meet it, and others.
     bool any(const Box3d& box, const Test& test) const;
 
   private:
     static constexpr uint32_t kGroup = 8;
 
     uint32_t count_;
-    std::vector<std::vector<Box3d>> levels_;  ///< boxes of groups of things first, those of all things together last
+    std::vector<std::vector<Box3d>> levels_;  ///< boxes of groups of items first, the box of all items last
 
     bool any_below(size_t level, uint32_t group, const Box3d& box, const Test& test) const;
 };

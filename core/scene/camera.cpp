@@ -56,7 +56,7 @@ Vec2d polygon_point(const Vec2f& random, int blades, double rotation) {
 
 void validate(const CameraDescription& camera) {
     const Affine3d to_world = without_scale(camera.to_world);
-    // Below this the axes lie in one plane within what a double tells, and there is no inverse.
+    // Below this the axes lie in one plane within the precision of a double, and there is no inverse.
     constexpr double kFlat = 1e-12;
     if (!(std::abs(to_world.determinant()) > kFlat))
         throw InputError(kCamera, "matrix", "one whose axes lie in a plane", "three axes with a direction");

@@ -6,7 +6,7 @@ namespace {
 enum class SeenFrom : uint8_t { Outside, Inside };
 
 /// The closures of a program that reads nothing of where it is, on a surface that is seen straight on. The normal is
-/// along no axis, so that a program that sets a normal of its own is told.
+/// along no axis, so that a program that sets its own normal is recognized.
 const Vec3f kSomeNormal(0.36f, 0.48f, 0.8f);
 
 Closures closures_of(const Program& program, SeenFrom side) {

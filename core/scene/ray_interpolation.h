@@ -11,11 +11,11 @@ namespace rayleaf {
 
 enum class RayInterpolationMode : uint8_t {
     Off,
-    Auto,  ///< where a probe of the frame tells that it pays (render/ray_cache_probe.h)
+    Auto,  ///< where a probe of the frame measures a gain (render/ray_cache_probe.h)
     On
 };
 
-/// Error that interpolation may have unless told otherwise (ri_tree/ray_cache.h: quality_settings).
+/// The default error bound of interpolation (ri_tree/ray_cache.h: quality_settings).
 inline constexpr double kDefaultRayError = 0.005;
 
 /// The thresholds that together keep the error near `error`. Throws InputError unless it is above 0 and finite.

@@ -65,7 +65,7 @@ bool same_textures(const SceneDescription& a, const SceneDescription& b) {
 }  // namespace
 
 bool shows_same(const SceneDescription& a, const SceneDescription& b) {
-    // Settings of the objects' own say how they are rendered, not what: they are compared by nobody, and differ.
+    // An object's own settings say how it is rendered, not what it is: they count as different.
     return a.ray_interpolations.empty() && b.ray_interpolations.empty() && a.texture_memory == b.texture_memory &&
            a.world_resolution == b.world_resolution && a.world_light_group == b.world_light_group &&
            same_programs(a.world, b.world) && same_programs(a.world_medium, b.world_medium) && same_textures(a, b) &&

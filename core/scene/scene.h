@@ -38,10 +38,10 @@ class Scene {
     /// Runs the material at a point.
     void shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                const PathState& path, Closures& result, const ProbeNumbers& probes) const;
-    /// The same where a material is not told what is around.
+    /// The same where a material cannot query its surroundings.
     void shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                const PathState& path, Closures& result) const;
-    /// What a material's program is told of a point, which must stay.
+    /// The inputs of a material's program at a point, which must outlive them.
     ShadingInputs shading_inputs(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                                  const PathState& path) const;
     /// For materials that ask what is around.
@@ -77,7 +77,7 @@ class Scene {
     /// Whether what is seen by way of an interpolated hit depends on its ray differential.
     bool needs_differentials() const { return textures_ != nullptr || reads_footprints_ || cached_ > 1; }
     /// Whether anything depends on how far apart the rays of a picture are: dicing by the width of rays, textures, ray
-    /// caches. If not, nobody needs to know.
+    /// caches. If not, it need not be known.
     bool needs_footprints() const {
         return textures_ != nullptr || reads_footprints_ || cached_ > 0 || tracer_->has_levels();
     }

@@ -1,7 +1,7 @@
 // What is made of a scene's content and can be used again: by the next frame, by another view, after an edit. Who
 // renders more than once makes one and gives it to each description; without, every render makes all anew.
 //
-// Everything here is known by its content, so that nothing has to be told what has changed, and a picture has the same
+// Everything here is identified by its content, so that changes need not be announced, and a picture has the same
 // bits with and without.
 #pragma once
 

@@ -55,7 +55,7 @@ struct ShadingInputs {
     RayDifferential differential;  ///< transferred to the surface
     PathState path;
     float material_index = 0;                    ///< Blender's pass index
-    const Surroundings* surroundings = nullptr;  ///< null where nobody can be asked
+    const Surroundings* surroundings = nullptr;  ///< null where rays cannot be traced
     ProbeNumbers probes;                         ///< for these
 };
 

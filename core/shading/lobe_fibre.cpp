@@ -135,7 +135,7 @@ float longitudinal(const SineCosine& in, const SineCosine& out, float v) {
     return std::exp(-sines + log_bessel(cosines)) / (std::sinh(1.0f / v) * 2.0f * v);
 }
 
-/// A fibre as the viewer sees it, and what each of the four paths through it brings.
+/// A fibre as the viewer sees it, and the attenuation along each of the four paths through it.
 struct Fibre {
     Vec3f x, y, z;  ///< x along the fibre, z towards the viewer, turned away
     SineCosine out;

@@ -5,7 +5,7 @@
 
 namespace rayleaf {
 
-/// Named attributes at the neighbours cost several evaluations of the shape, so they are asked for.
+/// Named attributes at the neighbours cost several evaluations of the shape, so they are optional.
 enum class NeighbourAttributes : uint8_t { None, Exact };
 
 /// The inputs one step to the right and one step up. Holds what they point to, so it can neither be copied nor moved.

@@ -18,7 +18,7 @@ struct NoiseParameters {
     float roughness = 0.5;  ///< amplitude of an octave over that of the one before; normalized noise: 0..1
     float distortion = 0;   ///< how far noise displaces the coordinate before the sum
     FractalType type = FractalType::FBM;
-    bool normalize = true;         ///< of FBM: the sum brought to 0..1
+    bool normalize = true;         ///< of FBM: the sum is scaled to 0..1
     float lacunarity = 2;          ///< frequency of an octave over that of the one before
     float offset = 0, gain = 1.0;  ///< of the types that have them (shading/fractals.h)
 };
@@ -27,7 +27,7 @@ struct NoiseParameters {
 enum class NoiseChannels : uint8_t { Factor, All };
 
 /// The texture at `point`, of which the first `dimensions` (1..4) components count; 1: only w. The three channels are
-/// independent, the first is Blender's factor; if that is all that is asked for, it stands in all three.
+/// independent, the first is Blender's factor; if only that is wanted, it stands in all three.
 Vec3f noise_texture(int dimensions, const Vec4f& point, const NoiseParameters& parameters, NoiseChannels channels);
 
 // Of the texture, for those who compute it in other ways (noise_lanes.cpp):

@@ -1,4 +1,4 @@
-// The noise texture (noise.h) as FBM brought to 0..1, at several points at once, in the lanes of vectors: the same bits
+// The noise texture (noise.h) as FBM scaled to 0..1, at several points at once, in the lanes of vectors: the same bits
 // as one by one.
 #pragma once
 

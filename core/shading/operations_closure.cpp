@@ -209,7 +209,7 @@ Lobe hair_fibre_lobe(HairColoring coloring, const Operands& operands, const Shad
     return lobe;
 }
 
-/// Light that a diffuse lobe has scattered before leaves bodies where it entered them: nobody sees the difference.
+/// Light that a diffuse lobe has scattered before leaves bodies where it entered them: the difference is not visible.
 bool is_after_diffuse(const ShadingInputs& inputs) {
     return inputs.path.diffuse_depth > 0;
 }

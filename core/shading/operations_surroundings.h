@@ -13,7 +13,7 @@ constexpr bool is_probe(Operation operation) {
     return operation == Operation::ambient_occlusion || operation == Operation::bevel;
 }
 
-/// `tag` tells the questions of one program apart. Nothing is near where nobody can be asked: in displacement, lamps,
+/// `tag` distinguishes the queries of one program. Where rays cannot be traced nothing is near: in displacement, lamps,
 /// media and the surfaces that a shadow ray goes through (as in Cycles).
 Vec4f surroundings_value(Operation operation, const Operands& operands, std::span<const int32_t> ints,
                          const ShadingInputs& inputs, uint32_t tag);

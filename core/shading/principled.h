@@ -22,7 +22,8 @@ struct PrincipledParameters {
     Color subsurface_color{0, 0, 0}, subsurface_radius{0, 0, 0};
     float subsurface_ior = 1.4f, subsurface_anisotropy = 0;
     SubsurfaceMethod subsurface_method = SubsurfaceMethod::FixedRadius;
-    bool after_diffuse = false;  ///< light was scattered by a diffuse lobe before: nobody sees where it leaves a body
+    bool after_diffuse =
+        false;  ///< light was scattered by a diffuse lobe before: where it leaves a body is not visible
     bool multiple_scattering = false;  ///< give back the energy that single scattering loses
 };
 

@@ -58,7 +58,7 @@ class Program {
     void values(Register target, std::span<const ShadingInputs* const> inputs, Vec4f* values) const;
     int register_count() const { return static_cast<int>(registers_.size()); }
 
-    /// What the program may do, so that a scene pays only for what it uses.
+    /// What the program may do: a scene spends time only on what it uses.
     bool emits() const { return emits_; }
     bool may_be_transparent() const { return transparent_; }
     /// True if the result does not depend on the hit: a constant background, a plain lamp colour.

@@ -163,7 +163,7 @@ RegisterBank Program::bank(float* numbers, size_t points) const {
 /// Does operations that are done for all points together; false: this one is done point by point.
 bool Program::compute_together(const Instruction& instruction, const RegisterBank& registers) const {
     const std::span<const int32_t> ints = ints_of(instruction);
-    const bool is_plain_noise =  // Perlin's, its octaves brought to 0..1
+    const bool is_plain_noise =  // Perlin's, its octaves scaled to 0..1
         instruction.operation == Operation::noise && (ints.size() < 2 || ints[1] != 0) &&
         (ints.size() < 3 || static_cast<FractalType>(ints[2]) == FractalType::FBM);
     if (!is_plain_noise || registers.points < kLeastNoiseLanes) return false;

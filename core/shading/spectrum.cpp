@@ -46,7 +46,7 @@ Vec3f observed(size_t i) {
 }  // namespace
 
 Color wavelength_color(float nanometres) {
-    constexpr float kScale = 1.0f / 2.52f;  // Blender's: brings most channels below 1
+    constexpr float kScale = 1.0f / 2.52f;  // Blender's: scales most channels below 1
     const float place = (nanometres - kFirst) / kStep;
     // The first interval goes on below the table, as in Cycles, where it soon turns negative.
     if (!(place > -1.0f) || !(place < static_cast<float>(kObserver.size() - 1))) return Color(0.0f);

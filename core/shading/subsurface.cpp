@@ -110,7 +110,7 @@ SubsurfaceMedium subsurface_medium(const Lobe& lobe) {
         const float color = std::min(lobe.fresnel_0[c], 1.0f);
         const float albedo = scattering_albedo(color, medium.anisotropy);
         medium.extinction[c] = 1.0f / (std::max(lobe.radius[c], kLeastPath) * (1.0f - medium.anisotropy));
-        // The lobe's weight holds the surface's albedo, which the walk brings anew.
+        // The lobe's weight holds the surface's albedo, which the walk applies itself.
         medium.factor[c] = lobe.fresnel_0[c] > 0.0f ? std::min(albedo / kLeastAlbedo, 1.0f) / lobe.fresnel_0[c] : 0.0f;
         medium.albedo[c] = std::max(albedo, kLeastAlbedo);
     }

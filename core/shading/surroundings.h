@@ -9,7 +9,7 @@
 
 namespace rayleaf {
 
-/// The random numbers of one question: sub-rays of one sample of a pixel, told apart by `tag`.
+/// The random numbers of one query: sub-rays of one sample of a pixel, distinguished by `tag`.
 struct ProbeNumbers {
     Sampler sampler{0, 0, 0};
     uint32_t tag = 0;
@@ -19,7 +19,7 @@ struct ProbeNumbers {
     }
 };
 
-/// Answered by whoever can trace rays (scene/traced_surroundings.h). Thread-safe, pure.
+/// Implemented where rays can be traced (scene/traced_surroundings.h). Thread-safe, pure.
 class Surroundings {
   public:
     virtual ~Surroundings() = default;

@@ -58,7 +58,7 @@ TangentFrame tangent_frame(const Vec3f& normal, const Vec3f& dp_du, const Vec3f&
     return {t, b, normal};
 }
 
-/// `v` along a tangent of the object's space, the bitangent on the side that its w tells, and the normal; world, not
+/// `v` along a tangent of the object's space, the bitangent on the side given by its w, and the normal; world, not
 /// unit.
 Vec3f from_known_tangent(const ShadingInputs& inputs, const Vec4f& tangent, const Vec3f& v) {
     const Affine3d& out = inputs.instance->object_to_world;

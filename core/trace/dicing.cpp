@@ -1,6 +1,7 @@
 #include "trace/dicing.h"
 
 #include <algorithm>
+#include <numbers>
 
 namespace rayleaf {
 namespace {
@@ -12,12 +13,32 @@ constexpr double kNearestPatchShare = 0.05;
 /// So many instances of one shape are looked at; beyond that the nearest by their origins.
 constexpr size_t kMostInstancesLookedAt = 64;
 
+/// From this distance on, in local units, a shape is diced alike everywhere: its far side is at most twice as far.
+constexpr double kFarDistance = 2.0;
+
+/// Of an eye that is nearer, the place counts by steps of this share of its distance, which is taken to be at least
+/// this.
+constexpr double kEyeStep = 0.125, kLeastEyeDistance = 0x1p-6;
+
 /// The view from the local space of one instance.
 struct LocalView {
     Vec3d eye{0, 0, 0};
     double world_per_local = 1;  ///< the largest stretch: a local error looks at most this large
     double local_per_world = 1;  ///< the largest inverse stretch
 };
+
+/// The half power of two below: facets are never coarser than asked for, and small moves of the camera or an object
+/// change nothing.
+double tolerance_class(double tolerance) {
+    return std::exp2(0.5 * std::floor(2.0 * std::log2(tolerance)));
+}
+
+double distance(const Box3d& box, const Vec3d& point) {
+    Vec3d outside;
+    for (int axis = 0; axis < 3; ++axis)
+        outside[axis] = std::max({box.min[axis] - point[axis], 0.0, point[axis] - box.max[axis]});
+    return outside.length();
+}
 
 LocalView view_from(const TracedInstance& instance, const DicingView& view) {
     const Affine3d map = instance.object_to_world * instance.shape->frame().to_object();
@@ -30,38 +51,64 @@ LocalView view_from(const TracedInstance& instance, const DicingView& view) {
     return local;
 }
 
-double distance(const Box3d& box, const Vec3d& point) {
-    Vec3d outside;
-    for (int axis = 0; axis < 3; ++axis)
-        outside[axis] = std::max({box.min[axis] - point[axis], 0.0, point[axis] - box.max[axis]});
-    return outside.length();
-}
-
-double tolerance_for(const LocalView& local, const DicingView& view, const Box3d& box) {
-    const double floor = kNearestPatchShare * (box.max - box.min).length();
-    // Distance in world units along the shortest stretch is what the eye is at least away.
-    const double away = std::max(distance(box, local.eye), floor) / local.local_per_world;
-    const double pixel = view.pixel_width > 0.0 ? view.pixel_width : view.pixel_angle * away;
+/// Local units at a distance of so many.
+double tolerance_at(const LocalView& local, const DicingView& view, double away) {
+    const double pixel = view.pixel_width > 0.0 ? view.pixel_width : view.pixel_angle * away / local.local_per_world;
     return view.pixels * pixel / local.world_per_local;
 }
 
-ContentHash hash_of(const std::vector<LocalView>& views, const DicingView& view) {
-    ContentHasher hasher;
-    for (const double number : {view.pixel_angle, view.pixel_width, view.pixels}) hasher.add(number);
-    for (const LocalView& local : views)
-        for (const double number :
-             {local.eye.x, local.eye.y, local.eye.z, local.world_per_local, local.local_per_world})
-            hasher.add(number);
-    return hasher.value();
-}
+/// A near instance: its parts are diced by their own distance from the eye.
+struct NearView {
+    Vec3d eye;      ///< as it counts
+    double astray;  ///< how far that may be from where it is
+    double at_one;  ///< tolerance at a distance of one local unit
+};
+
+/// What the views of a shape ask for.
+struct ViewClasses {
+    double far = kCoarsestTolerance;  ///< the smallest tolerance of instances that are diced alike everywhere
+    std::vector<NearView> near;
+
+    void add(const LocalView& local, const DicingView& view, const Box3d& box) {
+        const double away = distance(box, local.eye);
+        if (view.pixel_width > 0.0 || away >= kFarDistance) {
+            far = std::min(far, tolerance_class(tolerance_at(local, view, away)));
+            return;
+        }
+        if (tolerance_at(local, view, away) >= kCoarsestTolerance) return;
+        const double step = kEyeStep * std::exp2(std::floor(std::log2(std::max(away, kLeastEyeDistance))));
+        const double astray = 0.5 * std::numbers::sqrt3 * step;
+        NearView seen{local.eye, astray, tolerance_class(tolerance_at(local, view, 1.0))};
+        for (int axis = 0; axis < 3; ++axis) seen.eye[axis] = std::round(local.eye[axis] / step) * step;
+        near.push_back(seen);
+    }
+
+    double tolerance(const Box3d& box) const {
+        const double floor = kNearestPatchShare * (box.max - box.min).length();
+        double smallest = far;
+        for (const NearView& seen : near)
+            smallest = std::min(smallest, seen.at_one * std::max(distance(box, seen.eye) - seen.astray, floor));
+        return std::max(smallest, kFinestTolerance);
+    }
+
+    ContentHash hash() const {
+        ContentHasher hasher;
+        hasher.add(far);
+        for (const NearView& seen : near)
+            for (const double number : {seen.eye.x, seen.eye.y, seen.eye.z, seen.at_one}) hasher.add(number);
+        return hasher.value();
+    }
+};
 
 }  // namespace
 
 std::vector<ShapeTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
                                              const std::vector<size_t>& shape_of, const DicingView& view) {
     std::vector<std::vector<LocalView>> views(shape_count);
-    const auto nearer = [](const LocalView& a, const LocalView& b) { return a.eye.length() < b.eye.length(); };
+    std::vector<const Shape*> shapes(shape_count);
+    const auto nearer = [](const LocalView& a, const LocalView& b) { return a.eye.length2() < b.eye.length2(); };
     for (size_t i = 0; i < instances.size(); ++i) {
+        shapes[shape_of[i]] = instances[i].shape.get();
         if (instances[i].shape->kind() == ShapeKind::TriangleMesh) continue;
         std::vector<LocalView>& of_shape = views[shape_of[i]];
         of_shape.push_back(view_from(instances[i], view));
@@ -72,15 +119,13 @@ std::vector<ShapeTolerance> facet_tolerances(const std::vector<TracedInstance>& 
     }
     std::vector<ShapeTolerance> tolerances;
     tolerances.reserve(shape_count);
-    for (std::vector<LocalView>& of_shape : views) {
-        const ContentHash key = hash_of(of_shape, view);
-        tolerances.push_back({[local = std::move(of_shape), view](const Box3d& box) {
-                                  double smallest = kCoarsestTolerance;
-                                  for (const LocalView& each : local)
-                                      smallest = std::min(smallest, tolerance_for(each, view, box));
-                                  return std::max(smallest, kFinestTolerance);
-                              },
-                              key});
+    for (size_t shape = 0; shape < shape_count; ++shape) {
+        ViewClasses classes;
+        for (const LocalView& local : views[shape])
+            classes.add(local, view, Box3d(Vec3d(shapes[shape]->bounds().min), Vec3d(shapes[shape]->bounds().max)));
+        const ContentHash key = classes.hash();
+        tolerances.push_back(
+            {[classes = std::move(classes)](const Box3d& box) { return classes.tolerance(box); }, key});
     }
     return tolerances;
 }

@@ -19,8 +19,9 @@ struct ShapeTolerance {
     ContentHash key;
 };
 
-/// The tolerance of each shape that is diced: the wanted fraction of a pixel at the instance where that is smallest in
-/// local units, at the point of the part's box nearest to the eye.
+/// The tolerance of each shape that is diced: at most the wanted fraction of a pixel at the instance where that is
+/// smallest in local units, at the point of the part's box nearest to the eye. It changes by steps of the eye's
+/// distance, so that what was diced is kept when the camera or an object moves a little.
 std::vector<ShapeTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
                                              const std::vector<size_t>& shape_of, const DicingView& view);
 

@@ -83,7 +83,7 @@ void* new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat form
     void* const buffer = countable ? rtcSetNewGeometryBuffer(geometry, type, 0, format, item_bytes, count) : nullptr;
     if (buffer || (countable && count == 0)) return buffer;
     rtcReleaseGeometry(geometry);
-    rtcGetDeviceError(embree_device());  // this one is told; a later build must not be blamed for it
+    rtcGetDeviceError(embree_device());  // this error is reported; a later build must not report it again
     throw std::bad_alloc();
 }
 

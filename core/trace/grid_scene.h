@@ -35,7 +35,7 @@ class GridScene final : public ShapeScene {
     double step_ = 0;                      ///< of vertices in fixed numbers as the kernels take them
     bool in_steps_ = false;                ///< grids are StepGrid
     std::vector<SubpatchDetail> details_;  ///< none where the dicer has no levels
-    /// Of subpatches without levels, where it pays to ask before a grid is looked up.
+    /// Of subpatches without levels, where testing it before a grid lookup saves time.
     std::vector<SubpatchBounds::Tube> tubes_;
     std::vector<Box3f> boxes_;  ///< while the scene is built
 

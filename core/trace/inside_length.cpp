@@ -3,7 +3,7 @@
 namespace rayleaf {
 namespace {
 
-/// A ray through more surfaces than this has met facets that cannot be told apart.
+/// A ray through more surfaces than this has met facets that cannot be distinguished.
 constexpr int kMostCrossings = 1 << 12;
 
 /// What lies between crossings: how many bodies the ray is in, and since when.
@@ -29,7 +29,7 @@ double traced_length(const ShapeScene& scene, const Vec3d& origin, const Vec3d& 
     Passage passage;
     double from = t_min;
     for (int crossings = 0; crossings < kMostCrossings; ++crossings) {
-        // Past t_max too: only the next crossing tells whether the ray is inside where it ends.
+        // Past t_max too: only the next crossing shows whether the ray ends inside.
         const std::optional<LocalRay> ray =
             clipped_ray(scene.box(), origin, direction, from, std::numeric_limits<double>::infinity());
         ShapeHit hit;

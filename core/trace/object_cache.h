@@ -13,7 +13,7 @@ namespace rayleaf {
 struct RayNeighbours {
     float distance = 0;  ///< local units
     float angle = 0;     ///< radians
-    /// How the ray changes with the picture's x and y; null: nobody asks how the answer does.
+    /// How the ray changes with the picture's x and y; null: changes of the answer are not needed.
     const RayDifferential* differential = nullptr;
 };
 

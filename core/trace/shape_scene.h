@@ -170,7 +170,7 @@ class ShapeScene {
     bool takes_packets() const {
         return kind_ == FacetKind::Triangles || kind_ == FacetKind::Resident || kind_ == FacetKind::Strands;
     }
-    /// The same for a packet: `found` tells of each lane. Of occluded, any hit will do.
+    /// The same for a packet, with `found` for each lane. For occluded, any hit will do.
     virtual void find_closest(PacketQuery& packet) const;
     virtual void find_any(PacketQuery& packet) const;
 

@@ -13,7 +13,7 @@ struct Sides {
     bool none() const { return !inside && !outside; }
 };
 
-/// Crossings too near to each other to be told apart.
+/// Crossings too near to each other to be distinguished.
 struct Cluster {
     bool entering = false, leaving = false;
 

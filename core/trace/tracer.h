@@ -105,7 +105,7 @@ class Tracer {
     void closest(std::span<const RayQuery> rays, Coherence coherence, ClosestHit* results) const;
     /// The nearest hit on one instance, by tracing alone.
     std::optional<Hit> closest_on(uint32_t instance, const Ray& ray) const;
-    /// How much of [t_min, t_max] lies inside an instance, world units, whoever sees it.
+    /// How much of [t_min, t_max] lies inside an instance, world units, regardless of visibility.
     LengthAnswer length_inside(uint32_t instance, const Ray& ray) const;
     /// Whether anything lies in [t_min, t_max].
     bool occluded(const Ray& ray, Visibility kind) const;

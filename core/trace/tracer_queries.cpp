@@ -137,7 +137,7 @@ void Tracer::Implementation::set_hit(const Query& query, Hit& hit) const {
     hit.local = record.interpolated_local(*query.ray, hit.t, *query.interpolated);
 }
 
-/// What a ray that starts at a hit is told of the ray that found it.
+/// What a ray that starts at a hit knows about the ray that found it.
 RaySight Tracer::Implementation::sight_from(const Ray& ray, const Hit& hit) const {
     RaySight sight =
         hit.local.seen_by == SeenBy::RayBefore ? ray.start.sight : RaySight{ray.origin, ray.direction, ray.beam, 0.0f};

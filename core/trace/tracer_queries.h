@@ -36,7 +36,7 @@ struct Tracer::Implementation {
     struct Query {
         const GeometryCache::Reader* reader = nullptr;  ///< where there is a cache
         const Ray* ray = nullptr;
-        const RayDifferential* differential = nullptr;  ///< of `ray`; null: nobody wants to know how hits change
+        const RayDifferential* differential = nullptr;  ///< of `ray`; null: changes of hits are not needed
         Visibility kind = kVisibleAll;
         ShapeHit best;
         uint32_t instance = 0;

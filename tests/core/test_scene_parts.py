@@ -33,6 +33,8 @@ def make(parts=None, height=6.0, place=0.0, color=0.5, seed=1, mesh=1.0, interpo
     scene.add_instance("ball", ball, scenes.matrix((place, 0, 0)), glass)
     scene.set_world(checkered(scene, seed), 64)
     scenes.look_down(scene, height, 0.6)
+    # A picture of so few pixels would ask for the coarsest facets from everywhere.
+    scenes.look_down(scene, height, 1e-3, dicing=True)
     return scene
 
 
@@ -45,7 +47,9 @@ def render(scene, **settings):
 EDITS = {
     "nothing": ({}, 2),
     "a camera that comes nearer": ({"height": 3.0}, 1),  # the mesh is not diced
-    "an object that moves": ({"place": -0.5}, 1),
+    "a camera that moves a little": ({"height": 6.01}, 2),
+    "an object that moves a little": ({"place": -0.01}, 2),
+    "an object that moves far": ({"place": -12.0}, 1),
     "a material": ({"color": 0.9}, 2),
     "an image": ({"seed": 2}, 2),
     "a mesh": ({"mesh": 0.5}, 1),
@@ -82,7 +86,7 @@ def test_what_two_renders_did_not_use_is_dropped():
     parts = _core.SceneParts()
     render(make(parts))
     for mesh in (0.5, 0.6, 0.7):
-        render(make(parts, mesh=mesh, place=mesh))
+        render(make(parts, mesh=mesh, place=24 * mesh))
     assert render(make(parts))[1] == 0
 
 
