@@ -3,12 +3,23 @@
 from typing import Any
 
 import bpy
-from bl_ui.properties_view_layer import ViewLayerAOVPanel, ViewLayerCryptomattePanel, ViewLayerLightgroupsPanel
+from bl_ui import properties_view_layer
 
 from .ui import ENGINE, _Panel
 
 
-class RAYLEAF_PT_passes_cryptomatte(ViewLayerCryptomattePanel, bpy.types.Panel):
+def _drawing(name: str) -> Any:
+    """What Blender's own panel of this name draws. Since 4.3 that is no panel itself, and has another name."""
+    panel = f"ViewLayer{name}Panel"
+    return getattr(properties_view_layer, f"{panel}Helper", None) or getattr(properties_view_layer, panel)
+
+
+_Cryptomatte: Any = _drawing("Cryptomatte")
+_Aov: Any = _drawing("AOV")
+_Lightgroups: Any = _drawing("Lightgroups")
+
+
+class RAYLEAF_PT_passes_cryptomatte(_Cryptomatte, bpy.types.Panel):
     """Mattes of objects, materials and assets."""
 
     bl_context = "view_layer"
@@ -16,7 +27,7 @@ class RAYLEAF_PT_passes_cryptomatte(ViewLayerCryptomattePanel, bpy.types.Panel):
     COMPAT_ENGINES = {ENGINE}
 
 
-class RAYLEAF_PT_passes_aov(ViewLayerAOVPanel):
+class RAYLEAF_PT_passes_aov(_Aov, bpy.types.Panel):
     """What shaders write."""
 
     bl_context = "view_layer"
@@ -24,7 +35,7 @@ class RAYLEAF_PT_passes_aov(ViewLayerAOVPanel):
     COMPAT_ENGINES = {ENGINE}
 
 
-class RAYLEAF_PT_passes_lightgroups(ViewLayerLightgroupsPanel):
+class RAYLEAF_PT_passes_lightgroups(_Lightgroups, bpy.types.Panel):
     """Light by what sends it."""
 
     bl_context = "view_layer"
