@@ -25,6 +25,13 @@ PixelSample DistributionTracer::trace(const Branch& camera) {
     return light_.sample;
 }
 
+PixelSample DistributionTracer::unseen() {
+    light_.sample[Pass::depth].x = kNoDepth;
+    light_.sample[Pass::mist].x = 1.0f;
+    light_.finish(1.0f);
+    return light_.sample;
+}
+
 void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& hit) {
     Ray ray = ray_of(branch);
     if (hit) ray.t_max = hit->t;
@@ -140,6 +147,7 @@ DistributionSettings::DistributionSettings(const Settings& settings)
 
 PixelSample trace_distributed(const DistributionFrame& frame, const CameraRay& camera_ray, const Sampler& sampler,
                               RayCounts& counts, SampleExtras* extras) {
+    if (!camera_ray.exists) return DistributionTracer(frame, counts, extras).unseen();
     Branch camera(frame.settings.path, camera_ray, sampler);
     if (frame.scene.has_media()) camera.media = media_around(frame.scene, camera.ray.origin);
     return DistributionTracer(frame, counts, extras).trace(camera);

@@ -31,6 +31,8 @@ class DistributionTracer {
     }
 
     PixelSample trace(const Branch& camera);
+    /// Of a place of the picture where the camera shows nothing.
+    PixelSample unseen();
     HemisphereRay trace_hemisphere(const Branch& ray);
 
   private:

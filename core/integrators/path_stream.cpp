@@ -26,6 +26,7 @@ void PathStream::add(const CameraRay& ray, const Sampler& sampler) {
 void PathStream::trace_all() {
     active_.resize(paths_.size());
     for (uint32_t i = 0; i < active_.size(); ++i) active_[i] = i;
+    std::erase_if(active_, [this](uint32_t path) { return !paths_[path].sees(); });
     if (settings_.has_extras()) {
         extras_.resize(std::max(extras_.size(), paths_.size()));
         for (size_t i = 0; i < paths_.size(); ++i) paths_[i].write_extras(extras_[i]);

@@ -19,7 +19,7 @@ constexpr float kLeastSurvival = 0.05f;
 }  // namespace
 
 PixelSample PathTracer::trace() {
-    for (bool goes_on = true; goes_on;) {
+    for (bool goes_on = sees_; goes_on;) {
         const RayQuery query = next_ray();
         const Arrival arrival = arrive(scene_.tracer().closest(*query.ray, query.kind, query.differential));
         goes_on = arrival == Arrival::GoesOn || (arrival == Arrival::AtSurface && shade_alone());

@@ -59,7 +59,8 @@ class PathTracer {
           departure_{camera_ray.ray.origin},
           bounces_(settings),
           light_(settings),
-          has_footprint_(scene.needs_footprints()) {
+          has_footprint_(scene.needs_footprints()),
+          sees_(camera_ray.exists) {
         if (scene.has_media()) media_ = media_around(scene, ray_.origin);
     }
 
@@ -71,6 +72,8 @@ class PathTracer {
     /// All of the path, ray by ray.
     PixelSample trace();
 
+    /// False: there is no ray to trace.
+    bool sees() const { return sees_; }
     // The same in steps, so that the rays of many paths can be traced together:
     /// The ray to trace next. Valid until the path has arrived.
     RayQuery next_ray();
@@ -111,6 +114,7 @@ class PathTracer {
     ByKind first_shares_;  ///< of the first scattering
     float alpha_ = 1;
     bool has_footprint_;  ///< differentials count, and are kept
+    bool sees_;           ///< false: the camera shows nothing there
     bool surface_recorded_ = false;
     DenoisingFeatures features_;
     int vertex_ = 0;

@@ -10,6 +10,7 @@ namespace rayleaf {
 namespace py = pybind11;
 
 void bind_curves(py::module_& module);
+void bind_denoiser(py::module_& module);
 void bind_distribution(py::module_& module);
 void bind_errors(py::module_& module);
 void bind_film(py::module_& module);

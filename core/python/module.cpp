@@ -36,6 +36,7 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::require_numpy();
     rayleaf::tell_versions(module);
     rayleaf::bind_errors(module);
+    rayleaf::bind_denoiser(module);
     rayleaf::bind_distribution(module);
     rayleaf::bind_lights(module);
     rayleaf::bind_rays(module);

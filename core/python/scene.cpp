@@ -241,11 +241,13 @@ void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, i
 void set_camera(SceneDescription& scene, const std::string& kind, const Array<double>& matrix,
                 std::pair<double, double> window_min, std::pair<double, double> window_max, double clip_start,
                 double clip_end, double aperture_radius, double focus_distance, int blades, double blade_rotation,
-                double aperture_ratio, bool dicing) {
-    if (kind != "PERSPECTIVE" && kind != "ORTHOGRAPHIC")
-        throw InputError("camera", "kind", "'" + kind + "'", "PERSPECTIVE or ORTHOGRAPHIC");
+                double aperture_ratio, bool dicing, const std::optional<Panorama>& panorama) {
+    constexpr std::pair<const char*, CameraKind> kKinds[] = {{"PERSPECTIVE", CameraKind::Perspective},
+                                                             {"ORTHOGRAPHIC", CameraKind::Orthographic},
+                                                             {"PANORAMIC", CameraKind::Panoramic}};
     CameraDescription camera;
-    camera.kind = kind == "PERSPECTIVE" ? CameraKind::Perspective : CameraKind::Orthographic;
+    camera.kind = named("camera", "kind", kind, kKinds);
+    if (panorama) camera.panorama = *panorama;
     camera.to_world = affine_of("camera", matrix);
     camera.window_min = Vec2d(window_min.first, window_min.second);
     camera.window_max = Vec2d(window_max.first, window_max.second);
@@ -264,6 +266,27 @@ std::map<std::string, std::string> manifest(const SceneDescription& scene, const
     constexpr std::pair<const char*, MatteKind> kKinds[] = {
         {"OBJECT", MatteKind::Object}, {"MATERIAL", MatteKind::Material}, {"ASSET", MatteKind::Asset}};
     return scene.matte_attributes(named("scene", "kind", kind, kKinds), layer);
+}
+
+Panorama make_panorama(const std::string& kind, std::pair<double, double> longitudes,
+                       std::pair<double, double> latitudes, double field_of_view, double lens,
+                       std::pair<double, double> sensor) {
+    constexpr std::pair<const char*, PanoramaKind> kKinds[] = {
+        {"EQUIRECTANGULAR", PanoramaKind::Equirectangular},
+        {"FISHEYE_EQUIDISTANT", PanoramaKind::FisheyeEquidistant},
+        {"FISHEYE_EQUISOLID", PanoramaKind::FisheyeEquisolid},
+        {"MIRRORBALL", PanoramaKind::MirrorBall}};
+    const Panorama panorama{named("camera", "panorama", kind, kKinds),
+                            longitudes.first,
+                            longitudes.second,
+                            latitudes.first,
+                            latitudes.second,
+                            field_of_view,
+                            lens,
+                            sensor.first,
+                            sensor.second};
+    validate(panorama);
+    return panorama;
 }
 
 // Converting a large image takes seconds; Python goes on meanwhile.
@@ -292,6 +315,12 @@ void bind_scene(py::module_& module) {
         module, "SceneParts",
         "What renders of like scenes share: shapes built for tracing, converted textures, the world's table.")
         .def(py::init<>());
+    constexpr double kHalf = std::numbers::pi, kQuarter = kHalf / 2;
+    py::class_<Panorama>(module, "Panorama",
+                         "What a panoramic camera shows; angles in radians, lengths in millimetres.")
+        .def(py::init(&make_panorama), "kind"_a, "longitudes"_a = std::make_pair(-kHalf, kHalf),
+             "latitudes"_a = std::make_pair(-kQuarter, kQuarter), "field_of_view"_a = kHalf, "lens"_a = 10.5,
+             "sensor"_a = std::make_pair(36.0, 24.0));
     py::class_<SceneDescription, std::shared_ptr<SceneDescription>>(
         module, "SceneDescription",
         "A scene. Each add_... returns an index for later calls, or raises and leaves the scene as it was.")
@@ -344,7 +373,7 @@ void bind_scene(py::module_& module) {
         .def("matte_attributes", &manifest, "kind"_a, "layer"_a)
         .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,
              "clip_end"_a, "aperture_radius"_a = 0.0, "focus_distance"_a = 10.0, "blades"_a = 0,
-             "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0, "dicing"_a = false)
+             "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0, "dicing"_a = false, "panorama"_a = py::none())
         .def("add_image_file", &add_image_file, "name"_a, "path"_a, "color_space"_a)
         .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a)
         .def_readwrite("texture_memory", &SceneDescription::texture_memory);

@@ -55,6 +55,7 @@ Vec2d polygon_point(const Vec2f& random, int blades, double rotation) {
 }  // namespace
 
 void validate(const CameraDescription& camera) {
+    if (camera.kind == CameraKind::Panoramic) validate(camera.panorama);
     const Affine3d to_world = without_scale(camera.to_world);
     // Below this the axes lie in one plane within the precision of a double, and there is no inverse.
     constexpr double kFlat = 1e-12;
@@ -86,7 +87,7 @@ Camera::Camera(const CameraDescription& description, int width, int height)
     info_.world_to_camera = to_world_.inverse();
     info_.window_min = description.window_min;
     info_.window_size = description.window_max - description.window_min;
-    info_.perspective = description.kind == CameraKind::Perspective;
+    info_.perspective = description.kind != CameraKind::Orthographic;
 }
 
 Vec2d Camera::lens_point(const Vec2f& random) const {
@@ -97,7 +98,38 @@ Vec2d Camera::lens_point(const Vec2f& random) const {
     return Vec2d(unit.x / description_.aperture_ratio, unit.y) * description_.aperture_radius;
 }
 
+CameraRay Camera::panoramic_ray(const Vec2d& pixel, const Vec2f& lens) const {
+    const auto direction_at = [&](double x, double y) {
+        return panorama_direction(description_.panorama, Vec2d(x / width_, y / height_));
+    };
+    CameraRay result;
+    const std::optional<Vec3d> seen = direction_at(pixel.x, pixel.y);
+    result.exists = seen.has_value();
+    if (!seen) return result;
+    // At the border of the circle the next pixel may see nothing, but then the one before does.
+    const auto change = [&](double dx, double dy) {
+        if (const auto next = direction_at(pixel.x + dx, pixel.y + dy)) return *next - *seen;
+        const auto before = direction_at(pixel.x - dx, pixel.y - dy);
+        return before ? *seen - *before : Vec3d(0.0);
+    };
+    const Vec2d on_lens = lens_point(lens);
+    Vec3d from(0.0), towards = *seen;
+    if (description_.aperture_radius > 0) {  // across the ray
+        const Vec3d aside = normalized_or(towards.cross(Vec3d(0, 1, 0)), Vec3d(1, 0, 0));
+        from = aside * on_lens.x + aside.cross(towards) * on_lens.y;
+        towards = (towards * description_.focus_distance - from).normalized();
+    }
+    result.ray.origin = to_world_.point(from);
+    result.ray.direction = to_world_.vector(towards).normalized();
+    result.ray.t_min = description_.clip_start;
+    result.ray.t_max = description_.clip_end;
+    result.differential.dd_dx = Vec3f(to_world_.vector(change(1.0, 0.0)));
+    result.differential.dd_dy = Vec3f(to_world_.vector(change(0.0, 1.0)));
+    return result;
+}
+
 CameraRay Camera::ray(const Vec2d& pixel, const Vec2f& lens) const {
+    if (is_panoramic()) return panoramic_ray(pixel, lens);
     const Vec2d step(info_.window_size.x / width_, info_.window_size.y / height_);
     const Vec2d window = info_.window_min + Vec2d(pixel.x * step.x, pixel.y * step.y);
     const Vec2d on_lens = lens_point(lens);
@@ -131,7 +163,7 @@ CameraRay Camera::ray(const Vec2d& pixel, const Vec2f& lens) const {
 }
 
 double Camera::depth(const Vec3d& world) const {
-    return -info_.world_to_camera.point(world).z;
+    return is_panoramic() ? distance(world) : -info_.world_to_camera.point(world).z;
 }
 
 double Camera::distance(const Vec3d& world) const {
@@ -143,6 +175,7 @@ DicingView Camera::dicing_view() const {
     view.eye = to_world_.translation;
     const double pixel = std::min(info_.window_size.x / width_, info_.window_size.y / height_);
     view.pixel_angle = info_.perspective ? pixel : 0.0;
+    if (is_panoramic()) view.pixel_angle = panorama_pixel_angle(description_.panorama, width_, height_);
     view.pixel_width = info_.perspective ? 0.0 : pixel;
     return view;
 }

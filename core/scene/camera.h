@@ -4,12 +4,13 @@
 #include "base/vector.h"
 #include "rays/ray.h"
 #include "rays/ray_differential.h"
+#include "scene/panorama.h"
 #include "shading/inputs.h"
 #include "trace/tracer.h"
 
 namespace rayleaf {
 
-enum class CameraKind : uint8_t { Perspective, Orthographic };
+enum class CameraKind : uint8_t { Perspective, Orthographic, Panoramic };
 
 /// A camera as the add-on describes it. It looks along the -z axis of its frame, y up, as Blender's.
 struct CameraDescription {
@@ -17,7 +18,8 @@ struct CameraDescription {
     Affine3d to_world;  ///< scale is removed
     /// The picture's window: perspective: on the plane at distance 1; orthographic: world units. Of the whole picture.
     Vec2d window_min{-1, -1}, window_max{1, 1};
-    double clip_start = 0.1, clip_end = 1000;  ///< along the view axis, world units
+    Panorama panorama;                         ///< in place of the window, of a panoramic camera
+    double clip_start = 0.1, clip_end = 1000;  ///< along the view axis, world units; a panorama's along each ray
     double aperture_radius = 0;                ///< world units; 0: a pinhole
     double focus_distance = 10;                ///< along the view axis
     int blades = 0;                            ///< 0..2: a round aperture
@@ -31,6 +33,7 @@ void validate(const CameraDescription& camera);
 struct CameraRay {
     Ray ray;
     RayDifferential differential;
+    bool exists = true;  ///< false: outside the circle of a panorama, where nothing is seen
 };
 
 class Camera {
@@ -40,7 +43,7 @@ class Camera {
 
     /// `pixel` in pixels from the lower left corner of the whole picture; `lens` in [0,1)².
     CameraRay ray(const Vec2d& pixel, const Vec2f& lens) const;
-    /// Distance of a point along the view axis, Blender's Depth.
+    /// Distance of a point along the view axis, Blender's Depth; a panorama's from the eye.
     double depth(const Vec3d& world) const;
     /// From the eye; of an orthographic camera along the view axis.
     double distance(const Vec3d& world) const;
@@ -54,6 +57,8 @@ class Camera {
     int width_, height_;
 
     Vec2d lens_point(const Vec2f& random) const;
+    bool is_panoramic() const { return description_.kind == CameraKind::Panoramic; }
+    CameraRay panoramic_ray(const Vec2d& pixel, const Vec2f& lens) const;
 };
 
 }  // namespace rayleaf

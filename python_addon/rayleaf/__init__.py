@@ -40,6 +40,7 @@ def register() -> None:
         properties,
         sampling_presets,
         ui,
+        ui_camera,
         ui_debug,
         ui_messages,
         ui_passes,
@@ -53,7 +54,7 @@ def register() -> None:
     if _registered or enabling.is_another_enabled():
         return
     enabling.check()
-    shown = (ui_messages, sampling_presets, ui, ui_rays, ui_view_layer, ui_passes, panel, ui_debug)
+    shown = (ui_messages, sampling_presets, ui, ui_rays, ui_view_layer, ui_passes, ui_camera, panel, ui_debug)
     for module in (preferences, properties, render_pass, undo, engine, animation, kept_messages, *shown):
         module.register()
         _registered.append(module)

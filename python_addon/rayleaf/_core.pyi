@@ -381,6 +381,21 @@ class SceneParts:
 
     def __init__(self) -> None: ...
 
+class Panorama:
+    """What a panoramic camera shows; angles in radians, lengths in millimetres."""
+
+    def __init__(
+        self,
+        kind: str,
+        longitudes: tuple[float, float] = ...,
+        latitudes: tuple[float, float] = ...,
+        field_of_view: float = 3.141592653589793,
+        lens: float = 10.5,
+        sensor: tuple[float, float] = ...,
+    ) -> None:
+        """kind: EQUIRECTANGULAR, FISHEYE_EQUIDISTANT, FISHEYE_EQUISOLID or MIRRORBALL. The lens and the sensor (width and
+        height) are the equisolid fisheye's."""
+
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""
 
@@ -525,8 +540,10 @@ class SceneDescription:
         blade_rotation: float = 0.0,
         aperture_ratio: float = 1.0,
         dicing: bool = False,
+        panorama: Panorama | None = None,
     ) -> None:
-        """kind: PERSPECTIVE (window on the plane at distance 1) or ORTHOGRAPHIC (world units); whole picture."""
+        """kind: PERSPECTIVE (window on the plane at distance 1), ORTHOGRAPHIC (world units), whole picture; or PANORAMIC,
+        which has no window."""
     def add_image_file(self, name: str, path: str | bytes, color_space: str) -> int:
         """color_space: SRGB, LINEAR or NON_COLOR. Returns a texture id for the operations image and environment."""
     def add_image_pixels(self, name: str, pixels: Floats, color_space: str) -> int:
@@ -621,6 +638,22 @@ class Session:
         """All passes as one multilayer EXR."""
     def write_ppm(self, path: str) -> None:
         """The combined pass as a binary PPM: 8 bits, sRGB, no alpha."""
+
+class Denoiser:
+    """Open Image Denoise 1 or 2: the library that the process has, or else of one of the paths, or of the system. Raises
+    InputError where there is none."""
+
+    def __init__(self, paths: Sequence[str] = ..., threads: int = 0) -> None: ...
+    @property
+    def version(self) -> str: ...
+    def denoised(
+        self,
+        color: Floats,
+        albedo: Floats | None = None,
+        normal: Floats | None = None,
+        prefilter: str = "ACCURATE",
+    ) -> NDArray[np.float32]:
+        """All (height, width, 3). prefilter, of the guides: NONE (they have no noise), FAST, ACCURATE."""
 
 class FilmSums:
     """Puts together what was rendered in parts: other pixels, other samples. The same bits as rendered at once."""

@@ -79,7 +79,7 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
 
     def update_render_passes(self, scene: Any, renderlayer: Any) -> None:
         """Tell Blender which passes come, for the compositor's sockets."""
-        for entry in passes.enabled(renderlayer):
+        for entry in passes.enabled(renderlayer, scene):
             self.register_pass(scene, renderlayer, entry.name, len(entry.channels), entry.channels, entry.socket_type)
 
 

@@ -1,6 +1,7 @@
 """The render of one view layer of one frame: export, render in a thread, hand the picture to Blender."""
 
 import time
+from collections.abc import Callable
 from dataclasses import asdict
 from types import ModuleType
 from typing import Any
@@ -8,11 +9,12 @@ from typing import Any
 import bpy
 
 from . import cache_report, kept_messages, passes, ray_report, statistics, versions
+from .denoising import Denoising
 from .export import ExportCancelled, ExportError
 from .export.camera import CropRectangle, Frame, crop_of, frame_of
 from .export.scene import SceneExporter
 from .export.shapes import ExportReport
-from .messages import Message, Messages
+from .messages import Message, Messages, Subject
 from .names import is_plain, name_of
 from .session import RenderThread
 from .settings import core_settings
@@ -51,7 +53,7 @@ class FrameRender:
         self._layer = ""  # what Blender's result is told of the name; empty: any layer
         self.frame: Frame = frame_of(self._scene)
         self.crop: CropRectangle = crop_of(self._scene, self.frame)
-        self._passes = passes.enabled(depsgraph.view_layer)
+        self._passes = passes.enabled(depsgraph.view_layer, self._scene)
         self._status_text = ""
 
     def _tell(self, message: Message) -> None:
@@ -80,7 +82,7 @@ class FrameRender:
             session.start()
             self._follow(session)
             session.raise_error()
-            self._write_result(session)
+            self._write_result(session, finished=True)
             self._tell_mattes(self._mattes_of(description))
             rendered = time.perf_counter()
             times = {"export": exported - began, "render": rendered - exported, "total": rendered - began}
@@ -89,7 +91,11 @@ class FrameRender:
             session.close()
 
     def _settings(self) -> dict[str, Any]:
-        return core_settings(self.core, self._scene, self.depsgraph.view_layer, self.frame, self.crop, self._passes)
+        layer = self.depsgraph.view_layer
+        settings = core_settings(self.core, self._scene, layer, self.frame, self.crop, self._passes)
+        if self._scene.rayleaf.use_denoising:
+            settings["passes"] += Denoising.of(self._scene).guides
+        return settings
 
     def _add_passes(self) -> None:
         """Blender makes room for its own passes only."""
@@ -125,9 +131,21 @@ class FrameRender:
         if memory is not None:
             self._engine.update_memory_stats(memory_used=memory[0], memory_peak=memory[1])
 
-    def _write_result(self, session: RenderThread) -> None:
-        """Hand over the passes as they are."""
-        self._hand_over(passes.pixels(self._passes, session.pixels))
+    def _write_result(self, session: RenderThread, finished: bool = False) -> None:
+        """Hand over the passes as they are; of a finished picture, without its noise if that is asked for."""
+        self._hand_over(self._finished(session.pixels) if finished else passes.pixels(self._passes, session.pixels))
+
+    def _finished(self, of: Callable[[str], Any]) -> dict[str, Any]:
+        """By Blender's pass name; `of` gives them by the core's."""
+        pictures = passes.pixels(self._passes, of)
+        if self._scene.rayleaf.use_denoising:
+            self._status("denoising", 1.0)
+            try:
+                pictures["Combined"] = Denoising.of(self._scene).applied(self.core, of)
+            except self.core.InputError as error:
+                subject = Subject("Scene", name_of(self._scene))
+                self._messages.warn(f"{subject}: {error}; the picture keeps its noise", subject)
+        return pictures
 
     def _hand_over(self, pixels: dict[str, Any]) -> None:
         """By Blender's pass name. All is ready before Blender's result is opened."""

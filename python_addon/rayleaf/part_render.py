@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from . import passes, statistics
+from . import statistics
 from .export import ExportError
 from .export.camera import CropRectangle
 from .frame import FrameRender
@@ -70,7 +70,7 @@ class PartRender(FrameRender):
         if task.layers:
             task.layers[-1].fields.update(fields)
 
-    def _write_result(self, session: RenderThread) -> None:
+    def _write_result(self, session: RenderThread, finished: bool = False) -> None:
         assert isinstance(task, PartTask)
         if session.completed:
             task.layers.append(replace(self._part, sums=session.sums()))
@@ -88,7 +88,7 @@ class MergedRender(FrameRender):
             film = task.parts.film(self.core, shape)
         except PartError as error:
             raise ExportError(str(error)) from error
-        self._hand_over(passes.pixels(self._passes, film.pass_pixels))
+        self._hand_over(self._finished(film.pass_pixels))
         self._tell_mattes(task.parts.fields(shape))
         self._publish_merged([str(path) for path in task.parts.paths], time.perf_counter() - began)
 

@@ -112,12 +112,18 @@ def table() -> tuple[Pass, ...]:
     return parse_table((Path(__file__).parent / "passes.def").read_text(encoding="utf-8"))
 
 
-def enabled(view_layer: Any) -> list[Pass]:
-    """The passes a view layer asks for, by the names of the Blender that runs."""
+def enabled(view_layer: Any, scene: Any = None) -> list[Pass]:
+    """The passes a view layer asks for, by the names of the Blender that runs; and what its scene does beside."""
     from .versions import pass_name  # which wants Blender, as the table does not
 
     fixed = [replace(entry, name=pass_name(entry.name)) for entry in table() if entry.is_wanted(view_layer)]
+    if scene is not None and scene.rayleaf.use_denoising:
+        fixed.append(NOISY)
     return fixed + mattes(view_layer) + list(Slots.of(view_layer).passes)
+
+
+# The picture before it is denoised.
+NOISY = Pass("combined", "Noisy Image", "RGBA", "denoising.", "the picture before it is denoised")
 
 
 def mattes(view_layer: Any) -> list[Pass]:

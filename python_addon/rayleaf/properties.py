@@ -4,6 +4,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from . import ray_interpolation
+from .ray_interpolation import update_passes
 from .registration import registration_factory
 
 FILTERS = (
@@ -25,6 +26,16 @@ INDIRECT = (
     ("COLOR_BLEEDING", "Color Bleeding", "Light by way of one more diffuse surface as well"),
 )
 
+DENOISING_PASSES = (
+    ("RGB", "None", "The picture alone"),
+    ("RGB_ALBEDO", "Albedo", "Colours of surfaces as well"),
+    ("RGB_ALBEDO_NORMAL", "Albedo and Normal", "Colours and directions of surfaces as well"),
+)
+DENOISING_PREFILTERS = (
+    ("NONE", "None", "Take them as they are: right where they have no noise"),
+    ("FAST", "Fast", "Denoise them together with the picture"),
+    ("ACCURATE", "Accurate", "Denoise them first; the best picture"),
+)
 CACHE_MODES = (
     ("MULTI", "Three Resolutions", "Each ray sees facets as fine as its width needs"),
     ("SINGLE", "One Resolution", "All rays see fine facets; to compare"),
@@ -55,6 +66,30 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         default=64,
         min=1,
         max=1 << 20,
+    )
+    use_denoising: BoolProperty(  # type: ignore
+        name="Denoise",
+        description="Remove the noise of the finished picture by Open Image Denoise; the pass Noisy Image keeps it. Smooths"
+        " fine detail where samples are few",
+        default=False,
+        update=update_passes,
+    )
+    denoising_input_passes: EnumProperty(  # type: ignore
+        name="Passes",
+        description="What the denoiser sees beside the picture; more keeps more detail",
+        items=DENOISING_PASSES,
+        default="RGB_ALBEDO_NORMAL",
+    )
+    denoising_prefilter: EnumProperty(  # type: ignore
+        name="Prefilter",
+        description="How noise in those passes is dealt with",
+        items=DENOISING_PREFILTERS,
+        default="ACCURATE",
+    )
+    use_preview_denoising: BoolProperty(  # type: ignore
+        name="Denoise View",
+        description="Remove the noise of pictures in the 3-D view, too",
+        default=False,
     )
     use_noise_threshold: BoolProperty(  # type: ignore
         name="Noise Threshold",

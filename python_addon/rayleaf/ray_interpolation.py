@@ -22,7 +22,7 @@ VOLUME_KINDS = (
 )
 
 
-def _update_passes(_settings: Any, context: Any) -> None:
+def update_passes(_settings: Any, context: Any) -> None:
     context.view_layer.update_render_passes()
 
 
@@ -177,65 +177,65 @@ class RayleafViewLayerSettings(bpy.types.PropertyGroup):
         name="Sample Count",
         description="How many samples each pixel took",
         default=False,
-        update=_update_passes,
+        update=update_passes,
     )
     # These three are Cycles' where it is enabled, so that its files find their passes.
     use_pass_volume_direct: BoolProperty(  # type: ignore
-        name="Volume Direct", description="Light that volumes scatter straight from lights", update=_update_passes
+        name="Volume Direct", description="Light that volumes scatter straight from lights", update=update_passes
     )
     use_pass_volume_indirect: BoolProperty(  # type: ignore
-        name="Volume Indirect", description="Light that volumes scatter after further bounces", update=_update_passes
+        name="Volume Indirect", description="Light that volumes scatter after further bounces", update=update_passes
     )
     denoising_store_passes: BoolProperty(  # type: ignore
         name="Denoising Data",
         description="Normal, albedo and depth as denoisers want them: seen through mirrors and clear glass",
-        update=_update_passes,
+        update=update_passes,
     )
     use_pass_mask: BoolProperty(  # type: ignore
         name="Mask",
         description="How each pixel's ray was answered: 0 no interpolation, 1 traced, 2 interpolated, "
         "3 followed through convex glass, 4 missed without tracing",
         default=False,
-        update=_update_passes,
+        update=update_passes,
     )
     use_pass_mask_colors: BoolProperty(  # type: ignore
         name="Mask Colors",
         description="The mask as a picture: white traced, blue interpolated, orange followed through convex glass, "
         "dark grey missed without tracing",
         default=False,
-        update=_update_passes,
+        update=update_passes,
     )
     use_pass_error: BoolProperty(  # type: ignore
         name="Error",
         description="The estimated error of interpolated rays, as a share of half the object's size",
         default=False,
-        update=_update_passes,
+        update=update_passes,
     )
     use_pass_tree: BoolProperty(  # type: ignore
         name="Tree",
         description="The number of the tree that answers for the object in each pixel, as the statistics list them, "
         "from 1; objects that share a tree share the number; 0 without a tree",
         default=False,
-        update=_update_passes,
+        update=update_passes,
     )
     use_pass_path_length: BoolProperty(  # type: ignore
         name="Path Length",
         description="The length of rays inside objects with Volume Visualisation",
         default=False,
-        update=_update_passes,
+        update=update_passes,
     )
     use_pass_level: BoolProperty(  # type: ignore
         name="Level",
         description="How finely the surface was diced that each pixel's ray hit: 1, 2, 3 for 1, 4, 16 quads along a "
         "part's side, more where parts were split on demand; 0 elsewhere",
         default=False,
-        update=_update_passes,
+        update=update_passes,
     )
     use_pass_cache_misses: BoolProperty(  # type: ignore
         name="Cache Misses",
         description="How many tessellations each sample had to make, which the geometry cache did not hold",
         default=False,
-        update=_update_passes,
+        update=update_passes,
     )
 
 

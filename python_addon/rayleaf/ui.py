@@ -92,6 +92,12 @@ class RAYLEAF_PT_sampling(_Panel, bpy.types.Panel):
         adaptive.prop(settings, "least_samples")
         column.prop(settings, "time_limit")
         column.prop(settings, "preview_samples")
+        column.prop(settings, "use_denoising")
+        column.prop(settings, "use_preview_denoising")
+        denoising = column.column()
+        denoising.active = settings.use_denoising or settings.use_preview_denoising
+        denoising.prop(settings, "denoising_input_passes")
+        denoising.prop(settings, "denoising_prefilter")
         row = column.row(align=True)
         row.prop(settings, "seed")
         row.prop(settings, "use_animated_seed", text="", icon="TIME")

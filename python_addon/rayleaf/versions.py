@@ -99,6 +99,27 @@ def cycles_setting(owner: Any, name: str, default: Any) -> Any:
     return default if kept is None else kept.get(name, default)
 
 
+_PANORAMAS = {  # as files hold Cycles' choice where its add-on is not enabled
+    0: "EQUIRECTANGULAR",
+    1: "FISHEYE_EQUIDISTANT",
+    2: "FISHEYE_EQUISOLID",
+    3: "MIRRORBALL",
+    4: "FISHEYE_LENS_POLYNOMIAL",
+    5: "EQUIANGULAR_CUBEMAP_FACE",
+}
+
+
+def panorama(camera: Any) -> dict[str, Any]:
+    """What a panoramic camera shows: Cycles' settings, with their defaults."""
+    defaults: dict[str, Any] = dict(panorama_type="FISHEYE_EQUISOLID", fisheye_fov=math.pi, fisheye_lens=10.5)
+    defaults |= dict(latitude_min=-math.pi / 2, latitude_max=math.pi / 2, longitude_min=-math.pi, longitude_max=math.pi)
+    if hasattr(camera, "panorama_type"):  # 5.0
+        return {name: getattr(camera, name) for name in defaults}
+    found = {name: cycles_setting(camera, name, default) for name, default in defaults.items()}
+    kind = found["panorama_type"]
+    return found | {"panorama_type": _PANORAMAS.get(kind, "") if isinstance(kind, int) else str(kind)}
+
+
 def transparent_shadow(material: Any) -> bool:
     """Whether shadows of a material respect its transparency, as Cycles is told."""
     if hasattr(material, "use_transparent_shadow"):  # 4.2

@@ -222,6 +222,11 @@ class VolumeVisualisation(RayInterpolation):
     pass
 
 
+class Panorama:
+    def __init__(self, *values):
+        self.values = values
+
+
 class SceneParts:
     pass
 
@@ -286,7 +291,7 @@ def install():
     module = types.ModuleType("rayleaf._core")
     items = (InputError, Program, NurbsSpline, Strands, SubdivisionSurface, SceneDescription, Settings, Session)
     curves = (CurveSplines, SweptCurve, NurbsCurve)
-    for item in (*items, *curves, RayInterpolation, VolumeVisualisation, RayCacheStore, SceneParts):
+    for item in (*items, *curves, RayInterpolation, VolumeVisualisation, Panorama, RayCacheStore, SceneParts):
         setattr(module, item.__name__, item)
     sys.modules["rayleaf._core"] = module
     import rayleaf

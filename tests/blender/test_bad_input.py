@@ -182,7 +182,11 @@ shader.inputs["Strength"].default_value = nan
 @pytest.mark.parametrize(
     "line, word",
     [
-        ("scene.camera.name = 'Odd'; scene.camera.data.type = 'PANO'", "Odd"),
+        (
+            "scene.camera.name = 'Odd'; scene.camera.data.type = 'PANO';"
+            "scene.camera.data.cycles.panorama_type = 'EQUIANGULAR_CUBEMAP_FACE'",
+            "Odd",
+        ),
         ("scene.camera.name = 'Odd'; scene.camera.data.clip_start = scene.camera.data.clip_end = 1", "camera"),
         ("scene.camera = None", "camera"),
         ("render.resolution_x, render.resolution_percentage = 4, 1", "small"),

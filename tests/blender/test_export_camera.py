@@ -77,7 +77,7 @@ report(ortho=recording_core.export()[0].camera["aperture_radius"])
     assert abs(run["ortho"] - 0.25) < 1e-8
 
 
-def test_a_panoramic_camera_and_a_missing_one_are_named(run_blender):
+def test_an_unknown_panorama_and_a_missing_camera_are_named(run_blender):
     run = run_blender(
         """
 import bpy, scenes, recording_core
@@ -85,6 +85,7 @@ from rayleaf.export import ExportError
 scene = scenes.empty_scene()
 camera, texts = scene.camera, []
 camera.name, camera.data.type = "Fisheye", "PANO"
+camera.data.cycles.panorama_type = "FISHEYE_LENS_POLYNOMIAL"
 for scene.camera in (camera, None):
     try:
         recording_core.export()
@@ -94,5 +95,5 @@ report(texts=texts)
 """
     )
     panoramic, missing = run.report["texts"]
-    assert "'Fisheye'" in panoramic and "Perspective or Orthographic" in panoramic
+    assert "'Fisheye'" in panoramic and "Fisheye Lens Polynomial" in panoramic and "Equisolid" in panoramic
     assert "no camera" in missing

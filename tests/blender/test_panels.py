@@ -184,7 +184,8 @@ different = {}
 for name, ours in FROM_CYCLES.items():
     prop = theirs.bl_rna.properties[name]
     if prop.type == "ENUM":
-        setattr(theirs, name, "GAUSSIAN")
+        others = [item.identifier for item in prop.enum_items if item.identifier != getattr(own, ours)]
+        setattr(theirs, name, others[0])
     elif prop.type == "BOOLEAN":
         setattr(own, ours, getattr(theirs, name))
         setattr(theirs, name, not getattr(theirs, name))

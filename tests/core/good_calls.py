@@ -1,7 +1,7 @@
 """A call that holds for every function that the stub lists; core/bad_arguments.py spoils them."""
 
 import numpy as np
-from core import shapes
+from core import fake_denoiser, shapes
 from core.good_arguments import (
     ROWS,
     UP,
@@ -117,6 +117,24 @@ CALLS: dict[str, Call] = {
         CUBE.surface, "values", attribute=0, elements=np.zeros(2, np.int32), parameters=np.zeros((2, 2))
     ),
     "displaced": later(_core.displaced, shape=CUBE.surface, program=program, object=lambda: 0, world=lambda: -1),
+    "Denoiser": ctor(_core.Denoiser, paths=[fake_denoiser.library()], threads=1),
+    "Denoiser.denoised": method(
+        lambda: _core.Denoiser([fake_denoiser.library()]),
+        "denoised",
+        color=np.ones((2, 3, 3), np.float32),
+        albedo=np.ones((2, 3, 3), np.float32),
+        normal=np.ones((2, 3, 3), np.float32),
+        prefilter="FAST",
+    ),
+    "Panorama": ctor(
+        _core.Panorama,
+        kind="FISHEYE_EQUISOLID",
+        longitudes=(-1.0, 1.0),
+        latitudes=(-1.0, 1.0),
+        field_of_view=3.0,
+        lens=10.0,
+        sensor=(36.0, 24.0),
+    ),
     "FilmSums": ctor(_core.FilmSums, width=2, height=2, passes=["combined"]),
     "FilmSums.add": method(film_sums, "add", x=0, y=0, samples=1, sums={"combined": np.ones((2, 2, 4, 1), np.float64)}),
     "FilmSums.samples": method(film_sums, "samples"),

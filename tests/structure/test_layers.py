@@ -49,6 +49,8 @@ MEET_BLENDER = {
         "ui_debug.py",
         "ui_messages.py",
         "ui_rays.py",
+        "denoising.py",
+        "ui_camera.py",
         "ui_passes.py",
         "ui_view_layer.py",
         "versions.py",

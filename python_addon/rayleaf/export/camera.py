@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import versions
 from ..names import name_of
 from . import ExportError
 
@@ -94,26 +96,61 @@ def aperture_radius(camera: Any) -> float:
     return (1.0 if camera.type == "ORTHO" else camera.lens * _MILLIMETRE) / (2 * fstop)
 
 
-def describe(camera_object: Any, matrix: NDArray[np.float64], frame: Frame) -> dict[str, Any]:
+_KINDS = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC", "PANO": "PANORAMIC"}
+_PANORAMAS = ("EQUIRECTANGULAR", "FISHEYE_EQUIDISTANT", "FISHEYE_EQUISOLID", "MIRRORBALL")
+
+
+def _panorama(core: ModuleType, camera_object: Any, frame: Frame) -> Any:
+    """The core's Panorama of a panoramic camera."""
+    camera = camera_object.data
+    found = versions.panorama(camera)
+    kind = found["panorama_type"]
+    if kind not in _PANORAMAS:
+        words = kind.replace("_", " ").title()
+        raise ExportError(
+            f"Camera '{name_of(camera_object)}': panorama type {words} is not supported; use Equirectangular, Fisheye"
+            " Equidistant, Fisheye Equisolid or Mirror Ball"
+        )
+    return core.Panorama(
+        kind,
+        (found["longitude_min"], found["longitude_max"]),
+        (found["latitude_min"], found["latitude_max"]),
+        found["fisheye_fov"],
+        found["fisheye_lens"],
+        _sensor(camera, frame),
+    )
+
+
+def _sensor(camera: Any, frame: Frame) -> tuple[float, float]:
+    """Width and height of what the picture fills, millimetres: one is the camera's, the other has the picture's shape."""
+    width, height = frame.width * frame.pixel_aspect_x, frame.height * frame.pixel_aspect_y
+    if camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and width > height):
+        return camera.sensor_width, camera.sensor_width * height / width
+    fitted = camera.sensor_height if camera.sensor_fit == "VERTICAL" else camera.sensor_width
+    return fitted * width / height, fitted
+
+
+def describe(core: ModuleType, camera_object: Any, matrix: NDArray[np.float64], frame: Frame) -> dict[str, Any]:
     """The arguments of the core's `set_camera`."""
     camera = camera_object.data
-    kinds = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
     if camera_object.type != "CAMERA":
         raise ExportError(f"Camera '{name_of(camera_object)}' is a {camera_object.type.lower()}, not a camera")
-    if camera.type not in kinds:
+    if camera.type not in _KINDS:
         raise ExportError(
             f"Camera '{name_of(camera_object)}': type {camera.type.title()} is not supported; "
-            "use Perspective or Orthographic"
+            "use Perspective, Orthographic or Panoramic"
         )
     window_min, window_max = window(camera, frame)
     arguments = dict(
-        kind=kinds[camera.type],
+        kind=_KINDS[camera.type],
         matrix=matrix,
         window_min=window_min,
         window_max=window_max,
         clip_start=camera.clip_start,
         clip_end=camera.clip_end,
     )
+    if camera.type == "PANO":
+        arguments["panorama"] = _panorama(core, camera_object, frame)
     if camera.dof.use_dof:
         arguments.update(
             aperture_radius=aperture_radius(camera),

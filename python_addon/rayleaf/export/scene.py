@@ -166,7 +166,7 @@ class SceneExporter(ShapeExporter):
             raise ExportError(f"Scene '{name_of(self._blender_scene)}' has no camera")
         camera_object = camera_object.evaluated_get(self._depsgraph)
         matrix = np.array(camera_object.matrix_world, np.float64)
-        self.scene.set_camera(**camera.describe(camera_object, matrix, frame))
+        self.scene.set_camera(**camera.describe(self._core, camera_object, matrix, frame))
 
     def _slots(self, group: Group) -> list[Any]:
         """The materials of a group, None for empty slots."""

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..denoising import Denoising
 from ..export import camera
 from ..export.camera import CropRectangle, Frame
 from ..passes import Pass
@@ -113,6 +114,12 @@ def settings_of(
     if settings["ray_interpolation"].mode == "AUTO":  # whose probe takes as long as a picture
         settings["ray_interpolation"] = core.RayInterpolation()
     return settings
+
+
+def denoising_of(scene: Any, shown: Pass) -> Denoising | None:
+    """How a view's picture is denoised; None if it is not."""
+    wanted = scene.rayleaf.use_preview_denoising and shown.identifier == "combined"
+    return Denoising.of(scene) if wanted else None
 
 
 def as_picture(pixels: Any) -> Any:

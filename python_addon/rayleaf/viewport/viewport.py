@@ -99,12 +99,16 @@ class Viewport:
         camera, shown = view.camera_of(context, depsgraph), render_pass.entry_of(context.space_data)
         crop = view.crop_of(context, frame, camera)
         settings = view.settings_of(self._core, scene, depsgraph.view_layer, frame, crop, shown)
-        request = Request(self._scene, settings, camera, scene.rayleaf.preview_samples)
+        denoising = view.denoising_of(scene, shown)
+        if denoising is not None:
+            settings["passes"] += denoising.guides
+        request = Request(self._scene, settings, camera, scene.rayleaf.preview_samples, denoising)
         before = self._request
         is_edit = not request.is_same_scene(before)
         if before is not None and not is_edit:
             same_view = same_camera(before.camera, camera)
-            if same_view and before.settings == settings and before.samples == request.samples:
+            wanted = (settings, request.samples, denoising)
+            if same_view and (before.settings, before.samples, before.denoising) == wanted:
                 return
         self._request = request
         self._worker.show(request, is_edit)
@@ -118,7 +122,8 @@ class Viewport:
         taken = self._drawn.samples if self._drawn else 0
         caches = self._drawn.interpolated if self._drawn else None
         told = "" if caches is None else f" | {caches:.0%} of rays interpolated"
-        engine.update_stats("", f"Rayleaf | Sample {taken}/{wanted}{told}")
+        problem = self._drawn.problem if self._drawn else ""
+        engine.update_stats(problem, f"Rayleaf | Sample {taken}/{wanted}{told}")
 
     def _redraw(self) -> None:
         engine = self._engine()

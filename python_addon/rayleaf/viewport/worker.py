@@ -27,6 +27,7 @@ class Request:
     settings: dict[str, Any]  # of core.Settings
     camera: dict[str, Any]  # of SceneDescription.set_camera
     samples: int
+    denoising: Any = None  # a Denoising, or None
 
     def is_same_scene(self, other: "Request | None") -> bool:
         """Whether only the view differs."""
@@ -46,6 +47,7 @@ class Picture:
     samples: int  # 0: blocks
     settings: dict[str, Any]  # with which it was rendered
     interpolated: float | None = None  # share of the rays that asked a ray cache; None: none did
+    problem: str = ""  # what is wrong with it
 
     def place_in(self, width: int, height: int) -> tuple[tuple[float, float], float, float]:
         """Lower left corner, width and height in a region of that size."""
@@ -160,7 +162,7 @@ class Worker:
             session = self._begin(request)
             if session is None:
                 return
-        self._refine(session, request.samples)
+        self._refine(session, request)
 
     def _is_over(self) -> bool:
         return self._closing or self._paused or self._wanted is not None
@@ -191,25 +193,34 @@ class Worker:
                     return False
         return True
 
-    def _refine(self, session: Any, samples: int) -> None:
-        taken, count = 0, 1
+    def _refine(self, session: Any, request: Request) -> None:
+        taken, count, samples = 0, 1, request.samples
+        shown = 0  # samples of the last picture
         while taken < samples:
             began = time.monotonic()
             count = min(count, samples - taken)
             if not session.render_more(count):
                 return
             taken += count
-            self._publish(session, taken)
+            # Denoising takes as long as several samples: not for few more of them.
+            if request.denoising is None or taken >= 2 * shown or taken == samples:
+                self._publish(session, taken, request.denoising)
+                shown = taken
             if time.monotonic() - began < 0.5 * _ROUND_SECONDS:
                 count *= 2
             with self._condition:
                 if self._is_over():
                     return
 
-    def _publish(self, session: Any, samples: int) -> None:
-        settings = self._request_settings
+    def _publish(self, session: Any, samples: int, denoising: Any = None) -> None:
+        settings, problem = self._request_settings, ""
         pixels = session.pass_pixels(settings["passes"][0])
+        if denoising is not None:
+            try:
+                pixels = denoising.applied(self._core, session.pass_pixels)
+            except self._core.InputError as error:
+                problem = str(error)
         share = interpolated_share(session.statistics()) if samples else None
         with self._condition:
-            self._picture, self._is_new = Picture(pixels, samples, settings, share), False
+            self._picture, self._is_new = Picture(pixels, samples, settings, share, problem), False
         self._redraw()
