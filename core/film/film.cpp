@@ -15,38 +15,34 @@ Film::Film(int width, int height, std::vector<Pass> passes)
             static_cast<size_t>(width) * static_cast<size_t>(height) * info(pass).channels.size(), 0.0f);
 }
 
-void Film::put(int x, int y, int width, int height, std::span<const PixelValues> values) {
-    const std::scoped_lock lock(mutex_);
-    for (const Pass pass : summed_) {
-        const size_t channels = info(pass).channels.size();
-        for (int row = 0; row < height; ++row) {
-            float* out = at(pass, x, y + row);
-            for (int column = 0; column < width; ++column) {
-                const size_t pixel =
-                    static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(column);
-                const Vec4f& value = values[pixel][pass];
-                for (size_t c = 0; c < channels; ++c) *out++ = value[static_cast<int>(c)];
-            }
+template <typename Update>
+void Film::update(Pass pass, int x, int y, int width, int height, std::span<const PixelValues> values,
+                  const Update& update) {
+    const size_t channels = info(pass).channels.size();
+    for (int row = 0; row < height; ++row) {
+        float* out = at(pass, x, y + row);
+        const PixelValues* in = &values[static_cast<size_t>(row) * static_cast<size_t>(width)];
+        for (int column = 0; column < width; ++column) {
+            const Vec4f& value = in[column][pass];
+            for (size_t c = 0; c < channels; ++c) update(*out++, value[static_cast<int>(c)]);
         }
     }
 }
 
+void Film::put(int x, int y, int width, int height, std::span<const PixelValues> values) {
+    const std::scoped_lock lock(mutex_);
+    for (const Pass pass : summed_)
+        update(pass, x, y, width, height, values, [](float& old, float value) { old = value; });
+}
+
 void Film::refine(int x, int y, int width, int height, std::span<const PixelValues> values, float share) {
     const std::scoped_lock lock(mutex_);
+    const auto add = [](float& old, float value) { old += value; };
+    const auto approach = [share](float& old, float value) { old += (value - old) * share; };
     for (const Pass pass : summed_) {
-        if (rule(pass).rule == PassRule::FirstSample) continue;
-        const bool counts = rule(pass).rule == PassRule::Count;
-        const size_t channels = info(pass).channels.size();
-        for (int row = 0; row < height; ++row) {
-            float* out = at(pass, x, y + row);
-            for (int column = 0; column < width; ++column) {
-                const size_t pixel =
-                    static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(column);
-                const Vec4f& value = values[pixel][pass];
-                for (size_t c = 0; c < channels; ++c, ++out)
-                    *out += counts ? value[static_cast<int>(c)] : (value[static_cast<int>(c)] - *out) * share;
-            }
-        }
+        const PassRule by = rule(pass).rule;
+        if (by == PassRule::Count) update(pass, x, y, width, height, values, add);
+        if (by != PassRule::Count && by != PassRule::FirstSample) update(pass, x, y, width, height, values, approach);
     }
 }
 

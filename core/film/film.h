@@ -49,6 +49,10 @@ class Film {
     std::unique_ptr<Mattes> mattes_;  ///< null: none
     mutable std::mutex mutex_;
 
+    /// `update(old, value)` for each channel of a rectangle's pixels.
+    template <typename Update>
+    void update(Pass pass, int x, int y, int width, int height, std::span<const PixelValues> values,
+                const Update& update);
     float* at(Pass pass, int x, int y) {
         const size_t pixel = static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
         return &data_[static_cast<size_t>(pass)][pixel * info(pass).channels.size()];
