@@ -18,6 +18,9 @@ namespace {
 /// compute with, and below the quads that displaced elements are diced to.
 constexpr float kSlopeStep = 0x1p-10f;
 
+/// So many points are displaced together: a line of a grid.
+constexpr size_t kPointsAtOnce = 17;
+
 /// The reach of a displacement is estimated from about so many samples, at most this many along an element's side.
 constexpr double kSamples = 40'000;
 constexpr int kMostSamplesAlong = 8;
@@ -54,14 +57,20 @@ DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::share
             cancel.throw_if_cancelled();
             Box3d here;
             double longest = 0.0;
-            for (int i = 0; i < along * along; ++i) {
-                const int row = i / along;
-                const Vec2d at = (Vec2d(i % along, row) + Vec2d(kShift)) / along;
-                const LocalHit hit = hit_at(*base_, element, Vec2f(at));
-                const LocalSurface surface = base_->surface(hit);
-                const Vec3d point = moved_in_object(hit, surface);
-                here.extendBy(point);
-                longest = std::max(longest, (point - base_->frame().to_object().point(surface.position)).length());
+            for (int row = 0; row < along; ++row) {
+                PlacedPoint points[kMostSamplesAlong];
+                Vec3d moved[kMostSamplesAlong];
+                for (int i = 0; i < along; ++i) {
+                    const Vec2d at = (Vec2d(i, row) + Vec2d(kShift)) / along;
+                    points[i].hit = hit_at(*base_, element, Vec2f(at));
+                    points[i].surface = base_->surface(points[i].hit);
+                }
+                move_in_object({points, static_cast<size_t>(along)}, moved);
+                for (int i = 0; i < along; ++i) {
+                    const Vec3d below = base_->frame().to_object().point(points[i].surface.position);
+                    here.extendBy(moved[i]);
+                    longest = std::max(longest, (moved[i] - below).length());
+                }
             }
             const std::scoped_lock lock(mutex);  // box and maximum do not depend on the order
             box.extendBy(here);
@@ -75,27 +84,46 @@ DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::share
         bounds_ = outward_float({(box.min - frame_.center) / frame_.scale, (box.max - frame_.center) / frame_.scale});
 }
 
-std::optional<Vec3d> DisplacedSurface::moved_if_finite(const LocalHit& hit, const LocalSurface& surface) const {
-    const Vec3d offset = displacement_->offset(*base_, hit, surface);
-    if (!is_finite(offset) || !is_finite(Vec3f(offset))) return std::nullopt;
-    return base_->frame().to_object().point(surface.position) + offset;
+void DisplacedSurface::move_if_finite(std::span<const PlacedPoint> points, std::optional<Vec3d>* moved) const {
+    for (size_t first = 0; first < points.size(); first += kPointsAtOnce) {
+        const std::span<const PlacedPoint> some = points.subspan(first, std::min(kPointsAtOnce, points.size() - first));
+        Vec3d offsets[kPointsAtOnce];
+        displacement_->offsets(*base_, some, offsets);
+        for (size_t i = 0; i < some.size(); ++i) {
+            moved[first + i].reset();
+            if (is_finite(offsets[i]) && is_finite(Vec3f(offsets[i])))
+                moved[first + i] = base_->frame().to_object().point(some[i].surface.position) + offsets[i];
+        }
+    }
 }
 
-Vec3d DisplacedSurface::moved_in_object(const LocalHit& hit, const LocalSurface& surface) const {
-    const std::optional<Vec3d> point = moved_if_finite(hit, surface);
-    if (!point) throw InputError(name(), "displacement", "not finite at some point", "finite numbers");
-    return *point;
+void DisplacedSurface::move_in_object(std::span<const PlacedPoint> points, Vec3d* moved) const {
+    for (size_t first = 0; first < points.size(); first += kPointsAtOnce) {
+        const std::span<const PlacedPoint> some = points.subspan(first, std::min(kPointsAtOnce, points.size() - first));
+        std::optional<Vec3d> finite[kPointsAtOnce];
+        move_if_finite(some, finite);
+        for (size_t i = 0; i < some.size(); ++i) {
+            if (!finite[i]) throw InputError(name(), "displacement", "not finite at some point", "finite numbers");
+            moved[first + i] = *finite[i];
+        }
+    }
 }
 
-DisplacedSurface::Moved DisplacedSurface::moved(uint32_t element, const Vec2f& parameters) const {
-    PlacedPoint placed;
-    base_->line_points(element, parameters.x, {&parameters.y, 1}, &placed);
-    Moved result;
-    result.base = placed.surface;
-    const std::optional<Vec3d> point = moved_if_finite(placed.hit, result.base);
-    result.position = local(point.value_or(base_->frame().to_object().point(result.base.position)));
-    result.finite = point.has_value();
-    return result;
+PlacedPoint DisplacedSurface::placed(uint32_t element, const Vec2f& parameters) const {
+    PlacedPoint point;
+    base_->line_points(element, parameters.x, {&parameters.y, 1}, &point);
+    return point;
+}
+
+/// At most kPointsAtOnce.
+void DisplacedSurface::move(std::span<const PlacedPoint> points, Moved* moved) const {
+    std::optional<Vec3d> finite[kPointsAtOnce];
+    move_if_finite(points, finite);
+    for (size_t i = 0; i < points.size(); ++i) {
+        moved[i].base = points[i].surface;
+        moved[i].position = local(finite[i].value_or(base_->frame().to_object().point(points[i].surface.position)));
+        moved[i].finite = finite[i].has_value();
+    }
 }
 
 const Vec3d& DisplacedSurface::checked(const Vec3d& position) const {
@@ -106,31 +134,41 @@ const Vec3d& DisplacedSurface::checked(const Vec3d& position) const {
 
 Vec3d DisplacedSurface::position(uint32_t element, const Vec2f& parameters) const {
     const BorderPlace place = owner_place(*base_, element, parameters);
-    const Moved point = moved(place.element, place.parameters);
-    if (!point.finite) throw InputError(name(), "displacement", "not finite at some point", "finite numbers");
-    return checked(point.position);
+    const PlacedPoint point = placed(place.element, place.parameters);
+    Vec3d moved;
+    move_in_object({&point, 1}, &moved);
+    return checked(local(moved));
 }
 
 void DisplacedSurface::line_positions(uint32_t element, float u, std::span<const float> v, Vec3d* positions) const {
-    constexpr size_t kAtOnce = 17;  // a line of a grid
-    PlacedPoint points[kAtOnce];
-    for (size_t first = 0; first < v.size(); first += kAtOnce) {
-        const std::span<const float> some = v.subspan(first, std::min(kAtOnce, v.size() - first));
+    PlacedPoint points[kPointsAtOnce];
+    for (size_t first = 0; first < v.size(); first += kPointsAtOnce) {
+        const std::span<const float> some = v.subspan(first, std::min(kPointsAtOnce, v.size() - first));
         base_->line_points(element, u, some, points);
-        for (size_t i = 0; i < some.size(); ++i)
-            positions[first + i] = checked(local(moved_in_object(points[i].hit, points[i].surface)));
+        move_in_object({points, some.size()}, positions + first);
+        for (size_t i = 0; i < some.size(); ++i) positions[first + i] = checked(local(positions[first + i]));
     }
 }
 
 DisplacedSurface::Slopes DisplacedSurface::slopes(uint32_t element, const Vec2f& parameters) const {
-    Slopes result;
-    result.here = moved(element, parameters);
+    constexpr size_t kPoints = 5;  // here, then before and after along u and along v
+    Vec2f at[kPoints];
+    at[0] = parameters;
     for (const int axis : {0, 1}) {
-        Vec2f low = parameters, high = parameters;
+        Vec2f &low = at[1 + 2 * axis], &high = at[2 + 2 * axis];
+        low = high = parameters;
         low[axis] = std::max(parameters[axis] - kSlopeStep, 0.0f);
         high[axis] = std::min(parameters[axis] + kSlopeStep, 1.0f);
-        const double step = double{high[axis]} - double{low[axis]};
-        const Moved before = moved(element, low), after = moved(element, high);
+    }
+    PlacedPoint points[kPoints];
+    Moved moved[kPoints];
+    for (size_t i = 0; i < kPoints; ++i) points[i] = placed(element, at[i]);
+    move(points, moved);
+    Slopes result;
+    result.here = moved[0];
+    for (const int axis : {0, 1}) {
+        const Moved &before = moved[1 + 2 * axis], &after = moved[2 + 2 * axis];
+        const double step = double{at[2 + 2 * axis][axis]} - double{at[1 + 2 * axis][axis]};
         if (result.here.finite && before.finite && after.finite)
             (axis == 0 ? result.du : result.dv) = (after.position - before.position) / step;
         (axis == 0 ? result.uv_du : result.uv_dv) = Vec2d(after.base.uv - before.base.uv) / step;

@@ -16,9 +16,9 @@ namespace rayleaf {
 class Displacement {
   public:
     virtual ~Displacement() = default;
-    /// The displacement vector of a point, object space. `surface` is the base surface at `hit`, its normal on the
-    /// outside. Pure; the caller checks for NaN and infinity.
-    virtual Vec3d offset(const Shape& base, const LocalHit& hit, const LocalSurface& surface) const = 0;
+    /// The displacement vectors of points of the base surface, object space; their normals are on the outside. Pure:
+    /// each vector depends on its point alone. The caller checks for NaN and infinity.
+    virtual void offsets(const Shape& base, std::span<const PlacedPoint> points, Vec3d* offsets) const = 0;
 };
 
 class DisplacedSurface final : public Shape {
@@ -65,10 +65,11 @@ class DisplacedSurface final : public Shape {
 
     Vec3d local(const Vec3d& object) const { return (object - frame_.center) / frame_.scale; }
     const Vec3d& checked(const Vec3d& position) const;
-    std::optional<Vec3d> moved_if_finite(const LocalHit& hit, const LocalSurface& surface) const;
-    /// Throws InputError where it is not finite.
-    Vec3d moved_in_object(const LocalHit& hit, const LocalSurface& surface) const;
-    Moved moved(uint32_t element, const Vec2f& parameters) const;
+    void move_if_finite(std::span<const PlacedPoint> points, std::optional<Vec3d>* moved) const;
+    /// Throws InputError where one is not finite.
+    void move_in_object(std::span<const PlacedPoint> points, Vec3d* moved) const;
+    void move(std::span<const PlacedPoint> points, Moved* moved) const;
+    PlacedPoint placed(uint32_t element, const Vec2f& parameters) const;
     Slopes slopes(uint32_t element, const Vec2f& parameters) const;
 };
 

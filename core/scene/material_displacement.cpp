@@ -20,34 +20,14 @@ class ByMaterial final : public Displacement {
           map_(instance.object_to_world * frame.to_object()),
           side_(map_.determinant() < 0.0 ? -1.0 : 1.0) {}
 
-    Vec3d offset(const Shape& base, const LocalHit& hit, const LocalSurface& surface) const override {
-        const size_t slot = std::min<size_t>(base.material_slot(hit), slots_.size() - 1);
-        const MaterialDisplacement& displacement = slots_[slot].displacement;
-        if (!displacement.program) return Vec3d(0.0);
-        SurfacePoint point;
-        point.position = point.facet_position = map_.point(surface.position);
-        point.normal = Vec3f(normalized_or(map_.normal(Vec3d(surface.normal)) * side_, Vec3d(0, 0, 1)));
-        point.facet_normal = point.normal;
-        point.dp_du = Vec3f(map_.vector(Vec3d(surface.dp_du)));
-        point.dp_dv = Vec3f(map_.vector(Vec3d(surface.dp_dv)));
-        point.uv = surface.uv;
-        point.shape = &base;
-        point.local = hit;
-        ShadingInputs inputs;
-        inputs.point = &point;
-        inputs.instance = &instance_;
-        inputs.camera = surroundings_.camera;
-        inputs.textures = surroundings_.textures.get();
-        inputs.outgoing = point.normal;
-        inputs.material_index = slots_[slot].pass_index;
-        const auto value = [&](Register target) {
-            if (target < 0) return Vec3d(0.0);
-            const Vec4f v = displacement.program->value(target, inputs);
-            return Vec3d(v.x, v.y, v.z);
-        };
-        const Vec3d world = value(displacement.world);
-        const Vec3d object = value(displacement.object);
-        return displacement.world < 0 ? object : object + instance_.world_to_object.vector(world);
+    void offsets(const Shape& base, std::span<const PlacedPoint> points, Vec3d* offsets) const override {
+        for (size_t first = 0; first < points.size();) {
+            const size_t slot = slot_of(base, points[first]);
+            size_t end = first + 1;
+            while (end < points.size() && end - first < kMostPoints && slot_of(base, points[end]) == slot) ++end;
+            add_offsets(slots_[slot], base, points.subspan(first, end - first), offsets + first);
+            first = end;
+        }
     }
 
   private:
@@ -56,6 +36,54 @@ class ByMaterial final : public Displacement {
     DisplacementSurroundings surroundings_;
     Affine3d map_;  ///< local space of the surface below -> world
     double side_;   ///< a mirrored object's outside stays its outside
+
+    size_t slot_of(const Shape& base, const PlacedPoint& point) const {
+        return std::min<size_t>(base.material_slot(point.hit), slots_.size() - 1);
+    }
+
+    SurfacePoint point_of(const Shape& base, const PlacedPoint& placed) const {
+        const LocalSurface& surface = placed.surface;
+        SurfacePoint point;
+        point.position = point.facet_position = map_.point(surface.position);
+        point.normal = Vec3f(normalized_or(map_.normal(Vec3d(surface.normal)) * side_, Vec3d(0, 0, 1)));
+        point.facet_normal = point.normal;
+        point.dp_du = Vec3f(map_.vector(Vec3d(surface.dp_du)));
+        point.dp_dv = Vec3f(map_.vector(Vec3d(surface.dp_dv)));
+        point.uv = surface.uv;
+        point.shape = &base;
+        point.local = placed.hit;
+        return point;
+    }
+
+    /// Of at most kMostPoints points of one material.
+    void add_offsets(const Material& material, const Shape& base, std::span<const PlacedPoint> placed,
+                     Vec3d* offsets) const {
+        std::fill_n(offsets, placed.size(), Vec3d(0.0));
+        const MaterialDisplacement& displacement = material.displacement;
+        if (!displacement.program) return;
+        std::vector<SurfacePoint> points(placed.size());
+        std::vector<ShadingInputs> inputs(placed.size());
+        std::array<const ShadingInputs*, kMostPoints> asked;
+        for (size_t i = 0; i < placed.size(); ++i) {
+            points[i] = point_of(base, placed[i]);
+            inputs[i].point = &points[i];
+            inputs[i].instance = &instance_;
+            inputs[i].camera = surroundings_.camera;
+            inputs[i].textures = surroundings_.textures.get();
+            inputs[i].outgoing = points[i].normal;
+            inputs[i].material_index = material.pass_index;
+            asked[i] = &inputs[i];
+        }
+        const auto add = [&](Register target, const auto& in_object) {
+            if (target < 0) return;
+            std::array<Vec4f, kMostPoints> values;
+            displacement.program->values(target, {asked.data(), placed.size()}, values.data());
+            for (size_t i = 0; i < placed.size(); ++i)
+                offsets[i] += in_object(Vec3d(values[i].x, values[i].y, values[i].z));
+        };
+        add(displacement.object, [](const Vec3d& v) { return v; });
+        add(displacement.world, [&](const Vec3d& v) { return instance_.world_to_object.vector(v); });
+    }
 };
 
 std::vector<Material> materials_of(const SceneDescription& description, const std::vector<int>& list) {

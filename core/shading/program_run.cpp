@@ -191,8 +191,10 @@ void Program::compute(const Instruction& instruction, const RegisterBank& regist
         registers.set(instruction.result, i, value_at(instruction, operands_of(instruction, registers, i), *inputs[i]));
 }
 
+/// Without results, closures are not wanted.
 void Program::add_closures(const Instruction& instruction, const RegisterBank& registers, Inputs inputs,
                            Results results) const {
+    if (results.empty()) return;
     for (uint32_t i = 0; i < registers.points; ++i)
         add_closure(instruction.operation, instruction.variant, operands_of(instruction, registers, i),
                     ints_of(instruction), *inputs[i], *results[i]);
@@ -333,11 +335,8 @@ void Program::values(Register target, std::span<const ShadingInputs* const> inpu
     RAYLEAF_ASSERT_GE(target, 0);
     RAYLEAF_ASSERT_LT(target, register_count());
     RAYLEAF_ASSERT_LE(inputs.size(), kMostPoints);
-    std::vector<Closures> ignored(inputs.size());
-    std::array<Closures*, kMostPoints> results;
-    for (size_t i = 0; i < inputs.size(); ++i) results[i] = &ignored[i];
     with_registers(inputs.size(), [&](float* numbers) {
-        execute(inputs, numbers, {results.data(), inputs.size()});
+        execute(inputs, numbers, {});
         const RegisterBank registers = bank(numbers, inputs.size());
         const Register index = is_constant_register(target) ? kFirstConstant + target : target;
         for (uint32_t i = 0; i < registers.points; ++i) values[i] = registers.value(index, i);
