@@ -4,6 +4,9 @@
 #include "integrators/shadow.h"
 #include "shading/lobe_frame.h"
 
+#include <array>
+#include <vector>
+
 namespace rayleaf {
 
 Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const Vertex& vertex, const Sampler& sampler,
@@ -16,6 +19,13 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
     state.diffuse = state.reflection = true;
     state.depth = state.diffuse_depth = 1;
     Color sum(0.0f);
+    std::vector<FreeWay> ways;
+    const auto add_ways = [&] {
+        std::array<Color, kPacketSize> shares;
+        free_shares(scene, ways, Coherence::Incoherent, shares.data());
+        for (size_t i = 0; i < ways.size(); ++i) sum += shares[i];
+        ways.clear();
+    };
     for (int i = 0; i < rays; ++i) {
         const Vec2f random =
             sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(rays), dimension).get2(dimension);
@@ -29,9 +39,10 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         ray.t_max = settings.occlusion_distance;
         const RayDifferential differential =
             hemisphere_differential(vertex.differential, direction, local.z, std::max(rays, kPathSiblings));
-        sum += free_share(scene,
-                          {ray, differential, kVisibleDiffuse, state, settings.transparent_bounces, widening, {}, {}});
+        ways.push_back({ray, differential, kVisibleDiffuse, state, settings.transparent_bounces, widening, {}, {}});
+        if (ways.size() == kPacketSize) add_ways();
     }
+    add_ways();
     return sum / static_cast<float>(rays);
 }
 

@@ -3,6 +3,8 @@
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
 
+#include <array>
+
 namespace rayleaf {
 
 HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
@@ -77,21 +79,31 @@ void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Ver
         child.use = RayUse::Hemisphere;
         enter_media(child, vertex);
         if (distribution_.indirect == IndirectLight::AmbientOcclusion)
-            add_unoccluded_world(child);
+            unoccluded_.push_back(std::move(child));
         else
             push(std::move(child));
+        if (unoccluded_.size() == kPacketSize) add_unoccluded_world();
     }
+    add_unoccluded_world();
 }
 
-void DistributionTracer::add_unoccluded_world(const Branch& child) {
-    ++counts_[child.use];
-    Ray ray = child.ray;
-    ray.t_max = settings_.occlusion_distance;
-    const PathState state = child.bounces.at(0);
-    const Color free = free_share(scene_, way_of(child, ray));
-    if (is_black(free)) return;
-    add(child, free * scene_.world(Vec3f(ray.direction), child.differential, state), Pass::environment,
-        scene_.world_light_group());
+void DistributionTracer::add_unoccluded_world() {
+    for (const Branch& child : unoccluded_) {
+        ++counts_[child.use];
+        Ray ray = child.ray;
+        ray.t_max = settings_.occlusion_distance;
+        ways_.push_back(way_of(child, ray));
+    }
+    std::array<Color, kPacketSize> free;
+    free_shares(scene_, ways_, Coherence::Incoherent, free.data());
+    for (size_t i = 0; i < unoccluded_.size(); ++i) {
+        const Branch& child = unoccluded_[i];
+        if (is_black(free[i])) continue;
+        const Color radiance = scene_.world(Vec3f(child.ray.direction), child.differential, child.bounces.at(0));
+        add(child, free[i] * radiance, Pass::environment, scene_.world_light_group());
+    }
+    unoccluded_.clear();
+    ways_.clear();
 }
 
 bool DistributionTracer::add_cached_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes) {

@@ -2,6 +2,8 @@
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
 
+#include <array>
+
 namespace rayleaf {
 
 void DistributionTracer::send_on(const Branch& branch, const Vertex& vertex) {
@@ -12,34 +14,46 @@ void DistributionTracer::send_on(const Branch& branch, const Vertex& vertex) {
     scatter_over_hemisphere(branch, vertex, lobes);
 }
 
-Color DistributionTracer::share_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
-                                         int siblings) const {
-    const std::optional<Ray> ray = shadow_ray(scene_, vertex.point, light);
-    if (!ray) return Color(1.0f);
-    FreeWay way = way_of(branch, *ray);
+FreeWay DistributionTracer::way_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
+                                         const Ray& shadow, int siblings) const {
+    FreeWay way = way_of(branch, shadow);
     way.differential = shadow_differential(vertex.differential, light, siblings);
     way.kind = kVisibleShadow;
     way.state = branch.bounces.of_shadow_ray();
     way.widening = settings_.widening(branch.importance(), false);
-    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(ray->direction), way.media);
-    return free_share(scene_, way);
+    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(shadow.direction), way.media);
+    return way;
 }
 
-void DistributionTracer::add_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
-                                   const Color& value, const ByKind& shares, int count) {
+void DistributionTracer::send_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
+                                    const Color& value, const ByKind& shares, int count) {
     const float each = 1.0f / static_cast<float>(count);
     const Color arriving = branch.throughput * value * (light.radiance / light.density) * each;
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
     const int siblings = branch.spread == Spread::One ? kPathSiblings : count;
-    const Color free = share_of_light(branch, vertex, light, siblings);
-    const int group = scene_.light_group(light);
-    if (is_black(free)) return;
-    if (branch.bounces.count() == 0)
-        light_.add_first(arriving * free, shares, group, branch.share * each);
-    else
-        light_.add_scattered(arriving * free, branch.bounces.count() + 1, branch.first_shares, group,
-                             branch.share * each);
+    const std::optional<Ray> ray = shadow_ray(scene_, vertex.point, light);
+    if (ray) ways_.push_back(way_of_light(branch, vertex, light, *ray, siblings));
+    sent_.push_back({arriving, shares, scene_.light_group(light), ray.has_value()});
+    if (sent_.size() == kPacketSize) add_sent_light(branch, count);
+}
+
+void DistributionTracer::add_sent_light(const Branch& branch, int count) {
+    const float each = 1.0f / static_cast<float>(count);
+    std::array<Color, kPacketSize> free;
+    free_shares(scene_, ways_, Coherence::Coherent, free.data());
+    size_t way = 0;
+    for (const SentLight& light : sent_) {
+        const Color arriving = light.waits ? light.value * free[way++] : light.value;
+        if (is_black(arriving)) continue;
+        if (branch.bounces.count() == 0)
+            light_.add_first(arriving, light.shares, light.group, branch.share * each);
+        else
+            light_.add_scattered(arriving, branch.bounces.count() + 1, branch.first_shares, light.group,
+                                 branch.share * each);
+    }
+    sent_.clear();
+    ways_.clear();
 }
 
 LitClasses DistributionTracer::lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
@@ -75,8 +89,9 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
         const std::optional<LightSample> light = scene_.lights().sample(vertex.point.position, sampler.get3(use));
         if (!light) continue;
         const LitClasses lit = lit_by_classes(branch, vertex, lobes, *light, count);
-        add_light(branch, vertex, *light, lit.value, lit.shares, count);
+        send_light(branch, vertex, *light, lit.value, lit.shares, count);
     }
+    add_sent_light(branch, count);
 }
 
 void DistributionTracer::follow_singular(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes) {
@@ -122,7 +137,8 @@ void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& v
     const LitLobes lit = !lights_all_kinds(*light) ? lit_by_kind(vertex, vertex.closures, *light)
                                                    : lit_together(vertex, vertex.closures, *light);
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
-    add_light(branch, vertex, *light, lit.value * weight, {}, 1);
+    send_light(branch, vertex, *light, lit.value * weight, {}, 1);
+    add_sent_light(branch, 1);
 }
 
 void DistributionTracer::send_one_on(const Branch& branch, const Vertex& vertex) {

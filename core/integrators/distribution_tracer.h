@@ -17,6 +17,14 @@ struct LitClasses {
     ByKind shares;
 };
 
+/// Light on its way from a sampled light.
+struct SentLight {
+    Color value{0, 0, 0};
+    ByKind shares;       ///< of what it is scattered by
+    int group = -1;      ///< of lights
+    bool waits = false;  ///< for its way; else all of it arrives
+};
+
 class DistributionTracer {
   public:
     DistributionTracer(const DistributionFrame& frame, RayCounts& counts, SampleExtras* extras = nullptr)
@@ -42,7 +50,10 @@ class DistributionTracer {
     const PathSettings& settings_;
     RayCounts& counts_;
     Contributions light_;
-    std::vector<Branch> pending_;  ///< last in, first out
+    std::vector<Branch> pending_;     ///< last in, first out
+    std::vector<Branch> unoccluded_;  ///< rays that wait to be told whether they reach the world
+    std::vector<FreeWay> ways_;       ///< that wait, in the order of what waits for them
+    std::vector<SentLight> sent_;     ///< waits to be told how much of it arrives
     float alpha_ = 1;
     bool surface_recorded_ = false;
 
@@ -90,16 +101,20 @@ class DistributionTracer {
                    : std::max(1, static_cast<int>(std::lround(static_cast<float>(wanted) * branch.share)));
     }
     void send_on(const Branch& branch, const Vertex& vertex);
-    Color share_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light, int siblings) const;
-    void add_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Color& value,
-                   const ByKind& shares, int count);
+    FreeWay way_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Ray& shadow,
+                         int siblings) const;
+    void send_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Color& value,
+                    const ByKind& shares, int count);
+    /// Light that was sent: at most a packet, of one vertex and so many siblings.
+    void add_sent_light(const Branch& branch, int count);
     LitClasses lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
                               const LightSample& light, int count) const;
     void sample_lights(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
     void follow_singular(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
     void scatter_glossy(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
     void scatter_over_hemisphere(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
-    void add_unoccluded_world(const Branch& child);
+    /// Those that wait, at most a packet.
+    void add_unoccluded_world();
     /// True where the cache answered for all lobes.
     bool add_cached_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes);
     void add_occlusion(const Branch& branch, const Vertex& vertex);

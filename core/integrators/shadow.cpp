@@ -3,6 +3,10 @@
 #include "integrators/medium_tracking.h"
 #include "integrators/volumes.h"
 
+#include <algorithm>
+#include <array>
+#include <utility>
+
 namespace rayleaf {
 namespace {
 
@@ -82,7 +86,50 @@ Color through_surface(const Scene& scene, FreeWay& way, const Hit& hit) {
     return share;
 }
 
+/// A packet's, where something may let light through: most rays meet nothing, or what lets nothing through.
+void shares_through_surfaces(const Scene& scene, std::span<FreeWay> ways, std::span<const RayQuery> rays,
+                             Coherence coherence, Color* shares) {
+    std::array<ClosestHit, kPacketSize> nearest;
+    scene.tracer().closest(rays, coherence, nearest.data());
+    for (size_t i = 0; i < ways.size(); ++i) {
+        const std::optional<Hit>& hit = nearest[i].hit;
+        if (!hit) {
+            shares[i] = through_volumes(scene, ways[i].ray, ways[i].kind).transmittance;
+            continue;
+        }
+        const Material& material = scene.material(hit->instance, hit->local);
+        const bool opaque = !material.bounds_medium_alone && !material.surface->may_be_transparent();
+        shares[i] = opaque ? Color(0.0f) : free_share(scene, std::move(ways[i]));
+    }
+}
+
+void shares_of_packet(const Scene& scene, std::span<FreeWay> ways, Coherence coherence, Color* shares) {
+    std::array<RayQuery, kPacketSize> queries;
+    bool any_media = false;
+    for (size_t i = 0; i < ways.size(); ++i) {
+        if (scene.needs_footprints()) ways[i].ray = with_width(ways[i].ray, ways[i].differential, ways[i].widening);
+        queries[i] = {&ways[i].ray, ways[i].kind, nullptr};
+        any_media |= !ways[i].media.empty();
+    }
+    if (any_media) {
+        for (size_t i = 0; i < ways.size(); ++i) shares[i] = free_share(scene, std::move(ways[i]));
+        return;
+    }
+    const std::span<const RayQuery> rays(queries.data(), ways.size());
+    if (scene.has_transparency()) return shares_through_surfaces(scene, ways, rays, coherence, shares);
+    const uint32_t hidden = scene.tracer().occluded(rays, coherence);
+    for (size_t i = 0; i < ways.size(); ++i)
+        shares[i] =
+            (hidden >> i & 1u) != 0 ? Color(0.0f) : through_volumes(scene, ways[i].ray, ways[i].kind).transmittance;
+}
+
 }  // namespace
+
+void free_shares(const Scene& scene, std::span<FreeWay> ways, Coherence coherence, Color* shares) {
+    for (size_t first = 0; first < ways.size(); first += kPacketSize)
+        shares_of_packet(scene, ways.subspan(first, std::min<size_t>(kPacketSize, ways.size() - first)), coherence,
+                         shares + first);
+}
 
 Color free_share(const Scene& scene, FreeWay way) {
     way.ray = with_width(way.ray, way.differential, way.widening);

@@ -4,7 +4,10 @@
 #include "base/random_stream.h"
 #include "integrators/bounces.h"
 #include "integrators/medium_stack.h"
+#include "rays/packet.h"
 #include "scene/scene.h"
+
+#include <span>
 
 namespace rayleaf {
 
@@ -25,5 +28,7 @@ struct FreeWay {
 
 /// Share of light that surfaces let straight through along the way, and media.
 Color free_share(const Scene& scene, FreeWay way);
+/// The same for several ways, the rays of which are traced in packets; the ways are used up.
+void free_shares(const Scene& scene, std::span<FreeWay> ways, Coherence coherence, Color* shares);
 
 }  // namespace rayleaf

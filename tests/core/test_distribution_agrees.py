@@ -135,3 +135,25 @@ def test_without_indirect_light_the_mean_is_that_of_no_diffuse_bounce(core, name
     path, path_error = means(core, scene, samples=256, diffuse_bounces=0)
     many, many_error = means(core, scene, **MANY, indirect="NONE")
     assert abs(path[0] - many[0]) < 6 * np.hypot(path_error[0], many_error[0]) + 2e-3 * path[0]
+
+
+@pytest.mark.parametrize("veiled", [False, True])
+@pytest.mark.parametrize("rays", [1, 15, 16, 17, 37])
+def test_any_number_of_rays_adds_up_to_the_whole(core, rays, veiled):
+    """Rays to the sky and to lamps are traced in packets; the last is seldom full."""
+    scene = core.SceneDescription()
+    grey = material(core, scene, ("diffuse", 1.0, 0.5))
+    scene.add_instance("plane", quad(scene, "plane", 20), matrix(), grey)
+    scene.set_world(background(core, strength=1.0))
+    share = 1.0
+    if veiled:
+        share = 0.5
+        pane = veil(core, scene, (share,) * 3)
+        scene.add_instance("pane", quad(scene, "pane", 1000), matrix((0, 0, 2)), pane, visibility=30)
+    scene.add_lamp("sun", "SUN", matrix((0, 0, 5)), (1, 1, 1), angle=0.0)
+    look_down(scene, half=0.1)
+    counts = dict(integrator="DISTRIBUTION", indirect="AMBIENT_OCCLUSION", hemisphere_rays=rays, light_rays=rays)
+    session = render(core, scene, samples=1, size=4, passes=["combined", "ambient_occlusion"], **counts)
+    np.testing.assert_allclose(session.pass_pixels("ambient_occlusion"), share, rtol=1e-5)
+    values = session.pass_pixels("combined")[..., :3]
+    np.testing.assert_allclose(values, share * 0.5 * (1.0 + 1.0 / np.pi), rtol=1e-4)
