@@ -55,7 +55,7 @@ class Row:
 
 HEADINGS = [
     *("Blender", "installed", "among Blender's libraries", "extension commands"),
-    *("scenes as in 3.4", "tests passed", "warnings"),
+    *("scenes as they should be", "tests passed", "warnings"),
 ]
 
 
