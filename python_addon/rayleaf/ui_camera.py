@@ -4,7 +4,6 @@ from typing import Any
 
 import bpy
 
-from . import versions
 from .ui import _Panel
 
 _FISHEYE = {"FISHEYE_EQUIDISTANT": ("fisheye_fov",), "FISHEYE_EQUISOLID": ("fisheye_lens", "fisheye_fov")}
@@ -23,6 +22,8 @@ class RAYLEAF_PT_panorama(_Panel, bpy.types.Panel):
         return camera is not None and camera.type == "PANO" and hasattr(camera, "cycles") and super().poll(context)
 
     def draw(self, context: Any) -> None:
+        from . import versions  # loads NumPy, for which enabling the add-on need not wait
+
         column, settings = self._column(), context.camera.cycles
         column.prop(settings, "panorama_type")
         kind = versions.panorama(context.camera)["panorama_type"]

@@ -306,9 +306,9 @@ ball = bpy.context.object
 material = bpy.data.materials.new("Carved Wood")
 material.use_nodes = True
 tree = material.node_tree
-bevel = tree.nodes.new("ShaderNodeBevel")
-bevel.name = "Grain"
-tree.links.new(bevel.outputs[0], tree.nodes["Principled BSDF"].inputs["Normal"])
+grain = tree.nodes.new("ShaderNodeShaderToRGB")  # of Eevee alone
+grain.name = "Grain"
+tree.links.new(grain.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
 ball.data.materials.append(bpy.data.materials["Material"])
 ball.data.materials.append(material)
 cube.is_shadow_catcher = True
