@@ -27,7 +27,7 @@ struct PrincipledLayers {
     Color coat_tint{1, 1, 1};  ///< what is left of light that crosses the coat at normal incidence, twice
     Color emission{0, 0, 0};   ///< radiance, below the coat
     float diffuse_roughness = 0;
-    float subsurface = 0;      ///< the share of the body's light that scatters below the surface
+    float subsurface = 0;  ///< the share of the body's light that scatters below the surface
     Color subsurface_radius{0, 0, 0};
     float subsurface_ior = 1.4f, subsurface_anisotropy = 0;
     SubsurfaceMethod subsurface_method = SubsurfaceMethod::FixedRadius;
