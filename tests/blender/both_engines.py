@@ -66,3 +66,12 @@ def white_floor(size):
     scene = bpy.context.scene
     scene.camera = scenes.add(camera)
     scene.camera.location = (0, 0, 20)
+
+
+def show_direct_light(scene, size, samples):
+    """Square pictures, as multilayer files, of what lamps and glowing bodies light at once."""
+    scene.render.resolution_x = scene.render.resolution_y = size
+    scenes.write_layers()
+    set_alike(scene, max_bounces=0)
+    sample_plainly(scene, samples)
+    filter_by_box(scene)

@@ -95,11 +95,7 @@ def build():
     scenes.empty_file()
     scene = bpy.context.scene
     both_engines.white_floor(4.0)
-    scene.render.resolution_x = scene.render.resolution_y = SIZE
-    scenes.write_layers()
-    both_engines.set_alike(scene, max_bounces=0)
-    both_engines.sample_plainly(scene, SAMPLES)
-    both_engines.filter_by_box(scene)
+    both_engines.show_direct_light(scene, SIZE, SAMPLES)
     return scene
 
 

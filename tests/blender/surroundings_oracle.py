@@ -67,11 +67,7 @@ def build():
     bpy.ops.mesh.primitive_cube_add(size=1.2, location=(-0.5, 0, 0.6), rotation=(0, 0, 0.5))
     bpy.ops.mesh.primitive_monkey_add(size=1.4, location=(0.8, 0.2, 0.65), rotation=(-0.3, 0, 0.3))
     bpy.ops.object.shade_smooth()
-    scene.render.resolution_x = scene.render.resolution_y = SIZE
-    scenes.write_layers()
-    both_engines.set_alike(scene, max_bounces=0)
-    both_engines.sample_plainly(scene, SAMPLES)
-    both_engines.filter_by_box(scene)
+    both_engines.show_direct_light(scene, SIZE, SAMPLES)
     return scene
 
 
