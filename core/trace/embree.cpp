@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <oneapi/tbb/task_arena.h>
+
 namespace rayleaf {
 namespace {
 
@@ -91,7 +93,10 @@ void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry) {
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene.get(), geometry, 0);
     rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene.get());
+    // Embree keeps a task group in each scene, and oneTBB makes it a child of the group of the task that builds first.
+    // That group ends before the scene does, and a later cancellation would follow the pointer to it. What an arena
+    // executes is no task's child.
+    oneapi::tbb::task_arena(oneapi::tbb::task_arena::attach()).execute([&] { rtcCommitScene(scene.get()); });
     throw_embree_error();
 }
 
