@@ -32,6 +32,14 @@ def pytest_report_header() -> str:
     return f"rayleaf: {ADDONS}"
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests that share a folder of the checkout or a Slurm controller run in one process, one after the other."""
+    for item in items:
+        folder = item.path.relative_to(ROOT / "tests").parts[0]
+        if folder in ("farm", "package"):
+            item.add_marker(pytest.mark.xdist_group(folder))
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The folder of the checkout."""

@@ -53,7 +53,9 @@ class ThreadStates {
         explicit Node(Arguments&&... arguments) : state(std::forward<Arguments>(arguments)...) {}
     };
 
-    mutable oneapi::tbb::enumerable_thread_specific<Node*> own_;
+    /// Memory from the C++ library, not from oneTBB's own allocator: one thread may get what another gave back, and the
+    /// thread sanitizer sees the order of that only where it knows the allocator.
+    mutable oneapi::tbb::enumerable_thread_specific<Node*, std::allocator<Node*>> own_;
     /// Publishes nodes to for_each. Sequentially consistent, like announcements in states: see there.
     std::atomic<Node*> newest_{nullptr};
 

@@ -34,7 +34,9 @@ class TriedCache final : public RayCache {
 
   private:
     std::shared_ptr<const FastTree> model_;
-    mutable oneapi::tbb::enumerable_thread_specific<std::unique_ptr<FastTree>> trees_;
+    using Trees =
+        oneapi::tbb::enumerable_thread_specific<std::unique_ptr<FastTree>, std::allocator<std::unique_ptr<FastTree>>>;
+    mutable Trees trees_;
 };
 
 }  // namespace rayleaf
