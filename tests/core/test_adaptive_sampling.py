@@ -45,6 +45,7 @@ def test_calm_blocks_take_fewer_samples_than_noisy_ones(core):
     assert (blocks == blocks[:, :1]).all(), "the pixels of a block take as many as each other"
 
 
+@pytest.mark.slow
 def test_the_noise_that_is_asked_for_is_reached(core):
     truth = picture(rendered(core, samples=4096, seed=5))
     errors = []

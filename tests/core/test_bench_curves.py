@@ -1,8 +1,10 @@
 """The benchmark of curves runs, in small."""
 
+import pytest
 from benchmark_runs import run_quickly
 
 
+@pytest.mark.slow
 def test_the_benchmark_of_curves_prints_its_tables(root, addons, tmp_path):
     printed, measured = run_quickly("curves", root, addons, tmp_path)
     for title in (

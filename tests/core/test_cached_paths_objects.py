@@ -108,6 +108,7 @@ def test_auto_says_what_it_decided_and_why(core):
     assert reasons[0] == reasons[1] and "queries" in reasons[0] and "of tracing" in reasons[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["mirror", "glass"])
 def test_auto_foretells_from_a_few_blocks_what_a_whole_picture_samples(core, kind):
     whole = dict(crop_x=0, crop_y=0, crop_width=0, crop_height=0)

@@ -101,6 +101,7 @@ def test_a_store_forgets_what_the_last_frame_did_not_use(core):
     assert store.count() == 1
 
 
+@pytest.mark.slow
 def test_an_object_that_changes_shape_every_frame_holds_one_cache(core):
     def scene(radius):
         made = core.SceneDescription()

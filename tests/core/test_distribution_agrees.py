@@ -116,6 +116,7 @@ def means(core, scene, **settings):
     return values.mean(0), values.std(0, ddof=1) / np.sqrt(8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_the_mean_of_every_pass_is_that_of_path_tracing(core, name):
     scene = SCENES[name](core)

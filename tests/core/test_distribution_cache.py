@@ -97,6 +97,7 @@ def test_the_radius_is_the_harmonic_mean_distance_within_its_limits():
     assert np.linalg.norm(held["moving"]) * 9 == pytest.approx(held["irradiance"], rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [bleeding, mirrors, glass])
 @pytest.mark.parametrize("indirect", ["AMBIENT_OCCLUSION", "COLOR_BLEEDING"])
 def test_interpolation_is_close_to_sampling_and_takes_few_hemispheres(core, scene, indirect):

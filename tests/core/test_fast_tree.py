@@ -120,6 +120,7 @@ def spaced_frames(tree, rays, count, **company):
     return frames, [float((frame["answered_by"] == support.NOT_WORTH_IT).mean()) for frame in frames]
 
 
+@pytest.mark.slow
 def test_what_many_frames_cross_is_bought_in_the_end_for_any_threads_and_cache_size():
     rays = support.rays_towards(np.zeros(3), 0.6, 800)
     shape, settings = shapes.nurbs_torus(), {"rays_per_cell": 6.0, "depth_limit": 24, "mixed_depth_limit": 24}
@@ -195,6 +196,7 @@ def test_one_number_sets_the_thresholds_and_bounds_the_error():
             support.ri_tree.quality_settings(error)
 
 
+@pytest.mark.slow
 def test_of_a_view_that_moves_a_small_cache_forgets_what_is_not_asked_for_again():
     def taken(cache_bytes):
         tree = fast_tree(shapes.nurbs_torus(), "GLASS", ior=1.2, depth_limit=24, cache_bytes=cache_bytes)

@@ -190,6 +190,7 @@ def test_parts_of_split_subpatches_are_kept_and_no_budget_changes_the_picture(co
         assert "geometry_cache_megabytes" not in settings or held <= 0.5 * 2**20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator, rays", [("PATH", 1), ("DISTRIBUTION", 64)])
 def test_the_error_of_occlusion_is_at_most_two_thousandths(core, integrator, rays):
     scene = balls_scene(core)

@@ -30,6 +30,7 @@ SCATTERERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["cube", "sphere"])
 @pytest.mark.parametrize("scatterer", SCATTERERS)
 @pytest.mark.parametrize("roulette_start", [0, 3, 1000])

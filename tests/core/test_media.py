@@ -96,6 +96,7 @@ def test_shadows_are_as_dark_as_the_medium(core, integrator):
     np.testing.assert_allclose(images[1], images[0] * np.exp(-0.5 * 16.0), rtol=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("clear", ["medium", "surface"])
 def test_borders_that_hold_nothing_back_leave_the_light_of_surfaces_as_it_is(core, integrator, clear):
@@ -173,6 +174,7 @@ def test_streams_through_media_give_the_bits_of_single_paths(core, paths):
     assert alone.statistics()["rays"]["medium"] > 0
 
 
+@pytest.mark.slow
 def test_both_integrators_agree_on_media(core):
     settings = dict(size=2, samples=3000, volume_bounces=2, diffuse_bounces=1, max_bounces=6)
     images = [picture(core, scenes_of_media(core), integrator=name, **settings).mean((0, 1)) for name in INTEGRATORS]

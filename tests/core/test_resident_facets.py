@@ -35,6 +35,7 @@ def rays(random, count, reach=4.0):
     return origins, shapes.unit(random.uniform(-1, 1, (count, 3)) - origins)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPES)
 def test_rays_that_cross_a_resident_shell_leave_it_as_often_as_they_enter(name):
     shell = tracer((SHAPES[name](), np.eye(4)))

@@ -8,7 +8,7 @@ from core.ri_tree_support import BOX_MISSED, CELL_MISSED, INTERPOLATED, NOT_A_RA
 from rayleaf import _core
 
 
-@pytest.fixture(params=support.TREES)
+@pytest.fixture(params=[pytest.param("ReferenceTree", marks=pytest.mark.slow), "FastTree"])
 def tree(request):
     """Either implementation."""
     return request.param

@@ -90,6 +90,7 @@ def test_what_two_renders_did_not_use_is_dropped():
     assert render(make(parts))[1] == 0
 
 
+@pytest.mark.slow
 def test_an_image_is_converted_once():
     parts = _core.SceneParts()
     first = _core.SceneDescription(parts)

@@ -128,6 +128,7 @@ def tuft():
 SHAPES = {**RODS, "a tuft": tuft, "ribbons": lambda: strand(RANDOM_POINTS, 0.05, form="RIBBON")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coherent", [False, True])
 @pytest.mark.parametrize("name", SHAPES)
 def test_packets_find_the_very_hits_of_single_rays_on_all_instruction_sets(name, coherent, any_target):

@@ -202,6 +202,7 @@ def test_the_cache_keeps_to_its_limit():
     assert statistics["bytes"] <= limit + (1 << 20)  # a tile may come in before another goes
 
 
+@pytest.mark.slow
 def test_a_texture_larger_than_the_limit_reads_as_with_room_for_it():
     pixels = picture(2048, 1024, 4)
     least = 10 << 20

@@ -167,6 +167,7 @@ def resident_bytes():
     return pages * resource.getpagesize()
 
 
+@pytest.mark.slow
 def test_a_million_instances_share_one_shape():
     count = 1_000_000
     matrices = np.broadcast_to(np.eye(4), (count, 4, 4)).copy()
