@@ -38,6 +38,7 @@ PassRuleInfo rule(Pass pass) {
     switch (pass) {
         case Pass::depth:
         case Pass::position:
+        case Pass::vector:
         case Pass::object_index:
         case Pass::material_index:
         case Pass::mask:

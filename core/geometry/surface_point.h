@@ -20,6 +20,7 @@ struct SurfacePoint {
     Vec2f uv{0, 0};
     Vec2f uv_by_u{1, 0}, uv_by_v{0, 1};  ///< change of uv along what the derivatives are by: itself, or picture steps
     double t = 0;                        ///< distance along the ray, world units
+    float time = kMiddleTime;            ///< of the shutter, at which all this is so
 
     const Shape* shape = nullptr;
     LocalHit local;
@@ -44,6 +45,7 @@ struct SurfacePoint {
         ray.origin = ray_origin(direction);
         ray.start = {anchor(), sight};
         ray.leaves = instance;
+        ray.time = time;
     }
     /// The rest of a ray that goes straight on. An interpolated point may be far from the surface: then the ray starts
     /// as far behind it, but on its own line, so that the background does not shift.

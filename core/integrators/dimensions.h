@@ -1,6 +1,6 @@
 // Which random numbers an integrator uses for what: the one table of the sampler's dimensions.
 //
-//   0..15                 the camera: filter, lens (render/session.cpp)
+//   0..15                 the camera: filter, lens, time (render/session.cpp)
 //   16 + 16 * v + ...     vertex v of the path, counted from the camera, transparent surfaces included
 //
 // The sampler gives two stratified numbers a dimension, and three by joining a second one.
@@ -11,7 +11,7 @@
 namespace rayleaf {
 
 /// Of the camera.
-enum CameraDimension : uint32_t { kFilterDimension = 0, kLensDimension = 1 };
+enum CameraDimension : uint32_t { kFilterDimension = 0, kLensDimension = 1, kTimeDimension = 2 };
 
 enum class PathDimension : uint32_t {
     Light = 0,         ///< which light, and where on it: three numbers

@@ -62,6 +62,7 @@ bool DistributionTracer::pass_media(Branch& branch, double end) {
     child.departure.sampling = LightSampling::Weighed;
     child.departure.density = sample->density;
     child.ray = Ray{};
+    child.ray.time = branch.ray.time;
     child.ray.origin = child.departure.position;
     child.ray.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
     ++child.vertex;

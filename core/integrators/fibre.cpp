@@ -26,7 +26,7 @@ void leave_fibre(const Scene& scene, const SurfacePoint& point, const Closures& 
                           static_cast<const Strands*>(point.shape)->form() != StrandForm::Ribbon;
     if (!is_round || ray.direction.dot(Vec3d(point.facet_normal)) >= 0.0 || !closures.has_fibre_lobes()) return;
     const auto& strands = static_cast<const Strands&>(*point.shape);
-    const Affine3d to_local = scene.tracer().local_to_world(point.instance).inverse();
+    const Affine3d to_local = scene.tracer().local_to_world(point.instance, point.time).inverse();
     const double way = way_through(strands.segment(point.local.primitive), point.local.u, to_local.point(ray.origin),
                                    to_local.vector(ray.direction));
     const double beyond = way + point.start_offset;

@@ -9,6 +9,7 @@ void write_surface(const Scene& scene, const Vertex& vertex, PixelSample& sample
     sample[Pass::depth].x = static_cast<float>(scene.camera().depth(point.position));
     sample[Pass::position] = Vec4f(position.x, position.y, position.z, 0.0f);
     sample[Pass::normal] = Vec4f(normal.x, normal.y, normal.z, 0.0f);
+    if (const MotionVectors* vectors = scene.motion_vectors()) sample[Pass::vector] = vectors->at(point);
     sample[Pass::uv] = Vec4f(point.uv.x, point.uv.y, 1.0f, 0.0f);
     sample[Pass::object_index].x = scene.object_index(point.instance);
     sample[Pass::material_index].x = scene.material(point.instance, point.local).pass_index;

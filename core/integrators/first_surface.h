@@ -16,7 +16,7 @@ inline bool is_opaque_enough(const Closures& closures) {
     return 1.0f - average(closures.transparency) >= kPassOpacity;
 }
 
-/// Writes Depth, Position, Normal, UV and the indices.
+/// Writes Depth, Position, Normal, Vector, UV and the indices.
 void write_surface(const Scene& scene, const Vertex& vertex, PixelSample& sample);
 
 /// Adds what of Mist's light a surface holds back; `throughput` is the path's.

@@ -12,9 +12,10 @@ constexpr double kExitErrors = 4.0;
 
 }  // namespace
 
-std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const RayDifferential& differential) {
+std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const RayDifferential& differential,
+                                           float time) {
     if (!hit.is_interpolated() || hit.interpolated.way == GlassWay::Unknown) return std::nullopt;
-    const Affine3d& to_world = scene.tracer().local_to_world(hit.instance);
+    const Affine3d to_world = scene.tracer().local_to_world(hit.instance, time);
     const InterpolatedHit& way = hit.interpolated;
     GlassExit exit;
     exit.is_cut_off = way.way == GlassWay::CutOff;
@@ -24,6 +25,7 @@ std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, c
     exit.ray.origin = to_world.point(way.exit_position) +
                       exit.ray.direction * (kExitErrors * way.position_error * to_world.x.length());
     exit.ray.leaves = hit.instance;
+    exit.ray.time = time;
     exit.ray.start = {{hit.instance, RayAnchor::kNoFacet, 0}, {}};
     exit.total_reflections = way.total_reflections;
     exit.crossings = way.interior_hits - way.total_reflections;

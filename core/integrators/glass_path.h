@@ -20,7 +20,8 @@ struct GlassExit {
 
 /// The path through the glass as the hit's ray cache knows it; empty where it does not. `differential`: of the ray that
 /// enters, where it hits; so is the one that leaves, unless the cache was asked how the way changes.
-std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const RayDifferential& differential);
+std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const RayDifferential& differential,
+                                           float time);
 
 /// The way from `entered`, a ray that just passed the surface of `instance`, of at most so many hits from inside. Empty
 /// where it finds no end.

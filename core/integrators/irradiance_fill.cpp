@@ -214,7 +214,7 @@ HemisphereRecord Fill::sampled(const OpenPoint& point) {
         ray.departure.sampling = LightSampling::Alone;
         ray.spread = Spread::One;
         ray.use = RayUse::Hemisphere;
-        if (frame_.scene.has_media()) ray.media = media_around(frame_.scene, ray.ray.origin);
+        if (frame_.scene.has_media()) ray.media = media_around(frame_.scene, ray.ray.origin, ray.ray.time);
         rays[static_cast<size_t>(i)] = trace_hemisphere_ray(frame_, ray, counts);
     }
     HemisphereRecord record = make_record(vertex.point.position, point.normal, grid_, rays, radius_limits(point.pixel));

@@ -12,13 +12,13 @@ std::optional<ScatteredLight> scattered_light(const MediumStretch& stretch, cons
     RandomStream random(sampler, dimension(vertex, PathDimension::MediumPlace));
     const Vec3d likely = stretch.ray.at(likely_distance(stretch, random.next()));
     const Vec3f choice(random.next(), random.next(), random.next());
-    const std::optional<Vec3d> pivot = place_of(lights.sample(likely, choice));
+    const std::optional<Vec3d> pivot = place_of(lights.sample(likely, choice, stretch.ray.time));
     const Vec2f numbers = sampler.get2(dimension(vertex, PathDimension::MediumPlace));
     const std::optional<LitPlace> place = place_of_light(stretch, throughput, pivot, numbers, random);
     if (!place) return std::nullopt;
     const Vec3d position = stretch.ray.at(place->t);
     const std::optional<LightSample> light =
-        lights.sample(position, sampler.get3(dimension(vertex, PathDimension::MediumLight)));
+        lights.sample(position, sampler.get3(dimension(vertex, PathDimension::MediumLight)), stretch.ray.time);
     if (!light || !(light->visibility & kVisibleVolume)) return std::nullopt;
     const Vec3f outgoing = stretch.outgoing();
     const float density = place->medium.density(outgoing, light->direction);
@@ -32,6 +32,7 @@ std::optional<ScatteredLight> scattered_light(const MediumStretch& stretch, cons
     result.way = shadow;
     Ray& ray = result.way->ray;
     ray = Ray{};
+    ray.time = stretch.ray.time;
     ray.origin = position;
     ray.direction = normalized_or(Vec3d(light->direction), Vec3d(0, 0, 1));
     if (std::isfinite(light->distance)) {

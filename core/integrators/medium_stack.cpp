@@ -4,10 +4,11 @@ namespace rayleaf {
 namespace {
 
 /// Whether a point lies inside a closed surface: the first facet on any way out is seen from behind.
-const SceneMedium* medium_holding(const Scene& scene, uint32_t instance, const Vec3d& position) {
+const SceneMedium* medium_holding(const Scene& scene, uint32_t instance, const Vec3d& position, float time) {
     if (!scene.tracer().bounds(instance).intersects(position)) return nullptr;
     Ray up;
     up.origin = position;
+    up.time = time;
     const std::optional<Hit> hit = scene.tracer().closest_on(instance, up);
     if (!hit) return nullptr;
     const SurfacePoint point = scene.tracer().surface_point(up, *hit);
@@ -33,11 +34,11 @@ bool MediumStack::varies() const {
     return std::any_of(media_.begin(), media_.begin() + count_, has_grid);
 }
 
-MediumStack media_around(const Scene& scene, const Vec3d& position) {
+MediumStack media_around(const Scene& scene, const Vec3d& position, float time) {
     MediumStack media;
     if (const SceneMedium* world = scene.media().world()) media.enter(world);
     for (const uint32_t instance : scene.media().instances())
-        if (const SceneMedium* medium = medium_holding(scene, instance, position)) media.enter(medium);
+        if (const SceneMedium* medium = medium_holding(scene, instance, position, time)) media.enter(medium);
     return media;
 }
 

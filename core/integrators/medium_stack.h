@@ -27,8 +27,8 @@ class MediumStack {
     size_t count_ = 0;
 };
 
-/// The media at a point that lies on no surface, where a path starts.
-MediumStack media_around(const Scene& scene, const Vec3d& position);
+/// The media at a point that lies on no surface, where a path starts; `time` of the shutter.
+MediumStack media_around(const Scene& scene, const Vec3d& position, float time);
 
 /// The media beyond a surface point, for a ray that goes on through it along `direction`.
 void cross(const Scene& scene, const SurfacePoint& point, const Vec3f& direction, MediumStack& media);

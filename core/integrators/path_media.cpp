@@ -63,7 +63,9 @@ bool PathTracer::scatter_in_medium(const MediumPassage& passage) {
             widened(differential_.transferred(direction, *passage.t, -direction), sample->direction, kScatteredWidth);
     const Vec3d position = ray_.at(*passage.t);
     departure_ = {position, sample->density};
+    const float time = ray_.time;
     ray_ = Ray{};
+    ray_.time = time;
     ray_.origin = position;
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
     outside_of_ = kNowhere;

@@ -23,8 +23,8 @@ constexpr uint64_t kFeaturePasses =
     bit(Pass::denoising_normal) | bit(Pass::denoising_albedo) | bit(Pass::denoising_depth);
 constexpr uint64_t kColorPasses = bit(Pass::diffuse_color) | bit(Pass::glossy_color) | bit(Pass::transmission_color);
 constexpr uint64_t kSurfacePasses = bit(Pass::depth) | bit(Pass::mist) | bit(Pass::position) | bit(Pass::normal) |
-                                    bit(Pass::uv) | bit(Pass::object_index) | bit(Pass::material_index) |
-                                    bit(Pass::ambient_occlusion);
+                                    bit(Pass::uv) | bit(Pass::vector) | bit(Pass::object_index) |
+                                    bit(Pass::material_index) | bit(Pass::ambient_occlusion);
 constexpr uint64_t kRayPasses = bit(Pass::mask) | bit(Pass::tree_index) | bit(Pass::mask_colors) |
                                 bit(Pass::interpolation_error) | bit(Pass::path_length) | bit(Pass::geometry_level);
 

@@ -168,7 +168,7 @@ void PathTracer::add_emission(const Vertex& vertex) {
 
 void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    const std::optional<LightSample> light = scene_.lights().sample(vertex.point.position, random);
+    const std::optional<LightSample> light = scene_.lights().sample(vertex.point.position, random, vertex.point.time);
     if (!light) return;
     const bool first = bounces_.count() == 0;
     const LitLobes lit = (first && settings_.light_passes) || !lights_all_kinds(*light)
@@ -324,7 +324,7 @@ bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry) {
 
 /// Goes on from where the ray that has just entered a glass body leaves it; false if the path ends inside.
 bool PathTracer::cross_glass(const GlassBody& body, const Vertex& vertex) {
-    std::optional<GlassExit> exit = interpolated_exit(scene_, *hit_, vertex.differential);
+    std::optional<GlassExit> exit = interpolated_exit(scene_, *hit_, vertex.differential, vertex.point.time);
     if (!exit)
         exit = traced_exit(scene_, body, vertex.point.instance, ray_, differential_, settings_.most_interior_hits);
     if (!exit) return true;  // on, surface by surface

@@ -110,8 +110,8 @@ class LightSet {
     LightSet& operator=(const LightSet&) = delete;
 
     bool empty() const;  ///< nothing to sample
-    /// A light for a point at `position`; `random` in [0,1)³, z chooses the light.
-    std::optional<LightSample> sample(const Vec3d& position, const Vec3f& random) const;
+    /// A light for a point at `position`; `random` in [0,1)³, z chooses the light; `time` of the shutter.
+    std::optional<LightSample> sample(const Vec3d& position, const Vec3f& random, float time = kMiddleTime) const;
     /// Density with which `sample` at `from` would have chosen the direction to an emitting surface point.
     float emitter_density(const Vec3d& from, const SurfacePoint& point) const;
     /// The same for the world in `direction`.

@@ -129,7 +129,7 @@ struct LightSet::Implementation {
     }
     std::optional<LightSample> chosen_of(const LampTraits& lamp, LampSample sample, const Vec3d& position,
                                          double probability) const;
-    std::optional<LightSample> sample_tree(const Vec3d& position, const Vec2f& random, double choice) const;
+    std::optional<LightSample> sample_tree(const Vec3d& position, const Vec2f& random, double choice, float time) const;
 };
 
 void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
@@ -216,7 +216,7 @@ std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits&
 }
 
 std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& position, const Vec2f& random,
-                                                                 double choice) const {
+                                                                 double choice, float time) const {
     const std::optional<LightTree::Choice> item = tree.choose(position, choice, reaches(position));
     if (!item) return std::nullopt;
     const double probability = item->probability * tree_probability(position);
@@ -227,14 +227,14 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& po
         return chosen_of(lamp.traits, *sample, position, probability);
     }
     const auto surface = static_cast<uint32_t>(item->item - lamps.size());
-    const auto sample = surfaces.sample(surface, position, random);
+    const auto sample = surfaces.sample(surface, position, random, time);
     if (!sample) return std::nullopt;
     std::optional<LightSample> light = chosen(*sample, position, probability, surfaces.visibility(surface), true);
     if (light) light->instance = static_cast<int>(surfaces.instance(surface));
     return light;
 }
 
-std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& random) const {
+std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& random, float time) const {
     const Implementation& set = *implementation_;
     if (set.group_count() == 0) return std::nullopt;
     const Vec2f within(random.x, random.y);
@@ -261,7 +261,8 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
         return set.chosen_of(lamp.traits, lamp.sun.sample(within), position,
                              set.group_probability(lamp.irradiance(), total));
     }
-    return set.sample_tree(position, within, std::clamp(choice / set.tree_probability(position), 0.0, 1.0 - 0x1p-53));
+    return set.sample_tree(position, within, std::clamp(choice / set.tree_probability(position), 0.0, 1.0 - 0x1p-53),
+                           time);
 }
 
 float LightSet::emitter_density(const Vec3d& from, const SurfacePoint& point) const {

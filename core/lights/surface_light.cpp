@@ -25,6 +25,9 @@ constexpr Vec2f kLightProbes[] = {Vec2f(0.2f, 0.2f), Vec2f(0.6f, 0.2f), Vec2f(0.
 /// An element whose probes saw less than this share of the mean is still sampled as often as one with that share.
 constexpr double kSmallestShare = 0.05;
 
+/// When a moving element is looked at, to guess where it is near; and one at rest.
+constexpr float kLookTimes[] = {0.0f, 0.25f, 0.5f, 0.75f, 1.0f}, kStillTimes[] = {kMiddleTime};
+
 struct Estimate {
     Box3d bounds;
     double area = 0, radiance = 0;  ///< world units², mean of the probes
@@ -32,12 +35,16 @@ struct Estimate {
 
 Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_t instance, uint32_t element) {
     const Shape& shape = *tracer.instance(instance).shape;
-    const Affine3d& local_to_world = tracer.local_to_world(instance);
+    const Affine3d local_to_world = tracer.local_to_world(instance, kMiddleTime);
+    const bool moves = tracer.instance(instance).motion != nullptr;
+    const std::span<const float> times =
+        moves ? std::span<const float>(kLookTimes) : std::span<const float>(kStillTimes);
     Estimate result;
     for (const float v : {0.0f, 0.5f, 1.0f})
         for (const float u : {0.0f, 0.5f, 1.0f}) {
             const ElementPoint point = shape.element_point(element, Vec2f(u, v));
-            result.bounds.extendBy(local_to_world.point(Vec3d(point.hit.position)));
+            for (const float time : times)
+                result.bounds.extendBy(tracer.local_to_world(instance, time).point(Vec3d(point.hit.position)));
         }
     for (const Vec2f& probe : kLightProbes) {
         const ElementPoint point = shape.element_point(element, probe);
@@ -85,13 +92,14 @@ std::vector<LightTreeItem> SurfaceLights::tree_items(const CancelToken& cancel) 
     return items;
 }
 
-std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, const Vec2f& random) const {
+std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, const Vec2f& random,
+                                                float time) const {
     const auto [instance, element] = elements_[item];
     const Shape& shape = *tracer_.instance(instance).shape;
-    const Affine3d& local_to_world = tracer_.local_to_world(instance);
+    const Affine3d local_to_world = tracer_.local_to_world(instance, time);
     const ElementPoint chosen = shape.element_point(element, random);
     const WorldElementPoint world = to_world(local_to_world, shape, chosen);
-    const SurfacePoint point = tracer_.surface_point(instance, chosen.hit);
+    const SurfacePoint point = tracer_.surface_point(instance, chosen.hit, time);
     const Vec3d offset = point.position - position;
     const double distance = offset.length();
     if (!(distance > 0)) return std::nullopt;
@@ -112,7 +120,7 @@ std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& posi
 double SurfaceLights::density(const Vec3d& from, const SurfacePoint& point) const {
     const uint32_t element = point.shape->element_of(point.local);
     const ElementPoint chosen = point.shape->element_point(element, Vec2f(point.local.u, point.local.v));
-    const WorldElementPoint world = to_world(tracer_.local_to_world(point.instance), *point.shape, chosen);
+    const WorldElementPoint world = to_world(tracer_.local_to_world(point.instance, point.time), *point.shape, chosen);
     const Vec3d offset = point.position - from;
     const double distance_squared = offset.length2();
     const double cosine = std::abs(offset.dot(world.normal)) / std::sqrt(distance_squared);

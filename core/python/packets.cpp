@@ -32,9 +32,9 @@ void in_packets(const RayArrays& arrays, const Ask& ask) {
 }
 
 py::dict closest_in_packets(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
-                            bool coherent) {
+                            bool coherent, const Array<float>& times) {
     const RayArrays rays =
-        ray_arrays(origins, directions, number(0.0), number(std::numeric_limits<double>::infinity()));
+        ray_arrays(origins, directions, number(0.0), number(std::numeric_limits<double>::infinity()), times);
     const size_t count = rays.size();
     py::array_t<double> t(count), position(std::vector<size_t>{count, 3});
     py::array_t<int32_t> instance(count), primitive(count);
@@ -61,8 +61,9 @@ py::dict closest_in_packets(const Tracer& tracer, const Array<double>& origins, 
 }
 
 py::array_t<bool> occluded_in_packets(const Tracer& tracer, const Array<double>& origins,
-                                      const Array<double>& directions, const Array<double>& t_max, bool coherent) {
-    const RayArrays rays = ray_arrays(origins, directions, number(0.0), t_max);
+                                      const Array<double>& directions, const Array<double>& t_max, bool coherent,
+                                      const Array<float>& times) {
+    const RayArrays rays = ray_arrays(origins, directions, number(0.0), t_max, times);
     py::array_t<bool> result(rays.size());
     bool* out = result.mutable_data();
     const py::gil_scoped_release released;
@@ -77,11 +78,12 @@ py::array_t<bool> occluded_in_packets(const Tracer& tracer, const Array<double>&
 
 void bind_packets(py::module_& module) {
     module.def("closest_in_packets", &closest_in_packets, py::arg("tracer"), py::arg("origins"), py::arg("directions"),
-               py::arg("coherent") = false,
+               py::arg("coherent") = false, py::arg("times") = Array<float>(0),
                "As Tracer.closest_hits, sixteen rays at once: t, instance, primitive, position.");
     module.def("occluded_in_packets", &occluded_in_packets, py::arg("tracer"), py::arg("origins"),
                py::arg("directions"), py::arg("t_max") = number(std::numeric_limits<double>::infinity()),
-               py::arg("coherent") = false, "As Tracer.occluded, sixteen rays at once.");
+               py::arg("coherent") = false, py::arg("times") = Array<float>(0),
+               "As Tracer.occluded, sixteen rays at once.");
 }
 
 FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Visibility kind) {

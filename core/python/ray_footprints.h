@@ -11,6 +11,7 @@ struct RayArrays {
     Array<double> origins, directions, t_min, t_max;
     Array<float> width = Array<float>(0), spread = Array<float>(0);
     Array<uint32_t> starts = Array<uint32_t>(0);  ///< instance, subpatch, levels; none at all if empty
+    Array<float> times = Array<float>(0);         ///< of the shutter; in the middle if empty
 
     size_t size() const { return static_cast<size_t>(origins.size() / 3); }
     Ray operator[](size_t i) const {
@@ -24,6 +25,7 @@ struct RayArrays {
             return of.size() == 0 ? 0.0f : of.data()[of.size() == 1 ? 0 : i];
         };
         ray.beam = RayBeam::cone(one(width), one(spread));
+        if (times.size() > 0) ray.time = one(times);
         if (starts.size() > 0) {
             const uint32_t* start = starts.data() + 3 * i;
             ray.start = {{start[0], start[1], start[2]}, {}};
@@ -38,6 +40,7 @@ struct RayArrays {
         check_numbers("rays", "width", width);
         check_numbers("rays", "spread", spread);
         check_numbers("rays", "starts", starts);
+        check_numbers("rays", "times", times);
         const auto count = origins.size() / 3;
         if (origins.size() % 3 != 0 || directions.size() != origins.size())
             throw py::value_error("origins and directions must both have shape (n, 3)");
@@ -46,13 +49,15 @@ struct RayArrays {
             throw py::value_error("t_min and t_max must be numbers or have one number a ray");
         if ((width.size() > 0 && !fits(width.size())) || (spread.size() > 0 && !fits(spread.size())))
             throw py::value_error("width and spread must be numbers or have one number a ray");
+        if (times.size() > 0 && !fits(times.size())) throw py::value_error("times must have one number a ray");
         if (starts.size() > 0 && starts.size() != 3 * count) throw py::value_error("starts must have shape (n, 3)");
     }
 };
 
 inline RayArrays ray_arrays(const Array<double>& origins, const Array<double>& directions, const Array<double>& t_min,
-                            const Array<double>& t_max) {
+                            const Array<double>& t_max, const Array<float>& times = Array<float>(0)) {
     RayArrays rays{origins, directions, t_min, t_max};
+    rays.times = times;
     rays.check();
     return rays;
 }

@@ -3,6 +3,7 @@
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/motions.h"
 #include "scene/description.h"
 #include "scene/edits.h"
 #include "scene/scene_parts.h"
@@ -140,7 +141,7 @@ void move_instances(SceneDescription& scene, const Array<int32_t>& indices, cons
 
 int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
                  int material_list, int object_index, float random, int visibility, int ray_interpolation,
-                 int light_group, const std::string& asset) {
+                 int light_group, const std::string& asset, const std::optional<Array<double>>& motion) {
     return scene.add_instance({name,
                                shape,
                                affine_of(name, matrix),
@@ -151,7 +152,8 @@ int add_instance(SceneDescription& scene, const std::string& name, int shape, co
                                ray_interpolation,
                                {},
                                light_group,
-                               asset});
+                               asset,
+                               motion ? motion_of(name, *motion) : nullptr});
 }
 
 using InstanceAttributes = std::map<int, Array<float>>;  ///< by id: (instances, 4)
@@ -176,7 +178,8 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
                                        const std::optional<Array<int32_t>>& ray_interpolations,
                                        const std::optional<InstanceAttributes>& attributes,
                                        const std::optional<Array<int32_t>>& light_groups,
-                                       const std::optional<std::vector<std::string>>& assets) {
+                                       const std::optional<std::vector<std::string>>& assets,
+                                       const std::optional<InstanceMotions>& motions) {
     const auto count = static_cast<py::ssize_t>(names.size());
     constexpr const char* kObject = "instances";
     check_shape(kObject, "shapes", shapes, {count});
@@ -195,12 +198,12 @@ std::vector<std::string> add_instances(SceneDescription& scene, const std::vecto
     for (py::ssize_t i = 0; i < count; ++i) {
         try {
             const std::string& name = names[static_cast<size_t>(i)];
-            scene.add_instance({name, shapes.data()[i], affine_of(name, matrices.data() + 16 * i),
-                                material_lists.data()[i], static_cast<float>(object_indices.data()[i]),
-                                randoms.data()[i], visibility_of(name, visibilities.data()[i]),
-                                ray_interpolations ? ray_interpolations->data()[i] : -1, attributes_at(named, i),
-                                light_groups ? light_groups->data()[i] : -1,
-                                assets ? (*assets)[static_cast<size_t>(i)] : std::string()});
+            scene.add_instance(
+                {name, shapes.data()[i], affine_of(name, matrices.data() + 16 * i), material_lists.data()[i],
+                 static_cast<float>(object_indices.data()[i]), randoms.data()[i],
+                 visibility_of(name, visibilities.data()[i]), ray_interpolations ? ray_interpolations->data()[i] : -1,
+                 attributes_at(named, i), light_groups ? light_groups->data()[i] : -1,
+                 assets ? (*assets)[static_cast<size_t>(i)] : std::string(), motion_at(motions, name, i)});
         } catch (const InputError& error) {
             messages.emplace_back(error.what());
         }
@@ -241,7 +244,9 @@ void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, i
 void set_camera(SceneDescription& scene, const std::string& kind, const Array<double>& matrix,
                 std::pair<double, double> window_min, std::pair<double, double> window_max, double clip_start,
                 double clip_end, double aperture_radius, double focus_distance, int blades, double blade_rotation,
-                double aperture_ratio, bool dicing, const std::optional<Panorama>& panorama) {
+                double aperture_ratio, bool dicing, const std::optional<Panorama>& panorama,
+                const std::optional<Array<double>>& motion, const std::optional<Array<double>>& windows,
+                const std::optional<Array<float>>& shutter_curve, std::optional<double> rolling_shutter) {
     constexpr std::pair<const char*, CameraKind> kKinds[] = {{"PERSPECTIVE", CameraKind::Perspective},
                                                              {"ORTHOGRAPHIC", CameraKind::Orthographic},
                                                              {"PANORAMIC", CameraKind::Panoramic}};
@@ -258,6 +263,13 @@ void set_camera(SceneDescription& scene, const std::string& kind, const Array<do
     camera.blades = blades;
     camera.blade_rotation = blade_rotation;
     camera.aperture_ratio = aperture_ratio;
+    if (motion) camera.motion = places_of("camera", *motion);
+    if (windows) camera.windows = windows_of(*windows);
+    if (shutter_curve) {
+        check_shape("camera", "shutter curve", *shutter_curve, {-1});
+        camera.shutter.curve.assign(shutter_curve->data(), shutter_curve->data() + shutter_curve->size());
+    }
+    camera.shutter.rolling = rolling_shutter;
     dicing ? scene.set_dicing_camera(camera) : scene.set_camera(camera);
 }
 
@@ -359,11 +371,12 @@ void bind_scene(py::module_& module) {
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
         .def("add_instance", &add_instance, "name"_a, "shape"_a, "matrix"_a, "material_list"_a = -1,
              "object_index"_a = 0, "random"_a = 0.0f, "visibility"_a = static_cast<int>(kVisibleAll),
-             "ray_interpolation"_a = -1, "light_group"_a = -1, "asset"_a = "")
+             "ray_interpolation"_a = -1, "light_group"_a = -1, "asset"_a = "", "motion"_a = py::none())
         .def("add_ray_interpolation", &SceneDescription::add_ray_interpolation, "object"_a, "interpolation"_a)
         .def("add_instances", &add_instances, "names"_a, "shapes"_a, "matrices"_a, "material_lists"_a,
              "object_indices"_a, "randoms"_a, "visibilities"_a, "ray_interpolations"_a = py::none(),
-             "attributes"_a = py::none(), "light_groups"_a = py::none(), "assets"_a = py::none())
+             "attributes"_a = py::none(), "light_groups"_a = py::none(), "assets"_a = py::none(),
+             "motions"_a = py::none())
         .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
              "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
              "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = static_cast<int>(kVisibleAll),
@@ -373,7 +386,9 @@ void bind_scene(py::module_& module) {
         .def("matte_attributes", &manifest, "kind"_a, "layer"_a)
         .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,
              "clip_end"_a, "aperture_radius"_a = 0.0, "focus_distance"_a = 10.0, "blades"_a = 0,
-             "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0, "dicing"_a = false, "panorama"_a = py::none())
+             "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0, "dicing"_a = false, "panorama"_a = py::none(),
+             "motion"_a = py::none(), "windows"_a = py::none(), "shutter_curve"_a = py::none(),
+             "rolling_shutter"_a = py::none())
         .def("add_image_file", &add_image_file, "name"_a, "path"_a, "color_space"_a)
         .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a)
         .def_readwrite("texture_memory", &SceneDescription::texture_memory);

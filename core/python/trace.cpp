@@ -5,6 +5,7 @@
 #include "python/bindings.h"
 #include "python/dicing_view.h"
 #include "python/geometry_cache.h"
+#include "python/motions.h"
 #include "python/packets.h"
 #include "python/ray_footprints.h"
 #include "python/timed_rays.h"
@@ -12,6 +13,8 @@
 #include "tessellation/patch_dicer.h"
 #include "tessellation/simd_targets.h"
 #include "trace/tracer.h"
+
+#include <map>
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -74,15 +77,35 @@ std::shared_ptr<TriangleMesh> make_mesh(const std::string& name, const Array<flo
 }
 
 std::unique_ptr<Tracer> make_tracer(const std::vector<Placement>& placements, double pixel_angle,
-                                    const std::array<double, 3>& eye, const GeometryCacheSettings& cache) {
+                                    const std::array<double, 3>& eye, const GeometryCacheSettings& cache,
+                                    const std::map<size_t, Array<double>>& motions) {
     std::vector<TracedInstance> instances;
     instances.reserve(placements.size());
     for (const auto& [shape, matrix, visibility] : placements) {
         if (!shape) throw InputError("tracer", "instances", "one without a shape", "(shape, matrix, visibility)");
         instances.push_back({shape, affine_of(shape->name(), matrix), static_cast<uint8_t>(visibility)});
     }
+    for (const auto& [index, matrices] : motions) {
+        if (index >= instances.size())
+            throw InputError("tracer", "motions", std::to_string(index), "indices of instances");
+        instances[index].motion = motion_of(instances[index].shape->name(), matrices);
+    }
     const py::gil_scoped_release released;
     return std::make_unique<Tracer>(std::move(instances), view_from(pixel_angle, eye), kNeverCancelled, cache);
+}
+
+py::array_t<double> moved(const Array<double>& matrices, float time) {
+    const std::shared_ptr<const Motion> motion = motion_of("motion", matrices);
+    const Affine3d place = motion ? motion->at(time) : affine_of("motion", matrices.data());
+    py::array_t<double> result(std::vector<size_t>{4, 4});
+    double* out = result.mutable_data();
+    for (int row = 0; row < 3; ++row) {
+        const double numbers[4] = {place.x[row], place.y[row], place.z[row], place.translation[row]};
+        std::copy_n(numbers, 4, out + 4 * row);
+    }
+    const double last[4] = {0, 0, 0, 1};
+    std::copy_n(last, 4, out + 12);
+    return result;
 }
 
 /// Many instances of one shape: matrices (n, 4, 4).
@@ -108,8 +131,9 @@ void store_vector(const V& value, T* out) {
 
 py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
                       const Array<double>& t_min, const Array<double>& t_max, int kind, const Array<float>& width,
-                      const Array<float>& spread, const Array<uint32_t>& starts, size_t together) {
-    const RayArrays rays{origins, directions, t_min, t_max, width, spread, starts};
+                      const Array<float>& spread, const Array<uint32_t>& starts, size_t together,
+                      const Array<float>& times) {
+    const RayArrays rays{origins, directions, t_min, t_max, width, spread, starts, times};
     rays.check();
     const size_t n = rays.size();
     if (together < 1) throw InputError("rays", "together", "0", "at least 1");
@@ -174,8 +198,9 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
 }
 
 py::array_t<bool> occluded(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
-                           const Array<double>& t_min, const Array<double>& t_max, int kind) {
-    const RayArrays rays = ray_arrays(origins, directions, t_min, t_max);
+                           const Array<double>& t_min, const Array<double>& t_max, int kind,
+                           const Array<float>& times) {
+    const RayArrays rays = ray_arrays(origins, directions, t_min, t_max, times);
     py::array_t<bool> result(rays.size());
     bool* out = result.mutable_data();
     const py::gil_scoped_release released;
@@ -332,16 +357,18 @@ void bind_trace(py::module_& parent) {
     const Array<double> zero = number(0.0), infinity = number(std::numeric_limits<double>::infinity());
     py::class_<Tracer>(module, "Tracer", "Rays against instances: (shape, 4x4 matrix, visibility) each.")
         .def(py::init(&make_tracer), py::arg("instances"), py::arg("pixel_angle") = 1e-3,
-             py::arg("eye") = std::array<double, 3>{0, 0, 0}, py::arg("cache") = GeometryCacheSettings{})
+             py::arg("eye") = std::array<double, 3>{0, 0, 0}, py::arg("cache") = GeometryCacheSettings{},
+             py::arg("motions") = std::map<size_t, Array<double>>())
         .def(py::init(&make_instanced), py::arg("shape").none(false), py::arg("matrices"))
         .def("closest_hits", &closest_hits, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll),
              py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
-             py::arg("starts") = Array<uint32_t>(0), py::arg("together") = 1,
+             py::arg("starts") = Array<uint32_t>(0), py::arg("together") = 1, py::arg("times") = Array<float>(0),
              "anchors: instance, subpatch and levels of a hit, which rays that leave it may be given as starts. The "
              "surface points of so many rays are found together; they are the same.")
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
-             py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll))
+             py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll),
+             py::arg("times") = Array<float>(0))
         .def("timed_closest", &timed, py::arg("origins"), py::arg("directions"), py::arg("width") = float_number(0.0f),
              py::arg("spread") = float_number(0.0f), py::arg("starts") = Array<uint32_t>(0),
              "(processor seconds on one thread, t)")
@@ -349,6 +376,7 @@ void bind_trace(py::module_& parent) {
         .def("statistics", &tracer_statistics);
 
     bind_geometry_cache(module);
+    module.def("moved", &moved, py::arg("matrices"), py::arg("time"), "Where a motion is at a time of the shutter.");
     bind_packets(module);
     module.def("simd_targets", &simd_targets, "Instruction sets the kernels can use here, the best one first.");
     module.def("use_simd_target", &choose_simd_target, py::arg("name"), "For new tracers; empty: the best.");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "rays/motion.h"
 
 #include <cstdint>
 #include <limits>
@@ -67,6 +68,8 @@ struct Ray {
     uint32_t leaves = RayAnchor::kNone;
     float neighbour_distance = 0.0f;  ///< at the origin, world units
     float neighbour_angle = 0.0f;     ///< radians
+
+    float time = kMiddleTime;  ///< of the shutter (rays/motion.h)
 
     Vec3d at(double t) const { return origin + direction * t; }
 };

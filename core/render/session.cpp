@@ -7,6 +7,7 @@
 #include "integrators/distribution.h"
 #include "integrators/irradiance_fill.h"
 #include "integrators/path_stream.h"
+#include "render/tiles.h"
 #include "trace/float_environment.h"
 
 #include <array>
@@ -20,24 +21,14 @@
 namespace rayleaf {
 namespace {
 
-/// Camera rays that are made together, of two pairs of random numbers each.
-constexpr size_t kMostCameraSamples = SamplePairs::kMost / 2;
+/// Camera rays that are made together, of three pairs of random numbers each.
+constexpr size_t kMostCameraSamples = SamplePairs::kMost / 3;
 
 /// Paths between two looks at the cancel token: well under a frame of a display for any scene.
 constexpr int kSamplesPerLook = 4;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// The window cut into tiles, row by row from below.
-std::vector<Window> tiles_of(const Window& window, int size) {
-    std::vector<Window> tiles;
-    for (int y = 0; y < window.height; y += size)
-        for (int x = 0; x < window.width; x += size)
-            tiles.push_back(
-                {window.x + x, window.y + y, std::min(size, window.width - x), std::min(size, window.height - y)});
-    return tiles;
 }
 
 Settings validated(Settings settings) {
@@ -53,6 +44,7 @@ struct Session::Frame {
     DistributionFrame distribution;
     IntegratorKind integrator;
     bool has_lens;  ///< else no ray asks where it passes the lens
+    bool has_time;  ///< else nothing moves, and no ray asks when it is
     SampleRange samples;
     int step;  ///< tiles count blocks of so many pixels along a side
 };
@@ -197,6 +189,7 @@ void Session::render_tiles(const SampleRange& samples, int step) {
                       {*scene_, distribution, filled_cache()},
                       settings_.integrator,
                       description_->camera()->aperture_radius > 0,
+                      scene_->has_motion(),
                       samples,
                       step};
     if (samples_taken_ == 0 && step == 1)
@@ -208,6 +201,7 @@ void Session::render_tiles(const SampleRange& samples, int step) {
 
 const IrradianceCache* Session::filled_cache() {
     if (settings_.integrator != IntegratorKind::Distribution || !settings_.irradiance_cache) return nullptr;
+    if (scene_->has_motion()) return nullptr;  // what it keeps holds for one moment
     if (irradiance_) return irradiance_.get();
     const auto start = std::chrono::steady_clock::now();
     RayCounts counts;
@@ -297,9 +291,10 @@ Sampler Session::sampler_at(const CameraPlace& place) const {
     return {pixel, static_cast<uint32_t>(place.sample), settings_.seed};
 }
 
-CameraRay Session::camera_ray(const CameraPlace& place, const Vec2f& filter, const Vec2f& lens,
-                              const Frame& frame) const {
-    return scene_->camera().ray(Vec2d(place.x + 0.5, place.y + 0.5) + frame.filter.offset(filter), lens);
+CameraRay Session::camera_ray(const CameraPlace& place, const CameraNumbers& random, const Frame& frame) const {
+    const Camera& camera = scene_->camera();
+    const Vec2d pixel = Vec2d(place.x + 0.5, place.y + 0.5) + frame.filter.offset(random.filter);
+    return camera.ray(pixel, random.lens, frame.has_time ? camera.time(pixel, random.time) : kMiddleTime);
 }
 
 /// The paths of up to kMostCameraSamples places.
@@ -308,12 +303,15 @@ void Session::add_paths(std::span<const CameraPlace> places, const Frame& frame,
     for (const CameraPlace& place : places) {
         pairs.add(sampler_at(place), kFilterDimension);
         if (frame.has_lens) pairs.add(sampler_at(place), kLensDimension);
+        if (frame.has_time) pairs.add(sampler_at(place), kTimeDimension);
     }
     pairs.compute();
     size_t pair = 0;
     for (const CameraPlace& place : places) {
-        const Vec2f filter = pairs.pair(pair++), lens = frame.has_lens ? pairs.pair(pair++) : Vec2f(0.0f);
-        stream.add(camera_ray(place, filter, lens, frame), sampler_at(place));
+        CameraNumbers random{pairs.pair(pair++)};
+        if (frame.has_lens) random.lens = pairs.pair(pair++);
+        if (frame.has_time) random.time = pairs.pair(pair++).x;
+        stream.add(camera_ray(place, random, frame), sampler_at(place));
     }
 }
 
@@ -330,8 +328,10 @@ bool Session::render_pixel(int x, int y, const Frame& frame, TileSums& sums, Ray
         if ((s - range.first) % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
         const CameraPlace place = place_of(x, y, s, frame);
         const Sampler sampler = sampler_at(place);
-        const Vec2f lens = frame.has_lens ? sampler.get2(kLensDimension) : Vec2f(0.0f);
-        const CameraRay ray = camera_ray(place, sampler.get2(kFilterDimension), lens, frame);
+        CameraNumbers random{sampler.get2(kFilterDimension)};
+        if (frame.has_lens) random.lens = sampler.get2(kLensDimension);
+        if (frame.has_time) random.time = sampler.get2(kTimeDimension).x;
+        const CameraRay ray = camera_ray(place, random, frame);
         const uint64_t misses = frame.path.wants(Pass::geometry_misses) ? scene_->tracer().thread_misses() : 0;
         PixelSample value = frame.integrator == IntegratorKind::Distribution
                                 ? trace_distributed(frame.distribution, ray, sampler, counts, wanted_extras)

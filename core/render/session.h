@@ -127,8 +127,12 @@ class Session {
     };
     CameraPlace place_of(int x, int y, int sample, const Frame& frame) const;
     Sampler sampler_at(const CameraPlace& place) const;
-    /// `filter` and `lens` in [0,1)².
-    CameraRay camera_ray(const CameraPlace& place, const Vec2f& filter, const Vec2f& lens, const Frame& frame) const;
+    /// Of a sample, in [0,1).
+    struct CameraNumbers {
+        Vec2f filter{0, 0}, lens{0, 0};
+        float time = 0;
+    };
+    CameraRay camera_ray(const CameraPlace& place, const CameraNumbers& random, const Frame& frame) const;
     void add_paths(std::span<const CameraPlace> places, const Frame& frame, PathStream& stream) const;
     bool render_paths(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     bool render_streams(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const;

@@ -52,22 +52,39 @@ Vec2d polygon_point(const Vec2f& random, int blades, double rotation) {
     return (a * (1.0 - along) + b * along) * out;
 }
 
-}  // namespace
-
-void validate(const CameraDescription& camera) {
-    if (camera.kind == CameraKind::Panoramic) validate(camera.panorama);
-    const Affine3d to_world = without_scale(camera.to_world);
+void check_place(const Affine3d& matrix) {
+    const Affine3d to_world = without_scale(matrix);
     // Below this the axes lie in one plane within the precision of a double, and there is no inverse.
     constexpr double kFlat = 1e-12;
     if (!(std::abs(to_world.determinant()) > kFlat))
         throw InputError(kCamera, "matrix", "one whose axes lie in a plane", "three axes with a direction");
     if (!is_place(to_world.translation))
         throw InputError(kCamera, "location", place_text(to_world.translation), kCoordinatesWanted);
-    const Vec2d size = camera.window_max - camera.window_min;
-    require(is_length(camera.window_min.x), "window's left border", camera.window_min.x, "a number up to 1e100");
-    require(is_length(camera.window_min.y), "window's lower border", camera.window_min.y, "a number up to 1e100");
+}
+
+void check_window(const Vec2d& min, const Vec2d& max) {
+    const Vec2d size = max - min;
+    require(is_length(min.x), "window's left border", min.x, "a number up to 1e100");
+    require(is_length(min.y), "window's lower border", min.y, "a number up to 1e100");
     require(is_length(size.x) && size.x > 0, "window width", size.x, "a positive number");
     require(is_length(size.y) && size.y > 0, "window height", size.y, "a positive number");
+}
+
+void validate_motion(const CameraDescription& camera) {
+    require(camera.motion.size() != 1, "motion", 1.0, "none, or at least two matrices");
+    require(camera.windows.size() != 1, "windows", 1.0, "none, or at least two");
+    for (const Affine3d& place : camera.motion) check_place(place);
+    for (const auto& [min, max] : camera.windows) check_window(min, max);
+}
+
+}  // namespace
+
+void validate(const CameraDescription& camera) {
+    if (camera.kind == CameraKind::Panoramic) validate(camera.panorama);
+    check_place(camera.to_world);
+    check_window(camera.window_min, camera.window_max);
+    validate(camera.shutter);
+    validate_motion(camera);
     require(camera.clip_start >= 0 && camera.clip_start < camera.clip_end, "clip start", camera.clip_start,
             "a number from 0 to less than the clip end");
     require(camera.aperture_radius >= 0 && is_length(camera.aperture_radius), "aperture radius", camera.aperture_radius,
@@ -82,8 +99,16 @@ void validate(const CameraDescription& camera) {
 }
 
 Camera::Camera(const CameraDescription& description, int width, int height)
-    : description_(description), to_world_(without_scale(description.to_world)), width_(width), height_(height) {
+    : description_(description),
+      to_world_(without_scale(description.to_world)),
+      width_(width),
+      height_(height),
+      shutter_(description.shutter) {
     validate(description);
+    if (description.kind != CameraKind::Perspective) description_.windows.clear();
+    std::vector<Affine3d> places;
+    for (const Affine3d& place : description.motion) places.push_back(without_scale(place));
+    if (!places.empty()) motion_.emplace(places);
     info_.world_to_camera = to_world_.inverse();
     info_.window_min = description.window_min;
     info_.window_size = description.window_max - description.window_min;
@@ -98,7 +123,23 @@ Vec2d Camera::lens_point(const Vec2f& random) const {
     return Vec2d(unit.x / description_.aperture_ratio, unit.y) * description_.aperture_radius;
 }
 
-CameraRay Camera::panoramic_ray(const Vec2d& pixel, const Vec2f& lens) const {
+Camera::Placement Camera::at(float time) const {
+    const auto size_of_pixel = [this](const Vec2d& size) { return Vec2d(size.x / width_, size.y / height_); };
+    Placement now{motion_ ? motion_->at(time) : to_world_, info_.window_min, size_of_pixel(info_.window_size)};
+    const auto& windows = description_.windows;
+    if (windows.empty()) return now;
+    const double place = static_cast<double>(time) * static_cast<double>(windows.size() - 1);
+    const size_t first = std::min(static_cast<size_t>(place), windows.size() - 2);
+    const double share = place - static_cast<double>(first);
+    const auto mixed = [&](size_t corner) {
+        return windows[first][corner] * (1.0 - share) + windows[first + 1][corner] * share;
+    };
+    now.window_min = mixed(0);
+    now.step = size_of_pixel(mixed(1) - now.window_min);
+    return now;
+}
+
+CameraRay Camera::panoramic_ray(const Vec2d& pixel, const Vec2f& lens, const Affine3d& to_world) const {
     const auto direction_at = [&](double x, double y) {
         return panorama_direction(description_.panorama, Vec2d(x / width_, y / height_));
     };
@@ -119,19 +160,26 @@ CameraRay Camera::panoramic_ray(const Vec2d& pixel, const Vec2f& lens) const {
         from = aside * on_lens.x + aside.cross(towards) * on_lens.y;
         towards = (towards * description_.focus_distance - from).normalized();
     }
-    result.ray.origin = to_world_.point(from);
-    result.ray.direction = to_world_.vector(towards).normalized();
+    result.ray.origin = to_world.point(from);
+    result.ray.direction = to_world.vector(towards).normalized();
     result.ray.t_min = description_.clip_start;
     result.ray.t_max = description_.clip_end;
-    result.differential.dd_dx = Vec3f(to_world_.vector(change(1.0, 0.0)));
-    result.differential.dd_dy = Vec3f(to_world_.vector(change(0.0, 1.0)));
+    result.differential.dd_dx = Vec3f(to_world.vector(change(1.0, 0.0)));
+    result.differential.dd_dy = Vec3f(to_world.vector(change(0.0, 1.0)));
     return result;
 }
 
-CameraRay Camera::ray(const Vec2d& pixel, const Vec2f& lens) const {
-    if (is_panoramic()) return panoramic_ray(pixel, lens);
-    const Vec2d step(info_.window_size.x / width_, info_.window_size.y / height_);
-    const Vec2d window = info_.window_min + Vec2d(pixel.x * step.x, pixel.y * step.y);
+CameraRay Camera::ray(const Vec2d& pixel, const Vec2f& lens, float time) const {
+    const auto [to_world, window_min, step] = at(time);
+    CameraRay result = is_panoramic()
+                           ? panoramic_ray(pixel, lens, to_world)
+                           : windowed_ray(lens, to_world, window_min + Vec2d(pixel.x * step.x, pixel.y * step.y), step);
+    result.ray.time = time;
+    return result;
+}
+
+CameraRay Camera::windowed_ray(const Vec2f& lens, const Affine3d& to_world, const Vec2d& window,
+                               const Vec2d& step) const {
     const Vec2d on_lens = lens_point(lens);
     const bool open = description_.aperture_radius > 0;
     const double focus = open ? description_.focus_distance : 1.0;
@@ -147,19 +195,30 @@ CameraRay Camera::ray(const Vec2d& pixel, const Vec2f& lens) const {
 
     CameraRay result;
     const Vec3d direction = towards.normalized();
-    result.ray.origin = to_world_.point(from);
-    result.ray.direction = to_world_.vector(direction).normalized();
+    result.ray.origin = to_world.point(from);
+    result.ray.direction = to_world.vector(direction).normalized();
     const double cosine = -direction.z;
     result.ray.t_min = description_.clip_start / cosine;
     result.ray.t_max = description_.clip_end / cosine;
     if (info_.perspective) {
-        result.differential.dd_dx = Vec3f(to_world_.vector(Vec3d(unit_derivative(towards, dx * focus))));
-        result.differential.dd_dy = Vec3f(to_world_.vector(Vec3d(unit_derivative(towards, dy * focus))));
+        result.differential.dd_dx = Vec3f(to_world.vector(Vec3d(unit_derivative(towards, dx * focus))));
+        result.differential.dd_dy = Vec3f(to_world.vector(Vec3d(unit_derivative(towards, dy * focus))));
     } else {
-        result.differential.dp_dx = Vec3f(to_world_.vector(dx));
-        result.differential.dp_dy = Vec3f(to_world_.vector(dy));
+        result.differential.dp_dx = Vec3f(to_world.vector(dx));
+        result.differential.dp_dy = Vec3f(to_world.vector(dy));
     }
     return result;
+}
+
+Vec2d Camera::seen_at(const Vec3d& world, float time) const {
+    const auto [to_world, window_min, step] = at(time);
+    const Vec3d p = to_world.inverse().point(world);
+    if (is_panoramic()) {
+        const Vec2d place = panorama_place(description_.panorama, p);
+        return {place.x * width_, place.y * height_};
+    }
+    const Vec2d window = info_.perspective ? Vec2d(p.x, p.y) / -p.z : Vec2d(p.x, p.y);
+    return {(window.x - window_min.x) / step.x, (window.y - window_min.y) / step.y};
 }
 
 double Camera::depth(const Vec3d& world) const {

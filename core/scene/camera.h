@@ -5,8 +5,13 @@
 #include "rays/ray.h"
 #include "rays/ray_differential.h"
 #include "scene/panorama.h"
+#include "scene/shutter.h"
 #include "shading/inputs.h"
 #include "trace/tracer.h"
+
+#include <array>
+#include <optional>
+#include <vector>
 
 namespace rayleaf {
 
@@ -25,6 +30,12 @@ struct CameraDescription {
     int blades = 0;                            ///< 0..2: a round aperture
     double blade_rotation = 0;                 ///< radians
     double aperture_ratio = 1;                 ///< anamorphic: width is radius / ratio
+
+    /// While the shutter is open, at even steps of time: frames (rays/motion.h), and windows of a perspective camera,
+    /// lower left then upper right corner. Empty: they stay as they are.
+    std::vector<Affine3d> motion;
+    std::vector<std::array<Vec2d, 2>> windows;
+    ShutterDescription shutter;
 };
 
 /// Throws InputError for a window, clip range or matrix that shows nothing.
@@ -41,8 +52,13 @@ class Camera {
     /// Throws InputError as `validate` does.
     Camera(const CameraDescription& description, int width, int height);
 
-    /// `pixel` in pixels from the lower left corner of the whole picture; `lens` in [0,1)².
-    CameraRay ray(const Vec2d& pixel, const Vec2f& lens) const;
+    /// `pixel` in pixels from the lower left corner of the whole picture; `lens` in [0,1)²; `time` of the shutter.
+    CameraRay ray(const Vec2d& pixel, const Vec2f& lens, float time = kMiddleTime) const;
+    /// When a ray through the pixel is exposed; `random` in [0,1).
+    float time(const Vec2d& pixel, float random) const { return shutter_.time(random, pixel.y / height_); }
+    bool moves() const { return motion_.has_value() || !description_.windows.empty(); }
+    /// Where a point is seen on the picture, pixels, without the lens; not finite where it is nowhere.
+    Vec2d seen_at(const Vec3d& world, float time) const;
     /// Distance of a point along the view axis, Blender's Depth; a panorama's from the eye.
     double depth(const Vec3d& world) const;
     /// From the eye; of an orthographic camera along the view axis.
@@ -55,10 +71,20 @@ class Camera {
     Affine3d to_world_;
     CameraInfo info_;
     int width_, height_;
+    std::optional<Motion> motion_;
+    Shutter shutter_;
 
+    /// What is seen at a time.
+    struct Placement {
+        Affine3d to_world;
+        Vec2d window_min, step;  ///< the window's corner, and what a pixel spans of it
+    };
+    Placement at(float time) const;
     Vec2d lens_point(const Vec2f& random) const;
     bool is_panoramic() const { return description_.kind == CameraKind::Panoramic; }
-    CameraRay panoramic_ray(const Vec2d& pixel, const Vec2f& lens) const;
+    CameraRay panoramic_ray(const Vec2d& pixel, const Vec2f& lens, const Affine3d& to_world) const;
+    /// Through a place of the window, of which a pixel spans `step`.
+    CameraRay windowed_ray(const Vec2f& lens, const Affine3d& to_world, const Vec2d& window, const Vec2d& step) const;
 };
 
 }  // namespace rayleaf

@@ -40,6 +40,21 @@ void check_matrix(const std::string& object, const Affine3d& m) {
                          "a matrix that can be inverted");
 }
 
+std::shared_ptr<const Motion> checked_motion(const std::string& object, std::span<const Affine3d> places) {
+    if (places.size() < 2)
+        throw InputError(object, "motion", "of " + std::to_string(places.size()) + " matrices",
+                         "at least two matrices");
+    for (const Affine3d& m : places)
+        if (!is_place(m.x) || !is_place(m.y) || !is_place(m.z) || !is_place(m.translation))
+            throw InputError(object, "motion", "a matrix with larger numbers, or not finite", kCoordinatesWanted);
+    const auto is_first = [&](const Affine3d& m) {
+        const Affine3d& first = places.front();
+        return m.x == first.x && m.y == first.y && m.z == first.z && m.translation == first.translation;
+    };
+    if (std::all_of(places.begin(), places.end(), is_first)) return nullptr;
+    return std::make_shared<const Motion>(places);
+}
+
 Material checked_material(Material material) {
     if (material.volume) check_volume(material.name, *material.volume);
     check_displacement(material.name, material.displacement);

@@ -60,6 +60,8 @@ struct InstanceDescription {
     std::vector<InstanceAttribute> attributes = {};
     int light_group = -1;    ///< the slot of the light that it emits (film/pass.h); -1: none
     std::string asset = {};  ///< to which it belongs for Cryptomatte; empty: it is one itself
+    /// Where it is while the shutter is open; null: it stands still at `object_to_world`.
+    std::shared_ptr<const Motion> motion = nullptr;
 };
 inline const std::string& asset_of(const InstanceDescription& instance) {
     return instance.asset.empty() ? instance.name : instance.asset;

@@ -32,8 +32,11 @@ void place_instances(SceneDescription& scene, std::span<const int32_t> indices, 
         check_index("scene", "instance", indices[i], scene.instances.size(), 0);
         check_matrix(scene.instances[static_cast<size_t>(indices[i])].name, places[i]);
     }
-    for (size_t i = 0; i < indices.size(); ++i)
-        scene.instances[static_cast<size_t>(indices[i])].object_to_world = places[i];
+    for (size_t i = 0; i < indices.size(); ++i) {
+        InstanceDescription& instance = scene.instances[static_cast<size_t>(indices[i])];
+        instance.object_to_world = places[i];
+        instance.motion = nullptr;
+    }
 }
 
 }  // namespace rayleaf

@@ -81,8 +81,10 @@ bool Occupancy::is_occupied(uint32_t instance) {
     box.max -= Vec3d(touching);
     const auto is_inside = [&](uint32_t place) {
         const uint32_t other = order_[place];
-        return other != instance && box.intersects(tracer_.bounds(other)) &&
-               has_element_in(*tracer_.instance(other).shape, image_of(box, tracer_.local_to_world(other).inverse()));
+        if (other == instance || !box.intersects(tracer_.bounds(other))) return false;
+        if (tracer_.instance(other).motion) return true;  // it may be anywhere in its bounds
+        const Affine3d to_local = tracer_.local_to_world(other, kMiddleTime).inverse();
+        return has_element_in(*tracer_.instance(other).shape, image_of(box, to_local));
     };
     if (instances_.any(box, is_inside)) return true;
     return std::any_of(description_.lamps.begin(), description_.lamps.end(), [&](const Lamp& lamp) {

@@ -83,6 +83,29 @@ std::optional<Vec3d> panorama_direction(const Panorama& panorama, const Vec2d& p
     return equirectangular(panorama, place);
 }
 
+Vec2d panorama_place(const Panorama& panorama, const Vec3d& direction) {
+    const Vec3d d = normalized_or(direction, Vec3d(0, 0, -1));
+    const Vec2d aside = Vec2d(d.x, d.y) / std::max(std::hypot(d.x, d.y), 1e-300), middle(0.5, 0.5);
+    const double angle = std::acos(std::clamp(-d.z, -1.0, 1.0));
+    switch (panorama.kind) {
+        case PanoramaKind::FisheyeEquidistant:
+            return middle + aside * (angle / panorama.field_of_view);
+        case PanoramaKind::FisheyeEquisolid: {
+            const double radius = 2.0 * panorama.lens * std::sin(0.5 * angle);
+            return middle + Vec2d(aside.x * radius / panorama.sensor_width, aside.y * radius / panorama.sensor_height);
+        }
+        case PanoramaKind::MirrorBall: {
+            const Vec3d normal = normalized_or(Vec3d(d.x, d.y, 1.0 - d.z), Vec3d(0, 0, 1));
+            return middle + Vec2d(normal.x, normal.y) * 0.5;
+        }
+        case PanoramaKind::Equirectangular:
+            break;
+    }
+    const double longitude = std::atan2(d.x, -d.z), latitude = std::asin(std::clamp(d.y, -1.0, 1.0));
+    return {(longitude - panorama.longitude_min) / (panorama.longitude_max - panorama.longitude_min),
+            (latitude - panorama.latitude_min) / (panorama.latitude_max - panorama.latitude_min)};
+}
+
 double panorama_pixel_angle(const Panorama& p, int width, int height) {
     double across = kFullCircle, up = kFullCircle;
     switch (p.kind) {

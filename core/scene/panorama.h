@@ -32,6 +32,8 @@ void validate(const Panorama& panorama);
 /// The unit direction in camera space (-z forward, y up) of a place on the picture, each coordinate 0 to 1; empty
 /// outside the circle that fisheyes and mirror balls fill.
 std::optional<Vec3d> panorama_direction(const Panorama& panorama, const Vec2d& place);
+/// Its inverse: where on the picture a direction of any length is seen; also beyond the picture's borders.
+Vec2d panorama_place(const Panorama& panorama, const Vec3d& direction);
 /// The angle between neighbouring pixels where it is smallest, radians.
 double panorama_pixel_angle(const Panorama& panorama, int width, int height);
 

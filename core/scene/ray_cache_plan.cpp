@@ -112,11 +112,20 @@ std::vector<PlannedRayCache> plan_ray_caches(const SceneDescription& description
     return plan;
 }
 
+/// At all times.
+bool scales_evenly(const TracedInstance& instance) {
+    if (!scales_evenly(instance.object_to_world)) return false;
+    if (!instance.motion) return true;
+    for (size_t step = 0; step < instance.motion->steps(); ++step)
+        if (!scales_evenly(instance.motion->at(instance.motion->time_of(step)))) return false;
+    return true;
+}
+
 std::optional<GlassBody> glass_body_of(const Scene& scene, uint32_t instance) {
     const std::vector<int>& list = scene.material_list(instance);
     const ObjectOptics optics = optics_of_object(scene, instance);
     if (!optics.even || optics.first.surface != SurfaceOptics::Glass || scene.volume(instance)) return std::nullopt;
-    if (list.empty() || !scales_evenly(scene.tracer().instance(instance).object_to_world)) return std::nullopt;
+    if (list.empty() || !scales_evenly(scene.tracer().instance(instance))) return std::nullopt;
     return optics.first.glass;
 }
 

@@ -42,7 +42,7 @@ bool same_instances(const InstanceDescription& a, const InstanceDescription& b) 
     return a.name == b.name && a.shape == b.shape && same_maps(a.object_to_world, b.object_to_world) &&
            a.material_list == b.material_list && a.object_index == b.object_index && a.random == b.random &&
            a.visibility == b.visibility && a.ray_interpolation == b.ray_interpolation && a.attributes == b.attributes &&
-           a.light_group == b.light_group && a.asset == b.asset;
+           a.light_group == b.light_group && a.asset == b.asset && a.motion == b.motion;
 }
 
 bool same_lamps(const Lamp& a, const Lamp& b) {

@@ -86,8 +86,8 @@ std::vector<TracedInstance> traced_instances(const SceneDescription& description
     std::vector<TracedInstance> traced;
     traced.reserve(description.instances.size());
     for (const InstanceDescription& instance : description.instances)
-        traced.push_back(
-            {description.shapes[static_cast<size_t>(instance.shape)], instance.object_to_world, instance.visibility});
+        traced.push_back({description.shapes[static_cast<size_t>(instance.shape)], instance.object_to_world,
+                          instance.visibility, instance.motion});
     for (const uint32_t volume : volumes) traced[volume].visibility = 0;
     return traced;
 }
@@ -101,7 +101,8 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
       textures_(description.existing_textures()),
       shadow_bias_(settings.shadow_bias) {
     validate(settings);
-    camera_ = std::make_unique<Camera>(required_camera(description), settings.width, settings.height);
+    commit_camera(required_camera(description), settings);
+    if (wants_vectors(settings)) motion_vectors_.emplace(description, settings);
     commit_materials(description);
     for (const InstanceDescription& instance : description.instances)
         interpolations_.push_back(
@@ -112,6 +113,7 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     for (uint32_t i = 0; i < instance_lists_.size(); ++i)
         if (volume(i)) volumes_.push_back(i);
     std::vector<TracedInstance> traced = traced_instances(description, volumes_);
+    commit_motion(traced);
     std::vector<const std::vector<int>*> lists;
     for (uint32_t i = 0; i < traced.size(); ++i) lists.push_back(&material_list(i));
     displace(traced, description, lists, {&camera_->info(), textures_}, cancel);
@@ -127,6 +129,14 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
 }
 
 Scene::~Scene() = default;
+
+void Scene::commit_camera(CameraDescription camera, const Settings& settings) {
+    if (wants_vectors(settings)) {
+        camera.motion.clear();
+        camera.windows.clear();
+    }
+    camera_ = std::make_unique<Camera>(camera, settings.width, settings.height);
+}
 
 void Scene::commit_materials(const SceneDescription& description) {
     const std::shared_ptr<const Program> neutral = neutral_program();
@@ -150,6 +160,21 @@ void Scene::commit_materials(const SceneDescription& description) {
         const bool has_list =
             instance.material_list >= 0 && !lists_[static_cast<size_t>(instance.material_list)].empty();
         instance_lists_.push_back(has_list ? instance.material_list : static_cast<int>(lists_.size()) - 1);
+    }
+}
+
+/// What is seen as by x-rays, and media that vary, are looked up where the instance is in the middle of the time: these
+/// stand still.
+void Scene::commit_motion(std::vector<TracedInstance>& traced) {
+    for (uint32_t i = 0; i < traced.size(); ++i) {
+        if (!traced[i].motion) continue;
+        const std::vector<int>& list = material_list(i);
+        const bool varies = std::any_of(list.begin(), list.end(), [this](int index) {
+            const Material& material = material_at(index);
+            return material.volume || (material.medium && material.medium->varies_in_space());
+        });
+        if (varies || motion_vectors_) traced[i].motion = nullptr;
+        infos_[i].motion = traced[i].motion.get();
     }
 }
 

@@ -6,6 +6,7 @@
 #include "scene/camera.h"
 #include "scene/description.h"
 #include "scene/material_optics.h"
+#include "scene/motion_vectors.h"
 #include "scene/scene_media.h"
 #include "scene/settings.h"
 #include "scene/traced_surroundings.h"
@@ -100,6 +101,10 @@ class Scene {
     /// World units (scene/settings.h).
     double shadow_bias() const { return shadow_bias_; }
     bool has_world() const { return world_ != nullptr; }
+    /// Null where the settings ask for no vectors.
+    const MotionVectors* motion_vectors() const { return motion_vectors_ ? &*motion_vectors_ : nullptr; }
+    /// Whether anything moves while the shutter is open: then rays need a time.
+    bool has_motion() const { return camera_->moves() || tracer_->has_motion(); }
 
   private:
     std::vector<Material> materials_;
@@ -109,6 +114,7 @@ class Scene {
     std::shared_ptr<const Program> world_;
     std::shared_ptr<const TextureStore> textures_;
     std::unique_ptr<Camera> camera_;
+    std::optional<MotionVectors> motion_vectors_;
     std::unique_ptr<Tracer> tracer_;
     std::unique_ptr<LightSet> lights_;
     std::vector<Lamp> lamps_;
@@ -132,6 +138,8 @@ class Scene {
         std::vector<uint32_t> objects, assets, materials;
     } matte_ids_;
 
+    void commit_camera(CameraDescription camera, const Settings& settings);
+    void commit_motion(std::vector<TracedInstance>& traced);
     void commit_mattes(const SceneDescription& description);
     void commit_materials(const SceneDescription& description);
     void commit_media(const SceneDescription& description, const CancelToken& cancel);

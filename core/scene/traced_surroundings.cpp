@@ -113,6 +113,7 @@ Vec3f TracedSurroundings::rounded_normal(const SurfacePoint& point, float radius
             (chosen.axes[1] * std::cos(turn) + chosen.axes[2] * std::sin(turn)) * distance + chosen.axes[0] * height;
         Ray ray;
         ray.origin = point.position + Vec3d(across);
+        ray.time = point.time;
         ray.direction = -Vec3d(chosen.axes[0]);
         ray.t_max = 2.0 * static_cast<double>(height);
         for (int met = 0; met < kMostMeetings; ++met) {

@@ -36,6 +36,7 @@ struct InstanceInfo {
     float object_index = 0;  ///< Blender's pass index
     float random = 0;        ///< 0..1
     std::vector<InstanceAttribute> attributes = {};
+    const Motion* motion = nullptr;  ///< null: it stands still
 };
 
 /// The camera as far as programs need it (Camera and Window coordinates).
@@ -57,6 +58,13 @@ struct ShadingInputs {
     float material_index = 0;                    ///< Blender's pass index
     const Surroundings* surroundings = nullptr;  ///< null where rays cannot be traced
     ProbeNumbers probes;                         ///< for these
+
+    /// The maps of the instance when the point is seen; there must be one.
+    Affine3d object_to_world() const { return moves() ? instance->motion->at(point->time) : instance->object_to_world; }
+    Affine3d world_to_object() const { return moves() ? object_to_world().inverse() : instance->world_to_object; }
+
+  private:
+    bool moves() const { return instance->motion != nullptr && point != nullptr; }
 };
 
 }  // namespace rayleaf

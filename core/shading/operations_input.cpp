@@ -32,7 +32,7 @@ Vec3d world_position(const ShadingInputs& inputs) {
 Vec3d object_position(const ShadingInputs& inputs) {
     const Vec3d position = world_position(inputs);
     const bool has_object = inputs.point != nullptr && inputs.instance != nullptr;
-    return has_object ? inputs.instance->world_to_object.point(position) : position;
+    return has_object ? inputs.world_to_object().point(position) : position;
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ Vec3d object_position(const ShadingInputs& inputs) {
 Vec3f object_normal(const ShadingInputs& inputs) {
     const Vec3f normal = facing_normal(inputs);
     if (inputs.point == nullptr || inputs.instance == nullptr) return normal;
-    const Affine3d& map = inputs.instance->object_to_world;
+    const Affine3d map = inputs.object_to_world();
     const Vec3d world(normal);
     return Vec3f(normalized_or(Vec3d(map.x.dot(world), map.y.dot(world), map.z.dot(world)), world));
 }
@@ -218,8 +218,7 @@ Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands
         case Operation::attribute:
             return attribute(inputs, ints[0]);
         case Operation::object_location:
-            return extended(inputs.instance != nullptr ? Vec3f(inputs.instance->object_to_world.translation)
-                                                       : Vec3f(0.0f));
+            return extended(inputs.instance != nullptr ? Vec3f(inputs.object_to_world().translation) : Vec3f(0.0f));
         case Operation::object_index:
             return spread(inputs.instance != nullptr ? inputs.instance->object_index : 0.0f);
         case Operation::material_index:

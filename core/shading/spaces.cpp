@@ -17,7 +17,7 @@ Vec3d moved(const Affine3d& map, const Affine3d& inverse, Way way, const Vec3d& 
 
 Vec3d to_world(const ShadingInputs& inputs, Space space, Way way, const Vec3d& v) {
     if (space == Space::Object && inputs.instance != nullptr)
-        return moved(inputs.instance->object_to_world, inputs.instance->world_to_object, way, v);
+        return moved(inputs.object_to_world(), inputs.world_to_object(), way, v);
     if (space != Space::Camera || inputs.camera == nullptr) return v;
     const Affine3d& to_camera = inputs.camera->world_to_camera;
     return moved(to_camera.inverse(), to_camera, way, {v.x, v.y, -v.z});
@@ -25,7 +25,7 @@ Vec3d to_world(const ShadingInputs& inputs, Space space, Way way, const Vec3d& v
 
 Vec3d from_world(const ShadingInputs& inputs, Space space, Way way, const Vec3d& v) {
     if (space == Space::Object && inputs.instance != nullptr)
-        return moved(inputs.instance->world_to_object, inputs.instance->object_to_world, way, v);
+        return moved(inputs.world_to_object(), inputs.object_to_world(), way, v);
     if (space != Space::Camera || inputs.camera == nullptr) return v;
     const Affine3d& to_camera = inputs.camera->world_to_camera;
     const Vec3d p = moved(to_camera, to_camera.inverse(), way, v);

@@ -61,7 +61,7 @@ TangentFrame tangent_frame(const Vec3f& normal, const Vec3f& dp_du, const Vec3f&
 /// `v` along a tangent of the object's space, the bitangent on the side given by its w, and the normal; world, not
 /// unit.
 Vec3f from_known_tangent(const ShadingInputs& inputs, const Vec4f& tangent, const Vec3f& v) {
-    const Affine3d& out = inputs.instance->object_to_world;
+    const Affine3d out = inputs.object_to_world();
     const Vec3d world(inputs.point->normal);
     const Vec3f normal(normalized_or(Vec3d(out.x.dot(world), out.y.dot(world), out.z.dot(world)), world));
     const Vec3f along(tangent.x, tangent.y, tangent.z), across = normal.cross(along) * tangent.w;
@@ -78,7 +78,7 @@ Vec3f tangent(const ShadingInputs& inputs, std::span<const int32_t> ints) {
     Vec3f along(known.x, known.y, known.z);
     if (is_black(along) && !ints.empty() && ints[0] >= 0) along = along_map(*inputs.point, ints[0]);
     // Cycles takes tangents into the world as it does normals.
-    if (inputs.instance != nullptr) along = Vec3f(inputs.instance->object_to_world.normal(Vec3d(along)));
+    if (inputs.instance != nullptr) along = Vec3f(inputs.object_to_world().normal(Vec3d(along)));
     return normalized_or(along, normalized_or(inputs.point->dp_du, fallback));
 }
 
@@ -87,7 +87,7 @@ Vec3f radial_tangent(const ShadingInputs& inputs, int axis) {
     const Vec3f p = generated(inputs) - Vec3f(0.5f), normal = facing_normal(inputs);
     const Vec3f around[3] = {{0.0f, -p.z, p.y}, {-p.z, 0.0f, p.x}, {-p.y, p.x, 0.0f}};
     Vec3d along(around[axis]);
-    if (inputs.instance != nullptr) along = inputs.instance->object_to_world.normal(along);
+    if (inputs.instance != nullptr) along = inputs.object_to_world().normal(along);
     Vec3f fallback, other;
     orthonormal_basis(normal, fallback, other);
     const Vec3f world(along);
@@ -100,7 +100,8 @@ float wireframe(const ShadingInputs& inputs, float size, bool in_pixels) {
         return 0.0f;
     const SurfacePoint& point = *inputs.point;
     TriangleCorners corners = triangle_corners(point);
-    for (Vec3d& corner : corners) corner = inputs.instance->object_to_world.point(corner);
+    const Affine3d to_world = inputs.object_to_world();
+    for (Vec3d& corner : corners) corner = to_world.point(corner);
     double pixel = 1.0;
     if (in_pixels) {
         const Vec3f out = inputs.outgoing;
@@ -118,7 +119,7 @@ float wireframe(const ShadingInputs& inputs, float size, bool in_pixels) {
 Vec3f from_tangent_space(const ShadingInputs& inputs, const Vec3f& v) {
     if (inputs.point == nullptr) return v;
     const auto in_object = [&](const Vec3f& world) {
-        return inputs.instance == nullptr ? world : Vec3f(inputs.instance->world_to_object.vector(Vec3d(world)));
+        return inputs.instance == nullptr ? world : Vec3f(inputs.world_to_object().vector(Vec3d(world)));
     };
     const TangentFrame frame =
         tangent_frame(object_normal(inputs), in_object(inputs.point->dp_du), in_object(inputs.point->dp_dv));
@@ -137,7 +138,7 @@ Vec3f normal_map(NormalMapVariant variant, const ShadingInputs& inputs, std::spa
         const TangentFrame frame = tangent_frame(smooth, inputs.point->dp_du, inputs.point->dp_dv);
         coordinates = frame.tangent * coordinates.x + frame.bitangent * coordinates.y + frame.normal * coordinates.z;
     } else if (variant == NormalMapVariant::OBJECT && inputs.instance != nullptr) {
-        coordinates = Vec3f(inputs.instance->object_to_world.normal(Vec3d(coordinates)));
+        coordinates = Vec3f(inputs.object_to_world().normal(Vec3d(coordinates)));
     }
     const Vec3f unit = normalized_or(coordinates, smooth);
     const Vec3f mapped = smooth + (unit - smooth) * std::max(strength, 0.0f);

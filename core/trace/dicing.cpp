@@ -40,8 +40,20 @@ double distance(const Box3d& box, const Vec3d& point) {
     return outside.length();
 }
 
-LocalView view_from(const TracedInstance& instance, const DicingView& view) {
-    const Affine3d map = instance.object_to_world * instance.shape->frame().to_object();
+/// Of one that moves those by which its motion is known, but for places in which it is flat.
+std::vector<Affine3d> places_of(const TracedInstance& instance) {
+    std::vector<Affine3d> places{instance.object_to_world};
+    if (!instance.motion) return places;
+    for (size_t step = 0; step < instance.motion->steps(); ++step) {
+        const Affine3d place = instance.motion->at(instance.motion->time_of(step));
+        const Affine3d inverse = place.inverse();
+        if (is_finite(inverse.x) && is_finite(inverse.y) && is_finite(inverse.z)) places.push_back(place);
+    }
+    return places;
+}
+
+LocalView view_from(const TracedInstance& instance, const Affine3d& place, const DicingView& view) {
+    const Affine3d map = place * instance.shape->frame().to_object();
     const Affine3d inverse = map.inverse();
     LocalView local;
     local.eye = inverse.vector(view.eye - map.translation);
@@ -111,11 +123,13 @@ std::vector<ShapeTolerance> facet_tolerances(const std::vector<TracedInstance>& 
         shapes[shape_of[i]] = instances[i].shape.get();
         if (instances[i].shape->kind() == ShapeKind::TriangleMesh) continue;
         std::vector<LocalView>& of_shape = views[shape_of[i]];
-        of_shape.push_back(view_from(instances[i], view));
-        std::push_heap(of_shape.begin(), of_shape.end(), nearer);
-        if (of_shape.size() <= kMostInstancesLookedAt) continue;
-        std::pop_heap(of_shape.begin(), of_shape.end(), nearer);
-        of_shape.pop_back();
+        for (const Affine3d& place : places_of(instances[i])) {
+            of_shape.push_back(view_from(instances[i], place, view));
+            std::push_heap(of_shape.begin(), of_shape.end(), nearer);
+            if (of_shape.size() <= kMostInstancesLookedAt) continue;
+            std::pop_heap(of_shape.begin(), of_shape.end(), nearer);
+            of_shape.pop_back();
+        }
     }
     std::vector<ShapeTolerance> tolerances;
     tolerances.reserve(shape_count);

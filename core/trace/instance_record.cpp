@@ -30,6 +30,12 @@ RayNeighbours neighbours_of(const Ray& ray, double t, double local_per_world) {
 }  // namespace
 
 void InstanceRecord::place(const Shape& shape, const Affine3d& object_to_world) {
+    if (!try_place(shape, object_to_world))
+        throw InputError(shape.name(), "size or place in the world",
+                         "so small, large or far that doubles do not tell it", "lengths from 1e-100 to 1e100");
+}
+
+bool InstanceRecord::try_place(const Shape& shape, const Affine3d& object_to_world) {
     local_to_world = object_to_world * shape.frame().to_object();
     const Affine3d inverse = local_to_world.inverse();
     to_local_x = inverse.x;
@@ -37,9 +43,7 @@ void InstanceRecord::place(const Shape& shape, const Affine3d& object_to_world) 
     to_local_z = inverse.z;
     const bool usable =
         is_finite(inverse.x) && is_finite(inverse.y) && is_finite(inverse.z) && is_place(local_to_world.translation);
-    if (!usable)
-        throw InputError(shape.name(), "size or place in the world",
-                         "so small, large or far that doubles do not tell it", "lengths from 1e-100 to 1e100");
+    if (!usable) return false;
     const double lengths[3] = {local_to_world.x.length(), local_to_world.y.length(), local_to_world.z.length()};
     longest = std::max({lengths[0], lengths[1], lengths[2]});
     shrink = static_cast<float>(1.0 / longest);
@@ -53,9 +57,16 @@ void InstanceRecord::place(const Shape& shape, const Affine3d& object_to_world) 
     normal_x = local_to_world.normal({1, 0, 0}) * turned;
     normal_y = local_to_world.normal({0, 1, 0}) * turned;
     normal_z = local_to_world.normal({0, 0, 1}) * turned;
+    return true;
+}
+
+const InstanceRecord* InstanceRecord::moved(float time, std::optional<InstanceRecord>& room) const {
+    room = *this;
+    return room->try_place(scene->shape(), motion->at(time)) ? &*room : nullptr;
 }
 
 Box3d InstanceRecord::world_box() const {
+    if (motion) return motion->bounds(image_of(scene->box(), scene->shape().frame().to_object()));
     return image_of(scene->box(), local_to_world);
 }
 

@@ -16,7 +16,8 @@ namespace rayleaf {
 
 struct InstanceRecord {
     const ShapeScene* scene = nullptr;
-    std::shared_ptr<const ObjectCache> cache;  ///< null: rays are traced
+    const ObjectCache* cache = nullptr;  ///< null: rays are traced
+    const Motion* motion = nullptr;      ///< null: it stands still, else the maps are those of one moment
     Affine3d local_to_world;
     Vec3d to_local_x{1, 0, 0}, to_local_y{0, 1, 0}, to_local_z{0, 0, 1};  ///< linear part world -> local, columns
 
@@ -32,6 +33,13 @@ struct InstanceRecord {
 
     /// Sets the maps. Throws InputError if they are singular.
     void place(const Shape& shape, const Affine3d& object_to_world);
+    /// The same; false if they are singular.
+    bool try_place(const Shape& shape, const Affine3d& object_to_world);
+    /// The record as rays of a time meet it, in `room` where the instance moves; null while it is flat, and nothing can
+    /// meet it.
+    const InstanceRecord* at(float time, std::optional<InstanceRecord>& room) const {
+        return motion ? moved(time, room) : this;
+    }
 
     /// How far one number may be rounded beside another of size 1, times the operations on the way (start_offset).
     static constexpr double kRoundingUnit = 64 * 0x1p-53;
@@ -41,6 +49,7 @@ struct InstanceRecord {
     Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }
     Vec3d normal_to_world(const Vec3d& n) const { return normal_x * n.x + normal_y * n.y + normal_z * n.z; }
     RayMap to_local() const { return {local_to_world.translation, to_local_x, to_local_y, to_local_z}; }
+    /// Of the whole motion.
     Box3d world_box() const;
 
     /// How far from a facet a ray must start so that rounding cannot put it on the other side, world units. `size` is
@@ -68,6 +77,9 @@ struct InstanceRecord {
     /// By tracing alone; `index` is the instance's.
     std::optional<Hit> closest(uint32_t index, const Ray& world_ray) const;
     LengthAnswer length_inside(const Ray& world_ray) const;
+
+  private:
+    const InstanceRecord* moved(float time, std::optional<InstanceRecord>& room) const;
 };
 
 }  // namespace rayleaf

@@ -39,7 +39,7 @@ bool finds_crack(const Tracer& tracer, const Ray& ray, ShellSide start, double m
             if (sides.none()) return true;
         }
         if (!hit) return !sides.outside;
-        const Vec3d normal = tracer.local_to_world(hit->instance).normal(Vec3d(hit->local.normal));
+        const Vec3d normal = tracer.local_to_world(hit->instance, ray.time).normal(Vec3d(hit->local.normal));
         (normal.dot(ray.direction) > 0.0 ? cluster.leaving : cluster.entering) = true;
         last = hit->t;
         rest.t_min = std::nextafter(hit->t, std::numeric_limits<double>::infinity());

@@ -4,6 +4,7 @@
 #include "trace/tracer_queries.h"
 
 #include <array>
+#include <optional>
 
 namespace rayleaf {
 namespace {
@@ -13,6 +14,7 @@ struct LaneGroup {
     SurfaceLanes lanes;
     std::array<const SurfaceQuery*, SurfaceLanes::kMost> queries;
     std::array<Vec2f, SurfaceLanes::kMost> uv;
+    std::array<std::optional<InstanceRecord>, SurfaceLanes::kMost> moved;  ///< records of instances that move
 };
 
 /// Fewer are done one by one.
@@ -34,7 +36,7 @@ void add(LaneGroup& group, const SurfaceQuery& query, const InstanceRecord& reco
     group.uv[i] = Vec2f(static_cast<float>(u.begin + hit.u * (u.end - u.begin)),
                         static_cast<float>(v.begin + hit.v * (v.end - v.begin)));
     lanes.points[i] = surface.patch(hit.primitive, spline).points;
-    lanes.records[i] = &record;
+    lanes.records[i] = record.at(query.ray->time, group.moved[i]);
     lanes.u[i] = hit.u;
     lanes.v[i] = hit.v;
     lanes.length_u[i] = u.end - u.begin;
@@ -74,6 +76,7 @@ void take(const LaneGroup& group, size_t i, SurfaceDetail detail) {
     const Hit& hit = *group.queries[i]->hit;
     SurfacePoint point;
     point.t = hit.t;
+    point.time = group.queries[i]->ray->time;
     point.shape = &lanes.records[i]->scene->shape();
     point.local = hit.local;
     point.instance = hit.instance;

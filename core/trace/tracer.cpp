@@ -95,9 +95,16 @@ void Tracer::Implementation::build_records() {
     for (size_t i = 0; i < instances.size(); ++i) {
         InstanceRecord& record = records[i];
         record.place(*instances[i].shape, instances[i].object_to_world);
+        if (instances[i].motion) set_motion(static_cast<uint32_t>(i));
         bounds.extendBy(world_box(static_cast<uint32_t>(i)));
     }
     frame = LocalFrame::fitting(bounds);
+}
+
+void Tracer::Implementation::set_motion(uint32_t index) {
+    records[index].motion = instances[index].motion.get();
+    moving_boxes.resize(instances.size());
+    moving_boxes[index] = records[index].world_box();
 }
 
 void Tracer::Implementation::build_tree(const CancelToken& cancel) {
@@ -150,13 +157,16 @@ ClosestHit Tracer::closest(const Ray& ray, Visibility kind, const RayDifferentia
 
 std::optional<Hit> Tracer::closest_on(uint32_t instance, const Ray& ray) const {
     const FloatEnvironment environment;
-    return is_traceable(ray) ? implementation_->records[instance].closest(instance, ray) : std::nullopt;
+    std::optional<InstanceRecord> room;
+    const InstanceRecord* record = implementation_->records[instance].at(ray.time, room);
+    return record && is_traceable(ray) ? record->closest(instance, ray) : std::nullopt;
 }
 
 LengthAnswer Tracer::length_inside(uint32_t instance, const Ray& ray) const {
     const FloatEnvironment environment;
-    return is_traceable(ray) ? implementation_->records[instance].length_inside(ray)
-                             : LengthAnswer{RayAnswer::NotAsked};
+    std::optional<InstanceRecord> room;
+    const InstanceRecord* record = implementation_->records[instance].at(ray.time, room);
+    return record && is_traceable(ray) ? record->length_inside(ray) : LengthAnswer{RayAnswer::NotAsked};
 }
 
 bool Tracer::occluded(const Ray& ray, Visibility kind) const {
@@ -169,24 +179,36 @@ bool Tracer::occluded(const Ray& ray, Visibility kind) const {
 
 SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit, SurfaceDetail detail) const {
     const double size = max_abs(ray.origin) + hit.t * max_abs(ray.direction);
-    SurfacePoint point = implementation_->records[hit.instance].surface_point(
-        hit.instance, hit.local, size, hit.is_interpolated() ? &hit.interpolated : nullptr, detail);
+    std::optional<InstanceRecord> room;
+    SurfacePoint point =
+        implementation_->records[hit.instance]
+            .at(ray.time, room)
+            ->surface_point(hit.instance, hit.local, size, hit.is_interpolated() ? &hit.interpolated : nullptr, detail);
     point.t = hit.t;
+    point.time = ray.time;
     if (hit.local.subpatch_length > 0.0f) point.sight = implementation_->sight_from(ray, hit);
     return point;
 }
 
-SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit) const {
-    const InstanceRecord& record = implementation_->records[instance];
-    return record.surface_point(instance, record.scene->on_facet(hit), 0.0, nullptr, SurfaceDetail::Curvature);
+/// While the instance is flat, it has no surface point: where it is at rest then.
+SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit, float time) const {
+    std::optional<InstanceRecord> room;
+    const InstanceRecord* moved = implementation_->records[instance].at(time, room);
+    const InstanceRecord& record = moved ? *moved : implementation_->records[instance];
+    SurfacePoint point =
+        record.surface_point(instance, record.scene->on_facet(hit), 0.0, nullptr, SurfaceDetail::Curvature);
+    point.time = time;
+    return point;
 }
 
 void Tracer::set_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache) {
-    implementation_->records[instance].cache = std::move(cache);
+    implementation_->records[instance].cache = cache.get();
+    implementation_->caches.resize(implementation_->instances.size());
+    implementation_->caches[instance] = std::move(cache);
 }
 
 const ObjectCache* Tracer::cache(uint32_t instance) const {
-    return implementation_->records[instance].cache.get();
+    return implementation_->records[instance].cache;
 }
 
 bool Tracer::has_levels() const {
@@ -197,8 +219,13 @@ const TracedInstance& Tracer::instance(uint32_t index) const {
     return implementation_->instances[index];
 }
 
-const Affine3d& Tracer::local_to_world(uint32_t index) const {
-    return implementation_->records[index].local_to_world;
+Affine3d Tracer::local_to_world(uint32_t index, float time) const {
+    const InstanceRecord& record = implementation_->records[index];
+    return record.motion ? record.motion->at(time) * record.scene->shape().frame().to_object() : record.local_to_world;
+}
+
+bool Tracer::has_motion() const {
+    return !implementation_->moving_boxes.empty();
 }
 
 Box3d Tracer::bounds() const {

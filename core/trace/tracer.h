@@ -39,6 +39,8 @@ struct TracedInstance {
     std::shared_ptr<const Shape> shape;
     Affine3d object_to_world;  ///< must be regular; checked where the scene is described
     uint8_t visibility = kVisibleAll;
+    /// Where it is while the shutter is open; null: it stands still at `object_to_world`.
+    std::shared_ptr<const Motion> motion = nullptr;
 };
 
 /// How finely patches are diced. The grid of a subpatch has 17x17 vertices; patches are split evenly until the distance
@@ -115,15 +117,18 @@ class Tracer {
     SurfacePoint surface_point(const Ray& ray, const Hit& hit, SurfaceDetail detail = SurfaceDetail::Curvature) const;
     /// The same for many hits at once: the same bits, in less time.
     void surface_points(std::span<const SurfaceQuery> queries, SurfaceDetail detail) const;
-    /// The same for a point chosen on an element of an instance, for emitting surfaces. `t` is 0.
-    SurfacePoint surface_point(uint32_t instance, const LocalHit& hit) const;
+    /// The same for a point chosen on an element of an instance, for emitting surfaces; `time` of the shutter. `t` is
+    /// 0.
+    SurfacePoint surface_point(uint32_t instance, const LocalHit& hit, float time = kMiddleTime) const;
 
     const TracedInstance& instance(uint32_t index) const;
-    /// Local space of an instance's shape -> world.
-    const Affine3d& local_to_world(uint32_t index) const;
+    /// Local space of an instance's shape -> world; `time` of the shutter.
+    Affine3d local_to_world(uint32_t index, float time) const;
+    /// Whether any instance moves while the shutter is open.
+    bool has_motion() const;
     /// Whether any surface is diced by the width of rays.
     bool has_levels() const;
-    /// Bounds of everything, world space; empty for an empty scene.
+    /// Bounds of everything at all times, world space; empty for an empty scene.
     Box3d bounds() const;
     Box3d bounds(uint32_t instance) const;
     TraceStatistics statistics() const;

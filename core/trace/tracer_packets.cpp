@@ -14,6 +14,25 @@ namespace {
 /// So few rays meet an instance faster one by one.
 constexpr int kFewAboveInstances = 2;
 
+/// As ClipPacket sets it.
+void set_lane(RayPacket& rays, size_t lane, const LocalRay& ray) {
+    for (int axis = 0; axis < 3; ++axis) {
+        rays.origin[axis][lane] = ray.origin[axis];
+        rays.direction[axis][lane] = ray.direction[axis];
+        rays.near_origin[axis][lane] = ray.float_origin[axis];
+        rays.unit_direction[axis][lane] = ray.float_direction[axis];
+    }
+    rays.t_min[lane] = ray.t_min;
+    rays.t_max[lane] = ray.t_max;
+    rays.start[lane] = ray.start;
+    rays.speed[lane] = ray.speed;
+    rays.farthest[lane] = ray.float_distance(ray.t_max);
+    const double from = (ray.t_min - ray.start) * ray.speed, to = (ray.t_max - ray.start) * ray.speed;
+    const double margin = 2.0 * kBackstep + std::abs(ray.start) * ray.speed * 0x1p-49;
+    rays.sure_from[lane] = static_cast<float>(from + margin);
+    rays.sure_to[lane] = static_cast<float>(to * (1.0 - 0x1p-20) - margin);
+}
+
 }  // namespace
 
 void Tracer::Implementation::start(Packet& packet, std::span<const RayQuery> rays) const {
@@ -83,6 +102,24 @@ void Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lane
         for_each_lane(together, [&](size_t lane) { visit_alone(packet.queries[lane], index, wanted); });
 }
 
+/// The lanes of `packet.shape` that meet a moving instance: each ray where the instance is at its time.
+uint32_t Tracer::Implementation::into_shape(Packet& packet, const InstanceRecord& record, uint32_t lanes) const {
+    uint32_t met = 0;
+    std::optional<InstanceRecord> room;
+    for_each_lane(lanes, [&](size_t lane) {
+        const Query& query = packet.queries[lane];
+        const InstanceRecord* now = record.at(query.ray->time, room);
+        if (!now) return;
+        const std::optional<LocalRay> ray =
+            clipped_ray(record.scene->box(), now->point_to_local(query.ray->origin),
+                        now->vector_to_local(query.ray->direction), query.ray->t_min, query.farthest);
+        if (!ray) return;
+        set_lane(packet.shape.rays, lane, *ray);
+        met |= 1u << lane;
+    });
+    return met;
+}
+
 void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const {
     const InstanceRecord& record = records[index];
     if (record.scene->box().isEmpty()) return;
@@ -92,7 +129,8 @@ void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_
         if ((instances[index].visibility & query.kind) == 0) lanes &= ~(1u << lane);
         packet.world.t_max[lane] = query.farthest;
     });
-    shape.lanes = clip_packet(packet.world, lanes, record.to_local(), record.scene->box(), shape.rays);
+    shape.lanes = record.motion ? into_shape(packet, record, lanes)
+                                : clip_packet(packet.world, lanes, record.to_local(), record.scene->box(), shape.rays);
     if (shape.lanes == 0) return;
     if (wanted == Wanted::Any) {
         record.scene->find_any(shape);

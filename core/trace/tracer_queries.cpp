@@ -21,8 +21,8 @@ Box3f Tracer::Implementation::box_in_tree(uint32_t index) const {
     return {frame.to_local(box.min) - padding, frame.to_local(box.max) + padding};
 }
 
-std::optional<LocalRay> Tracer::Implementation::local_ray(const Query& query, uint32_t index) const {
-    const InstanceRecord& record = records[index];
+std::optional<LocalRay> Tracer::Implementation::local_ray(const Query& query, uint32_t index,
+                                                          const InstanceRecord& record) const {
     if ((instances[index].visibility & query.kind) == 0 || record.scene->box().isEmpty()) return std::nullopt;
     std::optional<LocalRay> local = record.local_ray(index, *query.ray, query.farthest);
     if (local) local->reader = query.reader;
@@ -41,11 +41,14 @@ bool Tracer::Implementation::take_interpolated(Query& query, uint32_t index, con
 }
 
 void Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
-    const std::optional<LocalRay> ray = local_ray(query, index);
+    std::optional<InstanceRecord> room;
+    const InstanceRecord* record = records[index].at(query.ray->time, room);
+    if (!record) return;
+    const std::optional<LocalRay> ray = local_ray(query, index, *record);
     if (!ray) return;
     RayAnswer by = RayAnswer::NotAsked;
-    if (records[index].cache && query.ray->leaves != index) {
-        const ObjectAnswer answer = records[index].ask(*query.ray, *ray, query.differential);
+    if (record->cache && query.ray->leaves != index) {
+        const ObjectAnswer answer = record->ask(*query.ray, *ray, query.differential);
         by = answer.answer;
         if (by != RayAnswer::Traced && (by == RayAnswer::Missed || !take_interpolated(query, index, *ray, answer))) {
             query.missed = query.missed == RayAnswer::Traced ? query.missed : RayAnswer::Missed;
@@ -55,7 +58,7 @@ void Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
     if (by == RayAnswer::NotAsked || by == RayAnswer::Traced) {
         std::optional<ShapeHit> nearer;
         ShapeHit& hit = query.found ? nearer.emplace() : query.best;
-        const bool found = records[index].scene->closest(*ray, hit);
+        const bool found = record->scene->closest(*ray, hit);
         if (!found || (query.found && hit.point.t == query.farthest && query.instance < index)) {
             if (by == RayAnswer::Traced) query.missed = by;
             return;
@@ -69,16 +72,19 @@ void Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
 }
 
 void Tracer::Implementation::visit_any(Query& query, uint32_t index) const {
-    const std::optional<LocalRay> ray = local_ray(query, index);
+    std::optional<InstanceRecord> room;
+    const InstanceRecord* record = records[index].at(query.ray->time, room);
+    if (!record) return;
+    const std::optional<LocalRay> ray = local_ray(query, index, *record);
     if (!ray) return;
-    if (records[index].cache && query.ray->leaves != index) {
-        const ObjectAnswer answer = records[index].ask(*query.ray, *ray, query.differential);
+    if (record->cache && query.ray->leaves != index) {
+        const ObjectAnswer answer = record->ask(*query.ray, *ray, query.differential);
         if (answer.answer != RayAnswer::Traced) {
             query.found |= answer.answer != RayAnswer::Missed && take_interpolated(query, index, *ray, answer);
             return;
         }
     }
-    if (records[index].scene->occluded(*ray)) query.found = true;
+    if (record->scene->occluded(*ray)) query.found = true;
 }
 
 /// Prepares a query; false if the ray can hit nothing.
@@ -125,14 +131,15 @@ void Tracer::Implementation::ask_above(Query& query, Wanted wanted) const {
 }
 
 void Tracer::Implementation::set_hit(const Query& query, Hit& hit) const {
-    const InstanceRecord& record = records[query.instance];
     hit.t = query.farthest;
     hit.instance = query.instance;
     hit.answer = query.answer;
     if (!hit.is_interpolated()) {
-        hit.local = record.scene->local_hit(query.best);
+        hit.local = records[query.instance].scene->local_hit(query.best);
         return;
     }
+    std::optional<InstanceRecord> room;
+    const InstanceRecord& record = *records[query.instance].at(query.ray->time, room);
     hit.interpolated = query.interpolated->hit;
     hit.local = record.interpolated_local(*query.ray, hit.t, *query.interpolated);
 }
@@ -141,7 +148,8 @@ void Tracer::Implementation::set_hit(const Query& query, Hit& hit) const {
 RaySight Tracer::Implementation::sight_from(const Ray& ray, const Hit& hit) const {
     RaySight sight =
         hit.local.seen_by == SeenBy::RayBefore ? ray.start.sight : RaySight{ray.origin, ray.direction, ray.beam, 0.0f};
-    sight.reach = kSightReach * hit.local.subpatch_length / records[hit.instance].shrink;
+    std::optional<InstanceRecord> room;
+    sight.reach = kSightReach * hit.local.subpatch_length / records[hit.instance].at(ray.time, room)->shrink;
     return sight;
 }
 

@@ -22,6 +22,8 @@ namespace rayleaf {
 struct Tracer::Implementation {
     std::vector<TracedInstance> instances;
     std::vector<InstanceRecord> records;
+    std::vector<std::shared_ptr<const ObjectCache>> caches;  ///< that the records use, by instance; or none at all
+    std::vector<Box3d> moving_boxes;                         ///< of whole motions, by instance; none where none moves
     std::vector<std::shared_ptr<ShapeScene>> shapes;
     uint64_t kept_shapes = 0;  ///< of those
     Box3d bounds;
@@ -52,10 +54,14 @@ struct Tracer::Implementation {
     void build_records();
     void build_tree(const CancelToken& cancel);
     void build_cache(const GeometryCacheSettings& settings);
-    Box3d world_box(uint32_t index) const { return records[index].world_box(); }
+    Box3d world_box(uint32_t index) const {
+        return records[index].motion ? moving_boxes[index] : records[index].world_box();
+    }
+    void set_motion(uint32_t index);
     Box3f box_in_tree(uint32_t index) const;
 
-    std::optional<LocalRay> local_ray(const Query& query, uint32_t index) const;
+    /// `record` is the instance's at the ray's time.
+    std::optional<LocalRay> local_ray(const Query& query, uint32_t index, const InstanceRecord& record) const;
     /// The nearest hit, and how objects with caches answered.
     RayAnswer find(const Ray& ray, Visibility kind, const RayDifferential* differential, std::optional<Hit>& hit) const;
     void visit_closest(Query& query, uint32_t index) const;
@@ -88,6 +94,7 @@ struct Tracer::Implementation {
         wanted == Wanted::Any ? visit_any(query, index) : visit_closest(query, index);
     }
     void visit_shape(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const;
+    uint32_t into_shape(Packet& packet, const InstanceRecord& record, uint32_t lanes) const;
     RayAnswer answer(const Query& query, std::optional<Hit>& hit) const;
 };
 

@@ -43,6 +43,7 @@ def register() -> None:
         ui_camera,
         ui_debug,
         ui_messages,
+        ui_motion,
         ui_passes,
         ui_rays,
         ui_view_layer,
@@ -54,7 +55,18 @@ def register() -> None:
     if _registered or enabling.is_another_enabled():
         return
     enabling.check()
-    shown = (ui_messages, sampling_presets, ui, ui_rays, ui_view_layer, ui_passes, ui_camera, panel, ui_debug)
+    shown = (
+        ui_messages,
+        sampling_presets,
+        ui,
+        ui_rays,
+        ui_view_layer,
+        ui_passes,
+        ui_camera,
+        ui_motion,
+        panel,
+        ui_debug,
+    )
     for module in (preferences, properties, render_pass, undo, engine, animation, kept_messages, *shown):
         module.register()
         _registered.append(module)

@@ -472,9 +472,11 @@ class SceneDescription:
         ray_interpolation: int = -1,
         light_group: int = -1,
         asset: str = "",
+        motion: Doubles | None = None,
     ) -> int:
         """visibility: sum of 1 camera, 2 diffuse, 4 glossy, 8 transmission, 16 shadow, 32 volume. light_group: the slot of
-        the light that it emits (-1: none). asset: to which it belongs for Cryptomatte; itself if empty."""
+        the light that it emits (-1: none). asset: to which it belongs for Cryptomatte; itself if empty. motion: matrices
+        (n, 4, 4) at even times while the shutter is open."""
     def add_ray_interpolation(self, object: str, interpolation: RayInterpolation) -> int:
         """An index for add_instance, for objects that have settings of their own."""
     def add_instances(
@@ -490,8 +492,10 @@ class SceneDescription:
         attributes: Mapping[int, Floats] | None = None,
         light_groups: Ints | None = None,
         assets: Sequence[str] | None = None,
+        motions: Mapping[int, Doubles] | None = None,
     ) -> list[str]:
-        """Many at once; matrices (n, 4, 4), attributes of whole instances by id (n, 4), slots of light groups (-1: none).
+        """Many at once; matrices (n, 4, 4), attributes of whole instances by id (n, 4), slots of light groups (-1: none),
+        motions of some (by place in the list).
         Instances that cannot be rendered are left out, one message for each."""
     def add_lamp(
         self,
@@ -541,9 +545,17 @@ class SceneDescription:
         aperture_ratio: float = 1.0,
         dicing: bool = False,
         panorama: Panorama | None = None,
+        motion: Doubles | None = None,
+        windows: Doubles | None = None,
+        shutter_curve: Floats | None = None,
+        rolling_shutter: float | None = None,
     ) -> None:
         """kind: PERSPECTIVE (window on the plane at distance 1), ORTHOGRAPHIC (world units), whole picture; or PANORAMIC,
-        which has no window."""
+        which has no window.
+
+        While the shutter is open, at even times: motion, matrices (n, 4, 4); windows (n, 4), lower left and upper right
+        corners of a perspective camera; shutter_curve, how far it is open. rolling_shutter: the share of the time for
+        which a row is exposed, from the upper border to the lower."""
     def add_image_file(self, name: str, path: str | bytes, color_space: str) -> int:
         """color_space: SRGB, LINEAR or NON_COLOR. Returns a texture id for the operations image and environment."""
     def add_image_pixels(self, name: str, pixels: Floats, color_space: str) -> int:

@@ -10,8 +10,9 @@ import bpy
 
 from . import cache_report, kept_messages, passes, ray_report, statistics, versions
 from .denoising import Denoising
-from .export import ExportCancelled, ExportError
+from .export import CancelCheck, ExportCancelled, ExportError
 from .export.camera import CropRectangle, Frame, crop_of, frame_of
+from .export.motion import shutter_open
 from .export.scene import SceneExporter
 from .export.shapes import ExportReport
 from .messages import Message, Messages, Subject
@@ -75,7 +76,9 @@ class FrameRender:
         began = time.perf_counter()
         self._status("exporting", 0.0)
         exporter = SceneExporter(self.core, self.depsgraph, self._messages, self._engine.test_break, self._parts)
-        description = exporter.export(self.frame, needs_uv=any(entry.identifier == "uv" for entry in self._passes))
+        shown, check = {entry.identifier for entry in self._passes}, CancelCheck(self._engine.test_break)
+        with shutter_open(self._engine, self.depsgraph, self.frame, passes.VECTOR in shown, check) as motions:
+            description = exporter.export(self.frame, needs_uv="uv" in shown, motions=motions)
         exported = time.perf_counter()
         session = RenderThread(self.core, description, self.core.Settings(**self._settings()), self._ray_caches)
         try:

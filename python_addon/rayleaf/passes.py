@@ -117,11 +117,15 @@ def enabled(view_layer: Any, scene: Any = None) -> list[Pass]:
     from .versions import pass_name  # which wants Blender, as the table does not
 
     fixed = [replace(entry, name=pass_name(entry.name)) for entry in table() if entry.is_wanted(view_layer)]
+    if scene is not None and scene.render.use_motion_blur:  # as in Cycles
+        fixed = [entry for entry in fixed if entry.identifier != VECTOR]
     if scene is not None and scene.rayleaf.use_denoising:
         fixed.append(NOISY)
     return fixed + mattes(view_layer) + list(Slots.of(view_layer).passes)
 
 
+# How far things move from frame to frame: in sharp pictures.
+VECTOR = "vector"
 # The picture before it is denoised.
 NOISY = Pass("combined", "Noisy Image", "RGBA", "denoising.", "the picture before it is denoised")
 

@@ -120,6 +120,25 @@ def panorama(camera: Any) -> dict[str, Any]:
     return found | {"panorama_type": _PANORAMAS.get(kind, "") if isinstance(kind, int) else str(kind)}
 
 
+_SHUTTER_POSITIONS = ("START", "CENTER", "END")  # as files hold Cycles' choices where its add-on is not enabled
+_ROLLING_SHUTTERS = ("NONE", "TOP")
+
+
+def shutter_position(scene: Any) -> str:
+    """Which moment of the shutter's time is the frame: START, CENTER or END."""
+    if hasattr(scene.render, "motion_blur_position"):  # 4.2
+        return str(scene.render.motion_blur_position)
+    found = cycles_setting(scene, "motion_blur_position", "CENTER")
+    return _SHUTTER_POSITIONS[found] if isinstance(found, int) else str(found)
+
+
+def rolling_shutter(scene: Any) -> float | None:
+    """For which share of the shutter's time a rolling shutter exposes a row; None: it does not roll."""
+    kind = cycles_setting(scene, "rolling_shutter_type", "NONE")
+    kind = _ROLLING_SHUTTERS[kind] if isinstance(kind, int) else kind
+    return float(cycles_setting(scene, "rolling_shutter_duration", 0.1)) if kind == "TOP" else None
+
+
 def transparent_shadow(material: Any) -> bool:
     """Whether shadows of a material respect its transparency, as Cycles is told."""
     if hasattr(material, "use_transparent_shadow"):  # 4.2

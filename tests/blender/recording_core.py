@@ -171,6 +171,7 @@ class SceneDescription:
         attributes,
         light_groups,
         assets,
+        motions,
     ):
         part = dict(
             names=list(names),
@@ -183,6 +184,7 @@ class SceneDescription:
             ray_interpolations=ray_interpolations.tolist(),
             light_groups=light_groups.tolist(),
             assets=list(assets),
+            motions=[None if motions is None else motions.get(i) for i in range(len(names))],
             attributes=[{key: rows[i].tolist() for key, rows in attributes.items()} for i in range(len(names))],
         )
         self.instances = {key: self.instances[key] + part[key] for key in part} if self.instances else part

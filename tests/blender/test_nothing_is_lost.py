@@ -285,13 +285,17 @@ report(lamps=[lamp["name"] for lamp in sent.lamps], texts=texts)
 
 
 SETTINGS = {
-    "motion blur": ("scene.render.use_motion_blur = True", "Scene 'Scene'"),
+    "knows no motion": (
+        "scene.render.use_motion_blur = scene.rayleaf.use_irradiance_cache = True;"
+        "scene.rayleaf.integrator = 'DISTRIBUTION'",
+        "Scene 'Scene'",
+    ),
     "stereoscopy": ("scene.render.use_multiview = True", "Scene 'Scene'"),
     "transparent glass": (
         "scene.render.film_transparent = scene.cycles.film_transparent_glass = True",
         "Scene 'Scene'",
     ),
-    "the pass Vector": ("layer.use_pass_vector = True", "View layer 'ViewLayer'"),
+    "the pass Shadow": ("layer.use_pass_shadow = True", "View layer 'ViewLayer'"),
     "Shadow Catcher": ("layer.cycles.use_pass_shadow_catcher = True", "View layer 'ViewLayer'"),
     "shader AOV 'Rayleaf Mask'": ("layer.aovs.add().name = 'Rayleaf Mask'", "View layer 'ViewLayer'"),
     "knows no light groups": (

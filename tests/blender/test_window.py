@@ -312,7 +312,8 @@ tree.links.new(grain.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Colo
 ball.data.materials.append(bpy.data.materials["Material"])
 ball.data.materials.append(material)
 cube.is_shadow_catcher = True
-scene.render.use_motion_blur = True
+scene.render.use_motion_blur = scene.rayleaf.use_irradiance_cache = True
+scene.rayleaf.integrator = "DISTRIBUTION"
 scene.rayleaf.samples = 1
 preferences.view.render_display_type = "NONE"
 

@@ -51,6 +51,7 @@ MEET_BLENDER = {
         "ui_rays.py",
         "denoising.py",
         "ui_camera.py",
+        "ui_motion.py",
         "ui_passes.py",
         "ui_view_layer.py",
         "versions.py",

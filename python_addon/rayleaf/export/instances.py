@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..names import bytes_of_name, name_of
 from . import curves, surfaces
+from .motion import Motions
 from .random_numbers import random_of_name
 from .strands import hair_systems
 
@@ -79,6 +80,7 @@ class Instances:
     without_faces: list[Any] = field(default_factory=list)  # curves, texts and the like of which Blender makes no mesh
     reasons: dict[str, str] = field(default_factory=dict)  # object name -> why not from control points
     particles: dict[int, tuple[Any, int]] = field(default_factory=dict)  # place -> its particle system, and the number
+    motions: dict[int, NDArray[np.float64]] = field(default_factory=dict)  # place -> matrices, of what moves
     judged: dict[Any, curves.Judged] = field(default_factory=dict)  # what is known of a CURVE or FONT, by shape key
 
 
@@ -121,8 +123,9 @@ class _Collector:
     two exactly one is taken.
     """
 
-    def __init__(self, core: ModuleType, depsgraph: Any, space: Any) -> None:
+    def __init__(self, core: ModuleType, depsgraph: Any, space: Any, motions: Motions) -> None:
         self._exact = _ExactForms(core, depsgraph)
+        self._motions = motions
         self._space = space
         self._known: dict[tuple[int, int], Group | None] = {}
         self._hair: dict[int, list[Group]] = {}
@@ -136,6 +139,9 @@ class _Collector:
         shown, with_particles = instance.show_self, instance.show_particles
         if not shown and not with_particles:
             return
+        motion = self._motions.of(instance)
+        if motion is not None:
+            self._result.motions[place] = motion
         if self._space is not None and self._is_hidden(instance):
             return
         item, owner = instance.object, instance.instance_object
@@ -214,14 +220,20 @@ class _Collector:
         return None
 
 
-def collect(core: ModuleType, depsgraph: Any, check_cancel: Callable[[], None], space: Any = None) -> Instances:
+def collect(
+    core: ModuleType,
+    depsgraph: Any,
+    check_cancel: Callable[[], None],
+    space: Any = None,
+    motions: Motions | None = None,
+) -> Instances:
     """Walk over the view layer once. `space`: a 3-D view, which may hide some.
 
     Blender frees the instances that an object makes only when their list has been walked to its end. `foreach_get` looks at
     the first entry alone to learn its type, and leaves such a list behind: so values are read one by one, and whoever stops
     early goes on to the end.
     """
-    collector = _Collector(core, depsgraph, space)
+    collector = _Collector(core, depsgraph, space, motions or Motions())
     listed = iter(depsgraph.object_instances)
     try:
         for place, instance in enumerate(listed):

@@ -25,6 +25,7 @@ from . import (
 from .images import ImageLibrary
 from .kept import KeptExport, KeptShape
 from .instances import Group, Instances
+from .motion import Motions
 from .materials import MaterialLibrary, slots_of
 from .nodes.resources import Resources
 from .shapes import ExportReport, ShapeExporter
@@ -101,17 +102,23 @@ class SceneExporter(ShapeExporter):
             core, self.scene, self._resources, messages, depsgraph, self._check_cancel, self._former
         )
 
-    def export(self, frame: camera.Frame, needs_uv: bool, camera_arguments: dict[str, Any] | None = None) -> Any:
+    def export(
+        self,
+        frame: camera.Frame,
+        needs_uv: bool,
+        camera_arguments: dict[str, Any] | None = None,
+        motions: Motions | None = None,
+    ) -> Any:
         """The scene description. `needs_uv`: a pass shows the UV map. `camera_arguments`: of the core's `set_camera`, where
-        the scene is not seen by its own. Raises ExportError, InputError, ExportCancelled."""
+        the scene is not seen by its own. `motions`: what moves. Raises ExportError, InputError, ExportCancelled."""
         self.scene.texture_memory = self._blender_scene.rayleaf.texture_memory * _BYTES_PER_MEGABYTE
         if camera_arguments is None:
-            self._export_camera(frame)
+            self._export_camera(frame, motions or Motions())
         else:
             self.scene.set_camera(**camera_arguments)
         unsupported.name_scene_settings(self._blender_scene, self._messages)
         unsupported.name_passes(self._blender_scene, self._view_layer, self._messages)
-        listed = instances.collect(self._core, self._depsgraph, self._check_cancel, self._space)
+        listed = instances.collect(self._core, self._depsgraph, self._check_cancel, self._space, motions)
         listed.groups = [group for group in listed.groups if self._is_in_layer(group)]
         for name, reason in listed.skipped.items():
             self._leave_out(name, reason)
@@ -160,13 +167,13 @@ class SceneExporter(ShapeExporter):
                 subject = Subject("Object", name_of(group.owner))
                 self._messages.warn(f"{subject}: curves and hair are not displaced; left out", subject)
 
-    def _export_camera(self, frame: camera.Frame) -> None:
+    def _export_camera(self, frame: camera.Frame, motions: Motions) -> None:
         camera_object = self._blender_scene.camera
         if camera_object is None:
             raise ExportError(f"Scene '{name_of(self._blender_scene)}' has no camera")
         camera_object = camera_object.evaluated_get(self._depsgraph)
         matrix = np.array(camera_object.matrix_world, np.float64)
-        self.scene.set_camera(**camera.describe(self._core, camera_object, matrix, frame))
+        self.scene.set_camera(**camera.describe(self._core, camera_object, matrix, frame), **motions.camera)
 
     def _slots(self, group: Group) -> list[Any]:
         """The materials of a group, None for empty slots."""
@@ -312,6 +319,9 @@ class SceneExporter(ShapeExporter):
                 {identifier: rows[part] for identifier, rows in values.items()},
                 light_groups,
                 assets[part],
+                {row: listed.motions[place] for row, place in enumerate(places[part]) if place in listed.motions}
+                if listed.motions
+                else None,
             )
             self.report.instances += len(shape) - len(problems)
             for problem in problems:

@@ -27,8 +27,9 @@ def _warn(messages: Messages, subject: Subject, text: str) -> None:
 def name_scene_settings(scene: Any, messages: Messages) -> None:
     """Those of the whole scene."""
     subject = Subject("Scene", name_of(scene))
-    if scene.render.use_motion_blur:
-        _warn(messages, subject, "motion blur is not supported; rendered without")
+    own = scene.rayleaf
+    if scene.render.use_motion_blur and own.integrator == "DISTRIBUTION" and own.use_irradiance_cache:
+        _warn(messages, subject, "the irradiance cache knows no motion; what moves is rendered without it")
     if scene.render.use_multiview:
         _warn(messages, subject, "stereoscopy is not supported; every view shows the same picture")
     if scene.render.film_transparent and versions.cycles_setting(scene, "film_transparent_glass", False):

@@ -1,0 +1,166 @@
+#include "rays/motion.h"
+
+#include <optional>
+
+namespace rayleaf {
+namespace {
+
+bool is_finite_map(const Affine3d& m) {
+    return is_finite(m.x) && is_finite(m.y) && is_finite(m.z);
+}
+
+/// The rotation of a map's polar decomposition by Newton's iteration (Higham 1986), mirrored where the map mirrors;
+/// empty where the map is flat.
+std::optional<Affine3d> rotation_of(const Affine3d& map) {
+    constexpr int kMostSteps = 100;
+    constexpr double kConverged = 1e-15;
+    const double size = std::max({max_abs(map.x), max_abs(map.y), max_abs(map.z)});
+    if (!(size > 0.0)) return std::nullopt;
+    Affine3d q{map.x / size, map.y / size, map.z / size, Vec3d(0.0)};
+    for (int step = 0; step < kMostSteps; ++step) {
+        const double inverse = 1.0 / q.determinant();
+        const Affine3d transposed{q.y.cross(q.z) * inverse, q.z.cross(q.x) * inverse, q.x.cross(q.y) * inverse,
+                                  Vec3d(0.0)};
+        const Affine3d next{(q.x + transposed.x) * 0.5, (q.y + transposed.y) * 0.5, (q.z + transposed.z) * 0.5,
+                            Vec3d(0.0)};
+        if (!is_finite_map(next)) return std::nullopt;
+        const double change = std::max({max_abs(next.x - q.x), max_abs(next.y - q.y), max_abs(next.z - q.z)});
+        q = next;
+        if (change < kConverged) break;
+    }
+    if (q.determinant() < 0.0) q = {-q.x, -q.y, -q.z, Vec3d(0.0)};
+    return q;
+}
+
+Vec4d normalized(const Vec4d& v) {
+    return v / std::sqrt(v.dot(v));
+}
+
+/// From the largest of the four, so that no difference cancels (Shepperd 1978).
+Vec4d quaternion_of(const Affine3d& r) {
+    const double trace = r.x.x + r.y.y + r.z.z;
+    const double most = std::max({trace, r.x.x, r.y.y, r.z.z});
+    Vec4d q;
+    if (most == trace)
+        q = {1.0 + trace, r.y.z - r.z.y, r.z.x - r.x.z, r.x.y - r.y.x};
+    else if (most == r.x.x)
+        q = {r.y.z - r.z.y, 1.0 + 2.0 * r.x.x - trace, r.x.y + r.y.x, r.z.x + r.x.z};
+    else if (most == r.y.y)
+        q = {r.z.x - r.x.z, r.x.y + r.y.x, 1.0 + 2.0 * r.y.y - trace, r.y.z + r.z.y};
+    else
+        q = {r.x.y - r.y.x, r.z.x + r.x.z, r.y.z + r.z.y, 1.0 + 2.0 * r.z.z - trace};
+    return normalized(q);
+}
+
+Affine3d rotation_by(const Vec4d& q) {
+    const double w = q.x, x = q.y, y = q.z, z = q.w;
+    return {{1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)},
+            {2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)},
+            {2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)},
+            Vec3d(0.0)};
+}
+
+Affine3d transposed(const Affine3d& m) {
+    return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}, Vec3d(0.0)};
+}
+
+/// Half the angle between two rotations: the angle between their quaternions.
+double angle_between(const Vec4d& a, const Vec4d& b) {
+    const Vec4d difference = b - a, sum = a + b;
+    return 2.0 * std::atan2(std::sqrt(difference.dot(difference)), std::sqrt(sum.dot(sum)));
+}
+
+/// A share of the way from `a` to `b`, which have this angle between them.
+Vec4d turned(const Vec4d& a, const Vec4d& b, double angle, double share) {
+    constexpr double kAsGoodAsNone = 1e-8;
+    if (angle < kAsGoodAsNone) return normalized(a * (1.0 - share) + b * share);
+    return normalized(a * std::sin((1.0 - share) * angle) + b * std::sin(share * angle));
+}
+
+Vec3d mixed(const Vec3d& a, const Vec3d& b, double share) {
+    return a * (1.0 - share) + b * share;
+}
+
+Affine3d mixed(const Affine3d& a, const Affine3d& b, double share) {
+    return {mixed(a.x, b.x, share), mixed(a.y, b.y, share), mixed(a.z, b.z, share), Vec3d(0.0)};
+}
+
+Vec3d corner(const Box3d& box, int number) {
+    return {(number & 1) != 0 ? box.max.x : box.min.x, (number & 2) != 0 ? box.max.y : box.min.y,
+            (number & 4) != 0 ? box.max.z : box.min.z};
+}
+
+}  // namespace
+
+Motion::Motion(std::span<const Affine3d> places) {
+    const bool turns =
+        std::all_of(places.begin(), places.end(), [](const Affine3d& place) { return rotation_of(place).has_value(); });
+    keys_.reserve(places.size());
+    for (const Affine3d& place : places) add(place, turns);
+}
+
+void Motion::add(const Affine3d& place, bool turns) {
+    Key key;
+    key.translation = place.translation;
+    key.rest = {place.x, place.y, place.z, Vec3d(0.0)};
+    if (turns) {
+        const Affine3d rotation = *rotation_of(place);
+        key.rotation = quaternion_of(rotation);
+        key.rest = transposed(rotation) * key.rest;
+    }
+    if (!keys_.empty()) {
+        Key& last = keys_.back();
+        if (last.rotation.dot(key.rotation) < 0.0) key.rotation = -key.rotation;  // the same rotation
+        last.half_turn = angle_between(last.rotation, key.rotation);
+    }
+    keys_.push_back(key);
+}
+
+Affine3d Motion::at(float time) const {
+    const size_t last = keys_.size() - 1;
+    const double place = std::clamp(static_cast<double>(time), 0.0, 1.0) * static_cast<double>(last);
+    const size_t first = std::min(static_cast<size_t>(place), last - 1);
+    return between(first, place - static_cast<double>(first));
+}
+
+Affine3d Motion::between(size_t first, double share) const {
+    const Key &a = keys_[first], &b = keys_[first + 1];
+    Affine3d map = rotation_by(turned(a.rotation, b.rotation, a.half_turn, share)) * mixed(a.rest, b.rest, share);
+    map.translation = mixed(a.translation, b.translation, share);
+    return map;
+}
+
+Box3d Motion::bounds(const Box3d& box) const {
+    Box3d bounds;
+    if (box.isEmpty()) return bounds;
+    for (size_t first = 0; first + 1 < keys_.size(); ++first) add_bounds(first, box, bounds);
+    return bounds;
+}
+
+/// A corner's way p(s) = R(s) q(s) + T(s), with q and T along lines and R turning by `turn`, lies within max|p''| / 8
+/// n² of the chords between n + 1 points of it; |p''| <= turn² |q| + 2 turn |q'|.
+void Motion::add_bounds(size_t first, const Box3d& box, Box3d& bounds) const {
+    constexpr double kStep = 0.1;       // radians between two points of the way
+    constexpr double kRounding = 1e-9;  // of what is added up, for rounding
+    const Key &a = keys_[first], &b = keys_[first + 1];
+    const double turn = 2.0 * a.half_turn;
+    const int steps = 1 + static_cast<int>(turn / kStep);
+    double bend = 0.0, size = 0.0;
+    for (int number = 0; number < 8; ++number) {
+        const Vec3d from = a.rest.vector(corner(box, number)), to = b.rest.vector(corner(box, number));
+        const double farthest = std::max(from.length(), to.length());
+        bend = std::max(bend, turn * turn * farthest + 2.0 * turn * (to - from).length());
+        size = std::max(size, farthest);
+    }
+    const Vec3d margin(bend / (8.0 * steps * steps) + kRounding * size);
+    for (int step = 0; step <= steps; ++step) {
+        const Affine3d map = between(first, static_cast<double>(step) / steps);
+        for (int number = 0; number < 8; ++number) {
+            const Vec3d point = map.point(corner(box, number));
+            bounds.extendBy(point - margin);
+            bounds.extendBy(point + margin);
+        }
+    }
+}
+
+}  // namespace rayleaf
