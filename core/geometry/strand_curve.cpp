@@ -1,12 +1,14 @@
 #include "geometry/strand_curve.h"
 
+#include "base/double4.h"
+
 namespace rayleaf {
 
 StrandPoint StrandSegment::at(double s) const {
     const double r = 1.0 - s;
-    const StrandPoint a = points[0] * r + points[1] * s, b = points[1] * r + points[2] * s;
-    const StrandPoint c = points[2] * r + points[3] * s;
-    return (a * r + b * s) * r + (b * r + c * s) * s;
+    const Double4 p0(points[0]), p1(points[1]), p2(points[2]), p3(points[3]);
+    const Double4 a = p0 * r + p1 * s, b = p1 * r + p2 * s, c = p2 * r + p3 * s;
+    return StrandPoint((a * r + b * s) * r + (b * r + c * s) * s);
 }
 
 StrandPoint StrandSegment::derivative(double s) const {
@@ -16,21 +18,25 @@ StrandPoint StrandSegment::derivative(double s) const {
 }
 
 void StrandSegment::halve(StrandSegment& left, StrandSegment& right) const {
-    const StrandPoint a = (points[0] + points[1]) * 0.5, b = (points[1] + points[2]) * 0.5;
-    const StrandPoint c = (points[2] + points[3]) * 0.5, ab = (a + b) * 0.5, bc = (b + c) * 0.5;
-    const StrandPoint middle = (ab + bc) * 0.5, first = points[0], last = points[3];
-    left.points = {first, a, ab, middle};
-    right.points = {middle, bc, c, last};
+    const Double4 p0(points[0]), p1(points[1]), p2(points[2]), p3(points[3]);
+    const Double4 a = (p0 + p1) * 0.5, b = (p1 + p2) * 0.5, c = (p2 + p3) * 0.5;
+    const Double4 ab = (a + b) * 0.5, bc = (b + c) * 0.5, middle = (ab + bc) * 0.5;
+    left.points = {StrandPoint(p0), StrandPoint(a), StrandPoint(ab), StrandPoint(middle)};
+    right.points = {StrandPoint(middle), StrandPoint(bc), StrandPoint(c), StrandPoint(p3)};
 }
 
 StrandSegment StrandSegment::part(uint32_t level, uint32_t index) const {
-    StrandSegment result = *this;
-    for (uint32_t bit = level; bit-- > 0;) {
-        StrandSegment left, right;
-        result.halve(left, right);
-        result = ((index >> bit) & 1u) != 0 ? right : left;
+    if (level == 0) return *this;
+    Double4 p0(points[0]), p1(points[1]), p2(points[2]), p3(points[3]);
+    for (uint32_t bit = level; bit-- > 0;) {  // as halve()
+        const Double4 a = (p0 + p1) * 0.5, b = (p1 + p2) * 0.5, c = (p2 + p3) * 0.5;
+        const Double4 ab = (a + b) * 0.5, bc = (b + c) * 0.5, middle = (ab + bc) * 0.5;
+        if (((index >> bit) & 1u) != 0)
+            p0 = middle, p1 = bc, p2 = c;
+        else
+            p1 = a, p2 = ab, p3 = middle;
     }
-    return result;
+    return {{StrandPoint(p0), StrandPoint(p1), StrandPoint(p2), StrandPoint(p3)}};
 }
 
 Box3d StrandSegment::bounds() const {
@@ -43,21 +49,25 @@ Box3d StrandSegment::bounds() const {
     return {box.min - Vec3d(radius), box.max + Vec3d(radius)};
 }
 
-StrandSegment bezier_segment(StrandBasis basis, const std::array<StrandPoint, 4>& p) {
+StrandSegment bezier_segment(StrandBasis basis, const std::array<StrandPoint, 4>& given) {
     StrandSegment result;
+    const Double4 p[] = {Double4(given[0]), Double4(given[1]), Double4(given[2]), Double4(given[3])};
+    const auto set = [&](const Double4& a, const Double4& b, const Double4& c, const Double4& d) {
+        result.points = {StrandPoint(a), StrandPoint(b), StrandPoint(c), StrandPoint(d)};
+    };
     switch (basis) {
         case StrandBasis::Linear:
-            result.points = {p[1], p[1] + (p[2] - p[1]) / 3.0, p[2] - (p[2] - p[1]) / 3.0, p[2]};
+            set(p[1], p[1] + (p[2] - p[1]) / 3.0, p[2] - (p[2] - p[1]) / 3.0, p[2]);
             break;
         case StrandBasis::CatmullRom:
-            result.points = {p[1], p[1] + (p[2] - p[0]) / 6.0, p[2] - (p[3] - p[1]) / 6.0, p[2]};
+            set(p[1], p[1] + (p[2] - p[0]) / 6.0, p[2] - (p[3] - p[1]) / 6.0, p[2]);
             break;
         case StrandBasis::BSpline:
-            result.points = {(p[0] + p[1] * 4.0 + p[2]) / 6.0, (p[1] * 2.0 + p[2]) / 3.0, (p[1] + p[2] * 2.0) / 3.0,
-                             (p[1] + p[2] * 4.0 + p[3]) / 6.0};
+            set((p[0] + p[1] * 4.0 + p[2]) / 6.0, (p[1] * 2.0 + p[2]) / 3.0, (p[1] + p[2] * 2.0) / 3.0,
+                (p[1] + p[2] * 4.0 + p[3]) / 6.0);
             break;
         case StrandBasis::Bezier:
-            result.points = p;
+            result.points = given;
             break;
     }
     for (StrandPoint& point : result.points) point.w = std::max(point.w, 0.0);

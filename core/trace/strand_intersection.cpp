@@ -1,5 +1,7 @@
 #include "trace/strand_intersection.h"
 
+#include "base/double4.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -25,14 +27,15 @@ struct At {
     double x, y, z, r, dx, dy, dz, dr, ddx, ddy, ddz, ddr;
 
     At(const StrandSegment& piece, double s) {
-        const std::array<StrandPoint, 4>& p = piece.points;
+        const Double4 p[] = {Double4(piece.points[0]), Double4(piece.points[1]), Double4(piece.points[2]),
+                             Double4(piece.points[3])};
         const double t = 1.0 - s;
-        const StrandPoint a = p[0] * t + p[1] * s, b = p[1] * t + p[2] * s, c = p[2] * t + p[3] * s;
-        const StrandPoint d = a * t + b * s, e = b * t + c * s;
-        const StrandPoint value = d * t + e * s, first = (e - d) * 3.0, second = ((c - b) - (b - a)) * 6.0;
-        x = value.x, y = value.y, z = value.z, r = value.w;
-        dx = first.x, dy = first.y, dz = first.z, dr = first.w;
-        ddx = second.x, ddy = second.y, ddz = second.z, ddr = second.w;
+        const Double4 a = p[0] * t + p[1] * s, b = p[1] * t + p[2] * s, c = p[2] * t + p[3] * s;
+        const Double4 d = a * t + b * s, e = b * t + c * s;
+        const Double4 value = d * t + e * s, first = (e - d) * 3.0, second = ((c - b) - (b - a)) * 6.0;
+        x = value.x(), y = value.y(), z = value.z(), r = value.w();
+        dx = first.x(), dy = first.y(), dz = first.z(), dr = first.w();
+        ddx = second.x(), ddy = second.y(), ddz = second.z(), ddr = second.w();
     }
     double inside() const { return r * r - (x * x + y * y); }  ///< -2 phi
     double phi_first() const { return x * dx + y * dy - r * dr; }
@@ -124,13 +127,18 @@ double step_of(const At& at, double radius) {
     return speed > 0.0 ? kStepShare * radius / speed : 1.0;
 }
 
+/// The functions at both ends of a piece.
+struct Ends {
+    At first, last;
+};
+
 /// Where the axis comes nearest to the ray, radius counted (`Kind` of phi).
-double nearest_parameter(const StrandSegment& piece, double radius) {
+double nearest_parameter(const StrandSegment& piece, const Ends& ends, double radius) {
     const auto evaluate = [&](double s) {
         const At at(piece, s);
         return Slope{at.phi_first(), at.phi_second(), step_of(at, radius), true};
     };
-    const At first(piece, 0.0), last(piece, 1.0);
+    const auto& [first, last] = ends;
     if (first.phi_first() >= 0.0) return 0.0;
     if (last.phi_first() <= 0.0) return 1.0;
     const double dx = last.x - first.x, dy = last.y - first.y, length2 = dx * dx + dy * dy;
@@ -140,30 +148,31 @@ double nearest_parameter(const StrandSegment& piece, double radius) {
 
 /// The least of  side z - sqrt(inside)  over [0,1]: where its derivative times the root changes sign. Outside the balls
 /// the root counts as zero, and the sign is that of the way back to them.
-double extreme_parameter(const StrandSegment& piece, double side, double nearest, double radius) {
-    const auto evaluate = [&](double s) {
-        const At at(piece, s);
+double extreme_parameter(const StrandSegment& piece, const Ends& ends, double side, double nearest,
+                         const At& at_nearest, double radius) {
+    const auto slope_of = [&](const At& at) {
         const double inside = at.inside(), root = inside > 0.0 ? std::sqrt(inside) : 0.0;
         const double value = side * at.dz * root + at.phi_first();
         const double bend = root > 0.0 ? side * (at.ddz * root - at.dz * at.phi_first() / root) : 0.0;
         const double own = at.phi_second();
         return Slope{value, own + bend, step_of(at, radius), std::abs(bend) <= own};
     };
-    if (evaluate(0.0).value >= 0.0) return 0.0;
-    if (evaluate(1.0).value <= 0.0) return 1.0;
+    if (slope_of(ends.first).value >= 0.0) return 0.0;
+    if (slope_of(ends.last).value <= 0.0) return 1.0;
     // As if straight and of one radius: phi = A x² - W, so the extremum lies at -k sqrt(W / (A² + k² A)).
-    const At at(piece, nearest);
-    const double a = at.phi_second(), k = side * at.dz, w = std::max(at.inside(), 0.0);
+    const double a = at_nearest.phi_second(), k = side * at_nearest.dz, w = std::max(at_nearest.inside(), 0.0);
     const double offset = a > 0.0 ? -k * std::sqrt(w / (a * (a + k * k))) : 0.0;
-    return rising_zero(evaluate, 0.0, 1.0, nearest + offset);
+    return rising_zero([&](double s) { return slope_of(At(piece, s)); }, 0.0, 1.0, nearest + offset);
 }
 
 /// The span of a piece that has one nearest place at most.
 std::optional<StrandSpan> simple_span(const StrandSegment& piece, double radius, double needs_leave_before) {
-    const double nearest = nearest_parameter(piece, radius);
-    if (!(At(piece, nearest).inside() > 0.0)) return std::nullopt;
+    const Ends ends{At(piece, 0.0), At(piece, 1.0)};
+    const double nearest = nearest_parameter(piece, ends, radius);
+    const At at_nearest(piece, nearest);
+    if (!(at_nearest.inside() > 0.0)) return std::nullopt;
     const auto end_of = [&](double side, double& s) {
-        s = extreme_parameter(piece, side, nearest, radius);
+        s = extreme_parameter(piece, ends, side, nearest, at_nearest, radius);
         const At at(piece, s);
         return at.z - side * std::sqrt(std::max(at.inside(), 0.0));
     };

@@ -1,0 +1,34 @@
+// Four doubles in two SIMD registers: plain IEEE operations on each, so results are the same as computed one by one.
+#pragma once
+
+#include "base/vector.h"
+
+namespace rayleaf {
+
+struct Double4 {
+    using Pair = double __attribute__((vector_size(16)));
+    Pair low, high;
+
+    Double4(Pair xy, Pair zw) : low(xy), high(zw) {}
+    explicit Double4(const Vec4d& v) : low{v.x, v.y}, high{v.z, v.w} {}
+    double x() const { return low[0]; }
+    double y() const { return low[1]; }
+    double z() const { return high[0]; }
+    double w() const { return high[1]; }
+    explicit operator Vec4d() const { return {x(), y(), z(), w()}; }
+};
+
+inline Double4 operator+(const Double4& a, const Double4& b) {
+    return {a.low + b.low, a.high + b.high};
+}
+inline Double4 operator-(const Double4& a, const Double4& b) {
+    return {a.low - b.low, a.high - b.high};
+}
+inline Double4 operator*(const Double4& a, double factor) {
+    return {a.low * factor, a.high * factor};
+}
+inline Double4 operator/(const Double4& a, double by) {
+    return {a.low / by, a.high / by};
+}
+
+}  // namespace rayleaf
