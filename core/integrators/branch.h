@@ -19,7 +19,7 @@ enum class LightSampling : uint8_t {
 };
 
 /// How a ray came about: what light sampling did beside it.
-struct Departure {
+struct BranchDeparture {
     Vec3d position{0, 0, 0};  ///< where lights were sampled
     LightSampling sampling = LightSampling::None;
     float density = 0;     ///< times the number of rays: with which scattering chose the direction
@@ -49,7 +49,7 @@ struct Branch {
 
     Ray ray;
     RayDifferential differential;
-    Departure departure;
+    BranchDeparture departure;
     Bounces bounces;
     Sampler sampler;
     Color throughput{1, 1, 1};  ///< what light along the ray counts in the camera sample

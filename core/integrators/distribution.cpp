@@ -97,7 +97,7 @@ void DistributionTracer::add_world(const Branch& branch) {
     if (hidden) alpha_ -= average(branch.throughput);
     if (!scene_.has_world() || (hidden && !settings_.wants(Pass::environment) && settings_.slots == 0)) return;
     const Vec3f direction(branch.ray.direction);
-    const Departure& departure = branch.departure;
+    const BranchDeparture& departure = branch.departure;
     const float density =
         departure.sampling != LightSampling::None ? scene_.lights().world_density(direction, departure.position) : 0.0f;
     const float weight = departure.weight(density);
@@ -117,7 +117,7 @@ void DistributionTracer::add_world(const Branch& branch) {
 
 void DistributionTracer::add_emission(const Branch& branch, const Vertex& vertex) {
     if (is_black(vertex.closures.emission)) return;
-    const Departure& departure = branch.departure;
+    const BranchDeparture& departure = branch.departure;
     const float density = departure.sampling != LightSampling::None
                               ? scene_.lights().emitter_density(departure.position, vertex.point)
                               : 0.0f;

@@ -25,27 +25,27 @@ constexpr int kFloats = static_cast<int>(hn::MaxLanes(Floats()));
 
 #include "tessellation/simd_lanes.inl"
 
-struct Vectors {
+struct DoubleVectors {
     DoubleVector x, y, z;
 };
 
-HWY_INLINE DoubleVector dot(const Vectors& a, const Vectors& b) {
+HWY_INLINE DoubleVector dot(const DoubleVectors& a, const DoubleVectors& b) {
     return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 
 /// Zero if the vector is finite.
-HWY_INLINE DoubleVector finite_test(const Vectors& v) {
+HWY_INLINE DoubleVector finite_test(const DoubleVectors& v) {
     return hn::Add(hn::Add(hn::Sub(v.x, v.x), hn::Sub(v.y, v.y)), hn::Sub(v.z, v.z));
 }
 
 /// Unit directions. Those that are unit already, up to rounding, keep their bits.
-HWY_INLINE Vectors unit(const Vectors& v) {
+HWY_INLINE DoubleVectors unit(const DoubleVectors& v) {
     const Doubles lanes;
     const DoubleVector one = hn::Set(lanes, 1.0);
     const DoubleMask is_unit = hn::Le(hn::Abs(hn::Sub(dot(v, v), one)), hn::Set(lanes, 0x1p-44));
     if (hn::AllTrue(lanes, is_unit)) return v;
     const DoubleVector largest = hn::Max(hn::Abs(v.x), hn::Max(hn::Abs(v.y), hn::Abs(v.z)));
-    const Vectors scaled{hn::Div(v.x, largest), hn::Div(v.y, largest), hn::Div(v.z, largest)};
+    const DoubleVectors scaled{hn::Div(v.x, largest), hn::Div(v.y, largest), hn::Div(v.z, largest)};
     const DoubleVector length = hn::Sqrt(dot(scaled, scaled));
     return {hn::IfThenElse(is_unit, v.x, hn::Div(scaled.x, length)),
             hn::IfThenElse(is_unit, v.y, hn::Div(scaled.y, length)),
@@ -76,12 +76,12 @@ struct Turned {
     HWY_INLINE DoubleVector pick(DoubleVector x, DoubleVector y, DoubleVector z) const {
         return hn::IfThenElse(is_x, x, hn::IfThenElse(is_y, y, z));
     }
-    HWY_INLINE Vectors turn(const Vectors& v) const {
+    HWY_INLINE DoubleVectors turn(const DoubleVectors& v) const {
         return {pick(v.x, v.y, v.z), pick(v.y, v.z, v.x), pick(v.z, v.x, v.y)};
     }
 };
 
-HWY_INLINE Turned turned_to(const Vectors& direction) {
+HWY_INLINE Turned turned_to(const DoubleVectors& direction) {
     const DoubleVector x = hn::Abs(direction.x), y = hn::Abs(direction.y), z = hn::Abs(direction.z);
     // Of equal components, the first.
     return {hn::And(hn::Ge(x, y), hn::Ge(x, z)), hn::Ge(y, z)};
@@ -129,15 +129,15 @@ HWY_INLINE void prepare_some(const Ray* rays, int first, int count, const BatchF
     const DoubleVector shrink = hn::Set(lanes, frame.shrink);
     const auto local = [&](const double& member, double center)
                            HWY_ATTR { return hn::Mul(hn::Sub(load(member), hn::Set(lanes, center)), shrink); };
-    const Vectors given{load(ray.direction.x), load(ray.direction.y), load(ray.direction.z)};
-    const Vectors origin{local(ray.origin.x, frame.center.x), local(ray.origin.y, frame.center.y),
-                         local(ray.origin.z, frame.center.z)};
+    const DoubleVectors given{load(ray.direction.x), load(ray.direction.y), load(ray.direction.z)};
+    const DoubleVectors origin{local(ray.origin.x, frame.center.x), local(ray.origin.y, frame.center.y),
+                               local(ray.origin.z, frame.center.z)};
     const DoubleVector zero = hn::Zero(lanes), one = hn::Set(lanes, 1.0);
     const DoubleMask finite = hn::Eq(hn::Add(finite_test(given), finite_test(origin)), zero);
     const DoubleMask somewhere = hn::Gt(hn::Max(hn::Abs(given.x), hn::Max(hn::Abs(given.y), hn::Abs(given.z))), zero);
     const uint32_t are_rays = mask_bits(lanes, hn::And(finite, somewhere)) & (wanted >> first);
-    const Vectors direction = unit(given);
-    const Vectors inverse{hn::Div(one, direction.x), hn::Div(one, direction.y), hn::Div(one, direction.z)};
+    const DoubleVectors direction = unit(given);
+    const DoubleVectors inverse{hn::Div(one, direction.x), hn::Div(one, direction.y), hn::Div(one, direction.z)};
 
     BoxIntervals within{hn::Neg(hn::Inf(lanes)), hn::Inf(lanes)};
     const Vec3d &low = frame.box_min, &high = frame.box_max;
@@ -154,10 +154,10 @@ HWY_INLINE void prepare_some(const Ray* rays, int first, int count, const BatchF
 
     const Turned turned = turned_to(direction);
     const Vec3d& middle = frame.box_center;
-    const Vectors from =
+    const DoubleVectors from =
         turned.turn({hn::Sub(origin.x, hn::Set(lanes, middle.x)), hn::Sub(origin.y, hn::Set(lanes, middle.y)),
                      hn::Sub(origin.z, hn::Set(lanes, middle.z))});
-    const Vectors along = turned.turn(direction);
+    const DoubleVectors along = turned.turn(direction);
     const DoubleVector inverse_along = turned.pick(inverse.x, inverse.y, inverse.z);
     const DoubleVector slope_b = hn::Mul(along.y, inverse_along), slope_c = hn::Mul(along.z, inverse_along);
     const DoubleVector coordinates[kLineAxes] = {hn::Sub(from.y, hn::Mul(slope_b, from.x)),

@@ -20,7 +20,7 @@ Box3d box_of_triangle(const TriangleMesh& mesh, uint32_t triangle) {
 }
 
 /// The box of an element, local space of the shape; for patches and triangles.
-BoxTree::BoxOf element_boxes(const Shape& shape) {
+GroupedBoxes::BoxOf element_boxes(const Shape& shape) {
     if (shape.kind() == ShapeKind::PatchSurface)
         return [&surface = static_cast<const PatchSurface&>(shape)](uint32_t patch) {
             return hull_bounds(surface.patch(patch));
@@ -66,10 +66,10 @@ Occupancy::Occupancy(const SceneDescription& description, const Tracer& tracer, 
 
 bool Occupancy::has_element_in(const Shape& shape, const Box3d& box) {
     if (shape.kind() != ShapeKind::PatchSurface && shape.kind() != ShapeKind::TriangleMesh) return true;
-    const BoxTree::BoxOf box_of = element_boxes(shape);
+    const GroupedBoxes::BoxOf box_of = element_boxes(shape);
     auto known = elements_.find(&shape);
     if (known == elements_.end())
-        known = elements_.emplace(&shape, BoxTree(shape.element_count(), box_of, cancel_)).first;
+        known = elements_.emplace(&shape, GroupedBoxes(shape.element_count(), box_of, cancel_)).first;
     return known->second.any(box, [&](uint32_t element) { return box.intersects(box_of(element)); });
 }
 

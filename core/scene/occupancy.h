@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/cancel.h"
-#include "scene/box_tree.h"
 #include "scene/description.h"
+#include "scene/grouped_boxes.h"
 #include "trace/tracer.h"
 
 #include <cstdint>
@@ -29,8 +29,8 @@ class Occupancy {
     const Tracer& tracer_;
     const CancelToken& cancel_;
     std::vector<uint32_t> order_;  ///< instances, along a curve that fills space
-    BoxTree instances_;            ///< by place in that order
-    std::map<const Shape*, BoxTree> elements_;
+    GroupedBoxes instances_;       ///< by place in that order
+    std::map<const Shape*, GroupedBoxes> elements_;
 
     bool has_element_in(const Shape& shape, const Box3d& box);
 };

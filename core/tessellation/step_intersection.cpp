@@ -65,16 +65,17 @@ struct Across {
     HWY_ALIGN float x[kRoom], y[kRoom];
 };
 
-struct Corner {
+struct FlatCorner {
     Vector x, y;
 };
 
-HWY_INLINE Vector edge(const Corner& p, const Corner& q) {
+HWY_INLINE Vector edge(const FlatCorner& p, const FlatCorner& q) {
     return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
 }
 
 /// The triangles of the cells with these corners: lower ones, and upper ones kBlockCells^2 bits above.
-HWY_INLINE uint32_t triangles_of(const Corner& a, const Corner& b, const Corner& c, const Corner& d, float margin) {
+HWY_INLINE uint32_t triangles_of(const FlatCorner& a, const FlatCorner& b, const FlatCorner& c, const FlatCorner& d,
+                                 float margin) {
     const Lanes lanes;
     const Vector most = hn::Set(lanes, margin), least = hn::Set(lanes, -margin);
     const Vector ac = edge(a, c), ca = hn::Neg(ac);
@@ -115,19 +116,20 @@ uint32_t find_step_triangles(const StepGrid& grid, uint32_t block, const StepRay
         const Vector z = load_steps(lanes, first + ray.axis_z * kBlockSize + from);
         const Vector x = load_steps(lanes, first + ray.axis_x * kBlockSize + from);
         const Vector y = load_steps(lanes, first + ray.axis_y * kBlockSize + from);
-        return Corner{hn::Sub(hn::Sub(x, ray_x), hn::Mul(shear_x, z)), hn::Sub(hn::Sub(y, ray_y), hn::Mul(shear_y, z))};
+        return FlatCorner{hn::Sub(hn::Sub(x, ray_x), hn::Mul(shear_x, z)),
+                          hn::Sub(hn::Sub(y, ray_y), hn::Mul(shear_y, z))};
     };
     // Of cell (i, j): (i, j), (i+1, j), (i+1, j+1), (i, j+1).
 #if HWY_TARGET == HWY_AVX3
-    const Corner low = across(0), high = across(kLaneCount);
+    const FlatCorner low = across(0), high = across(kLaneCount);
     const auto corner = [&](int at) HWY_ATTR {
-        return Corner{corners_of_cells(low.x, high.x, at), corners_of_cells(low.y, high.y, at)};
+        return FlatCorner{corners_of_cells(low.x, high.x, at), corners_of_cells(low.y, high.y, at)};
     };
     return triangles_of(corner(0), corner(1), corner(kBlockVertices + 1), corner(kBlockVertices), margin);
 #else
     Across all;
     for (int from = 0; from < kRoom; from += kLaneCount) {
-        const Corner vertices = across(from);
+        const FlatCorner vertices = across(from);
         hn::StoreU(vertices.x, lanes, all.x + from);
         hn::StoreU(vertices.y, lanes, all.y + from);
     }
@@ -136,7 +138,7 @@ uint32_t find_step_triangles(const StepGrid& grid, uint32_t block, const StepRay
         for (int column = 0; column < kBlockCells; column += kColumns) {
             const auto corner = [&](int at) HWY_ATTR {
                 const int index = row * kBlockVertices + column + at;
-                return Corner{load_cells(lanes, all.x + index), load_cells(lanes, all.y + index)};
+                return FlatCorner{load_cells(lanes, all.x + index), load_cells(lanes, all.y + index)};
             };
             bits |= triangles_of(corner(0), corner(1), corner(kBlockVertices + 1), corner(kBlockVertices), margin)
                     << (row * kBlockCells + column);

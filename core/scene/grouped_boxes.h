@@ -11,13 +11,13 @@
 
 namespace rayleaf {
 
-class BoxTree {
+class GroupedBoxes {
   public:
     using BoxOf = std::function<Box3d(uint32_t thing)>;
     using Test = std::function<bool(uint32_t thing)>;
 
     /// Over so many items; empty boxes are never found. Throws Cancelled soon after `cancel` says so.
-    BoxTree(uint32_t count, const BoxOf& box_of, const CancelToken& cancel);
+    GroupedBoxes(uint32_t count, const BoxOf& box_of, const CancelToken& cancel);
 
     /// Whether a test is true of any item whose group's box meets this one: of all items that meet it, and others.
     bool any(const Box3d& box, const Test& test) const;

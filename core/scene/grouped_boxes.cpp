@@ -1,4 +1,4 @@
-#include "scene/box_tree.h"
+#include "scene/grouped_boxes.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ constexpr uint32_t kThingsPerLook = 4096;
 
 }  // namespace
 
-BoxTree::BoxTree(uint32_t count, const BoxOf& box_of, const CancelToken& cancel) : count_(count) {
+GroupedBoxes::GroupedBoxes(uint32_t count, const BoxOf& box_of, const CancelToken& cancel) : count_(count) {
     if (count == 0) return;
     std::vector<Box3d> boxes((count + kGroup - 1) / kGroup);
     for (uint32_t thing = 0; thing < count; ++thing) {
@@ -26,11 +26,11 @@ BoxTree::BoxTree(uint32_t count, const BoxOf& box_of, const CancelToken& cancel)
     }
 }
 
-bool BoxTree::any(const Box3d& box, const Test& test) const {
+bool GroupedBoxes::any(const Box3d& box, const Test& test) const {
     return !levels_.empty() && any_below(levels_.size() - 1, 0, box, test);
 }
 
-bool BoxTree::any_below(size_t level, uint32_t group, const Box3d& box, const Test& test) const {
+bool GroupedBoxes::any_below(size_t level, uint32_t group, const Box3d& box, const Test& test) const {
     if (!levels_[level][group].intersects(box)) return false;
     const auto end_of = [&](size_t count) { return std::min<size_t>(count, (size_t{group} + 1) * kGroup); };
     const size_t end = end_of(level == 0 ? count_ : levels_[level - 1].size());
