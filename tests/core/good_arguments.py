@@ -149,6 +149,7 @@ def in_temporary(name: str) -> str:
 
 
 HEMISPHERE = int(np.prod(distribution.hemisphere_shape(8)))
+MOTION = np.stack([np.eye(4), scenes.matrix((1, 0, 0))])
 INSTANCES = {
     "names": ["a", "b"],
     "shapes": np.zeros(2, np.int32),
@@ -160,6 +161,7 @@ INSTANCES = {
     "ray_interpolations": np.zeros(2, np.int32),
     "light_groups": np.zeros(2, np.int32),
     "assets": ["a", ""],
+    "motions": {1: MOTION},
 }
 CAMERA = {
     "kind": "PERSPECTIVE",
@@ -169,6 +171,10 @@ CAMERA = {
     "clip_start": 0.1,
     "clip_end": 100.0,
     "aperture_radius": 0.1,
+    "motion": MOTION,
+    "windows": np.array([[-0.5, -0.5, 0.5, 0.5], [-0.6, -0.5, 0.5, 0.5]]),
+    "shutter_curve": np.ones(3, np.float32),
+    "rolling_shutter": 0.5,
 }
 CAGE = {
     "name": "cube",

@@ -167,6 +167,7 @@ BENCH_CALLS: dict[str, Call] = {
     "trace.use_simd_target": ctor(trace.use_simd_target, name=""),
     "trace.diced_patch": ctor(trace.diced_patch, surface=shapes.nurbs_sphere(), patch=0),
     "trace.grid_candidates": ctor(trace.grid_candidates, surface=shapes.nurbs_sphere(), patch=0, **RAYS),
+    "trace.moved": ctor(trace.moved, matrices=np.stack([np.eye(4), shapes.moved(1.0)]), time=0.5),
     "trace.closest_in_packets": later(
         trace.closest_in_packets,
         tracer=tracer,

@@ -7,6 +7,7 @@ from core.good_arguments import (
     UP,
     CAGE,
     CAMERA,
+    MOTION,
     CUBE,
     CURVE,
     Call,
@@ -174,7 +175,7 @@ CALLS: dict[str, Call] = {
         medium=program(),
     ),
     "SceneDescription.add_material_list": method(scene, "add_material_list", materials=[0, -1]),
-    "SceneDescription.add_instance": method(scene, "add_instance", name="a", shape=0, matrix=np.eye(4)),
+    "SceneDescription.add_instance": method(scene, "add_instance", name="a", shape=0, matrix=np.eye(4), motion=MOTION),
     "SceneDescription.add_ray_interpolation": method(
         scene, "add_ray_interpolation", object="a", interpolation=_core.RayInterpolation()
     ),
