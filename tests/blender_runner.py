@@ -43,6 +43,11 @@ def blender_path() -> str:
     return os.environ.get("BLENDER") or "/usr/bin/blender"
 
 
+def is_module() -> bool:
+    """True if it is Blender as a Python module, which has no window, and loads its libraries when it starts."""
+    return bool(os.environ.get("RAYLEAF_BLENDER_IS_MODULE"))
+
+
 @pytest.fixture
 def run_blender(tmp_path: Path, addons: Path) -> Callable[..., BlenderRun]:
     """`run_blender(script, *args, timeout=120, check=True, background=True, env={})` -> BlenderRun.

@@ -8,6 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .names import name_of, text_of
+
 Floats = NDArray[np.float32]
 
 # Since 5.0 passes have names without abbreviations.
@@ -186,6 +188,14 @@ def compositor(scene: Any) -> Any:
     return scene.node_tree if scene.use_nodes else None
 
 
+def animation_curves(owner: Any) -> Any:
+    """The curves of an animated data block's action."""
+    action = owner.animation_data.action
+    if hasattr(action, "fcurves"):
+        return action.fcurves
+    return action.layers[0].strips[0].channelbag(owner.animation_data.action_slot).fcurves  # 5.0
+
+
 def lamp_factor(lamp: Any) -> float:
     """What a lamp's power is multiplied by to give what it meant in Blender 3.
 
@@ -229,6 +239,31 @@ def transforms_normals() -> bool:
 def voronoi_hash() -> str:
     """What chooses the points of Voronoi's cells."""
     return "JENKINS" if bpy.app.version < (5, 0, 0) else "PCG"
+
+
+def aov_name(node: Any) -> str:
+    """Which AOV an AOV Output node writes to; before 4.2, that of its own name."""
+    return text_of(node, "aov_name") if hasattr(node, "aov_name") else name_of(node)
+
+
+def lamps_have_a_space() -> bool:
+    """Whether Object and UV coordinates on a lamp are its own; before, Object was the place in the world, and UV nothing."""
+    return bpy.app.version >= (5, 2, 0)
+
+
+def area_lamps_shine_by_direction() -> bool:
+    """Whether an IES file is read on an area lamp by where its light goes; before, along the lamp's axis alone."""
+    return bpy.app.version >= (5, 2, 0)
+
+
+def glow_counts_its_weight_twice() -> bool:
+    """Whether the light of a Principled Volume is weakened twice by what it is mixed with."""
+    return bpy.app.version >= (5, 2, 0)
+
+
+def random_walk_is_newer() -> bool:
+    """Whether "Random Walk" is another model than the one of fixed radius, which is called "Legacy" then."""
+    return bpy.app.version >= (5, 2, 0)
 
 
 def reads_geometry(node: Any) -> bool:

@@ -52,9 +52,7 @@ def build(kind, settings, size, more):
     camera = bpy.data.cameras.new("camera")
     scene.camera = scenes.add(camera)
     scene.camera.rotation_euler = (1.2, 0.2, 0.4)
-    camera.type, camera.cycles.panorama_type = "PANO", kind
-    for name, value in settings.items():
-        setattr(camera.cycles, name, value)
+    scenes.make_panoramic(camera, kind, **settings)
     for name, value in more.items():
         setattr(camera, name, value)
     scene.render.resolution_x, scene.render.resolution_y = size

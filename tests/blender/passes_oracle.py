@@ -6,6 +6,7 @@ from pathlib import Path
 
 import bpy
 import scenes
+from rayleaf.versions import choose_file_format
 
 report = globals()["report"]  # given by the test
 SIZE, SAMPLES = 32, 512
@@ -34,7 +35,7 @@ def painted(name, kind, **inputs):
     place = tree.nodes.new("ShaderNodeNewGeometry")
     for aov, socket, source in (("Where", "Color", "Position"), ("Facing", "Value", "Backfacing")):
         node = tree.nodes.new("ShaderNodeOutputAOV")
-        node.name = aov
+        scenes.set_aov(node, aov)
         tree.links.new(place.outputs[source], node.inputs[socket])
     return material
 
@@ -135,6 +136,6 @@ if __name__ == "__main__":
     out = scenes.compositor_output(tree)
     tree.links.new(matte.outputs["Matte"], out.inputs[0])
     made.render.filepath = str(folder / "matte.exr")
-    made.render.image_settings.file_format = "OPEN_EXR"
+    choose_file_format(made.render.image_settings, "OPEN_EXR")
     bpy.ops.render.render(write_still=True)
-    report(done=True)
+    report(version=bpy.app.version)

@@ -52,7 +52,7 @@ def other_values(thing, prop, pointers):
         others = [item.identifier for item in prop.enum_items if item.identifier != value]
         return [other for other in others if accepts(thing, prop.identifier, other)]
     if prop.type == "BOOLEAN":
-        return [not value]
+        return [other for other in (not value,) if accepts(thing, prop.identifier, other)]
     if prop.type == "STRING":
         return ["Other"]
     if prop.type == "POINTER":
@@ -61,14 +61,16 @@ def other_values(thing, prop, pointers):
 
 
 def accepts(thing, name, value):
-    """Whether a property can have this entry: some are for geometry nodes alone. It is left as it was."""
+    """Whether a property can have this value: some entries are for geometry nodes alone, and some switches are only kept for
+    old scripts, like 5.0's use_nodes. It is left as it was."""
     before = getattr(thing, name)
     try:
         setattr(thing, name, value)
     except TypeError:
         return False
+    is_taken = getattr(thing, name) == value
     setattr(thing, name, before)
-    return True
+    return is_taken
 
 
 def other_number(prop, value):
@@ -96,8 +98,8 @@ def change_input(node, index):
         tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Reflection"], socket)
         return True
     value = socket.default_value
-    if isinstance(value, str):
-        socket.default_value = value + "x"
+    if isinstance(value, (str, bool)):
+        socket.default_value = value + "x" if isinstance(value, str) else not value
         return True
     socket.default_value = value * 0.5 + 0.3125 if isinstance(value, float) else [x * 0.5 + 0.3125 for x in value]
     return True

@@ -101,12 +101,28 @@ def set_displacement(material, method):
         material.cycles.displacement_method = method
 
 
-def fcurves(owner):
-    """Of an animated data block's action."""
-    action = owner.animation_data.action
-    if hasattr(action, "fcurves"):
-        return action.fcurves
-    return action.layers[0].strips[0].channelbag(owner.animation_data.action_slot).fcurves  # 5.0
+def make_panoramic(camera, kind, **settings):
+    """A camera's data, with Cycles' settings of panoramas."""
+    camera.type = "PANO"
+    own = camera if hasattr(camera, "panorama_type") else camera.cycles  # 5.0
+    own.panorama_type = kind
+    for name, value in settings.items():
+        setattr(own, name, value)
+
+
+def set_aov(node, name):
+    """Which AOV an AOV Output node writes to."""
+    setattr(node, "aov_name" if hasattr(node, "aov_name") else "name", name)  # 4.2
+
+
+def set_curve_types(curves, kind):
+    """Of all hair curves: CATMULL_ROM, POLY, BEZIER or NURBS."""
+    if hasattr(curves, "set_types"):  # 4.4; where it is, an attribute added by hand harms Blender's memory in 5.2
+        curves.set_types(type=kind)
+        return
+    types = curves.attributes.new("curve_type", "INT8", "CURVE")
+    for each in types.data:
+        each.value = ("CATMULL_ROM", "POLY", "BEZIER", "NURBS").index(kind)
 
 
 def compositor(scene):

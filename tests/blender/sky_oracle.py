@@ -51,7 +51,7 @@ def main(folder):
         difference = np.abs(rayleaf - cycles) / np.maximum(cycles.max(axis=-1, keepdims=True), 1.0)
         inside = cycles[..., 0] > 100.0
         found.append([np.sort(difference.max(axis=-1).ravel()).tolist(), float(inside.mean())])
-    report(found=found)
+    report(found=found, version=bpy.app.version[0])
 
 
 main(Path(sys.argv[1]))

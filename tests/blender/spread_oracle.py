@@ -20,7 +20,11 @@ PIXELS, SAMPLES = 12, 64
 RADIUS = (0.3, 0.15, 0.08)
 # Names of Blender 3 and of 4.
 FIXED, PHYSICAL = (
-    ("RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK") if bpy.app.version < (4, 0, 0) else ("RANDOM_WALK", "RANDOM_WALK_SKIN")
+    ("RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK")
+    if bpy.app.version < (4, 0, 0)
+    else ("RANDOM_WALK", "RANDOM_WALK_SKIN")
+    if bpy.app.version < (5, 2, 0)
+    else ("RANDOM_WALK_LEGACY", "RANDOM_WALK_SKIN")
 )
 
 
@@ -156,7 +160,7 @@ def main(kind, folder):
         found[case.name] = {
             f"{engine} {seed}": each[part].mean(axis=(0, 1)).tolist() for (engine, seed), each in pictures.items()
         }
-    report(found=found)
+    report(found=found, version=bpy.app.version[0])
 
 
 main(sys.argv[1], Path(sys.argv[2]))

@@ -132,7 +132,8 @@ cube = bpy.data.objects["Cube"]
 for frame in (3, 5):
     cube.location.x = frame
     cube.keyframe_insert("location", index=0, frame=frame)
-for curve in scenes.fcurves(cube):
+from rayleaf.versions import animation_curves
+for curve in animation_curves(cube):
     for point in curve.keyframe_points:
         point.interpolation = "LINEAR"
 bpy.ops.render.render(animation=True)

@@ -183,8 +183,8 @@ shader.inputs["Strength"].default_value = nan
     "line, word",
     [
         (
-            "scene.camera.name = 'Odd'; scene.camera.data.type = 'PANO';"
-            "scene.camera.data.cycles.panorama_type = 'EQUIANGULAR_CUBEMAP_FACE'",
+            "import scenes; scene.camera.name = 'Odd';"
+            "scenes.make_panoramic(scene.camera.data, 'EQUIANGULAR_CUBEMAP_FACE')",
             "Odd",
         ),
         ("scene.camera.name = 'Odd'; scene.camera.data.clip_start = scene.camera.data.clip_end = 1", "camera"),

@@ -3,6 +3,7 @@
 import numpy as np
 import plain_exr
 import pytest
+from blender_runner import is_module
 from core.fake_denoiser import library
 
 SCENE = """
@@ -27,6 +28,11 @@ report(texts=statistics.last("Scene")["messages"])
 FLAGS = {"RGB": 8, "RGB_ALBEDO": 8 + 1, "RGB_ALBEDO_NORMAL": 8 + 1 + 2}  # of the stand-in for the library
 
 
+def in_front(path):
+    """Blender's own library is taken where the process has it already: there the stand-in comes before it."""
+    return {"LD_PRELOAD": path} if is_module() else {}
+
+
 def layers(path):
     channels = plain_exr.read(path)
     names = {name.split(".")[1] for name in channels}
@@ -40,7 +46,7 @@ def layers(path):
 def test_a_finished_frame_is_denoised_and_keeps_its_alpha_and_its_noise_elsewhere(run_blender, tmp_path, passes):
     path = tmp_path / "picture.exr"
     lines = f"scene.rayleaf.denoising_input_passes, scene.rayleaf.denoising_prefilter = {passes!r}, 'FAST'\n"
-    run = run_blender(SCENE + lines + RENDER, path, library())
+    run = run_blender(SCENE + lines + RENDER, path, library(), env=in_front(library()))
     names, found = layers(path)
     assert names == {"Combined", "Noisy Image"}  # what guides stays inside
     noisy, combined = found["Noisy Image"], found["Combined"]
@@ -51,9 +57,8 @@ def test_a_finished_frame_is_denoised_and_keeps_its_alpha_and_its_noise_elsewher
 
 def test_without_a_library_the_picture_keeps_its_noise_and_a_message_says_where_to_get_one(run_blender, tmp_path):
     path = tmp_path / "picture.exr"
-    broken = tmp_path / "broken.so"
-    broken.write_text("nothing")
-    run = run_blender(SCENE + RENDER, path, library(2, no_device=1))
+    broken = library(2, no_device=1)
+    run = run_blender(SCENE + RENDER, path, broken, env=in_front(broken))
     _, found = layers(path)
     assert np.array_equal(found["Combined"], found["Noisy Image"]) and found["Combined"].any()
     (text,) = run.report["texts"]

@@ -84,8 +84,8 @@ import bpy, scenes, recording_core
 from rayleaf.export import ExportError
 scene = scenes.empty_scene()
 camera, texts = scene.camera, []
-camera.name, camera.data.type = "Fisheye", "PANO"
-camera.data.cycles.panorama_type = "FISHEYE_LENS_POLYNOMIAL"
+camera.name = "Fisheye"
+scenes.make_panoramic(camera.data, "FISHEYE_LENS_POLYNOMIAL")
 for scene.camera in (camera, None):
     try:
         recording_core.export()

@@ -318,7 +318,8 @@ point.keyframe_insert("co", frame=1)
 item.data.bevel_depth, point.co = 0.5, (2, 4, 0)
 item.data.keyframe_insert("bevel_depth", frame=11)
 point.keyframe_insert("co", frame=11)
-for curves in (scenes.fcurves(item.data),):
+from rayleaf.versions import animation_curves
+for curves in (animation_curves(item.data),):
     for each in curves:
         for key in each.keyframe_points:
             key.interpolation = "LINEAR"

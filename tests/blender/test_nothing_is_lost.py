@@ -354,7 +354,7 @@ material, tree, output = scenes.material()
 item.data.materials.append(material)
 inner = scenes.group("Group", "NodeSocketColor", "NodeSocketColor")
 for owner, name in ((tree, "Own"), (inner, "Inside"), (tree, "Unasked")):
-    owner.nodes.new("ShaderNodeOutputAOV").name = name
+    scenes.set_aov(owner.nodes.new("ShaderNodeOutputAOV"), name)
 tree.nodes.new("ShaderNodeGroup").node_tree = inner
 for name in ("Own", "Inside"):
     bpy.context.view_layer.aovs.add().name = name

@@ -147,16 +147,13 @@ report(sent=told(sent), points=len(data.points), curves=len(data.curves))
     assert sent["radii"][3] == sent["radii"][4] == 0 and np.isfinite(sent["points"]).all()
 
 
-@pytest.mark.parametrize("kind, basis, points", [(0, "CATMULL_ROM", 8), (1, "LINEAR", 8)])
+@pytest.mark.parametrize("kind, basis, points", [("CATMULL_ROM", "CATMULL_ROM", 8), ("POLY", "LINEAR", 8)])
 def test_hair_curves_of_a_type_arrive_as_what_they_are(run_blender, kind, basis, points):
     run = run_blender(
         HAIR
         + f"""
 bpy.ops.object.curves_random_add()
-data = bpy.context.object.data
-types = data.attributes.new("curve_type", "INT8", "CURVE")
-for each in types.data:
-    each.value = {kind}
+scenes.set_curve_types(bpy.context.object.data, {kind!r})
 (sent,) = rendered().strands
 report(sent=told(sent))
 """

@@ -8,6 +8,7 @@ import subprocess
 import numpy as np
 import plain_exr
 import pytest
+from blender_runner import is_module
 
 TOOLS = [tool for tool in ("Xvfb", "xdotool") if shutil.which(tool) is None]
 pytestmark = pytest.mark.skipif(bool(TOOLS), reason=f"not installed: {', '.join(TOOLS)}")
@@ -84,6 +85,8 @@ def virtual_display(size):
 @pytest.fixture
 def window(run_blender):
     """`window(script, *args, size="1280x1000")`: run a driver script in Blender's window."""
+    if is_module():
+        pytest.skip("Blender as a Python module has no window")
 
     def run(script, *args, size="1280x1000"):
         with virtual_display(size) as display:

@@ -28,6 +28,7 @@ class Blender:
     program: Path
     libraries: tuple[Path, ...] = ()
     has_commands: bool = False  # `blender --command`, which the module lacks
+    is_module: bool = False
 
     @property
     def has_extensions(self) -> bool:
@@ -71,7 +72,9 @@ def module(version: str) -> Blender:
     launcher.chmod(launcher.stat().st_mode | stat.S_IXUSR)
     libraries = sorted(each for each in (package / "lib").glob("*.so*") if each.name.startswith(FOREIGN))
     (information,) = package.parent.glob("bpy-*.dist-info")
-    return Blender(information.name.removeprefix("bpy-").removesuffix(".dist-info"), launcher, tuple(libraries))
+    return Blender(
+        information.name.removeprefix("bpy-").removesuffix(".dist-info"), launcher, tuple(libraries), is_module=True
+    )
 
 
 def interpreter(version: str) -> str:

@@ -132,6 +132,8 @@ def run_tests(row: Row, blender: blenders.Blender, scripts: Path, folder: Path, 
     settings = {"BLENDER": str(blender.program), "RAYLEAF_BLENDER_SCRIPTS": str(scripts)}
     settings["RAYLEAF_PACKAGE_DIR"] = str(scripts / "addons")
     settings["RAYLEAF_PATIENCE"] = "5"  # all cores are busy
+    if blender.is_module:
+        settings["RAYLEAF_BLENDER_IS_MODULE"] = "1"
     command = [
         sys.executable,
         "-m",

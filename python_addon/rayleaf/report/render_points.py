@@ -18,6 +18,7 @@ import math
 import sys
 import time
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import bpy
@@ -65,11 +66,17 @@ def forget_peak() -> None:
     Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
 
 
-def rendered_pixels(folder: Path, scene: Any) -> Any:
+def versions(addon: str) -> ModuleType:
+    """What the add-on knows of Blender's versions."""
+    return importlib.import_module(f"{addon}.versions")
+
+
+def rendered_pixels(folder: Path, scene: Any, addon: str) -> Any:
     """Combined of the Render Result, by way of a 32-bit EXR: the one way that works without a window."""
     path = folder / "pixels.exr"
     settings = scene.render.image_settings
-    settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGBA", "32"
+    versions(addon).choose_file_format(settings, "OPEN_EXR")
+    settings.color_mode, settings.color_depth = "RGBA", "32"
     bpy.data.images["Render Result"].save_render(str(path), scene=scene)
     image = bpy.data.images.load(str(path))
     try:
@@ -95,7 +102,7 @@ def switch_on_all_passes(addon: str) -> None:
 
 def saved_layers(path: Path, scene: Any, addon: str) -> str:
     """The Render Result as a multilayer EXR."""
-    importlib.import_module(f"{addon}.versions").choose_file_format(scene.render.image_settings, "OPEN_EXR_MULTILAYER")
+    versions(addon).choose_file_format(scene.render.image_settings, "OPEN_EXR_MULTILAYER")
     bpy.data.images["Render Result"].save_render(str(path), scene=scene)
     return str(path)
 
@@ -116,7 +123,7 @@ class Clock:
         self.processor.append(time.process_time() - self._began[1])
 
 
-def turn_camera(frames: int) -> None:
+def turn_camera(frames: int, addon: str) -> None:
     """Make an animation of so many frames in which the camera turns about the world's z axis, a degree a frame."""
     scene = bpy.context.scene
     axis, top = bpy.data.objects.new("axis", None), scene.camera
@@ -129,14 +136,14 @@ def turn_camera(frames: int) -> None:
     for frame, angle in ((first, 0.0), (last, math.radians(frames - 1))):
         axis.rotation_euler.z = angle
         axis.keyframe_insert("rotation_euler", index=2, frame=frame)
-    for key in axis.animation_data.action.fcurves[0].keyframe_points:
+    for key in versions(addon).animation_curves(axis)[0].keyframe_points:
         key.interpolation = "LINEAR"
 
 
-def render_animation(folder: Path, clock: Clock) -> None:
+def render_animation(folder: Path, clock: Clock, addon: str) -> None:
     """All frames; what is timed is neither the change of frames nor the writing of files."""
     scene, handlers = bpy.context.scene, bpy.app.handlers
-    scene.render.image_settings.file_format = "OPEN_EXR"
+    versions(addon).choose_file_format(scene.render.image_settings, "OPEN_EXR")
     scene.render.filepath = str(folder / "frame_")
     handlers.render_pre.append(clock.start)
     handlers.render_post.append(clock.stop)
@@ -172,12 +179,12 @@ def render_point(point: dict[str, Any], job: dict[str, Any], number: int) -> dic
         at_start = process_memory()[0]
         clock = Clock()
         if job.get("orbit") and job["repeats"] > 1:
-            render_animation(folder, clock)
+            render_animation(folder, clock, job["addon"])
         else:
             render_still(job, clock)
         memory = process_memory()[1] - at_start
         picture = folder / f"{number:03d}.npy"
-        np.save(picture, rendered_pixels(folder, scene))
+        np.save(picture, rendered_pixels(folder, scene, job["addon"]))
         layers = saved_layers(folder / f"{number:03d}.exr", scene, job["addon"]) if job.get("all_passes") else ""
         addon = sys.modules.get(job["addon"])
         statistics = dict(getattr(addon, "last_statistics", {})) if point["engine"] == "RAYLEAF" else {}
@@ -224,7 +231,7 @@ def set_up(job: dict[str, Any]) -> None:
     if job["threads"]:
         render.threads_mode, render.threads = "FIXED", job["threads"]
     if job["orbit"]:
-        turn_camera(job["orbit"])
+        turn_camera(job["orbit"], job["addon"])
     if job["all_passes"]:
         switch_on_all_passes(job["addon"])
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from ... import versions
 from ...messages import Messages, Subject
 from ...names import name_of
 from .emitter import UNCONNECTED, Emitter, Register
@@ -277,8 +278,8 @@ class Compiler:
         for node in tree.nodes:
             if node.mute:
                 continue
-            if node.bl_idname == "ShaderNodeOutputAOV" and name_of(node) in self.resources.aovs:
-                slot, is_color = self.resources.aovs[name_of(node)]
+            if node.bl_idname == "ShaderNodeOutputAOV" and (name := versions.aov_name(node)) in self.resources.aovs:
+                slot, is_color = self.resources.aovs[name]
                 value = NodeView(self, node, path).input("Color" if is_color else "Value")
                 self.emitter.operation("aov", [value], [slot])
             elif node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:

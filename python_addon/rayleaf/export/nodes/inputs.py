@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ... import versions
 from ...names import text_of
-from ...versions import reads_geometry
 from ..attributes import STRAND_INFO, STRAND_RANDOM
 from ..instance_values import OBJECT_COLOR, PARTICLE, PROPERTY_OF
 from ..mesh_derived import ISLAND_RANDOM, POINTINESS, TANGENT_OF
@@ -32,13 +32,15 @@ def texture_coordinate(view: NodeView, output: str) -> Register:
     """Texture Coordinate."""
     emitter = view.emitter
     _name_instancer(view, output in ("Generated", "UV"))
+    if view.compiler.is_lamp and output == "UV" and versions.lamps_have_a_space():
+        view.warn("UV coordinates of lamps are not supported; they are 0")
     if output == "UV":
         return emitter.operation("uv", ints=[view.resources.active_uv()])
     if output == "Object" and view.node.object is not None:
         return _in_space_of(view, np.array(view.node.object.matrix_world.inverted_safe(), np.float64))
     if output == "Normal" and view.compiler.bent_normal != UNCONNECTED:
         return emitter.operation("transform", [view.compiler.bent_normal], [_WORLD, _OBJECT], text="NORMAL")
-    if view.compiler.is_lamp and output in ("Generated", "Object"):
+    if view.compiler.is_lamp and (output == "Generated" or output == "Object" and not versions.lamps_have_a_space()):
         return emitter.operation("position")  # in Cycles a lamp is no object
     operations = {
         "Generated": "generated",
@@ -111,10 +113,10 @@ def object_info(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeAttribute")
 def attribute(view: NodeView, output: str) -> Register:
     """Attribute."""
-    if not reads_geometry(view.node) and view.node.attribute_type == "OBJECT":
+    if not versions.reads_geometry(view.node) and view.node.attribute_type == "OBJECT":
         name = PROPERTY_OF + text_of(view.node, "attribute_name")
         return _attribute_output(view, output, view.resources.attribute(name))
-    if not reads_geometry(view.node):
+    if not versions.reads_geometry(view.node):
         view.warn(f"attributes of type {view.node.attribute_type.lower()} are not supported; zero is used")
         return view.emitter.scalar(0.0)
     return _attribute_output(view, output, view.resources.attribute(text_of(view.node, "attribute_name")))

@@ -6,11 +6,13 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ... import versions
 from ...names import name_of, text_of
 from .. import ies
 from .compiler import Compiler, NodeView, value_node
-from .emitter import UNCONNECTED, Register
+from .emitter import UNCONNECTED, Emitter, Register
 
+_WORLD, _OBJECT = 0, 1  # spaces of the operation `transform`
 # More than any manufacturer's.
 _LARGEST_FILE = 1 << 24
 
@@ -26,6 +28,13 @@ def _text_of(node: Any) -> str:
         return file.read(_LARGEST_FILE)
 
 
+def _shining(emitter: Emitter) -> Register:
+    """The direction of the light, in the lamp's space."""
+    if versions.area_lamps_shine_by_direction():
+        return emitter.operation("transform", [emitter.operation("incoming")], [_WORLD, _OBJECT], text="VECTOR")
+    return emitter.operation("object_normal")
+
+
 @value_node("ShaderNodeTexIES")
 def ies_texture(view: NodeView, output: str) -> Register:
     """IES Texture: by the direction in which the lamp shines, in its own space."""
@@ -37,7 +46,7 @@ def ies_texture(view: NodeView, output: str) -> Register:
         return strength
     direction = view.linked("Vector")
     if direction == UNCONNECTED:
-        direction = emitter.operation("object_normal")
+        direction = _shining(emitter)
     value = emitter.operation("ies", [direction], floats=table)
     return emitter.math("MULTIPLY", value, strength)
 

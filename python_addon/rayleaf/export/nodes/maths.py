@@ -117,9 +117,16 @@ def normal_map(view: NodeView, output: str) -> Register:
     """Normal Map. In Blender's own spaces, those of its former renderer's baked maps, Y and Z point the other way."""
     emitter, color = view.emitter, view.input("Color")
     space = view.node.space.removeprefix("BLENDER_")
-    if space != view.node.space:
+    if getattr(view.node, "base", "DISPLACED") != "DISPLACED":  # 5.1
+        view.warn(
+            "a normal map that is relative to the surface before its displacement is taken as relative to what it is then"
+        )
+    of_blender = space != view.node.space
+    if of_blender or space == "TANGENT" and getattr(view.node, "convention", "OPENGL") == "DIRECTX":  # 5.1
         red, green, blue = (emitter.component(color, index) for index in range(3))
-        color = emitter.operation("combine", [red, emitter.complement(green), emitter.complement(blue)])
+        color = emitter.operation(
+            "combine", [red, emitter.complement(green), emitter.complement(blue) if of_blender else blue]
+        )
     ints = [-1]
     if space == "TANGENT":
         name = text_of(view.node, "uv_map")

@@ -53,8 +53,16 @@ def _of_disney(view: NodeView) -> list[Register]:
     ]
 
 
+def _name_thin_wall(view: NodeView) -> None:
+    """Since 5.2 a surface may stand for a thin sheet."""
+    wall = view.socket("Thin Wall")
+    if wall is not None and may_be_other_than(view, view.input("Thin Wall"), 0.0):
+        view.warn("Thin Wall is not supported; rendered as the surface of a body")
+
+
 def _of_layers(view: NodeView) -> list[Register]:
     name_thin_film(view)
+    _name_thin_wall(view)
     anisotropic, tangent = _anisotropy(view)
     return [
         *(view.input(name) for name in ("Base Color", "Metallic", "Specular IOR Level", "Specular Tint", "Roughness")),

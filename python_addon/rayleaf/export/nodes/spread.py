@@ -1,5 +1,6 @@
 """Shader nodes of light that goes through what it meets: hair, and bodies below their surface."""
 
+from ... import versions
 from ..attributes import STRAND_INFO, STRAND_RANDOM
 from .closures import may_be_other_than
 from .compiler import NodeView, closure_node
@@ -11,12 +12,17 @@ _METHODS = {
     "RANDOM_WALK_FIXED_RADIUS": _FIXED_RADIUS,
     "RANDOM_WALK": _PHYSICAL,
     "RANDOM_WALK_SKIN": _PHYSICAL,
+    "RANDOM_WALK_LEGACY": _FIXED_RADIUS,  # 5.2's name
     "BURLEY": _FIXED_RADIUS,
 }
 
 
 def method_of(view: NodeView, identifier: str) -> int:
     """The core's method; Christensen and Burley's profiles become a walk of that radius."""
+    if identifier == "RANDOM_WALK" and versions.random_walk_is_newer():
+        view.warn(
+            "the method Random Walk is rendered as Random Walk (Legacy); choose that one to see the same in Cycles"
+        )
     if identifier == "BURLEY":
         view.warn("the method Christensen-Burley is rendered as a random walk with fixed radius")
     # Since 4.0 "Random Walk" is the one of fixed radius, and the other is called "Skin".

@@ -1,5 +1,6 @@
 """Shader nodes of volumes: what they do to light inside an object or the world, with a weight."""
 
+from ... import versions
 from .compiler import NodeView, volume_node
 from .emitter import Register
 
@@ -39,10 +40,13 @@ def coefficients(view: NodeView, weight: Register) -> None:
 @volume_node("ShaderNodeVolumePrincipled")
 def principled(view: NodeView, weight: Register) -> None:
     """Principled Volume. Its attributes are those of grids, which meshes have not."""
+    strength, heat = view.input("Emission Strength"), view.input("Blackbody Intensity")
+    if versions.glow_counts_its_weight_twice():
+        strength, heat = (view.emitter.math("MULTIPLY", each, weight) for each in (strength, heat))
     operands = [
         *(weight, view.input("Color"), view.input("Density"), view.input("Anisotropy")),
-        *(view.input("Absorption Color"), view.input("Emission Strength"), view.input("Emission Color")),
-        *(view.input("Blackbody Intensity"), view.input("Blackbody Tint"), view.input("Temperature")),
+        *(view.input("Absorption Color"), strength, view.input("Emission Color")),
+        *(heat, view.input("Blackbody Tint"), view.input("Temperature")),
     ]
     view.emitter.operation("volume_principled", operands)
 
