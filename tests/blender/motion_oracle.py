@@ -8,6 +8,7 @@ import both_engines
 import bpy
 import numpy as np
 import scenes
+from rayleaf import versions
 
 report = globals()["report"]  # given by the test
 FRAME = 10
@@ -27,7 +28,7 @@ def keyed(owner, path, *values):
     for number, value in enumerate(values):
         setattr(owner, path, value)
         owner.keyframe_insert(path, frame=FRAME - 1 + 2 * number / (len(values) - 1))
-    for curve in scenes.fcurves(owner):
+    for curve in versions.animation_curves(owner):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 

@@ -205,7 +205,7 @@ def main(folder: str) -> None:
         difference = np.abs(found - expected) / np.maximum(1.0, np.abs(expected))
         differences[case.name] = np.sort(difference.max(axis=1)).tolist()
         ranges[case.name] = [float(expected.min()), float(expected.max())]
-    report(differences=differences, ranges=ranges)
+    report(differences=differences, ranges=ranges, version=bpy.app.version)
 
 
 main(sys.argv[1])

@@ -8,6 +8,7 @@ def test_the_suns_disc_is_cycles(run_blender, tmp_path):
     for ordered, share in run.report["found"]:
         assert 0.05 < share < 0.4  # the camera sees the disc, and the sky around it
         # The table is half floats; at the edge, samples lie up to a hundredth of a pixel apart. Since 5.0 Cycles' sky is
-        # another than 3.4's, see ANOTHER_SKY in test_nodes_oracle; so is its sun, and darker at the edge in thick dust.
+        # another than 3.4's, see ANOTHER_SKY in test_nodes_oracle, and its sun differs from ours by up to so much; why is not
+        # known.
         half, most = (1e-3, 5e-3) if run.report["version"] < 5 else (1e-2, 0.15)
         assert ordered[int(len(ordered) * 0.5)] < half and ordered[int(len(ordered) * 0.95)] < most
