@@ -118,7 +118,8 @@ void Motion::add(const Affine3d& place, bool turns) {
 
 Affine3d Motion::at(float time) const {
     const size_t last = keys_.size() - 1;
-    const double place = std::clamp(static_cast<double>(time), 0.0, 1.0) * static_cast<double>(last);
+    const double moment = time > 0.0f ? std::min(static_cast<double>(time), 1.0) : 0.0;
+    const double place = moment * static_cast<double>(last);
     const size_t first = std::min(static_cast<size_t>(place), last - 1);
     return between(first, place - static_cast<double>(first));
 }

@@ -19,6 +19,7 @@ class Motion {
     /// rotation, because it is flat, all numbers go along lines.
     explicit Motion(std::span<const Affine3d> places);
 
+    /// Before 0 it stands where it begins, after 1 where it ends; NaN counts as 0.
     Affine3d at(float time) const;
     /// Holds the images of a box in all moments.
     Box3d bounds(const Box3d& box) const;

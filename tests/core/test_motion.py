@@ -43,6 +43,12 @@ def test_rotations_turn_at_constant_speed_and_the_rest_goes_along_lines():
         np.testing.assert_allclose(found, wanted, atol=1e-14)
 
 
+def test_outside_of_the_shutter_it_stands_where_it_begins_or_ends():
+    places = [turned(0.3), turned(0.7, place=(1, 2, 3))]
+    for time, wanted in ((-1.0, 0), (np.nan, 0), (2.0, 1), (np.inf, 1)):
+        np.testing.assert_allclose(trace.moved(places, time), places[wanted], atol=1e-14)
+
+
 def test_a_rotation_takes_the_short_way():
     halfway = trace.moved([turned(0), turned(np.radians(350))], 0.5)
     np.testing.assert_allclose(halfway, turned(np.radians(-5)), atol=1e-14)
