@@ -3,6 +3,21 @@
 #include "base/double4.h"
 
 namespace rayleaf {
+namespace {
+
+/// The points of both halves that are not ends of the whole: the left one's are a, ab, middle, the right one's middle,
+/// bc, c.
+struct StrandHalves {
+    Double4 a, ab, middle, bc, c;
+};
+
+StrandHalves halves_of(const Double4& p0, const Double4& p1, const Double4& p2, const Double4& p3) {
+    const Double4 a = (p0 + p1) * 0.5, b = (p1 + p2) * 0.5, c = (p2 + p3) * 0.5;
+    const Double4 ab = (a + b) * 0.5, bc = (b + c) * 0.5;
+    return {a, ab, (ab + bc) * 0.5, bc, c};
+}
+
+}  // namespace
 
 StrandPoint StrandSegment::at(double s) const {
     const double r = 1.0 - s;
@@ -19,8 +34,7 @@ StrandPoint StrandSegment::derivative(double s) const {
 
 void StrandSegment::halve(StrandSegment& left, StrandSegment& right) const {
     const Double4 p0(points[0]), p1(points[1]), p2(points[2]), p3(points[3]);
-    const Double4 a = (p0 + p1) * 0.5, b = (p1 + p2) * 0.5, c = (p2 + p3) * 0.5;
-    const Double4 ab = (a + b) * 0.5, bc = (b + c) * 0.5, middle = (ab + bc) * 0.5;
+    const auto [a, ab, middle, bc, c] = halves_of(p0, p1, p2, p3);
     left.points = {StrandPoint(p0), StrandPoint(a), StrandPoint(ab), StrandPoint(middle)};
     right.points = {StrandPoint(middle), StrandPoint(bc), StrandPoint(c), StrandPoint(p3)};
 }
@@ -28,9 +42,8 @@ void StrandSegment::halve(StrandSegment& left, StrandSegment& right) const {
 StrandSegment StrandSegment::part(uint32_t level, uint32_t index) const {
     if (level == 0) return *this;
     Double4 p0(points[0]), p1(points[1]), p2(points[2]), p3(points[3]);
-    for (uint32_t bit = level; bit-- > 0;) {  // as halve()
-        const Double4 a = (p0 + p1) * 0.5, b = (p1 + p2) * 0.5, c = (p2 + p3) * 0.5;
-        const Double4 ab = (a + b) * 0.5, bc = (b + c) * 0.5, middle = (ab + bc) * 0.5;
+    for (uint32_t bit = level; bit-- > 0;) {
+        const auto [a, ab, middle, bc, c] = halves_of(p0, p1, p2, p3);
         if (((index >> bit) & 1u) != 0)
             p0 = middle, p1 = bc, p2 = c;
         else

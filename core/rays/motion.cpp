@@ -2,6 +2,9 @@
 
 #include <optional>
 
+#include <ImathMatrixAlgo.h>
+#include <ImathQuat.h>
+
 namespace rayleaf {
 namespace {
 
@@ -32,49 +35,25 @@ std::optional<Affine3d> rotation_of(const Affine3d& map) {
     return q;
 }
 
-Vec4d normalized(const Vec4d& v) {
-    return v / std::sqrt(v.dot(v));
+Imath::Quatd quaternion(const Vec4d& q) {
+    return {q.x, q.y, q.z, q.w};
 }
 
-/// From the largest of the four, so that no difference cancels (Shepperd 1978).
 Vec4d quaternion_of(const Affine3d& r) {
-    const double trace = r.x.x + r.y.y + r.z.z;
-    const double most = std::max({trace, r.x.x, r.y.y, r.z.z});
-    Vec4d q;
-    if (most == trace)
-        q = {1.0 + trace, r.y.z - r.z.y, r.z.x - r.x.z, r.x.y - r.y.x};
-    else if (most == r.x.x)
-        q = {r.y.z - r.z.y, 1.0 + 2.0 * r.x.x - trace, r.x.y + r.y.x, r.z.x + r.x.z};
-    else if (most == r.y.y)
-        q = {r.z.x - r.x.z, r.x.y + r.y.x, 1.0 + 2.0 * r.y.y - trace, r.y.z + r.z.y};
-    else
-        q = {r.x.y - r.y.x, r.z.x + r.x.z, r.y.z + r.z.y, 1.0 + 2.0 * r.z.z - trace};
-    return normalized(q);
+    const Imath::M44d rows(r.x.x, r.x.y, r.x.z, 0, r.y.x, r.y.y, r.y.z, 0, r.z.x, r.z.y, r.z.z, 0, 0, 0, 0, 1);
+    const Imath::Quatd q = Imath::extractQuat(rows).normalized();
+    return {q.r, q.v.x, q.v.y, q.v.z};
 }
 
-Affine3d rotation_by(const Vec4d& q) {
-    const double w = q.x, x = q.y, y = q.z, z = q.w;
-    return {{1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)},
-            {2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)},
-            {2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)},
-            Vec3d(0.0)};
+/// A share of the way from one rotation to another, of unit quaternions.
+Affine3d turned(const Vec4d& from, const Vec4d& to, double share) {
+    const Imath::M33d rows = Imath::slerp(quaternion(from), quaternion(to), share).toMatrix33();
+    return {Vec3d(rows[0][0], rows[0][1], rows[0][2]), Vec3d(rows[1][0], rows[1][1], rows[1][2]),
+            Vec3d(rows[2][0], rows[2][1], rows[2][2]), Vec3d(0.0)};
 }
 
 Affine3d transposed(const Affine3d& m) {
     return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}, Vec3d(0.0)};
-}
-
-/// Half the angle between two rotations: the angle between their quaternions.
-double angle_between(const Vec4d& a, const Vec4d& b) {
-    const Vec4d difference = b - a, sum = a + b;
-    return 2.0 * std::atan2(std::sqrt(difference.dot(difference)), std::sqrt(sum.dot(sum)));
-}
-
-/// A share of the way from `a` to `b`, which have this angle between them.
-Vec4d turned(const Vec4d& a, const Vec4d& b, double angle, double share) {
-    constexpr double kAsGoodAsNone = 1e-8;
-    if (angle < kAsGoodAsNone) return normalized(a * (1.0 - share) + b * share);
-    return normalized(a * std::sin((1.0 - share) * angle) + b * std::sin(share * angle));
 }
 
 Vec3d mixed(const Vec3d& a, const Vec3d& b, double share) {
@@ -111,7 +90,7 @@ void Motion::add(const Affine3d& place, bool turns) {
     if (!keys_.empty()) {
         Key& last = keys_.back();
         if (last.rotation.dot(key.rotation) < 0.0) key.rotation = -key.rotation;  // the same rotation
-        last.half_turn = angle_between(last.rotation, key.rotation);
+        last.half_turn = Imath::angle4D(quaternion(last.rotation), quaternion(key.rotation));
     }
     keys_.push_back(key);
 }
@@ -126,7 +105,7 @@ Affine3d Motion::at(float time) const {
 
 Affine3d Motion::between(size_t first, double share) const {
     const Key &a = keys_[first], &b = keys_[first + 1];
-    Affine3d map = rotation_by(turned(a.rotation, b.rotation, a.half_turn, share)) * mixed(a.rest, b.rest, share);
+    Affine3d map = turned(a.rotation, b.rotation, share) * mixed(a.rest, b.rest, share);
     map.translation = mixed(a.translation, b.translation, share);
     return map;
 }
