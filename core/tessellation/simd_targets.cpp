@@ -11,7 +11,8 @@ namespace {
 /// Calls `visit` with each target that is compiled in and that the machine supports; best first.
 template <typename Visit>
 void for_each_target(const Visit& visit) {
-    const int64_t usable = HWY_TARGETS & hwy::SupportedTargets();
+    // Asked once, before a choice hides the others from Highway.
+    static const int64_t usable = HWY_TARGETS & hwy::SupportedTargets();
     for (int64_t bits = usable; bits != 0; bits &= bits - 1) visit(bits & -bits);
 }
 

@@ -60,7 +60,7 @@ def test_a_filter_of_no_width_puts_samples_at_the_centre(core):
 
 
 @pytest.mark.parametrize("target", core_trace.simd_targets())
-def test_numbers_that_are_computed_together_have_the_bits_of_single_ones(core, target):
+def test_numbers_that_are_computed_together_have_the_bits_of_single_ones(core, target, any_target):
     assert core_trace.use_simd_target(target)
     for pixel, dimension, seed in ((0, 0, 0), (12345, 17, 3), (2**31 + 5, 0x40000011, 2**32 - 1)):
         alone = core.sampler_pairs(pixel, 300, dimension, seed)

@@ -9,7 +9,7 @@ UP = np.float32((0, 0, 1))
 
 
 @pytest.fixture(params=_core.trace.simd_targets())
-def target(request):
+def target(request, any_target):
     assert _core.trace.use_simd_target(request.param)
     return request.param
 

@@ -10,7 +10,7 @@ POINT = ("position", "facet_position", "normal", "facet_normal", "start_offset",
 
 
 @pytest.fixture(params=trace.simd_targets())
-def target(request):
+def target(request, any_target):
     assert trace.use_simd_target(request.param)
     return request.param
 

@@ -101,6 +101,14 @@ def kernel_rays(grid, count):
     return origins.astype(F), directions.astype(F)
 
 
+def test_a_choice_of_instruction_set_hides_none_of_the_others(any_target):
+    targets = trace.simd_targets()
+    assert len(targets) >= 2
+    for target in targets:
+        assert trace.use_simd_target(target)
+        assert trace.simd_targets() == targets
+
+
 @pytest.mark.parametrize("target", trace.simd_targets())
 def test_the_grid_kernel_equals_its_numpy_twin(target, any_target):
     assert trace.use_simd_target(target)
