@@ -81,12 +81,15 @@ struct LampHit {
 
 /// Emitted radiance of a surface point towards `outgoing`, for emitters and the world; given by the scene.
 using SurfaceEmission = std::function<Color(const SurfacePoint&, const Vec3f& outgoing)>;
+/// The same of a surface that emits alike everywhere and in all directions; null: it may not.
+using EvenEmission = std::function<const Color*(uint32_t instance, const LocalHit&)>;
 using WorldEmission = std::function<Color(const Vec3f& direction)>;
 /// Factor on the strength of a lamp with a program.
 using LampEmission = std::function<Color(const LampPoint&)>;
 
 struct Emissions {
     SurfaceEmission surface;
+    EvenEmission even;
     WorldEmission world;
     LampEmission lamp;
 };

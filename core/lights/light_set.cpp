@@ -94,7 +94,7 @@ struct LightSet::Implementation {
     double suns_and_world = 0;  ///< sum of irradiances
 
     Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, Emissions emissions)
-        : surfaces(emitters, tracer, std::move(emissions.surface)),
+        : surfaces(emitters, tracer, std::move(emissions.surface), std::move(emissions.even)),
           world_emission(std::move(emissions.world)),
           lamp_emission(std::move(emissions.lamp)) {}
 

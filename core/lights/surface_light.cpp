@@ -60,8 +60,8 @@ Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_
 }  // namespace
 
 SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
-                             SurfaceEmission emission)
-    : tracer_(tracer), emission_(std::move(emission)) {
+                             SurfaceEmission emission, EvenEmission even_emission)
+    : tracer_(tracer), emission_(std::move(emission)), even_emission_(std::move(even_emission)) {
     for (const EmittingInstance& emitter : emitters) {
         if (emitter.elements.empty()) continue;
         if (emitter.instance >= table_of_instance_.size()) table_of_instance_.resize(emitter.instance + 1, -1);
@@ -99,7 +99,9 @@ std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& posi
     const Affine3d local_to_world = tracer_.local_to_world(instance, time);
     const ElementPoint chosen = shape.element_point(element, random);
     const WorldElementPoint world = to_world(local_to_world, shape, chosen);
-    const SurfacePoint point = tracer_.surface_point(instance, chosen.hit, time);
+    const Color* even = even_emission_(instance, chosen.hit);
+    const SurfacePoint point =
+        even ? tracer_.place(instance, chosen.hit, time) : tracer_.surface_point(instance, chosen.hit, time);
     const Vec3d offset = point.position - position;
     const double distance = offset.length();
     if (!(distance > 0)) return std::nullopt;
@@ -113,7 +115,7 @@ std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& posi
     sample.target = point.ray_origin(outgoing);  // off the facet, on the side that looks here
     sample.target_anchor = point.anchor();
     sample.density = std::min(density, kLargestDensity);
-    sample.radiance = emission_(point, outgoing);
+    sample.radiance = even ? *even : emission_(point, outgoing);
     return sample;
 }
 

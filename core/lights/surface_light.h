@@ -12,7 +12,8 @@ namespace rayleaf {
 
 class SurfaceLights {
   public:
-    SurfaceLights(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, SurfaceEmission emission);
+    SurfaceLights(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, SurfaceEmission emission,
+                  EvenEmission even_emission);
 
     uint32_t count() const { return static_cast<uint32_t>(elements_.size()); }
     /// The elements as the tree sees them, in order. Throws Cancelled soon after `cancel` says so.
@@ -36,6 +37,7 @@ class SurfaceLights {
     std::vector<std::vector<uint32_t>> item_of_element_;  ///< per table; kNone: does not emit
     const Tracer& tracer_;
     SurfaceEmission emission_;
+    EvenEmission even_emission_;
 
     static constexpr uint32_t kNone = 0xffffffffu;
 };

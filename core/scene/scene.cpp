@@ -92,6 +92,14 @@ std::vector<TracedInstance> traced_instances(const SceneDescription& description
     return traced;
 }
 
+/// What a program emits at any hit; empty where that depends on the hit.
+std::optional<Color> even_emission(const Program& program) {
+    if (!program.is_constant()) return std::nullopt;
+    Closures closures;
+    program.evaluate(ShadingInputs{}, closures);
+    return closures.emission;
+}
+
 }  // namespace
 
 Scene::Scene(const SceneDescription& description, const Settings& settings, const CancelToken& cancel)
@@ -147,7 +155,9 @@ void Scene::commit_materials(const SceneDescription& description) {
         has_transparency_ |= material.surface->may_be_transparent();
         reads_footprints_ |= material.surface->reads_footprint();
         asks_surroundings_ |= material.surface->asks_surroundings();
+        even_emissions_.push_back(even_emission(*material.surface));
     }
+    if (world_) even_world_ = even_emission(*world_);
     for (std::vector<int>& list : lists_)
         for (int& material : list)
             if (material < 0) material = neutral_index;
@@ -253,6 +263,11 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
         shade(point, outgoing, {}, sampled_light, closures);
         return closures.emission;
     };
+    const auto even = [this](uint32_t instance, const LocalHit& hit) {
+        const std::optional<Color>& color =
+            even_emissions_[static_cast<size_t>(&material(instance, hit) - materials_.data())];
+        return color ? &*color : nullptr;
+    };
     const auto world_emission = [this, sampled_light](const Vec3f& direction) {
         return world(direction, {}, sampled_light);
     };
@@ -265,8 +280,8 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
     lamps_ = description.lamps;
     for (const Lamp& lamp : lamps_) lamp_infos_.push_back({lamp.to_world, inverse_or_identity(lamp.to_world)});
     const auto lamp_light = [this](const LampPoint& lamp) { return lamp_emission(lamp); };
-    lights_ = std::make_unique<LightSet>(lamps_, emitters, *tracer_, Emissions{emission, world_emission, lamp_light},
-                                         std::move(table), cancel);
+    lights_ = std::make_unique<LightSet>(
+        lamps_, emitters, *tracer_, Emissions{emission, even, world_emission, lamp_light}, std::move(table), cancel);
 }
 
 /// Normals are those of the lamp's frame. Area lamps have parameters, 0 to 1, but no texture coordinates, as in Cycles.
@@ -338,6 +353,7 @@ void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDif
 Color Scene::world(const Vec3f& direction, const RayDifferential& differential, const PathState& path,
                    std::span<Vec4f> aovs) const {
     if (!world_) return Color(0.0f);
+    if (even_world_ && aovs.empty()) return *even_world_;
     ShadingInputs inputs;
     inputs.camera = &camera_->info();
     inputs.textures = textures_.get();

@@ -111,7 +111,9 @@ class Scene {
     std::vector<InstanceInfo> infos_;
     std::vector<std::vector<int>> lists_;  ///< materials by slot; none empty, none negative; the last is neutral
     std::vector<int> instance_lists_;      ///< per instance, its list
+    std::vector<std::optional<Color>> even_emissions_;  ///< per material, where its emission is known beforehand
     std::shared_ptr<const Program> world_;
+    std::optional<Color> even_world_;  ///< the world's radiance, where it is the same in all directions
     std::shared_ptr<const TextureStore> textures_;
     std::unique_ptr<Camera> camera_;
     std::optional<MotionVectors> motion_vectors_;

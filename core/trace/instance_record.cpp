@@ -179,6 +179,18 @@ void InstanceRecord::set_curvature(const LocalSurface& local, SurfacePoint& poin
     point.dn_dv = normal_derivative(local.dn_dv);
 }
 
+SurfacePoint InstanceRecord::facet_point(uint32_t index, const LocalHit& hit, double size) const {
+    SurfacePoint point;
+    point.shape = &scene->shape();
+    point.local = hit;
+    point.instance = index;
+    point.position = point.facet_position = local_to_world.point(hit.position);
+    point.normal = point.facet_normal = world_normal(*this, hit.normal);
+    point.start_offset = start_offset(point.facet_position, Vec3d(point.facet_normal), size);
+    point.facet_error = point.start_offset + scene->vertex_error() * longest;
+    return point;
+}
+
 SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, double size,
                                            const InterpolatedHit* interpolated, SurfaceDetail detail) const {
     const Affine3d& map = local_to_world;
@@ -192,20 +204,13 @@ SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, 
         local = detail == SurfaceDetail::Curvature ? shape.surface(hit) : shape.surface_without_curvature(hit);
     }
 
-    SurfacePoint point;
-    point.shape = &scene->shape();
-    point.local = hit;
-    point.instance = index;
+    SurfacePoint point = facet_point(index, hit, size);
     point.position = map.point(local.position);
-    point.facet_position = map.point(hit.position);
-    point.facet_normal = world_normal(*this, hit.normal);
     point.normal = world_normal(*this, local.normal);
     point.dp_du = Vec3f(map.vector(Vec3d(local.dp_du)));
     point.dp_dv = Vec3f(map.vector(Vec3d(local.dp_dv)));
     if (detail == SurfaceDetail::Curvature) set_curvature(local, point);
     point.uv = local.uv;
-    point.start_offset = start_offset(point.facet_position, Vec3d(point.facet_normal), size);
-    point.facet_error = point.start_offset + scene->vertex_error() * longest;
     // A ray that leaves must not meet the surface beside which the point may lie.
     if (interpolated) {
         point.interpolated = true;

@@ -190,13 +190,27 @@ SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit, SurfaceDetail
     return point;
 }
 
-/// While the instance is flat, it has no surface point: where it is at rest then.
+/// Where it is at rest while it is flat.
+const InstanceRecord& Tracer::Implementation::record_at(uint32_t instance, float time,
+                                                        std::optional<InstanceRecord>& room) const {
+    const InstanceRecord* moved = records[instance].at(time, room);
+    return moved ? *moved : records[instance];
+}
+
 SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit, float time) const {
     std::optional<InstanceRecord> room;
-    const InstanceRecord* moved = implementation_->records[instance].at(time, room);
-    const InstanceRecord& record = moved ? *moved : implementation_->records[instance];
+    const InstanceRecord& record = implementation_->record_at(instance, time, room);
     SurfacePoint point =
         record.surface_point(instance, record.scene->on_facet(hit), 0.0, nullptr, SurfaceDetail::Curvature);
+    point.time = time;
+    return point;
+}
+
+SurfacePoint Tracer::place(uint32_t instance, const LocalHit& hit, float time) const {
+    std::optional<InstanceRecord> room;
+    const InstanceRecord& record = implementation_->record_at(instance, time, room);
+    SurfacePoint point = record.facet_point(instance, record.scene->on_facet(hit), 0.0);
+    point.position = record.local_to_world.point(hit.position);
     point.time = time;
     return point;
 }

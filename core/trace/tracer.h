@@ -120,6 +120,8 @@ class Tracer {
     /// The same for a point chosen on an element of an instance, for emitting surfaces; `time` of the shutter. `t` is
     /// 0.
     SurfacePoint surface_point(uint32_t instance, const LocalHit& hit, float time = kMiddleTime) const;
+    /// The same, but for what only shading needs: place and facet alone.
+    SurfacePoint place(uint32_t instance, const LocalHit& hit, float time) const;
 
     const TracedInstance& instance(uint32_t index) const;
     /// Local space of an instance's shape -> world; `time` of the shutter.

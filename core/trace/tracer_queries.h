@@ -58,6 +58,8 @@ struct Tracer::Implementation {
         return records[index].motion ? moving_boxes[index] : records[index].world_box();
     }
     void set_motion(uint32_t index);
+    /// An instance's record at a time, in `room` where it moves.
+    const InstanceRecord& record_at(uint32_t instance, float time, std::optional<InstanceRecord>& room) const;
     Box3f box_in_tree(uint32_t index) const;
 
     /// `record` is the instance's at the ray's time.

@@ -1,0 +1,85 @@
+"""Light whose emission is the same everywhere is sampled and seen without running its program, to the same bits."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import scenes
+import shapes
+import strand_shapes
+import subdivision_cages
+import swept_support
+
+POSITION = np.array([0.3, 0.2, -0.4])
+COLOR, STRENGTH = (0.3, 0.7, 0.11), 5.3
+
+
+def alike(core, operation: str, from_hit: bool) -> Any:
+    """A program that emits one colour; `from_hit`: as far as anybody can tell, it might not."""
+    program = core.Program(operation)
+    strength = program.constant(*[STRENGTH] * 4)
+    if from_hit:
+        zero = program.constant(0, 0, 0, 0)
+        nothing = program.operation("vector_math", [program.operation("position"), zero], text="DOT_PRODUCT")
+        strength = program.operation("math", [nothing, strength], ints=[0], text="ADD")
+    program.operation(operation, [program.constant(1, 1, 1, 1), program.constant(*COLOR, 1), strength])
+    return program
+
+
+SHAPES = {
+    "a mesh": lambda: shapes.cube(),
+    "a spline surface": lambda: shapes.nurbs_torus(),
+    "a flat spline surface": lambda: shapes.nurbs_sphere(smooth=False),
+    "a bevelled curve": lambda: swept_support.bend(bevel_depth=0.2, fill_caps=True),
+    "a strand": lambda: strand_shapes.strand(strand_shapes.S_CURVE, 0.1, basis="BEZIER"),
+    "a subdivision surface": lambda: subdivision_cages.cube().surface(),
+}
+
+
+def scene_of(core, shape: Any, from_hit: bool, moves: bool = False) -> Any:
+    """The shape shines on a floor; `moves`: while the shutter is open."""
+    scene = core.SceneDescription()
+    scenes.look_down(scene, height=6, half=0.6)
+    glow = scene.add_material("glow", alike(core, "emission", from_hit))
+    place = scenes.matrix((0.1, 0.05, 1.5), 0.7)
+    motion = np.array([place, scenes.matrix((-0.6, 0.2, 1.1), 0.9)]) if moves else None
+    scene.add_instance("emitter", scene.add_shape(shape), place, scene.add_material_list([glow]), motion=motion)
+    floor = scene.add_material("floor", scenes.diffuse(core))
+    scene.add_instance("floor", scenes.quad(scene, "floor", 4.0), scenes.matrix(), scene.add_material_list([floor]))
+    return scene
+
+
+def picture(core, scene: Any) -> Any:
+    """What it looks like."""
+    return scenes.render(core, scene, width=8, height=8, samples=4)["combined"]
+
+
+@pytest.mark.parametrize("make", SHAPES.values(), ids=SHAPES.keys())
+def test_an_even_emitter_is_sampled_as_one_whose_program_runs(core, make):
+    shape = make()
+    plain, slow = (scene_of(core, shape, from_hit) for from_hit in (False, True))
+    random = np.random.default_rng(1).random((5000, 3)).astype(np.float32).clip(0, np.float32(1 - 2**-24))
+    samples, expected = (core.LightProbe(scene).sample(POSITION, random) for scene in (plain, slow))
+    assert (expected["density"] > 0).mean() > 0.3
+    for name, values in expected.items():
+        np.testing.assert_array_equal(samples[name], values, err_msg=name)
+    pictures = [picture(core, scene) for scene in (plain, slow)]
+    assert pictures[1].max() > 0
+    np.testing.assert_array_equal(*pictures)
+
+
+@pytest.mark.parametrize("make", SHAPES.values(), ids=SHAPES.keys())
+def test_an_even_emitter_that_moves_looks_as_one_whose_program_runs(core, make):
+    shape = make()
+    moving = [picture(core, scene_of(core, shape, from_hit, moves=True)) for from_hit in (False, True)]
+    np.testing.assert_array_equal(*moving)
+    assert not np.array_equal(moving[0], picture(core, scene_of(core, shape, from_hit=False)))
+
+
+def test_an_even_world_looks_as_one_whose_program_runs(core):
+    pictures = []
+    for from_hit in (False, True):
+        scene = scene_of(core, shapes.cube(), from_hit=False)
+        scene.set_world(alike(core, "background", from_hit), 0)
+        pictures.append(picture(core, scene))
+    np.testing.assert_array_equal(*pictures)
