@@ -120,6 +120,11 @@ struct LightSet::Implementation {
         return group_probability(irradiance, suns_and_world + irradiance);
     }
     double total_irradiance(const Vec3d& position) const { return suns_and_world + tree.irradiance(position); }
+    /// What `sample` knows of its light when it has come to the tree.
+    struct InTree {
+        double choice;       ///< what is left of its random number
+        double probability;  ///< of the tree
+    };
     /// What the lamp's program makes of light along `direction`, from who sees it.
     Color shaded(const LampTraits& lamp, const Color& radiance, const Vec3d& from, const Vec3d& direction,
                  double distance) const {
@@ -129,7 +134,8 @@ struct LightSet::Implementation {
     }
     std::optional<LightSample> chosen_of(const LampTraits& lamp, LampSample sample, const Vec3d& position,
                                          double probability) const;
-    std::optional<LightSample> sample_tree(const Vec3d& position, const Vec2f& random, double choice, float time) const;
+    std::optional<LightSample> sample_tree(const Vec3d& position, const Vec2f& random, const InTree& in_tree,
+                                           float time) const;
 };
 
 void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
@@ -216,10 +222,10 @@ std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits&
 }
 
 std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& position, const Vec2f& random,
-                                                                 double choice, float time) const {
-    const std::optional<LightTree::Choice> item = tree.choose(position, choice, reaches(position));
+                                                                 const InTree& in_tree, float time) const {
+    const std::optional<LightTree::Choice> item = tree.choose(position, in_tree.choice, reaches(position));
     if (!item) return std::nullopt;
-    const double probability = item->probability * tree_probability(position);
+    const double probability = item->probability * in_tree.probability;
     if (item->item < lamps.size()) {
         const PlacedLamp& lamp = lamps[item->item];
         const auto sample = std::visit([&](const auto& shape) { return shape.sample(position, random); }, lamp.shape);
@@ -239,7 +245,7 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
     if (set.group_count() == 0) return std::nullopt;
     const Vec2f within(random.x, random.y);
     double choice = random.z;
-    const double total = set.total_irradiance(position);
+    const double of_tree = set.tree.irradiance(position), total = set.suns_and_world + of_tree;
     for (const DistantLamp& lamp : set.suns) {
         const double probability = set.group_probability(lamp.irradiance(), total);
         if (choice < probability) return set.chosen_of(lamp.traits, lamp.sun.sample(within), position, probability);
@@ -261,8 +267,8 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
         return set.chosen_of(lamp.traits, lamp.sun.sample(within), position,
                              set.group_probability(lamp.irradiance(), total));
     }
-    return set.sample_tree(position, within, std::clamp(choice / set.tree_probability(position), 0.0, 1.0 - 0x1p-53),
-                           time);
+    const double probability = set.group_probability(of_tree, total);
+    return set.sample_tree(position, within, {std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53), probability}, time);
 }
 
 float LightSet::emitter_density(const Vec3d& from, const SurfacePoint& point) const {

@@ -10,14 +10,20 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kUniformShare = 0.02;
 /// Radiance is looked up at this many places along each side of a cell.
 constexpr int kLookupsPerSide = 2;
+constexpr size_t kLookupsPerCell = kLookupsPerSide * kLookupsPerSide;
 
 /// Height (z) of the upper border of row `y`, rows from the upper pole down.
 double row_height(double y, int height) {
     return std::cos(std::numbers::pi * y / height);
 }
 
+/// Of the circle of latitude at a height.
+double radius_at(double z) {
+    return std::sqrt(std::max(0.0, 1.0 - z * z));
+}
+
 Vec3d direction_of(double longitude, double z) {
-    const double radius = std::sqrt(std::max(0.0, 1.0 - z * z));
+    const double radius = radius_at(z);
     return {radius * std::cos(longitude), radius * std::sin(longitude), z};
 }
 
@@ -43,35 +49,77 @@ int find_cell(const float* cumulated, int count, float random, double& within) {
     return cell;
 }
 
-/// Mean of the largest component over a cell; what is not finite or negative counts nothing.
-double cell_radiance(const WorldEmission& world, int x, int y, int width, int height, double& low, double& high) {
-    double sum = 0;
-    for (int j = 0; j < kLookupsPerSide; ++j)
-        for (int i = 0; i < kLookupsPerSide; ++i) {
-            const double longitude = kTwoPi * (x + (i + 0.5) / kLookupsPerSide) / width;
-            const double z = row_height(y + (j + 0.5) / kLookupsPerSide, height);
-            const Color color = world(Vec3f(direction_of(longitude, z)));
-            const double radiance = is_finite(color) ? std::max(0.0f, max_component(color)) : 0.0f;
-            low = std::min(low, radiance);
-            high = std::max(high, radiance);
+/// Directions into the cells of a table: all cells of a row have the heights of their lookups in common, and all of a
+/// column the longitudes.
+class CellDirections {
+  public:
+    CellDirections(int width, int height) : width_(width), height_(height) {
+        for (int x = 0; x < width; ++x)
+            for (int i = 0; i < kLookupsPerSide; ++i)
+                around_.push_back(direction_of(kTwoPi * (x + (i + 0.5) / kLookupsPerSide) / width, 0.0));
+    }
+    /// Of row `y`, cell by cell: kLookupsPerCell each.
+    std::vector<Vec3f> of_row(int y) const {
+        double heights[kLookupsPerSide], radii[kLookupsPerSide];
+        for (int j = 0; j < kLookupsPerSide; ++j) {
+            heights[j] = row_height(y + (j + 0.5) / kLookupsPerSide, height_);
+            radii[j] = radius_at(heights[j]);
+        }
+        std::vector<Vec3f> directions;
+        directions.reserve(static_cast<size_t>(width_) * kLookupsPerCell);
+        for (size_t x = 0; x < static_cast<size_t>(width_); ++x)
+            for (int j = 0; j < kLookupsPerSide; ++j)
+                for (size_t i = 0; i < kLookupsPerSide; ++i) {
+                    const Vec3d& around = around_[x * kLookupsPerSide + i];
+                    directions.emplace_back(Vec3d(radii[j] * around.x, radii[j] * around.y, heights[j]));
+                }
+        return directions;
+    }
+
+  private:
+    int width_, height_;
+    std::vector<Vec3d> around_;  ///< on the equator, by longitude
+};
+
+/// What the cells of a row show.
+struct RowRadiance {
+    std::vector<double> means;  ///< of the largest component; what is not finite or negative counts nothing
+    double low = std::numeric_limits<double>::infinity(), high = 0;
+};
+
+RowRadiance row_radiance(const WorldEmissions& world, const std::vector<Vec3f>& directions) {
+    std::vector<Color> colors(directions.size());
+    world(directions, colors.data());
+    RowRadiance row;
+    for (size_t first = 0; first < colors.size(); first += kLookupsPerCell) {
+        double sum = 0;
+        for (size_t i = first; i < first + kLookupsPerCell; ++i) {
+            const double radiance = is_finite(colors[i]) ? std::max(0.0f, max_component(colors[i])) : 0.0f;
+            row.low = std::min(row.low, radiance);
+            row.high = std::max(row.high, radiance);
             sum += radiance;
         }
-    return sum / (kLookupsPerSide * kLookupsPerSide);
+        row.means.push_back(sum / kLookupsPerCell);
+    }
+    return row;
 }
 
 }  // namespace
 
-WorldLight::WorldLight(const WorldEmission& world, int width, const CancelToken& cancel)
+WorldLight::WorldLight(const WorldEmissions& world, int width, const CancelToken& cancel)
     : width_(std::max(width, 2)), height_(std::max(width / 2, 1)) {
     std::vector<double> weights(static_cast<size_t>(width_) * height_), row_weights(height_), lows(height_),
         highs(height_);
     for (int y = 0; y <= height_; ++y) heights_.push_back(row_height(y, height_));
+    const CellDirections directions(width_, height_);
     tbb::parallel_for(0, height_, [&](int y) {
         cancel.throw_if_cancelled();
-        lows[y] = std::numeric_limits<double>::infinity();
+        const RowRadiance row = row_radiance(world, directions.of_row(y));
+        lows[y] = row.low;
+        highs[y] = row.high;
         const double area = heights_[y] - heights_[y + 1];
         for (int x = 0; x < width_; ++x) {
-            const double weight = area * cell_radiance(world, x, y, width_, height_, lows[y], highs[y]);
+            const double weight = area * row.means[static_cast<size_t>(x)];
             weights[static_cast<size_t>(y) * width_ + x] = weight;
             row_weights[y] += weight;
         }

@@ -10,7 +10,10 @@
 #include "lights/light.h"
 
 #include <compare>
+#include <functional>
 #include <memory>
+#include <span>
+#include <vector>
 
 namespace rayleaf {
 
@@ -21,10 +24,13 @@ struct WorldLightKey {
     auto operator<=>(const WorldLightKey&) const = default;  // NOLINT(modernize-use-nullptr): it has no pointers
 };
 
+/// The world's radiance along many directions, which costs less than asking for one after the other.
+using WorldEmissions = std::function<void(std::span<const Vec3f> directions, Color* radiances)>;
+
 class WorldLight {
   public:
     /// `width` cells around, half as many from pole to pole. Throws Cancelled soon after `cancel` says so.
-    WorldLight(const WorldEmission& world, int width, const CancelToken& cancel);
+    WorldLight(const WorldEmissions& world, int width, const CancelToken& cancel);
 
     /// True where the table found nothing, or the same everywhere: scattering alone samples such a world.
     bool is_uniform() const { return is_uniform_; }

@@ -5,6 +5,7 @@
 #include "scene/occupancy.h"
 #include "scene/ray_cache_plan.h"
 #include "scene/scene_parts.h"
+#include "scene/world_table.h"
 
 namespace rayleaf {
 namespace {
@@ -50,34 +51,6 @@ std::vector<uint32_t> emitting_elements(const Shape& shape, const Emits& emits, 
 const CameraDescription& required_camera(const SceneDescription& description) {
     if (!description.camera()) throw InputError("scene", "camera", "missing", "a camera to look through");
     return *description.camera();
-}
-
-/// Textures are known by their numbers in programs: all of them are part of what a program shows.
-WorldLightKey world_light_key(const SceneDescription& description, const CameraInfo& camera) {
-    ContentHasher hasher;
-    description.world->add_to(hasher);
-    if (description.existing_textures()) description.existing_textures()->add_to(hasher);
-    if (description.world->reads_camera()) {
-        const Affine3d& m = camera.world_to_camera;
-        for (const Vec3d& column : {m.x, m.y, m.z, m.translation})
-            for (int axis = 0; axis < 3; ++axis) hasher.add(column[axis]);
-        for (const double number :
-             {camera.window_min.x, camera.window_min.y, camera.window_size.x, camera.window_size.y})
-            hasher.add(number);
-    }
-    return {hasher.value(), description.world_resolution};
-}
-
-std::shared_ptr<const WorldLight> world_light(const SceneDescription& description, const CameraInfo& camera,
-                                              const WorldEmission& world, const CancelToken& cancel) {
-    WorldLightStore& store = description.parts->world_lights;
-    const WorldLightKey key = world_light_key(description, camera);
-    store.next_user();
-    std::shared_ptr<const WorldLight> table = store.find(key);
-    if (table) return table;
-    table = std::make_shared<const WorldLight>(world, key.width, cancel);
-    store.keep(key, table);
-    return table;
 }
 
 /// Volume objects have no surface that a ray could meet.
@@ -274,7 +247,7 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
     std::shared_ptr<const WorldLight> table;
     if (sampled && description.world_resolution > 0)
-        table = world_light(description, camera_->info(), world_emission, cancel);
+        table = world_table(description, world_inputs({}, sampled_light), cancel);
     for (const InstanceDescription& instance : description.instances) light_groups_.push_back(instance.light_group);
     world_light_group_ = description.world_light_group;
     lamps_ = description.lamps;
@@ -350,16 +323,22 @@ void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDif
         .surface->evaluate(shading_inputs(point, outgoing, differential, path), result);
 }
 
+/// But for the direction.
+ShadingInputs Scene::world_inputs(const RayDifferential& differential, const PathState& path) const {
+    ShadingInputs inputs;
+    inputs.camera = &camera_->info();
+    inputs.textures = textures_.get();
+    inputs.differential = differential;
+    inputs.path = path;
+    return inputs;
+}
+
 Color Scene::world(const Vec3f& direction, const RayDifferential& differential, const PathState& path,
                    std::span<Vec4f> aovs) const {
     if (!world_) return Color(0.0f);
     if (even_world_ && aovs.empty()) return *even_world_;
-    ShadingInputs inputs;
-    inputs.camera = &camera_->info();
-    inputs.textures = textures_.get();
+    ShadingInputs inputs = world_inputs(differential, path);
     inputs.outgoing = -direction;
-    inputs.differential = differential;
-    inputs.path = path;
     Closures closures;
     closures.aovs = aovs;
     world_->evaluate(inputs, closures);

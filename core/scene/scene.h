@@ -148,6 +148,7 @@ class Scene {
     bool is_in_medium(uint32_t instance) const;
     void commit_glass(const SceneDescription& description, const CancelToken& cancel);
     Color lamp_emission(const LampPoint& lamp) const;
+    ShadingInputs world_inputs(const RayDifferential& differential, const PathState& path) const;
     void commit_lights(const SceneDescription& description, const CancelToken& cancel);
     const Material& material_of(const std::vector<int>& list, uint32_t slot) const;
 };

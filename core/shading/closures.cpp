@@ -4,6 +4,7 @@
 #include "shading/lobes.h"
 
 #include <limits>
+#include <memory>
 
 namespace rayleaf {
 namespace {
@@ -34,7 +35,7 @@ bool refracts(const Lobe& lobe) {
     return lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
 }
 
-Lobe sound_fibre(Lobe lobe) {
+void mend_fibre(Lobe& lobe) {
     constexpr float kLeastWidth = 1e-7f, kGreatestWidth = 100.0f, kLeastFibreIndex = 1.001f;
     lobe.alpha_x = limited(lobe.alpha_x, kLeastWidth, kGreatestWidth);
     lobe.alpha_y = limited(lobe.alpha_y, kLeastWidth, kGreatestWidth);
@@ -43,29 +44,29 @@ Lobe sound_fibre(Lobe lobe) {
     lobe.across = limited(lobe.across, -1.0f, 1.0f);
     lobe.tilt = std::isfinite(lobe.tilt) ? lobe.tilt : 0.0f;
     lobe.tangent = normalized_or(lobe.tangent, Vec3f(0, 0, 1));
-    return lobe;
 }
 
-Lobe sound_microfibres(Lobe lobe) {
+void mend_microfibres(Lobe& lobe) {
     constexpr float kLeastNarrowing = 1e-3f, kMostNarrowing = 1e3f, kMostSkew = 1e3f;
     lobe.alpha_x = limited(lobe.alpha_x, kLeastNarrowing, kMostNarrowing);
     lobe.alpha_y = limited(lobe.alpha_y, -kMostSkew, kMostSkew);
-    return lobe;
 }
 
-Lobe with_orthogonal_tangent(Lobe lobe) {
+void make_tangent_orthogonal(Lobe& lobe) {
     Vec3f tangent, bitangent;
     orthonormal_basis(lobe.normal, tangent, bitangent);
     lobe.tangent = normalized_or(lobe.tangent - lobe.normal * lobe.normal.dot(lobe.tangent), tangent);
-    return lobe;
 }
 
-/// A lobe all of whose numbers can be computed with.
-Lobe sound(Lobe lobe) {
+/// Makes all its numbers such that can be computed with.
+void mend(Lobe& lobe) {
     lobe.weight = positive(lobe.weight);
     lobe.fresnel_0 = positive(lobe.fresnel_0);
-    if (is_fibre(lobe)) return sound_fibre(lobe);
-    if (lobe.type == LobeType::Microfibres) return with_orthogonal_tangent(sound_microfibres(lobe));
+    if (is_fibre(lobe)) return mend_fibre(lobe);
+    if (lobe.type == LobeType::Microfibres) {
+        mend_microfibres(lobe);
+        return make_tangent_orthogonal(lobe);
+    }
     lobe.radius = positive(lobe.radius);
     lobe.roughness = limited(lobe.roughness, 0.0f, 1.0f);
     lobe.softness = limited(lobe.softness, 0.0f, 1.0f);
@@ -80,7 +81,7 @@ Lobe sound(Lobe lobe) {
         lobe.alpha_x = std::max(lobe.alpha_x, kLeastLobeAlpha);
         lobe.alpha_y = std::max(lobe.alpha_y, kLeastLobeAlpha);
     }
-    return with_orthogonal_tangent(lobe);
+    make_tangent_orthogonal(lobe);
 }
 
 bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
@@ -149,6 +150,18 @@ Closures::Evaluation evaluate_all(const Closures& closures, const Choice& choice
 
 }  // namespace
 
+Closures& Closures::operator=(const Closures& other) {
+    if (this == &other) return *this;
+    emission = other.emission;
+    transparency = other.transparency;
+    holdout = other.holdout;
+    aovs = other.aovs;
+    medium = other.medium;
+    count_ = other.count_;
+    std::uninitialized_copy_n(other.lobes_, count_, lobes_);
+    return *this;
+}
+
 void Closures::clear() {
     emission = transparency = Color(0.0f);
     holdout = 0.0f;
@@ -157,7 +170,8 @@ void Closures::clear() {
 }
 
 void Closures::add(const Lobe& lobe) {
-    const Lobe clean = sound(lobe);
+    Lobe clean = lobe;
+    mend(clean);
     if (is_black(clean.weight)) return;
     for (int i = 0; i < count_; ++i) {
         if (!differ_in_weight_alone(lobes_[i], clean)) continue;
@@ -167,7 +181,7 @@ void Closures::add(const Lobe& lobe) {
     if (count_ == kMaxLobes)
         join_most_alike(clean);
     else
-        lobes_[count_++] = clean;
+        std::construct_at(&lobes_[count_++], clean);
 }
 
 /// Of the lobes and one more.

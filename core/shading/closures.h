@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <type_traits>
 
 namespace rayleaf {
 
@@ -109,6 +110,10 @@ class Closures {
     std::span<Vec4f> aovs;
     MediumClosures medium;  ///< of a program of a volume; its emission is per world unit
 
+    Closures() {}
+    Closures(const Closures& other) { *this = other; }
+    Closures& operator=(const Closures& other);
+
     void clear();
     /// Drops lobes of zero or negative weight; lobes that differ in weight alone become one. Past kMaxLobes the two of
     /// one type that are most alike become one, the heavier, with the weight of both. Numbers that are not finite
@@ -148,7 +153,11 @@ class Closures {
     EvaluationByKind evaluate_by_kind(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
 
   private:
-    Lobe lobes_[kMaxLobes];
+    /// Room that costs nothing to make: the first `count_` are there.
+    union {
+        Lobe lobes_[kMaxLobes];
+    };
+    static_assert(std::is_trivially_destructible_v<Lobe>);
     int count_ = 0;
 
     void join_most_alike(const Lobe& lobe);

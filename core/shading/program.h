@@ -76,6 +76,9 @@ class Program {
     /// True if it reads what only an element of the shape knows, or its direction of u: attributes, named texture
     /// coordinates, tangents.
     bool reads_element() const { return reads_element_; }
+    /// Of a world's program: the textures that it shows around, where nothing in it can have finer detail than they
+    /// have. Else empty.
+    std::vector<int32_t> sole_environments() const;
     /// Whether it asks what is around (ShadingInputs::surroundings).
     bool asks_surroundings() const { return asks_surroundings_; }
 
@@ -95,6 +98,7 @@ class Program {
     void note_effects(const Instruction& instruction, std::span<const Register> operands);
     void note_noise_use(const Instruction& reader, std::span<const Register> operands);
     bool is_named_uv(const Instruction& instruction) const;
+    bool is_turn(const Instruction& mapping) const;
     void differentiate(Register target);
     bool is_constant_register(Register r) const { return r < 0 || origins_[static_cast<size_t>(r)] == kConstant; }
     [[noreturn]] void reject(const std::string& argument, const std::string& got, const std::string& wanted) const;

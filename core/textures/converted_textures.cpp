@@ -84,6 +84,8 @@ ConvertedTexture::ConvertedTexture(const std::string& name, Picture picture, Col
     auto* handle = texture_system().get_texture_handle(oiio::ustring(file_));
     handle_ = handle;
     channels_ = picture.channels;
+    width_ = picture.width;
+    height_ = picture.height;
     associated_ = picture.alpha_channel() >= 0 && space != ColorSpace::NonColor;
     if (handle == nullptr || !texture_system().good(handle))
         throw InputError(name, "image", "not readable after conversion (" + texture_system().geterror() + ")",

@@ -25,6 +25,8 @@ class ConvertedTexture {
     const ContentHash& key() const { return key_; }
     void* handle() const { return handle_; }  ///< OpenImageIO's TextureHandle
     int channels() const { return channels_; }
+    int width() const { return width_; }
+    int height() const { return height_; }
     /// Colours are multiplied by alpha and must be divided again.
     bool associated() const { return associated_; }
 
@@ -33,7 +35,7 @@ class ConvertedTexture {
     std::shared_ptr<TemporaryFolder> folder_;
     std::string file_;
     void* handle_ = nullptr;
-    int channels_ = 0;
+    int channels_ = 0, width_ = 0, height_ = 0;
     bool associated_ = false;
 };
 

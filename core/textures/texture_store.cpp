@@ -187,6 +187,12 @@ TextureId TextureStore::add_pixels(const std::string& name, std::span<const floa
                                 [&] { return turned_over(pixels, width, height, channels); });
 }
 
+TextureStore::Size TextureStore::size(TextureId id) const {
+    if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return {};
+    const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
+    return {texture.width(), texture.height()};
+}
+
 Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, const Vec2f& duv_dy,
                            TextureExtension extension, TextureInterpolation interpolation) const {
     if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return Vec4f(0.0f, 0.0f, 0.0f, 0.0f);

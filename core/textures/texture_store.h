@@ -45,6 +45,12 @@ class TextureStore {
     /// All that lookups depend on.
     void add_to(ContentHasher& hasher) const;
 
+    /// Pixels from side to side and from top to bottom; 0 where there is no such texture.
+    struct Size {
+        int width = 0, height = 0;
+    };
+    Size size(TextureId id) const;
+
     /// Filtered linear colour with alpha in w at (u, v), v up as in Blender. The derivatives are changes of (u, v) per
     /// pixel.
     Vec4f lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, const Vec2f& duv_dy, TextureExtension extension,
