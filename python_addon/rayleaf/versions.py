@@ -246,19 +246,24 @@ def aov_name(node: Any) -> str:
     return text_of(node, "aov_name") if hasattr(node, "aov_name") else name_of(node)
 
 
+def lamps_have_uv() -> bool:
+    """Whether UV coordinates on a lamp are its own; before, they were nothing. 3.4 has none, 4.2 has them."""
+    return bpy.app.version >= (4, 0, 0)
+
+
 def lamps_have_a_space() -> bool:
-    """Whether Object and UV coordinates on a lamp are its own; before, Object was the place in the world, and UV nothing."""
-    return bpy.app.version >= (5, 2, 0)
+    """Whether Object coordinates on a lamp are its own; before, the place in the world. 4.3 has none, 4.5 has them."""
+    return bpy.app.version >= (4, 4, 0)
 
 
 def area_lamps_shine_by_direction() -> bool:
-    """Whether an IES file is read on an area lamp by where its light goes; before, along the lamp's axis alone."""
-    return bpy.app.version >= (5, 2, 0)
+    """Whether an IES file is read on an area lamp by where its light goes; before, along the lamp's axis alone. 3.4 does not, 4.2 does."""
+    return bpy.app.version >= (4, 0, 0)
 
 
 def glow_counts_its_weight_twice() -> bool:
-    """Whether the light of a Principled Volume is weakened twice by what it is mixed with."""
-    return bpy.app.version >= (5, 2, 0)
+    """Whether the light of a Principled Volume is weakened twice by what it is mixed with. In 4.3 it is not, in 4.5 it is."""
+    return bpy.app.version >= (4, 4, 0)
 
 
 def random_walk_is_newer() -> bool:

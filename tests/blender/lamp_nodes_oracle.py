@@ -78,8 +78,8 @@ def cases():
     found["sun, IES"] = ("sun", "IES", "half")
     found["rectangle, IES"] = ("rectangle", "IES", "half")
     for lamp in LAMPS:
-        # Since 5.2 lamps have UV coordinates, which Rayleaf names by a warning. A sun has no place.
-        uv = () if bpy.app.version >= (5, 2, 0) else ("UV",)
+        # Since 4.0 lamps have UV coordinates, which Rayleaf names by a warning. A sun has no place.
+        uv = () if bpy.app.version >= (4, 0, 0) else ("UV",)
         for name in ("Normal", *uv) + (("Object",) if lamp != "sun" else ()):
             found[f"{lamp}, coordinate {name}"] = (lamp, "TexCoord", name)
         for name in ("Normal", "Incoming") + (("Position",) if lamp != "sun" else ()):

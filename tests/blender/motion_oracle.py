@@ -132,8 +132,7 @@ def orthographic(scene):
 
 def panoramic(scene):
     panning(scene)
-    scene.camera.data.type, scene.camera.data.cycles.panorama_type = "PANO", "FISHEYE_EQUIDISTANT"
-    scene.camera.data.cycles.fisheye_fov = 1.0
+    scenes.make_panoramic(scene.camera.data, "FISHEYE_EQUIDISTANT", fisheye_fov=1.0)
 
 
 def at_start(scene):

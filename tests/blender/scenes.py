@@ -116,9 +116,15 @@ def set_aov(node, name):
 
 
 def set_curve_types(curves, kind):
-    """Of all hair curves: CATMULL_ROM, POLY, BEZIER or NURBS."""
-    if hasattr(curves, "set_types"):  # 4.4; where it is, an attribute added by hand harms Blender's memory in 5.2
+    """Of all hair curves of the active object: CATMULL_ROM, POLY, BEZIER or NURBS."""
+    if hasattr(curves, "set_types"):
         curves.set_types(type=kind)
+        return
+    if bpy.app.version >= (4, 2, 0):  # from here on an attribute added by hand harms Blender's memory
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.curves.select_all(action="SELECT")
+        bpy.ops.curves.curve_type_set(type=kind)
+        bpy.ops.object.mode_set(mode="OBJECT")
         return
     types = curves.attributes.new("curve_type", "INT8", "CURVE")
     for each in types.data:
@@ -137,8 +143,9 @@ def compositor(scene):
 
 def compositor_output(tree):
     """The node that takes the picture."""
-    if bpy.app.version < (5, 0, 0):
-        return tree.nodes.new("CompositorNodeComposite")
+    if bpy.app.version < (5, 0, 0):  # where there are several, versions differ in which one counts
+        there = [node for node in tree.nodes if node.bl_idname == "CompositorNodeComposite"]
+        return there[0] if there else tree.nodes.new("CompositorNodeComposite")
     tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
     return tree.nodes.new("NodeGroupOutput")
 

@@ -160,7 +160,7 @@ def main(kind, folder):
         found[case.name] = {
             f"{engine} {seed}": each[part].mean(axis=(0, 1)).tolist() for (engine, seed), each in pictures.items()
         }
-    report(found=found, version=bpy.app.version[0])
+    report(found=found, version=bpy.app.version)
 
 
 main(sys.argv[1], Path(sys.argv[2]))

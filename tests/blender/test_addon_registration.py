@@ -59,7 +59,7 @@ import sys
 import bpy
 
 own = [name for name in sys.modules if name.startswith("rayleaf")]
-of_blender = {"numpy"} if bpy.app.version >= (5, 0) else set()  # which loads it itself
+of_blender = {"numpy"} if bpy.app.version >= (4, 5) else set()  # which loads it itself
 heavy = ("numpy", "matplotlib", "skimage", "OpenImageIO", "scipy")
 report(own=len(own), core="rayleaf._core" in own, heavy=[name for name in heavy if name in sys.modules and name not in of_blender],
        exporters=[name for name in own if name.startswith("rayleaf.export.")])

@@ -9,7 +9,7 @@ HERE = Path(__file__).resolve().parent
 
 def test_lamps_with_nodes_shine_as_in_cycles(run_blender, tmp_path):
     run = run_blender(HERE / "lamp_nodes_oracle.py", tmp_path, timeout=600).report
-    pictures, other_curve = run["pictures"], tuple(run["version"]) >= (5, 2)
+    pictures, version = run["pictures"], tuple(run["version"])
     assert len(pictures) > 30
     wrong = []
     for name, (cycles, rayleaf) in pictures.items():
@@ -18,9 +18,10 @@ def test_lamps_with_nodes_shine_as_in_cycles(run_blender, tmp_path):
         largest, mean = np.abs(got - expected).max() / expected.max(), got.mean() / expected.mean() - 1.0
         # Lamps without a size are free of noise but for where a sample lies in its pixel; areas have some.
         pixels, all_of_them = 0.05 if "rectangle" in name or "disk" in name else 0.02, 0.005
-        if other_curve and "IES" in name:
-            # 5.2 has another curve between the horizontal angles, which lie up to 120 degrees apart.
-            pixels, all_of_them = 0.06, 0.02
+        if version >= (4, 0) and "IES" in name:
+            # Another curve between the horizontal angles, which lie up to 120 degrees apart. Up to 4.5 Cycles blends in angles
+            # beyond the file's, in which it takes nothing to shine: up to an eighth too bright, even where all are alike.
+            pixels, all_of_them = (0.13, 0.1) if version < (5, 0) else (0.06, 0.02)
         if largest > pixels or abs(mean) > all_of_them:
             wrong.append(f"{name}: pixels by {largest:.4f}, mean by {mean:.4f}")
     assert not wrong, "\n".join(wrong)

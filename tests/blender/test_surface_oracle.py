@@ -5,7 +5,8 @@ from pathlib import Path
 # Relative where values exceed 1. Samples lie up to a hundredth of a pixel apart.
 CLOSE = 5e-3
 # Bumps are differences over a pixel in both engines, in directions and of a length of their own. Highlights are steep.
-# Cycles makes its own tangents; those of a sheared UV map lie up to 2 % beside Blender's.
+# Cycles makes its own tangents; those of a sheared UV map lie up to 2 % beside Blender's. The table of microfibres is coarse at
+# grazing angles.
 ROUGHLY = 2e-2
 # Of the pixels of a case: edges of triangles, of cones and of what is lit fall on other sides.
 SHARE_AT_STEPS = 0.05
@@ -18,7 +19,9 @@ def test_nodes_and_shaders_on_surfaces_give_what_cycles_gives(run_blender, tmp_p
     wrong = {}
     for name, ordered in differences.items():
         allowed = ordered[int(len(ordered) * (1 - SHARE_AT_STEPS)) - 1]
-        rough = any(word in name for word in ("Bump", "bumped", "Displacement", "Anisotrop", "Other", "Coat IOR"))
+        rough = any(
+            word in name for word in ("Bump", "bumped", "Displacement", "Anisotrop", "Other", "Coat IOR", "MICROFIBER")
+        )
         if allowed > (ROUGHLY if rough else CLOSE):
             wrong[name] = {"median": ordered[len(ordered) // 2], "95 %": allowed, "range": run.report["ranges"][name]}
     assert wrong == {}

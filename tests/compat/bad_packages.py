@@ -14,6 +14,7 @@ from extension_commands import Commands
 _AGAIN = "Install Rayleaf's zip again"
 _MODULE = "bl_ext.user_default.rayleaf"
 _NEWER = "9.8.7"
+_FIRST_WITHOUT = "4.2.1"
 _UPGRADE_AND_RENDER = """
 import sys, bpy
 scene = bpy.context.scene
@@ -50,16 +51,26 @@ def overwritten(wheel: bytes) -> bytes:
     return wheel[:middle] + bytes(4096) + wheel[middle + 4096 :]
 
 
-def newer(extension: Path, target: Path) -> Path:
-    """A copy of a version to come, whose core a Blender that runs the present one cannot load."""
+def with_value(extension: Path, target: Path, names: str, value: str) -> Path:
+    """A copy in whose manifest and `__init__` what has one of these names (a regular expression) has another value."""
     with zipfile.ZipFile(extension) as source, zipfile.ZipFile(target, "w") as copy:
         for name in source.namelist():
             content = source.read(name)
             if name in ("__init__.py", "blender_manifest.toml"):
-                line = r'^(__version__|version) = ".+"'
-                content = re.sub(line, rf'\1 = "{_NEWER}"', content.decode(), flags=re.MULTILINE).encode()
+                line = rf'^({names}) = ".+"'
+                content = re.sub(line, rf'\1 = "{value}"', content.decode(), flags=re.MULTILINE).encode()
             copy.writestr(name, content)
     return target
+
+
+def newer(extension: Path, target: Path) -> Path:
+    """A copy of a version to come, whose core a Blender that runs the present one cannot load."""
+    return with_value(extension, target, "__version__|version", _NEWER)
+
+
+def for_older_blenders(extension: Path, target: Path) -> Path:
+    """A copy that no Blender of today is meant to take."""
+    return with_value(extension, target, "blender_version_max", _FIRST_WITHOUT)
 
 
 def faults(blender: blenders.Blender, extension: Path, folder: Path) -> list[str]:
@@ -77,6 +88,11 @@ def faults(blender: blenders.Blender, extension: Path, folder: Path) -> list[str
     said = commands.where_nothing_can_be_written("install-file", "--repo", "user_default", "--enable", extension)
     if "Read-only file system" not in said or "exit code -" in said:
         found.append(f"a folder of extensions that cannot be written: {said}")
+    commands = Commands(blender, folder / "older")
+    old = for_older_blenders(extension, folder / "older.zip")
+    said = commands.extension("install-file", "--repo", "user_default", "--enable", old)
+    if f"must be less than the maximum version ({_FIRST_WITHOUT})" not in said or "exit code -" in said:
+        found.append(f"an extension for older Blenders: {said}")
     commands = Commands(blender, folder / "upgraded")
     commands.extension("install-file", "--repo", "user_default", "--enable", extension)
     upgrade = newer(extension, folder / "newer.zip")

@@ -237,14 +237,10 @@ def main() -> None:
             print(f"{version} is left out: {reason}", file=sys.stderr, flush=True)
             continue
         rows.append(tried(blender, extension, add_on, options.quick))
-        print(
-            f"{blender.name}: {time.monotonic() - began:.0f} s, {len(rows[-1].faults)} faults",
-            file=sys.stderr,
-            flush=True,
-        )
-    for row in rows:
-        for fault in row.faults:
-            print(f"--- {row.version}: {fault}", file=sys.stderr)
+        faults = rows[-1].faults
+        said = [f"--- {blender.name}: {fault}" for fault in faults]
+        said.append(f"{blender.name}: {time.monotonic() - began:.0f} s, {len(faults)} faults")
+        print(*said, sep="\n", file=sys.stderr, flush=True)
     print(table(rows))
     sys.exit(1 if any(row.faults for row in rows) else 0)
 

@@ -32,7 +32,7 @@ def texture_coordinate(view: NodeView, output: str) -> Register:
     """Texture Coordinate."""
     emitter = view.emitter
     _name_instancer(view, output in ("Generated", "UV"))
-    if view.compiler.is_lamp and output == "UV" and versions.lamps_have_a_space():
+    if view.compiler.is_lamp and output == "UV" and versions.lamps_have_uv():
         view.warn("UV coordinates of lamps are not supported; they are 0")
     if output == "UV":
         return emitter.operation("uv", ints=[view.resources.active_uv()])
