@@ -1,7 +1,9 @@
 #include "splines/spline_builder.h"
 #include "splines/sweep_frames.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace rayleaf {
 
@@ -137,15 +139,21 @@ void SplineBuilder::end() {
     if (straight(last) || differ(*last_, ring)) ruled_to(ring);
 }
 
-/// Turns each ring by its share of the closing angle.
+/// Turns each ring by its share of the closing angle. Blender begins with the last ring, and has turned the first one
+/// by two rings' shares: nothing in the limit of many rings, but straight elements have one each, whatever the
+/// resolution.
 void SplineBuilder::spread(double angle) {
+    const std::vector<SweepElement>& elements = elements_.elements;
+    const bool is_polygon =
+        std::all_of(elements.begin(), elements.end(), [](const auto& each) { return each.straight; });
+    const double first = is_polygon ? 2.0 / static_cast<double>(elements.size()) : 0.0;
     for (size_t k = first_segment_; k < path_.segments.size(); ++k) {
         SweepSegment& s = path_.segments[k];
-        s.turn_begin = static_cast<float>(angle * s.share_begin);
-        s.turn_end = static_cast<float>(angle * s.share_end);
+        s.turn_begin = static_cast<float>(angle * (first + s.share_begin));
+        s.turn_end = static_cast<float>(angle * (first + s.share_end));
     }
     for (auto& [index, frame] : ring_frames_) {
-        frame.normal = turned(frame.tangent, frame.normal, angle * frame.share);
+        frame.normal = turned(frame.tangent, frame.normal, angle * (first + frame.share));
         path_.rings[index] = ring_of(frame);
     }
 }

@@ -165,6 +165,24 @@ def test_a_closed_curve_spreads_its_twist_or_has_a_seam():
     assert turn < 0.999
 
 
+def test_a_closed_polygon_spreads_its_twist_over_its_corners_as_blender_does():
+    points = np.array(
+        [[1.3847, 0.1766, -0.8529], [-0.5257, 1.2171, 0.4711], [-1.2534, 0.5809, 0.3404], [0.2988, -0.9144, -0.2021]]
+    )
+    # Of Blender 4.5's mesh of this curve with nothing but Extrude.
+    extruded = [
+        [0.0307, -0.1192, 0.9924],
+        [0.2915, -0.4759, 0.8298],
+        [0.6288, -0.2342, 0.7415],
+        [0.4214, 0.1647, 0.8918],
+    ]
+    shape = swept.surface("POLY", points, cyclic=True, bevel_depth=0.1, closed_twist="SPREAD", twist="MINIMUM")
+    ends = [4 - 1e-9, 1 - 1e-9, 2 - 1e-9, 3 - 1e-9]
+    normals, ring = shape.rings(np.array(ends))[:, 1], np.roll(points, 1, axis=0)
+    directions = shapes.unit(shapes.unit(np.roll(points, -1, 0) - points) + shapes.unit(points - ring))
+    np.testing.assert_allclose(np.cross(directions, shapes.unit(normals)), extruded, atol=2e-3)
+
+
 def test_a_curve_that_closes_at_a_corner_meets_its_first_ring():
     points = np.array([[0.0, 0, 0], [1, 0, 0.3], [1, 1, -0.4]])
     handles = points[:, None] + np.array([[[0.1, -0.3, 0.5], [0.3, 0.2, 0.4]]])
