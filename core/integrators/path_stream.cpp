@@ -9,9 +9,14 @@ namespace rayleaf {
 namespace {
 
 template <typename Visit>
+void for_each_part(std::span<const uint32_t> paths, size_t most, const Visit& visit) {
+    for (size_t first = 0; first < paths.size(); first += most)
+        visit(paths.subspan(first, std::min(most, paths.size() - first)));
+}
+
+template <typename Visit>
 void for_each_packet(std::span<const uint32_t> paths, const Visit& visit) {
-    for (size_t first = 0; first < paths.size(); first += kPacketSize)
-        visit(paths.subspan(first, std::min<size_t>(kPacketSize, paths.size() - first)));
+    for_each_part(paths, kPacketSize, visit);
 }
 
 }  // namespace
@@ -35,6 +40,7 @@ void PathStream::trace_all() {
     Coherence coherence = Coherence::Coherent;
     while (!active_.empty()) {
         trace_active(coherence);
+        see_world();
         bins_.for_each([this](const Program& program, std::span<const uint32_t> paths) { shade(program, paths); });
         keep_those_that_go_on();
         trace_light_rays(coherence);
@@ -45,6 +51,7 @@ void PathStream::trace_all() {
 /// One ray of each path that goes on.
 void PathStream::trace_active(Coherence coherence) {
     bins_.clear();
+    in_world_.clear();
     goes_on_.assign(paths_.size(), 0);
     std::array<RayQuery, kPacketSize> queries;
     std::array<ClosestHit, kPacketSize> found;
@@ -56,9 +63,25 @@ void PathStream::trace_active(Coherence coherence) {
             PathTracer& path = paths_[paths[i]];
             const Arrival arrival = path.arrive(found[i]);
             goes_on_[paths[i]] = arrival == Arrival::GoesOn ? 1 : 0;
-            if (arrival != Arrival::AtSurface) continue;
-            bins_.add(*scene_.material(path.hit().instance, path.hit().local).surface, paths[i]);
+            if (arrival == Arrival::InWorld) in_world_.push_back(paths[i]);
+            if (arrival == Arrival::AtSurface)
+                bins_.add(*scene_.material(path.hit().instance, path.hit().local).surface, paths[i]);
         }
+    });
+}
+
+void PathStream::see_world() {
+    std::array<ShadingInputs, kMostPoints> inputs;
+    std::array<const ShadingInputs*, kMostPoints> of_point;
+    std::array<Closures*, kMostPoints> closures;
+    for_each_part(in_world_, kMostPoints, [&](std::span<const uint32_t> paths) {
+        for (size_t i = 0; i < paths.size(); ++i) {
+            closures[i] = &vertices_[i].closures;
+            inputs[i] = paths_[paths[i]].look_at_world(*closures[i]);
+            of_point[i] = &inputs[i];
+        }
+        scene_.world_program()->evaluate({of_point.data(), paths.size()}, {closures.data(), paths.size()});
+        for (size_t i = 0; i < paths.size(); ++i) paths_[paths[i]].take_world(closures[i]->emission);
     });
 }
 

@@ -42,11 +42,13 @@ class PathStream {
     std::vector<uint32_t> active_;      ///< paths that go on
     std::vector<uint32_t> light_rays_;  ///< paths that wait for light
     MaterialBins bins_;                 ///< paths that met a surface
+    std::vector<uint32_t> in_world_;    ///< paths that ask what the world shows
     std::vector<uint8_t> goes_on_;      ///< by path
     std::vector<Vertex> vertices_;      ///< of the paths that are shaded together
 
     void trace_all();
     void trace_active(Coherence coherence);
+    void see_world();
     void shade(const Program& program, std::span<const uint32_t> paths);
     void keep_those_that_go_on();
     void trace_light_rays(Coherence coherence);

@@ -22,7 +22,8 @@ PixelSample PathTracer::trace() {
     for (bool goes_on = sees_; goes_on;) {
         const RayQuery query = next_ray();
         const Arrival arrival = arrive(scene_.tracer().closest(*query.ray, query.kind, query.differential));
-        goes_on = arrival == Arrival::GoesOn || (arrival == Arrival::AtSurface && shade_alone());
+        goes_on = arrival == Arrival::GoesOn || (arrival == Arrival::AtSurface && shade_alone()) ||
+                  (arrival == Arrival::InWorld && see_world_alone());
         if (light_ray_) receive(free_share(scene_, *light_ray_));
     }
     return finish();
@@ -41,10 +42,7 @@ Arrival PathTracer::arrive(const ClosestHit& found) {
     add_lamps(end);
     const int vertex = vertex_;
     if (!media_.empty() && pass_media(end)) return vertex_ > vertex ? Arrival::GoesOn : Arrival::Ends;
-    if (!hit_) {
-        add_world();
-        return Arrival::Ends;
-    }
+    if (!hit_) return leave_scene() ? Arrival::InWorld : Arrival::Ends;
     if (scene_.has_media() && scene_.material(hit_->instance, hit_->local).bounds_medium_alone) {
         pass_boundary();
         return vertex_ < kMostVertices ? Arrival::GoesOn : Arrival::Ends;
@@ -57,6 +55,13 @@ bool PathTracer::shade_alone() {
     vertex.point = scene_.tracer().surface_point(ray_, *hit_);
     scene_.material(hit_->instance, hit_->local).surface->evaluate(approach(vertex), vertex.closures);
     return shade(vertex, {random3(PathDimension::Light), random3(PathDimension::Scatter)});
+}
+
+bool PathTracer::see_world_alone() {
+    Closures closures;
+    scene_.world_program()->evaluate(look_at_world(closures), closures);
+    take_world(closures.emission);
+    return false;
 }
 
 void PathTracer::ask_numbers(SamplePairs& pairs) const {
@@ -141,21 +146,31 @@ void PathTracer::add_lamps(double t_max) {
     });
 }
 
-void PathTracer::add_world() {
-    const bool hidden = bounces_.count() == 0 && settings_.film_transparent;
-    if (hidden) alpha_ -= average(throughput_);
-    if (!scene_.has_world() || (hidden && !settings_.wants(Pass::environment) && settings_.slots == 0)) return;
-    const Vec3f direction(ray_.direction);
-    const float density =
-        departure_.density > 0.0f ? scene_.lights().world_density(direction, departure_.position) : 0.0f;
+bool PathTracer::leave_scene() {
+    if (hides_world()) alpha_ -= average(throughput_);
+    if (!scene_.has_world() || (hides_world() && !settings_.wants(Pass::environment) && settings_.slots == 0))
+        return false;
+    world_density_ =
+        departure_.density > 0.0f ? scene_.lights().world_density(Vec3f(ray_.direction), departure_.position) : 0.0f;
+    const Color* even = scene_.even_world();
+    if (!even || !aovs().empty()) return true;
+    take_world(*even);
+    return false;
+}
+
+ShadingInputs PathTracer::look_at_world(Closures& closures) const {
+    closures.aovs = aovs();
     // As in footprint_on.
-    const RayDifferential footprint = density > 0.0f ? RayDifferential{} : differential_;
-    const Color radiance = scene_.world(direction, footprint, bounces_.at(0), aovs());
+    const RayDifferential footprint = world_density_ > 0.0f ? RayDifferential{} : differential_;
+    return scene_.world_inputs(Vec3f(ray_.direction), footprint, bounces_.at(0));
+}
+
+void PathTracer::take_world(const Color& radiance) {
     if (settings_.feature_passes) features_.meet_light(radiance, light_.sample);
-    if (hidden)
+    if (hides_world())
         light_.add_hidden_world(throughput_ * radiance);
     else
-        add(radiance * departure_.weight(density), Pass::environment, scene_.world_light_group());
+        add(radiance * departure_.weight(world_density_), Pass::environment, scene_.world_light_group());
 }
 
 void PathTracer::add_emission(const Vertex& vertex) {

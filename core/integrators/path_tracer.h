@@ -43,6 +43,7 @@ struct Departure {
 enum class Arrival : uint8_t {
     Ends,
     AtSurface,  ///< is to be shaded
+    InWorld,    ///< asks what the world shows, and ends
     GoesOn      ///< by its next ray: a medium scattered it, or began or ended
 };
 
@@ -82,6 +83,10 @@ class PathTracer {
     /// The ray that arrived, and its hit, where a surface is to be shaded.
     const Ray& ray() const { return ray_; }
     const Hit& hit() const { return *hit_; }
+    /// The inputs of the world's program, where it is asked; `closures` are what it will fill.
+    ShadingInputs look_at_world(Closures& closures) const;
+    /// What it shows.
+    void take_world(const Color& radiance);
     /// Completes a vertex of which the surface point is known; the inputs of the material's program.
     ShadingInputs approach(Vertex& vertex) const;
     /// Asks for the random numbers of the vertex: kPairsOfVertex of them.
@@ -113,8 +118,9 @@ class PathTracer {
     Contributions light_;
     ByKind first_shares_;  ///< of the first scattering
     float alpha_ = 1;
-    bool has_footprint_;  ///< differentials count, and are kept
-    bool sees_;           ///< false: the camera shows nothing there
+    float world_density_ = 0;  ///< with which light sampling would have chosen the direction in which the path left
+    bool has_footprint_;       ///< differentials count, and are kept
+    bool sees_;                ///< false: the camera shows nothing there
     bool surface_recorded_ = false;
     DenoisingFeatures features_;
     int vertex_ = 0;
@@ -129,6 +135,7 @@ class PathTracer {
     RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
     void take_hit(ClosestHit found);
     bool shade_alone();
+    bool see_world_alone();
     void pass_volumes();
     /// True if a medium scattered the path's light before the ray's end.
     bool pass_media(double end);
@@ -155,7 +162,9 @@ class PathTracer {
     void add_lamps(double t_max);
     /// Before the ray's end.
     Color free_of_media(double t) const;
-    void add_world();
+    bool hides_world() const { return bounces_.count() == 0 && settings_.film_transparent; }
+    /// Whether the world's program must be asked what the world shows.
+    bool leave_scene();
     void add_emission(const Vertex& vertex);
     void add_direct_light(const Vertex& vertex, const Vec3f& random);
     void record_surface(const Vertex& vertex);

@@ -247,7 +247,7 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
     std::shared_ptr<const WorldLight> table;
     if (sampled && description.world_resolution > 0)
-        table = world_table(description, world_inputs({}, sampled_light), cancel);
+        table = world_table(description, world_inputs(Vec3f(0, 0, 1), {}, sampled_light), cancel);
     for (const InstanceDescription& instance : description.instances) light_groups_.push_back(instance.light_group);
     world_light_group_ = description.world_light_group;
     lamps_ = description.lamps;
@@ -323,11 +323,12 @@ void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDif
         .surface->evaluate(shading_inputs(point, outgoing, differential, path), result);
 }
 
-/// But for the direction.
-ShadingInputs Scene::world_inputs(const RayDifferential& differential, const PathState& path) const {
+ShadingInputs Scene::world_inputs(const Vec3f& direction, const RayDifferential& differential,
+                                  const PathState& path) const {
     ShadingInputs inputs;
     inputs.camera = &camera_->info();
     inputs.textures = textures_.get();
+    inputs.outgoing = -direction;
     inputs.differential = differential;
     inputs.path = path;
     return inputs;
@@ -337,11 +338,9 @@ Color Scene::world(const Vec3f& direction, const RayDifferential& differential, 
                    std::span<Vec4f> aovs) const {
     if (!world_) return Color(0.0f);
     if (even_world_ && aovs.empty()) return *even_world_;
-    ShadingInputs inputs = world_inputs(differential, path);
-    inputs.outgoing = -direction;
     Closures closures;
     closures.aovs = aovs;
-    world_->evaluate(inputs, closures);
+    world_->evaluate(world_inputs(direction, differential, path), closures);
     return closures.emission;
 }
 

@@ -51,6 +51,12 @@ class Scene {
         inputs.surroundings = &surroundings_.value();
         inputs.probes = probes;
     }
+    /// The inputs of the world's program towards `direction`, and that program; null: the scene has none.
+    ShadingInputs world_inputs(const Vec3f& direction, const RayDifferential& differential,
+                               const PathState& path) const;
+    const Program* world_program() const { return world_.get(); }
+    /// The world's radiance where it is the same in all directions; else null.
+    const Color* even_world() const { return even_world_ ? &*even_world_ : nullptr; }
     /// Radiance of the world seen along `direction`.
     /// `aovs`: where its program writes its AOVs.
     Color world(const Vec3f& direction, const RayDifferential& differential, const PathState& path,
@@ -148,7 +154,6 @@ class Scene {
     bool is_in_medium(uint32_t instance) const;
     void commit_glass(const SceneDescription& description, const CancelToken& cancel);
     Color lamp_emission(const LampPoint& lamp) const;
-    ShadingInputs world_inputs(const RayDifferential& differential, const PathState& path) const;
     void commit_lights(const SceneDescription& description, const CancelToken& cancel);
     const Material& material_of(const std::vector<int>& list, uint32_t slot) const;
 };

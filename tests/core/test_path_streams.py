@@ -3,6 +3,7 @@
 import numpy as np
 import path_scenes
 import pytest
+import scenes
 import swept_support
 
 
@@ -73,3 +74,35 @@ def test_streams_of_curves_and_hair_give_the_bits_of_single_paths(core, any_targ
         together = passes_of(core, scene, stream_paths=512)
         for name in path_scenes.ALL_PASSES:
             np.testing.assert_array_equal(together[name], alone[name], err_msg=f"{name} by {target}")
+
+
+def scene_under_noise(core, table):
+    """A plane in a world of noise that writes to a slot; `table`: cells around by which it is sampled."""
+    scene = core.SceneDescription()
+    grey = path_scenes.material(core, scene, ("diffuse", 1.0, 0.6), ("glossy", 1.0, 0.3, 0.2, "GGX"))
+    scene.add_instance("plane", scenes.quad(scene, "plane", 1.0), path_scenes.matrix((0, 0, 0.5)), grey)
+    scenes.look_down(scene, half=0.4)
+    program = core.Program("noise")
+    one, zero = program.constant(1, 1, 1, 1), program.constant(0, 0, 0, 0)
+    three = program.constant(3, 3, 3, 3)
+    noise = program.operation("noise", [program.operation("generated"), zero, three, one, zero, zero], ints=[3])
+    program.operation("background", [one, noise, one])
+    program.operation("aov", [noise], [0])
+    scene.set_world(program, table)
+    return scene
+
+
+@pytest.mark.parametrize("film_transparent", [False, True])
+@pytest.mark.parametrize("table", [0, 32])
+def test_streams_see_a_world_that_varies_as_single_paths_see_it(core, table, film_transparent):
+    scene = scene_under_noise(core, table)
+    passes = [*path_scenes.ALL_PASSES, "slot0", "denoising_albedo"]
+    pictures = []
+    for paths in (0, 1, 100, 4096):
+        settings = {"film_transparent": film_transparent, "stream_paths": paths}
+        session = path_scenes.render(core, scene, size=12, samples=7, passes=passes, **settings)
+        pictures.append({name: session.pass_pixels(name) for name in passes})
+    assert np.ptp(pictures[0]["slot0"][..., 0]) > 0 and np.ptp(pictures[0]["environment"]) > 0
+    for other in pictures[1:]:
+        for name in passes:
+            np.testing.assert_array_equal(other[name], pictures[0][name], err_msg=name)
