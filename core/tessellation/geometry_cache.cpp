@@ -13,9 +13,6 @@ using Kind = GridArena::Kind;
 /// A level thrashes if at least kThrashingMisses of a thread's last kWindow lookups were misses.
 constexpr uint32_t kWindow = 1024, kThrashingMisses = kWindow / 4;
 
-/// The number of recent medium grids of each thread: they fit in the processor's first cache.
-constexpr uint32_t kRecent = 16;
-
 /// Cold tessellations are counted if one bit for each takes at most one part in this many of the budget.
 constexpr uint64_t kSeenShare = 20;
 
@@ -33,18 +30,30 @@ class Counter {
     std::atomic<uint64_t> value_{0};
 };
 
-/// For fine grids of each format: their kind, where they are stored, and how they are made.
+/// For grids of each format: their kind, where they are stored, and how they are made.
+constexpr Kind kind_of(const MediumGrid*) {
+    return Kind::Medium;
+}
 constexpr Kind kind_of(const Grid*) {
     return Kind::Fine;
 }
 constexpr Kind kind_of(const StepGrid*) {
     return Kind::Steps;
 }
+constexpr int level_of(Kind kind) {
+    return kind == Kind::Medium ? kMedium : kFine;
+}
+MediumGrid& grid_in(const GridArena& arena, uint32_t slot, const MediumGrid*) {
+    return arena.medium(slot);
+}
 Grid& grid_in(const GridArena& arena, uint32_t slot, const Grid*) {
     return arena.fine(slot);
 }
 StepGrid& grid_in(const GridArena& arena, uint32_t slot, const StepGrid*) {
     return arena.steps(slot);
+}
+void dice(const Dicer& dicer, uint32_t subpatch, MediumGrid& grid) {
+    dicer.levels()->dice_medium(subpatch, grid);
 }
 void dice(const Dicer& dicer, uint32_t subpatch, Grid& grid) {
     dicer.dice(subpatch, grid);
@@ -61,10 +70,7 @@ struct GeometryCache::ThreadState {
         Grid fine;
         StepGrid steps;
     };
-    /// The last medium grids, one for all keys with the same remainder: consecutive rays meet the same ones. If the
-    /// cache keeps nothing, the first one is used for all.
-    std::array<MediumGrid, kRecent> recent;
-    std::array<uint32_t, kRecent> recent_keys;
+    MediumGrid medium;
     std::unique_ptr<Grid> parts[kFinestLevel - kFine];
     struct Level {
         Counter lookups, diced, cold, bypassed;
@@ -77,10 +83,8 @@ struct GeometryCache::ThreadState {
     Counter splits, part_bytes;
     ReaderEpochs::Reader& reader;
 
-    explicit ThreadState(ReaderEpochs& epochs) : reader(epochs.reader()) {
-        recent_keys.fill(GridArena::kNone);
-        spares.fill(GridArena::kNone);
-    }
+    explicit ThreadState(ReaderEpochs& epochs) : reader(epochs.reader()) { spares.fill(GridArena::kNone); }
+    MediumGrid& scratch(const MediumGrid*) { return medium; }
     Grid& scratch(const Grid*) { return fine; }
     StepGrid& scratch(const StepGrid*) { return steps; }
     /// Dices into the thread's own grid for parts of that level.
@@ -169,7 +173,7 @@ template <typename GridType>
 const GridType& GeometryCache::look_up(ThreadState& state, uint32_t first, const Dicer& dicer,
                                        uint32_t subpatch) const {
     constexpr const GridType* kFormat = nullptr;
-    count_lookup(state, kFine);
+    count_lookup(state, level_of(kind_of(kFormat)));
     const uint32_t key = first + subpatch, slot = arena_->find(kind_of(kFormat), key);
     return slot == GridArena::kNone ? dice_missing<GridType>(state, key, dicer, subpatch)
                                     : grid_in(*arena_, slot, kFormat);
@@ -180,63 +184,15 @@ const GridType& GeometryCache::dice_missing(ThreadState& state, uint32_t key, co
                                             uint32_t subpatch) const {
     constexpr const GridType* kFormat = nullptr;
     constexpr Kind kKind = kind_of(kFormat);
-    const uint32_t spare = deserves_slot(state, kFine, key) ? state.spare(kKind, *arena_, epochs_) : GridArena::kNone;
+    constexpr int kLevel = level_of(kKind);
+    const uint32_t spare = deserves_slot(state, kLevel, key) ? state.spare(kKind, *arena_, epochs_) : GridArena::kNone;
     GridType& grid = spare == GridArena::kNone ? state.scratch(kFormat) : grid_in(*arena_, spare, kFormat);
     dice(dicer, subpatch, grid);
     if (spare != GridArena::kNone && arena_->publish(kKind, key, spare, epochs_))
         state.spares[static_cast<size_t>(kKind)] = GridArena::kNone;
     else
-        state.levels[kFine].bypassed.add();
+        state.levels[kLevel].bypassed.add();
     return grid;
-}
-
-const MediumGrid& GeometryCache::look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
-                                         const SubpatchDetail& detail) const {
-    count_lookup(state, kMedium);
-    const uint32_t key = first + subpatch;
-    MediumGrid& grid = state.recent[key % kRecent];
-    uint32_t& recent_key = state.recent_keys[key % kRecent];
-    if (recent_key == key) return grid;
-    if (!arena_->empty()) recent_key = key;
-    const uint32_t slot = arena_->find(Kind::Medium, key);
-    if (slot == GridArena::kNone) {
-        const bool keep = deserves_slot(state, kMedium, key);
-        dicer.levels()->dice_medium(subpatch, grid);
-        if (!keep || !keep_medium(state, key, detail)) state.levels[kMedium].bypassed.add();
-        return grid;
-    }
-    switch (arena_->kind(slot)) {
-        case Kind::Smooth:
-            unpack(arena_->smooth(slot), detail, grid);
-            break;
-        case Kind::Packed:
-            unpack(arena_->packed(slot), detail, grid);
-            break;
-        default:
-            grid = arena_->medium(slot);
-    }
-    return grid;
-}
-
-/// Puts a medium grid of the thread into the cache, packed if possible. False if it got no slot.
-bool GeometryCache::keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const {
-    const MediumGrid& grid = state.recent[key % kRecent];
-    SmoothGrid smooth;
-    PackedGrid packed;
-    const Kind kind = pack(grid, detail, smooth)   ? Kind::Smooth
-                      : pack(grid, detail, packed) ? Kind::Packed
-                                                   : Kind::Medium;
-    const uint32_t spare = state.spare(kind, *arena_, epochs_);
-    if (spare == GridArena::kNone) return false;
-    if (kind == Kind::Smooth)
-        arena_->smooth(spare) = smooth;
-    else if (kind == Kind::Packed)
-        arena_->packed(spare) = packed;
-    else
-        arena_->medium(spare) = grid;
-    if (!arena_->publish(kind, key, spare, epochs_)) return false;
-    state.spares[static_cast<size_t>(kind)] = GridArena::kNone;
-    return true;
 }
 
 /// A thread may use parts of several levels at a time, so they are diced outside the cache and copied.
@@ -270,8 +226,7 @@ GeometryCacheStatistics GeometryCache::statistics() const {
     GeometryCacheStatistics result;
     result.budget = settings_.budget;
     result.cold_counted = static_cast<bool>(seen_);
-    result.levels[kMedium].bytes =
-        arena_->bytes(Kind::Medium) + arena_->bytes(Kind::Packed) + arena_->bytes(Kind::Smooth);
+    result.levels[kMedium].bytes = arena_->bytes(Kind::Medium);
     result.levels[kFine].bytes = arena_->bytes(Kind::Fine) + arena_->bytes(Kind::Steps);
     result.parts.bytes = arena_->bytes(Kind::Part);
     result.bytes = sizeof(*this) + sizeof(GridArena) + (seen_ ? seen_bytes() : 0) + arena_->bytes();
@@ -307,10 +262,9 @@ void GeometryCache::Reader::count_coarse() const {
     state_.levels[kCoarse].lookups.add();
 }
 
-const MediumGrid& GeometryCache::Reader::medium(const Dicer& dicer, uint32_t first, uint32_t subpatch,
-                                                const SubpatchDetail& detail) const {
+const MediumGrid& GeometryCache::Reader::medium(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {
     enter();
-    return cache_.look_up(state_, first, dicer, subpatch, detail);
+    return cache_.look_up<MediumGrid>(state_, first, dicer, subpatch);
 }
 
 const Grid& GeometryCache::Reader::fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const {

@@ -10,8 +10,7 @@
 // anyway (tessellation/level.h), so it is never looked up, missed or diced again; medium and fine grids share one
 // budget, so that memory goes where rays are, instead of equal thirds; the clock algorithm replaces a list of the least
 // recently used, because it needs no lock; the bookkeeping counts within the budget; when memory is too small for the
-// working set, a grid must be missed twice before it gets a slot; medium grids of smooth surfaces are packed
-// (tessellation/packed_grid.h); the parts of a split subpatch are stored one by one.
+// working set, a grid must be missed twice before it gets a slot; the parts of a split subpatch are stored one by one.
 #pragma once
 
 #include "base/thread_states.h"
@@ -109,9 +108,6 @@ class GeometryCache {
     const GridType& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch) const;
     template <typename GridType>
     const GridType& dice_missing(ThreadState& state, uint32_t key, const Dicer& dicer, uint32_t subpatch) const;
-    const MediumGrid& look_up(ThreadState& state, uint32_t first, const Dicer& dicer, uint32_t subpatch,
-                              const SubpatchDetail& detail) const;
-    bool keep_medium(ThreadState& state, uint32_t key, const SubpatchDetail& detail) const;
     template <typename MissedLately>
     bool deserves_slot(ThreadState& state, int level, const MissedLately& missed_lately) const;
     bool deserves_slot(ThreadState& state, int level, uint32_t key) const;
@@ -132,7 +128,7 @@ class GeometryCache::Reader {
     /// Counts a ray that sees only the corners of a subpatch.
     void count_coarse() const;
     /// `first` is the number of the dicer's first subpatch in the cache.
-    const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch, const SubpatchDetail& detail) const;
+    const MediumGrid& medium(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     const Grid& fine(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;
     /// The fine level in steps, for dicers that have them.
     const StepGrid& steps(const Dicer& dicer, uint32_t first, uint32_t subpatch) const;

@@ -1,6 +1,5 @@
 // The memory of the geometry cache: units of equal size. By demand, a unit holds one fine grid, or two in steps
-// (tessellation/step_grid.h), or medium grids of one of three kinds (sixteen plain, forty packed or eighty-one smooth
-// ones, tessellation/packed_grid.h), or one part of a split subpatch.
+// (tessellation/step_grid.h), or sixteen medium grids, or one part of a split subpatch.
 //
 // Lookups take no lock (tessellation/grid_index.h). Changes are made under a lock that is tried, never waited for: a
 // thread that finds it taken does without. The clock algorithm evicts: a hand goes round the units of all kinds and
@@ -13,7 +12,6 @@
 #include "base/zeroed_array.h"
 #include "tessellation/grid.h"
 #include "tessellation/grid_index.h"
-#include "tessellation/packed_grid.h"
 #include "tessellation/readers.h"
 #include "tessellation/slot_mask.h"
 #include "tessellation/snapped_grid.h"
@@ -33,20 +31,18 @@ namespace rayleaf {
 class GridArena {
   public:
     static constexpr uint32_t kNone = GridIndex::kNone;
-    enum class Kind : uint8_t { Smooth, Packed, Medium, Steps, Fine, Part };
-    static constexpr int kKinds = 6;
+    enum class Kind : uint8_t { Medium, Steps, Fine, Part };
+    static constexpr int kKinds = 4;
     /// Grids of a kind in a unit; the rest is not used. NOLINTBEGIN(bugprone-sizeof-expression)
     static constexpr uint32_t kMediumSlots = sizeof(Grid) / sizeof(MediumGrid);
-    static constexpr uint32_t kPackedSlots = sizeof(Grid) / sizeof(PackedGrid);
-    static constexpr uint32_t kSmoothSlots = sizeof(Grid) / sizeof(SmoothGrid);
     // NOLINTEND(bugprone-sizeof-expression)
     static constexpr uint32_t kStepSlots = 2;
     static constexpr uint32_t slots_of(Kind kind) {
-        constexpr uint32_t kCounts[kKinds] = {kSmoothSlots, kPackedSlots, kMediumSlots, kStepSlots, 1, 1};
+        constexpr uint32_t kCounts[kKinds] = {kMediumSlots, kStepSlots, 1, 1};
         return kCounts[static_cast<int>(kind)];
     }
     /// Slots of a unit are numbered for the smallest grids.
-    static constexpr uint32_t kSlots = kSmoothSlots;
+    static constexpr uint32_t kSlots = kMediumSlots;
     static_assert(kSlots <= SlotMask::kMost);
     /// Subpatches are numbered below this.
     static constexpr uint32_t kMostSubpatches = 1u << 31;
@@ -86,8 +82,6 @@ class GridArena {
     Grid& fine(uint32_t slot) const { return memory(slot).fine; }
     StepGrid& steps(uint32_t slot) const { return memory(slot).steps[slot % kSlots]; }
     MediumGrid& medium(uint32_t slot) const { return memory(slot).medium[slot % kSlots]; }
-    SmoothGrid& smooth(uint32_t slot) const { return memory(slot).smooth[slot % kSlots]; }
-    PackedGrid& packed(uint32_t slot) const { return memory(slot).packed[slot % kSlots]; }
 
     /// A slot that no other thread sees, for the caller to fill; empty if none is free now.
     std::optional<uint32_t> acquire(Kind kind, ReaderEpochs& epochs);
@@ -109,8 +103,6 @@ class GridArena {
         Grid fine;
         StepGrid steps[kStepSlots];
         MediumGrid medium[kMediumSlots];
-        PackedGrid packed[kPackedSlots];
-        SmoothGrid smooth[kSmoothSlots];
     };
     static_assert(sizeof(Memory) <= sizeof(Grid) + alignof(Grid));
     struct Unit {

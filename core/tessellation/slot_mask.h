@@ -1,7 +1,6 @@
 // A set of the slots of one unit of the geometry cache: a bit each.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -9,13 +8,13 @@ namespace rayleaf {
 
 class SlotMask {
   public:
-    static constexpr uint32_t kMost = 128;
+    static constexpr uint32_t kMost = 64;
 
     SlotMask() = default;
-    /// The first `count` slots.
+    /// The first `count` slots, less than kMost.
     static constexpr SlotMask first(uint32_t count) {
         SlotMask mask;
-        for (uint32_t i = 0; i < count; ++i) mask.add(i);
+        mask.word_ = (uint64_t{1} << count) - 1;
         return mask;
     }
     static constexpr SlotMask one(uint32_t slot) {
@@ -23,22 +22,17 @@ class SlotMask {
         mask.add(slot);
         return mask;
     }
-    constexpr void add(uint32_t slot) { words_[slot / 64] |= uint64_t{1} << slot % 64; }
-    constexpr void remove(uint32_t slot) { words_[slot / 64] &= ~(uint64_t{1} << slot % 64); }
-    constexpr bool has(uint32_t slot) const { return (words_[slot / 64] >> slot % 64 & 1u) != 0; }
-    constexpr bool empty() const { return (words_[0] | words_[1]) == 0; }
+    constexpr void add(uint32_t slot) { word_ |= uint64_t{1} << slot; }
+    constexpr void remove(uint32_t slot) { word_ &= ~(uint64_t{1} << slot); }
+    constexpr bool has(uint32_t slot) const { return (word_ >> slot & 1u) != 0; }
+    constexpr bool empty() const { return word_ == 0; }
     /// The lowest slot; the set must not be empty.
-    uint32_t lowest() const {
-        return static_cast<uint32_t>(words_[0] != 0 ? std::countr_zero(words_[0]) : 64 + std::countr_zero(words_[1]));
-    }
-    void add(const SlotMask& other) {
-        words_[0] |= other.words_[0];
-        words_[1] |= other.words_[1];
-    }
+    uint32_t lowest() const { return static_cast<uint32_t>(std::countr_zero(word_)); }
+    void add(const SlotMask& other) { word_ |= other.word_; }
     bool operator==(const SlotMask&) const = default;
 
   private:
-    std::array<uint64_t, kMost / 64> words_{};
+    uint64_t word_ = 0;
 };
 
 }  // namespace rayleaf

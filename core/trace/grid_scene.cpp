@@ -229,9 +229,8 @@ bool GridScene::visit(ShapeQuery& query, uint32_t subpatch, float t_max) const {
             reader.count_coarse();
             return offer_facets(query, SnappedGrid(details_[subpatch]), subpatch, levels, t_max);
         case kMedium:
-            return offer_facets(
-                query, SnappedGrid(reader.medium(*dicer_, first_subpatch(), subpatch, details_[subpatch]), levels),
-                subpatch, levels, t_max);
+            return offer_facets(query, SnappedGrid(reader.medium(*dicer_, first_subpatch(), subpatch), levels),
+                                subpatch, levels, t_max);
         case kFine:
             return offer_facets(query, SnappedGrid(reader.fine(*dicer_, first_subpatch(), subpatch), levels), subpatch,
                                 levels, t_max);

@@ -113,8 +113,8 @@ def fine_torus(around):
     return trace.PatchSurface("fine", [(points, closed, closed, True, 0)])
 
 
-@pytest.mark.parametrize("around, most_bytes", [(250, 96), (60, 192)], ids=["one line", "two lines"])
-def test_grids_that_are_kept_packed_are_those_that_were_diced_bit_by_bit(around, most_bytes):
+@pytest.mark.parametrize("around", [250, 60])
+def test_grids_that_are_kept_are_those_that_were_diced_bit_by_bit(around):
     surface = fine_torus(around)
     origins, directions, _ = rays(40_000)
     origins[:, 2] = 0.3
@@ -131,8 +131,6 @@ def test_grids_that_are_kept_packed_are_those_that_were_diced_bit_by_bit(around,
             np.testing.assert_array_equal(again[key], values, err_msg=key)
     medium = cache_statistics(kept)["levels"]["medium"]
     assert medium["cold"] > 1000 and medium["lookups"] > 2 * medium["diced"]
-    # A grid takes 320 bytes, packed 128 or 64; nearly all grids of small patches are packed, most of larger ones.
-    assert medium["bytes"] / medium["cold"] < most_bytes, medium
 
 
 def test_an_unknown_mode_is_named():
