@@ -26,6 +26,12 @@ inline Vec3d area_vector(const FacetCorners& corners) {
     return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
 }
 
+/// Corners that are so far from some to others.
+inline FacetCorners mixed(const FacetCorners& from, const FacetCorners& to, double share) {
+    return {from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share,
+            from[2] + (to[2] - from[2]) * share};
+}
+
 /// If single precision finds a point inside a facet, it may be outside by this much along the ray, local units: sixteen
 /// times the sideways error of a ray, for rays down to a sixteenth of a radian to the facet.
 inline constexpr double kBorderReach = 0x1p-17;

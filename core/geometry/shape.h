@@ -94,10 +94,16 @@ class Shape {
     ShapeKind kind() const { return kind_; }
     const std::string& name() const { return name_; }
     const LocalFrame& frame() const { return frame_; }
-    /// Bounds in local space.
+    /// Bounds in local space, at all times.
     const Box3f& bounds() const { return bounds_; }
-    /// Bounds in object space before normalization, for Blender's Generated coordinates.
+    /// Bounds in object space before normalization, in the middle of the shutter's time, for Blender's Generated
+    /// coordinates.
     const Box3d& object_bounds() const { return object_bounds_; }
+
+    /// At how many even times of the shutter, from 0 to 1, the shape is known; in between its points go along lines. 1:
+    /// it does not deform.
+    size_t steps() const { return steps_; }
+    bool deforms() const { return steps_ > 1; }
 
     /// Triangles, or Bezier patches before any splitting.
     virtual uint32_t element_count() const = 0;
@@ -113,6 +119,10 @@ class Shape {
     /// (a triangle is covered once: parameters with u + v > 1 are mirrored into it). For light from emitting surfaces.
     virtual uint32_t element_of(const LocalHit& hit) const = 0;
     virtual ElementPoint element_point(uint32_t element, const Vec2f& parameters) const = 0;
+    /// The same at a time of the shutter; `element_point` is in its middle.
+    virtual ElementPoint element_point_at(uint32_t element, const Vec2f& parameters, float /*time*/) const {
+        return element_point(element, parameters);
+    }
     /// Points of an element along a line of constant u, one for each v: the results of element_point and surface.
     virtual void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const;
     /// Equal for shapes that rays cannot distinguish, names aside; empty if that is not known. Computed once.
@@ -135,6 +145,7 @@ class Shape {
     LocalFrame frame_;
     Box3f bounds_;
     Box3d object_bounds_;
+    size_t steps_ = 1;
 
   private:
     ShapeKind kind_;

@@ -111,27 +111,55 @@ void Strands::set_strands(const StrandArrays& arrays) {
     material_slots_ = checked_material_slots(name(), arrays.material_slots);
 }
 
+/// Before it is known what is local.
+void Strands::add_point(const StrandPoint& point, size_t index) {
+    if (!is_place(axis_point(point)))
+        throw InputError(name(), at("points", index), place_text(axis_point(point)), kCoordinatesWanted);
+    if (!(point.w >= 0.0 && std::isfinite(point.w)))
+        throw InputError(name(), at("radii", index), number_text(static_cast<float>(point.w)),
+                         "0 or a positive finite number");
+    points_.push_back(point);
+}
+
+void Strands::set_moved_points(const StrandArrays& arrays) {
+    const std::span<const double> moved = arrays.moved_points;
+    const size_t count = arrays.points.size() / 3;
+    const size_t steps = count == 0 ? 0 : moved.size() / (4 * count);
+    if (steps < 2 || 4 * count * steps != moved.size())
+        throw InputError(name(), "moved_points", std::to_string(moved.size()) + " numbers",
+                         "two or more times " + std::to_string(4 * count));
+    points_.clear();
+    points_.reserve(count * steps);
+    for (size_t i = 0; i < moved.size(); i += 4)
+        add_point({moved[i], moved[i + 1], moved[i + 2], moved[i + 3]}, i / 4 % count);
+    steps_ = steps;
+}
+
 void Strands::set_points(const StrandArrays& arrays) {
     const size_t count = arrays.points.size() / 3;
     require_size(name(), "radii", arrays.radii, count);
     points_.reserve(count);
-    for (size_t i = 0; i < count; ++i) {
-        const StrandPoint point(arrays.points[3 * i], arrays.points[3 * i + 1], arrays.points[3 * i + 2],
-                                arrays.radii[i]);
-        if (!is_place(axis_point(point)))
-            throw InputError(name(), at("points", i), place_text(axis_point(point)), kCoordinatesWanted);
-        if (!(point.w >= 0.0 && std::isfinite(point.w)))
-            throw InputError(name(), at("radii", i), number_text(arrays.radii[i]), "0 or a positive finite number");
-        points_.push_back(point);
+    for (size_t i = 0; i < count; ++i)
+        add_point({arrays.points[3 * i], arrays.points[3 * i + 1], arrays.points[3 * i + 2], arrays.radii[i]}, i);
+    object_bounds_ = box_at(kMiddleTime);
+    Box3d whole = object_bounds_;
+    if (!arrays.moved_points.empty()) {
+        set_moved_points(arrays);
+        for (size_t step = 0; step < steps(); ++step) whole.extendBy(box_at(time_of_step(step, steps())));
     }
-    for (uint32_t i = 0; i < element_count(); ++i) object_bounds_.extendBy(segment(i).bounds());
-    frame_ = LocalFrame::fitting(object_bounds_);
+    frame_ = LocalFrame::fitting(whole);
     for (StrandPoint& p : points_) {
         const Vec3d local = (axis_point(p) - frame_.center) / frame_.scale;
         p = StrandPoint(local.x, local.y, local.z, p.w / frame_.scale);
     }
-    if (object_bounds_.isEmpty()) return;
-    bounds_ = {frame_.to_local(object_bounds_.min), frame_.to_local(object_bounds_.max)};
+    if (whole.isEmpty()) return;
+    bounds_ = {frame_.to_local(whole.min), frame_.to_local(whole.max)};
+}
+
+Box3d Strands::box_at(float time) const {
+    Box3d box;
+    for (uint32_t i = 0; i < element_count(); ++i) box.extendBy(segment(i, time).bounds());
+    return box;
 }
 
 void Strands::set_attributes(std::vector<StrandAttribute> attributes, AttributeId active_uv) {
@@ -141,7 +169,7 @@ void Strands::set_attributes(std::vector<StrandAttribute> attributes, AttributeI
         const std::string argument = at("attributes", i);
         if (attribute.channels < 1 || attribute.channels > 4)
             throw InputError(name(), argument + ".channels", std::to_string(attribute.channels), "1 to 4");
-        const size_t count = attribute.domain == StrandDomain::Strand ? strand_count() : points_.size();
+        const size_t count = attribute.domain == StrandDomain::Strand ? strand_count() : point_count();
         require_size(name(), argument.c_str(), std::span<const float>(attribute.values), count * attribute.channels);
         const auto bad = std::find_if(attribute.values.begin(), attribute.values.end(),
                                       [](float value) { return !std::isfinite(value); });
@@ -180,12 +208,24 @@ int64_t Strands::first_of_segment(uint32_t segment) const {
     return number * points_of(basis_).stride - (centred ? 1 : 0);
 }
 
-StrandSegment Strands::segment(uint32_t segment) const {
+std::array<StrandPoint, 4> Strands::points_at(const std::array<size_t, 4>& indices, float time) const {
+    std::array<StrandPoint, 4> p{};
+    if (!deforms()) {
+        for (size_t i = 0; i < 4; ++i) p[i] = points_[indices[i]];
+        return p;
+    }
+    const StepShare step = step_share(time, steps());
+    const StrandPoint *from = &points_[step.first * point_count()], *to = from + point_count();
+    for (size_t i = 0; i < 4; ++i) p[i] = from[indices[i]] + (to[indices[i]] - from[indices[i]]) * step.share;
+    return p;
+}
+
+StrandSegment Strands::segment(uint32_t segment, float time) const {
     const uint32_t strand = strand_of_segment_[segment];
     const int64_t first = first_of_segment(segment);
-    std::array<StrandPoint, 4> p{};
-    for (int i = 0; i < 4; ++i) p[i] = points_[point_index(strand, first + i)];
-    return bezier_segment(basis_, p);
+    std::array<size_t, 4> indices{};
+    for (int i = 0; i < 4; ++i) indices[static_cast<size_t>(i)] = point_index(strand, first + i);
+    return bezier_segment(basis_, points_at(indices, time));
 }
 
 Strands::Place Strands::place(uint32_t segment) const {
@@ -197,12 +237,12 @@ Strands::Place Strands::place(uint32_t segment) const {
     return {static_cast<uint32_t>(first_point_[strand] + (first_twice ? 0 : first)), static_cast<uint8_t>(ends)};
 }
 
-StrandSegment Strands::segment(uint32_t segment, const Place& place) const {
-    if ((place.ends & Place::kClosed) != 0) return this->segment(segment);
+StrandSegment Strands::segment(uint32_t segment, const Place& place, float time) const {
+    if ((place.ends & Place::kClosed) != 0) return this->segment(segment, time);
     const size_t shift = place.ends & Place::kFirstTwice, held = place.ends & Place::kLastTwice ? 2 - shift : 3 - shift;
-    std::array<StrandPoint, 4> p{};
-    for (size_t i = 0; i < 4; ++i) p[i] = points_[place.first + std::min(std::max(i, shift) - shift, held)];
-    return bezier_segment(basis_, p);
+    std::array<size_t, 4> indices{};
+    for (size_t i = 0; i < 4; ++i) indices[i] = place.first + std::min(std::max(i, shift) - shift, held);
+    return bezier_segment(basis_, points_at(indices, time));
 }
 
 std::optional<uint32_t> Strands::neighbour(uint32_t segment, int step) const {
@@ -219,7 +259,7 @@ LocalSurface Strands::surface(const LocalHit& hit) const {
     result.normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
     // The root's texture coordinate is that of the whole strand: it is constant, so the derivative by it is only a
     // direction.
-    result.dp_du = normalized_or(Vec3f(axis_point(segment(hit.primitive).derivative(hit.u))), Vec3f(0.0f));
+    result.dp_du = normalized_or(Vec3f(axis_point(segment(hit.primitive, hit.time).derivative(hit.u))), Vec3f(0.0f));
     if (active_uv_ >= 0) {
         const Vec4f uv = attribute_value(attributes_[active_uv_], hit);
         result.uv = {uv.x, uv.y};
@@ -252,7 +292,8 @@ Vec4f Strands::attribute_value(const StrandAttribute& attribute, const LocalHit&
 std::optional<Vec4f> Strands::info_value(AttributeId id, const LocalHit& hit) const {
     const auto scale = static_cast<float>(frame_.scale);
     if (id == info_.is_strand) return as_value(1.0f);
-    if (id == info_.thickness) return as_value(2.0f * scale * static_cast<float>(segment(hit.primitive).at(hit.u).w));
+    if (id == info_.thickness)
+        return as_value(2.0f * scale * static_cast<float>(segment(hit.primitive, hit.time).at(hit.u).w));
     if (id != info_.intercept && id != info_.length) return std::nullopt;
     const uint32_t strand = strand_of_segment_[hit.primitive];
     const float whole = lengths_[first_segment_[strand + 1] - 1];
@@ -276,8 +317,8 @@ uint32_t Strands::material_slot(const LocalHit& hit) const {
 
 /// The wall of the round strand: P = C + r n, n = across cos(angle) + up sin(angle), turned towards the end where the
 /// radius shrinks.
-ElementPoint Strands::element_point(uint32_t element, const Vec2f& parameters) const {
-    const StrandSegment curve = segment(element);
+ElementPoint Strands::element_point_at(uint32_t element, const Vec2f& parameters, float time) const {
+    const StrandSegment curve = segment(element, time);
     const StrandPoint center = curve.at(parameters.x), change = curve.derivative(parameters.x);
     const Vec3d along = axis_point(change);
     const Vec3d tangent = normalized_or(along, Vec3d(0, 0, 1));
@@ -291,6 +332,7 @@ ElementPoint Strands::element_point(uint32_t element, const Vec2f& parameters) c
     result.hit.primitive = element;
     result.hit.u = parameters.x;
     result.hit.v = parameters.y;
+    result.hit.time = time;
     result.hit.position = axis_point(center) + normal * center.w;
     result.hit.normal = Vec3f(normal);
     result.normal = result.hit.normal;

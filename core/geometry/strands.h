@@ -61,6 +61,9 @@ struct StrandArrays {
     AttributeId active_uv = -1;    ///< the attribute that is the surface's `uv`; the first two channels count
     std::vector<StrandAttribute> attributes;
     StrandInfoIds info;
+    /// Of strands that deform, x,y,z and radius of each point at even times of the shutter, time by time; `points` and
+    /// `radii` are those in its middle.
+    std::span<const double> moved_points = {};
 };
 
 class Strands final : public Shape {
@@ -72,7 +75,10 @@ class Strands final : public Shape {
     std::optional<Vec4f> attribute(AttributeId id, const LocalHit& hit) const override;
     uint32_t material_slot(const LocalHit& hit) const override;
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
-    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override {
+        return element_point_at(element, parameters, kMiddleTime);
+    }
+    ElementPoint element_point_at(uint32_t element, const Vec2f& parameters, float time) const override;
     size_t bytes() const override;
 
     StrandForm form() const { return form_; }
@@ -81,8 +87,8 @@ class Strands final : public Shape {
     uint32_t strand_count() const { return static_cast<uint32_t>(first_segment_.size()) - 1; }
     uint32_t strand_of(uint32_t segment) const { return strand_of_segment_[segment]; }
     bool is_cyclic(uint32_t strand) const { return !cyclic_.empty() && cyclic_[strand] != 0; }
-    /// Local space.
-    StrandSegment segment(uint32_t segment) const;
+    /// Local space, at a time of the shutter.
+    StrandSegment segment(uint32_t segment, float time = kMiddleTime) const;
     /// Where a segment's four points lie, for who asks for it often.
     struct Place {
         enum Ends : uint8_t { kWithin = 0, kFirstTwice = 1, kLastTwice = 2, kClosed = 4 };
@@ -90,13 +96,13 @@ class Strands final : public Shape {
         uint8_t ends;    ///< sum of Ends; kClosed: some lie across the end of a closed strand, and `first` says nothing
     };
     Place place(uint32_t segment) const;
-    StrandSegment segment(uint32_t segment, const Place& place) const;
+    StrandSegment segment(uint32_t segment, const Place& place, float time = kMiddleTime) const;
     /// The segment before (step -1) or after (+1) one of the same strand, wrapped around on a closed strand; empty at
     /// an end.
     std::optional<uint32_t> neighbour(uint32_t segment, int step) const;
 
   private:
-    std::vector<StrandPoint> points_;  ///< local space
+    std::vector<StrandPoint> points_;  ///< local space, step by step
     std::vector<uint32_t> first_point_, first_segment_, strand_of_segment_;
     std::vector<uint8_t> cyclic_;
     std::vector<uint16_t> material_slots_;
@@ -110,6 +116,11 @@ class Strands final : public Shape {
 
     void set_strands(const StrandArrays& arrays);
     void set_points(const StrandArrays& arrays);
+    void set_moved_points(const StrandArrays& arrays);
+    void add_point(const StrandPoint& point, size_t index);
+    Box3d box_at(float time) const;
+    size_t point_count() const { return points_.size() / steps(); }
+    std::array<StrandPoint, 4> points_at(const std::array<size_t, 4>& indices, float time) const;
     void set_attributes(std::vector<StrandAttribute> attributes, AttributeId active_uv);
     void measure();
     Vec4f attribute_value(const StrandAttribute& attribute, const LocalHit& hit) const;

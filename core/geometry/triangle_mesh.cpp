@@ -34,44 +34,66 @@ ParameterSlopes weight_slopes(const Vec2f& uv0, const Vec2f& uv1, const Vec2f& u
 
 TriangleMesh::TriangleMesh(TriangleMeshArrays arrays)
     : Shape(ShapeKind::TriangleMesh, std::move(arrays.name)), layout_(arrays.layout) {
-    require_multiple_of_three(name(), "vertices", arrays.vertices.size());
-    require_finite(name(), "vertices", arrays.vertices);
-    const size_t count = arrays.vertices.size() / 3;
-    const auto vertex = [&](size_t i) {
-        return Vec3d(arrays.vertices[3 * i], arrays.vertices[3 * i + 1], arrays.vertices[3 * i + 2]);
-    };
-    for (size_t i = 0; i < count; ++i) object_bounds_.extendBy(vertex(i));
-    frame_ = LocalFrame::fitting(object_bounds_);
-    vertices_.reserve(count);
-    for (size_t i = 0; i < count; ++i) {
-        vertices_.push_back(frame_.to_local(vertex(i)));
-        bounds_.extendBy(vertices_.back());
-    }
+    set_vertices(arrays);
     set_triangles(arrays.triangles);
-    set_corner_normals(arrays.corner_normals);
+    const bool normals_move = deforms() && !arrays.moved_normals.empty();
+    set_corner_normals(normals_move ? arrays.moved_normals : arrays.corner_normals, normals_move ? steps() : 1);
     set_material_slots(arrays.material_slots);
     set_attributes(std::move(arrays.attributes), arrays.active_uv);
 }
 
+void TriangleMesh::set_vertices(const TriangleMeshArrays& arrays) {
+    require_multiple_of_three(name(), "vertices", arrays.vertices.size());
+    require_finite(name(), "vertices", arrays.vertices);
+    require_finite(name(), "moved_vertices", arrays.moved_vertices);
+    const size_t size = arrays.vertices.size();
+    if (size > 0 && !arrays.moved_vertices.empty()) {
+        steps_ = arrays.moved_vertices.size() / size;
+        if (steps_ < 2 || steps_ * size != arrays.moved_vertices.size())
+            throw InputError(name(), "moved_vertices", std::to_string(arrays.moved_vertices.size()) + " numbers",
+                             "two or more times " + std::to_string(size));
+    }
+    const std::span<const float> all = deforms() ? arrays.moved_vertices : arrays.vertices;
+    const auto box_of = [](std::span<const float> of) {
+        Box3d box;
+        for (size_t i = 0; i < of.size(); i += 3) box.extendBy(Vec3d(of[i], of[i + 1], of[i + 2]));
+        return box;
+    };
+    object_bounds_ = box_of(arrays.vertices);
+    frame_ = LocalFrame::fitting(box_of(all));
+    vertices_.reserve(all.size() / 3);
+    for (size_t i = 0; i < all.size(); i += 3) {
+        vertices_.push_back(frame_.to_local(Vec3d(all[i], all[i + 1], all[i + 2])));
+        bounds_.extendBy(vertices_.back());
+    }
+}
+
 void TriangleMesh::set_triangles(std::span<const int32_t> triangles) {
     require_multiple_of_three(name(), "triangles", triangles.size());
-    const auto vertex_count = static_cast<int64_t>(vertices_.size());
+    const auto count = static_cast<int64_t>(vertex_count());
     triangles_.resize(triangles.size() / 3);
     for (size_t i = 0; i < triangles.size(); ++i) {
-        if (triangles[i] < 0 || triangles[i] >= vertex_count)
+        if (triangles[i] < 0 || triangles[i] >= count)
             throw InputError(name(), "triangles[" + std::to_string(i) + "]", std::to_string(triangles[i]),
-                             "a vertex index below " + std::to_string(vertex_count));
+                             "a vertex index below " + std::to_string(count));
         triangles_[i / 3][i % 3] = static_cast<uint32_t>(triangles[i]);
     }
     for (uint32_t i = 0; i < triangles_.size(); ++i)
-        if (max_abs(area_vector(corners(i))) == 0.0) triangles_[i].fill(triangles_[i][0]);
+        if (is_flat(i)) triangles_[i].fill(triangles_[i][0]);
 }
 
-void TriangleMesh::set_corner_normals(std::span<const float> normals) {
+/// Without area, at all times.
+bool TriangleMesh::is_flat(uint32_t triangle) const {
+    for (size_t step = 0; step < steps(); ++step)
+        if (max_abs(area_vector(corners_at(triangle, step))) != 0.0) return false;
+    return true;
+}
+
+void TriangleMesh::set_corner_normals(std::span<const float> normals, size_t steps) {
     if (normals.empty()) return;
-    require_size(name(), "corner_normals", normals.size(), 9 * triangles_.size());
+    require_size(name(), "corner_normals", normals.size(), 9 * triangles_.size() * steps);
     require_finite(name(), "corner_normals", normals);
-    corner_normals_.reserve(3 * triangles_.size());
+    corner_normals_.reserve(3 * triangles_.size() * steps);
     for (size_t i = 0; i < normals.size(); i += 3)
         corner_normals_.push_back(normalized_or(Vec3f(normals[i], normals[i + 1], normals[i + 2]), Vec3f(0.0f)));
 }
@@ -95,9 +117,26 @@ void TriangleMesh::set_attributes(std::vector<CornerAttribute> attributes, Attri
     }
 }
 
-FacetCorners TriangleMesh::corners(uint32_t triangle) const {
+FacetCorners TriangleMesh::corners_at(uint32_t triangle, size_t step) const {
     const std::array<uint32_t, 3>& indices = triangles_[triangle];
-    return {Vec3d(vertices_[indices[0]]), Vec3d(vertices_[indices[1]]), Vec3d(vertices_[indices[2]])};
+    const std::span<const Vec3f> at = vertices(step);
+    return {Vec3d(at[indices[0]]), Vec3d(at[indices[1]]), Vec3d(at[indices[2]])};
+}
+
+FacetCorners TriangleMesh::moved_corners(uint32_t triangle, float time) const {
+    const StepShare step = step_share(time, steps());
+    return mixed(corners_at(triangle, step.first), corners_at(triangle, step.first + 1), step.share);
+}
+
+std::array<Vec3f, 3> TriangleMesh::normals_at(uint32_t triangle, float time) const {
+    const auto at = [&](size_t step) { return &corner_normals_[3 * (step * triangles_.size() + triangle)]; };
+    const Vec3f* normals = at(0);
+    if (corner_normals_.size() == 3 * triangles_.size()) return {normals[0], normals[1], normals[2]};
+    const StepShare step = step_share(time, steps());
+    const Vec3f *before = at(step.first), *after = at(step.first + 1);
+    std::array<Vec3f, 3> result;
+    for (size_t k = 0; k < 3; ++k) result[k] = before[k] + (after[k] - before[k]) * static_cast<float>(step.share);
+    return result;
 }
 
 Vec2f TriangleMesh::corner_uv(uint32_t triangle, int corner) const {
@@ -111,7 +150,7 @@ LocalSurface TriangleMesh::surface(const LocalHit& hit) const {
     result.position = hit.position;
     const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
     result.normal = facet_normal;
-    const FacetCorners p = corners(hit.primitive);
+    const FacetCorners p = corners(hit.primitive, hit.time);
     ParameterSlopes weights{{0, 0}, {0, 0}};
     if (active_uv_ >= 0) {
         const Vec2f uv0 = corner_uv(hit.primitive, 0), uv1 = corner_uv(hit.primitive, 1);
@@ -124,7 +163,7 @@ LocalSurface TriangleMesh::surface(const LocalHit& hit) const {
     }
     if (corner_normals_.empty()) return result;
 
-    const Vec3f* normals = &corner_normals_[3 * static_cast<size_t>(hit.primitive)];
+    const std::array<Vec3f, 3> normals = normals_at(hit.primitive, hit.time);
     const Vec3f sum = normals[0] * (1.0f - hit.u - hit.v) + normals[1] * hit.u + normals[2] * hit.v;
     Vec3f normal = normalized_or(sum, facet_normal);
     const float side = normal.dot(facet_normal) < 0.0f ? -1.0f : 1.0f;
@@ -165,25 +204,30 @@ uint32_t TriangleMesh::material_slot(const LocalHit& hit) const {
     return material_slots_.empty() ? 0u : material_slots_[hit.primitive];
 }
 
-ElementPoint TriangleMesh::element_point(uint32_t element, const Vec2f& parameters) const {
+LocalHit TriangleMesh::point_at(LocalHit hit) const {
+    const FacetCorners p = corners(hit.primitive, hit.time);
+    hit.position = p[0] + (p[1] - p[0]) * double{hit.u} + (p[2] - p[0]) * double{hit.v};
+    hit.normal = Vec3f(normalized_or(area_vector(p), Vec3d(0, 0, 1)));
+    return hit;
+}
+
+ElementPoint TriangleMesh::element_point_at(uint32_t element, const Vec2f& parameters, float time) const {
     ElementPoint result;
     const bool mirrored = parameters.x + parameters.y > 1.0f;
     result.hit.primitive = element;
     result.hit.u = mirrored ? 1.0f - parameters.x : parameters.x;
     result.hit.v = mirrored ? 1.0f - parameters.y : parameters.y;
-    const FacetCorners p = corners(element);
-    const double u = result.hit.u, v = result.hit.v;
-    result.hit.position = p[0] + (p[1] - p[0]) * u + (p[2] - p[0]) * v;
-    const Vec3d area = area_vector(p);
-    result.hit.normal = Vec3f(normalized_or(area, Vec3d(0, 0, 1)));
+    result.hit.time = time;
+    result.hit = point_at(result.hit);
     result.normal = result.hit.normal;
-    result.area_factor = static_cast<float>(0.5 * area.length());
+    result.area_factor = static_cast<float>(0.5 * area_vector(corners(element, time)).length());
     return result;
 }
 
 std::optional<ContentHash> TriangleMesh::hash_of_content() const {
     ContentHasher hasher;
     add_to(hasher);
+    hasher.add(steps_);
     hasher.add(vertices_);
     hasher.add(triangles_);
     hasher.add(corner_normals_);

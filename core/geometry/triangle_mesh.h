@@ -39,6 +39,9 @@ struct TriangleMeshArrays {
     AttributeId active_uv = kNoAttribute;  ///< the attribute that is the surface's `uv`; the first two channels count
     std::vector<CornerAttribute> attributes;
     FacetLayout layout = FacetLayout::Triangles;
+    /// Of a mesh that deforms, the vertices and normals at even times of the shutter, time by time; `vertices` and
+    /// `corner_normals` are those in its middle. Without normals the middle's hold at all times.
+    std::span<const float> moved_vertices = {}, moved_normals = {};
 };
 
 class TriangleMesh final : public Shape {
@@ -50,30 +53,46 @@ class TriangleMesh final : public Shape {
     std::optional<Vec4f> attribute(AttributeId id, const LocalHit& hit) const override;
     uint32_t material_slot(const LocalHit& hit) const override;
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
-    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override {
+        return element_point_at(element, parameters, kMiddleTime);
+    }
+    /// The place that a hit names, where its time has it.
+    LocalHit point_at(LocalHit hit) const;
+    ElementPoint element_point_at(uint32_t element, const Vec2f& parameters, float time) const override;
     std::optional<ContentHash> hash_of_content() const override;
     size_t bytes() const override;
 
-    /// Local space.
-    const std::vector<Vec3f>& vertices() const { return vertices_; }
+    size_t vertex_count() const { return vertices_.size() / steps(); }
+    /// Local space, at one of the steps.
+    std::span<const Vec3f> vertices(size_t step = 0) const {
+        return std::span(vertices_).subspan(step * vertex_count(), vertex_count());
+    }
     /// Vertex indices; those of a triangle without area are all equal.
     const std::vector<std::array<uint32_t, 3>>& triangles() const { return triangles_; }
     /// False if every triangle shows its own flat normal.
     bool is_smooth() const { return !corner_normals_.empty(); }
-    FacetCorners corners(uint32_t triangle) const;
+    /// At a time of the shutter.
+    FacetCorners corners(uint32_t triangle, float time = kMiddleTime) const {
+        return deforms() ? moved_corners(triangle, time) : corners_at(triangle, 0);
+    }
     FacetLayout layout() const { return layout_; }
 
   private:
     FacetLayout layout_;
-    std::vector<Vec3f> vertices_;
+    std::vector<Vec3f> vertices_;  ///< step by step
     std::vector<std::array<uint32_t, 3>> triangles_;
-    std::vector<Vec3f> corner_normals_;  ///< unit; empty: flat
+    std::vector<Vec3f> corner_normals_;  ///< unit, of one step or of all; empty: flat
     std::vector<uint16_t> material_slots_;
     std::vector<CornerAttribute> attributes_;
     int active_uv_ = -1;  ///< index into attributes_
 
+    void set_vertices(const TriangleMeshArrays& arrays);
+    bool is_flat(uint32_t triangle) const;
+    FacetCorners corners_at(uint32_t triangle, size_t step) const;
+    FacetCorners moved_corners(uint32_t triangle, float time) const;
+    std::array<Vec3f, 3> normals_at(uint32_t triangle, float time) const;
     void set_triangles(std::span<const int32_t> triangles);
-    void set_corner_normals(std::span<const float> normals);
+    void set_corner_normals(std::span<const float> normals, size_t steps);
     void set_material_slots(std::span<const int32_t> slots);
     void set_attributes(std::vector<CornerAttribute> attributes, AttributeId active_uv);
     Vec2f corner_uv(uint32_t triangle, int corner) const;

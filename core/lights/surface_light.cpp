@@ -36,15 +36,16 @@ struct Estimate {
 Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_t instance, uint32_t element) {
     const Shape& shape = *tracer.instance(instance).shape;
     const Affine3d local_to_world = tracer.local_to_world(instance, kMiddleTime);
-    const bool moves = tracer.instance(instance).motion != nullptr;
+    const bool moves = tracer.instance(instance).motion != nullptr || shape.deforms();
     const std::span<const float> times =
         moves ? std::span<const float>(kLookTimes) : std::span<const float>(kStillTimes);
     Estimate result;
     for (const float v : {0.0f, 0.5f, 1.0f})
         for (const float u : {0.0f, 0.5f, 1.0f}) {
-            const ElementPoint point = shape.element_point(element, Vec2f(u, v));
-            for (const float time : times)
+            for (const float time : times) {
+                const ElementPoint point = shape.element_point_at(element, Vec2f(u, v), time);
                 result.bounds.extendBy(tracer.local_to_world(instance, time).point(Vec3d(point.hit.position)));
+            }
         }
     for (const Vec2f& probe : kLightProbes) {
         const ElementPoint point = shape.element_point(element, probe);
@@ -97,7 +98,7 @@ std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& posi
     const auto [instance, element] = elements_[item];
     const Shape& shape = *tracer_.instance(instance).shape;
     const Affine3d local_to_world = tracer_.local_to_world(instance, time);
-    const ElementPoint chosen = shape.element_point(element, random);
+    const ElementPoint chosen = shape.element_point_at(element, random, time);
     const WorldElementPoint world = to_world(local_to_world, shape, chosen);
     const Color* even = even_emission_(instance, chosen.hit);
     const SurfacePoint point =
@@ -121,7 +122,7 @@ std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& posi
 
 double SurfaceLights::density(const Vec3d& from, const SurfacePoint& point) const {
     const uint32_t element = point.shape->element_of(point.local);
-    const ElementPoint chosen = point.shape->element_point(element, Vec2f(point.local.u, point.local.v));
+    const ElementPoint chosen = point.shape->element_point_at(element, Vec2f(point.local.u, point.local.v), point.time);
     const WorldElementPoint world = to_world(tracer_.local_to_world(point.instance, point.time), *point.shape, chosen);
     const Vec3d offset = point.position - from;
     const double distance_squared = offset.length2();

@@ -3,6 +3,7 @@
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/corner_attributes.h"
 #include "python/motions.h"
 #include "scene/description.h"
 #include "scene/edits.h"
@@ -51,22 +52,11 @@ uint8_t visibility_of(const std::string& object, int visibility) {
     return static_cast<uint8_t>(visibility);
 }
 
-/// Per-corner attributes: id -> (triangles, 3, channels).
-std::vector<CornerAttribute> corner_attributes(const std::string& name, const std::map<int, Array<float>>& arrays,
-                                               py::ssize_t triangles) {
-    std::vector<CornerAttribute> attributes;
-    for (const auto& [id, array] : arrays) {
-        check_shape(name, "attributes", array, {triangles, 3, -1});
-        const std::span<const float> values = span_of(array);
-        attributes.push_back({id, static_cast<int>(array.shape(2)), {values.begin(), values.end()}});
-    }
-    return attributes;
-}
-
 int add_mesh(SceneDescription& scene, const std::string& name, const Array<float>& vertices,
              const Array<int32_t>& triangles, const std::optional<Array<float>>& corner_normals,
              const std::optional<Array<int32_t>>& material_slots, int uv,
-             const std::optional<std::map<int, Array<float>>>& attributes) {
+             const std::optional<std::map<int, Array<float>>>& attributes,
+             const std::optional<Array<float>>& moved_vertices, const std::optional<Array<float>>& moved_normals) {
     check_shape(name, "vertices", vertices, {-1, 3});
     check_shape(name, "triangles", triangles, {-1, 3});
     const py::ssize_t count = triangles.shape(0);
@@ -81,6 +71,15 @@ int add_mesh(SceneDescription& scene, const std::string& name, const Array<float
     if (material_slots) {
         check_shape(name, "material_slots", *material_slots, {count});
         arrays.material_slots = span_of(*material_slots);
+    }
+    if (moved_vertices) {
+        check_shape(name, "moved_vertices", *moved_vertices, {-1, vertices.shape(0), 3});
+        arrays.moved_vertices = span_of(*moved_vertices);
+    }
+    if (moved_normals) {
+        check_shape(name, "moved_normals", *moved_normals,
+                    {moved_vertices ? moved_vertices->shape(0) : 0, count, 3, 3});
+        arrays.moved_normals = span_of(*moved_normals);
     }
     arrays.active_uv = uv;
     if (attributes) arrays.attributes = corner_attributes(name, *attributes, count);
@@ -339,7 +338,8 @@ void bind_scene(py::module_& module) {
         .def(py::init<std::shared_ptr<SceneParts>>(), "parts"_a = py::none())
         .def("attribute", &SceneDescription::attribute, "name"_a)
         .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a, "corner_normals"_a = py::none(),
-             "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none())
+             "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none(), "moved_vertices"_a = py::none(),
+             "moved_normals"_a = py::none())
         .def("add_surface", &add_surface, "name"_a, "splines"_a)
         .def(
             "add_shape",

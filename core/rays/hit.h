@@ -23,6 +23,7 @@ struct LocalHit {
     uint32_t subpatch = RayAnchor::kNone, levels = 0;
     SeenBy seen_by = SeenBy::Itself;
     float subpatch_length = 0;  ///< the longest line of the subpatch
+    float time = kMiddleTime;   ///< of the shutter, for shapes that deform
 };
 
 /// How an object with a ray cache answered a ray. The numbers are the codes of the mask pass (film/passes.def).

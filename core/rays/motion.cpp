@@ -71,6 +71,13 @@ Vec3d corner(const Box3d& box, int number) {
 
 }  // namespace
 
+StepShare step_share(float time, size_t steps) {
+    const size_t last = steps - 1;
+    const double place = static_cast<double>(shutter_time(time)) * static_cast<double>(last);
+    const size_t first = std::min(static_cast<size_t>(place), last - 1);
+    return {first, place - static_cast<double>(first)};
+}
+
 Motion::Motion(std::span<const Affine3d> places) {
     const bool turns =
         std::all_of(places.begin(), places.end(), [](const Affine3d& place) { return rotation_of(place).has_value(); });
@@ -96,11 +103,8 @@ void Motion::add(const Affine3d& place, bool turns) {
 }
 
 Affine3d Motion::at(float time) const {
-    const size_t last = keys_.size() - 1;
-    const double moment = time > 0.0f ? std::min(static_cast<double>(time), 1.0) : 0.0;
-    const double place = moment * static_cast<double>(last);
-    const size_t first = std::min(static_cast<size_t>(place), last - 1);
-    return between(first, place - static_cast<double>(first));
+    const StepShare step = step_share(time, keys_.size());
+    return between(step.first, step.share);
 }
 
 Affine3d Motion::between(size_t first, double share) const {

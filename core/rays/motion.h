@@ -3,6 +3,8 @@
 
 #include "base/vector.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -10,6 +12,25 @@ namespace rayleaf {
 
 /// The middle of the shutter's time, which runs from 0 to 1.
 inline constexpr float kMiddleTime = 0.5f;
+
+/// A time within the shutter's; NaN counts as 0.
+inline float shutter_time(float time) {
+    return time > 0.0f ? std::min(time, 1.0f) : 0.0f;
+}
+
+/// Where a time lies among even steps of the shutter's time, the first at 0 and the last at 1: so far from one step to
+/// the next.
+struct StepShare {
+    size_t first = 0;
+    double share = 0;
+};
+/// `steps`: at least two.
+StepShare step_share(float time, size_t steps);
+
+/// The time of one of the steps.
+inline float time_of_step(size_t step, size_t steps) {
+    return static_cast<float>(step) / static_cast<float>(steps - 1);
+}
 
 /// A place in each moment of the shutter's time. Between two known places the rotation turns at constant speed, the
 /// short way; the translation, and what is left of the map (scale, shear), go along lines: as Cycles 3.4 has it.
@@ -25,7 +46,7 @@ class Motion {
     Box3d bounds(const Box3d& box) const;
     /// The places at the steps.
     size_t steps() const { return keys_.size(); }
-    float time_of(size_t step) const { return static_cast<float>(step) / static_cast<float>(keys_.size() - 1); }
+    float time_of(size_t step) const { return time_of_step(step, keys_.size()); }
 
   private:
     /// A map as rotation * rest, then translation.

@@ -23,7 +23,15 @@ class MotionVectors {
 
   private:
     Camera camera_;
-    std::vector<std::shared_ptr<const Motion>> motions_;  ///< by instance; null: it stands still
+    /// Of an instance.
+    struct Moving {
+        std::shared_ptr<const Motion> motion;  ///< null: it stands still
+        std::shared_ptr<const Shape> shape;    ///< null: it does not deform
+        Affine3d object_to_world;
+    };
+    std::vector<Moving> instances_;
+
+    Vec3d place(const SurfacePoint& point, float time) const;
 };
 
 }  // namespace rayleaf

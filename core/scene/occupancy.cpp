@@ -15,7 +15,10 @@ constexpr double kTouching = 1e-4;
 
 Box3d box_of_triangle(const TriangleMesh& mesh, uint32_t triangle) {
     Box3d box;
-    for (const Vec3d& corner : mesh.corners(triangle)) box.extendBy(corner);
+    for (size_t step = 0; step < mesh.steps(); ++step) {
+        const float time = mesh.deforms() ? time_of_step(step, mesh.steps()) : kMiddleTime;
+        for (const Vec3d& corner : mesh.corners(triangle, time)) box.extendBy(corner);
+    }
     return box;
 }
 

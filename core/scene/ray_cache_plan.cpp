@@ -65,6 +65,7 @@ SampleSettings samples_for(const ObjectOptics& optics, bool is_volume, bool show
 
 std::string obstacle_of(const Shape& shape, const ObjectOptics& optics, bool is_volume) {
     if (shape.element_count() == 0) return "has no faces";
+    if (shape.deforms()) return "deforms while the shutter is open";
     if (shape.kind() != ShapeKind::TriangleMesh && shape.kind() != ShapeKind::PatchSurface)
         return "is neither a spline surface nor a mesh";
     if (is_volume) return {};

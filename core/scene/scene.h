@@ -110,7 +110,7 @@ class Scene {
     /// Null where the settings ask for no vectors.
     const MotionVectors* motion_vectors() const { return motion_vectors_ ? &*motion_vectors_ : nullptr; }
     /// Whether anything moves while the shutter is open: then rays need a time.
-    bool has_motion() const { return camera_->moves() || tracer_->has_motion(); }
+    bool has_motion() const { return !motion_vectors_ && (camera_->moves() || tracer_->has_motion()); }
 
   private:
     std::vector<Material> materials_;

@@ -79,10 +79,11 @@ RTCGeometry new_user_geometry(void* owner, size_t count, const UserGeometryCallb
     return geometry;
 }
 
-void* new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t item_bytes, size_t count) {
+void* new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t item_bytes, size_t count,
+                        unsigned slot) {
     // Embree gives neither more items than 32 bits count, nor memory that the system has not.
     const bool countable = count <= std::numeric_limits<uint32_t>::max();
-    void* const buffer = countable ? rtcSetNewGeometryBuffer(geometry, type, 0, format, item_bytes, count) : nullptr;
+    void* const buffer = countable ? rtcSetNewGeometryBuffer(geometry, type, slot, format, item_bytes, count) : nullptr;
     if (buffer || (countable && count == 0)) return buffer;
     rtcReleaseGeometry(geometry);
     rtcGetDeviceError(embree_device());  // this error is reported; a later build must not report it again

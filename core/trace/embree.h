@@ -120,10 +120,11 @@ struct UserGeometryCallbacks {
 /// A geometry of `count` primitives whose callbacks get `owner` as geometryUserPtr.
 RTCGeometry new_user_geometry(void* owner, size_t count, const UserGeometryCallbacks& callbacks);
 /// A new buffer of a geometry. Where there is no memory for it, releases the geometry and throws std::bad_alloc.
-void* new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t item_bytes, size_t count);
+void* new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t item_bytes, size_t count,
+                        unsigned slot = 0);
 template <typename T>
-T* new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t count) {
-    return static_cast<T*>(new_embree_buffer(geometry, type, format, sizeof(T), count));
+T* new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t count, unsigned slot = 0) {
+    return static_cast<T*>(new_embree_buffer(geometry, type, format, sizeof(T), count, slot));
 }
 /// Adds a geometry, which it takes over, to a scene as number 0 and builds it. Throws Cancelled if the scene's token
 /// says so, std::runtime_error with Embree's word if the build fails.

@@ -20,14 +20,18 @@ EmbreeStrandScene::EmbreeStrandScene(const Strands& strands, const CancelToken& 
     if (count == 0) return;
     RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE);
     constexpr size_t kPoints = 4;
-    auto* points = new_embree_buffer<Vec4f>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, kPoints * count);
-    auto* indices = new_embree_buffer<uint32_t>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, count);
-    for (uint32_t i = 0; i < count; ++i) {
-        const StrandSegment segment = strands.segment(i);
-        for (const StrandPoint& p : segment.points)
-            *points++ = Vec4f(without_tiny(p.x), without_tiny(p.y), without_tiny(p.z), without_tiny(p.w));
-        indices[i] = kPoints * i;
+    const size_t steps = strands.steps();
+    rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps));
+    for (size_t step = 0; step < steps; ++step) {
+        auto* points = new_embree_buffer<Vec4f>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, kPoints * count,
+                                                static_cast<unsigned>(step));
+        const float time = steps > 1 ? time_of_step(step, steps) : kMiddleTime;
+        for (uint32_t i = 0; i < count; ++i)
+            for (const StrandPoint& p : strands.segment(i, time).points)
+                *points++ = Vec4f(without_tiny(p.x), without_tiny(p.y), without_tiny(p.z), without_tiny(p.w));
     }
+    auto* indices = new_embree_buffer<uint32_t>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, count);
+    for (uint32_t i = 0; i < count; ++i) indices[i] = kPoints * i;
     EmbreeScene scene = new_embree_scene(cancel);
     build_embree_scene(scene, geometry);
     set_scene(std::move(scene), strands.bounds());
@@ -65,7 +69,7 @@ LocalHit EmbreeStrandScene::local_hit(const ShapeHit& hit) const {
     local.u = static_cast<float>(s);
     local.position = hit.point.position;
     local.normal = Vec3f(hit.normal);
-    const Vec3d along = axis_point(strands_->segment(local.primitive).derivative(s));
+    const Vec3d along = axis_point(strands_->segment(local.primitive, hit.time).derivative(s));
     local.v = wall_angle(normalized_or(along, Vec3d(0, 0, 1)), hit.normal);
     return local;
 }

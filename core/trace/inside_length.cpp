@@ -24,18 +24,21 @@ struct Passage {
 
 }  // namespace
 
-double traced_length(const ShapeScene& scene, const Vec3d& origin, const Vec3d& direction, double t_min, double t_max) {
+double traced_length(const ShapeScene& scene, const Vec3d& origin, const Vec3d& direction, float time, double t_min,
+                     double t_max) {
     const double step = kCrossingStep / direction.length();
     Passage passage;
     double from = t_min;
     for (int crossings = 0; crossings < kMostCrossings; ++crossings) {
         // Past t_max too: only the next crossing shows whether the ray ends inside.
-        const std::optional<LocalRay> ray =
+        std::optional<LocalRay> ray =
             clipped_ray(scene.box(), origin, direction, from, std::numeric_limits<double>::infinity());
         ShapeHit hit;
-        if (!ray || !scene.closest(*ray, hit)) break;
+        if (!ray) break;
+        ray->time = time;
+        if (!scene.closest(*ray, hit)) break;
         const double t = hit.point.t;
-        const bool leaves = Vec3d(scene.local_hit(hit).normal).dot(direction) > 0.0;
+        const bool leaves = Vec3d(scene.hit_at(hit, time).normal).dot(direction) > 0.0;
         passage.cross(leaves, std::min(t, t_max), t_min);
         if (t >= t_max) return passage.length;
         from = t + step;

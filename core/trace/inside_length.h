@@ -9,8 +9,9 @@ namespace rayleaf {
 /// any thickness that matters.
 inline constexpr double kCrossingStep = 0x1p-20;
 
-/// In units of t, within the ray's [t_min, t_max]. Bodies of one shape that overlap count once; a ray that starts
-/// inside counts from there.
-double traced_length(const ShapeScene& scene, const Vec3d& origin, const Vec3d& direction, double t_min, double t_max);
+/// In units of t, within the ray's [t_min, t_max], at a time of the shutter. Bodies of one shape that overlap count
+/// once; a ray that starts inside counts from there.
+double traced_length(const ShapeScene& scene, const Vec3d& origin, const Vec3d& direction, float time, double t_min,
+                     double t_max);
 
 }  // namespace rayleaf

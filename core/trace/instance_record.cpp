@@ -133,7 +133,9 @@ std::optional<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& wor
     if (scene->box().isEmpty()) return std::nullopt;
     std::optional<LocalRay> local = clipped_ray(scene->box(), point_to_local(world_ray.origin),
                                                 vector_to_local(world_ray.direction), world_ray.t_min, t_max);
-    if (!local || !scene->has_levels()) return local;
+    if (!local) return local;
+    local->time = shutter_time(world_ray.time);
+    if (!scene->has_levels()) return local;
     local->beam = local_beam(world_ray.beam);
     local->stretch = 1.0f / widening;
     const RaySight& before = world_ray.start.sight;
@@ -149,7 +151,7 @@ std::optional<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray)
     const std::optional<LocalRay> local = local_ray(index, world_ray, world_ray.t_max);
     ShapeHit hit;
     if (!local || !scene->closest(*local, hit)) return std::nullopt;
-    return Hit{hit.point.t, index, scene->local_hit(hit), RayAnswer::NotAsked, {}};
+    return Hit{hit.point.t, index, scene->hit_at(hit, local->time), RayAnswer::NotAsked, {}};
 }
 
 LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
@@ -165,7 +167,8 @@ LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
         if (answer.answer != RayAnswer::Traced) return answer;
     }
     return {cache ? RayAnswer::Traced : RayAnswer::NotAsked,
-            traced_length(*scene, origin, direction, world_ray.t_min, world_ray.t_max), 0.0f};
+            traced_length(*scene, origin, direction, shutter_time(world_ray.time), world_ray.t_min, world_ray.t_max),
+            0.0f};
 }
 
 /// Derivative of N = m/|m|, m the mapped normal: (m' - N (N.m')) / |m|.

@@ -20,7 +20,7 @@ RTCRay LocalRay::embree_ray() const {
     ray.dir_x = float_direction.x;
     ray.dir_y = float_direction.y;
     ray.dir_z = float_direction.z;
-    ray.time = 0.0f;
+    ray.time = time;
     ray.tfar = float_distance(t_max);
     ray.mask = ~0u;
     ray.id = kRayAlone;

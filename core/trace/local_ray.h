@@ -57,6 +57,7 @@ struct LocalRay {
     std::optional<LocalSight> before;               ///< of the ray that found the start, where it matters
     const GeometryCache::Reader* reader = nullptr;  ///< of this thread; null: the shape gets one
 
+    float time = kMiddleTime;        ///< of the shutter, within it
     double start = 0;                ///< t of the float ray's origin
     double speed = 1;                ///< local units per world unit: length of `direction`
     Vec3f float_origin{0, 0, 0};     ///< local

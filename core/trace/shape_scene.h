@@ -42,6 +42,7 @@ struct ShapeHit {
     Vec2d place{0, 0};    ///< in the fine grid: i + fraction, j + fraction
     uint32_t levels = 0;  ///< SubpatchLevels::packed
     SeenBy seen_by = SeenBy::Itself;
+    float time = kMiddleTime;  ///< the ray's, of shapes that deform
 };
 
 /// What a shape's facets are held in.
@@ -116,6 +117,7 @@ struct PacketQuery {
     };
     std::array<Best, kPacketSize> best;  ///< of the lanes that have found something
     OpenFacets open;                     ///< of shapes of blocks
+    float times[kPacketSize] = {};       ///< of the shutter; set for shapes that deform
 
     explicit PacketQuery(Coherence alike) : coherence(alike) { initialize(context); }
     static PacketQuery& of(EmbreeContext* context) { return *reinterpret_cast<PacketQuery*>(context); }
@@ -144,11 +146,11 @@ void for_each_lane(uint32_t lanes, const Visit& visit) {
     for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<size_t>(__builtin_ctz(lanes)));
 }
 
-/// Asks Embree for lanes of a packet.
+/// Asks Embree for lanes of a packet. `times`, by lane, are null where nothing deforms.
 void embree_closest(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
-                    RTCRayHit16& result);
+                    RTCRayHit16& result, const float* times = nullptr);
 void embree_any(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
-                RTCRay16& result);
+                RTCRay16& result, const float* times = nullptr);
 
 /// How often hits on a shape needed a limit normal; of shapes that count that.
 NormalCounters normal_counters(const Shape& shape);
@@ -160,6 +162,8 @@ class ShapeScene {
     ShapeScene& operator=(const ShapeScene&) = delete;
 
     const Shape& shape() const { return *shape_; }
+    /// Whether it matters at what time rays meet it.
+    bool deforms() const { return deforms_; }
     /// Bounds of everything a ray can hit, local space, padded for float rays; empty for an empty shape.
     const Box3d& box() const { return box_; }
 
@@ -175,6 +179,13 @@ class ShapeScene {
     virtual void find_any(PacketQuery& packet) const;
 
     virtual LocalHit local_hit(const ShapeHit& hit) const = 0;
+    /// The hit of a ray of a time.
+    LocalHit hit_at(ShapeHit& hit, float time) const {
+        hit.time = time;
+        LocalHit local = local_hit(hit);
+        local.time = time;
+        return local;
+    }
     /// A point of an element as if a ray had hit its facet there.
     virtual LocalHit on_facet(const LocalHit& hit) const = 0;
     /// How far a float ray may lie beside the true one, local units: coordinates up to 1 are rounded once in its origin
@@ -208,7 +219,7 @@ class ShapeScene {
     }
 
   protected:
-    ShapeScene(const Shape& shape, FacetKind kind) : shape_(&shape), kind_(kind) {}
+    ShapeScene(const Shape& shape, FacetKind kind) : shape_(&shape), kind_(kind), deforms_(shape.deforms()) {}
     /// Embree's scene of the facets; the box is that of the facets, not yet padded.
     void set_scene(EmbreeScene scene, const Box3f& box);
     /// The same of a shape that has a tree of its own.
@@ -220,9 +231,12 @@ class ShapeScene {
     virtual void prepare(ShapeQuery&) const {}
 
   private:
+    const float* times_of(const PacketQuery& packet) const { return deforms_ ? packet.times : nullptr; }
+
     double facet_distance_ = 0;
     const Shape* shape_;
     FacetKind kind_;
+    bool deforms_;
     const GeometryCache* geometry_cache_ = nullptr;
     uint32_t first_subpatch_ = 0;
     EmbreeScene scene_;

@@ -40,10 +40,7 @@ void StrandScene::add_pieces(const CancelToken& cancel) {
         cancel.throw_if_cancelled();
         const auto end = std::min(static_cast<uint32_t>(levels.size()), (part + 1) * kAtOnce);
         for (uint32_t segment = part * kAtOnce; segment < end; ++segment) {
-            const StrandSegment curve = strands_->segment(segment);
-            const std::array<StrandPoint, 4>& p = curve.points;
-            if (std::max(std::max(p[0].w, p[1].w), std::max(p[2].w, p[3].w)) == 0.0) continue;  // nothing to hit
-            levels[segment] = spheres ? 0 : split_level(curve);
+            if (can_be_hit(segment)) levels[segment] = spheres ? 0 : split_level(strands_->segment(segment));
         }
     });
     for (uint32_t segment = 0; segment < levels.size(); ++segment) {
@@ -53,6 +50,16 @@ void StrandScene::add_pieces(const CancelToken& cancel) {
         for (uint16_t index = 0; index < count; ++index)
             pieces_.push_back({segment, index, level, strands_->place(segment)});
     }
+}
+
+bool StrandScene::can_be_hit(uint32_t segment) const {
+    const size_t steps = strands_->steps();
+    for (size_t step = 0; step < steps; ++step) {
+        const float time = steps > 1 ? time_of_step(step, steps) : kMiddleTime;
+        for (const StrandPoint& p : strands_->segment(segment, time).points)
+            if (p.w != 0.0) return true;
+    }
+    return false;
 }
 
 void StrandScene::build_tree(const CancelToken& cancel) {
@@ -67,22 +74,47 @@ void StrandScene::build_tree(const CancelToken& cancel) {
     sorted.reserve(pieces_.size());
     for (const uint32_t item : leaves.items) sorted.push_back(pieces_[item]);
     pieces_ = std::move(sorted);
-    capsules_ = LargeArray<Capsules>(leaves.count());
+    const size_t steps = strands_->steps();
+    capsules_ = LargeArray<Capsules>(leaves.count() * steps);
     tbb::parallel_for(uint32_t{0}, leaves.count(), [&](uint32_t leaf) {
-        Capsules& capsules = capsules_[leaf] = {};
-        capsules.first_piece = leaves.first[leaf];
-        capsules.count = leaves.first[leaf + 1] - capsules.first_piece;
-        for (uint32_t lane = 0; lane < capsules.count; ++lane)
-            set_capsule(capsules, lane, pieces_[capsules.first_piece + lane]);
+        for (size_t step = 0; step < steps; ++step) {
+            Capsules& capsules = capsules_[leaf * steps + step] = {};
+            capsules.first_piece = leaves.first[leaf];
+            capsules.count = leaves.first[leaf + 1] - capsules.first_piece;
+            const float time = steps > 1 ? time_of_step(step, steps) : kMiddleTime;
+            for (uint32_t lane = 0; lane < capsules.count; ++lane)
+                set_capsule(capsules, lane, pieces_[capsules.first_piece + lane], time);
+        }
     });
 }
 
-void StrandScene::set_capsule(Capsules& capsules, uint32_t lane, const Piece& piece) const {
+/// What holds a piece at two times, mixed, holds it in between: its points go along lines, and neither their bend nor
+/// the radius is more than the mean of both.
+const Capsules& StrandScene::mixed_capsules(uint32_t leaf, float time, std::optional<Capsules>& found) const {
+    Capsules& room = found.emplace();
+    const StepShare step = step_share(time, strands_->steps());
+    const Capsules* from = &capsules_[leaf * strands_->steps() + step.first];
+    const Capsules& to = from[1];
+    const auto share = static_cast<float>(step.share);
+    const auto mix = [share](const float(&a)[Capsules::kMost], const float(&b)[Capsules::kMost], float* out) {
+        for (uint32_t lane = 0; lane < Capsules::kMost; ++lane) out[lane] = a[lane] + (b[lane] - a[lane]) * share;
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        mix(from->begin[axis], to.begin[axis], room.begin[axis]);
+        mix(from->way[axis], to.way[axis], room.way[axis]);
+    }
+    mix(from->radius, to.radius, room.radius);
+    room.first_piece = from->first_piece;
+    room.count = from->count;
+    return room;
+}
+
+void StrandScene::set_capsule(Capsules& capsules, uint32_t lane, const Piece& piece, float time) const {
     StrandSegment curve;
     if (strands_->form() == StrandForm::Spheres)
-        curve.points.fill(ball(piece));
+        curve.points.fill(ball(piece, time));
     else
-        curve = segment_of(piece).part(piece.level, piece.index);
+        curve = segment_of(piece, time).part(piece.level, piece.index);
     const std::array<StrandPoint, 4>& p = curve.points;
     // |C - chord| <= max|C''| / 8, and |C''| <= 6 max|second difference|.
     const double bend =
@@ -107,13 +139,22 @@ uint16_t StrandScene::split_level(const StrandSegment& segment) const {
     return level;
 }
 
-StrandPoint StrandScene::ball(const Piece& piece) const {
-    return segment_of(piece).at(static_cast<double>(piece.index) / strands_->spheres_per_segment());
+StrandPoint StrandScene::ball(const Piece& piece, float time) const {
+    return segment_of(piece, time).at(static_cast<double>(piece.index) / strands_->spheres_per_segment());
 }
 
+/// At all times.
 Box3d StrandScene::box_of(const Piece& piece) const {
-    if (strands_->form() != StrandForm::Spheres) return segment_of(piece).part(piece.level, piece.index).bounds();
-    const StrandPoint center = ball(piece);
+    if (!deforms()) return box_at(piece, kMiddleTime);
+    Box3d box;
+    for (size_t step = 0; step < strands_->steps(); ++step)
+        box.extendBy(box_at(piece, time_of_step(step, strands_->steps())));
+    return box;
+}
+
+Box3d StrandScene::box_at(const Piece& piece, float time) const {
+    if (strands_->form() != StrandForm::Spheres) return segment_of(piece, time).part(piece.level, piece.index).bounds();
+    const StrandPoint center = ball(piece, time);
     return {axis_point(center) - Vec3d(center.w), axis_point(center) + Vec3d(center.w)};
 }
 

@@ -91,19 +91,21 @@ struct StrandScene::Query {
 
 StrandSpans StrandScene::spans(const Query& query, const Piece& piece, double needs_leave_before) const {
     if (strands_->form() == StrandForm::Spheres) {
-        const StrandSegment in_frame = query.frame.to_frame(segment_of(piece));
+        const StrandSegment in_frame = query.frame.to_frame(segment_of(piece, query.ray->time));
         StrandSpans result;
         if (const auto span =
                 ball_span(in_frame.at(static_cast<double>(piece.index) / strands_->spheres_per_segment())))
             result.add(*span);
         return result;
     }
-    return round_spans(query.frame.to_frame(segment_of(piece)).part(piece.level, piece.index), needs_leave_before);
+    return round_spans(query.frame.to_frame(segment_of(piece, query.ray->time)).part(piece.level, piece.index),
+                       needs_leave_before);
 }
 
 /// The nearest first: a hit rules out those behind it.
 void StrandScene::visit_leaf(Query& query, uint32_t leaf, float& farthest) const {
-    const Capsules& capsules = capsules_[leaf];
+    std::optional<Capsules> room;
+    const Capsules& capsules = this->capsules(leaf, query.ray->time, room);
     float nears[Capsules::kMost];
     uint32_t met = meet_capsules_(capsules, query.float_frame, {-kAlongError, farthest}, nears);
     while (met != 0) {
@@ -192,7 +194,8 @@ bool StrandScene::find_holding(Query& query, uint32_t strand, double distance) c
 }
 
 void StrandScene::visit_holding(Query& query, uint32_t leaf) const {
-    const Capsules& capsules = capsules_[leaf];
+    std::optional<Capsules> room;
+    const Capsules& capsules = this->capsules(leaf, query.ray->time, room);
     const auto place = static_cast<float>(query.wanted_distance);
     float nears[Capsules::kMost];
     const uint32_t met = meet_capsules_(capsules, query.float_frame, {place - kAlongError, place + kAlongError}, nears);
@@ -227,13 +230,13 @@ bool StrandScene::is_nearest_at_end(const Query& query, const Piece& piece, cons
         index = 0;
     }
     const StrandSegment other =
-        query.frame.to_frame(strands_->segment(segment)).part(level, static_cast<uint32_t>(index));
+        query.frame.to_frame(strands_->segment(segment, query.ray->time)).part(level, static_cast<uint32_t>(index));
     const StrandPoint direction = other.derivative(end > 0 ? 0.0 : 1.0);
     return recedes(in_frame.points[end > 0 ? 3 : 0], direction, end);
 }
 
 void StrandScene::visit_ribbon(Query& query, const Piece& piece) const {
-    const StrandSegment curve = query.frame.to_frame(segment_of(piece)).part(piece.level, piece.index);
+    const StrandSegment curve = query.frame.to_frame(segment_of(piece, query.ray->time)).part(piece.level, piece.index);
     const RibbonHits found = ribbon_hits(curve);
     for (int i = 0; i < found.count; ++i) {
         const RibbonHit& hit = found.hits[i];
@@ -256,8 +259,9 @@ void StrandScene::find(const LocalRay& ray, Query& query) const {
     };
     for (;;) {
         float farthest = ray.float_distance(query.farthest);
-        traversal_.alone(tree_.nodes(), ray.float_origin, ray.float_direction, &farthest,
-                         {visit_one, &query, capsules_.data(), sizeof(Capsules)});
+        traversal_.alone(
+            tree_.nodes(), ray.float_origin, ray.float_direction, &farthest,
+            {visit_one, &query, capsules_.data(), static_cast<uint32_t>(sizeof(Capsules) * strands_->steps())});
         if (query.any || !is_inside(query)) return;
         query.restart();
     }
@@ -293,6 +297,7 @@ struct StrandScene::Packet {
             ray.t_max = from.t_max[lane];
             ray.start = from.start[lane];
             ray.speed = from.speed[lane];
+            ray.time = packet.times[lane];
             queries[lane].emplace(scene, ray, wanted);
         });
     }
@@ -314,8 +319,9 @@ void StrandScene::find(PacketQuery& packet, Wanted wanted) const {
         for_each_lane(lanes, [&](size_t lane) {
             farthest[lane] = asked.rays[lane].float_distance(asked.queries[lane]->farthest);
         });
-        traversal_.packet(tree_.nodes(), packet.rays, lanes, kFewStrandRays, farthest,
-                          {visit_lanes, &asked, capsules_.data(), sizeof(Capsules)});
+        traversal_.packet(
+            tree_.nodes(), packet.rays, lanes, kFewStrandRays, farthest,
+            {visit_lanes, &asked, capsules_.data(), static_cast<uint32_t>(sizeof(Capsules) * strands_->steps())});
         uint32_t again = 0;
         for_each_lane(lanes, [&](size_t lane) {
             Query& query = *asked.queries[lane];
@@ -346,7 +352,7 @@ void StrandScene::find_any(PacketQuery& packet) const {
 void StrandScene::set_normal(Query& query) const {
     const FacetId& facet = query.best.facet;
     const double s = query.best.point.u;
-    const StrandSegment curve = strands_->segment(facet.primitive);
+    const StrandSegment curve = strands_->segment(facet.primitive, query.ray->time);
     const Vec3d radius = query.best.point.position - axis_point(curve.at(s));
     const Vec3d towards = -query.frame.along;
     if (strands_->form() != StrandForm::Ribbon) {
@@ -359,7 +365,7 @@ void StrandScene::set_normal(Query& query) const {
 
 LocalHit StrandScene::local_hit(const ShapeHit& hit) const {
     LocalHit local;
-    const StrandSegment curve = strands_->segment(hit.facet.primitive);
+    const StrandSegment curve = strands_->segment(hit.facet.primitive, hit.time);
     const double s = std::clamp(hit.point.u, 0.0, 1.0);
     local.primitive = hit.facet.primitive;
     local.u = static_cast<float>(s);

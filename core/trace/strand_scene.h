@@ -11,6 +11,7 @@
 #include "trace/shape_scene.h"
 #include "trace/strand_intersection.h"
 
+#include <optional>
 #include <vector>
 
 namespace rayleaf {
@@ -53,20 +54,30 @@ class StrandScene final : public ShapeScene {
     enum class Wanted : uint8_t { Closest, Any };
 
     const Strands* strands_;
-    std::vector<Piece> pieces_;  ///< leaf by leaf
-    LargeArray<Capsules> capsules_;
+    std::vector<Piece> pieces_;      ///< leaf by leaf
+    LargeArray<Capsules> capsules_;  ///< leaf by leaf, each at all steps
     MeetCapsules meet_capsules_;
     BoxTraversal traversal_;
     BoxTree tree_;  ///< of capsules_
 
     void add_pieces(const CancelToken& cancel);
     uint16_t split_level(const StrandSegment& segment) const;
-    StrandPoint ball(const Piece& piece) const;
+    StrandPoint ball(const Piece& piece, float time) const;
     Box3d box_of(const Piece& piece) const;
+    Box3d box_at(const Piece& piece, float time) const;
+    /// Whether a segment is thicker than nothing at some time.
+    bool can_be_hit(uint32_t segment) const;
+    /// A leaf's at a time, mixed in `room` where they move.
+    const Capsules& capsules(uint32_t leaf, float time, std::optional<Capsules>& room) const {
+        return deforms() ? mixed_capsules(leaf, time, room) : capsules_[leaf];
+    }
+    const Capsules& mixed_capsules(uint32_t leaf, float time, std::optional<Capsules>& room) const;
     void build_tree(const CancelToken& cancel);
-    void set_capsule(Capsules& capsules, uint32_t lane, const Piece& piece) const;
+    void set_capsule(Capsules& capsules, uint32_t lane, const Piece& piece, float time) const;
     StrandSpans spans(const Query& query, const Piece& piece, double needs_leave_before) const;
-    StrandSegment segment_of(const Piece& piece) const { return strands_->segment(piece.segment, piece.place); }
+    StrandSegment segment_of(const Piece& piece, float time) const {
+        return strands_->segment(piece.segment, piece.place, time);
+    }
     double place_of(const Piece& piece, double s) const;
     void find(const LocalRay& ray, Query& query) const;
     void find(PacketQuery& packet, Wanted wanted) const;

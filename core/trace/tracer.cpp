@@ -200,8 +200,10 @@ const InstanceRecord& Tracer::Implementation::record_at(uint32_t instance, float
 SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit, float time) const {
     std::optional<InstanceRecord> room;
     const InstanceRecord& record = implementation_->record_at(instance, time, room);
+    LocalHit now = hit;
+    now.time = shutter_time(time);
     SurfacePoint point =
-        record.surface_point(instance, record.scene->on_facet(hit), 0.0, nullptr, SurfaceDetail::Curvature);
+        record.surface_point(instance, record.scene->on_facet(now), 0.0, nullptr, SurfaceDetail::Curvature);
     point.time = time;
     return point;
 }
@@ -239,7 +241,8 @@ Affine3d Tracer::local_to_world(uint32_t index, float time) const {
 }
 
 bool Tracer::has_motion() const {
-    return !implementation_->moving_boxes.empty();
+    const auto deforms = [](const std::shared_ptr<ShapeScene>& shape) { return shape->deforms(); };
+    return !implementation_->moving_boxes.empty() || std::ranges::any_of(implementation_->shapes, deforms);
 }
 
 Box3d Tracer::bounds() const {

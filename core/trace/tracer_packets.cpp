@@ -132,6 +132,9 @@ void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_
     shape.lanes = record.motion ? into_shape(packet, record, lanes)
                                 : clip_packet(packet.world, lanes, record.to_local(), record.scene->box(), shape.rays);
     if (shape.lanes == 0) return;
+    if (record.scene->deforms())
+        for_each_lane(shape.lanes,
+                      [&](size_t lane) { shape.times[lane] = shutter_time(packet.queries[lane].ray->time); });
     if (wanted == Wanted::Any) {
         record.scene->find_any(shape);
         for_each_lane(shape.found, [&](size_t lane) { packet.queries[lane].found = true; });

@@ -130,12 +130,12 @@ void Tracer::Implementation::ask_above(Query& query, Wanted wanted) const {
     traversal.alone(tree.nodes(), ray->float_origin, ray->float_direction, &farthest, {visit_one, &asked});
 }
 
-void Tracer::Implementation::set_hit(const Query& query, Hit& hit) const {
+void Tracer::Implementation::set_hit(Query& query, Hit& hit) const {
     hit.t = query.farthest;
     hit.instance = query.instance;
     hit.answer = query.answer;
     if (!hit.is_interpolated()) {
-        hit.local = records[query.instance].scene->local_hit(query.best);
+        hit.local = records[query.instance].scene->hit_at(query.best, shutter_time(query.ray->time));
         return;
     }
     std::optional<InstanceRecord> room;
@@ -153,7 +153,7 @@ RaySight Tracer::Implementation::sight_from(const Ray& ray, const Hit& hit) cons
     return sight;
 }
 
-RayAnswer Tracer::Implementation::answer(const Query& query, std::optional<Hit>& hit) const {
+RayAnswer Tracer::Implementation::answer(Query& query, std::optional<Hit>& hit) const {
     if (!query.found) return query.missed;
     set_hit(query, hit.emplace());
     return query.answer == RayAnswer::NotAsked ? query.missed : query.answer;

@@ -74,7 +74,7 @@ struct Tracer::Implementation {
     enum class Wanted : uint8_t { Closest, Any };
     void ask_all(Query& query, Wanted wanted) const;
     void ask_above(Query& query, Wanted wanted) const;
-    void set_hit(const Query& query, Hit& hit) const;
+    void set_hit(Query& query, Hit& hit) const;
     RaySight sight_from(const Ray& ray, const Hit& hit) const;
 
     /// Up to sixteen rays that go through the instances together.
@@ -97,7 +97,7 @@ struct Tracer::Implementation {
     }
     void visit_shape(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const;
     uint32_t into_shape(Packet& packet, const InstanceRecord& record, uint32_t lanes) const;
-    RayAnswer answer(const Query& query, std::optional<Hit>& hit) const;
+    RayAnswer answer(Query& query, std::optional<Hit>& hit) const;
 };
 
 }  // namespace rayleaf

@@ -19,7 +19,8 @@ uint32_t triangle_of(const RTCFilterFunctionNArguments* arguments, unsigned plac
 /// Of a single ray or of a packet's: whether the hit is the nearest so far.
 bool offer(const RTCFilterFunctionNArguments* arguments, unsigned place) {
     const uint32_t triangle = triangle_of(arguments, place);
-    const FacetCorners corners = mesh_of(arguments).corners(triangle);
+    const FacetCorners corners =
+        mesh_of(arguments).corners(triangle, RTCRayN_time(arguments->ray, arguments->N, place));
     const uint32_t lane = RTCRayN_id(arguments->ray, arguments->N, place);
     if (lane == kRayAlone) return ShapeQuery::of(arguments->context).facets.offer({triangle, 0}, corners);
     PacketQuery& packet = PacketQuery::of(arguments->context);
@@ -77,10 +78,14 @@ TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel
     if (mesh.triangles().empty()) return;
     const bool quads = mesh.layout() == FacetLayout::Quads;
     RTCGeometry geometry = rtcNewGeometry(embree_device(), quads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
-    // Embree reads 16 bytes at the last vertex, so it gets a copy of its own with room behind.
-    const size_t count = mesh.vertices().size();
-    auto* vertices = new_embree_buffer<Vec3f>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, count);
-    std::copy(mesh.vertices().begin(), mesh.vertices().end(), vertices);
+    rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(mesh.steps()));
+    for (size_t step = 0; step < mesh.steps(); ++step) {
+        // Embree reads 16 bytes at the last vertex, so it gets a copy of its own with room behind.
+        const std::span<const Vec3f> from = mesh.vertices(step);
+        auto* vertices = new_embree_buffer<Vec3f>(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, from.size(),
+                                                  static_cast<unsigned>(step));
+        std::copy(from.begin(), from.end(), vertices);
+    }
     if (quads)
         set_quads(geometry, mesh);
     else
@@ -99,9 +104,13 @@ LocalHit TriangleScene::local_hit(const ShapeHit& hit) const {
     local.u = static_cast<float>(hit.point.u);
     local.v = static_cast<float>(hit.point.v);
     local.position = hit.point.position;
-    const Vec3d area = area_vector(mesh_->corners(hit.facet.primitive));
+    const Vec3d area = area_vector(mesh_->corners(hit.facet.primitive, hit.time));
     local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
     return local;
+}
+
+LocalHit TriangleScene::on_facet(const LocalHit& hit) const {
+    return deforms() ? mesh_->point_at(hit) : hit;
 }
 
 }  // namespace rayleaf

@@ -11,7 +11,9 @@ class TriangleScene final : public ShapeScene {
     TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel);
 
     LocalHit local_hit(const ShapeHit& hit) const override;
-    LocalHit on_facet(const LocalHit& hit) const override { return hit; }
+    LocalHit on_facet(const LocalHit& hit) const override;
+    /// Embree rounds vertices once more where it mixes those of two times.
+    double float_error() const override { return deforms() ? 0x1p-20 : ShapeScene::float_error(); }
     uint64_t triangle_count() const override { return mesh_->triangles().size(); }
 
   private:

@@ -313,7 +313,8 @@ class Strands:
     points (n, 3), radii (n,), offsets (strands + 1,), cyclic and material_slots (strands,). basis: LINEAR, CATMULL_ROM,
     BSPLINE, BEZIER (3 points a segment and 1 more). form: ROUND, RIBBON, SPHERES, EMBREE_ROUND. attributes: id ->
     (strands, channels); point_attributes: id -> (n, channels); `uv` is the id of the active UV map. info: IS_STRAND,
-    INTERCEPT, LENGTH, THICKNESS -> id of the attribute by which shading reads it.
+    INTERCEPT, LENGTH, THICKNESS -> id of the attribute by which shading reads it. moved_points (steps, n, 4): points and
+    radii at even times of the shutter, of strands that deform.
     """
 
     def __init__(
@@ -331,6 +332,7 @@ class Strands:
         attributes: dict[int, Floats] = {},
         point_attributes: dict[int, Floats] = {},
         info: dict[str, int] = {},
+        moved_points: Doubles | None = None,
     ) -> None: ...
 
 def strand_tubes(strands: Strands, rings: int, sides: int, facets: str = "TRIANGLES") -> Any:
@@ -411,10 +413,13 @@ class SceneDescription:
         material_slots: Ints | None = None,
         uv: int = -1,
         attributes: dict[int, Floats] | None = None,
+        moved_vertices: Floats | None = None,
+        moved_normals: Floats | None = None,
     ) -> int:
         """vertices (n, 3), triangles (m, 3), corner_normals (m, 3, 3) or None for flat, material_slots (m,).
 
         attributes: id -> (m, 3, channels), channels 1..4; `uv` is the id of the active UV map, -1 if there is none.
+        moved_vertices (steps, n, 3), moved_normals (steps, m, 3, 3): of a mesh that deforms, at even times of the shutter.
         """
     def add_shape(self, shape: Any) -> int: ...
     def add_surface(self, name: str, splines: Sequence[NurbsSpline]) -> int: ...

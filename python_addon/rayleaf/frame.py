@@ -77,7 +77,8 @@ class FrameRender:
         self._status("exporting", 0.0)
         exporter = SceneExporter(self.core, self.depsgraph, self._messages, self._engine.test_break, self._parts)
         shown, check = {entry.identifier for entry in self._passes}, CancelCheck(self._engine.test_break)
-        with shutter_open(self._engine, self.depsgraph, self.frame, passes.VECTOR in shown, check) as motions:
+        arguments = (self.core, self._engine, self.depsgraph, self.frame, passes.VECTOR in shown, check)
+        with shutter_open(*arguments) as motions:
             description = exporter.export(self.frame, needs_uv="uv" in shown, motions=motions)
         exported = time.perf_counter()
         session = RenderThread(self.core, description, self.core.Settings(**self._settings()), self._ray_caches)

@@ -64,6 +64,8 @@ class RAYLEAF_PT_object_motion_blur(_Panel, bpy.types.Panel):
         column = self._column()
         column.active = context.object.cycles.use_motion_blur
         column.prop(context.object.cycles, "motion_steps", text="Steps")
+        if context.object.type != "CAMERA":
+            column.prop(context.object.cycles, "use_deform_motion", text="Deformation")
 
 
 CLASSES = (RAYLEAF_PT_motion_blur, RAYLEAF_PT_shutter_curve, RAYLEAF_PT_object_motion_blur)

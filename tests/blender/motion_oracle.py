@@ -14,11 +14,12 @@ report = globals()["report"]  # given by the test
 FRAME = 10
 
 
-def paint(name):
+def paint(name, place_by="Generated"):
     """A material that glows in colours of the object's own space: what moves shows it, and lamps make no noise."""
     material, tree, _ = scenes.material(name)
     place, glow = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeEmission")
-    tree.links.new(place.outputs["Generated"], glow.inputs["Color"])
+    if place_by is not None:
+        tree.links.new(place.outputs[place_by], glow.inputs["Color"])
     tree.links.new(glow.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     return material
 
@@ -28,7 +29,7 @@ def keyed(owner, path, *values):
     for number, value in enumerate(values):
         setattr(owner, path, value)
         owner.keyframe_insert(path, frame=FRAME - 1 + 2 * number / (len(values) - 1))
-    for curve in versions.animation_curves(owner):
+    for curve in versions.animation_curves(owner.id_data):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 
@@ -114,6 +115,73 @@ def appearing(scene):
     body.keyframe_insert("hide_render", frame=FRAME)
 
 
+def bent(body, moved):
+    """A shape key that takes the points of a body elsewhere, slowly at first."""
+    body.shape_key_add(name="rest")
+    key = body.shape_key_add(name="bent")
+    for point in key.data:
+        point.co = moved(point.co.copy())
+    keyed(key, "value", 0.0, 0.3, 1.0)
+    return body
+
+
+def grid(subdivisions=8, size=2.4):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=subdivisions, y_subdivisions=subdivisions, size=size)
+    bpy.context.object.data.materials.append(paint("grid", "UV"))
+    return bpy.context.object
+
+
+def waved(point):
+    point.z += 0.6 * math.sin(2 * point.x)
+    point.x += 0.4 * point.y
+    return point
+
+
+def waving_mesh(scene):
+    bent(grid(), waved)
+
+
+def twisting_mesh(scene):
+    """Turned by a modifier, while the object moves."""
+    body = cube()
+    body.data.materials[0] = paint("twisted", "UV")  # Generated coordinates are those of the form that is rendered
+    modifier = body.modifiers.new("twist", "SIMPLE_DEFORM")
+    modifier.deform_method, modifier.deform_axis = "TWIST", "Z"
+    for number, angle in enumerate((0.0, 1.5, 3.0)):
+        modifier.angle = angle
+        modifier.keyframe_insert("angle", frame=FRAME - 1 + number)
+    for curve in versions.animation_curves(body):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+    keyed(body, "location", (-0.6, 0.3, 0), (0.6, 0.6, 0.3))
+
+
+def still_mesh(scene):
+    bent(grid(), waved).cycles.use_deform_motion = False
+
+
+def tipped(point):
+    point.z += 0.4 * point.x
+    point.x += 1.6
+    return point
+
+
+def combed_hair(scene):
+    """Thick strands on a ground that moves and tips by its points."""
+    scene.cycles_curves.shape, scene.rayleaf.strand_shape = "THICK", "ROUND"
+    ground = bent(grid(2, 1.2), tipped)
+    ground.data.materials[0] = paint("hair", None)
+    ground.show_instancer_for_render = False
+    ground.rotation_euler = (1.6, 0, 0)  # strands are seen from the side: their ends differ in Cycles
+    ground.modifiers.new("hair", "PARTICLE_SYSTEM")
+    settings = ground.particle_systems[0].settings
+    settings.type, settings.count, settings.hair_length, settings.hair_step = "HAIR", 12, 2.0, 2
+    settings.emit_from, settings.distribution, settings.use_modifier_stack = "FACE", "JIT", True
+    settings.root_radius = settings.tip_radius = 1.0
+    settings.radius_scale, settings.shape, settings.use_close_tip = 0.06, 0.0, False
+    settings.display_step = settings.render_step = 2
+
+
 def panning(scene):
     cube()
     keyed(scene.camera, "location", (-0.5, -1.5, 7), (0.4, -1.2, 6.5))
@@ -163,6 +231,10 @@ CASES = (
     sheet,
     parented,
     appearing,
+    waving_mesh,
+    twisting_mesh,
+    still_mesh,
+    combed_hair,
     panning,
     zooming,
     orthographic,
@@ -175,7 +247,9 @@ CASES = (
 
 # Not by zooms, which Cycles leaves out of vectors, and not in fisheyes, where it mirrors them; nor by orthographic cameras in
 # 4.5 and later, where they are not the way of a point in Blender's own projection any more.
-VECTOR_CASES = (driven_cube, sheet, parented, panning) + ((orthographic,) if bpy.app.version < (4, 4) else ())
+VECTOR_CASES = (driven_cube, sheet, parented, waving_mesh, panning) + (
+    (orthographic,) if bpy.app.version < (4, 4) else ()
+)
 
 
 def compared(case, folder):

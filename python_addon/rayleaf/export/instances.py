@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..names import bytes_of_name, name_of
 from . import curves, surfaces
+from .deformation import WITH_MESH_TWIN, is_own_data
 from .motion import Motions
 from .random_numbers import random_of_name
 from .strands import hair_systems
@@ -25,9 +26,7 @@ _RANDOM_RANGE = 0xFFFFFFFF
 VISIBLE_CAMERA, VISIBLE_DIFFUSE, VISIBLE_GLOSSY, VISIBLE_TRANSMISSION, VISIBLE_SHADOW = 1, 2, 4, 8, 16
 VISIBLE_VOLUME = 32  # to rays that a medium has scattered
 
-# What has faces only through the mesh that Blender evaluates beside it.
-_WITH_MESH_TWIN = {"CURVE", "SURFACE", "FONT", "META"}
-# Of these, what the core can render from control points.
+# Of what has a mesh beside it, what the core can render from control points.
 WITH_EXACT_FORM = {"SURFACE", "CURVE", "FONT"}
 _UNSUPPORTED = {"VOLUME": "OpenVDB volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
 
@@ -208,14 +207,14 @@ class _Collector:
         if kind == "MESH":
             if settings.type in WITH_EXACT_FORM and self._exact.has(settings):
                 return None  # the mesh beside exact splines
-            return Group(settings, data, exact=False, from_owner=_is_own_data(settings, data), members=[])
+            return Group(settings, data, exact=False, from_owner=is_own_data(settings, data), members=[])
         if kind in WITH_EXACT_FORM and self._exact.has(settings):
             return Group(settings, data, exact=True, from_owner=True, members=[])
         if kind == "CURVES":
             return Group(settings, data, exact=False, from_owner=True, members=[])
         if kind in _UNSUPPORTED:
             self._result.skipped[name_of(settings)] = f"{_UNSUPPORTED[kind]} are not supported"
-        if kind in _WITH_MESH_TWIN:
+        if kind in WITH_MESH_TWIN:
             self._result.without_faces.append(settings)
         return None
 
@@ -243,11 +242,6 @@ def collect(
     finally:
         deque(listed, maxlen=0)
     return collector.result()
-
-
-def _is_own_data(owner: Any, data: Any) -> bool:
-    """True if the mesh is the owner's own, or made from it; geometry nodes may instance meshes of others."""
-    return owner.type in _WITH_MESH_TWIN or owner.data is None or owner.data.as_pointer() == data.as_pointer()
 
 
 def visibility(owner: Any, view_layer: Any) -> int:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from .. import versions
 from .attributes import ACTIVE_UV, Corners, attribute_values
+from .deformation import Deformation
 
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
@@ -22,6 +23,8 @@ class MeshArrays:
     corner_normals: Floats | None  # (m, 3, 3); None: flat
     material_slots: Ints | None  # (m,); None: all slot 0
     attributes: dict[str, Floats] = field(default_factory=dict)  # (m, 3, channels)
+    moved_vertices: Floats | None = None  # (steps, n, 3)
+    moved_normals: Floats | None = None  # (steps, m, 3, 3)
 
 
 def _get(collection: Any, name: str, dtype: Any, count: int) -> Any:
@@ -49,7 +52,14 @@ def _corner_normals(mesh: Any, loops: Ints, polygons: Ints) -> Floats | None:
     return np.ascontiguousarray(normals / lengths, np.float32)
 
 
-def mesh_arrays(mesh: Any, wanted: frozenset[str]) -> MeshArrays | None:
+def _moved_normals(middle: Floats, moved: Floats) -> Floats:
+    """(steps, m, 3, 3): those at each step, and the middle's where there is none."""
+    lengths = np.linalg.norm(moved, axis=-1, keepdims=True)
+    good = np.isfinite(lengths) & (lengths > 0.0)
+    return np.where(good, moved / np.where(good, lengths, np.float32(1.0)), middle).astype(np.float32)
+
+
+def mesh_arrays(mesh: Any, wanted: frozenset[str], deformation: Deformation | None = None) -> MeshArrays | None:
     """What the core needs of a mesh, with the attributes that are wanted and there; None without faces."""
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
@@ -65,6 +75,10 @@ def mesh_arrays(mesh: Any, wanted: frozenset[str]) -> MeshArrays | None:
         corner_normals=_corner_normals(mesh, loops, polygons),
         material_slots=slots if slots.any() else None,
     )
+    if deformation is not None:
+        arrays.moved_vertices = np.ascontiguousarray(deformation.points, np.float32)
+        if arrays.corner_normals is not None and deformation.normals is not None:
+            arrays.moved_normals = _moved_normals(arrays.corner_normals, deformation.normals[:, loops])
     corners = Corners(triangles, loops, np.repeat(polygons[:, None], 3, axis=1))
     for name in wanted:
         values = attribute_values(mesh, name, corners)
@@ -86,5 +100,7 @@ def add_mesh(scene: Any, name: str, arrays: MeshArrays) -> int:
             material_slots=arrays.material_slots,
             uv=uv,
             attributes=attributes,
+            moved_vertices=arrays.moved_vertices,
+            moved_normals=arrays.moved_normals,
         )
     )

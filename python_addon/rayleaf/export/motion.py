@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from .. import versions
 from . import camera
+from .deformation import WITH_MESH_TWIN, Deformation, Form, Forms, Part, deformation_of, is_exact_surface, is_own_data
 
 # Instances between two questions whether to stop: some 10 ms.
 _CANCEL_STRIDE = 10_000
@@ -74,10 +76,16 @@ class Motions:
 
     instances: dict[Key, NDArray[np.float64]] = field(default_factory=dict)
     camera: dict[str, Any] = field(default_factory=dict)  # more arguments of the core's `set_camera`
+    # What deforms, by object and part; a message in place of what cannot be followed.
+    deformations: dict[tuple[int, Part], Deformation | str] = field(default_factory=dict)
 
     def of(self, instance: Any) -> NDArray[np.float64] | None:
         """An instance's of a depsgraph's list; None where it stands still."""
         return self.instances.get(_key_of(instance)) if self.instances else None
+
+    def deformation(self, owner: Any, part: Part) -> Deformation | str | None:
+        """An evaluated object's; None where it keeps its form, and why, where that cannot be followed."""
+        return self.deformations.get((owner.original.as_pointer(), part)) if self.deformations else None
 
 
 def _key_of(instance: Any) -> Key:
@@ -86,6 +94,17 @@ def _key_of(instance: Any) -> Key:
     shown, parent = instance.instance_object or instance.object, instance.parent
     maker = 0 if parent is None else parent.original.as_pointer()
     return shown.original.as_pointer(), maker, tuple(instance.persistent_id)
+
+
+def _own_mesh(instance: Any) -> Any:
+    """What an instance shows, where it is the mesh of its own object."""
+    owner, shown = instance.instance_object or instance.object, instance.object
+    return shown.data if shown.type == "MESH" and is_own_data(owner, shown.data) else None
+
+
+def _is_beside_mesh(owner: Any, mesh: Any) -> bool:
+    """Whether it is another instance that shows the mesh of an object."""
+    return mesh is None and owner.type in WITH_MESH_TWIN and not is_exact_surface(owner)
 
 
 def _own_steps(owner: Any) -> int:
@@ -121,13 +140,17 @@ class _Track:
 class _Gatherer:
     """Takes a scene to the shutter's times, one after the other."""
 
-    def __init__(self, engine: Any, depsgraph: Any, shutter: Shutter, picture: camera.Frame, check: Check) -> None:
+    def __init__(
+        self, core: ModuleType, engine: Any, depsgraph: Any, shutter: Shutter, picture: camera.Frame, check: Check
+    ) -> None:
         self._engine, self._depsgraph, self._shutter = engine, depsgraph, shutter
         self._picture, self._check = picture, check
         self._camera_object = depsgraph.scene_eval.camera
         self._tracks: dict[Key, _Track] = {}
         self._levels: dict[int, int] = {}
         self._views: list[tuple[Matrix, tuple[float, ...]]] = []
+        self._forms = Forms(core, depsgraph, check)
+        self._forms_of: dict[int, list[dict[Part, Form] | None]] = {}  # of objects that may deform, by time
 
     def motions(self) -> Motions:
         """Ends in the shutter's middle."""
@@ -135,7 +158,9 @@ class _Gatherer:
         self._start()
         views = 0 if self._camera_object is None else _times([self._level(self._camera_object)])
         self._views = [self._view()] * views if views else []
-        most = max([views, *(len(track.places) for track in self._tracks.values())], default=0)
+        most = max(
+            [views, *map(len, self._forms_of.values()), *(len(t.places) for t in self._tracks.values())], default=0
+        )
         for number in range(most):
             if 2 * number == most - 1:
                 continue
@@ -173,6 +198,7 @@ class _Gatherer:
     def _start(self) -> None:
         for instance in self._shown():
             owners = [instance.instance_object or instance.object]
+            self._start_forms(instance, owners[0])
             if instance.is_instance and instance.parent is not None:
                 owners.append(instance.parent)
             count = _times([self._level(owner) for owner in owners])
@@ -187,9 +213,38 @@ class _Gatherer:
             track = self._tracks.get(_key_of(instance))
             if track is not None and number * (len(track.places) - 1) % (most - 1) == 0:
                 track.places[number * (len(track.places) - 1) // (most - 1)] = _matrix(instance.matrix_world)
+            self._take_forms(instance, number, most)
         views = len(self._views)
         if views and number * (views - 1) % (most - 1) == 0:
             self._views[number * (views - 1) // (most - 1)] = self._view()
+
+    def _start_forms(self, instance: Any, owner: Any) -> None:
+        pointer, count = owner.original.as_pointer(), _times([self._level(owner)])
+        if not count or pointer in self._forms_of or not self._forms.may_deform(owner, self._shutter.by_object):
+            return
+        mesh = _own_mesh(instance)
+        if _is_beside_mesh(owner, mesh):
+            return
+        self._forms_of[pointer] = [None] * count
+        self._forms_of[pointer][count // 2] = self._forms.of(owner, mesh)
+
+    def _take_forms(self, instance: Any, number: int, most: int) -> None:
+        owner = instance.instance_object or instance.object
+        forms = self._forms_of.get(owner.original.as_pointer()) if self._forms_of else None
+        if forms is None or number * (len(forms) - 1) % (most - 1) != 0:
+            return
+        step, mesh = number * (len(forms) - 1) // (most - 1), _own_mesh(instance)
+        if forms[step] is None and not _is_beside_mesh(owner, mesh):
+            forms[step] = self._forms.of(owner, mesh)
+
+    def _deformations(self) -> dict[tuple[int, Part], Deformation | str]:
+        found: dict[tuple[int, Part], Deformation | str] = {}
+        for pointer, forms in self._forms_of.items():
+            for part in forms[len(forms) // 2] or {}:
+                deformation = deformation_of([None if form is None else form.get(part) for form in forms])
+                if deformation is not None:
+                    found[pointer, part] = deformation
+        return found
 
     def _view(self) -> tuple[Matrix, tuple[float, ...]]:
         """The camera's matrix, and its window's corners."""
@@ -206,7 +261,8 @@ class _Gatherer:
             found.camera["motion"] = np.array(matrices, np.float64).reshape(-1, 4, 4)
         if len(set(windows)) > 1:
             found.camera["windows"] = np.array(windows, np.float64)
-        if found.instances or found.camera:
+        found.deformations = self._deformations()
+        if found.instances or found.camera or found.deformations:
             found.camera |= dict(shutter_curve=self._shutter.curve, rolling_shutter=self._shutter.rolling)
         return found
 
@@ -217,7 +273,7 @@ def _matrix(matrix: Any) -> Matrix:
 
 @contextmanager
 def shutter_open(
-    engine: Any, depsgraph: Any, picture: camera.Frame, shows_vectors: bool, check: Check
+    core: ModuleType, engine: Any, depsgraph: Any, picture: camera.Frame, shows_vectors: bool, check: Check
 ) -> Iterator[Motions]:
     """What moves; the scene is in the middle of the shutter's time until the context ends. `shows_vectors`: a pass shows
     what moves from frame to frame."""
@@ -228,6 +284,6 @@ def shutter_open(
         return
     frame, subframe = scene.frame_current, scene.frame_subframe
     try:
-        yield _Gatherer(engine, depsgraph, shutter, picture, check).motions()
+        yield _Gatherer(core, engine, depsgraph, shutter, picture, check).motions()
     finally:
         engine.frame_set(frame, subframe)

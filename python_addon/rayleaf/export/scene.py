@@ -84,6 +84,7 @@ class SceneExporter(ShapeExporter):
         self._view_layer = depsgraph.view_layer
         self._space = space
         self._former = former or KeptExport()
+        self._motions = Motions()
         self.scene = core.SceneDescription(parts) if self._former.scene is None else self._former.scene.emptied()
         self._shapes: dict[Any, KeptShape] = {}
         self.rows: dict[int, int] | None = {}  # instances that are objects' own, by pointer; None: not known
@@ -112,13 +113,14 @@ class SceneExporter(ShapeExporter):
         """The scene description. `needs_uv`: a pass shows the UV map. `camera_arguments`: of the core's `set_camera`, where
         the scene is not seen by its own. `motions`: what moves. Raises ExportError, InputError, ExportCancelled."""
         self.scene.texture_memory = self._blender_scene.rayleaf.texture_memory * _BYTES_PER_MEGABYTE
+        self._motions = motions or Motions()
         if camera_arguments is None:
-            self._export_camera(frame, motions or Motions())
+            self._export_camera(frame, self._motions)
         else:
             self.scene.set_camera(**camera_arguments)
         unsupported.name_scene_settings(self._blender_scene, self._messages)
         unsupported.name_passes(self._blender_scene, self._view_layer, self._messages)
-        listed = instances.collect(self._core, self._depsgraph, self._check_cancel, self._space, motions)
+        listed = instances.collect(self._core, self._depsgraph, self._check_cancel, self._space, self._motions)
         listed.groups = [group for group in listed.groups if self._is_in_layer(group)]
         for name, reason in listed.skipped.items():
             self._leave_out(name, reason)

@@ -4,10 +4,14 @@ from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from ..messages import Messages, Subject
 from ..names import name_of
 from . import CancelCheck, curves, meshes, strand_arrays, strands, subdivision, surfaces
+from .deformation import CAGE, CURVES, HAIR, MESH, SPLINES, Deformation, Part
 from .instances import Group
+from .motion import Motions
 
 
 @dataclass
@@ -34,6 +38,25 @@ class ShapeExporter:
     _blender_scene: Any
     _messages: Messages
     _check_cancel: CancelCheck
+    _motions: Motions
+
+    def _deformation(self, group: Group, part: Part) -> Deformation | None:
+        """How a part of a group's owner deforms; what cannot be followed is said."""
+        found = self._motions.deformation(group.owner, part)
+        if isinstance(found, Deformation) and part[0] in (CAGE, SPLINES):
+            found = "its exact surface is shown as in the middle of the shutter's time"
+        if not isinstance(found, str):
+            return found
+        self._note_still(group.owner, found)
+        return None
+
+    def _note_undeformed(self, group: Group) -> None:
+        if isinstance(self._motions.deformation(group.owner, (MESH, 0)), Deformation):
+            self._note_still(group.owner, "its surface is displaced")
+
+    def _note_still(self, owner: Any, reason: str) -> None:
+        subject = Subject("Object", name_of(owner))
+        self._messages.warn(f"{subject}: {reason}; its deformation is not blurred", subject)
 
     def _is_displaced(self, group: Group) -> bool:
         """Whether a material of the group moves its points."""
@@ -54,6 +77,9 @@ class ShapeExporter:
         if arrays is None:
             self._messages.note(f"Object '{name}' has no hair; left out", Subject("Object", name))
             return None
+        deformation = self._deformation(group, (CURVES, 0) if group.hair is None else (HAIR, group.hair))
+        if deformation is not None and deformation.points.shape[1] == len(arrays.points):
+            arrays.moved_points = np.array(deformation.points, np.float64)
         dropped = strand_arrays.without_bad_points(arrays)
         if dropped:
             subject = Subject("Object", name)
@@ -68,7 +94,9 @@ class ShapeExporter:
     def _export_surface(self, group: Group, judged: dict[Any, curves.Judged]) -> int | None:
         name = name_of(group.owner)
         if group.owner.type == "SURFACE":
-            shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages)
+            deformation = self._deformation(group, (SPLINES, 0))
+            moved = None if deformation is None else deformation.points
+            shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages, moved)
         else:
             settings = strands.curve_settings(self._blender_scene.rayleaf)
             # Once is enough: groups with the same key share the shape, and a million splines take memory.
@@ -80,15 +108,18 @@ class ShapeExporter:
 
     def _export_mesh(self, group: Group, wanted: frozenset[str]) -> int | None:
         if group.from_owner and subdivision.last_subdivision(group.owner, self._depsgraph) is not None:
-            shape = self._export_cage(group.owner, wanted)
+            shape = self._export_cage(group, wanted)
             if shape is not None:
                 return shape
         if self._is_displaced(group):
             shape = self._export_polygons(group, wanted)
             if shape is not None:
+                self._note_undeformed(group)
                 return shape
         name = name_of(group.owner)
-        arrays = meshes.mesh_arrays(group.data, wanted)
+        arrays = meshes.mesh_arrays(
+            group.data, wanted, self._deformation(group, (MESH, 0)) if group.from_owner else None
+        )
         if arrays is None:
             self.report.left_out[name] = "no faces"
             self._messages.note(f"Object '{name}' has no faces; left out", Subject("Object", name))
@@ -99,15 +130,18 @@ class ShapeExporter:
             self._leave_out(name, str(error))
             return None
 
-    def _export_cage(self, owner: Any, wanted: frozenset[str]) -> int | None:
+    def _export_cage(self, group: Group, wanted: frozenset[str]) -> int | None:
         """The shape of a mesh that is subdivided last; None, and a line in the report, if Blender's mesh must do."""
-        name = name_of(owner)
+        owner, name = group.owner, name_of(group.owner)
         reason = subdivision.fallback_reason(owner, self._depsgraph, self._blender_scene.rayleaf)
         if reason is None:
             try:
                 arrays = subdivision.cage_arrays(owner, self._depsgraph, wanted)
                 if arrays is None:
                     return None
+                deformation = self._deformation(group, (CAGE, 0))
+                if deformation is not None and deformation.points.shape[1] == len(arrays.vertices):
+                    arrays.options["moved_vertices"] = deformation.points
                 shape = subdivision.add_cage(self._core, self.scene, name, arrays)
                 self.report.subdivision.append(name)
                 return shape

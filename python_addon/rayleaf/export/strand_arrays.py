@@ -26,6 +26,7 @@ class StrandArrays:
     material_slot: int = 0
     attributes: dict[str, Floats] = field(default_factory=dict)  # (strands, channels)
     point_attributes: dict[str, Floats] = field(default_factory=dict)  # (n, channels)
+    moved_points: Doubles | None = None  # (steps, n, 4), with the radii
 
     @property
     def count(self) -> int:
@@ -37,6 +38,9 @@ def without_bad_points(arrays: StrandArrays) -> int:
     """Makes every radius one that can be rendered, and drops strands with points that are not finite; how many were."""
     arrays.radii = np.where(np.isfinite(arrays.radii), np.maximum(arrays.radii, 0.0), 0.0).astype(np.float32)
     bad_points = ~(np.abs(arrays.points) < _FARTHEST).all(axis=1)
+    if arrays.moved_points is not None:
+        radii = arrays.moved_points[..., 3]
+        arrays.moved_points[..., 3] = np.where(np.isfinite(radii), np.maximum(radii, 0.0), 0.0)
     if not bad_points.any():
         return 0
     counts = np.diff(arrays.offsets)
@@ -45,6 +49,8 @@ def without_bad_points(arrays: StrandArrays) -> int:
     good[strand_of_point[bad_points]] = False
     kept = good[strand_of_point]
     arrays.points, arrays.radii = arrays.points[kept], arrays.radii[kept]
+    if arrays.moved_points is not None:
+        arrays.moved_points = np.ascontiguousarray(arrays.moved_points[:, kept])
     arrays.offsets = np.concatenate([[0], np.cumsum(counts[good])]).astype(np.int32)
     if arrays.cyclic is not None:
         arrays.cyclic = arrays.cyclic[good]

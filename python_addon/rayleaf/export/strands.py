@@ -84,6 +84,7 @@ def add_strands(
         attributes=by_id(arrays.attributes),
         point_attributes=by_id(arrays.point_attributes),
         info={key: scene.attribute(value) for key, value in STRAND_INFO.items() if value in wanted},
+        moved_points=arrays.moved_points,
     )
     return int(scene.add_shape(settings.of_strands(core, strands)))
 
