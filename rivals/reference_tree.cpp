@@ -111,11 +111,11 @@ CachedAnswer ReferenceTree::answer(const Ray& local, Uninterpolated others) {
 /// The output is not set if the ray is to be traced.
 CachedAnswer ReferenceTree::interpolated(const Ray& local) {
     if (space_.box().isEmpty()) return {{}, AnsweredBy::BoxMissed, 0.0};
-    const std::optional<Stretch> stretch = inside_box(space_.box(), local.origin, local.direction);
-    if (!stretch || stretch->end < 0.0) return {{}, AnsweredBy::BoxMissed, 0.0};
+    const std::optional<RayInterval> interval = inside_box(space_.box(), local.origin, local.direction);
+    if (!interval || interval->end < 0.0) return {{}, AnsweredBy::BoxMissed, 0.0};
     const Line line = space_.line(local.origin, local.direction);
     const Found found = descend(line);
-    const bool starts_inside = stretch->begin < 0.0;
+    const bool starts_inside = interval->begin < 0.0;
     switch (found.node->leaf->classes) {
         case 1:
             return answer_in(found, line, local, starts_inside);

@@ -11,14 +11,14 @@ Color DistributionTracer::free_of_media(const Branch& branch, double t) const {
     return transmittance({scene_, branch.media, branch.ray, t, branch.bounces.at(0)}, random);
 }
 
-void DistributionTracer::add_scattered_light(const Branch& branch, const MediumStretch& stretch) {
+void DistributionTracer::add_scattered_light(const Branch& branch, const MediumSegment& segment) {
     FreeWay shadow = way_of(branch, branch.ray);
     shadow.differential = {};
     shadow.kind = kVisibleShadow;
     shadow.state = branch.bounces.of_shadow_ray();
     shadow.widening = settings_.widening(branch.importance(), false);
     const std::optional<ScatteredLight> light =
-        scattered_light(stretch, branch.throughput, branch.sampler, branch.vertex, shadow);
+        scattered_light(segment, branch.throughput, branch.sampler, branch.vertex, shadow);
     if (!light) return;
     Color value = branch.throughput * light->value;
     if (light->way) {
@@ -33,12 +33,12 @@ void DistributionTracer::add_scattered_light(const Branch& branch, const MediumS
 }
 
 bool DistributionTracer::pass_media(Branch& branch, double end) {
-    const MediumStretch stretch{scene_, branch.media, branch.ray, end, branch.bounces.at(0)};
+    const MediumSegment segment{scene_, branch.media, branch.ray, end, branch.bounces.at(0)};
     const bool scatters = !branch.bounces.is_last();
-    if (scatters) add_scattered_light(branch, stretch);
+    if (scatters) add_scattered_light(branch, segment);
     RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::MediumWalk));
     const Vec2f distance = branch.sampler.get2(dimension(branch.vertex, PathDimension::Medium));
-    const MediumPassage passage = pass(stretch, branch.throughput, scatters, distance, random);
+    const MediumPassage passage = pass(segment, branch.throughput, scatters, distance, random);
     if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission, -1);
     branch.throughput *= passage.weight;
     if (!is_finite(branch.throughput) || is_black(branch.throughput)) return true;

@@ -5,26 +5,26 @@
 
 namespace rayleaf {
 
-std::optional<ScatteredLight> scattered_light(const MediumStretch& stretch, const Color& throughput,
+std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, const Color& throughput,
                                               const Sampler& sampler, int vertex, const FreeWay& shadow) {
-    const LightSet& lights = stretch.scene.lights();
+    const LightSet& lights = segment.scene.lights();
     if (lights.empty()) return std::nullopt;
     RandomStream random(sampler, dimension(vertex, PathDimension::MediumPlace));
-    const Vec3d likely = stretch.ray.at(likely_distance(stretch, random.next()));
+    const Vec3d likely = segment.ray.at(likely_distance(segment, random.next()));
     const Vec3f choice(random.next(), random.next(), random.next());
-    const std::optional<Vec3d> pivot = place_of(lights.sample(likely, choice, stretch.ray.time));
+    const std::optional<Vec3d> pivot = place_of(lights.sample(likely, choice, segment.ray.time));
     const Vec2f numbers = sampler.get2(dimension(vertex, PathDimension::MediumPlace));
-    const std::optional<LitPlace> place = place_of_light(stretch, throughput, pivot, numbers, random);
+    const std::optional<LitPlace> place = place_of_light(segment, throughput, pivot, numbers, random);
     if (!place) return std::nullopt;
-    const Vec3d position = stretch.ray.at(place->t);
+    const Vec3d position = segment.ray.at(place->t);
     const std::optional<LightSample> light =
-        lights.sample(position, sampler.get3(dimension(vertex, PathDimension::MediumLight)), stretch.ray.time);
+        lights.sample(position, sampler.get3(dimension(vertex, PathDimension::MediumLight)), segment.ray.time);
     if (!light || !(light->visibility & kVisibleVolume)) return std::nullopt;
-    const Vec3f outgoing = stretch.outgoing();
+    const Vec3f outgoing = segment.outgoing();
     const float density = place->medium.density(outgoing, light->direction);
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, density);
     ScatteredLight result;
-    result.light_group = stretch.scene.light_group(*light);
+    result.light_group = segment.scene.light_group(*light);
     result.value = place->weight * place->medium.evaluate(outgoing, light->direction) *
                    (light->radiance / light->density) * weight;
     if (!is_finite(result.value) || is_black(result.value)) return std::nullopt;
@@ -32,7 +32,7 @@ std::optional<ScatteredLight> scattered_light(const MediumStretch& stretch, cons
     result.way = shadow;
     Ray& ray = result.way->ray;
     ray = Ray{};
-    ray.time = stretch.ray.time;
+    ray.time = segment.ray.time;
     ray.origin = position;
     ray.direction = normalized_or(Vec3d(light->direction), Vec3d(0, 0, 1));
     if (std::isfinite(light->distance)) {
@@ -41,7 +41,7 @@ std::optional<ScatteredLight> scattered_light(const MediumStretch& stretch, cons
         ray.direction = normalized_or(way, ray.direction);
         ray.t_max = way.length();
     }
-    result.way->media = stretch.media;
+    result.way->media = segment.media;
     return result;
 }
 

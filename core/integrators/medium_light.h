@@ -11,14 +11,14 @@ namespace rayleaf {
 inline constexpr float kScatteredWidth = 0.5f;
 
 struct ScatteredLight {
-    Color value{0, 0, 0};        ///< what arrives at the begin of the stretch if nothing hides the light
+    Color value{0, 0, 0};        ///< what arrives at the begin of the segment if nothing hides the light
     int light_group = -1;        ///< its slot; -1: none
     std::optional<FreeWay> way;  ///< to the light; empty: nothing can hide it
 };
 
-/// One light from one place on the stretch, by the random numbers of vertex `vertex` of a path. `shadow`: the way that
+/// One light from one place on the segment, by the random numbers of vertex `vertex` of a path. `shadow`: the way that
 /// shadow rays go from there, but for the ray itself.
-std::optional<ScatteredLight> scattered_light(const MediumStretch& stretch, const Color& throughput,
+std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, const Color& throughput,
                                               const Sampler& sampler, int vertex, const FreeWay& shadow);
 
 /// Lamps have places; suns and the world have none.

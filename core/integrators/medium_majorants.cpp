@@ -2,16 +2,16 @@
 
 namespace rayleaf {
 
-Majorants::Majorants(const MediumStretch& stretch) {
-    const SceneMedia& media = stretch.scene.media();
-    for (const SceneMedium* medium : stretch.media.all()) {
+Majorants::Majorants(const MediumSegment& segment) {
+    const SceneMedia& media = segment.scene.media();
+    for (const SceneMedium* medium : segment.media.all()) {
         if (medium->grid) {
             const Affine3d map = media.to_grid(*medium);
-            lines_[count_++] = {medium->grid.get(), map.point(stretch.ray.origin), map.vector(stretch.ray.direction)};
+            lines_[count_++] = {medium->grid.get(), map.point(segment.ray.origin), map.vector(segment.ray.direction)};
             continue;
         }
         Closures closures;
-        media.evaluate(*medium, stretch.ray.origin, stretch.outgoing(), stretch.state, closures);
+        media.evaluate(*medium, segment.ray.origin, segment.outgoing(), segment.state, closures);
         even_ += max_component(closures.medium.extinction);
     }
 }

@@ -1,4 +1,4 @@
-// How dense the media along a stretch of a ray may be: the sum of what bounds each.
+// How dense the media along a segment of a ray may be: the sum of what bounds each.
 #pragma once
 
 #include "integrators/medium_tracking.h"
@@ -7,7 +7,7 @@ namespace rayleaf {
 
 class Majorants {
   public:
-    explicit Majorants(const MediumStretch& stretch);
+    explicit Majorants(const MediumSegment& segment);
 
     MajorantStep at(double t) const;
 
@@ -21,7 +21,7 @@ class Majorants {
     float even_ = 0;  ///< extinction of those that are the same everywhere
 };
 
-/// A density over the stretch that is roughly where light is lost: exponential by half the bound, piece by piece.
+/// A density over the segment that is roughly where light is lost: exponential by half the bound, piece by piece.
 class RoughDepth {
   public:
     RoughDepth(const Majorants& majorants, double end);

@@ -5,7 +5,7 @@
 namespace rayleaf {
 namespace {
 
-/// Null collisions on one stretch: beyond these a medium is taken to end.
+/// Null collisions on one segment: beyond these a medium is taken to end.
 constexpr int kMostCollisions = 4096;
 /// Light dimmer than this share of what it was goes on by chance.
 constexpr float kFaint = 0.02f, kFaintSurvival = 0.25f;
@@ -18,7 +18,7 @@ Color exponential(const Color& extinction, double t) {
     return {exponential(extinction.x, t), exponential(extinction.y, t), exponential(extinction.z, t)};
 }
 
-/// Length over which light that is emitted evenly gets to the begin of a stretch; none where that has no end.
+/// Length over which light that is emitted evenly gets to the begin of a segment; none where that has no end.
 float lit_length(float extinction, double end) {
     const double depth = static_cast<double>(extinction) * end;
     if (depth > 0.0) return static_cast<float>(-std::expm1(-depth) / static_cast<double>(extinction));
@@ -50,12 +50,12 @@ Closures limited(Closures closures, float majorant) {
 
 /// Goes from one tentative collision to the next; `visit(t, majorant)` says whether to go on.
 template <typename Visit>
-void track(const MediumStretch& stretch, RandomStream& random, const Visit& visit) {
-    const Majorants majorants(stretch);
+void track(const MediumSegment& segment, RandomStream& random, const Visit& visit) {
+    const Majorants majorants(segment);
     double t = 0.0;
-    for (int i = 0; i < kMostCollisions && t < stretch.end; ++i) {
+    for (int i = 0; i < kMostCollisions && t < segment.end; ++i) {
         const MajorantStep step = majorants.at(t);
-        const double border = std::min(step.end, stretch.end);
+        const double border = std::min(step.end, segment.end);
         double next = std::numeric_limits<double>::infinity();
         if (step.majorant > 0.0f)
             next = t - std::log1p(-static_cast<double>(random.next())) / static_cast<double>(step.majorant);
@@ -76,18 +76,18 @@ bool stays(Color& light, RandomStream& random) {
     return true;
 }
 
-MediumPassage pass_even(const MediumStretch& stretch, const Color& throughput, bool scatters, const Vec2f& distance) {
-    const Closures closures = stretch.at(0.0);
+MediumPassage pass_even(const MediumSegment& segment, const Color& throughput, bool scatters, const Vec2f& distance) {
+    const Closures closures = segment.at(0.0);
     const Color& extinction = closures.medium.extinction;
     MediumPassage passage;
-    for (int c = 0; c < 3; ++c) passage.emission[c] = closures.emission[c] * lit_length(extinction[c], stretch.end);
-    passage.weight = exponential(extinction, stretch.end);
+    for (int c = 0; c < 3; ++c) passage.emission[c] = closures.emission[c] * lit_length(extinction[c], segment.end);
+    passage.weight = exponential(extinction, segment.end);
     if (!scatters || !closures.medium.scatters()) return passage;
     const Color shares = shares_of(throughput);
     const float chosen = extinction[channel_of(shares, distance.y)];
     const double t = chosen > 0.0f ? -std::log1p(-static_cast<double>(distance.x)) / static_cast<double>(chosen)
                                    : std::numeric_limits<double>::infinity();
-    if (!(t < stretch.end)) {
+    if (!(t < segment.end)) {
         passage.weight /= shares.dot(passage.weight);
         return passage;
     }
@@ -98,10 +98,10 @@ MediumPassage pass_even(const MediumStretch& stretch, const Color& throughput, b
     return passage;
 }
 
-MediumPassage pass_varying(const MediumStretch& stretch, const Color& throughput, bool scatters, RandomStream& random) {
+MediumPassage pass_varying(const MediumSegment& segment, const Color& throughput, bool scatters, RandomStream& random) {
     MediumPassage passage;
-    track(stretch, random, [&](double t, float majorant) {
-        const Closures closures = limited(stretch.at(t), majorant);
+    track(segment, random, [&](double t, float majorant) {
+        const Closures closures = limited(segment.at(t), majorant);
         passage.emission += passage.weight * closures.emission / majorant;
         const Color& extinction = closures.medium.extinction;
         const Color null = Color(majorant) - extinction;
@@ -127,12 +127,12 @@ MediumPassage pass_varying(const MediumStretch& stretch, const Color& throughput
 /// Places seen from a point under even angles.
 class Equiangular {
   public:
-    Equiangular(const MediumStretch& stretch, const Vec3d& pivot) {
-        const Vec3d to_pivot = pivot - stretch.ray.origin;
-        nearest_ = to_pivot.dot(stretch.ray.direction);
-        distance_ = std::max((to_pivot - stretch.ray.direction * nearest_).length(), kLeastDistance);
+    Equiangular(const MediumSegment& segment, const Vec3d& pivot) {
+        const Vec3d to_pivot = pivot - segment.ray.origin;
+        nearest_ = to_pivot.dot(segment.ray.direction);
+        distance_ = std::max((to_pivot - segment.ray.direction * nearest_).length(), kLeastDistance);
         first_ = std::atan2(-nearest_, distance_);
-        last_ = std::isfinite(stretch.end) ? std::atan2(stretch.end - nearest_, distance_) : std::numbers::pi / 2;
+        last_ = std::isfinite(segment.end) ? std::atan2(segment.end - nearest_, distance_) : std::numbers::pi / 2;
     }
     double sample(double random) const { return nearest_ + distance_ * std::tan(first_ + (last_ - first_) * random); }
     double density(double t) const {
@@ -147,23 +147,23 @@ class Equiangular {
 
 /// A place and its density, by one of two techniques.
 template <typename ByDistance>
-std::optional<std::pair<double, double>> chosen_place(const MediumStretch& stretch, const ByDistance& by_distance,
+std::optional<std::pair<double, double>> chosen_place(const MediumSegment& segment, const ByDistance& by_distance,
                                                       const std::optional<Vec3d>& pivot, float random) {
     double t = 0.0, density = 0.0;
     if (!pivot) {
         t = by_distance.sample(random);
         density = by_distance.density(t);
     } else {
-        const Equiangular by_angle(stretch, *pivot);
+        const Equiangular by_angle(segment, *pivot);
         t = random < 0.5f ? by_distance.sample(2.0f * random)
                           : by_angle.sample(2.0 * static_cast<double>(random) - 1.0);
         density = 0.5 * (by_distance.density(t) + by_angle.density(t));
     }
-    if (!(t >= 0.0 && t < stretch.end) || !(density > 0.0) || !std::isfinite(density)) return std::nullopt;
+    if (!(t >= 0.0 && t < segment.end) || !(density > 0.0) || !std::isfinite(density)) return std::nullopt;
     return std::pair(t, density);
 }
 
-/// As pass_even's, but within the stretch.
+/// As pass_even's, but within the segment.
 struct EvenDepth {
     const Color& extinction;
     Color shares;
@@ -186,7 +186,7 @@ struct EvenDepth {
 
 }  // namespace
 
-Closures MediumStretch::at(double t) const {
+Closures MediumSegment::at(double t) const {
     Closures sum;
     const std::span<const SceneMedium* const> all = media.all();
     scene.media().evaluate(*all.front(), ray.at(t), outgoing(), state, sum);
@@ -199,48 +199,48 @@ Closures MediumStretch::at(double t) const {
     return sum;
 }
 
-Color transmittance(const MediumStretch& stretch, RandomStream& random) {
-    if (!stretch.media.varies()) return exponential(stretch.at(0.0).medium.extinction, stretch.end);
+Color transmittance(const MediumSegment& segment, RandomStream& random) {
+    if (!segment.media.varies()) return exponential(segment.at(0.0).medium.extinction, segment.end);
     Color through(1.0f);
-    track(stretch, random, [&](double t, float majorant) {
-        through *= (Color(majorant) - limited(stretch.at(t), majorant).medium.extinction) / majorant;
+    track(segment, random, [&](double t, float majorant) {
+        through *= (Color(majorant) - limited(segment.at(t), majorant).medium.extinction) / majorant;
         return stays(through, random);
     });
     return through;
 }
 
-MediumPassage pass(const MediumStretch& stretch, const Color& throughput, bool scatters, const Vec2f& distance,
+MediumPassage pass(const MediumSegment& segment, const Color& throughput, bool scatters, const Vec2f& distance,
                    RandomStream& random) {
-    if (stretch.media.varies()) return pass_varying(stretch, throughput, scatters, random);
-    return pass_even(stretch, throughput, scatters, distance);
+    if (segment.media.varies()) return pass_varying(segment, throughput, scatters, random);
+    return pass_even(segment, throughput, scatters, distance);
 }
 
-std::optional<LitPlace> place_of_light(const MediumStretch& stretch, const Color& throughput,
+std::optional<LitPlace> place_of_light(const MediumSegment& segment, const Color& throughput,
                                        const std::optional<Vec3d>& pivot, const Vec2f& place, RandomStream& random) {
-    if (!stretch.media.varies()) {
-        const MediumClosures medium = stretch.at(0.0).medium;
+    if (!segment.media.varies()) {
+        const MediumClosures medium = segment.at(0.0).medium;
         if (!medium.scatters()) return std::nullopt;
         const Color shares = shares_of(throughput);
-        const EvenDepth depth{medium.extinction, shares, channel_of(shares, place.y), stretch.end};
-        const auto chosen = chosen_place(stretch, depth, pivot, place.x);
+        const EvenDepth depth{medium.extinction, shares, channel_of(shares, place.y), segment.end};
+        const auto chosen = chosen_place(segment, depth, pivot, place.x);
         if (!chosen) return std::nullopt;
         const Color through = exponential(medium.extinction, chosen->first);
         return LitPlace{chosen->first, through / static_cast<float>(chosen->second), medium};
     }
-    const Majorants majorants(stretch);
-    const auto chosen = chosen_place(stretch, RoughDepth(majorants, stretch.end), pivot, place.x);
+    const Majorants majorants(segment);
+    const auto chosen = chosen_place(segment, RoughDepth(majorants, segment.end), pivot, place.x);
     if (!chosen) return std::nullopt;
     const float majorant = majorants.at(chosen->first).majorant;
-    const MediumClosures medium = limited(stretch.at(chosen->first), majorant).medium;
+    const MediumClosures medium = limited(segment.at(chosen->first), majorant).medium;
     if (!medium.scatters()) return std::nullopt;
-    const MediumStretch up_to{stretch.scene, stretch.media, stretch.ray, chosen->first, stretch.state};
+    const MediumSegment up_to{segment.scene, segment.media, segment.ray, chosen->first, segment.state};
     return LitPlace{chosen->first, transmittance(up_to, random) / static_cast<float>(chosen->second), medium};
 }
 
-double likely_distance(const MediumStretch& stretch, float random) {
-    const double t = RoughDepth(Majorants(stretch), stretch.end).sample(random);
-    if (std::isfinite(t)) return std::min(t, stretch.end);
-    return std::isfinite(stretch.end) ? static_cast<double>(random) * stretch.end : 0.0;
+double likely_distance(const MediumSegment& segment, float random) {
+    const double t = RoughDepth(Majorants(segment), segment.end).sample(random);
+    if (std::isfinite(t)) return std::min(t, segment.end);
+    return std::isfinite(segment.end) ? static_cast<double>(random) * segment.end : 0.0;
 }
 
 }  // namespace rayleaf

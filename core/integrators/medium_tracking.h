@@ -1,4 +1,4 @@
-// Light through media along a stretch of a ray: what gets through, what they emit, and where they scatter it.
+// Light through media along a segment of a ray: what gets through, what they emit, and where they scatter it.
 //
 // Media that are the same everywhere are exact: distances are sampled by one channel's extinction, weighed by the mean
 // of all channels' densities. Media that vary are tracked by null collisions (Woodcock et al. 1965) with weights by
@@ -14,7 +14,7 @@
 namespace rayleaf {
 
 /// From the origin of a ray, in media that are not empty.
-struct MediumStretch {
+struct MediumSegment {
     const Scene& scene;
     const MediumStack& media;
     const Ray& ray;
@@ -27,21 +27,21 @@ struct MediumStretch {
 };
 
 /// The share of light that gets through. Of media that vary an estimate.
-Color transmittance(const MediumStretch& stretch, RandomStream& random);
+Color transmittance(const MediumSegment& segment, RandomStream& random);
 
-/// What becomes of light that goes along a stretch.
+/// What becomes of light that goes along a segment.
 struct MediumPassage {
     Color weight{1, 1, 1};    ///< of light at the end, or at the scattering but for the phase function
-    Color emission{0, 0, 0};  ///< of all the stretch, seen from its origin
+    Color emission{0, 0, 0};  ///< of all the segment, seen from its origin
     std::optional<double> t;  ///< where it is scattered
     MediumClosures medium;    ///< there
 };
 
 /// Of a path that carries `throughput`; with `scatters` false it gets to the end, whatever is scattered.
-MediumPassage pass(const MediumStretch& stretch, const Color& throughput, bool scatters, const Vec2f& distance,
+MediumPassage pass(const MediumSegment& segment, const Color& throughput, bool scatters, const Vec2f& distance,
                    RandomStream& random);
 
-/// A place on the stretch from which sampled light is to be looked for.
+/// A place on the segment from which sampled light is to be looked for.
 struct LitPlace {
     double t = 0;
     Color weight{0, 0, 0};  ///< transmittance up to there over the density of the choice, and of the technique
@@ -50,10 +50,10 @@ struct LitPlace {
 
 /// By distance, and by the angle under which a light is seen (Kulla and Fajardo 2012), weighed by the balance
 /// heuristic. Empty where nothing scatters. `pivot`: where a light may be; `place`: which technique, and where.
-std::optional<LitPlace> place_of_light(const MediumStretch& stretch, const Color& throughput,
+std::optional<LitPlace> place_of_light(const MediumSegment& segment, const Color& throughput,
                                        const std::optional<Vec3d>& pivot, const Vec2f& place, RandomStream& random);
 
-/// How far along the stretch scattering is likely, for the choice of a light.
-double likely_distance(const MediumStretch& stretch, float random);
+/// How far along the segment scattering is likely, for the choice of a light.
+double likely_distance(const MediumSegment& segment, float random);
 
 }  // namespace rayleaf

@@ -12,12 +12,12 @@ Color PathTracer::free_of_media(double t) const {
 }
 
 bool PathTracer::pass_media(double end) {
-    const MediumStretch stretch{scene_, media_, ray_, end, bounces_.at(0)};
+    const MediumSegment segment{scene_, media_, ray_, end, bounces_.at(0)};
     const bool scatters = !bounces_.is_last();
-    if (scatters) add_scattered_light(stretch);
+    if (scatters) add_scattered_light(segment);
     RandomStream random(sampler_, dimension(vertex_, PathDimension::MediumWalk));
     const Vec2f distance = sampler_.get2(dimension(vertex_, PathDimension::Medium));
-    const MediumPassage passage = pass(stretch, throughput_, scatters, distance, random);
+    const MediumPassage passage = pass(segment, throughput_, scatters, distance, random);
     if (!is_black(passage.emission)) add(passage.emission, Pass::emission, -1);
     throughput_ *= passage.weight;
     if (!is_finite(throughput_) || is_black(throughput_)) return true;
@@ -27,13 +27,13 @@ bool PathTracer::pass_media(double end) {
 }
 
 /// Whether anything hides the light is found out at once: few paths of a stream are in media.
-void PathTracer::add_scattered_light(const MediumStretch& stretch) {
+void PathTracer::add_scattered_light(const MediumSegment& segment) {
     FreeWay shadow;
     shadow.state = bounces_.of_shadow_ray();
     shadow.transparent_left = bounces_.transparent_left();
     shadow.widening = settings_.widening(importance(), false);
     shadow.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
-    const std::optional<ScatteredLight> light = scattered_light(stretch, throughput_, sampler_, vertex_, shadow);
+    const std::optional<ScatteredLight> light = scattered_light(segment, throughput_, sampler_, vertex_, shadow);
     if (!light) return;
     Color value = throughput_ * light->value;
     if (light->way) {

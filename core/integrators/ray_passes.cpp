@@ -14,7 +14,7 @@ Color color_of(RayAnswer answer) {
             return {1.0f, 1.0f, 1.0f};
         case RayAnswer::Interpolated:
             return {0.05f, 0.2f, 0.8f};
-        case RayAnswer::TwoClass:
+        case RayAnswer::Followed:
             return {1.0f, 0.35f, 0.0f};
         case RayAnswer::Missed:
             return {0.05f, 0.05f, 0.05f};
@@ -34,7 +34,7 @@ void write(RayAnswer answer, float error, PixelSample& sample) {
 void write_answer(const Tracer& tracer, const ClosestHit& found, PixelSample& sample) {
     const bool interpolated = found.hit && found.hit->is_interpolated();
     write(found.answer, interpolated ? found.hit->interpolated.error : 0.0f, sample);
-    const ObjectCache* cache = found.hit ? tracer.cache(found.hit->instance) : nullptr;
+    const LocalRayCache* cache = found.hit ? tracer.cache(found.hit->instance) : nullptr;
     if (cache) sample[Pass::tree_index].x = static_cast<float>(cache->number());
 }
 

@@ -53,8 +53,8 @@ namespace {
 /// Up to where the ray meets something, if it does.
 Color through_media(const Scene& scene, FreeWay& way, const std::optional<Hit>& hit) {
     if (way.media.empty()) return Color(1.0f);
-    const MediumStretch stretch{scene, way.media, way.ray, hit ? hit->t : way.ray.t_max, way.state};
-    return transmittance(stretch, way.random);
+    const MediumSegment segment{scene, way.media, way.ray, hit ? hit->t : way.ray.t_max, way.state};
+    return transmittance(segment, way.random);
 }
 
 /// Behind a surface, to the same end. A parallel ray would end beside it, and that may be behind what shines there.

@@ -28,7 +28,7 @@ void add(const VolumeVisualisation& volume, double length, VolumePassage& passag
 }
 
 int rank(RayAnswer answer) {
-    constexpr int kRanks[] = {0, 4, 2, 3, 1};  // NotAsked, Traced, Interpolated, TwoClass, Missed
+    constexpr int kRanks[] = {0, 4, 2, 3, 1};  // NotAsked, Traced, Interpolated, Followed, Missed
     return kRanks[static_cast<size_t>(answer)];
 }
 
@@ -44,9 +44,10 @@ VolumePassage through_volumes(const Scene& scene, const Ray& ray, Visibility kin
     std::vector<Entry> entries;
     for (const uint32_t instance : scene.volumes()) {
         if ((scene.volume_visibility(instance) & kind) == 0) continue;
-        const std::optional<Stretch> stretch = inside_box(scene.tracer().bounds(instance), ray.origin, ray.direction);
-        if (stretch && stretch->end >= ray.t_min && stretch->begin <= ray.t_max)
-            entries.push_back({stretch->begin, instance});
+        const std::optional<RayInterval> interval =
+            inside_box(scene.tracer().bounds(instance), ray.origin, ray.direction);
+        if (interval && interval->end >= ray.t_min && interval->begin <= ray.t_max)
+            entries.push_back({interval->begin, instance});
     }
     std::sort(entries.begin(), entries.end());
     for (const Entry& entry : entries) {
@@ -55,7 +56,7 @@ VolumePassage through_volumes(const Scene& scene, const Ray& ray, Visibility kin
         passage.length += answer.length;
         passage.answer = more_telling(passage.answer, answer.answer);
         passage.error = std::max(passage.error, answer.error);
-        const ObjectCache* cache = scene.tracer().cache(entry.instance);
+        const LocalRayCache* cache = scene.tracer().cache(entry.instance);
         if (cache && passage.tree == 0 && answer.length > 0.0) passage.tree = cache->number();
     }
     return passage;

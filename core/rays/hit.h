@@ -27,7 +27,7 @@ struct LocalHit {
 };
 
 /// How an object with a ray cache answered a ray. The numbers are the codes of the mask pass (film/passes.def).
-enum class RayAnswer : uint8_t { NotAsked, Traced, Interpolated, TwoClass, Missed };
+enum class RayAnswer : uint8_t { NotAsked, Traced, Interpolated, Followed, Missed };
 
 /// What is known of the path through a glass body. CutOff: it has more hits than allowed.
 enum class GlassWay : uint8_t { Unknown, Leaves, CutOff };
@@ -65,7 +65,7 @@ struct Hit {
     RayAnswer answer = RayAnswer::NotAsked;
     InterpolatedHit interpolated;  ///< where `is_interpolated`; the facet's normal is the surface's then
 
-    bool is_interpolated() const { return answer == RayAnswer::Interpolated || answer == RayAnswer::TwoClass; }
+    bool is_interpolated() const { return answer == RayAnswer::Interpolated || answer == RayAnswer::Followed; }
 };
 
 }  // namespace rayleaf

@@ -104,8 +104,8 @@ Ray ray_at(const Scene& scene, const Settings& settings, const Vec2d& point) {
 
 bool meets(const Ray& ray, const Scene& scene, const PlannedRayCache& candidate) {
     return std::any_of(candidate.instances.begin(), candidate.instances.end(), [&](uint32_t instance) {
-        const auto stretch = inside_box(scene.tracer().bounds(instance), ray.origin, ray.direction);
-        return stretch && stretch->end > 0.0;
+        const auto inside = inside_box(scene.tracer().bounds(instance), ray.origin, ray.direction);
+        return inside && inside->end > 0.0;
     });
 }
 

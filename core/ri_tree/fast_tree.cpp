@@ -146,7 +146,7 @@ bool FastTree::follow(const Batch& asked, int ray) const {
     if (meeting == ConvexBody::Meeting::Uncertain) return false;
     const bool missed = meeting == ConvexBody::Meeting::Missed;
     move_to_object(answer.output);
-    answer.by = missed ? AnsweredBy::TwoClassMissed : AnsweredBy::Followed;
+    answer.by = missed ? AnsweredBy::FollowedMissed : AnsweredBy::Followed;
     answer.error = missed ? 0.0 : kFollowedError;
     answer.position_error = 0.0;
     return true;

@@ -32,7 +32,8 @@ enum class AnsweredBy : uint8_t {
     CellMissed,            ///< none of the cell's lines hits the object
     Interpolated,          ///< from all corners: one class
     TwoClassInterpolated,  ///< two classes: from the corners of the one that the ray hits first
-    TwoClassMissed,        ///< two classes: the test of the first hit found none, or planes part the ray from the body
+    TwoClassMissed,        ///< two classes: the test of the first hit found none
+    FollowedMissed,        ///< no cell answers: a plane separates the ray from the convex body
     Followed,              ///< no cell answers: followed through a convex body from one crossing to the next
     TracedManyClasses,     ///< more than two classes, classes that the first hit cannot tell apart, or flat facets
     TracedFewCorners,      ///< too few corners of the class
@@ -42,7 +43,7 @@ enum class AnsweredBy : uint8_t {
     TracedNotWorthIt,      ///< too few of the frame's rays cross the cell to pay for its samples
     TracedError            ///< a cell of the depth limit is not close enough
 };
-inline constexpr size_t kAnswerKinds = 14;
+inline constexpr size_t kAnswerKinds = 15;
 /// "interpolated", ... in the order of the enum, for statistics.
 std::span<const char* const> answer_names();
 inline bool is_traced(AnsweredBy by) {

@@ -19,12 +19,13 @@ RayAnswer kind_of(AnsweredBy by) {
         case AnsweredBy::BoxMissed:
         case AnsweredBy::CellMissed:
         case AnsweredBy::TwoClassMissed:
+        case AnsweredBy::FollowedMissed:
             return RayAnswer::Missed;
         case AnsweredBy::Interpolated:
             return RayAnswer::Interpolated;
         case AnsweredBy::TwoClassInterpolated:
         case AnsweredBy::Followed:
-            return RayAnswer::TwoClass;
+            return RayAnswer::Followed;
         default:
             return RayAnswer::Traced;
     }
@@ -39,7 +40,7 @@ GlassWay way_of(PathEnding ending) {
 
 RayCacheAdapter::RayCacheAdapter(uint32_t number, std::shared_ptr<RayCache> cache, std::shared_ptr<const Shape> shape,
                                  OutputKind kind, double neighbour_scale, const CancelToken& cancel)
-    : ObjectCache(number),
+    : LocalRayCache(number),
       cache_(std::move(cache)),
       shape_(std::move(shape)),
       kind_(kind),

@@ -3,14 +3,14 @@
 
 #include "ri_tree/ray_cache.h"
 #include "ri_tree/sample_tracer.h"
-#include "trace/object_cache.h"
+#include "trace/local_ray_cache.h"
 
 #include <memory>
 #include <vector>
 
 namespace rayleaf {
 
-class RayCacheAdapter final : public ObjectCache {
+class RayCacheAdapter final : public LocalRayCache {
   public:
     /// `neighbour_scale`: distance of a picture's neighbouring rays over what their differentials say. Differentials
     /// assume one sample a pixel; with n samples, rays lie closer by the root of n.

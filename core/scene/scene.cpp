@@ -213,7 +213,7 @@ const VolumeVisualisation* Scene::volume(uint32_t instance) const {
     return first.volume ? &*first.volume : nullptr;
 }
 
-void Scene::set_ray_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache) {
+void Scene::set_ray_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> cache) {
     cached_ += (cache ? 1 : 0) - (tracer_->cache(instance) ? 1 : 0);
     tracer_->set_cache(instance, std::move(cache));
 }

@@ -157,12 +157,12 @@ std::optional<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray)
 LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {
     if (scene->box().isEmpty()) return {RayAnswer::NotAsked};
     const Vec3d origin = point_to_local(world_ray.origin), direction = vector_to_local(world_ray.direction);
-    const std::optional<Stretch> stretch = inside_box(scene->box(), origin, direction);
-    if (!stretch || stretch->end < world_ray.t_min || stretch->begin > world_ray.t_max) return {RayAnswer::NotAsked};
-    if (cache && stretch->end <= world_ray.t_max) {
+    const std::optional<RayInterval> interval = inside_box(scene->box(), origin, direction);
+    if (!interval || interval->end < world_ray.t_min || interval->begin > world_ray.t_max) return {RayAnswer::NotAsked};
+    if (cache && interval->end <= world_ray.t_max) {
         const double speed = direction.length();
         LengthAnswer answer = cache->ask_length(origin + direction * world_ray.t_min, direction / speed,
-                                                neighbours_of(world_ray, stretch->begin, speed));
+                                                neighbours_of(world_ray, interval->begin, speed));
         answer.length /= speed;
         if (answer.answer != RayAnswer::Traced) return answer;
     }

@@ -6,7 +6,7 @@
 #include "rays/ray.h"
 #include "trace/clipped_packet.h"
 #include "trace/local_ray.h"
-#include "trace/object_cache.h"
+#include "trace/local_ray_cache.h"
 #include "trace/shape_scene.h"
 
 #include <memory>
@@ -16,8 +16,8 @@ namespace rayleaf {
 
 struct InstanceRecord {
     const ShapeScene* scene = nullptr;
-    const ObjectCache* cache = nullptr;  ///< null: rays are traced
-    const Motion* motion = nullptr;      ///< null: it stands still, else the maps are those of one moment
+    const LocalRayCache* cache = nullptr;  ///< null: rays are traced
+    const Motion* motion = nullptr;        ///< null: it stands still, else the maps are those of one moment
     Affine3d local_to_world;
     Vec3d to_local_x{1, 0, 0}, to_local_y{0, 1, 0}, to_local_z{0, 0, 1};  ///< linear part world -> local, columns
 

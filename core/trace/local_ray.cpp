@@ -35,8 +35,8 @@ RTCRayHit LocalRay::embree_ray_hit() const {
     return result;
 }
 
-std::optional<Stretch> inside_box(const Box3d& box, const Vec3d& origin, const Vec3d& direction) {
-    Stretch stretch{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+std::optional<RayInterval> inside_box(const Box3d& box, const Vec3d& origin, const Vec3d& direction) {
+    RayInterval interval{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     for (int axis = 0; axis < 3; ++axis) {
         if (direction[axis] == 0.0) {
             if (origin[axis] < box.min[axis] || origin[axis] > box.max[axis]) return std::nullopt;
@@ -44,17 +44,17 @@ std::optional<Stretch> inside_box(const Box3d& box, const Vec3d& origin, const V
         }
         const double inverse = 1.0 / direction[axis];
         const double a = (box.min[axis] - origin[axis]) * inverse, b = (box.max[axis] - origin[axis]) * inverse;
-        stretch.begin = std::max(stretch.begin, std::min(a, b));
-        stretch.end = std::min(stretch.end, std::max(a, b));
+        interval.begin = std::max(interval.begin, std::min(a, b));
+        interval.end = std::min(interval.end, std::max(a, b));
     }
-    if (!(stretch.begin <= stretch.end)) return std::nullopt;
-    return stretch;
+    if (!(interval.begin <= interval.end)) return std::nullopt;
+    return interval;
 }
 
 std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const Vec3d& direction, double t_min,
                                     double t_max) {
-    const std::optional<Stretch> stretch = inside_box(box, origin, direction);
-    if (!stretch || stretch->end < t_min || stretch->begin > t_max) return std::nullopt;
+    const std::optional<RayInterval> interval = inside_box(box, origin, direction);
+    if (!interval || interval->end < t_min || interval->begin > t_max) return std::nullopt;
     std::optional<LocalRay> made(std::in_place);  // in its place: copies cost as much as the clipping
     LocalRay& ray = *made;
     ray.origin = origin;
@@ -62,7 +62,7 @@ std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const
     ray.t_min = t_min;
     ray.t_max = t_max;
     ray.speed = length_of(direction);
-    ray.start = std::max(stretch->begin, t_min) - kBackstep / ray.speed;
+    ray.start = std::max(interval->begin, t_min) - kBackstep / ray.speed;
     ray.float_origin = Vec3f(origin + direction * ray.start);
     ray.float_direction = Vec3f(direction / ray.speed);
     const bool is_near = is_finite(ray.float_origin) && max_abs(ray.float_origin) <= kFarOff;

@@ -52,7 +52,7 @@ struct LocalRay {
     double t_min = 0, t_max = 0;  ///< world units
 
     RayBeam beam;          ///< Ray's, local; a unit of t in it is the shortest that the instance makes of a local unit
-    float stretch = 1;     ///< the longest over that
+    float stretch = 1;    ///< the longest over that
     RayAnchor anchors[2];  ///< Ray's start and end where they lie on this instance; else none
     std::optional<LocalSight> before;               ///< of the ray that found the start, where it matters
     const GeometryCache::Reader* reader = nullptr;  ///< of this thread; null: the shape gets one
@@ -68,11 +68,11 @@ struct LocalRay {
     RTCRayHit embree_ray_hit() const;
 };
 
-/// The stretch of t in which a ray is inside a box, empty if there is none. `origin` and `direction` are finite.
-struct Stretch {
+/// The interval of t in which a ray is inside a box, empty if there is none. `origin` and `direction` are finite.
+struct RayInterval {
     double begin, end;
 };
-std::optional<Stretch> inside_box(const Box3d& box, const Vec3d& origin, const Vec3d& direction);
+std::optional<RayInterval> inside_box(const Box3d& box, const Vec3d& origin, const Vec3d& direction);
 
 /// The ray clipped to a shape's box and ready for Embree; empty where it misses the box within [t_min, t_max].
 std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const Vec3d& direction, double t_min,

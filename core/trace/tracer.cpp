@@ -217,13 +217,13 @@ SurfacePoint Tracer::place(uint32_t instance, const LocalHit& hit, float time) c
     return point;
 }
 
-void Tracer::set_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache) {
+void Tracer::set_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> cache) {
     implementation_->records[instance].cache = cache.get();
     implementation_->caches.resize(implementation_->instances.size());
     implementation_->caches[instance] = std::move(cache);
 }
 
-const ObjectCache* Tracer::cache(uint32_t instance) const {
+const LocalRayCache* Tracer::cache(uint32_t instance) const {
     return implementation_->records[instance].cache;
 }
 

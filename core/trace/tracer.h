@@ -14,7 +14,7 @@
 #include "rays/ray.h"
 #include "splines/limit_normal.h"
 #include "tessellation/geometry_cache.h"
-#include "trace/object_cache.h"
+#include "trace/local_ray_cache.h"
 
 #include <cstdint>
 #include <memory>
@@ -95,8 +95,8 @@ class Tracer {
 
     /// From now on, rays ask this cache before the instance is traced; null: they do not. Not while rays are under way.
     /// A ray that starts on the instance is traced there: a line says nothing about what lies beyond its first hit.
-    void set_cache(uint32_t instance, std::shared_ptr<const ObjectCache> cache);
-    const ObjectCache* cache(uint32_t instance) const;
+    void set_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> cache);
+    const LocalRayCache* cache(uint32_t instance) const;
 
     /// The nearest hit in [t_min, t_max]; ties go to the lower instance, then primitive. Thread-safe; a ray that is not
     /// finite or has a zero direction hits nothing.

@@ -22,8 +22,8 @@ namespace rayleaf {
 struct Tracer::Implementation {
     std::vector<TracedInstance> instances;
     std::vector<InstanceRecord> records;
-    std::vector<std::shared_ptr<const ObjectCache>> caches;  ///< that the records use, by instance; or none at all
-    std::vector<Box3d> moving_boxes;                         ///< of whole motions, by instance; none where none moves
+    std::vector<std::shared_ptr<const LocalRayCache>> caches;  ///< that the records use, by instance; or none at all
+    std::vector<Box3d> moving_boxes;                           ///< of whole motions, by instance; none where none moves
     std::vector<std::shared_ptr<ShapeScene>> shapes;
     uint64_t kept_shapes = 0;  ///< of those
     Box3d bounds;

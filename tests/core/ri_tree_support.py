@@ -10,8 +10,8 @@ from rayleaf import _core
 
 ri_tree = _core.ri_tree
 ANSWERS: list[str] = ri_tree.ANSWERS
-NOT_A_RAY, BOX_MISSED, CELL_MISSED, INTERPOLATED, TWO_CLASSES, TWO_CLASS_MISSED = range(6)
-FOLLOWED, MANY_CLASSES, FEW_CORNERS, ANGLE, ORIGIN, LARGE_CELL, NOT_WORTH_IT, ERROR = range(6, 14)
+NOT_A_RAY, BOX_MISSED, CELL_MISSED, INTERPOLATED, TWO_CLASSES, TWO_CLASS_MISSED, FOLLOWED_MISSED = range(7)
+FOLLOWED, MANY_CLASSES, FEW_CORNERS, ANGLE, ORIGIN, LARGE_CELL, NOT_WORTH_IT, ERROR = range(7, 15)
 # Every array of an answer that describes the output ray.
 OUTPUTS = ("hit", "first_class", "exit_class", "interior_hits", "total_reflections", "ending")
 OUTPUTS += ("position", "normal", "uv", "exit_position", "exit_direction", "length")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from core import ri_tree_support as support
 from core import shapes
-from core.ri_tree_support import BOX_MISSED, FOLLOWED, INTERPOLATED, MANY_CLASSES, TWO_CLASS_MISSED
+from core.ri_tree_support import BOX_MISSED, FOLLOWED, INTERPOLATED, MANY_CLASSES, FOLLOWED_MISSED
 
 BEZIER, CLOSED_BEZIER = (4, False, True, True), (4, True, True, True)
 QUARTER = 4 / 3 * (np.sqrt(2) - 1)
@@ -56,7 +56,7 @@ def test_what_is_followed_goes_as_traced_and_decides_alike_at_every_crossing(sha
     used = got["answered_by"] == FOLLOWED
     assert used[truth["hit"]].mean() > 0.98, support.counts(got)
     assert truth["hit"][used].all()
-    missed = got["answered_by"] == TWO_CLASS_MISSED
+    missed = got["answered_by"] == FOLLOWED_MISSED
     assert not truth["hit"][missed].any() and not got["hit"][missed].any()
     in_box = got["answered_by"] != BOX_MISSED
     assert missed[~truth["hit"] & in_box].mean() > 0.9, support.counts(got)
@@ -130,7 +130,7 @@ def test_nothing_is_followed_through_what_is_not_a_convex_body(shape):
     rays = support.scattered_rays(300)
     tree = support.tree_of(shape, "GLASS", "FastTree", **NO_CELLS)
     got, truth = spaced(tree, rays), tree.trace(*rays)
-    assert not np.isin(got["answered_by"], [FOLLOWED, TWO_CLASS_MISSED]).any(), support.counts(got)
+    assert not np.isin(got["answered_by"], [FOLLOWED, FOLLOWED_MISSED]).any(), support.counts(got)
     for name in support.OUTPUTS:
         np.testing.assert_array_equal(got[name], truth[name], err_msg=name)
 
@@ -138,7 +138,7 @@ def test_nothing_is_followed_through_what_is_not_a_convex_body(shape):
 @pytest.mark.parametrize("kind", ["SIMPLE", "MIRROR", "VOLUME"])
 def test_only_glass_is_followed(kind):
     got = spaced(support.tree_of(shapes.nurbs_sphere(), kind, "FastTree", **NO_CELLS), support.scattered_rays(300))
-    assert not np.isin(got["answered_by"], [FOLLOWED, TWO_CLASS_MISSED]).any(), support.counts(got)
+    assert not np.isin(got["answered_by"], [FOLLOWED, FOLLOWED_MISSED]).any(), support.counts(got)
 
 
 def test_rays_that_start_inside_the_box_are_not_followed():
@@ -148,7 +148,7 @@ def test_rays_that_start_inside_the_box_are_not_followed():
     rays = origins, shapes.random_directions(random, 400)
     tree = support.tree_of(shapes.nurbs_sphere(), "GLASS", "FastTree", **NO_CELLS)
     got, truth = spaced(tree, rays), tree.trace(*rays)
-    assert not np.isin(got["answered_by"], [FOLLOWED, TWO_CLASS_MISSED]).any(), support.counts(got)
+    assert not np.isin(got["answered_by"], [FOLLOWED, FOLLOWED_MISSED]).any(), support.counts(got)
     np.testing.assert_array_equal(got["hit"], truth["hit"])
 
 

@@ -33,13 +33,13 @@ struct LengthAnswer {
 };
 
 /// Thread-safe; answers are pure functions of the arguments.
-class ObjectCache {
+class LocalRayCache {
   public:
     /// `number` is what the pass Rayleaf Tree shows.
-    explicit ObjectCache(uint32_t number) : number_(number) {}
-    virtual ~ObjectCache() = default;
-    ObjectCache(const ObjectCache&) = delete;
-    ObjectCache& operator=(const ObjectCache&) = delete;
+    explicit LocalRayCache(uint32_t number) : number_(number) {}
+    virtual ~LocalRayCache() = default;
+    LocalRayCache(const LocalRayCache&) = delete;
+    LocalRayCache& operator=(const LocalRayCache&) = delete;
 
     /// The first hit beyond `origin` along the unit `direction`.
     virtual ObjectAnswer ask(const Vec3d& origin, const Vec3d& direction, const RayNeighbours& neighbours) const = 0;
