@@ -42,6 +42,7 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::musgrave:
         case Operation::white_noise:
         case Operation::magic:
+        case Operation::gabor:
         case Operation::radial_tangent:
         case Operation::box_projection:
         case Operation::aov:

@@ -1,6 +1,7 @@
 #include "shading/operations_pattern.h"
 
 #include "shading/fractals.h"
+#include "shading/gabor.h"
 #include "shading/noise.h"
 #include "shading/operations_texture.h"
 #include "shading/patterns.h"
@@ -104,6 +105,19 @@ Vec4f brick(const Operands& operands, std::span<const int32_t> ints) {
     return extended(mixed(stone, operands.vector(3), result.mortar), result.mortar);
 }
 
+/// What waves cannot have counts as 0.
+Vec4f gabor(const Operands& operands, int dimensions) {
+    const Vec3f direction = operands.vector(5);
+    GaborParameters parameters;
+    parameters.frequency = sound_coordinate(operands.scalar(2));
+    parameters.anisotropy = sound_coordinate(operands.scalar(3));
+    parameters.orientation = sound_coordinate(operands.scalar(4));
+    parameters.direction = {sound_coordinate(direction.x), sound_coordinate(direction.y),
+                            sound_coordinate(direction.z)};
+    const GaborResult result = gabor_texture(dimensions, coordinate3(operands, operands.scalar(1)), parameters);
+    return Vec4f(result.value, result.phase, result.intensity, 1.0f);
+}
+
 }  // namespace
 
 Vec4f pattern_value(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints) {
@@ -128,6 +142,8 @@ Vec4f pattern_value(Operation operation, uint8_t variant, const Operands& operan
             return magic(operands, ints[0]);
         case Operation::brick:
             return brick(operands, ints);
+        case Operation::gabor:
+            return gabor(operands, ints[0]);
         default:
             return spread(0.0f);
     }

@@ -60,6 +60,8 @@ IntRange int_range(Operation operation, size_t i) {
             return {0, i == 0 ? 1 : 3};
         case Operation::magic:
             return {0, 10};
+        case Operation::gabor:
+            return {2, 3};
         case Operation::transform:
         case Operation::radial_tangent:
         case Operation::box_projection:

@@ -123,7 +123,22 @@ def _regular(case: Make) -> list[Any]:
     return found
 
 
+def _gabor(case: Make) -> list[Any]:
+    """Since 4.3."""
+    found = []
+    for output in ("Value", "Phase", "Intensity"):
+        for anisotropy in (1.0, 0.0, 0.6):
+            inputs = {"Vector": "p", "Scale": 1.3, "Frequency": 2.3, "Anisotropy": anisotropy}
+            found.append(case("ShaderNodeTexGabor", {}, {**inputs, "Orientation 2D": 0.7}, output))
+            for way in ((0.5, -0.7, 0.3), (-0.2, 0.4, -0.9), (0.0, -2.0, 0.0)):
+                in_space = {**inputs, "Orientation 3D": way}
+                found.append(case("ShaderNodeTexGabor", {"gabor_type": "3D"}, in_space, output))
+    for inputs in ({"Frequency": "x"}, {"Frequency": -2.0}, {"Scale": -3.0}, {"Anisotropy": "x"}, {"Anisotropy": 1.7}):
+        found.append(case("ShaderNodeTexGabor", {}, {"Vector": "p", "Scale": 0.8, **inputs}, "Value"))
+    return found
+
+
 def pattern_cases(case: Make) -> list[Any]:
     """Every texture that is computed from its coordinate."""
     octaves = _voronoi_octaves(case) if bpy.app.version >= (4, 0, 0) else []
-    return _noise(case) + _musgrave(case) + _voronoi(case) + octaves + _waves(case) + _regular(case)
+    return _noise(case) + _musgrave(case) + _voronoi(case) + octaves + _gabor(case) + _waves(case) + _regular(case)

@@ -65,7 +65,7 @@ for node in nodes:
 # What is not rendered as it stands, so that it is named: two materials that differ in a byte beyond ASCII alone.
 for number, letter in enumerate("qQ"):
     odd, odd_tree, odd_output = scenes.material(f"Q{letter} odd")
-    unknown = "ShaderNodeTexPointDensity" if bpy.app.version < (5, 0) else "ShaderNodeTexGabor"
+    unknown = "ShaderNodeTexPointDensity" if bpy.app.version < (5, 0) else "ShaderNodeRadialTiling"
     points, shine = odd_tree.nodes.new(unknown), odd_tree.nodes.new("ShaderNodeEmission")
     points.name = "Qq points"
     odd_tree.links.new(points.outputs[-1], shine.inputs["Strength"])

@@ -22,6 +22,7 @@ OPERATIONS = [
     *(("gradient", 1, kind, []) for kind in GRADIENTS),
     *(("wave", 7, kind, [s, axis]) for kind, s, axis in product(("SIN", "SAW", "TRI"), (0, 1), range(4))),
     *(("magic", 3, "", [depth]) for depth in (0, 5, 10)),
+    *(("gabor", 6, "", [n]) for n in (2, 3)),
     *(("brick", 12, "", [every, squash]) for every, squash in ((0, 0), (2, 3), (99, 1))),
 ]
 
@@ -59,6 +60,7 @@ DEFAULTS = {
     "gradient": (),
     "wave": (5.0, 1.0, 2.0, 1.0, 0.5, 0.0),
     "magic": (5.0, 1.0),
+    "gabor": (5.0, 2.0, 1.0, 0.7, 0.3),
     "brick": (0.8, 0.2, 0.0, 5.0, 0.02, 0.1, 0.0, 0.5, 0.25, 0.5, 1.0),
 }
 
@@ -132,3 +134,33 @@ def test_a_normalized_noise_is_its_sum_brought_to_the_unit_interval():
     places = np.random.default_rng(4).uniform(-9, 9, (200, 3)).astype(np.float32)
     plain, normal = (values("noise", places, (0, 1.5, 2, 0.5, 0, 2.3), "", [3, n, 0])[:, 3] for n in (0, 1))
     np.testing.assert_allclose(normal, 0.5 + 0.5 * plain / 1.75, atol=1e-6)
+
+
+@pytest.mark.parametrize("dimensions", (2, 3))
+def test_gabor_noise_is_a_wave_of_its_intensity_and_phase_and_stays_within_its_range(dimensions):
+    places = np.random.default_rng(6).uniform(-90, 90, (20000, 3)).astype(np.float32)
+    found = values("gabor", places, (1.0, 2.0, 0.0, 0.7, 0.3), ints=[dimensions])
+    value, phase, intensity = found[:, 0], found[:, 1], found[:, 2]
+    np.testing.assert_allclose(value, 0.5 - 0.5 * intensity * np.sin(2 * np.pi * phase), atol=2e-6)
+    assert phase.min() >= 0 and phase.max() <= 1 and phase.std() == pytest.approx(12**-0.5, rel=0.02)
+    # Half of the range 0..1 is six deviations, which Blender's constants estimate a fifth too small.
+    assert value.mean() == pytest.approx(0.5, abs=0.003)
+    assert value.std() * 12 == pytest.approx(1.2, abs=0.15)
+
+
+def test_gabor_waves_run_along_their_orientation_with_their_frequency():
+    start = np.random.default_rng(7).uniform(-9, 9, (2000, 3)).astype(np.float32)
+    step, angle, frequency = 0.02, 0.7, 4.0
+    flat = (1.0, frequency, 1.0, angle, 0.0)
+    ways = {
+        "along": (np.cos(angle), np.sin(angle), 0),
+        "across": (-np.sin(angle), np.cos(angle), 0),
+        "above": (0, 0, 1),
+    }
+    turns = {}
+    for name, way in ways.items():
+        ends = [values("gabor", start + k * step * np.float32(way), flat, ints=[2])[:, 1] for k in (0, 1)]
+        turns[name] = np.median((ends[1] - ends[0] + 0.5) % 1 - 0.5) / step
+    assert turns["along"] == pytest.approx(frequency, rel=0.05)
+    assert abs(turns["across"]) < 0.2
+    assert turns["above"] == 0

@@ -135,3 +135,16 @@ def brick(view: NodeView, output: str) -> Register:
     operands += [emitter.scalar(node.offset), emitter.scalar(node.squash)]
     ints = [node.offset_frequency, node.squash_frequency]
     return _color_or_factor(view, emitter.operation("brick", operands, ints), output)
+
+
+@value_node("ShaderNodeTexGabor")
+def gabor(view: NodeView, output: str) -> Register:
+    """Gabor Texture, of Blender 4.3."""
+    name_hidden_mapping(view)
+    in_space = view.node.gabor_type == "3D"
+    operands = [view.vector("Vector"), *(view.input(name) for name in ("Scale", "Frequency", "Anisotropy"))]
+    # The way of the waves: two sockets of one name, of which the dimensions hide one.
+    nothing = view.emitter.scalar(0.0)
+    operands += [nothing, view.input("Orientation 3D")] if in_space else [view.input("Orientation 2D"), nothing]
+    result = view.emitter.operation("gabor", operands, [3 if in_space else 2])
+    return view.emitter.component(result, ("Value", "Phase", "Intensity").index(output))
