@@ -66,7 +66,8 @@ MaterialOptics optics_of(const Program& surface) {
     optics.glass = {*index, Color(0.0f), Color(0.0f)};
     for (int i = 0; i < inside.size(); ++i) {
         const Lobe& lobe = inside[i];
-        if (!is_even_singular(lobe)) return optics;
+        // Under a film every angle has a colour of its own.
+        if (!is_even_singular(lobe) || lobe.film.thickness > 0.0f) return optics;
         // A pair weighted by Fresnel's reflectance and the rest adds up to one of its two.
         const bool reflects = lobe.type == LobeType::Reflection;
         if (!reflects || lobe.fresnel == Lobe::Fresnel::None) optics.glass.leaving += lobe.weight;

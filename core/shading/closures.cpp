@@ -16,6 +16,8 @@ constexpr float kLeastLobeAlpha = 1e-4f;
 /// An interface whose index differs less from 1 bends rays by less than a milliradian: clear, whatever its roughness.
 constexpr float kLeastIndexStep = 1e-3f;
 constexpr float kLeastIndex = 1e-5f, kLargestIndex = 1e5f;
+/// Nanometres; light does not interfere in thicker ones.
+constexpr float kThickestFilm = 1e6f;
 /// Largest factor a lobe may have; what is larger is a mistake that would overflow.
 constexpr float kLargestWeight = 1e10f;
 
@@ -71,6 +73,8 @@ void mend(Lobe& lobe) {
     lobe.roughness = limited(lobe.roughness, 0.0f, 1.0f);
     lobe.softness = limited(lobe.softness, 0.0f, 1.0f);
     lobe.ior = limited(lobe.ior, kLeastIndex, kLargestIndex);
+    lobe.film.thickness = limited(lobe.film.thickness, 0.0f, kThickestFilm);
+    lobe.film.ior = limited(lobe.film.ior, kLeastIndex, kLargestIndex);
     lobe.alpha_x = limited(lobe.alpha_x, 0.0f, 1.0f);
     lobe.alpha_y = limited(lobe.alpha_y, 0.0f, 1.0f);
     const bool clear = refracts(lobe) && std::abs(lobe.ior - 1.0f) < kLeastIndexStep;
@@ -89,7 +93,7 @@ bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
            a.tangent == b.tangent && a.alpha_x == b.alpha_x && a.alpha_y == b.alpha_y && a.ior == b.ior &&
            a.roughness == b.roughness && a.softness == b.softness && a.fresnel_0 == b.fresnel_0 &&
            a.masking == b.masking && a.in_front == b.in_front && a.fresnel == b.fresnel && a.radius == b.radius &&
-           a.across == b.across && a.tilt == b.tilt;
+           a.across == b.across && a.tilt == b.tilt && a.film == b.film;
 }
 
 /// How far two lobes are from each other; infinite for those that nothing makes alike: of two types, or a mirror and

@@ -48,6 +48,17 @@ enum class MicrofacetDistribution : uint8_t { Ggx, Beckmann };
 /// facets are hidden from both.
 enum class Masking : uint8_t { Separate, Joint };
 
+/// By what the colours of interference are seen: the CIE's standard observer, or sums of Gaussian curves that are like
+/// it.
+enum class FilmObserver : uint8_t { Standard, Gaussians };
+/// A transparent film on a surface, in which light interferes (shading/thin_film.h).
+struct ThinFilm {
+    float thickness = 0;  ///< nanometres; 0: none
+    float ior = 1.33f;    ///< its index over that on the viewer's side
+    FilmObserver observer = FilmObserver::Standard;
+    bool operator==(const ThinFilm&) const = default;
+};
+
 /// One lobe. `normal`, `tangent`, `weight` count for all types, the rest where named.
 struct Lobe {
     LobeType type = LobeType::Diffuse;
@@ -69,17 +80,20 @@ struct Lobe {
     float roughness = 0;
     float softness = 0;  ///< Toon: of the cone's border, 1 a quarter turn; Subsurface: anisotropy of the phase function
     /// Diffuse: of a rough surface that keeps its energy, the albedo, else 0; Schlick, Metal: reflectance at normal
-    /// incidence; Subsurface: the surface's albedo; HairFibre: absorption over a
+    /// incidence; Conductor: index of refraction; Subsurface: the surface's albedo; HairFibre: absorption over a
     /// radius.
     Color fresnel_0{0, 0, 0};
-    Color radius{0, 0, 0};  ///< Subsurface: mean free paths, world units; Metal: its dip (shading/fresnel.h)
+    Color radius{0, 0, 0};  ///< Subsurface: mean free paths, world units; Metal: its dip (shading/fresnel.h);
+                            ///< Conductor: its extinction
     float across = 0;       ///< HairFibre: sine of the angle around the fibre from the viewer to the point
     float tilt = 0;         ///< of hair: of the cuticle's scales, radians
     /// Dielectric: Reflection is weighted by the reflectance of `ior`, Refraction by the rest. Schlick: Reflection is
     /// coloured, from `fresnel_0` to white along the dielectric curve of `ior` (shading/fresnel.h), Refraction by the
-    /// rest. Subsurface with Schlick: darkened at grazing where light enters and leaves, as Disney's diffuse. Metal: by
-    /// `fresnel_0`, and `radius`.
-    enum class Fresnel : uint8_t { None, Dielectric, Schlick, Metal } fresnel = Fresnel::None;
+    /// rest. Subsurface with Schlick: darkened at grazing where light enters and leaves, as Disney's diffuse. Metal,
+    /// Conductor: by `fresnel_0`, and `radius`.
+    enum class Fresnel : uint8_t { None, Dielectric, Schlick, Metal, Conductor } fresnel = Fresnel::None;
+    /// Of Reflection and Refraction with any of these.
+    ThinFilm film;
 };
 
 /// A sampled direction.

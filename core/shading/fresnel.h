@@ -57,10 +57,16 @@ inline float schlick_weight(float cosine) {
 // what Schlick has there (Kutz, Hasan, Edmondson: "Novel aspects of the Adobe Standard Material", 2023).
 
 /// The factor of the dip.
+constexpr float kMetalEdge = 1.0f / 7.0f, kMetalFifth = 0.46266436f, kMetalSixth = 0.39656946f;  // powers of 6/7
+inline Color metal_edge_without_dip(const Color& fresnel_0) {
+    return fresnel_0 * (1.0f - kMetalFifth) + Color(kMetalFifth);
+}
 inline Color metal_dip(const Color& fresnel_0, const Color& tint) {
-    constexpr float kCosine = 1.0f / 7.0f, kFifth = 0.46266436f, kSixth = 0.39656946f;  // powers of 6/7
-    const Color there = fresnel_0 * (1.0f - kFifth) + Color(kFifth);
-    return there * (Color(1.0f) - tint) / (kCosine * kSixth);
+    return metal_edge_without_dip(fresnel_0) * (Color(1.0f) - tint) / (kMetalEdge * kMetalSixth);
+}
+/// The inverse.
+inline Color metal_tint(const Color& fresnel_0, const Color& dip) {
+    return Color(1.0f) - dip * (kMetalEdge * kMetalSixth) / metal_edge_without_dip(fresnel_0);
 }
 inline Color metal_fresnel(const Color& fresnel_0, const Color& dip, float cosine) {
     const float c = std::clamp(cosine, 0.0f, 1.0f), fifth = schlick_weight(c);
@@ -70,6 +76,22 @@ inline Color metal_fresnel(const Color& fresnel_0, const Color& dip, float cosin
 /// Its mean over a hemisphere of light.
 inline Color mean_metal_fresnel(const Color& fresnel_0, const Color& dip) {
     return fresnel_0 * (20.0f / 21.0f) + Color(1.0f / 21.0f) - dip * (1.0f / 126.0f);
+}
+
+/// Unpolarized reflectance of a conductor by its index and extinction, one for each channel.
+inline float conductor_fresnel(float index, float extinction, float cosine) {
+    const float c = std::clamp(cosine, 0.0f, 1.0f), c2 = c * c, s2 = 1.0f - c2;
+    const float both = 4.0f * index * index * extinction * extinction;
+    const float difference = (index - extinction) * (index + extinction) - s2;
+    const float modulus = std::sqrt(difference * difference + both);
+    const float real = std::sqrt(std::max(0.5f * (modulus + difference), 0.0f)), across = 2.0f * real * c;
+    const float perpendicular = (modulus + c2 - across) / (modulus + c2 + across);
+    const float parallel = (c2 * modulus + s2 * s2 - across * s2) / (c2 * modulus + s2 * s2 + across * s2);
+    return std::clamp(0.5f * perpendicular * (1.0f + parallel), 0.0f, 1.0f);
+}
+inline Color conductor_fresnel(const Color& index, const Color& extinction, float cosine) {
+    return {conductor_fresnel(index.x, extinction.x, cosine), conductor_fresnel(index.y, extinction.y, cosine),
+            conductor_fresnel(index.z, extinction.z, cosine)};
 }
 
 }  // namespace rayleaf

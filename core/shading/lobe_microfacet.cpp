@@ -3,6 +3,7 @@
 #include "shading/fresnel.h"
 #include "shading/lobe_frame.h"
 #include "shading/microfacet.h"
+#include "shading/thin_film.h"
 
 namespace rayleaf {
 namespace {
@@ -78,17 +79,47 @@ float clearcoat_normal_density(float alpha, float cosine) {
     return (alpha2 - 1.0f) / (kPi * std::log(alpha2) * (1.0f + (alpha2 - 1.0f) * cosine * cosine));
 }
 
+/// Of a lobe that is coloured where it is seen straight on: how much of that colour is left, as the film's reflectance
+/// rises to 1.
+Color tinted(const Lobe& lobe, const Color& reflected) {
+    const float least = normal_fresnel(lobe.ior);
+    if (lobe.fresnel != Lobe::Fresnel::Schlick || !(least > 0.0f) || !(least < 1.0f)) return reflected;
+    Color result;
+    for (int c = 0; c < 3; ++c) {
+        const float rise = std::clamp((reflected[c] - least) / (1.0f - least), 0.0f, 1.0f);
+        result[c] = reflected[c] * (lobe.fresnel_0[c] / least * (1.0f - rise) + rise);
+    }
+    return result;
+}
+
+/// What a film sends back, untinted.
+Color filmed_reflectance(const Lobe& lobe, float cosine) {
+    switch (lobe.fresnel) {
+        case Lobe::Fresnel::None:
+            return Color(1.0f);
+        case Lobe::Fresnel::Metal:
+            return film_on_metal(lobe.film, lobe.fresnel_0, lobe.radius, cosine);
+        case Lobe::Fresnel::Conductor:
+            return film_on_conductor(lobe.film, lobe.fresnel_0, lobe.radius, cosine);
+        default:
+            return film_on_dielectric(lobe.film, lobe.ior, cosine);
+    }
+}
+
 }  // namespace
 
 Color reflectance(const Lobe& lobe, float cosine) {
+    if (lobe.film.thickness > 0.0f) return tinted(lobe, filmed_reflectance(lobe, cosine));
     if (lobe.type == LobeType::Glass || lobe.fresnel == Lobe::Fresnel::Dielectric)
         return Color(dielectric_fresnel(cosine, lobe.ior));
     if (lobe.fresnel == Lobe::Fresnel::Schlick) return coloured_fresnel(lobe.fresnel_0, lobe.ior, cosine);
     if (lobe.fresnel == Lobe::Fresnel::Metal) return metal_fresnel(lobe.fresnel_0, lobe.radius, cosine);
+    if (lobe.fresnel == Lobe::Fresnel::Conductor) return conductor_fresnel(lobe.fresnel_0, lobe.radius, cosine);
     return Color(1.0f);
 }
 
 Color transmittance(const Lobe& lobe, float cosine) {
+    if (lobe.film.thickness > 0.0f) return Color(1.0f) - filmed_reflectance(lobe, cosine);
     const bool fresnel = lobe.type == LobeType::Glass || lobe.fresnel != Lobe::Fresnel::None;
     return fresnel ? Color(1.0f) - reflectance(lobe, cosine) : Color(1.0f);
 }

@@ -69,11 +69,12 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::bump:
         case Operation::subsurface:
         case Operation::principled:
-        case Operation::principled_layers:
+        case Operation::metal:
             return {0, 1};
         case Operation::mix:
         case Operation::normal_map:
         case Operation::tangent:
+        case Operation::principled_layers:
             return {0, 2};
         case Operation::image:
             return {1, 4 + 2 * kMostTiles};
@@ -177,6 +178,7 @@ std::span<const std::string_view> variants_of(Operation operation) {
         case Operation::glossy:
         case Operation::refraction:
         case Operation::glass:
+        case Operation::metal:
             return kMicrofacet;
         case Operation::principled:
         case Operation::principled_layers:

@@ -1,10 +1,10 @@
 #include "shading/operations_closure.h"
 
 #include "shading/lobe_fibre.h"
-#include "shading/microfacet_albedo.h"
 #include "shading/microfibres.h"
 #include "shading/operations_input.h"
 #include "shading/operations_math.h"
+#include "shading/operations_microfacet.h"
 #include "shading/operations_volume.h"
 #include "shading/principled.h"
 #include "shading/principled_layers.h"
@@ -32,25 +32,23 @@ Vec3f clearing_normal(const Vec3f& facet_normal, const Vec3f& outgoing, const Ve
     return normalized_or(across * std::sin(a) + facet_normal * std::cos(a), facet_normal);
 }
 
-namespace {
-
 Color weight_of(const Operands& operands) {
     return operands.vector(0, Color(1.0f));
 }
 
-/// The operand `i` as a normal fit for scattering, the surface's own where it is not connected.
 Vec3f scattering_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs) {
     const Vec3f own = facing_normal(inputs);
     const Vec3f normal = operands.connected(i) ? normalized_or(operands.vector(i), own) : own;
     return clearing_normal(facing_facet_normal(inputs), inputs.outgoing, normal);
 }
 
-/// Index beyond the surface over that on the viewer's side.
 float index_beyond(float ior, const ShadingInputs& inputs) {
     constexpr float kLeastIndex = 1e-5f;  // as Cycles
     const float inside = std::max(ior, kLeastIndex);
     return is_backfacing(inputs) ? 1.0f / inside : inside;
 }
+
+namespace {
 
 Lobe diffuse_lobe(const Operands& operands, std::span<const int32_t> ints, const ShadingInputs& inputs) {
     Lobe lobe;
@@ -67,38 +65,6 @@ Lobe translucent_lobe(const Operands& operands, const ShadingInputs& inputs) {
     lobe.type = LobeType::Translucent;
     lobe.weight = weight_of(operands) * operands.vector(1);
     lobe.normal = scattering_normal(operands, 2, inputs);
-    return lobe;
-}
-
-void set_roughness(Lobe& lobe, MicrofacetVariant variant, float roughness) {
-    const float clamped = saturate(roughness);
-    const float alpha = variant == MicrofacetVariant::SHARP ? 0.0f : clamped * clamped;
-    lobe.alpha_x = lobe.alpha_y = alpha;
-    // Ashikhmin-Shirley's lobes have no tails, like Beckmann's.
-    const bool beckmann = variant == MicrofacetVariant::BECKMANN || variant == MicrofacetVariant::ASHIKHMIN_SHIRLEY;
-    lobe.distribution = beckmann ? MicrofacetDistribution::Beckmann : MicrofacetDistribution::Ggx;
-}
-
-Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
-    Lobe lobe;
-    lobe.type = LobeType::Reflection;
-    lobe.kind = LobeKind::Glossy;
-    lobe.normal = scattering_normal(operands, 3, inputs);
-    set_roughness(lobe, variant, operands.scalar(2));
-    const Color color = operands.vector(1);
-    lobe.weight = weight_of(operands) * color;
-    const float anisotropy = std::clamp(operands.scalar(4), -0.99f, 0.99f);  // Cycles' limits
-    if (anisotropy != 0.0f) {
-        // Along the tangent and across: one is made smoother, the other rougher.
-        const float narrow = 1.0f - std::abs(anisotropy);
-        lobe.alpha_x *= anisotropy > 0.0f ? narrow : 1.0f / narrow;
-        lobe.alpha_y *= anisotropy > 0.0f ? 1.0f / narrow : narrow;
-        lobe.tangent = rotated(operands.vector(6, inputs.point->dp_du), lobe.normal, operands.scalar(5) * 2.0f * kPi);
-    }
-    if (variant == MicrofacetVariant::MULTI_GGX) {
-        const float albedo = ggx_reflection_albedo(lobe.alpha_x, std::max(lobe.normal.dot(inputs.outgoing), 0.0f));
-        lobe.weight = lobe.weight * energy_compensation(color, albedo);
-    }
     return lobe;
 }
 
@@ -131,28 +97,6 @@ Lobe toon_lobe(ToonVariant variant, const Operands& operands, std::span<const in
     lobe.softness = operands.scalar(3);
     lobe.in_front = !ints.empty() && ints[0] != 0;
     lobe.normal = scattering_normal(operands, 4, inputs);
-    return lobe;
-}
-
-Lobe refraction_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
-    Lobe lobe;
-    lobe.type = LobeType::Refraction;
-    lobe.kind = LobeKind::Transmission;
-    lobe.weight = weight_of(operands) * operands.vector(1);
-    lobe.normal = scattering_normal(operands, 4, inputs);
-    lobe.ior = index_beyond(operands.scalar(3), inputs);
-    set_roughness(lobe, variant, operands.scalar(2));
-    return lobe;
-}
-
-Lobe glass_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
-    Lobe lobe = refraction_lobe(variant, operands, inputs);
-    lobe.type = LobeType::Glass;
-    if (variant == MicrofacetVariant::MULTI_GGX) {
-        const float cosine = std::max(lobe.normal.dot(inputs.outgoing), 0.0f);
-        lobe.weight =
-            lobe.weight * energy_compensation(operands.vector(1), ggx_glass_albedo(lobe.alpha_x, cosine, lobe.ior));
-    }
     return lobe;
 }
 
@@ -310,6 +254,11 @@ PrincipledLayers principled_layers(PrincipledVariant variant, const Operands& op
     p.subsurface_ior = operands.scalar(26, p.subsurface_ior);
     p.subsurface_anisotropy = operands.scalar(27);
     p.subsurface_method = subsurface_method(ints);
+    p.film = {operands.scalar(28), operands.scalar(29, p.film.ior)};
+    if (ints.size() > 1 && ints[1] != 0) {
+        p.film.observer = FilmObserver::Gaussians;
+        p.film_on_metal = false;
+    }
     p.after_diffuse = is_after_diffuse(inputs);
     return p;
 }
@@ -338,16 +287,12 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
             break;
     }
     if (inputs.point == nullptr) return;  // the world scatters nothing
-    const auto microfacets = static_cast<MicrofacetVariant>(variant);
     switch (operation) {
         case Operation::diffuse:
             closures.add(diffuse_lobe(operands, ints, inputs));
             return;
         case Operation::translucent:
             closures.add(translucent_lobe(operands, inputs));
-            return;
-        case Operation::glossy:
-            closures.add(glossy_lobe(microfacets, operands, inputs));
             return;
         case Operation::velvet:
             closures.add(velvet_lobe(operands, inputs));
@@ -358,11 +303,11 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
         case Operation::toon:
             closures.add(toon_lobe(static_cast<ToonVariant>(variant), operands, ints, inputs));
             return;
+        case Operation::glossy:
         case Operation::refraction:
-            closures.add(refraction_lobe(microfacets, operands, inputs));
-            return;
         case Operation::glass:
-            closures.add(glass_lobe(microfacets, operands, inputs));
+        case Operation::metal:
+            add_microfacets(operation, static_cast<MicrofacetVariant>(variant), operands, ints, inputs, closures);
             return;
         case Operation::transparent:
             closures.transparency += weight * operands.vector(1);

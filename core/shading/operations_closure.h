@@ -16,4 +16,11 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
 /// shading normal bent too far would reflect rays into the surface. `facet_normal` is on the viewer's side.
 Vec3f clearing_normal(const Vec3f& facet_normal, const Vec3f& outgoing, const Vec3f& normal);
 
+/// The first operand of a closure: its weight.
+Color weight_of(const Operands& operands);
+/// The operand `i` as a normal fit for scattering, the surface's own where it is not connected.
+Vec3f scattering_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs);
+/// Index beyond the surface over that on the viewer's side.
+float index_beyond(float ior, const ShadingInputs& inputs);
+
 }  // namespace rayleaf

@@ -1,6 +1,7 @@
 #include "shading/principled_layers.h"
 
 #include "shading/fresnel.h"
+#include "shading/lobe_microfacet.h"
 #include "shading/microfacet_albedo.h"
 #include "shading/microfibres.h"
 #include "shading/operands.h"
@@ -95,6 +96,7 @@ void add_metal(const PrincipledLayers& p, const Color& weight, Closures& closure
     lobe.fresnel = Lobe::Fresnel::Metal;
     lobe.fresnel_0 = at_most_one(p.base_color);
     lobe.radius = metal_dip(lobe.fresnel_0, at_most_one(p.specular_tint));
+    if (p.film_on_metal) lobe.film = p.film;
     lobe.weight = lobe.weight * multiple_scattering(p, mean_metal_fresnel(lobe.fresnel_0, lobe.radius)).first;
     closures.add(lobe);
 }
@@ -110,6 +112,8 @@ void add_glass(const PrincipledLayers& p, const Color& weight, Closures& closure
     lobe.fresnel = white ? Lobe::Fresnel::Dielectric : Lobe::Fresnel::Schlick;
     lobe.ior = ior;
     lobe.fresnel_0 = p.specular_tint * normal_fresnel(ior);
+    lobe.film = p.film;
+    if (p.from_inside) lobe.film.ior /= p.ior;
     closures.add(lobe);
     lobe.type = LobeType::Refraction;
     lobe.kind = LobeKind::Transmission;
@@ -136,10 +140,13 @@ Color add_reflection(const PrincipledLayers& p, const Color& weight, Closures& c
     lobe.fresnel = Lobe::Fresnel::Schlick;
     lobe.ior = ior;
     lobe.fresnel_0 = p.specular_tint * fresnel_0;
+    lobe.film = p.film;
     const auto [factor, counted] =
         multiple_scattering(p, blended(lobe.fresnel_0, Color(1.0f), mean_fresnel_rise(lobe.ior)));
     lobe.weight = weight * factor;
     closures.add(lobe);
+    if (p.film.thickness > 0.0f)
+        return below(weight, weight * counted * reflectance(lobe, cosine_to_viewer(p, p.normal)));
     const float rise = ggx_fresnel_rise(p.roughness * p.roughness, cosine_to_viewer(p, p.normal), ior);
     return below(weight, weight * counted * blended(lobe.fresnel_0, Color(1.0f), rise));
 }

@@ -76,6 +76,7 @@ IntRange int_range(Operation operation, size_t i) {
         case Operation::subsurface:
         case Operation::principled:
         case Operation::principled_layers:
+        case Operation::metal:
         case Operation::table:
         case Operation::math:
         case Operation::mix:
@@ -224,6 +225,10 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::glossy:
             reads_element_ |=
                 operands.size() > 4 && operands[4] >= 0 && !surely(4, 0.0f) && (operands.size() < 7 || operands[6] < 0);
+            break;
+        case Operation::metal:
+            reads_element_ |=
+                operands.size() > 5 && operands[5] >= 0 && !surely(5, 0.0f) && (operands.size() < 8 || operands[7] < 0);
             break;
         case Operation::hair:
             reads_element_ |= operands.size() < 6 || operands[5] < 0;

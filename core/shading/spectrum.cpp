@@ -31,11 +31,16 @@ constexpr std::array<std::array<float, 3>, 81> kObserver = {{
     {0.0f, 0.0f, 0.0f},
 }};
 
-/// Of a mixture of lights that the observer sees as X, Y, Z.
+/// Of a mixture of lights that the observer sees as X, Y, Z; a channel may be negative.
+Color unlimited_rec709(const Vec3f& xyz) {
+    return {3.2404542f * xyz.x - 1.5371385f * xyz.y - 0.4985314f * xyz.z,
+            -0.9692660f * xyz.x + 1.8760108f * xyz.y + 0.0415560f * xyz.z,
+            0.0556434f * xyz.x - 0.2040259f * xyz.y + 1.0572252f * xyz.z};
+}
+
+/// The same without negative channels.
 Color rec709(const Vec3f& xyz) {
-    const Color color(3.2404542f * xyz.x - 1.5371385f * xyz.y - 0.4985314f * xyz.z,
-                      -0.9692660f * xyz.x + 1.8760108f * xyz.y + 0.0415560f * xyz.z,
-                      0.0556434f * xyz.x - 0.2040259f * xyz.y + 1.0572252f * xyz.z);
+    const Color color = unlimited_rec709(xyz);
     return {std::max(color.x, 0.0f), std::max(color.y, 0.0f), std::max(color.z, 0.0f)};
 }
 
@@ -65,6 +70,20 @@ Color blackbody_color(float kelvins) {
         sum += observed(i) * (fifth / std::expm1(kSecondRadiation / (wavelength * temperature)));
     }
     return rec709(sum / sum.y);
+}
+
+std::span<const Sensitivity> rec709_sensitivities() {
+    static const auto kSensitivities = [] {
+        std::array<Sensitivity, kObserver.size()> result;
+        Color sum(0.0f);
+        for (size_t i = 0; i < kObserver.size(); ++i) {
+            result[i] = {kFirst + kStep * static_cast<float>(i), unlimited_rec709(observed(i))};
+            sum += result[i].color;
+        }
+        for (Sensitivity& each : result) each.color /= sum;
+        return result;
+    }();
+    return kSensitivities;
 }
 
 }  // namespace rayleaf

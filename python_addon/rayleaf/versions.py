@@ -241,6 +241,11 @@ def voronoi_hash() -> str:
     return "JENKINS" if bpy.app.version < (5, 0, 0) else "PCG"
 
 
+def thin_films_are_newer() -> bool:
+    """Whether films cover metals too, and their colours are those of the standard observer."""
+    return bpy.app.version >= (5, 0, 0)
+
+
 def aov_name(node: Any) -> str:
     """Which AOV an AOV Output node writes to; before 4.2, that of its own name."""
     return text_of(node, "aov_name") if hasattr(node, "aov_name") else name_of(node)

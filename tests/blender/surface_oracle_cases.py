@@ -137,9 +137,47 @@ def _principled_since_4() -> list[Case]:
     return cases
 
 
+def _films() -> list[Case]:
+    """In thin films, over what each version can have below them: rough, so that the sun is seen in many directions."""
+    color, rough, tint = (0.8, 0.5, 0.3, 1), {"Roughness": 0.5}, (0.4, 0.7, 0.9, 1)
+    films = [(200.0, 1.33), (350.0, 1.8), (500.0, 1.33), (800.0, 2.2)]
+    found = []
+    for thickness, index in films:
+        film = {**rough, "Thin Film Thickness": thickness, "Thin Film IOR": index}
+        dielectrics = [{}, {"IOR": 2.2}, {"IOR": 0.8}, {"Specular IOR Level": 1.0}, {"Specular Tint": tint}]
+        dielectrics += [{"Transmission Weight": 0.6, "Roughness": 0.4}]
+        dielectrics += [{"Metallic": 1.0, "Roughness": 0.6}, {"Metallic": 1.0, "Specular Tint": tint}]
+        for more in dielectrics:
+            inputs = {"Base Color": color, **film, **more}
+            found.append(Case("ShaderNodeBsdfPrincipled", {"distribution": "GGX"}, inputs))
+        if bpy.app.version >= (5, 0, 0):
+            found.append(Case("ShaderNodeBsdfGlass", {"distribution": "GGX"}, film))
+            found += _metals("GGX", film | {"Roughness": 0.6})
+    return found
+
+
+def _metals(distribution: str, inputs: dict[str, float]) -> list[Case]:
+    node, settings = "ShaderNodeBsdfMetallic", {"distribution": distribution}
+    colors = {"Base Color": (0.8, 0.5, 0.3, 1), "Edge Tint": (0.4, 0.7, 0.9, 1)}
+    gold = {"IOR": (0.183, 0.421, 1.373), "Extinction": (3.425, 2.346, 1.770)}
+    return [
+        Case(node, {**settings, "fresnel_type": "F82"}, {**colors, **inputs}),
+        Case(node, {**settings, "fresnel_type": "PHYSICAL_CONDUCTOR"}, {**gold, **inputs}),
+    ]
+
+
+def _since_4_2() -> list[Case]:
+    found = _films() if bpy.app.version >= (4, 2, 0) else []
+    if bpy.app.version >= (4, 3, 0):
+        for distribution in ("GGX", "BECKMANN", "MULTI_GGX"):
+            found += _metals(distribution, {"Roughness": 0.6})
+        found += _metals("GGX", {"Roughness": 0.5, "Anisotropy": 0.8, "Rotation": 0.1})
+    return found
+
+
 def _of_this_version() -> list[Case]:
     principled = _principled_up_to_3 if bpy.app.version < (4, 0, 0) else _principled_since_4
-    every = _coordinates() + _bumps() + _displacements() + _images() + _shaders() + principled()
+    every = _coordinates() + _bumps() + _displacements() + _images() + _shaders() + principled() + _since_4_2()
     # Nodes come and go: Velvet became a kind of Sheen in 4.0.
     return [case for case in every if hasattr(bpy.types, case.node)]
 

@@ -83,7 +83,7 @@ class View:
         "Specular IOR Level": 0.5, "Specular Tint": (1, 1, 1, 1), "Anisotropic": 0, "Anisotropic Rotation": 0,
         "Transmission Weight": 0.125, "Coat Weight": 0.25, "Coat Roughness": 0.375, "Coat IOR": 1.5,
         "Coat Tint": (0.75, 1, 1, 1), "Sheen Weight": 0.625, "Sheen Roughness": 0.875, "Sheen Tint": (1, 1, 1, 1),
-        "Emission Color": (1, 0.5, 0.25, 1), "Emission Strength": 3, "Thin Film Thickness": 200,
+        "Emission Color": (1, 0.5, 0.25, 1), "Emission Strength": 3, "Thin Film Thickness": 200, "Thin Film IOR": 1.25,
     }
     node = SimpleNamespace(distribution="GGX")
 
@@ -112,7 +112,8 @@ class View:
 view = View(recording_core.install())
 compiler.CLOSURE_NODES["ShaderNodeBsdfPrincipled"](view, view.emitter.scalar(1))
 program = view.emitter.program
-report(operands=program.operands(program.line("principled_layers")), texts=view.texts)
+line = program.line("principled_layers")
+report(operands=program.operands(line), ints=line["ints"], texts=view.texts)
 """
 
 
@@ -120,6 +121,8 @@ def test_principled_of_blender_4_becomes_layers(run_blender):
     run = run_blender("import recording_core\n" + PRINCIPLED_OF_4).report
     operands = [None if value is None else value[0] for value in run["operands"]]
     body, sheen, coat = [1, 0.8, 0, 0.5, 1, 0.5, 0, 0], [0.625, 0.875, 1], [0.25, 0.375, 1.5, 0.75]
-    assert operands == pytest.approx([*body, *sheen, *coat, 1, 3, 1, 2, 0.125, None, None, None, 0])
-    (text,) = run["texts"]
-    assert "Thin Film" in text
+    no_subsurface, film = [None] * 4, [200, 1.25]
+    assert operands == pytest.approx(
+        [*body, *sheen, *coat, 1, 3, 1, 2, 0.125, None, None, None, 0, *no_subsurface, *film]
+    )
+    assert run["texts"] == []

@@ -114,14 +114,13 @@ every = set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | set(compiler.V
 kinds = sorted(kind for kind in every if hasattr(bpy.types, kind))  # old ones leave Blender
 """
 
-_OF_HUANG, _FILMED = ("Aspect Ratio", "R lobe", "TT lobe", "TRT lobe"), ("Glass", "Principled")
+_OF_HUANG = ("Aspect Ratio", "R lobe", "TT lobe", "TRT lobe")
 _PHASES = {"IOR": "FOURNIER_FORAND", "Backscatter": "FOURNIER_FORAND", "Alpha": "DRAINE", "Diameter": "MIE"}
 # What counts only together with something that is named when it is set.
 WITH_NAMED = {
     ("ShaderNodeTexSky", "ground_albedo"): ("sky_type", "HOSEK_WILKIE"),
     # Since 4.0 and later:
     **{("ShaderNodeBsdfHairPrincipled", f"input {name}"): ("model", "HUANG") for name in _OF_HUANG},
-    **{(f"ShaderNodeBsdf{kind}", "input Thin Film IOR"): ("input Thin Film Thickness", "other") for kind in _FILMED},
     **{("ShaderNodeVolumeScatter", f"input {name}"): ("phase", phase) for name, phase in _PHASES.items()},
     **{("ShaderNodeVolumeCoefficients", f"input {name}"): ("phase", phase) for name, phase in _PHASES.items()},
 }

@@ -8,6 +8,8 @@ CLOSE = 5e-3
 # Cycles makes its own tangents; those of a sheared UV map lie up to 2 % beside Blender's. The table of microfibres is coarse at
 # grazing angles.
 ROUGHLY = 2e-2
+# Of rough glass more is missing than of other surfaces, with a film as without. Cycles approximates Beckmann's masking.
+BESIDE = 1e-2
 # Of the pixels of a case: edges of triangles, of cones and of what is lit fall on other sides.
 SHARE_AT_STEPS = 0.05
 
@@ -22,6 +24,7 @@ def test_nodes_and_shaders_on_surfaces_give_what_cycles_gives(run_blender, tmp_p
         rough = any(
             word in name for word in ("Bump", "bumped", "Displacement", "Anisotrop", "Other", "Coat IOR", "MICROFIBER")
         )
-        if allowed > (ROUGHLY if rough else CLOSE):
+        beside = any(word in name for word in ("BsdfGlass", "BECKMANN"))
+        if allowed > (ROUGHLY if rough else BESIDE if beside else CLOSE):
             wrong[name] = {"median": ordered[len(ordered) // 2], "95 %": allowed, "range": run.report["ranges"][name]}
     assert wrong == {}

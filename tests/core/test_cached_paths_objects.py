@@ -44,6 +44,19 @@ def test_each_kind_of_material_gets_its_kind_of_cache(core):
         assert each["answers"]["interpolated"] > 0
 
 
+@pytest.mark.parametrize("thickness, kind", ((0.0, "glass"), (300.0, "mirror")))
+def test_glass_under_a_film_is_interpolated_up_to_its_first_hit(core, thickness, kind):
+    program = core.Program("film")
+    numbers = [program.constant(x, x, x, 1) for x in (1.0, 1.0, 0.0, 1.45, thickness, 1.33)]
+    program.operation("glass", [*numbers[:4], -1, *numbers[4:]], text="SHARP")
+    scene = core.SceneDescription()
+    shape = scene.add_surface("ball", [sphere_spline(core)])
+    scene.add_instance("ball", shape, matrix(), scene.add_material_list([scene.add_material("film", program)]))
+    scene.set_world(world(core), 32)
+    look_down(scene, 6.0, 0.3)
+    assert reports(render(core, scene))["ball"]["kind"] == kind
+
+
 def test_texture_coordinates_are_stored_where_a_pass_shows_them(core):
     session = render(core, all_kinds(core), passes=["combined", "uv"])
     assert {each["kind"] for each in used(session)} == {"simple", "volume"}

@@ -299,14 +299,14 @@ def test_principled_is_finite_for_any_numbers(numbers, text, view, light, tilt):
 
 
 @given(
-    st.lists(extreme, min_size=24, max_size=24),
+    st.lists(extreme, min_size=26, max_size=26),
     st.sampled_from(["", "MULTI_GGX"]),
     unit,
     unit,
     st.floats(0, 6.25, width=32),
 )
 def test_layers_are_finite_for_any_numbers(numbers, text, view, light, tilt):
-    operands = [*numbers[:20], None, None, None, numbers[23]]
+    operands = [*numbers[:20], None, None, None, numbers[23], *[None] * 4, *numbers[24:]]
     outgoing, incoming = direction(*view), direction(*light)
     normal = np.float32((np.sin(tilt), 0, np.cos(tilt)))
     lobes = closures(program_with("principled_layers", operands, text), outgoing, normal=normal)
@@ -314,16 +314,20 @@ def test_layers_are_finite_for_any_numbers(numbers, text, view, light, tilt):
 
 
 @given(
-    st.sampled_from(["glossy", "glass", "refraction"]),
+    st.sampled_from(["glossy", "glass", "refraction", "film", "metal", "conductor"]),
     st.sampled_from(["SHARP", "GGX", "MULTI_GGX", "BECKMANN", "ASHIKHMIN_SHIRLEY"]),
-    st.lists(extreme, min_size=4, max_size=4),
+    st.lists(extreme, min_size=6, max_size=6),
     unit,
     unit,
 )
 def test_microfacets_are_finite_for_any_numbers(identifier, text, numbers, view, light):
-    operands = numbers[:3] if identifier == "glossy" else numbers
+    film = numbers[4:]
+    forms = {"glossy": numbers[:3], "film": [*numbers[:4], None, *film]}
+    forms |= dict.fromkeys(("metal", "conductor"), [*numbers[:4], None, numbers[2], 0.0, None, *film])
     outgoing, incoming = direction(*view), direction(*light)
-    lobes = closures(program_with(identifier, operands, text), outgoing)
+    operation = {"film": "glass", "conductor": "metal"}.get(identifier, identifier)
+    ints = {"metal": [0], "conductor": [1]}.get(identifier, [])
+    lobes = closures(program_with(operation, forms.get(identifier, numbers[:4]), text, ints), outgoing)
     check_finite(lobes, outgoing, incoming)
 
 

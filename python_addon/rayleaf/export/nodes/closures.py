@@ -75,17 +75,30 @@ def refraction(view: NodeView, weight: Register) -> None:
     _dielectric(view, weight, "refraction")
 
 
-def name_thin_film(view: NodeView) -> None:
-    """Since 4.2 (Principled) and 4.4 surfaces may have one, which is left out."""
-    name = "Thin Film Thickness"
-    if view.socket(name) is not None and may_be_other_than(view, view.input(name), 0.0):
-        view.warn(f"{name} is not supported; rendered without")
+def thin_film(view: NodeView) -> list[Register]:
+    """Thickness and index of a film, of Principled since 4.2 and others since 5.0; nothing where there is none."""
+    if view.socket("Thin Film Thickness") is None:
+        return []
+    thickness = view.input("Thin Film Thickness")
+    return [thickness, view.input("Thin Film IOR")] if may_be_other_than(view, thickness, 0.0) else []
 
 
 def _dielectric(view: NodeView, weight: Register, operation: str) -> None:
-    name_thin_film(view)
     operands = [weight, view.input("Color"), view.input("Roughness"), view.input("IOR"), view.normal("Normal")]
-    view.emitter.operation(operation, operands, text=view.node.distribution)
+    view.emitter.operation(operation, operands + thin_film(view), text=view.node.distribution)
+
+
+@closure_node("ShaderNodeBsdfMetallic")
+def metallic(view: NodeView, weight: Register) -> None:
+    """Metallic BSDF, of Blender 4.3."""
+    conducts = view.node.fresnel_type == "PHYSICAL_CONDUCTOR"
+    names = ("IOR", "Extinction") if conducts else ("Base Color", "Edge Tint")
+    operands = [weight, *(view.input(name) for name in names), view.input("Roughness"), view.normal("Normal")]
+    anisotropy, film = view.input("Anisotropy"), thin_film(view)
+    is_anisotropic = may_be_other_than(view, anisotropy, 0.0)
+    if is_anisotropic or film:
+        operands += [anisotropy, view.input("Rotation"), tangent_of(view) if is_anisotropic else UNCONNECTED]
+    view.emitter.operation("metal", operands + film, [int(conducts)], text=view.node.distribution)
 
 
 @closure_node("ShaderNodeBsdfTransparent")

@@ -1,9 +1,13 @@
 """The Principled node: Disney's model up to Blender 3.6, one of layers since 4.0. The node's sockets say which it is."""
 
-from .closures import may_be_other_than, name_thin_film, tangent_of
+from ...versions import thin_films_are_newer
+from .closures import may_be_other_than, tangent_of, thin_film
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
 from .spread import method_of
+
+
+_OF_SUBSURFACE = 4  # operands of the layers' model
 
 
 @closure_node("ShaderNodeBsdfPrincipled")
@@ -11,9 +15,13 @@ def principled(view: NodeView, weight: Register) -> None:
     """Principled BSDF."""
     has_layers = view.socket("Coat Weight") is not None
     operation, operands = ("principled_layers", _of_layers) if has_layers else ("principled", _of_disney)
-    scattered, method = _subsurface(view, has_layers)
-    registers = [weight, *operands(view), *scattered]
-    view.emitter.operation(operation, registers, method, text=getattr(view.node, "distribution", ""))
+    scattered, ints = _subsurface(view, has_layers)
+    film = thin_film(view)
+    if film:
+        scattered = scattered or [UNCONNECTED] * _OF_SUBSURFACE
+        ints = [*(ints or [0]), int(not thin_films_are_newer())]
+    registers = [weight, *operands(view), *scattered, *film]
+    view.emitter.operation(operation, registers, ints, text=getattr(view.node, "distribution", ""))
 
 
 def _anisotropy(view: NodeView) -> tuple[Register, Register]:
@@ -61,7 +69,6 @@ def _name_thin_wall(view: NodeView) -> None:
 
 
 def _of_layers(view: NodeView) -> list[Register]:
-    name_thin_film(view)
     _name_thin_wall(view)
     anisotropic, tangent = _anisotropy(view)
     return [
