@@ -52,7 +52,7 @@ struct LocalRay {
     double t_min = 0, t_max = 0;  ///< world units
 
     RayBeam beam;          ///< Ray's, local; a unit of t in it is the shortest that the instance makes of a local unit
-    float stretch = 1;    ///< the longest over that
+    float stretch = 1;     ///< the longest over that
     RayAnchor anchors[2];  ///< Ray's start and end where they lie on this instance; else none
     std::optional<LocalSight> before;               ///< of the ray that found the start, where it matters
     const GeometryCache::Reader* reader = nullptr;  ///< of this thread; null: the shape gets one

@@ -136,8 +136,8 @@ def deformation_of(forms: Iterable[Form | None]) -> Deformation | str | None:
     if np.abs(points - points[:1]).max(initial=0.0) <= apart:
         return None
     steps = [0, -1] if _is_straight(points, apart) else list(range(len(whole)))
-    normals = None if middle.normals is None else np.stack([whole[step].normals for step in steps])
-    return Deformation(points[steps], normals)
+    normals = [form.normals for form in (whole[step] for step in steps) if form.normals is not None]
+    return Deformation(points[steps], np.stack(normals) if normals else None)
 
 
 def _is_straight(values: NDArray[Any], apart: float) -> bool:
