@@ -56,11 +56,11 @@ inline float schlick_weight(float cosine) {
 // Metals: Schlick's curve, with a dip that makes the reflectance near 82 degrees, where the cosine is 1/7, `tint` times
 // what Schlick has there (Kutz, Hasan, Edmondson: "Novel aspects of the Adobe Standard Material", 2023).
 
-/// The factor of the dip.
 constexpr float kMetalEdge = 1.0f / 7.0f, kMetalFifth = 0.46266436f, kMetalSixth = 0.39656946f;  // powers of 6/7
 inline Color metal_edge_without_dip(const Color& fresnel_0) {
     return fresnel_0 * (1.0f - kMetalFifth) + Color(kMetalFifth);
 }
+/// The factor of the dip.
 inline Color metal_dip(const Color& fresnel_0, const Color& tint) {
     return metal_edge_without_dip(fresnel_0) * (Color(1.0f) - tint) / (kMetalEdge * kMetalSixth);
 }

@@ -173,13 +173,7 @@ def combed_hair(scene):
     ground.data.materials[0] = paint("hair", None)
     ground.show_instancer_for_render = False
     ground.rotation_euler = (1.6, 0, 0)  # strands are seen from the side: their ends differ in Cycles
-    ground.modifiers.new("hair", "PARTICLE_SYSTEM")
-    settings = ground.particle_systems[0].settings
-    settings.type, settings.count, settings.hair_length, settings.hair_step = "HAIR", 12, 2.0, 2
-    settings.emit_from, settings.distribution, settings.use_modifier_stack = "FACE", "JIT", True
-    settings.root_radius = settings.tip_radius = 1.0
-    settings.radius_scale, settings.shape, settings.use_close_tip = 0.06, 0.0, False
-    settings.display_step = settings.render_step = 2
+    scenes.grow_strands(ground, 2.0, 0.06)
 
 
 def panning(scene):

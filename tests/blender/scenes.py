@@ -115,6 +115,17 @@ def set_aov(node, name):
     setattr(node, "aov_name" if hasattr(node, "aov_name") else "name", name)  # 4.2
 
 
+def grow_strands(item, length, width):
+    """Twelve straight strands of even width, spread over the faces of a mesh."""
+    item.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    settings = item.particle_systems[0].settings
+    settings.type, settings.count, settings.hair_length, settings.hair_step = "HAIR", 12, length, 2
+    settings.emit_from, settings.distribution, settings.use_modifier_stack = "FACE", "JIT", True
+    settings.root_radius = settings.tip_radius = 1.0
+    settings.radius_scale, settings.shape, settings.use_close_tip = width, 0.0, False
+    settings.display_step = settings.render_step = 2
+
+
 def set_curve_types(curves, kind):
     """Of all hair curves of the active object: CATMULL_ROM, POLY, BEZIER or NURBS."""
     if hasattr(curves, "set_types"):

@@ -107,13 +107,7 @@ def tuft(x, y, material):
     ]
     skin = scenes.mesh(corners, [(0, 3, 2, 1)], "Skin")
     skin.data.materials.append(material)
-    skin.modifiers.new("Hair", "PARTICLE_SYSTEM")
-    settings = skin.particle_systems[0].settings
-    settings.type, settings.count, settings.hair_length, settings.hair_step = "HAIR", 12, 0.8, 2
-    settings.emit_from, settings.distribution, settings.use_modifier_stack = "FACE", "JIT", True
-    settings.root_radius = settings.tip_radius = 1.0
-    settings.radius_scale, settings.shape, settings.use_close_tip = 0.05, 0.0, False
-    settings.display_step = settings.render_step = 2
+    scenes.grow_strands(skin, 0.8, 0.05)
     skin.show_instancer_for_render = False
 
 

@@ -43,16 +43,15 @@ class ShapeExporter:
     def _deformation(self, group: Group, part: Part) -> Deformation | None:
         """How a part of a group's owner deforms; what cannot be followed is said."""
         found = self._motions.deformation(group.owner, part)
-        if isinstance(found, Deformation) and part[0] in (CAGE, SPLINES):
-            found = "its exact surface is shown as in the middle of the shutter's time"
         if not isinstance(found, str):
             return found
         self._note_still(group.owner, found)
         return None
 
-    def _note_undeformed(self, group: Group) -> None:
-        if isinstance(self._motions.deformation(group.owner, (MESH, 0)), Deformation):
-            self._note_still(group.owner, "its surface is displaced")
+    def _note_undeformed(self, group: Group, part: Part, reason: str) -> None:
+        """Says why a part that deforms is shown as in the middle of the shutter's time."""
+        if self._motions.deformation(group.owner, part) is not None:
+            self._note_still(group.owner, reason)
 
     def _note_still(self, owner: Any, reason: str) -> None:
         subject = Subject("Object", name_of(owner))
@@ -94,9 +93,7 @@ class ShapeExporter:
     def _export_surface(self, group: Group, judged: dict[Any, curves.Judged]) -> int | None:
         name = name_of(group.owner)
         if group.owner.type == "SURFACE":
-            deformation = self._deformation(group, (SPLINES, 0))
-            moved = None if deformation is None else deformation.points
-            shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages, moved)
+            shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages)
         else:
             settings = strands.curve_settings(self._blender_scene.rayleaf)
             # Once is enough: groups with the same key share the shape, and a million splines take memory.
@@ -104,6 +101,9 @@ class ShapeExporter:
             shape = curves.add_curve(self._core, self.scene, name, found, self._messages, settings)
         if shape is None:
             self.report.left_out.setdefault(name, "no spline that can be rendered")
+        else:
+            part = (SPLINES, 0) if group.owner.type == "SURFACE" else (MESH, 0)
+            self._note_undeformed(group, part, "it is rendered from its control points")
         return shape
 
     def _export_mesh(self, group: Group, wanted: frozenset[str]) -> int | None:
@@ -114,7 +114,7 @@ class ShapeExporter:
         if self._is_displaced(group):
             shape = self._export_polygons(group, wanted)
             if shape is not None:
-                self._note_undeformed(group)
+                self._note_undeformed(group, (MESH, 0), "its surface is displaced")
                 return shape
         name = name_of(group.owner)
         arrays = meshes.mesh_arrays(
@@ -139,10 +139,8 @@ class ShapeExporter:
                 arrays = subdivision.cage_arrays(owner, self._depsgraph, wanted)
                 if arrays is None:
                     return None
-                deformation = self._deformation(group, (CAGE, 0))
-                if deformation is not None and deformation.points.shape[1] == len(arrays.vertices):
-                    arrays.options["moved_vertices"] = deformation.points
                 shape = subdivision.add_cage(self._core, self.scene, name, arrays)
+                self._note_undeformed(group, (CAGE, 0), "it is subdivided exactly")
                 self.report.subdivision.append(name)
                 return shape
             except self._core.InputError as error:

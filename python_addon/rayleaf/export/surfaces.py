@@ -71,26 +71,9 @@ def topology(surface_object: Any) -> tuple[int, ...]:
     )
 
 
-def _sent(core: ModuleType, spline: Any, points: NDArray[np.float64]) -> Any:
-    return core.NurbsSpline(
-        points.reshape(spline.point_count_v, spline.point_count_u, 4),
-        spline.order_u,
-        spline.order_v,
-        cyclic_u=spline.use_cyclic_u,
-        cyclic_v=spline.use_cyclic_v,
-        endpoint_u=spline.use_endpoint_u,
-        endpoint_v=spline.use_endpoint_v,
-        bezier_u=spline.use_bezier_u,
-        bezier_v=spline.use_bezier_v,
-        material_slot=spline.material_index,
-        smooth=spline.use_smooth,
-    )
-
-
-def splines_of(core: ModuleType, surface_object: Any, messages: Messages, points: Any = None) -> list[Any]:
-    """The splines of a SURFACE object that the core accepts; the others are named in messages. `points`: all_points at
-    another time."""
-    points = all_points(surface_object) if points is None else points
+def splines_of(core: ModuleType, surface_object: Any, messages: Messages) -> list[Any]:
+    """The splines of a SURFACE object that the core accepts; the others are named in messages."""
+    points = all_points(surface_object)
     subject = Subject("Object", name_of(surface_object))
     splines, first = [], 0
     for number, spline in enumerate(surface_object.data.splines):
@@ -100,7 +83,19 @@ def splines_of(core: ModuleType, surface_object: Any, messages: Messages, points
         if spline.hide:
             continue
         what = f"{subject}, spline {number + 1}"
-        sent = _sent(core, spline, own)
+        sent = core.NurbsSpline(
+            own.reshape(spline.point_count_v, spline.point_count_u, 4),
+            spline.order_u,
+            spline.order_v,
+            cyclic_u=spline.use_cyclic_u,
+            cyclic_v=spline.use_cyclic_v,
+            endpoint_u=spline.use_endpoint_u,
+            endpoint_v=spline.use_endpoint_v,
+            bezier_u=spline.use_bezier_u,
+            bezier_v=spline.use_bezier_v,
+            material_slot=spline.material_index,
+            smooth=spline.use_smooth,
+        )
         problem = sent.problem()
         if problem is None:
             splines.append(sent)
@@ -110,18 +105,10 @@ def splines_of(core: ModuleType, surface_object: Any, messages: Messages, points
     return splines
 
 
-def add_surface(core: ModuleType, scene: Any, surface_object: Any, messages: Messages, moved: Any = None) -> int | None:
-    """Send a SURFACE object; the shape's index, or None if nothing of it can be rendered. `moved`: all_points at even times
-    of the shutter."""
+def add_surface(core: ModuleType, scene: Any, surface_object: Any, messages: Messages) -> int | None:
+    """Send a SURFACE object; the shape's index, or None if nothing of it can be rendered."""
     name = name_of(surface_object)
     splines = splines_of(core, surface_object, messages)
-    if splines and moved is not None:
-        try:
-            steps = [splines_of(core, surface_object, messages, points) for points in moved]
-            return int(scene.add_surface(name, splines, steps))
-        except core.InputError as error:
-            subject = Subject("Object", name)
-            messages.warn(f"{error}; its deformation is not blurred", subject)
     if not splines:
         if not surface_object.data.splines:
             messages.note(f"Object '{name}' has no splines; left out", Subject("Object", name))
