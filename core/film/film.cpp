@@ -16,33 +16,31 @@ Film::Film(int width, int height, std::vector<Pass> passes)
 }
 
 template <typename Update>
-void Film::update(Pass pass, int x, int y, int width, int height, std::span<const PixelValues> values,
-                  const Update& update) {
+void Film::update(Pass pass, const Window& tile, std::span<const PixelValues> values, const Update& update) {
     const size_t channels = info(pass).channels.size();
-    for (int row = 0; row < height; ++row) {
-        float* out = at(pass, x, y + row);
-        const PixelValues* in = &values[static_cast<size_t>(row) * static_cast<size_t>(width)];
-        for (int column = 0; column < width; ++column) {
+    for (int row = 0; row < tile.height; ++row) {
+        float* out = at(pass, tile.x, tile.y + row);
+        const PixelValues* in = &values[static_cast<size_t>(row) * static_cast<size_t>(tile.width)];
+        for (int column = 0; column < tile.width; ++column) {
             const Vec4f& value = in[column][pass];
             for (size_t c = 0; c < channels; ++c) update(*out++, value[static_cast<int>(c)]);
         }
     }
 }
 
-void Film::put(int x, int y, int width, int height, std::span<const PixelValues> values) {
+void Film::put(const Window& tile, std::span<const PixelValues> values) {
     const std::scoped_lock lock(mutex_);
-    for (const Pass pass : summed_)
-        update(pass, x, y, width, height, values, [](float& old, float value) { old = value; });
+    for (const Pass pass : summed_) update(pass, tile, values, [](float& old, float value) { old = value; });
 }
 
-void Film::refine(int x, int y, int width, int height, std::span<const PixelValues> values, float share) {
+void Film::refine(const Window& tile, std::span<const PixelValues> values, float share) {
     const std::scoped_lock lock(mutex_);
     const auto add = [](float& old, float value) { old += value; };
     const auto approach = [share](float& old, float value) { old += (value - old) * share; };
     for (const Pass pass : summed_) {
         const PassRule by = rule(pass).rule;
-        if (by == PassRule::Count) update(pass, x, y, width, height, values, add);
-        if (by != PassRule::Count && by != PassRule::FirstSample) update(pass, x, y, width, height, values, approach);
+        if (by == PassRule::Count) update(pass, tile, values, add);
+        if (by != PassRule::Count && by != PassRule::FirstSample) update(pass, tile, values, approach);
     }
 }
 
@@ -61,16 +59,18 @@ void Film::divide_light() {
     }
 }
 
-void Film::add_mattes(int x, int y, int width, int samples, std::span<const PixelMattes> mattes) {
+void Film::add_mattes(const Window& tile, int samples, std::span<const PixelMattes> mattes) {
     const std::scoped_lock lock(mutex_);
     for (size_t i = 0; i < mattes.size(); ++i)
-        mattes_->add(x + static_cast<int>(i) % width, y + static_cast<int>(i) / width, samples, mattes[i]);
+        mattes_->add(tile.x + static_cast<int>(i) % tile.width, tile.y + static_cast<int>(i) / tile.width, samples,
+                     mattes[i]);
 }
 
-void Film::put_blocks(int x, int y, int width, std::span<const PixelValues> values, int size) {
+void Film::put_blocks(const Window& tile, std::span<const PixelValues> values, int size) {
     const std::scoped_lock lock(mutex_);
     for (size_t i = 0; i < values.size(); ++i) {
-        const int left = (x + static_cast<int>(i) % width) * size, low = (y + static_cast<int>(i) / width) * size;
+        const int left = (tile.x + static_cast<int>(i) % tile.width) * size;
+        const int low = (tile.y + static_cast<int>(i) / tile.width) * size;
         const int right = std::min(left + size, width_), high = std::min(low + size, height_);
         for (const Pass pass : summed_) {
             const Vec4f& value = values[i][pass];

@@ -5,6 +5,7 @@
 
 #include "film/mattes.h"
 #include "film/pixel_sums.h"
+#include "film/window.h"
 
 #include <map>
 #include <mutex>
@@ -26,17 +27,17 @@ class Film {
     bool has_mattes() const { return mattes_ != nullptr; }
 
     /// Stores a tile of finished pixels (row by row, x from left, y from below).
-    void put(int x, int y, int width, int height, std::span<const PixelValues> values);
+    void put(const Window& tile, std::span<const PixelValues> values);
     /// Moves pixels by a share of the way to new values, like a mean that takes in more samples; passes that cannot be
     /// averaged keep their values.
-    void refine(int x, int y, int width, int height, std::span<const PixelValues> values, float share);
+    void refine(const Window& tile, std::span<const PixelValues> values, float share);
     /// Adds so many samples of each pixel of a tile.
-    void add_mattes(int x, int y, int width, int samples, std::span<const PixelMattes> mattes);
+    void add_mattes(const Window& tile, int samples, std::span<const PixelMattes> mattes);
     /// Divides light by its colour, pixel by pixel, once all samples are in that were put as means.
     void divide_light();
-    /// Stores values that each fill a block of pixels, clipped at the right and upper border. `x` and `y` are in units
-    /// of blocks.
-    void put_blocks(int x, int y, int width, std::span<const PixelValues> values, int size);
+    /// Stores values that each fill a block of pixels, clipped at the right and upper border. The tile is in units of
+    /// blocks.
+    void put_blocks(const Window& tile, std::span<const PixelValues> values, int size);
     /// Copies a pass, channels interleaved; empty if the film does not have it. Safe while tiles arrive.
     std::vector<float> pixels(Pass pass) const;
     bool has(Pass pass) const;
@@ -51,8 +52,7 @@ class Film {
 
     /// `update(old, value)` for each channel of a rectangle's pixels.
     template <typename Update>
-    void update(Pass pass, int x, int y, int width, int height, std::span<const PixelValues> values,
-                const Update& update);
+    void update(Pass pass, const Window& tile, std::span<const PixelValues> values, const Update& update);
     float* at(Pass pass, int x, int y) {
         const size_t pixel = static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
         return &data_[static_cast<size_t>(pass)][pixel * info(pass).channels.size()];

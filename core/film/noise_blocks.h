@@ -8,6 +8,7 @@
 #pragma once
 
 #include "film/pixel.h"
+#include "film/window.h"
 
 #include <cstdint>
 #include <span>
@@ -28,9 +29,7 @@ struct PixelMoments {
 class NoiseBlocks {
   public:
     static constexpr int kSide = 8;  ///< pixels
-    struct Block {
-        int x = 0, y = 0, width = 0, height = 0;  ///< in the film; cut at its borders
-    };
+    using Block = Window;            ///< in the film; cut at its borders
 
     /// Blocks of a film, all noisy; they begin at its lower left corner. No block is done before it has
     /// `least_samples`.

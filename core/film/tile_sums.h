@@ -4,6 +4,7 @@
 #include "film/film_sums.h"
 #include "film/noise_blocks.h"
 #include "film/sample_range.h"
+#include "film/window.h"
 
 #include <span>
 #include <utility>
@@ -21,9 +22,9 @@ class TileSums {
         bool more_samples = false;  ///< follow, so that light is not divided yet
     };
 
-    /// `x` and `y`: where the tile begins in the film.
-    TileSums(int x, int y, int width, SampleRange samples, std::span<const Pass> passes, const Wanted& wanted)
-        : x_(x), y_(y), width_(width), samples_(samples), passes_(passes), wanted_(wanted) {}
+    /// `tile`: in the film.
+    TileSums(const Window& tile, SampleRange samples, std::span<const Pass> passes, const Wanted& wanted)
+        : tile_(tile), samples_(samples), passes_(passes), wanted_(wanted) {}
 
     /// Adds the next sample of the current pixel, or the first one of the next pixel.
     void add(const PixelSample& sample) {
@@ -38,7 +39,7 @@ class TileSums {
     std::span<const PixelMattes> mattes() const { return mattes_; }
 
   private:
-    int x_, y_, width_;
+    Window tile_;
     SampleRange samples_;
     std::span<const Pass> passes_;
     Wanted wanted_;
@@ -60,7 +61,7 @@ class TileSums {
         if (wanted_.moments) moments_.push_back(std::exchange(pixel_moments_, {}));
         if (wanted_.mattes) mattes_.push_back(std::exchange(pixel_mattes_, {}));
         if (wanted_.sums) {
-            const int x = x_ + number % width_, y = y_ + number / width_;
+            const int x = tile_.x + number % tile_.width, y = tile_.y + number / tile_.width;
             wanted_.sums->add(x, y, samples_.count, sums_);
             if (wanted_.mattes) wanted_.sums->add_mattes(x, y, samples_.count, mattes_.back());
         }

@@ -9,8 +9,8 @@
 
 namespace rayleaf {
 
-Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const Vertex& vertex, const Sampler& sampler,
-                        uint32_t dimension, int rays, const RayWidening& widening) {
+Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const Vertex& vertex,
+                        const OcclusionRays& rays) {
     const Vec3f normal = facing_normal(vertex);
     Vec3f tangent, bitangent;
     orthonormal_basis(normal, tangent, bitangent);
@@ -26,9 +26,10 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         for (size_t i = 0; i < ways.size(); ++i) sum += shares[i];
         ways.clear();
     };
-    for (int i = 0; i < rays; ++i) {
+    for (int i = 0; i < rays.count; ++i) {
         const Vec2f random =
-            sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(rays), dimension).get2(dimension);
+            rays.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(rays.count), rays.dimension)
+                .get2(rays.dimension);
         const Vec3f local = cosine_hemisphere(random.x, random.y);
         const Vec3f direction = tangent * local.x + bitangent * local.y + normal * local.z;
         // A shading normal bent from the facet has part of its hemisphere inside the surface.
@@ -38,12 +39,13 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         ray.direction = normalized_or(Vec3d(direction), Vec3d(0, 0, 1));
         ray.t_max = settings.occlusion_distance;
         const RayDifferential differential =
-            hemisphere_differential(vertex.differential, direction, local.z, std::max(rays, kPathSiblings));
-        ways.push_back({ray, differential, kVisibleDiffuse, state, settings.transparent_bounces, widening, {}, {}});
+            hemisphere_differential(vertex.differential, direction, local.z, std::max(rays.count, kPathSiblings));
+        ways.push_back(
+            {ray, differential, kVisibleDiffuse, state, settings.transparent_bounces, rays.widening, {}, {}});
         if (ways.size() == kPacketSize) add_ways();
     }
     add_ways();
-    return sum / static_cast<float>(rays);
+    return sum / static_cast<float>(rays.count);
 }
 
 }  // namespace rayleaf

@@ -8,10 +8,18 @@
 
 namespace rayleaf {
 
-/// The mean over `rays` rays from the viewer's side of the surface, no longer than the occlusion distance. Transparent
-/// surfaces colour it. `dimension` is the sampler's.
-Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const Vertex& vertex, const Sampler& sampler,
-                        uint32_t dimension, int rays, const RayWidening& widening);
+/// The rays that ask how free a point is.
+struct OcclusionRays {
+    int count = 1;
+    const Sampler& sampler;
+    uint32_t dimension = 0;  ///< the sampler's first
+    RayWidening widening;
+};
+
+/// The mean over rays from the viewer's side of the surface, no longer than the occlusion distance. Transparent
+/// surfaces colour it.
+Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const Vertex& vertex,
+                        const OcclusionRays& rays);
 
 /// Shading normal on the viewer's side.
 inline Vec3f facing_normal(const Vertex& vertex) {

@@ -50,9 +50,9 @@ void DistributionTracer::add_occlusion(const Branch& branch, const Vertex& verte
     }
     const int count = rays(branch, distribution_.hemisphere_rays);
     counts_[RayUse::Occlusion] += static_cast<uint64_t>(count);
+    const uint32_t use = dimension(branch.vertex, PathDimension::Occlusion);
     light_.sample.add(Pass::ambient_occlusion,
-                      ambient_occlusion(scene_, settings_, vertex, branch.sampler,
-                                        dimension(branch.vertex, PathDimension::Occlusion), count, widening(branch)));
+                      ambient_occlusion(scene_, settings_, vertex, {count, branch.sampler, use, widening(branch)}));
 }
 
 void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Vertex& vertex,

@@ -238,7 +238,7 @@ void PathTracer::record_surface(const Vertex& vertex) {
     ++counts_[RayUse::Occlusion];
     const uint32_t use = dimension(vertex_, PathDimension::Occlusion);
     light_.sample.add(Pass::ambient_occlusion,
-                      ambient_occlusion(scene_, settings_, vertex, sampler_, use, 1, widening()));
+                      ambient_occlusion(scene_, settings_, vertex, {1, sampler_, use, widening()}));
 }
 
 float PathTracer::straight_probability(const Closures& closures) const {

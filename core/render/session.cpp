@@ -216,20 +216,19 @@ const IrradianceCache* Session::filled_cache() {
 
 void Session::render_tile(const Window& tile, const Frame& frame) {
     const Window whole = part(settings_);
-    const int x = tile.x - whole.x, y = tile.y - whole.y;
+    const Window of_film{tile.x - whole.x, tile.y - whole.y, tile.width, tile.height};
     const bool is_noise_asked = noise_ && frame.step == 1;
     const bool shows_mattes = film_.has_mattes() && frame.step == 1;
-    TileSums sums(x, y, tile.width, frame.samples, film_.summed_passes(),
+    TileSums sums(of_film, frame.samples, film_.summed_passes(),
                   {sums_.get(), is_noise_asked, shows_mattes, more_samples_follow_});
     RayCounts counts;
     // Which pixel caused a tessellation is known for single paths only.
     const bool alone = frame.integrator != IntegratorKind::Path || settings_.stream_paths == 0 ||
                        frame.path.wants(Pass::geometry_misses);
     if (!(alone ? render_paths(tile, frame, sums, counts) : render_streams(tile, frame, sums, counts))) return;
-    store({x, y, tile.width, tile.height}, frame, sums.values());
-    if (shows_mattes) film_.add_mattes(x, y, tile.width, frame.samples.count, sums.mattes());
-    if (is_noise_asked)
-        noise_->add({x, y, tile.width, tile.height}, sums.moments(), samples_taken_ + frame.samples.count);
+    store(of_film, frame, sums.values());
+    if (shows_mattes) film_.add_mattes(of_film, frame.samples.count, sums.mattes());
+    if (is_noise_asked) noise_->add(of_film, sums.moments(), samples_taken_ + frame.samples.count);
     finished_paths_ += sums.values().size() * static_cast<uint64_t>(frame.samples.count);
     add_counts(counts);
 }
@@ -237,12 +236,12 @@ void Session::render_tile(const Window& tile, const Frame& frame) {
 /// Puts a tile of the film's pixels, or blocks of them, where it belongs.
 void Session::store(const Window& tile, const Frame& frame, std::span<const PixelValues> values) {
     if (frame.step > 1)
-        film_.put_blocks(tile.x, tile.y, tile.width, values, frame.step);
+        film_.put_blocks(tile, values, frame.step);
     else if (samples_taken_ == 0)
-        film_.put(tile.x, tile.y, tile.width, tile.height, values);
+        film_.put(tile, values);
     else
         film_.refine(
-            tile.x, tile.y, tile.width, tile.height, values,
+            tile, values,
             static_cast<float>(frame.samples.count) / static_cast<float>(samples_taken_ + frame.samples.count));
 }
 

@@ -4,6 +4,7 @@
 #include "film/pass.h"
 #include "film/pixel_filter.h"
 #include "film/sample_range.h"
+#include "film/window.h"
 #include "scene/ray_interpolation.h"
 #include "tessellation/geometry_cache.h"
 
@@ -98,10 +99,7 @@ void validate(const Settings& settings);
 /// The samples that a pixel takes before its noise counts.
 int least_samples(const Settings& settings);
 
-/// The picture in pixels, lower left corner and size: the crop, or the whole.
-struct Window {
-    int x = 0, y = 0, width = 0, height = 0;
-};
+/// The picture in pixels: the crop, or the whole.
 inline Window window(const Settings& s) {
     if (s.crop_width == 0 || s.crop_height == 0) return {0, 0, s.width, s.height};
     return {s.crop_x, s.crop_y, s.crop_width, s.crop_height};

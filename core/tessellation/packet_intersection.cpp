@@ -108,18 +108,28 @@ using Rays = hn::CappedTag<float, kPacketSize>;
 using RayVector = hn::Vec<Rays>;
 constexpr int kRayWidth = static_cast<int>(hn::MaxLanes(Rays()));
 
+struct NumberedBlock {
+    const float* vertices;
+    uint32_t number;
+};
+
+/// Lanes of a packet that fill a vector; those in the mask run mostly along the axis. Bit 0 is the first lane.
+struct AlikeLanes {
+    int first, axis;
+    uint32_t mask;
+};
+
 /// Some rays, all of which run mostly along one axis, against a block.
 class BlockTest {
   public:
-    HWY_INLINE BlockTest(const float* vertices, uint32_t block, const RayPacket& rays, int axis, int first_lane,
-                         uint32_t mask, float* farthest, OpenFacets& open)
-        : vertices_(vertices),
-          block_(block),
-          first_lane_(static_cast<size_t>(first_lane)),
-          out_(farthest + first_lane),
+    HWY_INLINE BlockTest(const NumberedBlock& block, const RayPacket& rays, const AlikeLanes& lanes, float* farthest,
+                         OpenFacets& open)
+        : block_(block),
+          first_lane_(static_cast<size_t>(lanes.first)),
+          out_(farthest + lanes.first),
           open_(open),
-          active_(mask_of(Rays(), mask)),
-          rays_(rays, axis, [&](const float* from) { return hn::LoadU(Rays(), from + first_lane); }),
+          active_(mask_of(Rays(), lanes.mask)),
+          rays_(rays, lanes.axis, [&](const float* from) { return hn::LoadU(Rays(), from + lanes.first); }),
           farthest_(hn::LoadU(Rays(), out_)) {}
 
     /// Returns the lanes that are hit for sure; bit 0 is the first lane.
@@ -152,8 +162,7 @@ class BlockTest {
         }
     };
 
-    const float* vertices_;
-    uint32_t block_;
+    NumberedBlock block_;
     size_t first_lane_;
     float* out_;
     OpenFacets& open_;
@@ -164,7 +173,7 @@ class BlockTest {
 
     HWY_INLINE Sides load_row(int j, Corner<RayVector> (&row)[kBlockVertices]) const {
         for (int i = 0; i < kBlockVertices; ++i)
-            row[i] = rays_.corner(vertices_ + j * kBlockVertices + i,
+            row[i] = rays_.corner(block_.vertices + j * kBlockVertices + i,
                                   [](const float* from) { return hn::Set(Rays(), *from); });
         Sides sides{row[0].x, row[0].x, row[0].y, row[0].y};
         for (int i = 1; i < kBlockVertices; ++i) {
@@ -198,7 +207,7 @@ class BlockTest {
         hn::Store(near, Rays(), begins);
         for (; bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<size_t>(__builtin_ctz(bits));
-            open_.add(first_lane_ + lane, {block_, number, begins[lane]});
+            open_.add(first_lane_ + lane, {block_.number, number, begins[lane]});
         }
         const auto counts = hn::And(hn::Ge(near, rays_.sure_from), hn::Le(far, rays_.sure_to));
         const auto sure = hn::And(hn::And(open, counts), triangle.is_surely_hit(off));
@@ -214,7 +223,8 @@ uint32_t find_together(const float* vertices, uint32_t block, const RayPacket& r
     for (int first = 0; first < kPacketSize; first += kRayWidth) {
         for (int axis = 0; axis < 3; ++axis) {
             const uint32_t bits = (mask & rays.by_axis[static_cast<size_t>(axis)]) >> first & ((1u << kRayWidth) - 1u);
-            if (bits != 0) sure |= BlockTest(vertices, block, rays, axis, first, bits, farthest, open).run() << first;
+            if (bits != 0)
+                sure |= BlockTest({vertices, block}, rays, {first, axis, bits}, farthest, open).run() << first;
         }
     }
     return sure;

@@ -50,8 +50,9 @@ namespace {
 
 /// Writes the lanes of a packet as Embree wants them. `valid`: -1 for rays that are asked. Others end before they
 /// begin: where Embree takes packets apart it looks at that alone.
-void fill(const RayPacket& rays, uint32_t lanes, const float* times, int* valid, RTCRay16& out) {
-    for (uint32_t lane = 0; lane < kPacketSize; ++lane) valid[lane] = -static_cast<int>(lanes >> lane & 1u);
+void fill(const PacketQuery& packet, bool has_times, int* valid, RTCRay16& out) {
+    const RayPacket& rays = packet.rays;
+    for (uint32_t lane = 0; lane < kPacketSize; ++lane) valid[lane] = -static_cast<int>(packet.lanes >> lane & 1u);
     const auto copy = [](const float(&from)[kPacketSize], float* to) { std::copy_n(from, kPacketSize, to); };
     copy(rays.near_origin[0], out.org_x);
     copy(rays.near_origin[1], out.org_y);
@@ -64,8 +65,8 @@ void fill(const RayPacket& rays, uint32_t lanes, const float* times, int* valid,
         out.id[lane] = lane;
     }
     std::fill_n(out.tnear, kPacketSize, 0.0f);
-    if (times)
-        std::copy_n(times, kPacketSize, out.time);
+    if (has_times)
+        std::copy_n(packet.times, kPacketSize, out.time);
     else
         std::fill_n(out.time, kPacketSize, 0.0f);
     std::fill_n(out.mask, kPacketSize, ~0u);
@@ -74,33 +75,23 @@ void fill(const RayPacket& rays, uint32_t lanes, const float* times, int* valid,
 
 }  // namespace
 
-void embree_closest(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
-                    RTCRayHit16& result, const float* times) {
-    alignas(64) int valid[kPacketSize];
-    fill(rays, lanes, times, valid, result.ray);
-    std::fill_n(result.hit.geomID, kPacketSize, RTC_INVALID_GEOMETRY_ID);
-    std::fill_n(result.hit.primID, kPacketSize, RTC_INVALID_GEOMETRY_ID);
-    std::fill_n(result.hit.instID[0], kPacketSize, RTC_INVALID_GEOMETRY_ID);
-    embree_closest16(valid, scene, context, coherence, result);
-}
-
-void embree_any(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
-                RTCRay16& result, const float* times) {
-    alignas(64) int valid[kPacketSize];
-    fill(rays, lanes, times, valid, result);
-    embree_any16(valid, scene, context, coherence, result);
-}
-
 void ShapeScene::find_closest(PacketQuery& packet) const {
     packet.found = 0;
     RTCRayHit16 result;
-    embree_closest(scene_.get(), packet.context, packet.coherence, packet.rays, packet.lanes, result, times_of(packet));
+    alignas(64) int valid[kPacketSize];
+    fill(packet, deforms_, valid, result.ray);
+    std::fill_n(result.hit.geomID, kPacketSize, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(result.hit.primID, kPacketSize, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(result.hit.instID[0], kPacketSize, RTC_INVALID_GEOMETRY_ID);
+    embree_closest16(valid, scene_.get(), packet.context, packet.coherence, result);
 }
 
 void ShapeScene::find_any(PacketQuery& packet) const {
     packet.found = 0;
     RTCRay16 result;
-    embree_any(scene_.get(), packet.context, packet.coherence, packet.rays, packet.lanes, result, times_of(packet));
+    alignas(64) int valid[kPacketSize];
+    fill(packet, deforms_, valid, result);
+    embree_any16(valid, scene_.get(), packet.context, packet.coherence, result);
 }
 
 }  // namespace rayleaf

@@ -146,12 +146,6 @@ void for_each_lane(uint32_t lanes, const Visit& visit) {
     for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<size_t>(__builtin_ctz(lanes)));
 }
 
-/// Asks Embree for lanes of a packet. `times`, by lane, are null where nothing deforms.
-void embree_closest(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
-                    RTCRayHit16& result, const float* times = nullptr);
-void embree_any(RTCScene scene, EmbreeContext& context, Coherence coherence, const RayPacket& rays, uint32_t lanes,
-                RTCRay16& result, const float* times = nullptr);
-
 /// How often hits on a shape needed a limit normal; of shapes that count that.
 NormalCounters normal_counters(const Shape& shape);
 
@@ -231,8 +225,6 @@ class ShapeScene {
     virtual void prepare(ShapeQuery&) const {}
 
   private:
-    const float* times_of(const PacketQuery& packet) const { return deforms_ ? packet.times : nullptr; }
-
     double facet_distance_ = 0;
     const Shape* shape_;
     FacetKind kind_;
