@@ -197,11 +197,17 @@ def panoramic(scene):
     scenes.make_panoramic(scene.camera.data, "FISHEYE_EQUIDISTANT", fisheye_fov=1.0)
 
 
+def set_position(scene, where):
+    """Whether the frame is the shutter's START, CENTER or END; since 4.2 a setting for all engines."""
+    of = scene.render if hasattr(scene.render, "motion_blur_position") else scene.cycles
+    of.motion_blur_position = where
+
+
 def at_start(scene):
     """The shutter opens at the frame and slowly closes."""
     driven_cube(scene)
     panning(scene)
-    scene.cycles.motion_blur_position = "START"
+    set_position(scene, "START")
     scene.render.motion_blur_shutter = 0.8
     points = scene.render.motion_blur_shutter_curve.curves[0].points
     points[-1].location = (1, 0)
@@ -209,7 +215,7 @@ def at_start(scene):
 
 def at_end(scene):
     driven_cube(scene)
-    scene.cycles.motion_blur_position = "END"
+    set_position(scene, "END")
 
 
 def rolling(scene):

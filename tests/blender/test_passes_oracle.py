@@ -90,14 +90,14 @@ def check_picked(own, matte):
 
 # 5.2's, for denoisers that Rayleaf does not have.
 GUIDES_OF_LATER_DENOISERS = ("ViewLayer.Denoising Specular Albedo", "ViewLayer.Denoising Roughness")
-# In fog 5.2 gives denoisers the fog's own guides (its depth where nothing is, a normal that it dims), and what AOVs and
-# albedo hold of what lies behind is less.
+# In fog 5.0 and later give denoisers the fog's own guides (its depth where nothing is, a normal that it dims), and what
+# AOVs and albedo hold of what lies behind is less.
 OF_OTHER_FOG = ("Denoising Depth", "Denoising Normal", "Where: 0.04")
 
 
 def test_passes_are_those_of_cycles(run_blender, tmp_path):
     run = run_blender(HERE / "passes_oracle.py", tmp_path, timeout=900)
-    of_other_fog = OF_OTHER_FOG if tuple(run.report["version"]) >= (5, 2, 0) else ()
+    of_other_fog = OF_OTHER_FOG if tuple(run.report["version"]) >= (5, 0, 0) else ()
     cycles, own = (plain_exr.read(tmp_path / f"{engine}.exr") for engine in ("CYCLES", "RAYLEAF"))
     assert set(own) == {name for name in cycles if not name.startswith(GUIDES_OF_LATER_DENOISERS)}
     assert [each for each in differing_passes(cycles, own) if not each.startswith(of_other_fog)] == []
