@@ -40,7 +40,8 @@ EmbreeBaseline::EmbreeBaseline(const PatchSurface& surface, const DicingView& vi
     : frame_(surface.frame()) {
     const std::shared_ptr<const Shape> shape(std::shared_ptr<const Shape>(), &surface);
     const std::vector<TracedInstance> instances = {{shape, {}, kVisibleAll}};
-    const PatchDicer dicer(surface, facet_tolerances(instances, 1, {0}, view).front().tolerance);
+    const PatchDicer dicer(
+        surface, facet_tolerances(instances, std::array{0u}, std::array<uint8_t, 1>{1}, view).front().tolerance);
     const uint32_t count = dicer.subpatch_count();
     const uint64_t before = embree_bytes();
     const RTCGeometryType type =

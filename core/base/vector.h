@@ -84,6 +84,7 @@ struct Affine3d {
     Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< images of the unit axes
     Vec3d translation{0, 0, 0};
 
+    bool operator==(const Affine3d&) const = default;
     Vec3d vector(const Vec3d& v) const { return x * v.x + y * v.y + z * v.z; }
     Vec3d point(const Vec3d& p) const { return vector(p) + translation; }
     double determinant() const { return x.dot(y.cross(z)); }

@@ -2,6 +2,7 @@
 // the description as it was, so the rest of the scene can still be rendered.
 #pragma once
 
+#include "base/chunked_vector.h"
 #include "film/mattes.h"
 #include "geometry/shape.h"
 #include "lights/light.h"
@@ -62,6 +63,8 @@ struct InstanceDescription {
     std::string asset = {};  ///< to which it belongs for Cryptomatte; empty: it is one itself
     /// Where it is while the shutter is open; null: it stands still at `object_to_world`.
     std::shared_ptr<const Motion> motion = nullptr;
+
+    bool operator==(const InstanceDescription&) const = default;
 };
 inline const std::string& asset_of(const InstanceDescription& instance) {
     return instance.asset.empty() ? instance.name : instance.asset;
@@ -103,7 +106,7 @@ class SceneDescription {
     std::vector<Material> materials;
     std::vector<std::vector<int>> material_lists;
     std::vector<RayInterpolation> ray_interpolations;
-    std::vector<InstanceDescription> instances;
+    ChunkedVector<InstanceDescription> instances;
     std::vector<Lamp> lamps;
     std::shared_ptr<const Program> world, world_medium;
     int world_resolution = 0;

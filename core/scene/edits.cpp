@@ -33,7 +33,7 @@ void place_instances(SceneDescription& scene, std::span<const int32_t> indices, 
         check_matrix(scene.instances[static_cast<size_t>(indices[i])].name, places[i]);
     }
     for (size_t i = 0; i < indices.size(); ++i) {
-        InstanceDescription& instance = scene.instances[static_cast<size_t>(indices[i])];
+        InstanceDescription& instance = scene.instances.edit(static_cast<size_t>(indices[i]));
         instance.object_to_world = places[i];
         instance.motion = nullptr;
     }

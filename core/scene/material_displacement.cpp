@@ -112,17 +112,19 @@ DisplacementLook look_of(const Shape* shape, const std::vector<int>* list, const
 
 }  // namespace
 
-void displace(std::vector<TracedInstance>& traced, const SceneDescription& description,
-              const std::vector<const std::vector<int>*>& lists, const DisplacementSurroundings& surroundings,
-              const CancelToken& cancel) {
+void displace(ChunkedVector<TracedInstance>& traced, const SceneDescription& description,
+              const std::function<const std::vector<int>&(uint32_t)>& list_of,
+              const DisplacementSurroundings& surroundings, const CancelToken& cancel) {
+    const auto is_displacing = [](const Material& material) { return material.displacement.program != nullptr; };
+    if (std::none_of(description.materials.begin(), description.materials.end(), is_displacing)) return;
     const auto displaces = [&](int material) {
         return material >= 0 && static_cast<size_t>(material) < description.materials.size() &&
-               description.materials[static_cast<size_t>(material)].displacement.program != nullptr;
+               is_displacing(description.materials[static_cast<size_t>(material)]);
     };
     std::map<DisplacementLook, std::shared_ptr<const Shape>> known;
-    for (size_t i = 0; i < traced.size(); ++i) {
-        const std::vector<int>& list = *lists[i];
-        std::shared_ptr<const Shape>& shape = traced[i].shape;
+    for (uint32_t i = 0; i < traced.size(); ++i) {
+        const std::vector<int>& list = list_of(i);
+        const std::shared_ptr<const Shape> shape = traced[i].shape;
         if (!DisplacedSurface::can_displace(*shape) || std::none_of(list.begin(), list.end(), displaces)) continue;
         const InstanceDescription& instance = description.instances[i];
         std::shared_ptr<const Shape>& made = known[look_of(shape.get(), &list, instance)];
@@ -134,7 +136,7 @@ void displace(std::vector<TracedInstance>& traced, const SceneDescription& descr
                 std::make_shared<const ByMaterial>(materials_of(description, list), info, surroundings, shape->frame()),
                 cancel);
         }
-        shape = made;
+        traced.edit(i).shape = made;
     }
 }
 

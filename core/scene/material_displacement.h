@@ -5,6 +5,8 @@
 #include "scene/description.h"
 #include "trace/tracer.h"
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -16,12 +18,12 @@ struct DisplacementSurroundings {
     std::shared_ptr<const TextureStore> textures;
 };
 
-/// Puts displaced surfaces in place of the shapes of instances whose materials displace them. `lists` are the materials
-/// of the instances by slot. Instances that look alike share one; shapes that cannot be displaced stay as they are.
+/// Puts displaced surfaces in place of the shapes of instances whose materials displace them. `list_of`: the materials
+/// of an instance by slot. Instances that look alike share one; shapes that cannot be displaced stay as they are.
 /// Throws Cancelled soon after `cancel` says so.
-void displace(std::vector<TracedInstance>& traced, const SceneDescription& description,
-              const std::vector<const std::vector<int>*>& lists, const DisplacementSurroundings& surroundings,
-              const CancelToken& cancel);
+void displace(ChunkedVector<TracedInstance>& traced, const SceneDescription& description,
+              const std::function<const std::vector<int>&(uint32_t)>& list_of,
+              const DisplacementSurroundings& surroundings, const CancelToken& cancel);
 
 /// A shape displaced by one material, as an object that stands untransformed at the origin.
 std::shared_ptr<Shape> displaced(std::shared_ptr<const Shape> shape, const MaterialDisplacement& displacement);

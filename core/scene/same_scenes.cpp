@@ -20,10 +20,6 @@ bool same_programs(const std::shared_ptr<const Program>& a, const std::shared_pt
     return of_a.value() == of_b.value();
 }
 
-bool same_maps(const Affine3d& a, const Affine3d& b) {
-    return a.x == b.x && a.y == b.y && a.z == b.z && a.translation == b.translation;
-}
-
 bool same_volumes(const std::optional<VolumeVisualisation>& a, const std::optional<VolumeVisualisation>& b) {
     if (!a || !b) return a.has_value() == b.has_value();
     return a->kind == b->kind && a->density == b->density && a->color == b->color;
@@ -38,15 +34,8 @@ bool same_materials(const Material& a, const Material& b) {
            same_volumes(a.volume, b.volume) && same_displacements(a.displacement, b.displacement);
 }
 
-bool same_instances(const InstanceDescription& a, const InstanceDescription& b) {
-    return a.name == b.name && a.shape == b.shape && same_maps(a.object_to_world, b.object_to_world) &&
-           a.material_list == b.material_list && a.object_index == b.object_index && a.random == b.random &&
-           a.visibility == b.visibility && a.ray_interpolation == b.ray_interpolation && a.attributes == b.attributes &&
-           a.light_group == b.light_group && a.asset == b.asset && a.motion == b.motion;
-}
-
 bool same_lamps(const Lamp& a, const Lamp& b) {
-    return a.name == b.name && a.kind == b.kind && same_maps(a.to_world, b.to_world) && a.strength == b.strength &&
+    return a.name == b.name && a.kind == b.kind && a.to_world == b.to_world && a.strength == b.strength &&
            a.radius == b.radius && a.angle == b.angle && a.spot_size == b.spot_size && a.spot_blend == b.spot_blend &&
            a.spot_profile == b.spot_profile && a.size_x == b.size_x && a.size_y == b.size_y && a.spread == b.spread &&
            a.casts_shadow == b.casts_shadow && a.visibility == b.visibility && same_programs(a.emission, b.emission) &&
@@ -71,7 +60,7 @@ bool shows_same(const SceneDescription& a, const SceneDescription& b) {
            same_programs(a.world, b.world) && same_programs(a.world_medium, b.world_medium) && same_textures(a, b) &&
            are_same(a.shapes, b.shapes, std::equal_to<>()) && are_same(a.materials, b.materials, same_materials) &&
            are_same(a.material_lists, b.material_lists, std::equal_to<>()) && are_same(a.lamps, b.lamps, same_lamps) &&
-           are_same(a.instances, b.instances, same_instances);
+           a.instances.size() == b.instances.size() && differing_items(a.instances, b.instances).empty();
 }
 
 }  // namespace rayleaf

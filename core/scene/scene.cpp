@@ -53,18 +53,6 @@ const CameraDescription& required_camera(const SceneDescription& description) {
     return *description.camera();
 }
 
-/// Volume objects have no surface that a ray could meet.
-std::vector<TracedInstance> traced_instances(const SceneDescription& description,
-                                             const std::vector<uint32_t>& volumes) {
-    std::vector<TracedInstance> traced;
-    traced.reserve(description.instances.size());
-    for (const InstanceDescription& instance : description.instances)
-        traced.push_back({description.shapes[static_cast<size_t>(instance.shape)], instance.object_to_world,
-                          instance.visibility, instance.motion});
-    for (const uint32_t volume : volumes) traced[volume].visibility = 0;
-    return traced;
-}
-
 /// What a program emits at any hit; empty where that depends on the hit.
 std::optional<Color> even_emission(const Program& program) {
     if (!program.is_constant()) return std::nullopt;
@@ -77,27 +65,23 @@ std::optional<Color> even_emission(const Program& program) {
 
 Scene::Scene(const SceneDescription& description, const Settings& settings, const CancelToken& cancel)
     : materials_(description.materials),
+      parts_(description.parts),
       lists_(description.material_lists),
       world_(description.world),
       textures_(description.existing_textures()),
+      interpolation_(settings.ray_interpolation),
+      interpolations_(description.ray_interpolations),
       shadow_bias_(settings.shadow_bias) {
     validate(settings);
     commit_camera(required_camera(description), settings);
     if (wants_vectors(settings)) motion_vectors_.emplace(description, settings);
-    commit_materials(description);
-    for (const InstanceDescription& instance : description.instances)
-        interpolations_.push_back(
-            instance.ray_interpolation < 0
-                ? settings.ray_interpolation
-                : description.ray_interpolations[static_cast<size_t>(instance.ray_interpolation)]);
-    for (const InstanceDescription& instance : description.instances) volume_visibility_.push_back(instance.visibility);
-    for (uint32_t i = 0; i < instance_lists_.size(); ++i)
-        if (volume(i)) volumes_.push_back(i);
-    std::vector<TracedInstance> traced = traced_instances(description, volumes_);
+    commit_materials();
+    commit_instances(description);
+    ChunkedVector<TracedInstance> traced = placed_.traced;
+    for (const uint32_t volume : volumes_) traced.edit(volume).visibility = 0;  // rays meet no surface of theirs
     commit_motion(traced);
-    std::vector<const std::vector<int>*> lists;
-    for (uint32_t i = 0; i < traced.size(); ++i) lists.push_back(&material_list(i));
-    displace(traced, description, lists, {&camera_->info(), textures_}, cancel);
+    const auto list_of = [this](uint32_t i) -> const std::vector<int>& { return material_list(i); };
+    displace(traced, description, list_of, {&camera_->info(), textures_}, cancel);
     tracer_ = std::make_unique<Tracer>(
         std::move(traced), Camera(*description.dicing_camera(), settings.width, settings.height).dicing_view(), cancel,
         geometry_cache_settings(settings), &description.parts->shapes);
@@ -109,7 +93,9 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     commit_glass(description, cancel);
 }
 
-Scene::~Scene() = default;
+Scene::~Scene() {
+    if (is_as_described_) parts_->instances.give_back(std::move(placed_));
+}
 
 void Scene::commit_camera(CameraDescription camera, const Settings& settings) {
     if (wants_vectors(settings)) {
@@ -119,7 +105,7 @@ void Scene::commit_camera(CameraDescription camera, const Settings& settings) {
     camera_ = std::make_unique<Camera>(camera, settings.width, settings.height);
 }
 
-void Scene::commit_materials(const SceneDescription& description) {
+void Scene::commit_materials() {
     const std::shared_ptr<const Program> neutral = neutral_program();
     materials_.push_back({kNeutralMaterial, neutral, 0, std::nullopt, {}});
     const int neutral_index = static_cast<int>(materials_.size()) - 1;
@@ -131,24 +117,28 @@ void Scene::commit_materials(const SceneDescription& description) {
         even_emissions_.push_back(even_emission(*material.surface));
     }
     if (world_) even_world_ = even_emission(*world_);
-    for (std::vector<int>& list : lists_)
+    for (std::vector<int>& list : lists_) {
+        if (list.empty()) list.push_back(neutral_index);
         for (int& material : list)
             if (material < 0) material = neutral_index;
-    lists_.push_back({neutral_index});
-    infos_.reserve(description.instances.size());
-    instance_lists_.reserve(description.instances.size());
-    for (const InstanceDescription& instance : description.instances) {
-        infos_.push_back({instance.object_to_world, instance.object_to_world.inverse(), instance.object_index,
-                          instance.random, instance.attributes});
-        const bool has_list =
-            instance.material_list >= 0 && !lists_[static_cast<size_t>(instance.material_list)].empty();
-        instance_lists_.push_back(has_list ? instance.material_list : static_cast<int>(lists_.size()) - 1);
     }
+    lists_.push_back({neutral_index});
+}
+
+void Scene::commit_instances(const SceneDescription& description) {
+    const auto likeness = [&](const PlacedInstances& spare) { return spare.likeness(description); };
+    if (std::optional<PlacedInstances> spare = parts_->instances.take(likeness)) placed_ = std::move(*spare);
+    placed_.update(description);
+    const auto is_volume = [](const Material& material) { return material.volume.has_value(); };
+    if (!std::any_of(materials_.begin(), materials_.end(), is_volume)) return;
+    for (uint32_t i = 0; i < placed_.lists.size(); ++i)
+        if (volume(i)) volumes_.push_back(i);
 }
 
 /// What is seen as by x-rays, and media that vary, are looked up where the instance is in the middle of the time: these
 /// stand still.
-void Scene::commit_motion(std::vector<TracedInstance>& traced) {
+void Scene::commit_motion(ChunkedVector<TracedInstance>& traced) {
+    if (placed_.moving == 0) return;
     for (uint32_t i = 0; i < traced.size(); ++i) {
         if (!traced[i].motion) continue;
         const std::vector<int>& list = material_list(i);
@@ -156,8 +146,10 @@ void Scene::commit_motion(std::vector<TracedInstance>& traced) {
             const Material& material = material_at(index);
             return material.volume || (material.medium && material.medium->varies_in_space());
         });
-        if (varies || motion_vectors_) traced[i].motion = nullptr;
-        infos_[i].motion = traced[i].motion.get();
+        if (!varies && !motion_vectors_) continue;
+        traced.edit(i).motion = nullptr;
+        placed_.infos[i].motion = nullptr;
+        is_as_described_ = false;
     }
 }
 
@@ -177,10 +169,11 @@ std::array<uint32_t, kMatteKinds> Scene::matte_ids(const SurfacePoint& point) co
 }
 
 void Scene::commit_media(const SceneDescription& description, const CancelToken& cancel) {
-    media_.set_surroundings({tracer_.get(), &infos_, &camera_->info(), textures_.get()}, description.world_medium);
+    media_.set_surroundings({tracer_.get(), &placed_.infos, &camera_->info(), textures_.get()},
+                            description.world_medium);
     const auto holds_medium = [](const Material& material) { return material.medium != nullptr; };
     if (std::any_of(materials_.begin(), materials_.end(), holds_medium))
-        for (uint32_t i = 0; i < instance_lists_.size(); ++i)
+        for (uint32_t i = 0; i < placed_.lists.size(); ++i)
             for (const int index : material_list(i))
                 if (const Material& material = material_at(index); material.medium) media_.add(i, material);
     media_.commit(cancel);
@@ -196,14 +189,16 @@ bool Scene::is_in_medium(uint32_t instance) const {
 }
 
 void Scene::commit_glass(const SceneDescription& description, const CancelToken& cancel) {
+    const auto is_off = [](const RayInterpolation& each) { return each.mode == RayInterpolationMode::Off; };
+    if (is_off(interpolation_) && std::all_of(interpolations_.begin(), interpolations_.end(), is_off)) return;
     std::optional<Occupancy> occupancy;
-    for (uint32_t i = 0; i < interpolations_.size(); ++i) {
-        if (interpolations_[i].mode == RayInterpolationMode::Off) continue;
+    for (uint32_t i = 0; i < placed_.lists.size(); ++i) {
+        if (is_off(ray_interpolation(i))) continue;
         const std::optional<GlassBody> body = glass_body_of(*this, i);
         if (!body || is_in_medium(i)) continue;
         if (!occupancy) occupancy.emplace(description, *tracer_, cancel);
         if (occupancy->is_occupied(i)) continue;
-        glass_bodies_.resize(interpolations_.size());
+        glass_bodies_.resize(placed_.lists.size());
         glass_bodies_[i] = body;
     }
 }
@@ -218,17 +213,24 @@ void Scene::set_ray_cache(uint32_t instance, std::shared_ptr<const LocalRayCache
     tracer_->set_cache(instance, std::move(cache));
 }
 
-void Scene::commit_lights(const SceneDescription& description, const CancelToken& cancel) {
+std::vector<EmittingInstance> Scene::emitting_instances(const CancelToken& cancel) const {
+    std::vector<uint8_t> list_emits;
+    for (const std::vector<int>& list : lists_) {
+        const auto emits = [this](int material) { return material_at(material).surface->emits(); };
+        list_emits.push_back(std::any_of(list.begin(), list.end(), emits) ? 1 : 0);
+    }
     std::vector<EmittingInstance> emitters;
-    for (uint32_t i = 0; i < instance_lists_.size(); ++i) {
-        const std::vector<int>& list = lists_[static_cast<size_t>(instance_lists_[i])];
+    for (uint32_t i = 0; i < placed_.lists.size(); ++i) {
+        const std::vector<int>& list = material_list(i);
+        if (list_emits[static_cast<size_t>(&list - lists_.data())] == 0) continue;
         const auto emits = [&](uint32_t slot) { return material_of(list, slot).surface->emits(); };
-        bool any = false;
-        for (uint32_t slot = 0; slot < list.size(); ++slot) any |= emits(slot);
-        if (!any) continue;
         std::vector<uint32_t> elements = emitting_elements(*tracer_->instance(i).shape, emits, cancel);
         if (!elements.empty()) emitters.push_back({i, std::move(elements)});
     }
+    return emitters;
+}
+
+void Scene::commit_lights(const SceneDescription& description, const CancelToken& cancel) {
     PathState sampled_light;  // what lights show to those who sample them: not what they show to the camera
     sampled_light.camera = false;
     const auto emission = [this, sampled_light](const SurfacePoint& point, const Vec3f& outgoing) {
@@ -248,13 +250,13 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
     std::shared_ptr<const WorldLight> table;
     if (sampled && description.world_resolution > 0)
         table = world_table(description, world_inputs(Vec3f(0, 0, 1), {}, sampled_light), cancel);
-    for (const InstanceDescription& instance : description.instances) light_groups_.push_back(instance.light_group);
     world_light_group_ = description.world_light_group;
     lamps_ = description.lamps;
     for (const Lamp& lamp : lamps_) lamp_infos_.push_back({lamp.to_world, inverse_or_identity(lamp.to_world)});
     const auto lamp_light = [this](const LampPoint& lamp) { return lamp_emission(lamp); };
-    lights_ = std::make_unique<LightSet>(
-        lamps_, emitters, *tracer_, Emissions{emission, even, world_emission, lamp_light}, std::move(table), cancel);
+    lights_ =
+        std::make_unique<LightSet>(lamps_, emitting_instances(cancel), *tracer_,
+                                   Emissions{emission, even, world_emission, lamp_light}, std::move(table), cancel);
 }
 
 /// Normals are those of the lamp's frame. Area lamps have parameters, 0 to 1, but no texture coordinates, as in Cycles.
@@ -292,7 +294,7 @@ const Material& Scene::material_of(const std::vector<int>& list, uint32_t slot) 
 }
 
 const Material& Scene::material(uint32_t instance, const LocalHit& hit) const {
-    const std::vector<int>& list = lists_[static_cast<size_t>(instance_lists_[instance])];
+    const std::vector<int>& list = material_list(instance);
     return material_of(list, list.size() == 1 ? 0 : tracer_->instance(instance).shape->material_slot(hit));
 }
 
@@ -300,7 +302,7 @@ ShadingInputs Scene::shading_inputs(const SurfacePoint& point, const Vec3f& outg
                                     const RayDifferential& differential, const PathState& path) const {
     ShadingInputs inputs;
     inputs.point = &point;
-    inputs.instance = &infos_[point.instance];
+    inputs.instance = &placed_.infos[point.instance];
     inputs.camera = &camera_->info();
     inputs.textures = textures_.get();
     inputs.outgoing = outgoing;

@@ -7,6 +7,7 @@
 #include "scene/description.h"
 #include "scene/material_optics.h"
 #include "scene/motion_vectors.h"
+#include "scene/placed_instances.h"
 #include "scene/scene_media.h"
 #include "scene/settings.h"
 #include "scene/traced_surroundings.h"
@@ -64,15 +65,19 @@ class Scene {
     const Material& material(uint32_t instance, const LocalHit& hit) const;
     /// The materials of an instance by slot, never empty, and a material of such a list.
     const std::vector<int>& material_list(uint32_t instance) const {
-        return lists_[static_cast<size_t>(instance_lists_[instance])];
+        const int list = placed_.lists[instance];
+        return list < 0 ? lists_.back() : lists_[static_cast<size_t>(list)];
     }
     const Material& material_at(int index) const { return materials_[static_cast<size_t>(index)]; }
 
-    const RayInterpolation& ray_interpolation(uint32_t instance) const { return interpolations_[instance]; }
+    const RayInterpolation& ray_interpolation(uint32_t instance) const {
+        const int own = placed_.interpolations[instance];
+        return own < 0 ? interpolation_ : interpolations_[static_cast<size_t>(own)];
+    }
     /// What shows the length of rays inside an instance; null for objects with a surface. The first slot decides.
     const VolumeVisualisation* volume(uint32_t instance) const;
     /// Which rays see it.
-    uint8_t volume_visibility(uint32_t instance) const { return volume_visibility_[instance]; }
+    uint8_t volume_visibility(uint32_t instance) const { return placed_.visibility[instance]; }
     /// The instances that have one; no ray meets their surface.
     const std::vector<uint32_t>& volumes() const { return volumes_; }
     /// The body of an instance of clear glass whose inside rays skip; null for others.
@@ -90,15 +95,15 @@ class Scene {
     }
     /// The slot of the group to which light belongs (film/pass.h): an instance's, the world's, any sampled light's. -1:
     /// none.
-    int light_group(uint32_t instance) const { return light_groups_[instance]; }
+    int light_group(uint32_t instance) const { return placed_.light_groups[instance]; }
     int world_light_group() const { return world_light_group_; }
     int light_group(const LightSample& light) const {
         if (light.world) return world_light_group_;
-        return light.instance < 0 ? light.lamp_group : light_groups_[static_cast<size_t>(light.instance)];
+        return light.instance < 0 ? light.lamp_group : placed_.light_groups[static_cast<size_t>(light.instance)];
     }
     /// What Cryptomatte calls a surface; where the settings ask for mattes.
     std::array<uint32_t, kMatteKinds> matte_ids(const SurfacePoint& point) const;
-    float object_index(uint32_t instance) const { return infos_[instance].object_index; }
+    float object_index(uint32_t instance) const { return placed_.infos[instance].object_index; }
     /// Whether any material lets light straight through, so that shadow rays have to ask.
     bool has_transparency() const { return has_transparency_; }
     /// Participating media, where there are any.
@@ -114,9 +119,10 @@ class Scene {
 
   private:
     std::vector<Material> materials_;
-    std::vector<InstanceInfo> infos_;
+    std::shared_ptr<SceneParts> parts_;
+    PlacedInstances placed_;
+    bool is_as_described_ = true;          ///< what is placed; then another scene may begin with it
     std::vector<std::vector<int>> lists_;  ///< materials by slot; none empty, none negative; the last is neutral
-    std::vector<int> instance_lists_;      ///< per instance, its list
     std::vector<std::optional<Color>> even_emissions_;  ///< per material, where its emission is known beforehand
     std::shared_ptr<const Program> world_;
     std::optional<Color> even_world_;  ///< the world's radiance, where it is the same in all directions
@@ -127,9 +133,9 @@ class Scene {
     std::unique_ptr<LightSet> lights_;
     std::vector<Lamp> lamps_;
     std::vector<InstanceInfo> lamp_infos_;
-    std::vector<RayInterpolation> interpolations_;  ///< per instance
+    RayInterpolation interpolation_;                ///< of instances without their own
+    std::vector<RayInterpolation> interpolations_;  ///< their own
     std::vector<uint32_t> volumes_;
-    std::vector<uint8_t> volume_visibility_;              ///< per instance
     std::vector<std::optional<GlassBody>> glass_bodies_;  ///< per instance, or none at all
     int cached_ = 0;                                      ///< instances with a ray cache
     std::optional<TracedSurroundings> surroundings_;
@@ -139,7 +145,6 @@ class Scene {
     SceneMedia media_;
     bool has_media_ = false;
     double shadow_bias_ = 0;
-    std::vector<int> light_groups_;  ///< per instance
     int world_light_group_ = -1;
     /// Hashes of names, where the settings ask for mattes.
     struct MatteIds {
@@ -147,14 +152,16 @@ class Scene {
     } matte_ids_;
 
     void commit_camera(CameraDescription camera, const Settings& settings);
-    void commit_motion(std::vector<TracedInstance>& traced);
+    void commit_instances(const SceneDescription& description);
+    void commit_motion(ChunkedVector<TracedInstance>& traced);
     void commit_mattes(const SceneDescription& description);
-    void commit_materials(const SceneDescription& description);
+    void commit_materials();
     void commit_media(const SceneDescription& description, const CancelToken& cancel);
     bool is_in_medium(uint32_t instance) const;
     void commit_glass(const SceneDescription& description, const CancelToken& cancel);
     Color lamp_emission(const LampPoint& lamp) const;
     void commit_lights(const SceneDescription& description, const CancelToken& cancel);
+    std::vector<EmittingInstance> emitting_instances(const CancelToken& cancel) const;
     const Material& material_of(const std::vector<int>& list, uint32_t slot) const;
 };
 

@@ -140,6 +140,23 @@ std::vector<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelTok
     return std::move(copy.nodes);
 }
 
+/// The number of what a node or item hangs from, where it hangs from nothing.
+constexpr uint32_t kNowhere = ~0u;
+
+unsigned child_place(const BoxNode& node, uint32_t child) {
+    return static_cast<unsigned>(std::find(node.child, node.child + node.count, child) - node.child);
+}
+
+RTCBounds box_of_children(const BoxNode& node) {
+    const auto low = [&](int axis) {
+        return *std::min_element(node.bounds[axis][0], node.bounds[axis][0] + node.count);
+    };
+    const auto high = [&](int axis) {
+        return *std::max_element(node.bounds[axis][1], node.bounds[axis][1] + node.count);
+    };
+    return {low(0), low(1), low(2), 0.0f, high(0), high(1), high(2), 0.0f};
+}
+
 }  // namespace
 
 BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel)
@@ -151,6 +168,40 @@ BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, c
 
 BoxTree::BoxTree(const std::vector<BoxNode>& nodes) : nodes_(nodes.size()) {
     std::copy(nodes.begin(), nodes.end(), nodes_.data());
+}
+
+void BoxTree::find_parents() {
+    parent_.assign(nodes_.size(), kNowhere);
+    for (uint32_t node = 0; node < nodes_.size(); ++node) {
+        for (uint32_t i = 0; i < nodes_[node].count; ++i) {
+            const uint32_t child = nodes_[node].child[i];
+            if ((child & BoxNode::kLeaf) == 0) {
+                parent_[child] = node;
+                continue;
+            }
+            const uint32_t item = child & ~BoxNode::kLeaf;
+            if (item >= node_of_item_.size()) node_of_item_.resize(item + 1, kNowhere);
+            node_of_item_[item] = node;
+        }
+    }
+}
+
+bool BoxTree::refit(std::span<const uint32_t> items, const std::function<Box3f(uint32_t)>& box_of) {
+    if (parent_.empty()) find_parents();
+    for (const uint32_t item : items) {
+        if (item >= node_of_item_.size() || node_of_item_[item] == kNowhere) return false;
+        const Box3f box = box_of(item);
+        if (box.isEmpty()) return false;
+        uint32_t child = BoxNode::kLeaf | item, node = node_of_item_[item];
+        RTCBounds bounds{box.min.x, box.min.y, box.min.z, 0.0f, box.max.x, box.max.y, box.max.z, 0.0f};
+        while (node != kNowhere) {
+            set_box(nodes_[node], child_place(nodes_[node], child), bounds);
+            bounds = box_of_children(nodes_[node]);
+            child = node;
+            node = parent_[node];
+        }
+    }
+    return true;
 }
 
 }  // namespace rayleaf

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace rayleaf {
@@ -44,6 +45,9 @@ class BoxTree {
     /// The same with up to kMostInLeaf items in a leaf: rays meet leaves, by their number.
     BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel, BoxLeaves& leaves);
 
+    /// Renews the boxes of some items, of a tree with one item in a leaf. False where that cannot be, as an item was
+    /// left out or now has to be: then it must be built anew.
+    bool refit(std::span<const uint32_t> items, const std::function<Box3f(uint32_t)>& box_of);
     bool empty() const { return nodes_.size() == 0; }
     /// The first is the root.
     const BoxNode* nodes() const { return nodes_.data(); }
@@ -51,7 +55,9 @@ class BoxTree {
 
   private:
     LargeArray<BoxNode> nodes_;
+    std::vector<uint32_t> node_of_item_, parent_;  ///< filled by the first refit
 
+    void find_parents();
     explicit BoxTree(const std::vector<BoxNode>& nodes);
 };
 

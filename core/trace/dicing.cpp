@@ -114,12 +114,15 @@ struct ViewClasses {
 
 }  // namespace
 
-std::vector<ShapeTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
-                                             const std::vector<size_t>& shape_of, const DicingView& view) {
+std::vector<ShapeTolerance> facet_tolerances(const ChunkedVector<TracedInstance>& instances,
+                                             std::span<const uint32_t> shape_of, std::span<const uint8_t> wanted,
+                                             const DicingView& view) {
+    const size_t shape_count = wanted.size();
     std::vector<std::vector<LocalView>> views(shape_count);
     std::vector<const Shape*> shapes(shape_count);
     const auto nearer = [](const LocalView& a, const LocalView& b) { return a.eye.length2() < b.eye.length2(); };
     for (size_t i = 0; i < instances.size(); ++i) {
+        if (wanted[shape_of[i]] == 0) continue;
         shapes[shape_of[i]] = instances[i].shape.get();
         if (instances[i].shape->kind() == ShapeKind::TriangleMesh) continue;
         std::vector<LocalView>& of_shape = views[shape_of[i]];
@@ -131,15 +134,14 @@ std::vector<ShapeTolerance> facet_tolerances(const std::vector<TracedInstance>& 
             of_shape.pop_back();
         }
     }
-    std::vector<ShapeTolerance> tolerances;
-    tolerances.reserve(shape_count);
+    std::vector<ShapeTolerance> tolerances(shape_count);
     for (size_t shape = 0; shape < shape_count; ++shape) {
+        if (wanted[shape] == 0) continue;
         ViewClasses classes;
         for (const LocalView& local : views[shape])
             classes.add(local, view, Box3d(Vec3d(shapes[shape]->bounds().min), Vec3d(shapes[shape]->bounds().max)));
         const ContentHash key = classes.hash();
-        tolerances.push_back(
-            {[classes = std::move(classes)](const Box3d& box) { return classes.tolerance(box); }, key});
+        tolerances[shape] = {[classes = std::move(classes)](const Box3d& box) { return classes.tolerance(box); }, key};
     }
     return tolerances;
 }

@@ -5,6 +5,8 @@
 #include "tessellation/dicer.h"
 #include "trace/tracer.h"
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 namespace rayleaf {
@@ -22,7 +24,10 @@ struct ShapeTolerance {
 /// The tolerance of each shape that is diced: at most the wanted fraction of a pixel at the instance where that is
 /// smallest in local units, at the point of the part's box nearest to the eye. It changes by steps of the eye's
 /// distance, so that what was diced is kept when the camera or an object moves a little.
-std::vector<ShapeTolerance> facet_tolerances(const std::vector<TracedInstance>& instances, size_t shape_count,
-                                             const std::vector<size_t>& shape_of, const DicingView& view);
+/// `shape_of`: of each instance, the number of its shape; `wanted`: by these numbers, whose are not 0. The others' are
+/// empty.
+std::vector<ShapeTolerance> facet_tolerances(const ChunkedVector<TracedInstance>& instances,
+                                             std::span<const uint32_t> shape_of, std::span<const uint8_t> wanted,
+                                             const DicingView& view);
 
 }  // namespace rayleaf

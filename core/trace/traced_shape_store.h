@@ -6,6 +6,7 @@
 
 #include "base/content_hash.h"
 #include "base/kept_by_key.h"
+#include "trace/instance_table.h"
 #include "trace/shape_scene.h"
 
 #include <compare>
@@ -30,6 +31,9 @@ struct KeptShape {
 TracedShapeKey key_of(const Shape& shape, const ContentHash& tolerance);
 
 /// Users are tracers.
-class TracedShapeStore final : public KeptByKey<TracedShapeKey, KeptShape> {};
+class TracedShapeStore final : public KeptByKey<TracedShapeKey, KeptShape> {
+  public:
+    Spares<InstanceTable> tables;  ///< of tracers that are gone
+};
 
 }  // namespace rayleaf

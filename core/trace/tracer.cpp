@@ -1,118 +1,9 @@
 #include "base/error.h"
 #include "tessellation/grid_arena.h"
-#include "trace/dicing.h"
 #include "trace/float_environment.h"
-#include "trace/make_scene.h"
 #include "trace/tracer_queries.h"
 
-#include <atomic>
-#include <unordered_map>
-
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
 namespace rayleaf {
-namespace {
-
-/// A traced shape looks at the shape that it was made of, also in tracers whose instances have another of that content.
-struct OwnShapeScene {
-    std::shared_ptr<const Shape> shape;
-    std::unique_ptr<ShapeScene> scene;
-};
-
-struct TracedShapes {
-    std::vector<std::shared_ptr<ShapeScene>> all;
-    uint64_t kept = 0;  ///< of those
-};
-
-/// The shapes as they are traced, those that the store knows from there. It may be null.
-TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique, std::span<const uint32_t> uses,
-                           std::span<const ShapeTolerance> tolerances, uint64_t resident_budget,
-                           TracedShapeStore* store, const CancelToken& cancel) {
-    const size_t count = unique.size();
-    std::vector<TracedShapeKey> keys(count);
-    std::vector<KeptShape> kept(count);
-    std::vector<std::optional<ShapePlan>> plans(count);
-    std::vector<uint64_t> bytes(count);
-    if (store) store->next_user();
-    const auto plan = [&](size_t i) { plans[i] = plan_shape(*unique[i], tolerances[i].tolerance, cancel); };
-    tbb::parallel_for(size_t{0}, count, [&](size_t i) {
-        if (store) {
-            keys[i] = key_of(*unique[i], tolerances[i].key);
-            kept[i] = store->find(keys[i]);
-        }
-        if (!kept[i].scene) plan(i);
-        bytes[i] = plans[i] ? plans[i]->resident_bytes() : kept[i].resident_bytes;
-    });
-    const std::vector<Residence> residence = choose_residents(bytes, uses, resident_budget);
-    std::vector<std::shared_ptr<ShapeScene>> shapes(count);
-    std::atomic<uint64_t> found{0};  // read when all are built
-    tbb::parallel_for(size_t{0}, count, [&](size_t i) {
-        // What goes through the geometry cache has numbers of this tracer; shapes that are not diced take no bytes.
-        const bool lasts = bytes[i] == 0 || residence[i] == Residence::Resident;
-        if (kept[i].scene && lasts) {
-            shapes[i] = std::move(kept[i].scene);
-            ++found;
-            return;
-        }
-        if (!plans[i]) plan(i);
-        const auto made = std::make_shared<OwnShapeScene>();
-        made->shape = unique[i];
-        made->scene = make_scene(std::move(*plans[i]), residence[i], cancel);
-        shapes[i] = {made, made->scene.get()};
-        if (store && lasts) store->keep(keys[i], {shapes[i], bytes[i]});
-    });
-    return {std::move(shapes), found};
-}
-
-/// Up to so many instances are asked one after the other, without a tree above them.
-constexpr size_t kDirectInstances = 3;
-
-}  // namespace
-
-void Tracer::Implementation::build_shapes(const DicingView& view, uint64_t resident_budget, TracedShapeStore* store,
-                                          const CancelToken& cancel) {
-    std::unordered_map<const Shape*, size_t> numbers;
-    std::vector<std::shared_ptr<const Shape>> unique;
-    std::vector<size_t> shape_of;
-    shape_of.reserve(instances.size());
-    for (const TracedInstance& instance : instances) {
-        const auto [entry, added] = numbers.try_emplace(instance.shape.get(), unique.size());
-        if (added) unique.push_back(instance.shape);
-        shape_of.push_back(entry->second);
-    }
-    const std::vector<ShapeTolerance> tolerances = facet_tolerances(instances, unique.size(), shape_of, view);
-    std::vector<uint32_t> uses(unique.size());
-    for (const size_t shape : shape_of) ++uses[shape];
-    TracedShapes traced = traced_shapes(unique, uses, tolerances, resident_budget, store, cancel);
-    shapes = std::move(traced.all);
-    kept_shapes = traced.kept;
-    records.resize(instances.size());
-    for (size_t i = 0; i < instances.size(); ++i) records[i].scene = shapes[shape_of[i]].get();
-}
-
-void Tracer::Implementation::build_records() {
-    for (size_t i = 0; i < instances.size(); ++i) {
-        InstanceRecord& record = records[i];
-        record.place(*instances[i].shape, instances[i].object_to_world);
-        if (instances[i].motion) set_motion(static_cast<uint32_t>(i));
-        bounds.extendBy(world_box(static_cast<uint32_t>(i)));
-    }
-    frame = LocalFrame::fitting(bounds);
-}
-
-void Tracer::Implementation::set_motion(uint32_t index) {
-    records[index].motion = instances[index].motion.get();
-    moving_boxes.resize(instances.size());
-    moving_boxes[index] = records[index].world_box();
-}
-
-void Tracer::Implementation::build_tree(const CancelToken& cancel) {
-    if (instances.size() <= kDirectInstances || bounds.isEmpty()) return;
-    tree = BoxTree(
-        static_cast<uint32_t>(instances.size()), [this](uint32_t i) { return box_in_tree(i); }, cancel);
-}
-
 void Tracer::Implementation::build_cache(const GeometryCacheSettings& settings) {
     uint64_t subpatches = 0;
     for (const std::shared_ptr<ShapeScene>& shape : shapes) subpatches += shape->cached_subpatches();
@@ -129,19 +20,30 @@ void Tracer::Implementation::build_cache(const GeometryCacheSettings& settings) 
     }
 }
 
-Tracer::Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel,
+Tracer::Tracer(ChunkedVector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel,
                const GeometryCacheSettings& cache, TracedShapeStore* kept)
     : implementation_(std::make_unique<Implementation>()) {
     const uint64_t before = embree_bytes();
-    implementation_->instances = std::move(instances);
-    implementation_->build_shapes(view, cache.resident_budget, kept, cancel);
-    implementation_->build_records();
-    implementation_->build_tree(cancel);
+    InstanceTable& table = *implementation_;
+    if (kept) {
+        const auto likeness = [&](const InstanceTable& spare) { return spare.likeness(instances); };
+        if (std::optional<InstanceTable> spare = kept->tables.take(likeness)) table = std::move(*spare);
+    }
+    table.update(std::move(instances), view, cache.resident_budget, kept, cancel);
     implementation_->build_cache(cache);
     implementation_->embree_held = embree_bytes() - std::min(before, embree_bytes());
+    implementation_->store = kept;
 }
 
-Tracer::~Tracer() = default;
+Tracer::~Tracer() {
+    if (implementation_->store) implementation_->give_back_table();
+}
+
+void Tracer::Implementation::give_back_table() {
+    for (size_t i = 0; i < caches.size(); ++i)
+        if (caches[i]) records[i].cache = nullptr;
+    store->tables.give_back(std::move(static_cast<InstanceTable&>(*this)));
+}
 
 std::optional<Hit> Tracer::closest_hit(const Ray& ray, Visibility kind) const {
     std::optional<Hit> hit;
@@ -242,7 +144,7 @@ Affine3d Tracer::local_to_world(uint32_t index, float time) const {
 
 bool Tracer::has_motion() const {
     const auto deforms = [](const std::shared_ptr<ShapeScene>& shape) { return shape->deforms(); };
-    return !implementation_->moving_boxes.empty() || std::ranges::any_of(implementation_->shapes, deforms);
+    return implementation_->moving > 0 || std::ranges::any_of(implementation_->shapes, deforms);
 }
 
 Box3d Tracer::bounds() const {
@@ -250,7 +152,7 @@ Box3d Tracer::bounds() const {
 }
 
 Box3d Tracer::bounds(uint32_t instance) const {
-    return implementation_->world_box(instance);
+    return implementation_->boxes[instance];
 }
 
 TraceStatistics Tracer::statistics() const {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "base/cancel.h"
+#include "base/chunked_vector.h"
 #include "base/vector.h"
 #include "geometry/shape.h"
 #include "geometry/surface_point.h"
@@ -41,6 +42,8 @@ struct TracedInstance {
     uint8_t visibility = kVisibleAll;
     /// Where it is while the shutter is open; null: it stands still at `object_to_world`.
     std::shared_ptr<const Motion> motion = nullptr;
+
+    bool operator==(const TracedInstance&) const = default;
 };
 
 /// How finely patches are diced. The grid of a subpatch has 17x17 vertices; patches are split evenly until the distance
@@ -50,6 +53,8 @@ struct DicingView {
     double pixel_angle = 1e-3;  ///< radians a pixel spans; 0 for orthographic views
     double pixel_width = 0;     ///< world units a pixel spans in orthographic views
     double pixels = 0.1;        ///< wanted distance between facet and surface, in pixels
+
+    bool operator==(const DicingView&) const = default;
 };
 
 struct TraceStatistics {
@@ -86,8 +91,9 @@ class TracedShapeStore;  // trace/traced_shape_store.h
 
 class Tracer {
   public:
-    /// Shapes that `kept` knows are not built again; it may be null. Throws Cancelled soon after `cancel` says so.
-    Tracer(std::vector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel = kNeverCancelled,
+    /// What `kept` knows is not made again; it may be null, else it must outlive the tracer. Throws Cancelled soon
+    /// after `cancel` says so.
+    Tracer(ChunkedVector<TracedInstance> instances, const DicingView& view, const CancelToken& cancel = kNeverCancelled,
            const GeometryCacheSettings& cache = {}, TracedShapeStore* kept = nullptr);
     ~Tracer();
     Tracer(const Tracer&) = delete;

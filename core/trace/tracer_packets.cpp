@@ -126,7 +126,7 @@ void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_
     PacketQuery& shape = packet.shape;
     for_each_lane(lanes, [&](size_t lane) {
         const Query& query = packet.queries[lane];
-        if ((instances[index].visibility & query.kind) == 0) lanes &= ~(1u << lane);
+        if ((records[index].visibility & query.kind) == 0) lanes &= ~(1u << lane);
         packet.world.t_max[lane] = query.farthest;
     });
     shape.lanes = record.motion ? into_shape(packet, record, lanes)

@@ -13,17 +13,9 @@ constexpr float kSightReach = 2.0f;
 
 }  // namespace
 
-/// Empty where there is nothing to hit.
-Box3f Tracer::Implementation::box_in_tree(uint32_t index) const {
-    const Box3d box = world_box(index);
-    if (box.isEmpty()) return {};
-    const Vec3f padding(static_cast<float>(kBoxPadding));
-    return {frame.to_local(box.min) - padding, frame.to_local(box.max) + padding};
-}
-
 std::optional<LocalRay> Tracer::Implementation::local_ray(const Query& query, uint32_t index,
                                                           const InstanceRecord& record) const {
-    if ((instances[index].visibility & query.kind) == 0 || record.scene->box().isEmpty()) return std::nullopt;
+    if ((record.visibility & query.kind) == 0 || record.scene->box().isEmpty()) return std::nullopt;
     std::optional<LocalRay> local = record.local_ray(index, *query.ray, query.farthest);
     if (local) local->reader = query.reader;
     return local;

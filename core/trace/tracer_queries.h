@@ -3,9 +3,8 @@
 
 #include "tessellation/geometry_cache.h"
 #include "trace/box_traversal.h"
-#include "trace/box_tree.h"
 #include "trace/clipped_packet.h"
-#include "trace/instance_record.h"
+#include "trace/instance_table.h"
 #include "trace/local_ray.h"
 #include "trace/shape_scene.h"
 #include "trace/traced_shape_store.h"
@@ -19,16 +18,9 @@
 
 namespace rayleaf {
 
-struct Tracer::Implementation {
-    std::vector<TracedInstance> instances;
-    std::vector<InstanceRecord> records;
+struct Tracer::Implementation : InstanceTable {
     std::vector<std::shared_ptr<const LocalRayCache>> caches;  ///< that the records use, by instance; or none at all
-    std::vector<Box3d> moving_boxes;                           ///< of whole motions, by instance; none where none moves
-    std::vector<std::shared_ptr<ShapeScene>> shapes;
-    uint64_t kept_shapes = 0;  ///< of those
-    Box3d bounds;
-    LocalFrame frame;  ///< world -> the space of the tree
-    BoxTree tree;      ///< of instances; empty where there are few
+    TracedShapeStore* store = nullptr;                         ///< gets the table back; null: nobody does
     BoxTraversal traversal = box_traversal();
     ClipPacket clip_packet = clip_kernel();
     std::unique_ptr<GeometryCache> cache;  ///< null without patches
@@ -49,18 +41,10 @@ struct Tracer::Implementation {
         RayAnswer answer = RayAnswer::NotAsked, missed = RayAnswer::NotAsked;
     };
 
-    void build_shapes(const DicingView& view, uint64_t resident_budget, TracedShapeStore* kept,
-                      const CancelToken& cancel);
-    void build_records();
-    void build_tree(const CancelToken& cancel);
     void build_cache(const GeometryCacheSettings& settings);
-    Box3d world_box(uint32_t index) const {
-        return records[index].motion ? moving_boxes[index] : records[index].world_box();
-    }
-    void set_motion(uint32_t index);
+    void give_back_table();
     /// An instance's record at a time, in `room` where it moves.
     const InstanceRecord& record_at(uint32_t instance, float time, std::optional<InstanceRecord>& room) const;
-    Box3f box_in_tree(uint32_t index) const;
 
     /// `record` is the instance's at the ray's time.
     std::optional<LocalRay> local_ray(const Query& query, uint32_t index, const InstanceRecord& record) const;

@@ -246,9 +246,9 @@ CASES = (
 
 
 # Not by zooms, which Cycles leaves out of vectors, and not in fisheyes, where it mirrors them; nor by orthographic cameras in
-# 4.5 and later, where they are not the way of a point in Blender's own projection any more.
+# 4.3 and later, where they are not the way of a point in Blender's own projection any more.
 VECTOR_CASES = (driven_cube, sheet, parented, waving_mesh, panning) + (
-    (orthographic,) if bpy.app.version < (4, 4) else ()
+    (orthographic,) if bpy.app.version < (4, 3) else ()
 )
 
 

@@ -50,11 +50,15 @@ def move_that_object():
 
 def add_group():
     value = group.nodes.new("ShaderNodeRGB")
-    group.outputs.new("NodeSocketColor", "color")
+    if hasattr(group, "interface"):  # 4.0
+        group.interface.new_socket("color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    else:
+        group.outputs.new("NodeSocketColor", "color")
     group.links.new(value.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = group
-    tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs["Emission"])
+    tree.links.new(node.outputs[0], next(each for each in tree.nodes["Principled BSDF"].inputs
+                                             if each.name in ("Emission", "Emission Color")))
 
 def change_group():
     group.nodes["RGB"].outputs[0].default_value = (0.1, 0.2, 0.6, 1)

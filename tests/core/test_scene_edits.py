@@ -110,6 +110,83 @@ def test_any_sequence_of_edits_shows_what_a_scene_made_anew_shows(steps, megabyt
         np.testing.assert_array_equal(picture, rendered(model.fresh(), resident_megabytes=megabytes)[0])
 
 
+CENTRE = 315
+
+
+class Crowd(Model):
+    """So many instances that edits leave some of their tables as they are."""
+
+    def __init__(self):
+        super().__init__()
+        self.places = [(0.5 * (i % 30) - 7.0, 0.5 * (i // 30) - 5.0, 0.0) for i in range(600)]
+        self.radius = [0.3, 1.0]  # that in the middle is large
+
+
+def move_some(model, scene, i, value):
+    """One, or so many that the tree is built anew; some far away, which changes the space of the tree."""
+    moved = range(i, len(model.places), 600 if value > 0 else 4 + i)
+    for each in moved:
+        x, y, _ = model.places[each]
+        model.places[each] = (x, y, 3.0 * value * (30.0 if i == 5 else 1.0))
+    scene.place_instances(np.int32(moved), np.stack([scenes.matrix(model.places[each]) for each in moved]))
+
+
+def push(model, scene, i, value):
+    """The object in the middle, which the camera sees best, from where it was."""
+    model.places[CENTRE] = (0.3 * i, value, 4.0 + value)
+    scene.place_instances(np.int32([CENTRE]), scenes.matrix(model.places[CENTRE])[None])
+
+
+def hide_and_show(model, scene, i, value):
+    """An object scaled to as good as nothing, and back with the next edit of this kind."""
+    x, y, z = model.places[i]
+    model.places[i] = (x, y, z + 1e-3)
+    scene.place_instances(np.int32([i]), scenes.matrix((x, y, z), scale=1e-6)[None])
+    rendered(scene)
+    scene.place_instances(np.int32([i]), scenes.matrix(model.places[i])[None])
+
+
+CROWD_STEPS = strategies.lists(
+    strategies.tuples(
+        strategies.sampled_from([push, push, move_some, reshape, recolor, light, look, hide_and_show]),
+        strategies.integers(0, 5),
+        strategies.floats(-1, 1, width=16),
+    ),
+    min_size=2,
+    max_size=6,
+)
+
+
+@settings(max_examples=12, deadline=None)
+@given(steps=CROWD_STEPS, megabytes=strategies.sampled_from([-1.0, 0.0]), interpolation=strategies.booleans())
+def test_edits_among_many_instances_show_what_a_scene_made_anew_shows(steps, megabytes, interpolation):
+    model = Crowd()
+    more = {"resident_megabytes": megabytes}
+    if interpolation:
+        more["ray_interpolation"] = _core.RayInterpolation("ON", 0.01)
+    scene = model.fresh(_core.SceneParts())
+    rendered(scene, **more)
+    for edit, i, value in steps:
+        scene = scene.copy()
+        edit(model, scene, i, value)
+        np.testing.assert_array_equal(rendered(scene, **more)[0], rendered(model.fresh(), **more)[0])
+
+
+def test_two_views_of_one_scene_are_edited_apart():
+    models, parts = [Crowd(), Crowd()], _core.SceneParts()
+    views = [models[0].fresh(parts)] * 2
+    for value in (0.25, -0.5, 0.75):
+        sessions = []
+        for k, model in enumerate(models):
+            views[k] = views[k].copy()
+            move_some(model, views[k], 3 * k, value)
+            sessions.append(_core.Session(views[k], _core.Settings(width=12, height=8, samples=1)))
+            assert sessions[k].build()
+        for session, model in zip(sessions, models, strict=True):
+            assert session.render_more(1)
+            np.testing.assert_array_equal(session.pass_pixels("combined"), rendered(model.fresh())[0])
+
+
 def test_a_render_under_way_keeps_the_scene_that_it_was_given():
     model = Model()
     parts = _core.SceneParts()

@@ -1,0 +1,64 @@
+// The instances of a scene as rays meet them: placed, with the tree above them. A table that one tracer no longer needs
+// is what the next one begins with: an edit changes what differs.
+#pragma once
+
+#include "base/chunked_vector.h"
+#include "base/spares.h"
+#include "trace/box_tree.h"
+#include "trace/dicing.h"
+#include "trace/instance_record.h"
+#include "trace/shape_scene.h"
+#include "trace/tracer.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace rayleaf {
+
+class TracedShapeStore;
+
+/// Below, `of shapes`: by the number of a shape, in the order in which instances first have them.
+struct InstanceTable {
+    ChunkedVector<TracedInstance> instances;
+    std::vector<uint32_t> shape_of;  ///< of each instance, its shape
+    std::vector<std::shared_ptr<const Shape>> unique;
+    std::vector<ShapeTolerance> tolerances;           ///< of shapes
+    std::vector<std::shared_ptr<ShapeScene>> shapes;  ///< the same as they are traced
+    uint64_t kept_shapes = 0;                         ///< those that were not built for this tracer
+    std::vector<InstanceRecord> records;
+    std::vector<Box3d> boxes;  ///< of instances in the world, of whole motions where they move
+    uint32_t moving = 0;       ///< instances that do
+    Box3d bounds;
+    LocalFrame frame;  ///< world -> the space of the tree
+    BoxTree tree;      ///< of instances; empty where there are few
+
+    /// Makes it the table of these instances. `store` may be null. After an exception, Cancelled too, it is of no use.
+    void update(ChunkedVector<TracedInstance> instances_now, const DicingView& view_now, uint64_t resident_budget,
+                TracedShapeStore* store, const CancelToken& cancel);
+    /// How many chunks of instances it has in common with others.
+    size_t likeness(const ChunkedVector<TracedInstance>& others) const;
+
+  private:
+    DicingView view_;
+    uint64_t resident_budget_ = 0;
+    uint32_t moved_ = 0;  ///< instances since the tree was built
+
+    /// What an update has found.
+    struct Changes {
+        std::vector<uint32_t> items;         ///< instances that are others, or elsewhere
+        std::vector<uint8_t> of_shapes;      ///< shapes that are traced as another scene than before
+        std::vector<uint8_t> of_tolerances;  ///< shapes of which the tolerance is not known
+    };
+    void number_shapes(Changes& changes, bool same_view);
+    void find_tolerances(const Changes& changes);
+    void trace_shapes(Changes& changes, TracedShapeStore* store, const CancelToken& cancel);
+    std::vector<uint32_t> place_instances(const Changes& changes);
+    void set_bounds();
+    bool frame_holds() const;
+    void renew_tree(std::span<const uint32_t> placed, const CancelToken& cancel);
+    Box3f box_in_tree(uint32_t index) const;
+};
+
+}  // namespace rayleaf
