@@ -126,6 +126,7 @@ def test_every_setting_says_what_it_does(run_blender):
     run = run_blender(
         DRAWING
         + """
+import inspect
 import rayleaf.report.panel
 from rayleaf import ray_interpolation, properties, sampling_presets
 groups = [*ray_interpolation.CLASSES, properties.RayleafSceneSettings, rayleaf.report.panel.RayleafMeasurement]
@@ -134,7 +135,7 @@ groups += sampling_presets.CLASSES
 inner = {"rna_type", "name", "settings", "state"}
 properties = []
 for group in groups:
-    names = {name for base in group.__mro__ for name in vars(base).get("__annotations__", {})} - inner
+    names = {name for base in group.__mro__ for name in inspect.get_annotations(base)} - inner
     known = group.bl_rna.properties if "bl_idname" not in vars(group) else bpy.types.Operator.bl_rna_get_subclass_py(
         group.__name__).bl_rna.properties
     properties += [(group, known[name]) for name in names if name in known and known[name].type != "POINTER"]

@@ -48,8 +48,10 @@ def make(release: str, system: Path) -> None:
         raise Unavailable("debootstrap is not installed")
     system.parent.mkdir(parents=True, exist_ok=True)
     keys = ["--no-check-gpg"] if release == "sid" else []  # signed by keys that Debian 12 need not know
-    # The extensions of Debian's 5.2 import the next two, which its package does not ask for; tests of windows press keys.
+    # The extensions of Debian's 5.2 import the next two, which its package does not ask for; tests of windows
+    # press keys, and later Blenders load OpenGL when they first draw.
     packages = ["blender", "python3-numpy", "python3-cattr", "python3-requests", "xdotool"]
+    packages += ["libegl1", "libgl1", "libgl1-mesa-dri"]
     install = ["apt-get", "-q", "-y", "install", "--no-install-recommends", *packages]
     for command in (
         ["debootstrap", "--variant=minbase", *keys, release, str(system), MIRROR],

@@ -63,7 +63,7 @@ MEET_BLENDER = {
         "report/render_points.py",
         "report/render_silhouettes.py",
     ),
-    *(f"viewport/{name}.py" for name in ("changes", "render_pass", "sync", "undo", "viewport")),
+    *(f"viewport/{name}.py" for name in ("changes", "render_pass", "undo", "values", "viewport")),
 }
 # The files that import the core; the others get it, or what it made, handed over.
 MEET_CORE = {"core_module.py", "report/curve_primitives.py"}

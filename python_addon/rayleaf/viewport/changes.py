@@ -10,6 +10,10 @@ import bpy
 _CAMERAS_AND_TREES = (bpy.types.Camera, bpy.types.NodeTree)
 
 
+def _is_only_reshaded(update: Any) -> bool:
+    return bool(update.is_updated_shading and not (update.is_updated_geometry or update.is_updated_transform))
+
+
 @dataclass
 class Changes:
     """Data blocks that have changed, by the pointers of their originals."""
@@ -19,6 +23,8 @@ class Changes:
     world: bool = False
     lamps: bool = False
     images: bool = False
+    # Whose shading is said to be another, and nothing else: since 4.3 all that show a material that has changed.
+    reshaded: dict[int, Any] = field(default_factory=dict)
     is_simple: bool = True  # nothing but what is told apart above
     pointers: set[int] = field(default_factory=set)  # of all that may make other geometry or other programs
 
@@ -44,6 +50,8 @@ class Changes:
             self.lamps = True
         elif isinstance(block, bpy.types.Image):
             self.images, self.is_simple = True, False
+        elif _is_only_reshaded(update):
+            self.reshaded[pointer] = block
         elif not isinstance(block, _CAMERAS_AND_TREES):
             self.is_simple = False
 
@@ -55,7 +63,10 @@ class Changes:
             return
         if block.type == "LIGHT":
             self.lamps = True
-            self.is_simple &= not update.is_updated_shading
+            if update.is_updated_shading:
+                self.reshaded[pointer] = block
+        elif _is_only_reshaded(update):
+            self.reshaded[pointer] = block
         elif only_moved and update.is_updated_transform:
             self.moved[pointer] = block
         else:

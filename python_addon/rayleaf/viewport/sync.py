@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
-import bpy
 import numpy as np
 
 from ..export.camera import Frame
@@ -19,23 +18,10 @@ from ..messages import Messages
 from ..names import name_of
 from . import undo
 from .changes import Changes
+from .values import look_of, values_of
 
 # Textures that edits have added stay, with those that they replace, until so many make it worth to begin anew.
 _MOST_ADDED = 64
-
-
-def _values(group: Any) -> tuple[Any, ...]:
-    """Of all properties of a group of the add-on's."""
-    found: list[Any] = []
-    for item in group.bl_rna.properties:
-        if item.identifier == "rna_type":  # which is said to be a group of the same kind
-            continue
-        value = getattr(group, item.identifier)
-        if isinstance(value, bpy.types.PropertyGroup):
-            found.append(_values(value))
-        elif isinstance(value, (bool, int, float, str)):
-            found.append(value)
-    return tuple(found)
 
 
 def _circumstances(depsgraph: Any) -> tuple[Any, ...]:
@@ -44,7 +30,7 @@ def _circumstances(depsgraph: Any) -> tuple[Any, ...]:
     render = scene.render
     simplify = (render.use_simplify, render.simplify_subdivision, render.simplify_child_particles)
     outputs = tuple(name_of(output) for output in layer.aovs)
-    own = _values(scene.rayleaf)
+    own = values_of(scene.rayleaf)
     frame = (scene.frame_current, scene.frame_subframe)
     return (undo.count(), scene.as_pointer(), name_of(layer), simplify, outputs, own, frame)
 
@@ -66,6 +52,7 @@ class SceneSync:
         self._parts = core.SceneParts()
         self._exporter: SceneExporter | None = None
         self._circumstances: tuple[Any, ...] = ()
+        self._looks: dict[int, tuple[Any, ...]] = {}  # of data blocks that were said to look otherwise
         self._added = 0  # textures, by edits
         self.exports = {"edit": 0, "whole": 0, "same": 0}  # how often which way was taken
 
@@ -80,9 +67,10 @@ class SceneSync:
         if former is None or circumstances != self._circumstances or self._added > _MOST_ADDED:
             exporter = self._exported(depsgraph, view, None)
             self._added = 0
-        elif not (changes.is_simple and _edit(former, depsgraph, changes)):
+        elif not (changes.is_simple and self._are_known(changes.reshaded) and _edit(former, depsgraph, changes)):
             left = former.left.without(changes.pointers, changes.images)
             exporter = self._exported(depsgraph, view, left)
+            self._looks = {pointer: look_of(block) for pointer, block in changes.reshaded.items()}
             self._added += exporter.textures
             if former.scene.shows_same_as(exporter.scene):
                 exporter.scene = former.scene
@@ -94,8 +82,14 @@ class SceneSync:
         self._exporter, self._circumstances = exporter, circumstances
         return exporter.scene
 
+    def _are_known(self, reshaded: dict[int, Any]) -> bool:
+        """Whether data blocks that are said to look otherwise are set as when that was said before: then they do for a
+        material of theirs, which is told too."""
+        return all(self._looks.get(pointer) == look_of(block) for pointer, block in reshaded.items())
+
     def _exported(self, depsgraph: Any, view: "_View", left: KeptExport | None) -> SceneExporter:
         self.exports["whole"] += 1
+        self._looks = {}
         exporter = SceneExporter(
             self._core, depsgraph, self._messages(), parts=self._parts, former=left, space=view.space
         )
