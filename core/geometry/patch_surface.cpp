@@ -1,6 +1,7 @@
 #include "geometry/patch_surface.h"
 
 #include "base/error.h"
+#include "base/largest.h"
 #include "splines/bernstein.h"
 #include "splines/bounds.h"
 #include "splines/limit_normal.h"
@@ -97,9 +98,60 @@ std::optional<size_t> span_beside(const std::vector<SplineSpan>& spans, size_t s
     return towards_begin ? before : after;
 }
 
+Box3d points_box(std::span<const NurbsSpline> splines) {
+    Box3d box;
+    for (const NurbsSpline& spline : splines)
+        for (const Vec4d& point : spline.surface.points)
+            if (is_place(spatial_part(point))) box.extendBy(spatial_part(point));
+    return box;
+}
+
+/// Of a surface that deforms, what its frame must hold; empty of others.
+Box3d extent_of(const PatchSurface::Splines& splines, const std::vector<PatchSurface::Splines>& moved) {
+    Box3d extent;
+    if (!moved.empty()) extent = points_box(splines);
+    for (const PatchSurface::Splines& step : moved) extent.extendBy(points_box(step));
+    return extent;
+}
+
+/// Whether the control points of two times are the same ones, with the same weights: only then do points of the surface
+/// go along lines, as its facets do.
+bool are_same_points(const NurbsSpline& a, const NurbsSpline& b) {
+    return std::ranges::equal(a.surface.points, b.surface.points, std::equal_to(), &Vec4d::w, &Vec4d::w);
+}
+
 }  // namespace
 
-PatchSurface::PatchSurface(std::string name, const std::vector<NurbsSpline>& splines)
+PatchSurface::PatchSurface(std::string name, const Splines& splines, const std::vector<Splines>& moved)
+    : PatchSurface(std::move(name), splines, extent_of(splines, moved)) {
+    if (!moved.empty()) add_moments(splines, moved);
+}
+
+void PatchSurface::add_moments(const Splines& splines, const std::vector<Splines>& moved) {
+    if (moved.size() < 2) throw InputError(name(), "moved_splines", std::to_string(moved.size()), "two or more times");
+    const Box3d extent = extent_of(splines, moved);
+    std::vector<std::unique_ptr<const Shape>> shapes;
+    for (const Splines& step : moved) {
+        auto shape = std::unique_ptr<PatchSurface>(new PatchSurface(name(), step, extent));
+        if (!std::ranges::equal(step, splines, are_same_points) || !shape->has_elements_of(*this))
+            throw InputError(name(), "moved_splines",
+                             "other patches or weights at step " + std::to_string(shapes.size()),
+                             "the same at all times");
+        shapes.push_back(std::move(shape));
+    }
+    steps_ = shapes.size();
+    moments_ = Moments(std::move(shapes));
+    bounds_.extendBy(moments_.bounds());
+}
+
+bool PatchSurface::has_elements_of(const PatchSurface& other) const {
+    return std::ranges::equal(splines_, other.splines_, [](const SplinePatches& a, const SplinePatches& b) {
+        return a.degree_u == b.degree_u && a.degree_v == b.degree_v && a.spans_u.size() == b.spans_u.size() &&
+               a.spans_v.size() == b.spans_v.size();
+    });
+}
+
+PatchSurface::PatchSurface(std::string name, const Splines& splines, const Box3d& extent)
     : Shape(ShapeKind::PatchSurface, std::move(name)) {
     std::vector<const NurbsSpline*> drawn;
     for (size_t i = 0; i < splines.size(); ++i) {
@@ -108,7 +160,9 @@ PatchSurface::PatchSurface(std::string name, const std::vector<NurbsSpline>& spl
         drawn.push_back(&splines[i]);
         for (const Vec4d& point : splines[i].surface.points) object_bounds_.extendBy(spatial_part(point));
     }
-    frame_ = LocalFrame::fitting(object_bounds_);
+    Box3d whole = object_bounds_;
+    whole.extendBy(extent);
+    frame_ = LocalFrame::fitting(whole);
     for (const NurbsSpline* spline : drawn) add_spline(*spline);
 
     Box3d box;
@@ -191,13 +245,34 @@ BorderPlace PatchSurface::owner_place(const BorderPlace& place) const {
     return {index(span), at};
 }
 
+PatchSurface::PatchAt::PatchAt(const PatchSurface& surface, uint32_t patch, const SplinePatches& spline, float time)
+    : mixed_(surface.deforms() ? spline.points_per_patch() : 0), view_(surface.patch(patch, spline)) {
+    if (!surface.deforms()) return;
+    surface.mix_points(patch, spline, time, mixed_.data());
+    view_.points = mixed_.data();
+}
+
+void PatchSurface::mix_points(uint32_t patch, const SplinePatches& spline, float time, Vec4d* points) const {
+    const StepShare step = step_share(time, steps());
+    rayleaf::mix_points(form(step.first).patch(patch, spline).points, form(step.first + 1).patch(patch, spline).points,
+                        step.share, spline.points_per_patch(), points);
+}
+
+Box3d PatchSurface::patch_box(uint32_t patch) const {
+    Box3d box;
+    for (size_t step = 0; step < steps(); ++step) box.extendBy(hull_bounds(form(step).patch(patch)));
+    return box;
+}
+
 LocalSurface PatchSurface::surface(const LocalHit& hit) const {
-    return surface(hit, spline_of(hit.primitive), patch(hit.primitive).evaluate(hit.u, hit.v), std::nullopt);
+    const SplinePatches& spline = spline_of(hit.primitive);
+    const PatchAt now(*this, hit.primitive, spline, hit.time);
+    return surface(hit, spline, now.view(), now.view().evaluate(hit.u, hit.v), std::nullopt);
 }
 
 /// The surface at a hit with a known point, and perhaps a known normal that depends on neither facet nor neighbour.
-LocalSurface PatchSurface::surface(const LocalHit& hit, const SplinePatches& spline, const PatchPoint& point,
-                                   const std::optional<LimitNormal>& known) const {
+LocalSurface PatchSurface::surface(const LocalHit& hit, const SplinePatches& spline, const PatchView& view,
+                                   const PatchPoint& point, const std::optional<LimitNormal>& known) const {
     const SplineSpan &span_u = spline.span_u(hit.primitive), &span_v = spline.span_v(hit.primitive);
     const double length_u = span_u.end - span_u.begin, length_v = span_v.end - span_v.begin;
 
@@ -214,7 +289,7 @@ LocalSurface PatchSurface::surface(const LocalHit& hit, const SplinePatches& spl
     }
     const LimitNormal limit =
         known ? *known
-              : limit_normal(patch(hit.primitive), hit.u, hit.v, point,
+              : limit_normal(view, hit.u, hit.v, point,
                              {[this, &hit] { return neighbour_normal(hit); }, -Vec3d(facet_normal)});
     if (limit.stage != NormalStage::Regular)
         limit_normals_[static_cast<size_t>(limit.stage)].fetch_add(1, std::memory_order_relaxed);
@@ -232,8 +307,8 @@ std::optional<Vec3d> PatchSurface::neighbour_normal(const LocalHit& hit) const {
     const std::optional<size_t> beside_u = span_beside(spline.spans_u, index % row, hit.u);
     const std::optional<size_t> beside_v = span_beside(spline.spans_v, index / row, hit.v);
     const auto normal_of = [&](size_t span_u, size_t span_v, double u, double v) -> std::optional<Vec3d> {
-        const LimitNormal limit =
-            limit_normal(patch(static_cast<uint32_t>(spline.first_patch + span_v * row + span_u)), u, v);
+        const auto number = static_cast<uint32_t>(spline.first_patch + span_v * row + span_u);
+        const LimitNormal limit = limit_normal(PatchAt(*this, number, spline, hit.time).view(), u, v);
         if (limit.stage >= NormalStage::Neighbour) return std::nullopt;
         return limit.normal;
     };
@@ -255,8 +330,14 @@ NormalCounters PatchSurface::limit_normals() const {
     return counters;
 }
 
-ElementPoint PatchSurface::element_point(uint32_t element, const Vec2f& parameters) const {
-    const PatchView view = patch(element);
+ElementPoint PatchSurface::element_point_at(uint32_t element, const Vec2f& parameters, float time) const {
+    const PatchAt now(*this, element, spline_of(element), time);
+    ElementPoint result = element_point(now.view(), element, parameters);
+    result.hit.time = time;
+    return result;
+}
+
+ElementPoint PatchSurface::element_point(const PatchView& view, uint32_t element, const Vec2f& parameters) {
     const PatchPoint point = view.evaluate(parameters.x, parameters.y);
     ElementPoint result;
     result.normal = -Vec3f(limit_normal(view, parameters.x, parameters.y, point).normal);
@@ -274,7 +355,7 @@ void PatchSurface::line_points(uint32_t element, float u, std::span<const float>
         const LimitNormal normal = limit_normal(view, u, v[i], point);
         points[i].hit = placed_hit(element, {u, v[i]}, point.position, -Vec3f(normal.normal));
         const bool depends = normal.stage >= NormalStage::Neighbour;
-        points[i].surface = surface(points[i].hit, spline, point, depends ? std::nullopt : std::optional(normal));
+        points[i].surface = surface(points[i].hit, spline, view, point, depends ? std::nullopt : std::optional(normal));
     }
 }
 
@@ -297,6 +378,7 @@ std::optional<ContentHash> PatchSurface::hash_of_content() const {
         }
     }
     hasher.add(points_);
+    moments_.add_to(hasher);
     return hasher.value();
 }
 
@@ -304,6 +386,7 @@ size_t PatchSurface::bytes() const {
     size_t total = sizeof(*this) + points_.capacity() * sizeof(Vec4d) + splines_.capacity() * sizeof(SplinePatches);
     for (const SplinePatches& spline : splines_)
         total += (spline.spans_u.capacity() + spline.spans_v.capacity()) * sizeof(SplineSpan);
+    total += moments_.bytes();
     return total;
 }
 

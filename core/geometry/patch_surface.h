@@ -8,9 +8,11 @@
 // The outside is the side of P_v x P_u: Blender's own surfaces are wound that way.
 #pragma once
 
+#include "geometry/moments.h"
 #include "geometry/shape.h"
 #include "splines/limit_normal.h"
 #include "splines/nurbs.h"
+#include "splines/stack_buffer.h"
 
 #include <array>
 #include <atomic>
@@ -38,22 +40,35 @@ struct SplinePatches {
 
 class PatchSurface final : public Shape {
   public:
-    /// Splines that Blender draws nothing for are left out. Invalid data throws InputError.
-    PatchSurface(std::string name, const std::vector<NurbsSpline>& splines);
+    using Splines = std::vector<NurbsSpline>;
+    /// Splines that Blender draws nothing for are left out. Invalid data throws InputError. `moved`, of a surface that
+    /// deforms: the splines at even times of the shutter; `splines` are those in its middle.
+    PatchSurface(std::string name, const Splines& splines, const std::vector<Splines>& moved = {});
 
     uint32_t element_count() const override { return patch_count_; }
     LocalSurface surface(const LocalHit& hit) const override;
     std::optional<Vec4f> attribute(AttributeId, const LocalHit&) const override { return std::nullopt; }
     uint32_t material_slot(const LocalHit& hit) const override { return spline_of(hit.primitive).material_slot; }
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
-    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override {
+        return element_point(patch(element), element, parameters);
+    }
+    ElementPoint element_point_at(uint32_t element, const Vec2f& parameters, float time) const override;
     void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const override;
     std::optional<ContentHash> hash_of_content() const override;
     size_t bytes() const override;
 
     const std::vector<SplinePatches>& splines() const { return splines_; }
     const SplinePatches& spline_of(uint32_t patch) const;
-    /// Local space.
+    /// The surface at one of its steps: itself, where it does not deform.
+    const PatchSurface& form(size_t step) const {
+        return deforms() ? static_cast<const PatchSurface&>(moments_[step]) : *this;
+    }
+    /// Of a surface that deforms, a patch's control points at a time.
+    void mix_points(uint32_t patch, const SplinePatches& spline, float time, Vec4d* points) const;
+    /// Around the control points of a patch, at all times.
+    Box3d patch_box(uint32_t patch) const;
+    /// In the middle of the shutter's time, local space.
     PatchView patch(uint32_t patch) const { return this->patch(patch, spline_of(patch)); }
     PatchView patch(uint32_t patch, const SplinePatches& spline) const {
         const Vec4d* points = &points_[spline.first_point + (patch - spline.first_patch) * spline.points_per_patch()];
@@ -68,11 +83,32 @@ class PatchSurface final : public Shape {
     std::vector<SplinePatches> splines_;
     std::vector<Vec4d> points_;
     uint32_t patch_count_ = 0;
+    Moments moments_;  ///< of a surface that deforms
     mutable std::array<std::atomic<uint64_t>, kNormalStageCount> limit_normals_{};
 
+    /// `extent`: what the frame must hold beside the splines, object space.
+    PatchSurface(std::string name, const Splines& splines, const Box3d& extent);
+    void add_moments(const Splines& splines, const std::vector<Splines>& moved);
+    bool has_elements_of(const PatchSurface& other) const;
+
+    /// A patch at a time of the shutter.
+    class PatchAt {
+      public:
+        PatchAt(const PatchSurface& surface, uint32_t patch, const SplinePatches& spline, float time);
+        PatchAt(const PatchAt&) = delete;
+        PatchAt& operator=(const PatchAt&) = delete;
+        const PatchView& view() const { return view_; }
+
+      private:
+        static constexpr size_t kMostOnStack = 36;  // Blender's orders end at 6
+        StackBuffer<Vec4d, kMostOnStack> mixed_;
+        PatchView view_;
+    };
+
     void add_spline(const NurbsSpline& spline);
-    LocalSurface surface(const LocalHit& hit, const SplinePatches& spline, const PatchPoint& point,
-                         const std::optional<LimitNormal>& known) const;
+    static ElementPoint element_point(const PatchView& view, uint32_t element, const Vec2f& parameters);
+    LocalSurface surface(const LocalHit& hit, const SplinePatches& spline, const PatchView& view,
+                         const PatchPoint& point, const std::optional<LimitNormal>& known) const;
     /// The normal of the adjacent patch at the nearest border, if the spline is smooth there.
     std::optional<Vec3d> neighbour_normal(const LocalHit& hit) const;
 };

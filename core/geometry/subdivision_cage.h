@@ -52,6 +52,9 @@ struct SubdivisionCage {
     std::vector<CornerAttribute> uv_maps;     ///< two channels, smoothed with the surface; one value a corner
     AttributeId active_uv = kNoAttribute;     ///< the map that is the surface's `uv`
     std::vector<CornerAttribute> attributes;  ///< bilinear within faces; one value a corner
+    /// Of a surface that deforms, the vertices at even times of the shutter, time by time; `vertices` are those in its
+    /// middle.
+    std::span<const float> moved_vertices = {};
 };
 
 /// Throws InputError for cages that have no limit surface. Edges may have any number of faces.

@@ -4,6 +4,7 @@
 #include "splines/bounds.h"
 
 #include <algorithm>
+#include <functional>
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -103,14 +104,17 @@ ContentHash hash_of(const SubdivisionCage& cage, ContentHasher hasher) {
 
 }  // namespace
 
-SubdivisionSurface::SubdivisionSurface(const SubdivisionCage& cage) : Shape(ShapeKind::SubdivisionSurface, cage.name) {
+SubdivisionSurface::SubdivisionSurface(const SubdivisionCage& cage, const Box3d& extent)
+    : Shape(ShapeKind::SubdivisionSurface, cage.name) {
     validate(cage);
     const size_t count = cage.vertices.size() / 3;
     const auto vertex = [&](size_t i) {
         return Vec3d(cage.vertices[3 * i], cage.vertices[3 * i + 1], cage.vertices[3 * i + 2]);
     };
     for (const int32_t corner : cage.corners) object_bounds_.extendBy(vertex(static_cast<size_t>(corner)));
-    frame_ = LocalFrame::fitting(object_bounds_);
+    Box3d whole = object_bounds_;
+    whole.extendBy(extent);
+    frame_ = LocalFrame::fitting(whole);
     std::vector<Vec3d> local(count);
     for (size_t i = 0; i < count; ++i) local[i] = (vertex(i) - frame_.center) / frame_.scale;
     // The limit lies in the hull of the cage.
@@ -309,24 +313,32 @@ Vec3d SubdivisionSurface::line_position(uint32_t index, double at) const {
     return position(line.owner, place.x, place.y);
 }
 
+PatchPoint SubdivisionSurface::evaluate_at(uint32_t index, double u, double v, float time) const {
+    if (!deforms()) return evaluate(index, u, v);
+    const StepShare step = step_share(time, steps());
+    return mixed(form(step.first).evaluate(index, u, v), form(step.first + 1).evaluate(index, u, v), step.share);
+}
+
 LimitNormal SubdivisionSurface::normal_at(uint32_t index, double u, double v, const PatchPoint& point,
-                                          const Vec3d& geometric) const {
+                                          const Vec3d& geometric, float time) const {
     const SubdivisionElement& element = elements_[index];
     const NormalFallback fallback{{}, geometric};
-    if (element.net != SubdivisionElement::kIrregular) return limit_normal(net(element), u, v, point, fallback);
-    const SurfaceFunction function = [&](double x, double y) { return in_element(limit_, element, x, y); };
-    return limit_normal(function, u, v, point, fallback);
+    if (!deforms() && element.net != SubdivisionElement::kIrregular)
+        return limit_normal(net(element), u, v, point, fallback);
+    const auto now = [&](double x, double y) { return evaluate_at(index, x, y, time); };
+    return limit_normal(SurfaceFunction(std::ref(now)), u, v, point, fallback);
 }
 
 LocalSurface SubdivisionSurface::surface(const LocalHit& hit) const {
-    return surface(hit, evaluate(hit.primitive, hit.u, hit.v), std::nullopt);
+    return surface(hit, evaluate_at(hit.primitive, hit.u, hit.v, hit.time), std::nullopt);
 }
 
 /// The surface at a hit with a known point, and perhaps a known limit normal that does not depend on the facet.
 LocalSurface SubdivisionSurface::surface(const LocalHit& hit, const PatchPoint& point,
                                          const std::optional<LimitNormal>& known) const {
     const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
-    const LimitNormal limit = known ? *known : normal_at(hit.primitive, hit.u, hit.v, point, -Vec3d(facet_normal));
+    const LimitNormal limit =
+        known ? *known : normal_at(hit.primitive, hit.u, hit.v, point, -Vec3d(facet_normal), hit.time);
     if (limit.stage != NormalStage::Regular)
         limit_normals_[static_cast<size_t>(limit.stage)].fetch_add(1, std::memory_order_relaxed);
     LocalSurface result;
@@ -338,11 +350,12 @@ LocalSurface SubdivisionSurface::surface(const LocalHit& hit, const PatchPoint& 
     return result;
 }
 
-ElementPoint SubdivisionSurface::element_point(uint32_t element, const Vec2f& parameters) const {
-    const PatchPoint point = evaluate(element, parameters.x, parameters.y);
+ElementPoint SubdivisionSurface::element_point_at(uint32_t element, const Vec2f& parameters, float time) const {
+    const PatchPoint point = evaluate_at(element, parameters.x, parameters.y, time);
     ElementPoint result;
-    result.normal = -Vec3f(normal_at(element, parameters.x, parameters.y, point, Vec3d(0, 0, 1)).normal);
+    result.normal = -Vec3f(normal_at(element, parameters.x, parameters.y, point, Vec3d(0, 0, 1), time).normal);
     result.hit = placed_hit(element, parameters, point.position, result.normal);
+    result.hit.time = time;
     result.area_factor = static_cast<float>(point.du.cross(point.dv).length());
     return result;
 }
@@ -353,7 +366,7 @@ void SubdivisionSurface::line_points(uint32_t index, float u, std::span<const fl
     if (element.net != SubdivisionElement::kIrregular) column.emplace(net(element), u);
     for (size_t i = 0; i < v.size(); ++i) {
         const PatchPoint point = column ? column->evaluate(v[i]) : in_element(limit_, element, u, v[i]);
-        const LimitNormal normal = normal_at(index, u, v[i], point, Vec3d(0, 0, 1));
+        const LimitNormal normal = normal_at(index, u, v[i], point, Vec3d(0, 0, 1), kMiddleTime);
         points[i].hit = placed_hit(index, {u, v[i]}, point.position, -Vec3f(normal.normal));
         const bool depends = normal.stage >= NormalStage::Neighbour;
         points[i].surface = surface(points[i].hit, point, depends ? std::nullopt : std::optional(normal));
@@ -376,6 +389,7 @@ size_t SubdivisionSurface::bytes() const {
     for (const UvMap& map : uv_maps_) total += map.limit.bytes();
     for (const CornerAttribute& attribute : attributes_) total += attribute.values.capacity() * sizeof(float);
     total += corner_normals_.values.capacity() * sizeof(float);
+    total += moments_.bytes();
     return total;
 }
 

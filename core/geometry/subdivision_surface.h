@@ -11,6 +11,7 @@
 
 #include "geometry/facet.h"
 #include "geometry/limit_faces.h"
+#include "geometry/moments.h"
 #include "geometry/shape.h"
 #include "geometry/subdivision_cage.h"
 #include "splines/limit_normal.h"
@@ -55,11 +56,18 @@ class SubdivisionSurface final : public Shape {
         return slots_.empty() ? 0u : slots_[elements_[hit.primitive].face];
     }
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }
-    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override {
+        return element_point_at(element, parameters, kMiddleTime);
+    }
+    ElementPoint element_point_at(uint32_t element, const Vec2f& parameters, float time) const override;
     void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const override;
     std::optional<ContentHash> hash_of_content() const override { return hash_; }
     size_t bytes() const override;
 
+    /// The surface at one of its steps: itself, where it does not deform. What follows is of its middle.
+    const SubdivisionSurface& form(size_t step) const {
+        return deforms() ? static_cast<const SubdivisionSurface&>(moments_[step]) : *this;
+    }
     const SubdivisionElement& element(uint32_t index) const { return elements_[index]; }
     const SubdivisionLine& line(uint32_t index) const { return lines_[index]; }
     uint32_t line_count() const { return static_cast<uint32_t>(lines_.size()); }
@@ -101,14 +109,20 @@ class SubdivisionSurface final : public Shape {
     CornerAttribute corner_normals_;  ///< without values if the limit's own normal is used
     int active_uv_ = -1;              ///< index into uv_maps_
     ContentHash hash_{};
+    Moments moments_;  ///< of a surface that deforms
     mutable std::array<std::atomic<uint64_t>, kNormalStageCount> limit_normals_{};
 
+    /// `extent`: what the frame must hold beside the cage, object space.
+    SubdivisionSurface(const SubdivisionCage& cage, const Box3d& extent);
+    void add_moments(const SubdivisionCage& cage, const Box3d& extent);
     void add_elements(const CageTopology& topology, const SubdivisionCage& cage);
     void find_owners();
     void place_nodes();
     void make_nets();
     PatchPoint in_element(const LimitFaces& limit, const SubdivisionElement& element, double u, double v) const;
-    LimitNormal normal_at(uint32_t element, double u, double v, const PatchPoint& point, const Vec3d& geometric) const;
+    PatchPoint evaluate_at(uint32_t element, double u, double v, float time) const;
+    LimitNormal normal_at(uint32_t element, double u, double v, const PatchPoint& point, const Vec3d& geometric,
+                          float time) const;
     LocalSurface surface(const LocalHit& hit, const PatchPoint& point, const std::optional<LimitNormal>& known) const;
     /// The custom or limit normal, on the side of `facet_normal` (unit).
     Vec3f shading_normal(const LocalHit& hit, const Vec3f& of_limit, const Vec3f& facet_normal) const;

@@ -86,8 +86,9 @@ int add_mesh(SceneDescription& scene, const std::string& name, const Array<float
     return scene.add_shape(std::make_shared<const TriangleMesh>(std::move(arrays)));
 }
 
-int add_surface(SceneDescription& scene, const std::string& name, const std::vector<NurbsSpline>& splines) {
-    return scene.add_shape(std::make_shared<const PatchSurface>(name, splines));
+int add_surface(SceneDescription& scene, const std::string& name, const std::vector<NurbsSpline>& splines,
+                const std::vector<std::vector<NurbsSpline>>& moved_splines) {
+    return scene.add_shape(std::make_shared<const PatchSurface>(name, splines, moved_splines));
 }
 
 int add_curve(SceneDescription& scene, const SweptCurveDescription& curve) {
@@ -340,7 +341,8 @@ void bind_scene(py::module_& module) {
         .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a, "corner_normals"_a = py::none(),
              "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none(), "moved_vertices"_a = py::none(),
              "moved_normals"_a = py::none())
-        .def("add_surface", &add_surface, "name"_a, "splines"_a)
+        .def("add_surface", &add_surface, "name"_a, "splines"_a,
+             "moved_splines"_a = std::vector<std::vector<NurbsSpline>>())
         .def(
             "add_shape",
             [](SceneDescription& scene, const std::shared_ptr<Shape>& shape) { return scene.add_shape(shape); },

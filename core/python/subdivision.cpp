@@ -47,7 +47,7 @@ std::shared_ptr<SubdivisionSurface> make_subdivision(
     const Optional<int32_t>& crease_vertices, const Optional<float>& vertex_sharpness,
     const Optional<int32_t>& material_slots, const std::string& border_corners, const std::string& uv_smoothing,
     const CageAttributes& uv_maps, int uv, const CageAttributes& attributes, const Optional<float>& corner_normals,
-    const std::string& scheme) {
+    const std::string& scheme, const Optional<float>& moved_vertices) {
     check_shape(name, "vertices", vertices, {-1, 3});
     check_shape(name, "face_sizes", face_sizes, {-1});
     check_shape(name, "corners", corners, {-1});
@@ -64,6 +64,10 @@ std::shared_ptr<SubdivisionSurface> make_subdivision(
     cage.material_slots = optional_span(name, "material_slots", material_slots);
     if (corner_normals) check_shape(name, "corner_normals", *corner_normals, {corners.shape(0), 3});
     cage.corner_normals = optional_span(name, "corner_normals", corner_normals);
+    if (moved_vertices) {
+        check_shape(name, "moved_vertices", *moved_vertices, {-1, vertices.shape(0), 3});
+        cage.moved_vertices = span_of(*moved_vertices);
+    }
     cage.scheme = named(name, "scheme", scheme, kSchemes);
     cage.border_corners = named(name, "border_corners", border_corners, kBorderCorners);
     cage.uv_smoothing = named(name, "uv_smoothing", uv_smoothing, kUvSmoothings);
@@ -125,7 +129,8 @@ void bind_subdivision(py::module_& module) {
              "crease_edges"_a = py::none(), "crease_sharpness"_a = py::none(), "crease_vertices"_a = py::none(),
              "vertex_sharpness"_a = py::none(), "material_slots"_a = py::none(), "border_corners"_a = "SMOOTH",
              "uv_smoothing"_a = "PRESERVE_BOUNDARIES", "uv_maps"_a = CageAttributes(), "uv"_a = -1,
-             "attributes"_a = CageAttributes(), "corner_normals"_a = py::none(), "scheme"_a = "CATMULL_CLARK")
+             "attributes"_a = CageAttributes(), "corner_normals"_a = py::none(), "scheme"_a = "CATMULL_CLARK",
+             "moved_vertices"_a = py::none())
         .def("points", &points, "elements"_a, "parameters"_a)
         .def("values", &values, "attribute"_a, "elements"_a, "parameters"_a);
     module.def(

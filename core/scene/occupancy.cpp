@@ -2,7 +2,6 @@
 
 #include "geometry/patch_surface.h"
 #include "geometry/triangle_mesh.h"
-#include "splines/bounds.h"
 
 #include <algorithm>
 #include <numeric>
@@ -25,9 +24,8 @@ Box3d box_of_triangle(const TriangleMesh& mesh, uint32_t triangle) {
 /// The box of an element, local space of the shape; for patches and triangles.
 GroupedBoxes::BoxOf element_boxes(const Shape& shape) {
     if (shape.kind() == ShapeKind::PatchSurface)
-        return [&surface = static_cast<const PatchSurface&>(shape)](uint32_t patch) {
-            return hull_bounds(surface.patch(patch));
-        };
+        return
+            [&surface = static_cast<const PatchSurface&>(shape)](uint32_t patch) { return surface.patch_box(patch); };
     return [&mesh = static_cast<const TriangleMesh&>(shape)](uint32_t triangle) {
         return box_of_triangle(mesh, triangle);
     };

@@ -5,6 +5,8 @@
 #include "splines/bezier_curve.h"
 #include "splines/bezier_patch.h"
 
+#include <algorithm>
+
 namespace rayleaf {
 
 /// A box that contains every point of the patch, as evaluated in double precision too: the box of the control points
@@ -20,6 +22,14 @@ Box3f outward_float(const Box3d& box);
 struct CurvatureBounds {
     double duu = 0, duv = 0, dvv = 0;  ///< units of the control points per parameter²
     double extent = 0;                 ///< units of the control points
+
+    /// Makes these the bounds of another patch too.
+    void raise_to(const CurvatureBounds& other) {
+        duu = std::max(duu, other.duu);
+        duv = std::max(duv, other.duv);
+        dvv = std::max(dvv, other.dvv);
+        extent = std::max(extent, other.extent);
+    }
 };
 
 /// Polynomial patches: the largest second difference of control points, times the factors of the degree (the second

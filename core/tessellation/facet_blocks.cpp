@@ -14,10 +14,20 @@ uint8_t log2_for(double segments_squared) {
     return static_cast<uint8_t>(k);
 }
 
-Box3d box_of_corners(const SubpatchDetail& detail, std::span<const int> corners) {
+Box3d box_of_corners(std::span<const DicedForm> forms, uint32_t subpatch, std::span<const int> corners) {
     Box3d box;
-    for (const int k : corners) box.extendBy(Vec3d(detail.corners[0][k], detail.corners[1][k], detail.corners[2][k]));
+    for (const DicedForm& form : forms) {
+        const auto& at = form.details[subpatch].corners;
+        for (const int k : corners) box.extendBy(Vec3d(at[0][k], at[1][k], at[2][k]));
+    }
     return box;
+}
+
+/// The largest of all times. In between, second differences are no larger.
+double largest_bend(std::span<const DicedForm> forms, const auto& bend_of) {
+    double largest = 0.0;
+    for (const DicedForm& form : forms) largest = std::max<double>(largest, DetailCode::length(bend_of(form)));
+    return largest;
 }
 
 /// The three corners of a block's triangle, as vertices (i, j).
@@ -56,14 +66,17 @@ void dice_needed(const LevelDicer& dicer, uint32_t subpatch, int log2_cells, con
 
 }  // namespace
 
-Resolution resolution_for(const SubpatchDetail& detail, const FacetTolerance& tolerance) {
+Resolution resolution_for(std::span<const DicedForm> forms, uint32_t subpatch, const FacetTolerance& tolerance) {
     // n segments lie within bend / n² of the border (SubpatchDetail).
     Resolution resolution;
     constexpr int kAll[kCorners] = {0, 1, 2, 3};
-    resolution.own = log2_for(DetailCode::length(detail.inner_bend) / tolerance(box_of_corners(detail, kAll)));
+    const double inner = largest_bend(forms, [&](const DicedForm& form) { return form.details[subpatch].inner_bend; });
+    resolution.own = log2_for(inner / tolerance(box_of_corners(forms, subpatch, kAll)));
     for (size_t border = 0; border < kBorders; ++border) {
-        const double allowed = tolerance(box_of_corners(detail, kBorderEnds[border]));
-        resolution.border[border] = log2_for(DetailCode::length(detail.bend[border]) / allowed);
+        const double allowed = tolerance(box_of_corners(forms, subpatch, kBorderEnds[border]));
+        const double bend =
+            largest_bend(forms, [&](const DicedForm& form) { return form.details[subpatch].bend[border]; });
+        resolution.border[border] = log2_for(bend / allowed);
         resolution.own = std::max(resolution.own, resolution.border[border]);
     }
     return resolution;
@@ -93,35 +106,56 @@ FacetCorners FacetBlock::corners(uint32_t triangle, VertexFormat format) const {
     return result;
 }
 
-FacetBlocks::FacetBlocks(const Dicer& dicer, std::span<const SubpatchDetail> details, const FacetTolerance& tolerance)
-    : format_(dicer.format()), resolutions_(dicer.subpatch_count()), first_(resolutions_.size() + 1) {
-    if (!details.empty())
-        tbb::parallel_for(size_t{0}, details.size(),
-                          [&](size_t i) { resolutions_[i] = resolution_for(details[i], tolerance); });
+FacetBlocks::FacetBlocks(std::span<const DicedForm> forms, const FacetTolerance& tolerance)
+    : format_(forms[0].dicer->format()),
+      resolutions_(forms[0].dicer->subpatch_count()),
+      first_(resolutions_.size() + 1),
+      steps_(forms.size()) {
+    if (!forms[0].details.empty())
+        tbb::parallel_for(size_t{0}, forms[0].details.size(), [&](size_t i) {
+            resolutions_[i] = resolution_for(forms, static_cast<uint32_t>(i), tolerance);
+        });
     for (size_t i = 0; i < resolutions_.size(); ++i) {
         const auto along = static_cast<uint64_t>(resolutions_[i].blocks());
         first_[i + 1] = first_[i] + along * along;
     }
 }
 
-void FacetBlocks::fill(const Dicer& dicer, std::span<const SubpatchDetail> details, const CancelToken& cancel) {
-    blocks_ = LargeArray<FacetBlock>(block_count());
+void FacetBlocks::fill(std::span<const DicedForm> forms, const CancelToken& cancel) {
+    blocks_ = LargeArray<FacetBlock>(block_count() * steps_);
     tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(resolutions_.size()), [&](uint32_t subpatch) {
         cancel.throw_if_cancelled();
-        if (const LevelDicer* levels = dicer.levels())
-            fill_levels(*levels, subpatch, details[subpatch]);
-        else
-            fill_fixed(dicer, subpatch);
+        for (size_t step = 0; step < steps_; ++step) {
+            const DicedForm& form = forms[step];
+            if (const LevelDicer* levels = form.dicer->levels())
+                fill_levels(*levels, subpatch, form.details[subpatch], step);
+            else
+                fill_fixed(*form.dicer, subpatch);
+        }
     });
 }
 
-void FacetBlocks::fill_levels(const LevelDicer& dicer, uint32_t subpatch, const SubpatchDetail& detail) {
+/// Vertices that blocks share have the same bits at both times, and so between them.
+void FacetBlocks::mix(uint32_t index, float time, FacetBlock& room) const {
+    const StepShare step = step_share(time, steps_);
+    const FacetBlock &from = blocks_[index * steps_ + step.first], &to = blocks_[index * steps_ + step.first + 1];
+    const auto share = static_cast<float>(step.share);
+    const float *a = from.vertices[0], *b = to.vertices[0];
+    float* between = room.vertices[0];
+    for (int k = 0; k < 3 * kBlockSize; ++k) between[k] = a[k] + (b[k] - a[k]) * share;
+    room.subpatch = from.subpatch;
+    room.column = from.column;
+    room.row = from.row;
+}
+
+void FacetBlocks::fill_levels(const LevelDicer& dicer, uint32_t subpatch, const SubpatchDetail& detail, size_t step) {
     const Resolution& resolution = resolutions_[subpatch];
     GridRows rows;
     dice_needed(dicer, subpatch, resolution.own, detail, rows);
-    FacetBlock* block = &blocks_[first_[subpatch]];
+    int number = 0;
     for (int row = 0; row < resolution.blocks(); ++row) {
-        for (int column = 0; column < resolution.blocks(); ++column, ++block) {
+        for (int column = 0; column < resolution.blocks(); ++column) {
+            FacetBlock* const block = &block_of(subpatch, number++, step);
             block->subpatch = subpatch;
             block->column = static_cast<uint8_t>(column * kBlockCells);
             block->row = static_cast<uint8_t>(row * kBlockCells);
@@ -139,7 +173,7 @@ void FacetBlocks::fill_fixed(const Dicer& dicer, uint32_t subpatch) {
     Grid grid;
     dicer.dice(subpatch, grid);
     for (int k = 0; k < kBlocks; ++k) {
-        FacetBlock& block = blocks_[first_[subpatch] + static_cast<uint64_t>(k)];
+        FacetBlock& block = block_of(subpatch, k, 0);
         block.subpatch = subpatch;
         block.column = static_cast<uint8_t>(k % kBlocksAlong * kBlockCells);
         block.row = static_cast<uint8_t>(k / kBlocksAlong * kBlockCells);
@@ -148,7 +182,13 @@ void FacetBlocks::fill_fixed(const Dicer& dicer, uint32_t subpatch) {
 }
 
 Box3f FacetBlocks::box(uint32_t index) const {
-    const FacetBlock& block = blocks_[index];
+    Box3f box;
+    for (size_t step = 0; step < steps_; ++step) box.extendBy(box_at(index, step));
+    return box;
+}
+
+Box3f FacetBlocks::box_at(uint32_t index, size_t step) const {
+    const FacetBlock& block = blocks_[index * steps_ + step];
     Box3d box;
     for (int k = 0; k < kBlockSize; ++k) box.extendBy(block.vertex(k, format_));
     const Vec3f padding(kBlockPadding);
@@ -156,7 +196,7 @@ Box3f FacetBlocks::box(uint32_t index) const {
 }
 
 Vec2d FacetBlocks::place(uint32_t index, uint32_t triangle, double weight1, double weight2) const {
-    const FacetBlock& block = blocks_[index];
+    const FacetBlock& block = (*this)[index];
     if (format_ == VertexFormat::Fixed) return parameters_in_cell(grid_triangle(block, triangle), weight1, weight2);
     const Resolution& resolution = resolutions_[block.subpatch];
     const auto at = [&](const GridVertex& corner) {

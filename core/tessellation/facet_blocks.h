@@ -31,8 +31,14 @@ struct Resolution {
     int blocks() const { return own <= 2 ? 1 : cells() / kBlockCells; }
 };
 
-/// The coarsest resolution whose facets lie within the tolerance of the surface.
-Resolution resolution_for(const SubpatchDetail& detail, const FacetTolerance& tolerance);
+/// A surface as it is at one time, diced as it is at the others, and its subpatches; none for dicers without levels.
+struct DicedForm {
+    const Dicer* dicer;
+    std::span<const SubpatchDetail> details;
+};
+
+/// The coarsest resolution of a subpatch whose facets lie within the tolerance of the surface at all times.
+Resolution resolution_for(std::span<const DicedForm> forms, uint32_t subpatch, const FacetTolerance& tolerance);
 
 /// Not initialized.
 struct alignas(64) FacetBlock {
@@ -55,22 +61,36 @@ struct alignas(64) FacetBlock {
 
 class FacetBlocks {
   public:
-    /// What there would be to hold. `details` are the subpatches', empty for dicers without levels.
-    FacetBlocks(const Dicer& dicer, std::span<const SubpatchDetail> details, const FacetTolerance& tolerance);
+    /// What there would be to hold. `forms` are those at even times of the shutter; one of what does not deform.
+    FacetBlocks(std::span<const DicedForm> forms, const FacetTolerance& tolerance);
 
     uint64_t block_count() const { return first_.back(); }
     /// Once filled.
     uint64_t bytes() const {
-        return block_count() * sizeof(FacetBlock) + first_.capacity() * sizeof(first_[0]) +
+        return block_count() * block_bytes() + first_.capacity() * sizeof(first_[0]) +
                resolutions_.capacity() * sizeof(Resolution);
     }
+    /// Of one block at all times.
+    uint64_t block_bytes() const { return sizeof(FacetBlock) * steps_; }
     /// Dices everything. Throws Cancelled soon after `cancel` says so.
-    void fill(const Dicer& dicer, std::span<const SubpatchDetail> details, const CancelToken& cancel);
+    void fill(std::span<const DicedForm> forms, const CancelToken& cancel);
 
-    const FacetBlock& operator[](uint32_t block) const { return blocks_[block]; }
+    /// At the first time; those of the others follow it.
+    const FacetBlock& operator[](uint32_t block) const { return blocks_[block * steps_]; }
+    /// At a time of the shutter, mixed in `room` where facets move.
+    const FacetBlock& at(uint32_t block, float time, FacetBlock& room) const {
+        if (steps_ == 1) return blocks_[block];
+        mix(block, time, room);
+        return room;
+    }
+    FacetCorners corners(uint32_t block, uint32_t triangle, float time) const {
+        FacetBlock room;
+        return at(block, time, room).corners(triangle, format_);
+    }
     const Resolution& resolution(uint32_t subpatch) const { return resolutions_[subpatch]; }
-    /// Box of a block's vertices, padded as a Grid's blocks are.
+    /// Box of a block's vertices, padded as a Grid's blocks are: at all times, or at a step.
     Box3f box(uint32_t block) const;
+    Box3f box_at(uint32_t block, size_t step) const;
     /// Where in the subpatch's grid of 16 x 16 cells a point of a triangle lies; weights of its corners 1 and 2.
     Vec2d place(uint32_t block, uint32_t triangle, double weight1, double weight2) const;
     /// The triangle at a place, and the weights there.
@@ -84,9 +104,14 @@ class FacetBlocks {
     VertexFormat format_;
     std::vector<Resolution> resolutions_;
     std::vector<uint64_t> first_;  ///< of each subpatch, its first block; at the end, their number
-    LargeArray<FacetBlock> blocks_;
+    size_t steps_;
+    LargeArray<FacetBlock> blocks_;  ///< block by block, each at all times
 
-    void fill_levels(const LevelDicer& dicer, uint32_t subpatch, const SubpatchDetail& detail);
+    FacetBlock& block_of(uint32_t subpatch, int number, size_t step) {
+        return blocks_[(first_[subpatch] + static_cast<uint64_t>(number)) * steps_ + step];
+    }
+    void mix(uint32_t block, float time, FacetBlock& room) const;
+    void fill_levels(const LevelDicer& dicer, uint32_t subpatch, const SubpatchDetail& detail, size_t step);
     void fill_fixed(const Dicer& dicer, uint32_t subpatch);
 };
 

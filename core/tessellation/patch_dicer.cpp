@@ -4,8 +4,16 @@ namespace rayleaf {
 
 PatchDicer::PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance, int extra_splits)
     : surface_(&surface), plan_(surface, tolerance, extra_splits) {
-    for (uint32_t i = 0; i < surface.splines().size(); ++i) {
-        const SplinePatches& spline = surface.splines()[i];
+    add_bases();
+}
+
+PatchDicer::PatchDicer(const PatchSurface& surface, const PatchDicer& like) : surface_(&surface), plan_(like.plan_) {
+    add_bases();
+}
+
+void PatchDicer::add_bases() {
+    for (uint32_t i = 0; i < surface_->splines().size(); ++i) {
+        const SplinePatches& spline = surface_->splines()[i];
         const SplineSplit& split = plan_.split(i);
         of_spline_.push_back({level_bases(spline.degree_u, split.log2_u), level_bases(spline.degree_v, split.log2_v)});
     }

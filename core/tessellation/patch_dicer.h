@@ -17,6 +17,8 @@ class PatchDicer final : public LevelDicer {
   public:
     /// The surface must outlive this. `extra_splits`: additional splits in each direction, beyond the tolerance.
     PatchDicer(const PatchSurface& surface, const FacetTolerance& tolerance, int extra_splits = 0);
+    /// Dices another form of a surface in the same way.
+    PatchDicer(const PatchSurface& surface, const PatchDicer& like);
 
     uint32_t subpatch_count() const override { return plan_.subpatch_count(); }
     ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override;
@@ -35,6 +37,7 @@ class PatchDicer final : public LevelDicer {
     std::map<std::pair<int, int>, DyadicBasis> bases_;  ///< by degree and intervals
     std::vector<SplineBases> of_spline_;
 
+    void add_bases();
     LevelBases level_bases(int degree, int log2);
     void dice_level(uint32_t subpatch, int level, const VertexRows& target) const override;
     void dice_part_rows(uint32_t subpatch, const GridPart& part, const VertexRows& target) const override;

@@ -10,14 +10,17 @@
 namespace rayleaf {
 namespace {
 
+/// How much an element bends at most, and around it.
+struct ElementLook {
+    CurvatureBounds bounds;
+    Box3d box;
+};
+
 /// Points along a side of an irregular element by which its bend is measured.
 constexpr int kRingLooks = 5;
 
-/// Second derivatives by differences, and a box. At an irregular corner the derivatives themselves are unbounded.
-struct RingLook {
-    CurvatureBounds bounds;
-    Box3d box;
-
+/// By differences. At an irregular corner the derivatives themselves are unbounded.
+struct RingLook : ElementLook {
     RingLook(const SubdivisionSurface& surface, uint32_t element) {
         Vec3d p[kRingLooks][kRingLooks];
         for (int j = 0; j < kRingLooks; ++j) {
@@ -45,13 +48,20 @@ struct RingLook {
     }
 };
 
-SplineSplit wanted_split(const SubdivisionSurface& surface, uint32_t index, const FacetTolerance& tolerance) {
+ElementLook look_at(const SubdivisionSurface& surface, uint32_t index) {
     const SubdivisionElement& element = surface.element(index);
-    if (element.net != SubdivisionElement::kIrregular) {
-        const PatchView net = surface.net(element);
-        return split_for(curvature_bounds(net), tolerance(hull_bounds(net)));
+    if (element.net == SubdivisionElement::kIrregular) return RingLook(surface, index);
+    const PatchView net = surface.net(element);
+    return {curvature_bounds(net), hull_bounds(net)};
+}
+
+SplineSplit wanted_split(const SubdivisionSurface& surface, uint32_t index, const FacetTolerance& tolerance) {
+    ElementLook look;
+    for (size_t step = 0; step < surface.steps(); ++step) {
+        const ElementLook now = look_at(surface.form(step), index);
+        look.bounds.raise_to(now.bounds);
+        look.box.extendBy(now.box);
     }
-    const RingLook look(surface, index);
     return split_for(look.bounds, tolerance(look.box));
 }
 

@@ -53,8 +53,12 @@ SplitPlan::SplitPlan(const PatchSurface& surface, const FacetTolerance& toleranc
     const size_t count = surface.element_count();
     std::vector<SplineSplit> wanted(count);
     tbb::parallel_for(size_t{0}, count, [&](size_t i) {
-        const PatchView patch = surface.patch(static_cast<uint32_t>(i));
-        wanted[i] = split_for(tight_curvature_bounds(patch), tolerance(hull_bounds(patch)));
+        const auto patch = static_cast<uint32_t>(i);
+        const double allowed = tolerance(surface.patch_box(patch));
+        CurvatureBounds bounds;
+        for (size_t step = 0; step < surface.steps(); ++step)
+            bounds.raise_to(tight_curvature_bounds(surface.form(step).patch(patch)));
+        wanted[i] = split_for(bounds, allowed);
     });
     for (const SplinePatches& spline : surface.splines()) {
         SplineSplit split;

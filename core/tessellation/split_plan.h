@@ -1,5 +1,6 @@
 // How the patches of a surface are split into subpatches: all patches of a spline alike, 2^a x 2^b, so that neighbours
-// meet vertex to vertex; splines that share a border alike along it (shared_sides.h).
+// meet vertex to vertex; splines that share a border alike along it (shared_sides.h). What deforms is split as its
+// finest form needs it.
 //
 // Subpatches are numbered patch by patch in the patches' order, within one first along u, then along v.
 #pragma once

@@ -42,6 +42,9 @@ SubdivisionDicer::SubdivisionDicer(const SubdivisionSurface& surface, const Face
                 bases_.try_emplace(quads_along(level) << log2, kDegree, quads_along(level) << log2);
 }
 
+SubdivisionDicer::SubdivisionDicer(const SubdivisionSurface& surface, const SubdivisionDicer& like)
+    : surface_(&surface), splits_(like.splits_), bases_(like.bases_) {}
+
 void SubdivisionDicer::dice_level(uint32_t subpatch, int level, const VertexRows& target) const {
     const ElementCell& cell = splits_.cell(subpatch);
     const int quads = quads_along(level);

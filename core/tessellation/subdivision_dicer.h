@@ -18,6 +18,8 @@ class SubdivisionDicer final : public LevelDicer {
   public:
     /// The surface must outlive this. `extra_splits`: additional splits in each direction, beyond the tolerance.
     SubdivisionDicer(const SubdivisionSurface& surface, const FacetTolerance& tolerance, int extra_splits = 0);
+    /// Dices another form of a surface in the same way.
+    SubdivisionDicer(const SubdivisionSurface& surface, const SubdivisionDicer& like);
 
     uint32_t subpatch_count() const override { return splits_.subpatch_count(); }
     ElementPlace element_place(const PlaceInGrid& place, const Vec3d& position) const override;

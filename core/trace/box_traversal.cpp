@@ -45,11 +45,49 @@ HWY_INLINE void fetch(const BoxNode* nodes, uint32_t child, const BoxVisitor& vi
 using Boxes = hn::CappedTag<float, BoxNode::kMostChildren>;
 using BoxVector = hn::Vec<Boxes>;
 constexpr int kBoxWidth = static_cast<int>(hn::MaxLanes(Boxes()));
+using Rays = hn::CappedTag<float, kPacketSize>;
+using RayVector = hn::Vec<Rays>;
+constexpr int kRayWidth = static_cast<int>(hn::MaxLanes(Rays()));
+
+/// Boxes as the tree's nodes have them.
+struct StillBoxes {
+    HWY_INLINE BoxVector children(const BoxNode* nodes, uint32_t number, int axis, int side, int first,
+                                  BoxVector /*share*/) const {
+        return hn::Load(Boxes(), nodes[number].bounds[axis][side] + first);
+    }
+    HWY_INLINE RayVector child(const BoxNode* nodes, uint32_t number, int axis, int side, uint32_t child,
+                               int /*first*/) const {
+        return hn::Set(Rays(), nodes[number].bounds[axis][side][child]);
+    }
+    HWY_INLINE float share(uint32_t /*lane*/) const { return 0.0f; }
+};
+
+/// Boxes between those of two times.
+struct BoxesInMotion {
+    MovingBoxes of;
+
+    HWY_INLINE BoxVector children(const BoxNode* /*nodes*/, uint32_t number, int axis, int side, int first,
+                                  BoxVector share) const {
+        const BoxBounds* at = of.from + number * of.steps;
+        const BoxVector from = hn::Load(Boxes(), at[0].bounds[axis][side] + first);
+        return hn::MulAdd(hn::Sub(hn::Load(Boxes(), at[1].bounds[axis][side] + first), from), share, from);
+    }
+    HWY_INLINE RayVector child(const BoxNode* /*nodes*/, uint32_t number, int axis, int side, uint32_t child,
+                               int first) const {
+        const BoxBounds* at = of.from + number * of.steps;
+        const float from = at[0].bounds[axis][side][child];
+        return hn::MulAdd(hn::Set(Rays(), at[1].bounds[axis][side][child] - from), hn::LoadU(Rays(), of.share + first),
+                          hn::Set(Rays(), from));
+    }
+    HWY_INLINE float share(uint32_t lane) const { return of.share[lane]; }
+};
 
 /// One ray: the children of a node in the lanes.
+template <typename NodeBoxes>
 class OneRay {
   public:
-    HWY_INLINE OneRay(const float (&origin)[3], const float (&direction)[3]) {
+    HWY_INLINE OneRay(const float (&origin)[3], const float (&direction)[3], const NodeBoxes& boxes, uint32_t lane)
+        : boxes_(boxes), share_(hn::Set(Boxes(), boxes.share(lane))) {
         for (int axis = 0; axis < 3; ++axis) {
             const float component = direction[axis];
             const float inverse =
@@ -76,6 +114,8 @@ class OneRay {
     }
 
   private:
+    NodeBoxes boxes_;
+    BoxVector share_;
     int near_side_[3];
     BoxVector inverse_[3], offset_[3];
 
@@ -84,7 +124,7 @@ class OneRay {
                             const BoxVisitor& visitor) const {
         const BoxNode& node = nodes[next];
         HWY_ALIGN float nears[BoxNode::kMostChildren];
-        uint32_t bits = meet(node, farthest, nears);
+        uint32_t bits = meet(nodes, next, farthest, nears);
         if (bits == 0) return false;
         const auto take = [&] {
             const auto child = static_cast<size_t>(__builtin_ctz(bits));
@@ -103,33 +143,30 @@ class OneRay {
         next = static_cast<uint32_t>(nearest);
         return true;
     }
-    HWY_INLINE uint32_t meet(const BoxNode& node, float farthest, float* nears) const {
+    HWY_INLINE uint32_t meet(const BoxNode* nodes, uint32_t number, float farthest, float* nears) const {
         uint32_t bits = 0;
         for (int first = 0; first < BoxNode::kMostChildren; first += kBoxWidth) {
             BoxVector near = hn::Zero(Boxes()), far = hn::Set(Boxes(), farthest);
             for (int axis = 0; axis < 3; ++axis) {
                 const int side = near_side_[axis];
-                const BoxVector entry = hn::Load(Boxes(), node.bounds[axis][side] + first);
-                const BoxVector exit = hn::Load(Boxes(), node.bounds[axis][1 - side] + first);
+                const BoxVector entry = boxes_.children(nodes, number, axis, side, first, share_);
+                const BoxVector exit = boxes_.children(nodes, number, axis, 1 - side, first, share_);
                 near = hn::Max(near, hn::MulSub(entry, inverse_[axis], offset_[axis]));
                 far = hn::Min(far, hn::MulSub(exit, inverse_[axis], offset_[axis]));
             }
             bits |= mask_bits(Boxes(), hn::Le(near, far)) << first;
             hn::Store(near, Boxes(), nears + first);
         }
-        return bits & ((1u << node.count) - 1u);
+        return bits & ((1u << nodes[number].count) - 1u);
     }
 };
 
-using Rays = hn::CappedTag<float, kPacketSize>;
-using RayVector = hn::Vec<Rays>;
-constexpr int kRayWidth = static_cast<int>(hn::MaxLanes(Rays()));
-
 /// A packet: the rays in the lanes, the children of a node one after the other.
+template <typename NodeBoxes>
 class ManyRays {
   public:
-    HWY_INLINE ManyRays(const RayPacket& rays, int few, const BoxVisitor& visitor)
-        : rays_(rays), few_(few), visitor_(visitor) {
+    HWY_INLINE ManyRays(const RayPacket& rays, int few, const NodeBoxes& boxes, const BoxVisitor& visitor)
+        : rays_(rays), few_(few), boxes_(boxes), visitor_(visitor) {
         const RayVector huge = hn::Set(Rays(), kHuge), least = hn::Set(Rays(), 1.0f / kHuge);
         for (int axis = 0; axis < 3; ++axis) {
             for (int first = 0; first < kPacketSize; first += kRayWidth) {
@@ -169,6 +206,7 @@ class ManyRays {
     };
     const RayPacket& rays_;
     int few_, count_ = 0;
+    NodeBoxes boxes_;
     const BoxVisitor& visitor_;
     alignas(64) float inverse_[3][kPacketSize];
     alignas(64) float offset_[3][kPacketSize];
@@ -188,7 +226,7 @@ class ManyRays {
                                      rays_.near_origin[2][lane]};
             const float direction[3] = {rays_.unit_direction[0][lane], rays_.unit_direction[1][lane],
                                         rays_.unit_direction[2][lane]};
-            OneRay(origin, direction).visit(nodes, child, lane, farthest, visitor_);
+            OneRay<NodeBoxes>(origin, direction, boxes_, lane).visit(nodes, child, lane, farthest, visitor_);
         }
     }
     /// The one that is nearest to the first ray comes last, to be visited first.
@@ -200,7 +238,7 @@ class ManyRays {
         uint32_t order[BoxNode::kMostChildren];
         int found = 0;
         for (uint32_t child = 0; child < node.count; ++child) {
-            met[child] = meet(node, child, farthest, nears[child]) & lanes;
+            met[child] = meet(nodes, number, child, farthest, nears[child]) & lanes;
             if (met[child] == 0) continue;
             keys[child] = nears[child][__builtin_ctz(met[child])];
             int at = found++;
@@ -217,15 +255,16 @@ class ManyRays {
         }
     }
     /// The lanes that meet a child.
-    HWY_INLINE uint32_t meet(const BoxNode& node, uint32_t child, const float* farthest, float* nears) const {
+    HWY_INLINE uint32_t meet(const BoxNode* nodes, uint32_t number, uint32_t child, const float* farthest,
+                             float* nears) const {
         uint32_t bits = 0;
         for (int first = 0; first < kPacketSize; first += kRayWidth) {
             RayVector near = hn::Zero(Rays()), far = hn::LoadU(Rays(), farthest + first);
             for (int axis = 0; axis < 3; ++axis) {
                 const RayVector inverse = hn::Load(Rays(), inverse_[axis] + first);
                 const RayVector offset = hn::Load(Rays(), offset_[axis] + first);
-                const RayVector a = hn::MulSub(hn::Set(Rays(), node.bounds[axis][0][child]), inverse, offset);
-                const RayVector b = hn::MulSub(hn::Set(Rays(), node.bounds[axis][1][child]), inverse, offset);
+                const RayVector a = hn::MulSub(boxes_.child(nodes, number, axis, 0, child, first), inverse, offset);
+                const RayVector b = hn::MulSub(boxes_.child(nodes, number, axis, 1, child, first), inverse, offset);
                 near = hn::Max(near, hn::Min(a, b));
                 far = hn::Min(far, hn::Max(a, b));
             }
@@ -238,13 +277,24 @@ class ManyRays {
 
 void traverse_packet(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, int few, float* farthest,
                      const BoxVisitor& visitor) {
-    ManyRays(rays, few, visitor).visit(nodes, lanes, farthest);
+    ManyRays<StillBoxes>(rays, few, {}, visitor).visit(nodes, lanes, farthest);
+}
+
+void traverse_moving_packet(const BoxNode* nodes, const MovingBoxes& boxes, const RayPacket& rays, uint32_t lanes,
+                            int few, float* farthest, const BoxVisitor& visitor) {
+    ManyRays<BoxesInMotion>(rays, few, {boxes}, visitor).visit(nodes, lanes, farthest);
 }
 
 void traverse_alone(const BoxNode* nodes, const Vec3f& origin, const Vec3f& direction, float* farthest,
                     const BoxVisitor& visitor) {
     const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {direction.x, direction.y, direction.z};
-    OneRay(from, along).visit(nodes, 0, 0, farthest, visitor);
+    OneRay<StillBoxes>(from, along, {}, 0).visit(nodes, 0, 0, farthest, visitor);
+}
+
+void traverse_moving_alone(const BoxNode* nodes, const MovingBoxes& boxes, const Vec3f& origin, const Vec3f& direction,
+                           float* farthest, const BoxVisitor& visitor) {
+    const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {direction.x, direction.y, direction.z};
+    OneRay<BoxesInMotion>(from, along, {boxes}, 0).visit(nodes, 0, 0, farthest, visitor);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -256,11 +306,14 @@ namespace rayleaf {
 
 HWY_EXPORT(traverse_packet);
 HWY_EXPORT(traverse_alone);
+HWY_EXPORT(traverse_moving_packet);
+HWY_EXPORT(traverse_moving_alone);
 
 BoxTraversal box_traversal() {
     // The first call through the table chooses; the pointers must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return {&HWY_DYNAMIC_DISPATCH(traverse_packet), &HWY_DYNAMIC_DISPATCH(traverse_alone)};
+    return {&HWY_DYNAMIC_DISPATCH(traverse_packet), &HWY_DYNAMIC_DISPATCH(traverse_alone),
+            &HWY_DYNAMIC_DISPATCH(traverse_moving_packet), &HWY_DYNAMIC_DISPATCH(traverse_moving_alone)};
 }
 
 }  // namespace rayleaf

@@ -21,6 +21,13 @@ struct BoxVisitor {
     uint32_t item_bytes = 0;      ///< of each
 };
 
+/// Where the boxes of a tree's nodes are at each ray's time: they move along lines (BoxTree::moving_bounds).
+struct MovingBoxes {
+    const BoxBounds* from;  ///< of the first node, at the earlier of two times; the later one follows
+    size_t steps;           ///< from a node's to the next one's
+    const float* share;     ///< of the later time, by lane
+};
+
 /// What is left of the way of a ray that needs no other hit.
 inline constexpr float kDone = -std::numeric_limits<float>::infinity();
 
@@ -31,6 +38,11 @@ struct BoxTraversal {
     /// A ray of its own, as lane 0.
     void (*alone)(const BoxNode* nodes, const Vec3f& origin, const Vec3f& direction, float* farthest,
                   const BoxVisitor& visitor);
+    /// The same where boxes move.
+    void (*moving_packet)(const BoxNode* nodes, const MovingBoxes& boxes, const RayPacket& rays, uint32_t lanes,
+                          int few, float* farthest, const BoxVisitor& visitor);
+    void (*moving_alone)(const BoxNode* nodes, const MovingBoxes& boxes, const Vec3f& origin, const Vec3f& direction,
+                         float* farthest, const BoxVisitor& visitor);
 };
 /// The versions for this machine's processor.
 BoxTraversal box_traversal();

@@ -166,6 +166,27 @@ BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, c
                  BoxLeaves& leaves)
     : BoxTree(build(build_items(count, box_of), cancel, &leaves)) {}
 
+LargeArray<BoxBounds> BoxTree::moving_bounds(size_t steps, const std::function<Box3f(uint32_t, size_t)>& box_of) const {
+    LargeArray<BoxBounds> all(nodes_.size() * steps);
+    tbb::parallel_for(size_t{0}, steps, [&](size_t step) {
+        std::vector<Box3f> boxes(nodes_.size());
+        for (size_t number = nodes_.size(); number-- > 0;) {  // parents come before their children
+            const BoxNode& node = nodes_[number];
+            BoxBounds& bounds = all[number * steps + step] = {};
+            for (uint32_t i = 0; i < node.count; ++i) {
+                const uint32_t child = node.child[i];
+                const Box3f box = (child & BoxNode::kLeaf) != 0 ? box_of(child & ~BoxNode::kLeaf, step) : boxes[child];
+                boxes[number].extendBy(box);
+                for (int axis = 0; axis < 3; ++axis) {
+                    bounds.bounds[axis][0][i] = box.min[axis];
+                    bounds.bounds[axis][1][i] = box.max[axis];
+                }
+            }
+        }
+    });
+    return all;
+}
+
 BoxTree::BoxTree(const std::vector<BoxNode>& nodes) : nodes_(nodes.size()) {
     std::copy(nodes.begin(), nodes.end(), nodes_.data());
 }

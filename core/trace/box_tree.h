@@ -25,6 +25,11 @@ struct alignas(64) BoxNode {
     uint32_t count;                     ///< of children, at least one
 };
 
+/// The boxes of a node's children at one time, where these move.
+struct alignas(64) BoxBounds {
+    float bounds[3][2][BoxNode::kMostChildren];
+};
+
 /// The items of each leaf, one leaf after the other.
 struct BoxLeaves {
     std::vector<uint32_t> items;
@@ -52,6 +57,9 @@ class BoxTree {
     /// The first is the root.
     const BoxNode* nodes() const { return nodes_.data(); }
     uint64_t bytes() const { return nodes_.bytes(); }
+    /// The boxes of all nodes at even times, where the boxes of leaves move along lines: node by node, each at all
+    /// times. `box_of`: that of what a leaf names, at one of the times.
+    LargeArray<BoxBounds> moving_bounds(size_t steps, const std::function<Box3f(uint32_t, size_t)>& box_of) const;
 
   private:
     LargeArray<BoxNode> nodes_;

@@ -58,4 +58,10 @@ DicedSurface::DicedSurface(std::unique_ptr<const Dicer> made_of, const CancelTok
         });
 }
 
+std::vector<DicedForm> diced(const std::vector<DicedSurface>& forms) {
+    std::vector<DicedForm> all;
+    for (const DicedSurface& form : forms) all.push_back({form.dicer.get(), form.details});
+    return all;
+}
+
 }  // namespace rayleaf

@@ -4,6 +4,7 @@
 
 #include "base/cancel.h"
 #include "tessellation/dicer.h"
+#include "tessellation/facet_blocks.h"
 #include "tessellation/level.h"
 
 #include <memory>
@@ -25,5 +26,8 @@ struct DicedSurface {
     /// Measures every subpatch. Throws Cancelled soon after `cancel` says so.
     DicedSurface(std::unique_ptr<const Dicer> dicer, const CancelToken& cancel);
 };
+
+/// Surfaces as the facets of all see them.
+std::vector<DicedForm> diced(const std::vector<DicedSurface>& forms);
 
 }  // namespace rayleaf

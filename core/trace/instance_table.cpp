@@ -49,7 +49,14 @@ TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique,
         if (!kept[i].scene) plan(i);
         bytes[i] = plans[i] ? plans[i]->resident_bytes() : kept[i].resident_bytes;
     });
-    const std::vector<Residence> residence = choose_residents(bytes, uses, resident_budget);
+    // Grids of the geometry cache have one time: what deforms stays in memory, whatever it takes.
+    std::vector<uint64_t> asked = bytes;
+    for (size_t i = 0; i < count; ++i) {
+        if (!unique[i]->deforms()) continue;
+        resident_budget -= std::min(resident_budget, bytes[i]);
+        asked[i] = 0;
+    }
+    const std::vector<Residence> residence = choose_residents(asked, uses, resident_budget);
     std::vector<std::shared_ptr<ShapeScene>> shapes(count);
     std::atomic<uint64_t> found{0};  // read when all are built
     tbb::parallel_for(size_t{0}, count, [&](size_t i) {

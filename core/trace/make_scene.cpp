@@ -1,6 +1,5 @@
 #include "trace/make_scene.h"
 
-#include "splines/bounds.h"
 #include "tessellation/displaced_dicer.h"
 #include "tessellation/patch_dicer.h"
 #include "tessellation/subdivision_dicer.h"
@@ -37,12 +36,32 @@ std::unique_ptr<const Dicer> dicer_of(const Shape& shape, const FacetTolerance& 
     return nullptr;
 }
 
+/// Dices a form of a shape that deforms as another dicer does.
+std::unique_ptr<const Dicer> form_dicer(const Shape& shape, size_t step, const Dicer& like) {
+    if (shape.kind() == ShapeKind::PatchSurface)
+        return std::make_unique<PatchDicer>(static_cast<const PatchSurface&>(shape).form(step),
+                                            static_cast<const PatchDicer&>(like));
+    return std::make_unique<SubdivisionDicer>(static_cast<const SubdivisionSurface&>(shape).form(step),
+                                              static_cast<const SubdivisionDicer&>(like));
+}
+
+std::vector<DicedSurface> diced_forms(const Shape& shape, std::unique_ptr<const Dicer> dicer,
+                                      const CancelToken& cancel) {
+    std::vector<DicedSurface> forms;
+    if (!shape.deforms()) {
+        forms.emplace_back(std::move(dicer), cancel);
+        return forms;
+    }
+    for (size_t step = 0; step < shape.steps(); ++step) forms.emplace_back(form_dicer(shape, step, *dicer), cancel);
+    return forms;
+}
+
 double facet_distance_of(const Shape& shape, const FacetTolerance& tolerance) {
     if (shape.kind() != ShapeKind::PatchSurface) return 0.0;
     const auto& surface = static_cast<const PatchSurface&>(shape);
     double distance = 0.0;
     for (uint32_t patch = 0; patch < surface.element_count(); ++patch)
-        distance = std::max(distance, tolerance(hull_bounds(surface.patch(patch))));
+        distance = std::max(distance, tolerance(surface.patch_box(patch)));
     return distance;
 }
 
@@ -57,7 +76,7 @@ std::unique_ptr<ShapeScene> make_plain_scene(const Shape& shape, const CancelTok
 }  // namespace
 
 uint64_t ShapePlan::resident_bytes() const {
-    return blocks ? blocks->block_count() * (sizeof(FacetBlock) + kTreeBytes) : 0;
+    return blocks ? blocks->block_count() * (blocks->block_bytes() + kTreeBytes) : 0;
 }
 
 ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {
@@ -70,20 +89,20 @@ ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const 
         return tolerance(box);
     });
     if (!dicer) return plan;
-    plan.surface.emplace(std::move(dicer), cancel);
-    plan.blocks.emplace(*plan.surface->dicer, plan.surface->details, tolerance);
+    plan.forms = diced_forms(shape, std::move(dicer), cancel);
+    plan.blocks.emplace(diced(plan.forms), tolerance);
     plan.facet_distance = facet_distance_of(shape, tolerance);
     return plan;
 }
 
 std::unique_ptr<ShapeScene> make_scene(ShapePlan plan, Residence residence, const CancelToken& cancel) {
     cancel.throw_if_cancelled();
-    if (!plan.surface) return make_plain_scene(*plan.shape, cancel);
+    if (plan.forms.empty()) return make_plain_scene(*plan.shape, cancel);
     std::unique_ptr<ShapeScene> scene;
     if (residence == Residence::Resident)
-        scene = std::make_unique<ResidentScene>(*plan.shape, std::move(*plan.surface), std::move(*plan.blocks), cancel);
+        scene = std::make_unique<ResidentScene>(*plan.shape, std::move(plan.forms), std::move(*plan.blocks), cancel);
     else
-        scene = std::make_unique<GridScene>(*plan.shape, std::move(*plan.surface), cancel);
+        scene = std::make_unique<GridScene>(*plan.shape, std::move(plan.forms.front()), cancel);
     scene->set_facet_distance(plan.facet_distance);
     return scene;
 }

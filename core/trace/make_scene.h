@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace rayleaf {
 
@@ -16,9 +17,9 @@ enum class Residence : uint8_t { Resident, Cached };
 /// A shape that has been measured but not yet built.
 struct ShapePlan {
     const Shape* shape = nullptr;
-    std::optional<DicedSurface> surface;  ///< of shapes that are diced
-    std::optional<FacetBlocks> blocks;    ///< its facets as they would be resident
-    double facet_distance = 0;            ///< ShapeScene's
+    std::vector<DicedSurface> forms;    ///< of shapes that are diced, at each of their steps
+    std::optional<FacetBlocks> blocks;  ///< its facets as they would be resident
+    double facet_distance = 0;          ///< ShapeScene's
 
     /// What a resident shape takes beyond a cached one; 0 for shapes that are not diced.
     uint64_t resident_bytes() const;

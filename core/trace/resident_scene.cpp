@@ -25,18 +25,22 @@ SubpatchLevels nearest_levels(const Resolution& resolution) {
 
 }  // namespace
 
-ResidentScene::ResidentScene(const Shape& shape, DicedSurface surface, FacetBlocks blocks, const CancelToken& cancel)
+ResidentScene::ResidentScene(const Shape& shape, std::vector<DicedSurface> forms, FacetBlocks blocks,
+                             const CancelToken& cancel)
     : ShapeScene(shape, FacetKind::Resident),
-      dicer_(std::move(surface.dicer)),
       kernels_(grid_kernels()),
       packet_kernels_(packet_kernels()),
       meet_facets_(decision_kernel()),
-      blocks_(std::move(blocks)),
-      traversal_(box_traversal()) {
-    blocks_.fill(*dicer_, surface.details, cancel);
-    tree_ = BoxTree(
+      blocks_(std::move(blocks)) {
+    blocks_.fill(diced(forms), cancel);
+    BoxTree tree(
         static_cast<uint32_t>(blocks_.block_count()), [&](uint32_t i) { return blocks_.box(i); }, cancel);
-    if (!tree_.empty()) set_box(surface.box);
+    tree_ =
+        MovingTree(std::move(tree), shape.steps(), [&](uint32_t i, size_t step) { return blocks_.box_at(i, step); });
+    Box3f box;
+    for (const DicedSurface& form : forms) box.extendBy(form.box);
+    if (!tree_.empty()) set_box(box);
+    dicer_ = std::move(forms.front().dicer);
 }
 
 /// A block's vertices in single precision, [3][25].
@@ -57,7 +61,8 @@ struct ResidentScene::Query {
 
 /// Offers the facets of a block that the ray may meet; the exact hit decides.
 bool ResidentScene::visit(Query& query, uint32_t number, float t_max) const {
-    const FacetBlock& block = blocks_[number];
+    FacetBlock moved;
+    const FacetBlock& block = blocks_.at(number, query.facets.ray->time, moved);
     float room[kVertexRoom];
     GridCandidates candidates;
     kernels_.add_block_of_floats(float_vertices(block, room), query.ray, t_max, candidates);
@@ -80,8 +85,7 @@ bool ResidentScene::find(const LocalRay& ray, ShapeHit& hit, Wanted wanted) cons
         *farthest = asked.wanted == Wanted::Any ? kDone : asked.facets.ray->float_distance(asked.facets.farthest);
     };
     float farthest = ray.float_distance(ray.t_max);
-    traversal_.alone(tree_.nodes(), ray.float_origin, ray.float_direction, &farthest,
-                     {visit_block, &query, &blocks_[0], sizeof(FacetBlock)});
+    tree_.alone(ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_block, &query));
     return query.facets.found;
 }
 
@@ -96,6 +100,7 @@ bool ResidentScene::occluded(const LocalRay& ray) const {
 
 /// The same for lanes of a packet: those that surely hit something nearer, a bit each, and what may be hit is kept.
 uint32_t ResidentScene::visit(PacketQuery& packet, uint32_t number, uint32_t lanes, float* farthest) const {
+    if (deforms()) return visit_moving(packet, number, lanes, farthest);
     float room[kVertexRoom];
     const FindInBlock test_block =
         std::popcount(lanes) <= kFewBlockRays ? packet_kernels_.one_by_one : packet_kernels_.together;
@@ -103,6 +108,21 @@ uint32_t ResidentScene::visit(PacketQuery& packet, uint32_t number, uint32_t lan
         test_block(float_vertices(blocks_[number], room), number, packet.rays, lanes, farthest, packet.open);
     uint32_t crowded = 0;
     for_each_lane(lanes, [&](size_t lane) {
+        if (packet.open.count[lane] > OpenFacets::kMost) crowded |= 1u << lane;
+    });
+    if (crowded != 0) decide(packet, crowded, farthest);
+    return sure;
+}
+
+/// Each lane meets the block of its own time.
+uint32_t ResidentScene::visit_moving(PacketQuery& packet, uint32_t number, uint32_t lanes, float* farthest) const {
+    uint32_t sure = 0, crowded = 0;
+    for_each_lane(lanes, [&](size_t lane) {
+        FacetBlock moved;
+        float room[kVertexRoom];
+        const FacetBlock& block = blocks_.at(number, packet.times[lane], moved);
+        sure |= packet_kernels_.one_by_one(float_vertices(block, room), number, packet.rays, 1u << lane, farthest,
+                                           packet.open);
         if (packet.open.count[lane] > OpenFacets::kMost) crowded |= 1u << lane;
     });
     if (crowded != 0) decide(packet, crowded, farthest);
@@ -135,9 +155,8 @@ void ResidentScene::find(PacketQuery& packet, Wanted wanted) const {
     alignas(64) float farthest[kPacketSize];
     std::copy_n(packet.rays.farthest, kPacketSize, farthest);
     Packet asked{this, &packet};
-    const BoxVisitor visitor{wanted == Wanted::Any ? BoxVisitor::Visit{visit_any} : BoxVisitor::Visit{visit_closest},
-                             &asked, &blocks_[0], sizeof(FacetBlock)};
-    traversal_.packet(tree_.nodes(), packet.rays, packet.lanes, kFewBlockRays, farthest, visitor);
+    const BoxVisitor::Visit visit_block = wanted == Wanted::Any ? BoxVisitor::Visit{visit_any} : visit_closest;
+    tree_.packet(packet.rays, packet.times, packet.lanes, kFewBlockRays, farthest, visitor(visit_block, &asked));
     decide(packet, packet.lanes, farthest);
 }
 
@@ -157,7 +176,7 @@ void ResidentScene::decide(PacketQuery& packet, uint32_t lanes, float* farthest)
         uint32_t asked = 0;
         for_each_lane(lanes, [&](size_t lane) {
             if (!packet.open.take(lane, farthest[lane], taken[lane])) return;
-            facets.set(lane, blocks_[taken[lane].block].corners(taken[lane].triangle, dicer_->format()));
+            facets.set(lane, blocks_.corners(taken[lane].block, taken[lane].triangle, packet.times[lane]));
             asked |= 1u << lane;
         });
         if (asked == 0) return;
@@ -173,7 +192,7 @@ LocalHit ResidentScene::local_hit(const ShapeHit& hit) const {
     const FacetBlock& block = blocks_[hit.facet.primitive];
     const Vec2d at = blocks_.place(hit.facet.primitive, hit.facet.part, hit.point.u, hit.point.v);
     const ElementPlace place = dicer_->element_place({block.subpatch, at}, hit.point.position);
-    const Vec3d area = area_vector(block.corners(hit.facet.part, dicer_->format()));
+    const Vec3d area = area_vector(blocks_.corners(hit.facet.primitive, hit.facet.part, hit.time));
     LocalHit local;
     local.primitive = place.element;
     local.u = place.u;
@@ -189,7 +208,7 @@ LocalHit ResidentScene::on_facet(const LocalHit& hit) const {
     const std::optional<PlaceInGrid> place = dicer_->place_in_grid({hit.primitive, hit.u, hit.v});
     if (!place) return hit;
     const FacetBlocks::Facet facet = blocks_.facet_at(*place);
-    const FacetCorners corners = blocks_[facet.block].corners(facet.triangle, dicer_->format());
+    const FacetCorners corners = blocks_.corners(facet.block, facet.triangle, hit.time);
     LocalHit result = hit;
     result.position =
         corners[0] + (corners[1] - corners[0]) * facet.weight1 + (corners[2] - corners[0]) * facet.weight2;

@@ -7,8 +7,8 @@
 #include "tessellation/facet_blocks.h"
 #include "tessellation/grid_intersection.h"
 #include "tessellation/packet_decision.h"
-#include "trace/box_traversal.h"
 #include "trace/diced_surface.h"
+#include "trace/moving_tree.h"
 #include "trace/shape_scene.h"
 
 #include <memory>
@@ -17,8 +17,8 @@ namespace rayleaf {
 
 class ResidentScene final : public ShapeScene {
   public:
-    /// `blocks` are the surface's, not yet filled.
-    ResidentScene(const Shape& shape, DicedSurface surface, FacetBlocks blocks, const CancelToken& cancel);
+    /// `forms` are the shape's at each of its steps, `blocks` theirs, not yet filled.
+    ResidentScene(const Shape& shape, std::vector<DicedSurface> forms, FacetBlocks blocks, const CancelToken& cancel);
 
     bool closest(const LocalRay& ray, ShapeHit& hit) const override;
     bool occluded(const LocalRay& ray) const override;
@@ -42,8 +42,7 @@ class ResidentScene final : public ShapeScene {
     MeetFacets meet_facets_;
     FacetBlocks blocks_;
 
-    BoxTraversal traversal_;
-    BoxTree tree_;  ///< of blocks
+    MovingTree tree_;  ///< of blocks
 
     struct Query;
     struct Packet;
@@ -54,6 +53,10 @@ class ResidentScene final : public ShapeScene {
     void find(PacketQuery& packet, Wanted wanted) const;
     bool visit(Query& query, uint32_t block, float t_max) const;
     uint32_t visit(PacketQuery& packet, uint32_t block, uint32_t lanes, float* farthest) const;
+    uint32_t visit_moving(PacketQuery& packet, uint32_t block, uint32_t lanes, float* farthest) const;
+    BoxVisitor visitor(BoxVisitor::Visit visit_block, void* query) const {
+        return {visit_block, query, &blocks_[0], static_cast<uint32_t>(blocks_.block_bytes())};
+    }
     void decide(PacketQuery& packet, uint32_t lanes, float* farthest) const;
 };
 

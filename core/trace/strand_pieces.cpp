@@ -22,10 +22,7 @@ double surface_area(const Box3d& box) {
 }  // namespace
 
 StrandScene::StrandScene(const Strands& strands, const CancelToken& cancel)
-    : ShapeScene(strands, FacetKind::Strands),
-      strands_(&strands),
-      meet_capsules_(capsule_kernel()),
-      traversal_(box_traversal()) {
+    : ShapeScene(strands, FacetKind::Strands), strands_(&strands), meet_capsules_(capsule_kernel()) {
     add_pieces(cancel);
     build_tree(cancel);
     if (!tree_.empty()) set_box(strands.bounds());
@@ -64,26 +61,32 @@ bool StrandScene::can_be_hit(uint32_t segment) const {
 
 void StrandScene::build_tree(const CancelToken& cancel) {
     BoxLeaves leaves;
-    const auto float_box = [this](uint32_t i) {
-        const Box3d box = box_of(pieces_[i]);
-        const Vec3f padding(static_cast<float>(kBoxPadding));
-        return Box3f(Vec3f(box.min) - padding, Vec3f(box.max) + padding);
+    const size_t steps = strands_->steps();
+    const auto time_of = [steps](size_t step) { return steps > 1 ? time_of_step(step, steps) : kMiddleTime; };
+    const auto box_of = [&](uint32_t i) {
+        Box3f box;
+        for (size_t step = 0; step < steps; ++step) box.extendBy(float_box(pieces_[i], time_of(step)));
+        return box;
     };
-    tree_ = BoxTree(static_cast<uint32_t>(pieces_.size()), float_box, cancel, leaves);
+    BoxTree tree(static_cast<uint32_t>(pieces_.size()), box_of, cancel, leaves);
     std::vector<Piece> sorted;
     sorted.reserve(pieces_.size());
     for (const uint32_t item : leaves.items) sorted.push_back(pieces_[item]);
     pieces_ = std::move(sorted);
-    const size_t steps = strands_->steps();
+    tree_ = MovingTree(std::move(tree), steps, [&](uint32_t leaf, size_t step) {
+        Box3f box;
+        for (uint32_t i = leaves.first[leaf]; i < leaves.first[leaf + 1]; ++i)
+            box.extendBy(float_box(pieces_[i], time_of(step)));
+        return box;
+    });
     capsules_ = LargeArray<Capsules>(leaves.count() * steps);
     tbb::parallel_for(uint32_t{0}, leaves.count(), [&](uint32_t leaf) {
         for (size_t step = 0; step < steps; ++step) {
             Capsules& capsules = capsules_[leaf * steps + step] = {};
             capsules.first_piece = leaves.first[leaf];
             capsules.count = leaves.first[leaf + 1] - capsules.first_piece;
-            const float time = steps > 1 ? time_of_step(step, steps) : kMiddleTime;
             for (uint32_t lane = 0; lane < capsules.count; ++lane)
-                set_capsule(capsules, lane, pieces_[capsules.first_piece + lane], time);
+                set_capsule(capsules, lane, pieces_[capsules.first_piece + lane], time_of(step));
         }
     });
 }
@@ -143,13 +146,10 @@ StrandPoint StrandScene::ball(const Piece& piece, float time) const {
     return segment_of(piece, time).at(static_cast<double>(piece.index) / strands_->spheres_per_segment());
 }
 
-/// At all times.
-Box3d StrandScene::box_of(const Piece& piece) const {
-    if (!deforms()) return box_at(piece, kMiddleTime);
-    Box3d box;
-    for (size_t step = 0; step < strands_->steps(); ++step)
-        box.extendBy(box_at(piece, time_of_step(step, strands_->steps())));
-    return box;
+Box3f StrandScene::float_box(const Piece& piece, float time) const {
+    const Box3d box = box_at(piece, time);
+    const Vec3f padding(static_cast<float>(kBoxPadding));
+    return {Vec3f(box.min) - padding, Vec3f(box.max) + padding};
 }
 
 Box3d StrandScene::box_at(const Piece& piece, float time) const {

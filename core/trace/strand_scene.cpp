@@ -189,7 +189,7 @@ bool StrandScene::find_holding(Query& query, uint32_t strand, double distance) c
         asked.scene->visit_holding(asked, leaf);
     };
     float reach = kAlongError;
-    traversal_.alone(tree_.nodes(), position, query.float_frame.along, &reach, {visit_holders, &query});
+    tree_.alone(position, query.float_frame.along, query.ray->time, &reach, {visit_holders, &query});
     return query.holds;
 }
 
@@ -259,9 +259,8 @@ void StrandScene::find(const LocalRay& ray, Query& query) const {
     };
     for (;;) {
         float farthest = ray.float_distance(query.farthest);
-        traversal_.alone(
-            tree_.nodes(), ray.float_origin, ray.float_direction, &farthest,
-            {visit_one, &query, capsules_.data(), static_cast<uint32_t>(sizeof(Capsules) * strands_->steps())});
+        tree_.alone(ray.float_origin, ray.float_direction, ray.time, &farthest,
+                    {visit_one, &query, capsules_.data(), static_cast<uint32_t>(sizeof(Capsules) * strands_->steps())});
         if (query.any || !is_inside(query)) return;
         query.restart();
     }
@@ -319,8 +318,8 @@ void StrandScene::find(PacketQuery& packet, Wanted wanted) const {
         for_each_lane(lanes, [&](size_t lane) {
             farthest[lane] = asked.rays[lane].float_distance(asked.queries[lane]->farthest);
         });
-        traversal_.packet(
-            tree_.nodes(), packet.rays, lanes, kFewStrandRays, farthest,
+        tree_.packet(
+            packet.rays, packet.times, lanes, kFewStrandRays, farthest,
             {visit_lanes, &asked, capsules_.data(), static_cast<uint32_t>(sizeof(Capsules) * strands_->steps())});
         uint32_t again = 0;
         for_each_lane(lanes, [&](size_t lane) {

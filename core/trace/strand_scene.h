@@ -6,8 +6,8 @@
 #pragma once
 
 #include "geometry/strands.h"
-#include "trace/box_traversal.h"
 #include "trace/capsules.h"
+#include "trace/moving_tree.h"
 #include "trace/shape_scene.h"
 #include "trace/strand_intersection.h"
 
@@ -57,13 +57,12 @@ class StrandScene final : public ShapeScene {
     std::vector<Piece> pieces_;      ///< leaf by leaf
     LargeArray<Capsules> capsules_;  ///< leaf by leaf, each at all steps
     MeetCapsules meet_capsules_;
-    BoxTraversal traversal_;
-    BoxTree tree_;  ///< of capsules_
+    MovingTree tree_;  ///< of capsules_
 
     void add_pieces(const CancelToken& cancel);
     uint16_t split_level(const StrandSegment& segment) const;
     StrandPoint ball(const Piece& piece, float time) const;
-    Box3d box_of(const Piece& piece) const;
+    Box3f float_box(const Piece& piece, float time) const;
     Box3d box_at(const Piece& piece, float time) const;
     /// Whether a segment is thicker than nothing at some time.
     bool can_be_hit(uint32_t segment) const;

@@ -18,6 +18,7 @@ namespace rayleaf {
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding)
 struct SurfaceLanes {
     static constexpr size_t kMost = 8;
+    static constexpr size_t kMostPoints = 16;  ///< of a patch (has_lanes)
 
     // Of each hit:
     const Vec4d* points[kMost];  ///< the patch's

@@ -15,6 +15,8 @@ struct LaneGroup {
     std::array<const SurfaceQuery*, SurfaceLanes::kMost> queries;
     std::array<Vec2f, SurfaceLanes::kMost> uv;
     std::array<std::optional<InstanceRecord>, SurfaceLanes::kMost> moved;  ///< records of instances that move
+    /// Patches at the hits' times, of surfaces that deform.
+    std::array<std::array<Vec4d, SurfaceLanes::kMostPoints>, SurfaceLanes::kMost> mixed;
 };
 
 /// Fewer are done one by one.
@@ -36,6 +38,10 @@ void add(LaneGroup& group, const SurfaceQuery& query, const InstanceRecord& reco
     group.uv[i] = Vec2f(static_cast<float>(u.begin + hit.u * (u.end - u.begin)),
                         static_cast<float>(v.begin + hit.v * (v.end - v.begin)));
     lanes.points[i] = surface.patch(hit.primitive, spline).points;
+    if (surface.deforms()) {
+        surface.mix_points(hit.primitive, spline, hit.time, group.mixed[i].data());
+        lanes.points[i] = group.mixed[i].data();
+    }
     lanes.records[i] = record.at(query.ray->time, group.moved[i]);
     lanes.u[i] = hit.u;
     lanes.v[i] = hit.v;

@@ -348,7 +348,8 @@ class SubdivisionSurface:
     10 and more sharp for ever; crease_edges (k, 2). border_corners: SMOOTH, SHARP. uv_smoothing: NONE, PRESERVE_CORNERS,
     PRESERVE_CORNERS_AND_JUNCTIONS, PRESERVE_CORNERS_JUNCTIONS_AND_CONCAVE, PRESERVE_BOUNDARIES, SMOOTH_ALL. uv_maps: id
     -> (corners, 2), smoothed; `uv` is the id of the active one; attributes: id -> (corners, channels), linear.
-    corner_normals (corners, 3) count as the normals. scheme: CATMULL_CLARK, BILINEAR (the mesh as it is).
+    corner_normals (corners, 3) count as the normals. scheme: CATMULL_CLARK, BILINEAR (the mesh as it is). moved_vertices
+    (steps, n, 3): at even times of the shutter, of a surface that deforms.
     """
 
     def __init__(
@@ -369,6 +370,7 @@ class SubdivisionSurface:
         attributes: dict[int, Floats] = {},
         corner_normals: Floats | None = None,
         scheme: str = "CATMULL_CLARK",
+        moved_vertices: Floats | None = None,
     ) -> None: ...
     def points(self, elements: Ints, parameters: Doubles) -> Doubles:
         """Position and derivatives by u, v, uu, uv, vv, (n, 6, 3) in local space, at parameters (n, 2) of elements."""
@@ -422,7 +424,10 @@ class SceneDescription:
         moved_vertices (steps, n, 3), moved_normals (steps, m, 3, 3): of a mesh that deforms, at even times of the shutter.
         """
     def add_shape(self, shape: Any) -> int: ...
-    def add_surface(self, name: str, splines: Sequence[NurbsSpline]) -> int: ...
+    def add_surface(
+        self, name: str, splines: Sequence[NurbsSpline], moved_splines: Sequence[Sequence[NurbsSpline]] = []
+    ) -> int:
+        """moved_splines: those at even times of the shutter, of a surface that deforms."""
     def add_curve(self, curve: SweptCurve) -> int: ...
     def add_material(
         self,

@@ -160,6 +160,38 @@ def still_mesh(scene):
     bent(grid(), waved).cycles.use_deform_motion = False
 
 
+def subdivided_mesh(scene):
+    body = bent(grid(3), waved)
+    modifier = body.modifiers.new("smooth", "SUBSURF")
+    modifier.levels = modifier.render_levels = 5
+    modifier.subdivision_type, body.cycles.motion_steps = "CATMULL_CLARK", 2
+    for polygon in body.data.polygons:
+        polygon.use_smooth = True
+
+
+def waving_sheet(scene):
+    """A NURBS surface by its shape keys."""
+    bpy.ops.surface.primitive_nurbs_surface_surface_add(radius=1.2, location=(0.4, 0.3, 0))
+    body = bpy.context.object
+    body.data.materials.append(paint("sheet", "UV"))
+    body.data.resolution_u = body.data.resolution_v = 24
+    bent(body, lambda point: tipped(waved(point)))
+
+
+def bending_curve(scene):
+    """A bevelled Bezier curve by its shape keys."""
+    bpy.ops.curve.primitive_bezier_curve_add(radius=1.2, location=(0.4, 0.3, 0))
+    body = bpy.context.object
+    body.data.materials.append(paint("curve", "UV"))
+    body.data.bevel_depth, body.data.bevel_resolution, body.data.resolution_u = 0.25, 8, 32
+    body.shape_key_add(name="rest")
+    key = body.shape_key_add(name="bent")
+    for point, up in zip(key.data, (0.8, -0.6), strict=True):
+        for place in (point.co, point.handle_left, point.handle_right):
+            place.y, place.z = place.y + up, place.z + 0.5
+    keyed(key, "value", 0.0, 0.3, 1.0)
+
+
 def tipped(point):
     point.z += 0.4 * point.x
     point.x += 1.6
@@ -234,6 +266,9 @@ CASES = (
     waving_mesh,
     twisting_mesh,
     still_mesh,
+    subdivided_mesh,
+    waving_sheet,
+    bending_curve,
     combed_hair,
     panning,
     zooming,
@@ -247,7 +282,7 @@ CASES = (
 
 # Not by zooms, which Cycles leaves out of vectors, and not in fisheyes, where it mirrors them; nor by orthographic cameras in
 # 4.3 and later, where they are not the way of a point in Blender's own projection any more.
-VECTOR_CASES = (driven_cube, sheet, parented, waving_mesh, panning) + (
+VECTOR_CASES = (driven_cube, sheet, parented, waving_mesh, waving_sheet, panning) + (
     (orthographic,) if bpy.app.version < (4, 3) else ()
 )
 

@@ -126,8 +126,8 @@ class SceneDescription:
         self.meshes.append(dict(name=name, vertices=vertices, triangles=triangles, **more))
         return self._shape("mesh", self.meshes[-1])
 
-    def add_surface(self, name, splines):
-        self.surfaces.append(dict(name=name, splines=splines))
+    def add_surface(self, name, splines, moved_splines=()):
+        self.surfaces.append(dict(name=name, splines=splines, moved_splines=moved_splines))
         return self._shape("surface", self.surfaces[-1])
 
     def shape(self, index):

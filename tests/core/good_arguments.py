@@ -189,6 +189,7 @@ CAGE = {
     "uv_maps": {0: np.zeros((24, 2), np.float32)},
     "attributes": {1: np.zeros((24, 3), np.float32)},
     "corner_normals": np.tile(np.array([0, 0, 1], np.float32), (24, 1)),
+    "moved_vertices": np.stack([CUBE.vertices, 2 * CUBE.vertices]).astype(np.float32),
 }
 HAIR = {
     "name": "hair",

@@ -62,8 +62,8 @@ def look_down(core_scene, height=5.0, half=1.0, **more):
     core_scene.set_camera("PERSPECTIVE", matrix((0, 0, height)), (-half, -half), (half, half), 0.01, 1000.0, **more)
 
 
-def sphere_spline(core, slot=0, smooth=True, radius=1.0):
-    """Blender's NURBS sphere: 8 x 5 points, order 3, Bezier knots, cyclic in u here."""
+def sphere_points(radius=1.0):
+    """The control points of Blender's NURBS sphere: (5, 8, 4)."""
     # Clockwise from above: the outside of a surface is the side of dP/dv x dP/du, as in Blender.
     ring = [(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)]
     profile = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1)]
@@ -72,8 +72,13 @@ def sphere_spline(core, slot=0, smooth=True, radius=1.0):
         for u, (x, y) in enumerate(ring):
             weight = (np.sqrt(0.5) if u % 2 else 1.0) * (np.sqrt(0.5) if v % 2 else 1.0)
             points[v, u] = (radius * distance * x, radius * distance * y, radius * z, weight)
+    return points
+
+
+def sphere_spline(core, slot=0, smooth=True, radius=1.0, points=None):
+    """Blender's NURBS sphere: 8 x 5 points, order 3, Bezier knots, cyclic in u here. `points`: other ones."""
     return core.NurbsSpline(
-        points,
+        sphere_points(radius) if points is None else points,
         3,
         3,
         cyclic_u=True,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from core import shapes
 from path_scenes import material, picture, render
-from scenes import background, emission, look_down, matrix, quad
+from scenes import background, emission, look_down, matrix, quad, sphere_points, sphere_spline
 
 trace, EVERYTHING = shapes.trace, shapes.EVERYTHING
 TIMES = (0.0, 0.3125, 0.5, 0.875, 1.0)
@@ -70,8 +70,58 @@ def hair(core, form="ROUND", steps=None, time=None):
     )
 
 
+def ball_steps(count=3):
+    """The control points of a NURBS sphere that is twisted and stretched: (steps, 5, 8, 4)."""
+    rest = sphere_points(1.2)
+    steps = [twisted(rest[..., :3].reshape(-1, 3), 0.5 * i - 0.5, 0.2 * i).reshape(5, 8, 3) for i in range(count)]
+    return np.array([np.concatenate([points, rest[..., 3:]], 2) for points in steps])
+
+
+def ball(core, steps=None, time=None):
+    steps = ball_steps() if steps is None else steps
+    scene = core.SceneDescription()
+    now = [sphere_spline(core, points=np.array(mixed(steps, 0.5 if time is None else time)))]
+    moved = [[sphere_spline(core, points=np.array(points))] for points in steps] if time is None else []
+    return scene.shape(scene.add_surface("ball", now, moved))
+
+
+def tube_steps():
+    """The control points of a tube that is straight in the middle of the time, and wavy at both ends: (3, 9, 8, 4)."""
+    rest = np.repeat(sphere_points()[2:3], 9, 0)  # the equator
+    rest[..., 2] = np.linspace(-1, 1, 9)[:, None]
+    steps = np.stack([rest] * 3)
+    for step, wave in zip(steps, (-0.4, 0.0, 0.4), strict=True):
+        step[..., :2] *= 1 + wave * (-1.0) ** np.arange(9)[:, None, None]
+    return steps
+
+
+def tube(core, time=None):
+    scene = core.SceneDescription()
+
+    def at(points):
+        return [core.NurbsSpline(np.array(points), 3, 4, cyclic_u=True, bezier_u=True, endpoint_v=True)]
+
+    moved = [at(points) for points in tube_steps()] if time is None else []
+    return scene.shape(scene.add_surface("tube", at(mixed(tube_steps(), 0.5 if time is None else time)), moved))
+
+
+def cage(core, steps=None, time=None):
+    """The limit of a cube's subdivision."""
+    steps = 1.4 * cube_steps() if steps is None else steps
+    return core.SubdivisionSurface(
+        "cage",
+        mixed(steps, 0.5 if time is None else time).astype(np.float32),
+        np.full(6, 4, np.int32),
+        np.array(shapes.CUBE_QUADS, np.int32).ravel(),
+        moved_vertices=steps.astype(np.float32) if time is None else None,
+    )
+
+
 SHAPES = {
     "cube": cube,
+    "NURBS ball": ball,
+    "wavy tube": tube,
+    "subdivided cube": cage,
     "round hair": hair,
     "ribbons": lambda core, **more: hair(core, "RIBBON", **more),
     "balls": lambda core, **more: hair(core, "SPHERES", **more),
@@ -82,7 +132,7 @@ SHAPES = {
 def tracer(shape, count=1):
     placed = [(shape, np.eye(4), EVERYTHING)]
     placed += [(shapes.cube(), shapes.moved(5.0 + i), EVERYTHING) for i in range(count - 1)]
-    return trace.Tracer(placed, pixel_angle=1e-3, eye=(0.0, 0.0, 6.0))
+    return trace.Tracer(placed, pixel_angle=1e-4, eye=(0.0, 0.0, 6.0))  # fine: two dicings of a surface differ
 
 
 def rays_around(count, seed):
@@ -127,15 +177,44 @@ def test_rays_of_a_packet_meet_each_the_form_of_its_time(core, name, count, any_
         np.testing.assert_array_equal(hidden, hit)
 
 
-def test_nothing_leaks_out_of_a_closed_shape_that_deforms(core):
+@pytest.mark.parametrize("name", ["cube", "NURBS ball", "subdivided cube"])
+def test_nothing_leaks_out_of_a_closed_shape_that_deforms(core, name):
     count = 20_000
     random = np.random.default_rng(9)
     times = random.random(count).astype(np.float32)
-    bent = np.array([twisted(shapes.CUBE_VERTICES, 0.2 * i - 0.3, 0.2 * i) for i in range(4)], np.float32)
-    moving = tracer(cube(core, bent), 5)
-    origins = 0.2 * shapes.random_directions(random, count) + np.array([0, 0, 0.4])
-    hits = moving.closest_hits(origins, shapes.random_directions(random, count), times=times)
+    bent = np.array([twisted(shapes.CUBE_VERTICES, 0.2 * i - 0.3, 0.2 * i) for i in range(4)])
+    made = ball(core, ball_steps(4)) if name == "NURBS ball" else SHAPES[name](core, steps=bent.astype(np.float32))
+    origins = 0.1 * shapes.random_directions(random, count) + np.array([0, 0, 0.4])
+    hits = tracer(made, 5).closest_hits(origins, shapes.random_directions(random, count), times=times)
     assert (hits["instance"] == 0).all()
+
+
+PIXEL = 4e-4  # as an angle
+
+
+def half_width(shape, time, pixel_angle, heights, eye):
+    """How far the outline of a shape reaches to the side, at heights where it passes the z axis."""
+    seen = trace.Tracer([(shape, np.eye(4), EVERYTHING)], pixel_angle=pixel_angle, eye=tuple(eye))
+    inside, outside = np.zeros_like(heights), np.full_like(heights, 3.0)
+    origins, times = np.broadcast_to(eye, (len(heights), 3)).copy(), np.full(len(heights), time, np.float32)
+    for _ in range(16):
+        middle = (inside + outside) / 2
+        towards = shapes.unit(np.stack([np.zeros_like(heights), middle, heights], 1) - origins)
+        hit = seen.closest_hits(origins, towards, times=times)["instance"] == 0
+        inside, outside = np.where(hit, middle, inside), np.where(hit, outside, middle)
+    return inside
+
+
+@pytest.mark.parametrize("name", ["NURBS ball", "wavy tube", "subdivided cube"])
+def test_outlines_lie_within_a_tenth_of_a_pixel_of_those_of_sub_frames(core, name):
+    eye, heights = np.array([6.0, 0.0, 0.3]), np.linspace(-0.5, 0.6, 23)
+    make = SHAPES[name]
+    moving, widths = make(core), []
+    for time in (np.arange(64) + 0.5) / 64:
+        widths.append(half_width(make(core, time=time), 0.5, PIXEL / 2, heights, eye))
+        found = half_width(moving, time, PIXEL, heights, eye)
+        assert np.abs(found - widths[-1]).max() < 0.1 * PIXEL * eye[0], time
+    assert np.ptp(widths, axis=0).max() > 20 * PIXEL * eye[0]
 
 
 @pytest.mark.parametrize("time", [-1.0, np.nan, np.inf, 2.0])
@@ -166,10 +245,10 @@ SMALL = dict(size=12, max_bounces=2)
 
 
 @pytest.mark.parametrize("glows", [False, True])
-@pytest.mark.parametrize("name", ["cube", "round hair"])
+@pytest.mark.parametrize("name", ["cube", "round hair", "NURBS ball", "subdivided cube"])
 def test_a_blurred_shape_is_the_mean_of_sub_frames(core, name, glows):
     at = [
-        picture(core, scene_of(core, SHAPES[name](core, time=(i + 0.5) / 16), glows), samples=32, **SMALL)
+        picture(core, scene_of(core, SHAPES[name](core, time=(i + 0.5) / 16), glows), samples=32, seed=i, **SMALL)
         for i in range(16)
     ]
     mean = np.mean(at, 0)
@@ -181,7 +260,7 @@ def test_a_blurred_shape_is_the_mean_of_sub_frames(core, name, glows):
     assert blur > 0.02 * mean.mean()
 
 
-@pytest.mark.parametrize("name", ["cube", "round hair"])
+@pytest.mark.parametrize("name", ["cube", "round hair", "NURBS ball", "subdivided cube"])
 def test_pictures_of_what_deforms_have_the_same_bits_for_threads_tiles_and_streams(core, name):
     made = scene_of(core, SHAPES[name](core))
     pictures = [
@@ -267,3 +346,36 @@ def test_strands_that_cannot_deform_so_are_refused_by_name(core, moved):
     arguments = ("hair", np.ascontiguousarray(steps[1][:, :3]), steps[1][:, 3].astype(np.float32))
     with pytest.raises(core.InputError, match="hair.*(moved_points|points|radii)"):
         core.Strands(*arguments, np.arange(0, 241, 6, dtype=np.int32), moved_points=moved)
+
+
+@pytest.mark.parametrize("steps", [ball_steps()[:1], ball_steps()[:, :, :6], ball_steps() * [1, 1, 1, 2]])
+def test_splines_that_cannot_deform_so_are_refused_by_name(core, steps):
+    moved = [[sphere_spline(core, points=np.array(points))] for points in steps]
+    with pytest.raises(core.InputError, match="ball.*moved_splines"):
+        core.SceneDescription().add_surface("ball", [sphere_spline(core)], moved)
+
+
+@pytest.mark.parametrize("moved", [np.zeros((1, 8, 3)), np.zeros((2, 7, 3)), np.full((2, 8, 3), np.nan)])
+def test_cages_that_cannot_deform_so_are_refused_by_name(core, moved):
+    with pytest.raises(core.InputError, match="cage.*(moved_vertices|vertices)"):
+        core.SubdivisionSurface(
+            "cage",
+            shapes.CUBE_VERTICES,
+            np.full(6, 4, np.int32),
+            np.array(shapes.CUBE_QUADS, np.int32).ravel(),
+            moved_vertices=moved.astype(np.float32),
+        )
+
+
+@pytest.mark.parametrize("name", ["NURBS ball", "subdivided cube"])
+def test_normals_are_those_of_the_surface_at_its_time(core, name):
+    origins, directions = rays_around(500, 6)
+    for time in (0.125, 0.4):
+        seen = []
+        for shape, times in ((SHAPES[name](core, time=time), 0.5), (SHAPES[name](core), time)):
+            found = tracer(shape).closest_hits(origins, directions, times=np.full(500, times, np.float32))
+            seen.append(found)
+        both = (seen[0]["instance"] == 0) & (seen[1]["instance"] == 0)
+        assert both.sum() > 50
+        turned = np.linalg.norm(seen[0]["normal"][both] - seen[1]["normal"][both], axis=1)
+        assert np.quantile(turned, 0.95) < 5e-3

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..names import bytes_of_name, name_of
 from . import curves, surfaces
-from .deformation import WITH_MESH_TWIN, is_own_data
+from .deformation import MESH, WITH_MESH_TWIN, Deformation, is_own_data
 from .motion import Motions
 from .random_numbers import random_of_name
 from .strands import hair_systems
@@ -86,10 +86,10 @@ class Instances:
 class _ExactForms:
     """Which objects are rendered from control points."""
 
-    def __init__(self, core: ModuleType, depsgraph: Any) -> None:
+    def __init__(self, core: ModuleType, depsgraph: Any, motions: Motions) -> None:
         self.reasons: dict[str, str] = {}
         self.curves: dict[Any, curves.Judged] = {}
-        self._core, self._depsgraph = core, depsgraph
+        self._core, self._depsgraph, self._motions = core, depsgraph, motions
         self._known: dict[int, bool] = {}
 
     def has(self, owner: Any) -> bool:
@@ -97,11 +97,16 @@ class _ExactForms:
         pointer = owner.as_pointer()
         if pointer not in self._known:
             judged = None if owner.type == "SURFACE" else self._judged(owner)
-            reason = judged.reason if judged else surfaces.fallback_reason(owner)
+            reason = judged.reason or self._deforms(owner) if judged else surfaces.fallback_reason(owner)
             if reason is not None:
                 self.reasons[name_of(owner)] = reason
             self._known[pointer] = reason is None and (judged is None or judged.has_faces)
         return self._known[pointer]
+
+    def _deforms(self, owner: Any) -> str | None:
+        """A curve's rings are exact at one time only: what its polygons can follow is blurred as these are."""
+        followed = isinstance(self._motions.deformation(owner, (MESH, 0)), Deformation)
+        return "it deforms while the shutter is open" if followed else None
 
     def _judged(self, owner: Any) -> curves.Judged:
         """Objects that can share a shape are judged once; one with modifiers is never exact."""
@@ -123,7 +128,7 @@ class _Collector:
     """
 
     def __init__(self, core: ModuleType, depsgraph: Any, space: Any, motions: Motions) -> None:
-        self._exact = _ExactForms(core, depsgraph)
+        self._exact = _ExactForms(core, depsgraph, motions)
         self._motions = motions
         self._space = space
         self._known: dict[tuple[int, int], Group | None] = {}

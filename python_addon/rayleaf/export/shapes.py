@@ -5,6 +5,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..messages import Messages, Subject
 from ..names import name_of
@@ -48,10 +49,18 @@ class ShapeExporter:
         self._note_still(group.owner, found)
         return None
 
-    def _note_undeformed(self, group: Group, part: Part, reason: str) -> None:
+    def _exact_points(self, group: Group, part: Part, count: int) -> NDArray[Any] | None:
+        """The control points, of which there are so many, of an exact surface that deforms: (steps, count, 3 or 4)."""
+        if self._is_displaced(group):
+            self._note_displaced(group, part)
+            return None
+        found = self._deformation(group, part)
+        return None if found is None or found.points.shape[1] != count else found.points
+
+    def _note_displaced(self, group: Group, part: Part) -> None:
         """Says why a part that deforms is shown as in the middle of the shutter's time."""
         if self._motions.deformation(group.owner, part) is not None:
-            self._note_still(group.owner, reason)
+            self._note_still(group.owner, "its surface is displaced")
 
     def _note_still(self, owner: Any, reason: str) -> None:
         subject = Subject("Object", name_of(owner))
@@ -93,17 +102,16 @@ class ShapeExporter:
     def _export_surface(self, group: Group, judged: dict[Any, curves.Judged]) -> int | None:
         name = name_of(group.owner)
         if group.owner.type == "SURFACE":
-            shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages)
+            moved = self._exact_points(group, (SPLINES, 0), len(surfaces.all_points(group.owner)))
+            shape = surfaces.add_surface(self._core, self.scene, group.owner, self._messages, moved)
         else:
+            self._deformation(group, (MESH, 0))  # one that could be followed is sent as a mesh
             settings = strands.curve_settings(self._blender_scene.rayleaf)
             # Once is enough: groups with the same key share the shape, and a million splines take memory.
             found = judged.pop(group.shape_key)
             shape = curves.add_curve(self._core, self.scene, name, found, self._messages, settings)
         if shape is None:
             self.report.left_out.setdefault(name, "no spline that can be rendered")
-        else:
-            part = (SPLINES, 0) if group.owner.type == "SURFACE" else (MESH, 0)
-            self._note_undeformed(group, part, "it is rendered from its control points")
         return shape
 
     def _export_mesh(self, group: Group, wanted: frozenset[str]) -> int | None:
@@ -114,7 +122,7 @@ class ShapeExporter:
         if self._is_displaced(group):
             shape = self._export_polygons(group, wanted)
             if shape is not None:
-                self._note_undeformed(group, (MESH, 0), "its surface is displaced")
+                self._note_displaced(group, (MESH, 0))
                 return shape
         name = name_of(group.owner)
         arrays = meshes.mesh_arrays(
@@ -139,8 +147,8 @@ class ShapeExporter:
                 arrays = subdivision.cage_arrays(owner, self._depsgraph, wanted)
                 if arrays is None:
                     return None
-                shape = subdivision.add_cage(self._core, self.scene, name, arrays)
-                self._note_undeformed(group, (CAGE, 0), "it is subdivided exactly")
+                moved = self._exact_points(group, (CAGE, 0), len(arrays.vertices))
+                shape = subdivision.add_cage(self._core, self.scene, name, arrays, moved)
                 self.report.subdivision.append(name)
                 return shape
             except self._core.InputError as error:

@@ -139,8 +139,10 @@ def _creases(mesh: Any) -> dict[str, Any]:
     return result
 
 
-def add_cage(core: ModuleType, scene: Any, name: str, arrays: CageArrays) -> int:
-    """Send a cage; the shape's index. Raises the core's InputError."""
+def add_cage(
+    core: ModuleType, scene: Any, name: str, arrays: CageArrays, moved: NDArray[np.float32] | None = None
+) -> int:
+    """Send a cage; the shape's index. Raises the core's InputError. `moved`: its vertices at the shutter's steps."""
     shape = core.SubdivisionSurface(
         name,
         arrays.vertices,
@@ -150,5 +152,6 @@ def add_cage(core: ModuleType, scene: Any, name: str, arrays: CageArrays) -> int
         uv_maps={scene.attribute(key): values for key, values in arrays.uv_maps.items()},
         uv=scene.attribute(ACTIVE_UV) if ACTIVE_UV in arrays.uv_maps else -1,
         attributes={scene.attribute(key): values for key, values in arrays.attributes.items()},
+        moved_vertices=moved,
     )
     return int(scene.add_shape(shape))

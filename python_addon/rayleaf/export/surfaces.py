@@ -63,40 +63,35 @@ def all_points(surface_object: Any) -> NDArray[np.float64]:
 
 
 def topology(surface_object: Any) -> tuple[int, ...]:
-    """Equal where the control points of two times are the same ones."""
-    return tuple(
+    """Equal where the control points of two times are the same ones, of the same weights."""
+    numbers = [
         number
         for spline in surface_object.data.splines
         for number in (spline.point_count_u, spline.point_count_v, spline.order_u, spline.order_v, spline.hide)
-    )
+    ]
+    weights = [control_points(spline)[..., 3].tobytes() for spline in surface_object.data.splines]
+    return *numbers, hash(b"".join(weights))
 
 
-def splines_of(core: ModuleType, surface_object: Any, messages: Messages) -> list[Any]:
-    """The splines of a SURFACE object that the core accepts; the others are named in messages."""
-    points = all_points(surface_object)
+def splines_of(
+    core: ModuleType, surface_object: Any, messages: Messages, moved: NDArray[np.float64] | None = None
+) -> list[list[Any]]:
+    """The splines of a SURFACE object that the core accepts; the others are named in messages. Each comes with its forms
+    at the shutter's steps; `moved`: all points then, of an object that deforms."""
+    forms = [all_points(surface_object)]
+    if moved is not None:
+        forms += list(moved)
     subject = Subject("Object", name_of(surface_object))
     splines, first = [], 0
     for number, spline in enumerate(surface_object.data.splines):
         count = spline.point_count_u * spline.point_count_v
-        own = points[first : first + count]
+        own = slice(first, first + count)
         first += count
         if spline.hide:
             continue
         what = f"{subject}, spline {number + 1}"
-        sent = core.NurbsSpline(
-            own.reshape(spline.point_count_v, spline.point_count_u, 4),
-            spline.order_u,
-            spline.order_v,
-            cyclic_u=spline.use_cyclic_u,
-            cyclic_v=spline.use_cyclic_v,
-            endpoint_u=spline.use_endpoint_u,
-            endpoint_v=spline.use_endpoint_v,
-            bezier_u=spline.use_bezier_u,
-            bezier_v=spline.use_bezier_v,
-            material_slot=spline.material_index,
-            smooth=spline.use_smooth,
-        )
-        problem = sent.problem()
+        sent = [_spline(core, spline, points[own]) for points in forms]
+        problem = sent[0].problem()
         if problem is None:
             splines.append(sent)
         else:
@@ -105,16 +100,38 @@ def splines_of(core: ModuleType, surface_object: Any, messages: Messages) -> lis
     return splines
 
 
-def add_surface(core: ModuleType, scene: Any, surface_object: Any, messages: Messages) -> int | None:
-    """Send a SURFACE object; the shape's index, or None if nothing of it can be rendered."""
+def _spline(core: ModuleType, spline: Any, points: NDArray[np.float64]) -> Any:
+    return core.NurbsSpline(
+        points.reshape(spline.point_count_v, spline.point_count_u, 4),
+        spline.order_u,
+        spline.order_v,
+        cyclic_u=spline.use_cyclic_u,
+        cyclic_v=spline.use_cyclic_v,
+        endpoint_u=spline.use_endpoint_u,
+        endpoint_v=spline.use_endpoint_v,
+        bezier_u=spline.use_bezier_u,
+        bezier_v=spline.use_bezier_v,
+        material_slot=spline.material_index,
+        smooth=spline.use_smooth,
+    )
+
+
+def add_surface(
+    core: ModuleType,
+    scene: Any,
+    surface_object: Any,
+    messages: Messages,
+    moved: NDArray[np.float64] | None = None,
+) -> int | None:
+    """Send a SURFACE object; the shape's index, or None if nothing of it can be rendered. `moved` as of splines_of."""
     name = name_of(surface_object)
-    splines = splines_of(core, surface_object, messages)
+    splines = splines_of(core, surface_object, messages, moved)
     if not splines:
         if not surface_object.data.splines:
             messages.note(f"Object '{name}' has no splines; left out", Subject("Object", name))
         return None
     try:
-        return int(scene.add_surface(name, splines))
+        return _send(scene, name, splines)
     except core.InputError as error:
         if len(splines) == 1:
             messages.warn(f"{error}; left out", Subject("Object", name))
@@ -122,13 +139,21 @@ def add_surface(core: ModuleType, scene: Any, surface_object: Any, messages: Mes
     return _add_good_splines(core, scene, name, splines, messages)
 
 
-def _add_good_splines(core: ModuleType, scene: Any, name: str, splines: list[Any], messages: Messages) -> int | None:
+def _send(scene: Any, name: str, splines: list[list[Any]]) -> int:
+    """Each spline with its forms at the shutter's steps."""
+    middle, *steps = (list(forms) for forms in zip(*splines))
+    return int(scene.add_surface(name, middle, steps))
+
+
+def _add_good_splines(
+    core: ModuleType, scene: Any, name: str, splines: list[list[Any]], messages: Messages
+) -> int | None:
     """One bad spline must not take the others with it: try each in a scene of its own, and send those that pass."""
     good = []
     for number, spline in enumerate(splines):
         try:
-            core.SceneDescription().add_surface(name, [spline])
+            _send(core.SceneDescription(), name, [spline])
             good.append(spline)
         except core.InputError as error:
             messages.warn(f"{error} (spline {number + 1}); left out", Subject("Object", name))
-    return int(scene.add_surface(name, good)) if good else None
+    return _send(scene, name, good) if good else None

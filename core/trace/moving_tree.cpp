@@ -1,0 +1,51 @@
+#include "trace/moving_tree.h"
+
+#include "rays/motion.h"
+#include "trace/shape_scene.h"
+
+#include <array>
+
+namespace rayleaf {
+
+MovingTree::MovingTree(BoxTree tree, size_t steps, const std::function<Box3f(uint32_t, size_t)>& box_of)
+    : traversal_(box_traversal()), tree_(std::move(tree)), steps_(steps) {
+    if (steps > 1) bounds_ = tree_.moving_bounds(steps, box_of);
+}
+
+void MovingTree::packet(const RayPacket& rays, const float* times, uint32_t lanes, int few, float* farthest,
+                        const BoxVisitor& visitor) const {
+    if (steps_ == 1) {
+        traversal_.packet(tree_.nodes(), rays, lanes, few, farthest, visitor);
+        return;
+    }
+    alignas(64) float share[kPacketSize] = {};
+    std::array<size_t, kPacketSize> first{};
+    for_each_lane(lanes, [&](size_t lane) {
+        const StepShare step = step_share(times[lane], steps_);
+        first[lane] = step.first;
+        share[lane] = static_cast<float>(step.share);
+    });
+    // Rays between the same two steps go together.
+    while (lanes != 0) {
+        const size_t now = first[static_cast<size_t>(__builtin_ctz(lanes))];
+        uint32_t together = 0;
+        for_each_lane(lanes, [&](size_t lane) { together |= first[lane] == now ? 1u << lane : 0u; });
+        traversal_.moving_packet(tree_.nodes(), {bounds_.data() + now, steps_, share}, rays, together, few, farthest,
+                                 visitor);
+        lanes &= ~together;
+    }
+}
+
+void MovingTree::alone(const Vec3f& origin, const Vec3f& direction, float time, float* farthest,
+                       const BoxVisitor& visitor) const {
+    if (steps_ == 1) {
+        traversal_.alone(tree_.nodes(), origin, direction, farthest, visitor);
+        return;
+    }
+    const StepShare step = step_share(time, steps_);
+    const auto share = static_cast<float>(step.share);
+    traversal_.moving_alone(tree_.nodes(), {bounds_.data() + step.first, steps_, &share}, origin, direction, farthest,
+                            visitor);
+}
+
+}  // namespace rayleaf
