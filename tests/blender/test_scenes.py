@@ -9,7 +9,7 @@ import pytest
 SCENES = (
     *("bezier_sheet", "spline_gallery", "glass_vase", "studio", "random_volumes", "random_volumes_xray", "tomatoes"),
     *("curves_gallery", "knot", "paper_fish", "spiral", "hair_ball", "parking_lot", "city_street"),
-    "psychedelic_dragons",
+    *("psychedelic_dragons", "still_life", "foggy_lamp", "portrait_hair"),
 )
 LARGEST = 1_000_000  # bytes of a scene file
 
