@@ -87,8 +87,9 @@ def ball(core, steps=None, time=None):
 
 def tube_steps():
     """The control points of a tube that is straight in the middle of the time, and wavy at both ends: (3, 9, 8, 4)."""
-    rest = np.repeat(sphere_points()[2:3], 9, 0)  # the equator
-    rest[..., 2] = np.linspace(-1, 1, 9)[:, None]
+    around = -2 * np.pi * np.arange(8) / 8
+    rest = np.ones((9, 8, 4))
+    rest[..., 0], rest[..., 1], rest[..., 2] = np.cos(around), np.sin(around), np.linspace(-1, 1, 9)[:, None]
     steps = np.stack([rest] * 3)
     for step, wave in zip(steps, (-0.4, 0.0, 0.4), strict=True):
         step[..., :2] *= 1 + wave * (-1.0) ** np.arange(9)[:, None, None]
@@ -99,7 +100,7 @@ def tube(core, time=None):
     scene = core.SceneDescription()
 
     def at(points):
-        return [core.NurbsSpline(np.array(points), 3, 4, cyclic_u=True, bezier_u=True, endpoint_v=True)]
+        return [core.NurbsSpline(np.array(points), 4, 3, cyclic_u=True)]
 
     moved = [at(points) for points in tube_steps()] if time is None else []
     return scene.shape(scene.add_surface("tube", at(mixed(tube_steps(), 0.5 if time is None else time)), moved))
