@@ -57,8 +57,9 @@ def add_group():
     group.links.new(value.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = group
-    tree.links.new(node.outputs[0], next(each for each in tree.nodes["Principled BSDF"].inputs
-                                             if each.name in ("Emission", "Emission Color")))
+    inputs = tree.nodes["Principled BSDF"].inputs
+    inputs["Emission Strength"].default_value = 1  # 0 since 4.0
+    tree.links.new(node.outputs[0], next(each for each in inputs if each.name in ("Emission", "Emission Color")))
 
 def change_group():
     group.nodes["RGB"].outputs[0].default_value = (0.1, 0.2, 0.6, 1)
