@@ -137,5 +137,6 @@ if __name__ == "__main__":
     tree.links.new(matte.outputs["Matte"], out.inputs[0])
     made.render.filepath = str(folder / "matte.exr")
     choose_file_format(made.render.image_settings, "OPEN_EXR")
+    made.render.image_settings.color_depth, made.render.image_settings.exr_codec = "32", "NONE"  # 5.2 forgets them
     bpy.ops.render.render(write_still=True)
     report(version=bpy.app.version)

@@ -62,7 +62,7 @@ def add_group():
     tree.links.new(node.outputs[0], next(each for each in inputs if each.name in ("Emission", "Emission Color")))
 
 def change_group():
-    group.nodes["RGB"].outputs[0].default_value = (0.1, 0.2, 0.6, 1)
+    next(each for each in group.nodes if each.bl_idname == "ShaderNodeRGB").outputs[0].default_value = (0.1, 0.2, 0.6, 1)
 
 def own_slot():
     ball.data.materials.append(None)
