@@ -133,7 +133,7 @@ def grid(subdivisions=8, size=2.4):
 
 def waved(point):
     point.z += 0.6 * math.sin(2 * point.x)
-    point.x += 0.4 * point.y
+    point.x += 0.9 * point.y
     return point
 
 
