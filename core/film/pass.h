@@ -1,4 +1,4 @@
-// The passes a film can hold: film/passes.def as an enum and a table; and those that have a number for a name.
+// The passes a film can hold: film/passes.def as an enum and a table; and numbered passes (slots and mattes).
 #pragma once
 
 #include <array>
@@ -66,7 +66,7 @@ class PerPass {
         if (of_slots_.size() <= slot_of(pass)) of_slots_.resize(slot_of(pass) + 1);
         return of_slots_[slot_of(pass)];
     }
-    /// Of a pass that was written before.
+    /// The pass must have been written already.
     const Value& operator[](Pass pass) const {
         return is_slot(pass) ? of_slots_[slot_of(pass)] : of_table_[static_cast<size_t>(pass)];
     }
@@ -79,7 +79,7 @@ class PerPass {
 /// The pass of that identifier or Blender name.
 std::optional<Pass> find_pass(std::string_view name);
 
-/// Of slots and mattes.
+/// The info of slots and mattes, which the table does not list.
 const PassInfo& info_beside_table(Pass pass);
 
 inline const PassInfo& info(Pass pass) {

@@ -24,7 +24,7 @@ struct SampleExtras {
 /// Values of all passes for one sample; passes that are off are simply not read. xyzw are the channels in order.
 struct PixelSample {
     std::array<Vec4f, kPassCount> values;
-    SampleExtras* extras = nullptr;  ///< null: nobody asks
+    SampleExtras* extras = nullptr;  ///< null if no slot and no matte is enabled
 
     PixelSample() { values.fill(Vec4f(0.0f)); }
 
@@ -36,7 +36,7 @@ struct PixelSample {
         Vec4f& value = (*this)[pass];
         value += Vec4f(color.x, color.y, color.z, 0.0f);
     }
-    /// Light of a group; of one that has no slot (-1) nobody asks.
+    /// Adds light to the slot of its group; -1, no slot, is ignored.
     void add_to_slot(int slot, const Color& color) {
         if (!extras || slot < 0 || static_cast<size_t>(slot) >= extras->slots.size()) return;
         extras->slots[static_cast<size_t>(slot)] += Vec4f(color.x, color.y, color.z, 0.0f);

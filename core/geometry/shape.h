@@ -64,8 +64,8 @@ inline LocalHit placed_hit(uint32_t element, const Vec2f& parameters, const Vec3
     return hit;
 }
 
-/// How the point of a surface is wanted. Normal: nobody asks how the normal changes, which costs as much as the rest;
-/// whether dn_du and dn_dv are filled is open then.
+/// How the point of a surface is wanted. Normal: its derivatives are not needed, which cost as much as the rest; dn_du
+/// and dn_dv may be left unset.
 enum class SurfaceDetail : uint8_t { Normal, Curvature };
 
 /// A place on a border, in terms of one of the elements that meet there.
@@ -100,8 +100,8 @@ class Shape {
     /// coordinates.
     const Box3d& object_bounds() const { return object_bounds_; }
 
-    /// At how many even times of the shutter, from 0 to 1, the shape is known; in between its points go along lines. 1:
-    /// it does not deform.
+    /// The number of evenly spaced times of the shutter, from 0 to 1, at which the shape is given; its points go along
+    /// lines in between. 1: it does not deform.
     size_t steps() const { return steps_; }
     bool deforms() const { return steps_ > 1; }
 
@@ -125,7 +125,7 @@ class Shape {
     }
     /// Points of an element along a line of constant u, one for each v: the results of element_point and surface.
     virtual void line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const;
-    /// Equal for shapes that rays cannot distinguish, names aside; empty if that is not known. Computed once.
+    /// Equal for shapes that look the same to rays, whatever their names; empty if not known. Computed once.
     const std::optional<ContentHash>& content_hash() const {
         std::call_once(hashed_, [this] { content_hash_ = hash_of_content(); });
         return content_hash_;

@@ -19,10 +19,10 @@ inline bool is_opaque_enough(const Closures& closures) {
 /// Writes Depth, Position, Normal, Vector, UV and the indices.
 void write_surface(const Scene& scene, const Vertex& vertex, PixelSample& sample);
 
-/// Adds what of Mist's light a surface holds back; `throughput` is the path's.
+/// Adds the share of Mist that this surface blocks; `throughput` is the path's.
 void write_mist(const Scene& scene, const PathSettings& settings, const Vertex& vertex, const Color& throughput,
                 PixelSample& sample);
-/// Records of what the surface is a part.
+/// Records the surface's object, material and asset for Cryptomatte.
 void write_matte(const Scene& scene, const Vertex& vertex, const Color& throughput, PixelSample& sample);
 
 /// Colour of the lobes of each kind, as the camera sees them.

@@ -13,7 +13,7 @@ float limit_or_infinity(float limit) {
 constexpr uint64_t bit(Pass pass) {
     return uint64_t{1} << static_cast<uint32_t>(pass);
 }
-static_assert(kPassCount <= 64, "a pass is a bit");
+static_assert(kPassCount <= 64, "each pass needs a bit of a uint64_t");
 
 constexpr uint64_t kLightPasses = bit(Pass::diffuse_direct) | bit(Pass::diffuse_indirect) | bit(Pass::glossy_direct) |
                                   bit(Pass::glossy_indirect) | bit(Pass::transmission_direct) |
@@ -68,7 +68,7 @@ PathSettings::PathSettings(const Settings& s)
 }
 
 RayWidening PathSettings::widening(float importance, bool scattered) const {
-    /// A level at most: unimportant rays are many.
+    /// One level coarser at most: there are many dim rays, and together they are seen.
     constexpr float kWidest = 4.0f;
     RayWidening widening;
     if (importance_levels && importance < 1.0f)

@@ -17,7 +17,7 @@ struct LampSample {
     double density = 0;        ///< per solid angle, of this light alone; delta: 1
     bool delta = false;
     std::optional<Vec3d> target = std::nullopt;  ///< where a shadow ray ends, if not `distance` away
-    RayAnchor target_anchor = {};                ///< LightSample's
+    RayAnchor target_anchor = {};                ///< as LightSample's target_anchor
 };
 
 /// What a ray meets of one lamp.

@@ -1,4 +1,4 @@
-// Lamps and emitting surfaces: emit, sample, density; and the choice of one.
+// Lamps and emitting surfaces: their emission, samples and densities, and the choice of one.
 //
 // Strengths are Blender's, as Cycles 3.4 takes them (measured in tests/blender/test_lamp_oracle.py): a point lamp of P
 // watts has the radiant intensity P / (4 pi) W/sr; a spot that times the cosine to its axis; a sun the irradiance
@@ -21,6 +21,7 @@
 namespace rayleaf {
 
 enum class LampKind : uint8_t { Point, Sun, Spot, Rectangle, Disk };
+inline constexpr int kLampKinds = static_cast<int>(LampKind::Disk) + 1;
 
 /// A spot's intensity within its cone, before it fades: by the cosine to the axis (Blender 3) or even (Blender 4).
 enum class SpotProfile : uint8_t { Cosine, Even };

@@ -17,7 +17,7 @@
 namespace rayleaf {
 namespace {
 
-/// Half of the choices among suns, world and placed lights are even: the tree's irradiance is a rough guess.
+/// The share of the probability that suns, world and placed lights have alike: the tree's irradiance is a rough guess.
 constexpr double kEvenShare = 0.5;
 
 bool shines(const Lamp& lamp) {
@@ -67,6 +67,7 @@ struct LampTraits {
     int light_group;
 };
 
+/// A kind of lamp has the members of PointLamp: what it emits, how it is sampled and hit, its bounds and reach.
 struct PlacedLamp {
     std::variant<PointLamp, AreaLamp> shape;
     LampTraits traits;
@@ -142,16 +143,20 @@ void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
     const LampTraits traits{
         lamp.visibility, lamp.casts_shadow, number, lamp.emission != nullptr, mean_factor(lamp, number, lamp_emission),
         lamp.light_group};
-    if (lamp.kind == LampKind::Sun) {
-        suns.push_back({Sun(lamp), traits});
-        suns_and_world += suns.back().irradiance();
-        return;
+    switch (lamp.kind) {
+        case LampKind::Sun:
+            suns.push_back({Sun(lamp), traits});
+            suns_and_world += suns.back().irradiance();
+            return;
+        case LampKind::Rectangle:
+        case LampKind::Disk:
+            lamps.push_back({AreaLamp(lamp), traits});
+            break;
+        case LampKind::Point:
+        case LampKind::Spot:
+            lamps.push_back({PointLamp(lamp), traits});
+            break;
     }
-    const bool is_area = lamp.kind == LampKind::Rectangle || lamp.kind == LampKind::Disk;
-    if (is_area)
-        lamps.push_back({AreaLamp(lamp), traits});
-    else
-        lamps.push_back({PointLamp(lamp), traits});
     const bool has_size = std::visit([](const auto& shape) { return shape.has_size(); }, lamps.back().shape);
     if (has_size) lamps_with_size.push_back(static_cast<uint32_t>(lamps.size() - 1));
 }
@@ -262,7 +267,7 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
         }
         choice -= probability;
     }
-    if (set.tree.empty()) {  // rounding left a crumb beyond the last sun
+    if (set.tree.empty()) {  // rounding may leave `choice` just past the last sun
         const DistantLamp& lamp = set.suns.back();
         return set.chosen_of(lamp.traits, lamp.sun.sample(within), position,
                              set.group_probability(lamp.irradiance(), total));

@@ -71,7 +71,7 @@ double tolerance_at(const LocalView& local, const DicingView& view, double away)
 
 /// A near instance: its parts are diced by their own distance from the eye.
 struct NearView {
-    Vec3d eye;      ///< as it counts
+    Vec3d eye;      ///< rounded to the grid of places by which tolerances go
     double astray;  ///< how far that may be from where it is
     double at_one;  ///< tolerance at a distance of one local unit
 };

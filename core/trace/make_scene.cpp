@@ -83,7 +83,7 @@ ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const 
     cancel.throw_if_cancelled();
     ShapePlan plan;
     plan.shape = &shape;
-    // Dicers ask for the tolerance of every part: where they can be stopped.
+    // Dicers call this for every part, so it is a good place to look whether to stop.
     std::unique_ptr<const Dicer> dicer = dicer_of(shape, [&](const Box3d& box) {
         cancel.throw_if_cancelled();
         return tolerance(box);

@@ -19,9 +19,9 @@ struct ShapePlan {
     const Shape* shape = nullptr;
     std::vector<DicedSurface> forms;    ///< of shapes that are diced, at each of their steps
     std::optional<FacetBlocks> blocks;  ///< its facets as they would be resident
-    double facet_distance = 0;          ///< ShapeScene's
+    double facet_distance = 0;          ///< see ShapeScene::facet_distance
 
-    /// What a resident shape takes beyond a cached one; 0 for shapes that are not diced.
+    /// Bytes that a resident shape takes more than a cached one; 0 for shapes that are not diced.
     uint64_t resident_bytes() const;
 };
 /// The tolerance is for shapes that are diced. Throws Cancelled soon after `cancel` says so.

@@ -4,7 +4,7 @@
 // facet's corners, and only that decides: whether it lies in [t_min, t_max], and which of two is nearer, the lower
 // facet if they are equal. So results depend neither on the order in which Embree visits nodes nor on how the rays'
 // origins round. Of triangles Embree decides which are hit, in single precision, watertight along shared edges; of
-// grids it finds all that come into question, and double precision decides.
+// grids it finds all candidates, and double precision decides.
 #pragma once
 
 #include "geometry/facet.h"
@@ -36,7 +36,7 @@ struct FacetId {
 struct ShapeHit {
     FacetId facet;
     FacetHit point;
-    Vec3d normal{0, 0, 0};  ///< of shapes whose facets have no corners
+    Vec3d normal{0, 0, 0};  ///< set by shapes that are met without facets: strands
     // Of grids only, which may be gone when the hit is looked at:
     Vec3d area{0, 0, 0};  ///< area vector of the facet
     Vec2d place{0, 0};    ///< in the fine grid: i + fraction, j + fraction
@@ -194,13 +194,13 @@ class ShapeScene {
     virtual uint64_t triangle_count() const { return 0; }
     virtual uint64_t strand_pieces() const { return 0; }
     virtual uint32_t subpatch_count() const { return 0; }
-    /// Those whose grids the geometry cache holds.
+    /// Subpatches whose grids the geometry cache holds.
     virtual uint32_t cached_subpatches() const { return 0; }
-    /// Of facets that stay in memory; 0 where there are none.
+    /// Bytes of the facets that stay in memory; 0 where there are none.
     virtual uint64_t facet_bytes() const { return 0; }
-    /// Of a tree of its own.
+    /// Bytes of the shape's own tree.
     virtual uint64_t tree_bytes() const { return 0; }
-    /// What is held beside the trees, the grids and the facets.
+    /// Bytes of what is held beside the trees, the grids and the facets.
     virtual uint64_t record_bytes() const { return 0; }
     /// Whether it matters how wide rays are.
     bool has_levels() const { return kind_ == FacetKind::Grids; }

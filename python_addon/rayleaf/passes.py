@@ -20,9 +20,9 @@ MOST_SLOTS = 64
 # Cryptomatte's kinds: as identifiers, pass names and switches have them.
 _MATTES = ("object", "material", "asset")
 _MOST_MATTE_LEVELS = 16
-# What stands for the switches of what a view layer lists.
+# How switches begin of passes that a view layer lists by name.
 _CRYPTOMATTE, _NAMED = "cryptomatte.", "named."
-# How switches begin that are the add-on's own: properties of `ViewLayer.rayleaf`; and those that Cycles keeps, which are
+# How the add-on's own switches begin: properties of `ViewLayer.rayleaf`; and those that Cycles keeps, which are
 # the add-on's where Cycles is not enabled.
 _OWN, _CYCLES = "rayleaf.", "cycles."
 _OWN_DATA = ("rayleaf.use_pass_sample_count",)

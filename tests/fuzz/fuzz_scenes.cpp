@@ -17,7 +17,7 @@ Affine3d matrix(fuzz::Bytes& bytes) {
 void add_lamp(SceneDescription& scene, fuzz::Bytes& bytes) {
     Lamp lamp;
     lamp.name = "lamp";
-    lamp.kind = static_cast<LampKind>(bytes.count(4));
+    lamp.kind = static_cast<LampKind>(bytes.count(kLampKinds - 1));
     lamp.to_world = matrix(bytes);
     lamp.strength = Color(static_cast<float>(bytes.number()));
     for (double* value :
