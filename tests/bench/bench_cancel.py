@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from rayleaf import _core
 
-LONGEST = 6.0  # seconds of a scene
-MOMENTS = 12
+LONGEST = 3.0  # seconds of a scene
+MOMENTS = 8
 
 
 def described() -> Any:
