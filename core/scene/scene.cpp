@@ -73,6 +73,7 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
       interpolations_(description.ray_interpolations),
       shadow_bias_(settings.shadow_bias) {
     validate(settings);
+    if (textures_) textures_->finish(cancel);
     commit_camera(required_camera(description), settings);
     if (wants_vectors(settings)) motion_vectors_.emplace(description, settings);
     commit_materials();

@@ -1,15 +1,18 @@
 #include "textures/converted_textures.h"
 
 #include "base/error.h"
+#include "textures/mip_level.h"
 #include "textures/picture.h"
 #include "textures/texture_system.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <mutex>
 
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+#include <oneapi/tbb/task_arena.h>
 #include <unistd.h>
 
 namespace rayleaf {
@@ -18,6 +21,8 @@ namespace {
 namespace oiio = OIIO;
 
 constexpr int kTile = 64;  ///< pixels; what OpenImageIO's own tool makes
+/// Files that take more than this together are compressed, bytes: that takes many times as long as writing them.
+constexpr uint64_t kMostUncompressed = uint64_t{4} << 30;
 
 }  // namespace
 
@@ -44,9 +49,17 @@ class TemporaryFolder {
         return (path_ / (std::to_string(files_.fetch_add(1, std::memory_order_relaxed)) + ".exr")).string();
     }
 
+    /// Takes room for a file of so many bytes: all, or 0 where it is to be compressed.
+    uint64_t take(uint64_t bytes) {
+        if (bytes_.fetch_add(bytes, std::memory_order_relaxed) + bytes <= kMostUncompressed) return bytes;
+        give_back(bytes);
+        return 0;
+    }
+    void give_back(uint64_t bytes) { bytes_.fetch_sub(bytes, std::memory_order_relaxed); }
+
   private:
     std::filesystem::path path_;
-    std::atomic<uint64_t> files_{0};
+    std::atomic<uint64_t> files_{0}, bytes_{0};
 };
 
 namespace {
@@ -61,6 +74,45 @@ std::shared_ptr<TemporaryFolder> temporary_folder() {
     return folder;
 }
 
+/// Bytes of all levels, uncompressed.
+uint64_t bytes_of(const Picture& picture) {
+    const uint64_t level = picture.pixels.size() * (picture.precise ? sizeof(float) : sizeof(float) / 2);
+    return level + level / 3;
+}
+
+/// Adds a level to a file that is open for it, a row of tiles at a time. Whether all was well.
+bool write_level(oiio::ImageOutput& output, const Picture& level, const CancelToken& cancel) {
+    const size_t row = static_cast<size_t>(level.width) * static_cast<size_t>(level.channels);
+    for (int y = 0; y < level.height; y += kTile) {
+        cancel.throw_if_cancelled();
+        if (!output.write_tiles(0, level.width, y, std::min(y + kTile, level.height), 0, 1, oiio::TypeDesc::FLOAT,
+                                &level.pixels[static_cast<size_t>(y) * row]))
+            return false;
+    }
+    return true;
+}
+
+/// Writes a prepared picture and its coarser levels. What went wrong, or nothing.
+std::string write_levels(const Picture& picture, const std::string& file, const char* compression,
+                         const CancelToken& cancel) {
+    const std::unique_ptr<oiio::ImageOutput> output = oiio::ImageOutput::create(file);
+    if (!output) return oiio::geterror();
+    const Picture* level = &picture;
+    Picture coarser;
+    for (auto mode = oiio::ImageOutput::Create;; mode = oiio::ImageOutput::AppendMIPLevel) {
+        oiio::ImageSpec spec(level->width, level->height, level->channels,
+                             level->precise ? oiio::TypeDesc::FLOAT : oiio::TypeDesc::HALF);
+        spec.tile_width = spec.tile_height = kTile;
+        spec.tile_depth = 1;
+        spec.attribute("textureformat", "Plain Texture");
+        spec.attribute("compression", compression);
+        if (!output->open(file, spec, mode) || !write_level(*output, *level, cancel)) return output->geterror();
+        if (level->width == 1 && level->height == 1) return output->close() ? std::string() : output->geterror();
+        coarser = coarser_level(*level, cancel);
+        level = &coarser;
+    }
+}
+
 }  // namespace
 
 oiio::TextureSystem& texture_system() {
@@ -69,33 +121,45 @@ oiio::TextureSystem& texture_system() {
     return *system;
 }
 
-ConvertedTexture::ConvertedTexture(const std::string& name, Picture picture, ColorSpace space, const ContentHash& key)
-    : key_(key), folder_(temporary_folder()), file_(folder_->file()) {
-    prepare(picture, space);
-    oiio::ImageSpec spec(picture.width, picture.height, picture.channels, oiio::TypeDesc::FLOAT);
-    const oiio::ImageBuf buffer(spec, picture.pixels.data());
-    oiio::ImageSpec config;
-    config.tile_width = config.tile_height = kTile;
-    config.format = picture.precise ? oiio::TypeDesc::FLOAT : oiio::TypeDesc::HALF;
-    config.attribute("maketx:fileformatname", "openexr");
-    config.attribute("compression", "zip");
-    if (!oiio::ImageBufAlgo::make_texture(oiio::ImageBufAlgo::MakeTxTexture, buffer, file_, config))
-        throw InputError(name, "image", "not convertible (" + oiio::geterror() + ")", "a texture in '" + file_ + "'");
-    auto* handle = texture_system().get_texture_handle(oiio::ustring(file_));
-    handle_ = handle;
+ConvertedTexture::ConvertedTexture(std::string name, Picture picture, ColorSpace space, const ContentHash& key)
+    : name_(std::move(name)), space_(space), key_(key), folder_(temporary_folder()), file_(folder_->file()) {
+    normalize_channels(picture);
     channels_ = picture.channels;
     width_ = picture.width;
     height_ = picture.height;
     associated_ = picture.alpha_channel() >= 0 && space != ColorSpace::NonColor;
-    if (handle == nullptr || !texture_system().good(handle))
-        throw InputError(name, "image", "not readable after conversion (" + texture_system().geterror() + ")",
-                         "a texture");
+    picture_ = std::move(picture);
+}
+
+void ConvertedTexture::convert(const CancelToken& cancel) const {
+    constexpr std::chrono::milliseconds kPatience(5);
+    if (is_converted()) return;
+    std::unique_lock<std::timed_mutex> lock(mutex_, std::defer_lock);
+    while (!lock.try_lock_for(kPatience)) cancel.throw_if_cancelled();
+    if (is_converted()) return;
+    // Isolated: a thread that waits for parts of one image must not begin with another.
+    tbb::this_task_arena::isolate([&] { make(cancel); });
+    converted_.store(true, std::memory_order_release);
+}
+
+void ConvertedTexture::make(const CancelToken& cancel) const {
+    prepare(picture_, space_, cancel);
+    if (bytes_ == 0) bytes_ = folder_->take(bytes_of(picture_));
+    fault_ = write_levels(picture_, file_, bytes_ > 0 ? "none" : "zip", cancel);
+    picture_ = {};
+    if (!fault_.empty()) return;
+    auto* handle = texture_system().get_texture_handle(oiio::ustring(file_));
+    if (handle != nullptr && texture_system().good(handle))
+        handle_ = handle;
+    else
+        fault_ = "unreadable then: " + texture_system().geterror();
 }
 
 ConvertedTexture::~ConvertedTexture() {
     texture_system().invalidate(oiio::ustring(file_));
     std::error_code ignored;
     std::filesystem::remove(file_, ignored);
+    folder_->give_back(bytes_);
 }
 
 }  // namespace rayleaf

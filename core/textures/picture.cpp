@@ -1,7 +1,10 @@
 #include "textures/picture.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+
+#include <oneapi/tbb/parallel_for.h>
 
 namespace rayleaf {
 namespace {
@@ -9,41 +12,66 @@ namespace {
 constexpr float kLargestHalf = 65504.0f;
 
 /// Decoding of sRGB (IEC 61966-2-1).
-float linear_from_srgb(float x) {
+float decoded_srgb(float x) {
     if (x <= 0.04045f) return x / 12.92f;
     return std::pow((x + 0.055f) / 1.055f, 2.4f);
 }
 
-/// To linear light with associated alpha. Data images keep their channels as they are.
-void linearize(Picture& picture, ColorSpace space) {
-    if (space == ColorSpace::NonColor) return;
-    const int alpha_channel = picture.alpha_channel();
-    const int colors = alpha_channel >= 0 ? alpha_channel : picture.channels;
-    const size_t channels = static_cast<size_t>(picture.channels);
-    for (size_t i = 0; i < picture.pixels.size(); i += channels) {
-        float* pixel = &picture.pixels[i];
-        const float alpha = alpha_channel >= 0 ? pixel[alpha_channel] : 1.0f;
+/// The same, faster where a picture had eight bits: those values are looked up.
+class SrgbDecoder {
+  public:
+    SrgbDecoder() {
+        for (int i = 0; i <= kLargest; ++i) {
+            encoded_[i] = static_cast<float>(i) * (1.0f / kLargest);
+            decoded_[i] = decoded_srgb(encoded_[i]);
+        }
+    }
+    float operator()(float x) const {
+        const float nearest = x * kLargest + 0.5f;
+        if (!(nearest >= 0.0f && nearest < kLargest + 1)) return decoded_srgb(x);
+        const auto i = static_cast<size_t>(nearest);
+        return encoded_[i] == x ? decoded_[i] : decoded_srgb(x);
+    }
+
+  private:
+    static constexpr int kLargest = 255;
+    float encoded_[kLargest + 1], decoded_[kLargest + 1];
+};
+
+/// How the values of a pixel become linear light with associated alpha.
+struct Linearizing {
+    const SrgbDecoder& decode;
+    ColorSpace space;
+    Alpha alpha;
+    int channels, alpha_channel;  ///< alpha_channel: -1 without one
+
+    void operator()(float* pixel) const {
+        const int colors = alpha_channel >= 0 ? alpha_channel : channels;
+        const float a = alpha_channel >= 0 ? pixel[alpha_channel] : 1.0f;
         for (int c = 0; c < colors; ++c) {
             float x = pixel[c];
-            if (picture.alpha == Alpha::Associated && space == ColorSpace::Srgb && alpha > 0.0f)
-                x = linear_from_srgb(x / alpha) * alpha;
+            if (alpha == Alpha::Associated && space == ColorSpace::Srgb && a > 0.0f)
+                x = decode(x / a) * a;
             else if (space == ColorSpace::Srgb)
-                x = linear_from_srgb(x);
-            if (picture.alpha == Alpha::Straight) x *= alpha;
+                x = decode(x);
+            if (alpha == Alpha::Straight) x *= a;
             pixel[c] = x;
         }
     }
-}
+};
 
-/// Values a half float cannot hold ask for floats; infinities and NaN, which some panoramas contain, become numbers.
-void make_finite(Picture& picture) {
-    for (float& x : picture.pixels) {
+/// Infinities and NaN, which some panoramas contain, become numbers. Whether a half float can hold them all.
+bool make_finite(std::span<float> row) {
+    bool fits = true;
+    for (float& x : row) {
         if (!std::isfinite(x)) x = x > 0.0f ? kLargestHalf : 0.0f;
-        if (std::abs(x) > kLargestHalf) picture.precise = true;
+        fits = fits && std::abs(x) <= kLargestHalf;
     }
+    return fits;
 }
 
-/// One to four channels: grey, grey and alpha become what lookups know: 1, 3 or 4.
+}  // namespace
+
 void normalize_channels(Picture& picture) {
     const int from = picture.channels, to = from == 2 ? 4 : std::min(from, 4);
     if (from == to) return;
@@ -59,12 +87,21 @@ void normalize_channels(Picture& picture) {
     picture.channels = to;
 }
 
-}  // namespace
-
-void prepare(Picture& picture, ColorSpace space) {
-    normalize_channels(picture);
-    linearize(picture, space);
-    make_finite(picture);
+void prepare(Picture& picture, ColorSpace space, const CancelToken& cancel) {
+    static const SrgbDecoder decode;
+    const Linearizing linearize{decode, space, picture.alpha, picture.channels, picture.alpha_channel()};
+    const auto channels = static_cast<size_t>(picture.channels);
+    const size_t length = static_cast<size_t>(picture.width) * channels;
+    picture.prepared.resize(static_cast<size_t>(picture.height));
+    tbb::parallel_for(size_t{0}, picture.prepared.size(), [&](size_t y) {
+        cancel.throw_if_cancelled();
+        if (picture.prepared[y] != 0) return;
+        const std::span<float> row(&picture.pixels[y * length], length);
+        if (space != ColorSpace::NonColor)
+            for (size_t i = 0; i < length; i += channels) linearize(&row[i]);
+        if (!make_finite(row)) std::atomic_ref(picture.precise).store(true, std::memory_order_relaxed);
+        picture.prepared[y] = 1;
+    });
 }
 
 }  // namespace rayleaf

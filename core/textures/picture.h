@@ -1,6 +1,7 @@
 // Pixels in memory, on their way from a file or from Blender to a texture.
 #pragma once
 
+#include "base/cancel.h"
 #include "textures/texture_store.h"
 
 #include <vector>
@@ -15,13 +16,16 @@ struct Picture {
     std::vector<float> pixels;
     int width = 0, height = 0, channels = 0;
     Alpha alpha = Alpha::Straight;
-    bool precise = false;  ///< wants more than half floats
+    bool precise = false;           ///< wants more than half floats
+    std::vector<uint8_t> prepared;  ///< rows that `prepare` has done
 
     int alpha_channel() const { return channels == 4 ? 3 : -1; }
 };
 
-/// Makes it what textures are filtered from: one, three or four channels of finite numbers, linear light with
-/// associated alpha. Data images keep their channels as they are.
-void prepare(Picture& picture, ColorSpace space);
+/// Gives it one, three or four channels: grey and alpha become colours with alpha, what is beyond four is left out.
+void normalize_channels(Picture& picture);
+/// Makes it what textures are filtered from: finite numbers, linear light with associated alpha. Data images keep their
+/// channels as they are. Throws Cancelled soon after `cancel` says so; the next call does the rest.
+void prepare(Picture& picture, ColorSpace space, const CancelToken& cancel);
 
 }  // namespace rayleaf

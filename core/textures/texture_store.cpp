@@ -1,4 +1,4 @@
-// Every image is converted when it is added, unless it has been before: to linear light with alpha multiplied in, so
+// Every image is converted after it is added, unless it has been before: to linear light with alpha multiplied in, so
 // that filtering is right. From the converted files OpenImageIO's texture system pages tiles in and out within the
 // memory limit.
 #include "textures/texture_store.h"
@@ -9,9 +9,11 @@
 #include "textures/picture.h"
 #include "textures/texture_system.h"
 
+#include <atomic>
 #include <vector>
 
 #include <OpenImageIO/imageio.h>
+#include <oneapi/tbb/task_group.h>
 #include <sys/stat.h>
 
 namespace rayleaf {
@@ -20,6 +22,10 @@ namespace {
 namespace oiio = OIIO;
 
 constexpr int kLargestAnisotropy = 16;
+/// An image of so many bytes is converted by all threads together, when the scene is committed.
+constexpr size_t kLarge = size_t{64} << 20;
+/// Smaller images that wait to be converted hold at most so many bytes together; another is converted at once.
+constexpr size_t kMostWaiting = size_t{256} << 20;
 
 /// Tiles read from files since the process began.
 size_t tiles_read() {
@@ -89,6 +95,9 @@ struct TextureStore::Implementation {
     std::shared_ptr<ConvertedTextures> converted;
     AppendList<std::shared_ptr<const ConvertedTexture>> textures;
     size_t tiles_before = tiles_read();  ///< by stores before this one
+    tbb::task_group conversions;
+    CancelToken gone;                ///< nobody waits for conversions any more
+    std::atomic<size_t> waiting{0};  ///< bytes of pictures
 
     Implementation(size_t memory_limit, std::shared_ptr<ConvertedTextures> kept)
         : converted(kept ? std::move(kept) : std::make_shared<ConvertedTextures>()) {
@@ -96,17 +105,39 @@ struct TextureStore::Implementation {
         texture_system().attribute("max_memory_MB", static_cast<float>(memory_limit) / kMegabyte);
         converted->next_user();
     }
+    ~Implementation() {
+        gone.cancel();
+        conversions.wait();
+    }
 
     /// The texture of that key; `picture` gives its pixels where they are wanted.
     template <typename GetPicture>
     TextureId add(const std::string& name, ColorSpace space, const ContentHash& key, const GetPicture& picture) {
         std::shared_ptr<const ConvertedTexture> texture = converted->find(key);
-        if (!texture) {
-            texture = std::make_shared<const ConvertedTexture>(name, picture(), space, key);
+        if (!texture || (texture->is_converted() && !texture->fault().empty())) {
+            Picture pixels = picture();
+            const size_t bytes = pixels.pixels.size() * sizeof(float);
+            texture = std::make_shared<const ConvertedTexture>(name, std::move(pixels), space, key);
             converted->keep(key, texture);
+            convert_soon(texture, bytes);
         }
         textures.append(std::move(texture));
         return static_cast<TextureId>(textures.size()) - 1;
+    }
+
+    void convert_soon(const std::shared_ptr<const ConvertedTexture>& texture, size_t bytes) {
+        if (bytes >= kLarge) return;
+        if (waiting.fetch_add(bytes) + bytes > kMostWaiting) {
+            waiting -= bytes;
+            return texture->convert();
+        }
+        conversions.run([this, texture, bytes] {
+            try {
+                texture->convert(gone);
+            } catch (...) {  // `finish` tries again, and throws what is wrong
+            }
+            waiting -= bytes;
+        });
     }
 };
 
@@ -187,6 +218,16 @@ TextureId TextureStore::add_pixels(const std::string& name, std::span<const floa
                                 [&] { return turned_over(pixels, width, height, channels); });
 }
 
+void TextureStore::finish(const CancelToken& cancel) const {
+    for (size_t i = 0; i < implementation_->textures.size(); ++i) {
+        const ConvertedTexture& texture = *implementation_->textures[i];
+        texture.convert(cancel);
+        if (!texture.fault().empty())
+            throw InputError(texture.name(), "image", "not convertible (" + texture.fault() + ")",
+                             "an image that OpenEXR can hold, and room in the temporary folder");
+    }
+}
+
 TextureStore::Size TextureStore::size(TextureId id) const {
     if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return {};
     const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
@@ -201,6 +242,8 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
     oiio::TextureOpt lookup_options = options(extension, interpolation);
     // A point needs no level of the pyramid to be found.
     if (dx == Vec2f(0.0f) && dy == Vec2f(0.0f)) lookup_options.mipmode = oiio::TextureOpt::MipModeNoMIP;
+    texture.convert();
+    if (texture.handle() == nullptr) return Vec4f(0.0f, 0.0f, 0.0f, 0.0f);
     float value[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     // OpenImageIO's t runs down the picture.
     texture_system().texture(static_cast<oiio::TextureSystem::TextureHandle*>(texture.handle()), nullptr,

@@ -1,6 +1,7 @@
 // The scene's image textures: footprint in, filtered linear colour out, through OpenImageIO's TextureSystem.
 #pragma once
 
+#include "base/cancel.h"
 #include "base/content_hash.h"
 #include "base/vector.h"
 
@@ -41,6 +42,10 @@ class TextureStore {
     /// Pixels as Blender holds them: `channels` floats each (1, 3 or 4), rows bottom to top, alpha straight.
     TextureId add_pixels(const std::string& name, std::span<const float> pixels, int width, int height, int channels,
                          ColorSpace space);
+
+    /// Waits until all images are converted, which goes on from when they are added, by other threads. Throws
+    /// InputError that names one that could not be, Cancelled soon after `cancel` says so.
+    void finish(const CancelToken& cancel) const;
 
     /// All that lookups depend on.
     void add_to(ContentHasher& hasher) const;

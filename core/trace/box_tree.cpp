@@ -59,6 +59,7 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* it
 struct TreeCopy {
     std::vector<BoxNode> nodes;
     BoxLeaves* leaves;
+    const CancelToken& cancel;
 
     uint32_t add(const BuildPart& part) {
         return part.is_leaf ? BoxNode::kLeaf | add_leaf(static_cast<const Leaf&>(part))
@@ -71,6 +72,7 @@ struct TreeCopy {
         return leaves->count() - 1;
     }
     uint32_t add_node(const Node& node) {
+        cancel.throw_if_cancelled();
         const auto number = static_cast<uint32_t>(nodes.size());
         nodes.push_back(node.boxes);
         for (uint32_t i = 0; i < node.boxes.count; ++i) {
@@ -92,9 +94,11 @@ struct ReleaseTree {
     void operator()(RTCBVH tree) const { rtcReleaseBVH(tree); }
 };
 
-std::vector<RTCBuildPrimitive> build_items(uint32_t count, const std::function<Box3f(uint32_t)>& box_of) {
+std::vector<RTCBuildPrimitive> build_items(uint32_t count, const std::function<Box3f(uint32_t)>& box_of,
+                                           const CancelToken& cancel) {
     std::vector<RTCBuildPrimitive> items(count);
     tbb::parallel_for(uint32_t{0}, count, [&](uint32_t i) {
+        cancel.throw_if_cancelled();
         const Box3f box = box_of(i);
         items[i] = {box.min.x, box.min.y, box.min.z, 0, box.max.x, box.max.y, box.max.z, i};
     });
@@ -132,7 +136,7 @@ std::vector<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelTok
     arguments.userPtr = const_cast<CancelToken*>(&cancel);
     const auto* root = static_cast<const BuildPart*>(rtcBuildBVH(&arguments));
     throw_embree_error();
-    TreeCopy copy{{}, leaves};
+    TreeCopy copy{{}, leaves, cancel};
     if (root->is_leaf)
         copy.add_root(static_cast<const Leaf&>(*root), box);
     else
@@ -160,11 +164,11 @@ RTCBounds box_of_children(const BoxNode& node) {
 }  // namespace
 
 BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel)
-    : BoxTree(build(build_items(count, box_of), cancel, nullptr)) {}
+    : BoxTree(build(build_items(count, box_of, cancel), cancel, nullptr)) {}
 
 BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel,
                  BoxLeaves& leaves)
-    : BoxTree(build(build_items(count, box_of), cancel, &leaves)) {}
+    : BoxTree(build(build_items(count, box_of, cancel), cancel, &leaves)) {}
 
 LargeArray<BoxBounds> BoxTree::moving_bounds(size_t steps, const std::function<Box3f(uint32_t, size_t)>& box_of) const {
     LargeArray<BoxBounds> all(nodes_.size() * steps);

@@ -41,6 +41,7 @@ void StrandScene::add_pieces(const CancelToken& cancel) {
         }
     });
     for (uint32_t segment = 0; segment < levels.size(); ++segment) {
+        cancel.throw_if_cancelled();
         const uint16_t level = levels[segment];
         if (level == kNone) continue;
         const auto count = static_cast<uint16_t>(spheres ? strands_->spheres_per_segment() + 1 : 1 << level);
@@ -71,9 +72,13 @@ void StrandScene::build_tree(const CancelToken& cancel) {
     BoxTree tree(static_cast<uint32_t>(pieces_.size()), box_of, cancel, leaves);
     std::vector<Piece> sorted;
     sorted.reserve(pieces_.size());
-    for (const uint32_t item : leaves.items) sorted.push_back(pieces_[item]);
+    for (const uint32_t item : leaves.items) {
+        cancel.throw_if_cancelled();
+        sorted.push_back(pieces_[item]);
+    }
     pieces_ = std::move(sorted);
     tree_ = MovingTree(std::move(tree), steps, [&](uint32_t leaf, size_t step) {
+        cancel.throw_if_cancelled();
         Box3f box;
         for (uint32_t i = leaves.first[leaf]; i < leaves.first[leaf + 1]; ++i)
             box.extendBy(float_box(pieces_[i], time_of(step)));
@@ -81,6 +86,7 @@ void StrandScene::build_tree(const CancelToken& cancel) {
     });
     capsules_ = LargeArray<Capsules>(leaves.count() * steps);
     tbb::parallel_for(uint32_t{0}, leaves.count(), [&](uint32_t leaf) {
+        cancel.throw_if_cancelled();
         for (size_t step = 0; step < steps; ++step) {
             Capsules& capsules = capsules_[leaf * steps + step] = {};
             capsules.first_piece = leaves.first[leaf];

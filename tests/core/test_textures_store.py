@@ -1,5 +1,9 @@
 """Textures: decoding, filtering, borders, memory."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from rayleaf import _core
@@ -224,3 +228,53 @@ def test_a_store_takes_its_files_and_tiles_with_it(tmp_path, monkeypatch):
     assert len(list(tmp_path.iterdir())) == 1
     del store
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("size", ((5, 3), (7, 64), (1, 9), (129, 130)))
+@pytest.mark.parametrize("channels", (1, 3, 4))
+def test_an_image_of_any_size_is_its_mean_from_far_away(store, size, channels):
+    pixels = picture(*size, channels, 7)
+    pixels[..., 3:] = 1
+    texture = store.add_pixels("Odd", pixels, tests.ColorSpace.LINEAR)
+    found = look(store, texture, [(0.5, 0.5)], width=4.0)[0, : min(channels, 3)]
+    levels = np.log2(max(size)) + 1  # each is rounded to half floats
+    np.testing.assert_allclose(found, pixels.mean(axis=(0, 1))[:3], rtol=levels * HALF)
+
+
+WITHOUT_ROOM = """
+import resource
+import numpy as np
+from rayleaf import _core
+resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 16, 1 << 16))
+scene = _core.SceneDescription()
+scene.set_camera("PERSPECTIVE", np.eye(4), (-0.5, -0.5), (0.5, 0.5), 0.01, 1000.0)
+for name in ("small", "large"):
+    side = 16 if name == "small" else 512
+    scene.add_image_pixels(name, np.ones((side, side, 3), np.float32), "LINEAR")
+try:
+    _core.Session(scene, _core.Settings(width=4, height=4, samples=1)).render()
+except _core.InputError as error:
+    print(error)
+"""
+
+
+def test_an_image_for_which_the_disk_has_no_room_is_named():
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    found = subprocess.run([sys.executable, "-c", WITHOUT_ROOM], capture_output=True, text=True, env=environment)
+    assert found.stdout.startswith("object 'large': image is not convertible"), found
+
+
+def test_an_image_is_converted_once_for_scenes_that_are_made_at_the_same_time(tmp_path, monkeypatch):
+    """Of twenty images, looked up at once: while they are converted by other threads."""
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    store = tests.TextureStore(1 << 27)
+    pictures = [picture(300, 200, 3, i) for i in range(20)]
+    textures = [store.add_pixels(str(i), pixels, tests.ColorSpace.LINEAR) for i, pixels in enumerate(pictures)]
+    again = [store.add_pixels(str(i), pixels, tests.ColorSpace.LINEAR) for i, pixels in enumerate(pictures)]
+    for pixels, *same in zip(pictures, textures, again, strict=True):
+        for texture in same:
+            np.testing.assert_array_equal(
+                look(store, texture, [(0.1025, 0.105)], interpolation=CLOSEST)[0, :3], pixels[31, 20]
+            )
+    (folder,) = tmp_path.iterdir()
+    assert len(list(folder.iterdir())) == len(pictures)
