@@ -24,7 +24,19 @@ struct Leaf : BuildPart {
     uint32_t items[BoxTree::kMostInLeaf];
 };
 
-void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void*) {
+/// Ends a build: this kind of build calls back to say how far it is, but does not read the answer. Embree catches what
+/// is thrown in its callbacks.
+void throw_if_cancelled(void* token) {
+    static_cast<const CancelToken*>(token)->throw_if_cancelled();
+}
+
+bool goes_on(void* token, double /*share*/) {
+    throw_if_cancelled(token);
+    return true;
+}
+
+void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void* token) {
+    throw_if_cancelled(token);
     auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(Node), alignof(Node))) Node;
     node->boxes = {};  // also of the children that there are not
     node->boxes.count = count;
@@ -132,9 +144,13 @@ std::vector<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelTok
     arguments.setNodeChildren = set_children;
     arguments.setNodeBounds = set_bounds;
     arguments.createLeaf = create_leaf;
-    arguments.buildProgress = embree_goes_on;
+    arguments.buildProgress = goes_on;
     arguments.userPtr = const_cast<CancelToken*>(&cancel);
     const auto* root = static_cast<const BuildPart*>(rtcBuildBVH(&arguments));
+    if (cancel.cancelled()) {
+        rtcGetDeviceError(embree_device());  // it is not an error
+        throw Cancelled();
+    }
     throw_embree_error();
     TreeCopy copy{{}, leaves, cancel};
     if (root->is_leaf)

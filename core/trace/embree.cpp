@@ -43,11 +43,12 @@ const char* error_text(RTCError error) {
     }
 }
 
-}  // namespace
-
+/// Embree's question during a build whether to go on. `token` is a const CancelToken.
 bool embree_goes_on(void* token, double /*share*/) {
     return !static_cast<const CancelToken*>(token)->cancelled();
 }
+
+}  // namespace
 
 void throw_embree_error() {
     const RTCError error = rtcGetDeviceError(embree_device());

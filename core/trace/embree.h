@@ -129,8 +129,6 @@ T* new_embree_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format,
 /// Adds a geometry, which it takes over, to a scene as number 0 and builds it. Throws Cancelled if the scene's token
 /// says so, std::runtime_error with Embree's word if the build fails.
 void build_embree_scene(const EmbreeScene& scene, RTCGeometry geometry);
-/// Embree's question during a build whether to go on. `token` is a const CancelToken.
-bool embree_goes_on(void* token, double share);
 /// After a build: throws Cancelled if it was, std::runtime_error with Embree's word if it failed.
 void throw_embree_error();
 /// What Embree holds now for all scenes of the process.

@@ -87,7 +87,7 @@ def world(size: float) -> tuple[Any, dict[str, Any]]:
 
 
 def image(size: float) -> tuple[Any, dict[str, Any]]:
-    """The conversion of a large picture, which begins when it is first looked up."""
+    """The conversion of a large picture, which a commit ends."""
     side = int(8192 * size**0.5)
     scene = described()
     pixels = np.random.default_rng(3).uniform(0, 1, (side, side, 3)).astype(np.float32)
