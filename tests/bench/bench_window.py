@@ -122,9 +122,11 @@ bpy.app.timers.register(step, first_interval=1.0, persistent=True)
 """
 
 
-def with_display(command: list[str], environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
+def with_display(
+    command: list[str], environment: dict[str, str], size: str = "640x480"
+) -> subprocess.CompletedProcess[str]:
     """A command run in a display of its own."""
-    wrapped = ["xvfb-run", "-a", "-s", "-screen 0 640x480x24", *command]
+    wrapped = ["xvfb-run", "-a", "-s", f"-screen 0 {size}x24", *command]
     return subprocess.run(wrapped, env=environment, capture_output=True, text=True, timeout=SECONDS, check=False)
 
 

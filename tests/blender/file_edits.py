@@ -8,6 +8,7 @@ import sys
 
 import bpy
 import numpy as np
+from rayleaf.export import camera
 from rayleaf.export.camera import Frame
 from rayleaf.messages import Messages
 from rayleaf.viewport.sync import SceneSync
@@ -172,7 +173,14 @@ def new_sync():
     return SceneSync(_core, lambda: Messages(said))
 
 
+def seen_from():
+    """The camera where it is now: views set theirs for each picture."""
+    seen_by = scene.camera.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return camera.describe(_core, seen_by, np.array(seen_by.matrix_world, np.float64), SIZE)
+
+
 def rendered(core_scene):
+    core_scene.set_camera(**seen_from())
     session = _core.Session(core_scene, _core.Settings(width=SIZE.width, height=SIZE.height, samples=SAMPLES))
     assert session.render()
     return session.pass_pixels("combined")
@@ -183,7 +191,7 @@ kept = new_sync()
 
 def updated():
     """As a view is told, whenever Blender has evaluated changes."""
-    return kept.update(bpy.context.evaluated_depsgraph_get(), SIZE, None, False, None)
+    return kept.update(bpy.context.evaluated_depsgraph_get(), SIZE, seen_from(), False, None)
 
 
 bpy.app.handlers.depsgraph_update_post.append(lambda *_: updated())
@@ -196,7 +204,7 @@ for number in range(FIRST, FIRST + COUNT):
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     picture = rendered(updated())
-    if not np.array_equal(picture, rendered(new_sync().update(depsgraph, SIZE, None, False, None))):
+    if not np.array_equal(picture, rendered(new_sync().update(depsgraph, SIZE, seen_from(), False, None))):
         different.append([number, edit.__name__])
     applied.append(edit.__name__)
 report(different=different, applied=applied, ways=kept.exports)  # noqa: F821: the runner's
