@@ -10,6 +10,7 @@
 #include <chrono>
 #include <filesystem>
 #include <mutex>
+#include <thread>
 
 #include <OpenImageIO/imageio.h>
 #include <oneapi/tbb/task_arena.h>
@@ -132,10 +133,14 @@ ConvertedTexture::ConvertedTexture(std::string name, Picture picture, ColorSpace
 }
 
 void ConvertedTexture::convert(const CancelToken& cancel) const {
-    constexpr std::chrono::milliseconds kPatience(5);
+    constexpr std::chrono::milliseconds kPatience(1);
     if (is_converted()) return;
-    std::unique_lock<std::timed_mutex> lock(mutex_, std::defer_lock);
-    while (!lock.try_lock_for(kPatience)) cancel.throw_if_cancelled();
+    std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+    while (!lock.owns_lock()) {
+        cancel.throw_if_cancelled();
+        std::this_thread::sleep_for(kPatience);
+        lock = std::unique_lock<std::mutex>(mutex_, std::try_to_lock);
+    }
     if (is_converted()) return;
     // Isolated: a thread that waits for parts of one image must not begin with another.
     tbb::this_task_arena::isolate([&] { make(cancel); });

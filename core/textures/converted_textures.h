@@ -49,8 +49,8 @@ class ConvertedTexture {
     std::string file_;
     int channels_ = 0, width_ = 0, height_ = 0;
     bool associated_ = false;
-    mutable std::timed_mutex mutex_;  ///< held while it is converted; guards all below
-    mutable Picture picture_;         ///< until it is converted
+    mutable std::mutex mutex_;  ///< held while it is converted; guards all below
+    mutable Picture picture_;   ///< until it is converted
     mutable std::string fault_;
     mutable uint64_t bytes_ = 0;  ///< that its file takes of the folder's
     mutable void* handle_ = nullptr;

@@ -134,7 +134,7 @@ struct TextureStore::Implementation {
         conversions.run([this, texture, bytes] {
             try {
                 texture->convert(gone);
-            } catch (...) {  // `finish` tries again, and throws what is wrong
+            } catch (const std::exception&) {  // `finish` tries again, and throws what it meets
             }
             waiting -= bytes;
         });

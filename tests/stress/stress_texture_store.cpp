@@ -1,6 +1,7 @@
 // Textures whose tiles do not fit the memory allowed, looked up by many threads while other stores come and go: the
-// colours are those that one thread finds.
+// colours are those that one thread finds. Stores share what is converted, and leave while it is.
 #include "stress.h"
+#include "textures/converted_textures.h"
 #include "textures/texture_store.h"
 
 using namespace rayleaf;
@@ -36,6 +37,30 @@ std::vector<Vec4f> colours(const TextureStore& store, int number, int count) {
     return found;
 }
 
+/// Stores that share what is converted: most are gone, or have been cancelled, while another thread still converts for
+/// them.
+void share_conversions(const std::shared_ptr<ConvertedTextures>& converted, int thread) {
+    constexpr int kSmall = 48, kImages = 6;
+    for (int round = 0; round < 4; ++round) {
+        TextureStore store(kLeastMemory, converted);
+        for (int i = 0; i < kImages; ++i) {
+            const auto shift = static_cast<float>((thread + round + i) % 7);
+            store.add_pixels("shared", picture(kSmall, shift), kSmall, kSmall, 4, ColorSpace::Srgb);
+        }
+        CancelToken cancel;
+        if (round == 1) cancel.cancel();
+        if (round == 2) continue;
+        try {
+            store.finish(cancel);
+        } catch (const Cancelled&) {
+            continue;
+        }
+        const Vec4f found =
+            store.lookup(0, {0.5f, 0.5f}, {0, 0}, {0, 0}, TextureExtension::Repeat, TextureInterpolation::Closest);
+        stress::require(found[3] == 1.0f, "an image that is not converted");
+    }
+}
+
 }  // namespace
 
 int main() {
@@ -47,6 +72,7 @@ int main() {
     std::vector<std::vector<Vec4f>> wanted;
     for (int number = 0; number < kNumbers; ++number) wanted.push_back(colours(store, number, kLookups));
     const size_t before = store.statistics().file_reads;
+    const auto converted = std::make_shared<ConvertedTextures>();
     for (const int threads : stress::kThreadCounts)
         stress::run_together(threads, [&](int thread) {
             if (thread % 16 == 1) {
@@ -54,6 +80,7 @@ int main() {
                 other.add_pixels("other", picture(16, 0.0f), 16, 16, 4, ColorSpace::Linear);
                 other.lookup(0, {0.5f, 0.5f}, {0, 0}, {0, 0}, TextureExtension::Clip, TextureInterpolation::Cubic);
             }
+            if (thread % 4 == 3) share_conversions(converted, thread);
             stress::require(
                 colours(store, thread % kNumbers, kLookups) == wanted[static_cast<size_t>(thread % kNumbers)],
                 "another colour");
