@@ -91,19 +91,26 @@ def test_what_two_renders_did_not_use_is_dropped():
 
 
 @pytest.mark.slow
-def test_an_image_is_converted_once():
+@pytest.mark.parametrize("side", [2048, 512])  # by all threads when the scene is rendered, or while it is described
+def test_an_image_is_converted_once(side):
     parts = _core.SceneParts()
-    first = _core.SceneDescription(parts)
-    pixels = np.random.default_rng(3).uniform(0, 1, (2048, 2048, 4)).astype(np.float32)
-    first.add_image_pixels("large", pixels, "SRGB")
+    pixels = np.random.default_rng(3).uniform(0, 1, (side, side, 4)).astype(np.float32)
+
+    def rendered(*spaces):
+        scene = make(parts)
+        for space in spaces:
+            scene.add_image_pixels("large", pixels, space)
+        render(scene)
+        return scene
+
+    first = rendered("SRGB")
     before = converted_files()
-    second = _core.SceneDescription(parts)
-    second.add_image_pixels("large", pixels, "SRGB")
+    second = rendered("SRGB")
     assert converted_files() == before
-    second.add_image_pixels("large", pixels, "NON_COLOR")
+    third = rendered("SRGB", "NON_COLOR")
     assert converted_files() == before + 1
-    del first, second, parts
-    assert converted_files() == before - 1
+    del first, second, third, parts
+    assert converted_files() == before - 2  # the sky's too
 
 
 def converted_files():
