@@ -1,5 +1,7 @@
 #include "film/film.h"
 
+#include "film/shadow_catcher.h"
+
 #include <algorithm>
 
 namespace rayleaf {
@@ -87,7 +89,14 @@ void Film::put_blocks(const Window& tile, std::span<const PixelValues> values, i
 std::vector<float> Film::pixels(Pass pass) const {
     const std::scoped_lock lock(mutex_);
     if (is_matte(pass)) return has(pass) ? mattes_->pixels(pass) : std::vector<float>();
-    return data_[static_cast<size_t>(pass)];
+    if (pass == Pass::shadow_catcher && has(pass)) return caught_share();
+    if (pass == Pass::combined && has(pass) && has(Pass::footage))
+        return with_shadow(data(pass), caught_share(), data(Pass::footage));
+    return data(pass);
+}
+
+std::vector<float> Film::caught_share() const {
+    return shadow_share(data(Pass::shadow_catcher), data(Pass::footage_light));
 }
 
 bool Film::has(Pass pass) const {

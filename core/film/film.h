@@ -53,6 +53,8 @@ class Film {
     /// `update(old, value)` for each channel of a rectangle's pixels.
     template <typename Update>
     void update(Pass pass, const Window& tile, std::span<const PixelValues> values, const Update& update);
+    const std::vector<float>& data(Pass pass) const { return data_[static_cast<size_t>(pass)]; }
+    std::vector<float> caught_share() const;
     float* at(Pass pass, int x, int y) {
         const size_t pixel = static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
         return &data_[static_cast<size_t>(pass)][pixel * info(pass).channels.size()];

@@ -1,5 +1,7 @@
 #include "film/film_sums.h"
 
+#include "film/shadow_catcher.h"
+
 #include <algorithm>
 
 namespace rayleaf {
@@ -70,6 +72,14 @@ int FilmSums::most_samples() const {
 
 std::vector<float> FilmSums::pixels(Pass pass) const {
     if (is_matte(pass)) return mattes_->pixels(pass);
+    const auto share = [this] { return shadow_share(means(Pass::shadow_catcher), means(Pass::footage_light)); };
+    if (pass == Pass::shadow_catcher) return share();
+    if (pass == Pass::combined && has(Pass::footage)) return with_shadow(means(pass), share(), means(Pass::footage));
+    return means(pass);
+}
+
+/// Of sums, divided as the pass's rule says.
+std::vector<float> FilmSums::means(Pass pass) const {
     const std::vector<Pass> needed = computed_passes({pass});
     const size_t channels = info(pass).channels.size();
     std::vector<float> pixels;

@@ -49,6 +49,7 @@ class FilmSums {
     }
     void add_terms(size_t pixel, Pass pass, PixelSums& sums) const;
     void keep_terms(size_t pixel, Pass pass, PixelSums& sums);
+    std::vector<float> means(Pass pass) const;
 };
 
 }  // namespace rayleaf

@@ -7,7 +7,8 @@
 namespace rayleaf {
 
 void PixelMoments::add(const PixelSample& sample) {
-    const Vec4f& color = sample[Pass::combined];
+    // What shadow catchers scatter is no part of Combined until their shadow is, but is as noisy.
+    const Vec4f color = sample[Pass::combined] + sample[Pass::shadow_catcher];
     // Sums of squares stay finite; such a pixel is noisy anyway.
     constexpr double kLargest = 1e30;
     const double brightness = std::clamp(double{color.x} + double{color.y} + double{color.z}, -kLargest, kLargest);

@@ -69,6 +69,8 @@ std::vector<Pass> computed_passes(const std::vector<Pass>& wanted) {
     for (const Pass pass : wanted) {
         include(pass);
         if (rule(pass).rule == PassRule::Divided) include(rule(pass).color);
+        if (pass == Pass::footage) include(Pass::shadow_catcher);
+        if (pass == Pass::footage || pass == Pass::shadow_catcher) include(Pass::footage_light);
     }
     return computed;
 }

@@ -27,7 +27,8 @@ PassRuleInfo rule(Pass pass);
 /// A mean of light divided by that of a colour; 0 where there is no colour.
 Vec4f divided(const Vec4d& light, const Vec4d& color);
 
-/// The passes to compute for the wanted ones: each once, with the colours that Divided passes need.
+/// The passes to compute for the wanted ones: each once, with the colours that Divided passes need, and what shadow
+/// catchers need.
 std::vector<Pass> computed_passes(const std::vector<Pass>& wanted);
 
 /// Values of all passes for one pixel. xyzw are the channels in order.

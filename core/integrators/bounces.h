@@ -30,7 +30,11 @@ class Bounces {
     bool is_last() const { return is_last_; }
     int count() const { return state_.depth; }
     /// The kind of ray now under way.
-    Visibility ray_kind() const { return ray_kind_; }
+    Visibility ray_kind() const { return in_footage_ ? in_footage(ray_kind_) : ray_kind_; }
+    Visibility kind_of_shadow_ray() const { return in_footage_ ? in_footage(kVisibleShadow) : kVisibleShadow; }
+    /// From now on the path meets nothing but what stands in the footage.
+    void go_into_footage() { in_footage_ = true; }
+    bool is_in_footage() const { return in_footage_; }
     /// Transparent surfaces that a shadow ray from here may pass.
     int transparent_left() const { return settings_.transparent_bounces - state_.transparent_depth; }
     /// The state at a hit `length` along the ray.
@@ -42,7 +46,7 @@ class Bounces {
     const PathSettings& settings_;
     PathState state_;
     Visibility ray_kind_ = kVisibleCamera;
-    bool is_last_ = false;
+    bool is_last_ = false, in_footage_ = false;
     double passed_ = 0;  ///< length since the last scattering, before the present transparent surface
 };
 

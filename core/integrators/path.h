@@ -39,6 +39,8 @@ struct PathSettings {
     bool ray_passes;                ///< any pass that shows how rays were answered
     bool surface_passes;            ///< any pass that describes the first surface
     bool feature_passes;            ///< any pass that denoisers are guided by
+    bool catches_shadows;           ///< shadow catchers are none of the objects that the camera sees
+    bool shows_footage;             ///< the picture shows their shadow, and what lies behind
     double mist_start, mist_depth;  ///< world units
     float mist_falloff;             ///< exponent
 

@@ -29,6 +29,7 @@ bool PathTracer::pass_media(double end) {
 /// Whether anything hides the light is found out at once: few paths of a stream are in media.
 void PathTracer::add_scattered_light(const MediumSegment& segment) {
     FreeWay shadow;
+    shadow.kind = bounces_.kind_of_shadow_ray();
     shadow.state = bounces_.of_shadow_ray();
     shadow.transparent_left = bounces_.transparent_left();
     shadow.widening = settings_.widening(importance(), false);

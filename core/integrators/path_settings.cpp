@@ -65,6 +65,8 @@ PathSettings::PathSettings(const Settings& s)
     ray_passes = (passes & kRayPasses) != 0;
     surface_passes = (passes & kSurfacePasses) != 0 || slots > 0;
     feature_passes = (passes & kFeaturePasses) != 0;
+    catches_shadows = wants(Pass::footage_light);
+    shows_footage = wants(Pass::footage);
 }
 
 RayWidening PathSettings::widening(float importance, bool scattered) const {

@@ -64,10 +64,27 @@ void PathStream::trace_active(Coherence coherence) {
             const Arrival arrival = path.arrive(found[i]);
             goes_on_[paths[i]] = arrival == Arrival::GoesOn ? 1 : 0;
             if (arrival == Arrival::InWorld) in_world_.push_back(paths[i]);
-            if (arrival == Arrival::AtSurface)
-                bins_.add(*scene_.material(path.hit().instance, path.hit().local).surface, paths[i]);
+            if (arrival == Arrival::AtSurface) add_to_bins(paths[i]);
+            if (arrival == Arrival::AtSurface && path.meets_catcher()) splits_.push_back({paths[i], 0});
         }
     });
+    if (settings_.catches_shadows) split_at_catchers();
+}
+
+void PathStream::add_to_bins(uint32_t path) {
+    const Hit& hit = paths_[path].hit();
+    bins_.add(*scene_.material(hit.instance, hit.local).surface, path);
+}
+
+void PathStream::split_at_catchers() {
+    for (Split& split : splits_) {
+        if (split.alone != 0) continue;
+        split.alone = static_cast<uint32_t>(paths_.size());
+        paths_.push_back(paths_[split.path].split());
+        active_.push_back(split.alone);
+        add_to_bins(split.alone);
+    }
+    goes_on_.resize(paths_.size(), 0);
 }
 
 void PathStream::see_world() {

@@ -28,8 +28,10 @@ class PathStream {
     template <typename Take>
     void trace(const Take& take) {
         trace_all();
-        for (PathTracer& path : paths_) take(path.finish());
+        for (const Split& split : splits_) paths_[split.path].take_footage(paths_[split.alone].finish());
+        for (size_t i = 0; i + splits_.size() < paths_.size(); ++i) take(paths_[i].finish());
         paths_.clear();
+        splits_.clear();
     }
 
   private:
@@ -44,10 +46,17 @@ class PathStream {
     MaterialBins bins_;                 ///< paths that met a surface
     std::vector<uint32_t> in_world_;    ///< paths that ask what the world shows
     std::vector<uint8_t> goes_on_;      ///< by path
+    /// A path that met a shadow catcher, and the same in the footage alone; these are the last of the paths.
+    struct Split {
+        uint32_t path, alone;
+    };
+    std::vector<Split> splits_;
     std::vector<Vertex> vertices_;      ///< of the paths that are shaded together
 
     void trace_all();
     void trace_active(Coherence coherence);
+    void add_to_bins(uint32_t path);
+    void split_at_catchers();
     void see_world();
     void shade(const Program& program, std::span<const uint32_t> paths);
     void keep_those_that_go_on();

@@ -18,17 +18,6 @@ constexpr float kLeastSurvival = 0.05f;
 
 }  // namespace
 
-PixelSample PathTracer::trace() {
-    for (bool goes_on = sees_; goes_on;) {
-        const RayQuery query = next_ray();
-        const Arrival arrival = arrive(scene_.tracer().closest(*query.ray, query.kind, query.differential));
-        goes_on = arrival == Arrival::GoesOn || (arrival == Arrival::AtSurface && shade_alone()) ||
-                  (arrival == Arrival::InWorld && see_world_alone());
-        if (light_ray_) receive(free_share(scene_, *light_ray_));
-    }
-    return finish();
-}
-
 RayQuery PathTracer::next_ray() {
     ++counts_[use_];
     if (has_footprint_) ray_ = with_width(ray_, differential_, widening());
@@ -48,20 +37,6 @@ Arrival PathTracer::arrive(const ClosestHit& found) {
         return vertex_ < kMostVertices ? Arrival::GoesOn : Arrival::Ends;
     }
     return !bounces_.is_last() || may_shine_or_let_through(*hit_) ? Arrival::AtSurface : Arrival::Ends;
-}
-
-bool PathTracer::shade_alone() {
-    Vertex vertex;
-    vertex.point = scene_.tracer().surface_point(ray_, *hit_);
-    scene_.material(hit_->instance, hit_->local).surface->evaluate(approach(vertex), vertex.closures);
-    return shade(vertex, {random3(PathDimension::Light), random3(PathDimension::Scatter)});
-}
-
-bool PathTracer::see_world_alone() {
-    Closures closures;
-    scene_.world_program()->evaluate(look_at_world(closures), closures);
-    take_world(closures.emission);
-    return false;
 }
 
 void PathTracer::ask_numbers(SamplePairs& pairs) const {
@@ -99,6 +74,7 @@ const PixelSample& PathTracer::finish() {
     if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
     light_.sample[Pass::mist].x = 1.0f - light_.sample[Pass::mist].x;
     light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
+    if (settings_.catches_shadows) divide_by_catchers();
     return light_.sample;
 }
 
@@ -183,8 +159,9 @@ void PathTracer::add_emission(const Vertex& vertex) {
 
 void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    const std::optional<LightSample> light = scene_.lights().sample(vertex.point.position, random, vertex.point.time);
+    std::optional<LightSample> light = scene_.lights().sample(vertex.point.position, random, vertex.point.time);
     if (!light) return;
+    if (bounces_.is_in_footage()) *light = seen_in_footage(*light);
     const bool first = bounces_.count() == 0;
     const LitLobes lit = (first && settings_.light_passes) || !lights_all_kinds(*light)
                              ? lit_by_kind(vertex, vertex.closures, *light)
@@ -204,6 +181,7 @@ void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     if (!ray) return receive(Color(1.0f));
     leave_fibre(scene_, vertex.point, vertex.closures, *ray);
     to_light.ray = *ray;
+    to_light.kind = bounces_.kind_of_shadow_ray();
     if (has_footprint_) to_light.differential = shadow_differential(vertex.differential, *light, kPathSiblings);
     to_light.state = bounces_.of_shadow_ray();
     to_light.transparent_left = bounces_.transparent_left();
@@ -375,13 +353,6 @@ bool PathTracer::survives_roulette() {
     if (random(PathDimension::Roulette) >= survival) return false;
     throughput_ /= survival;
     return true;
-}
-
-PixelSample trace_path(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray,
-                       const Sampler& sampler, RayCounts& counts, SampleExtras* extras) {
-    PathTracer path(scene, settings, camera_ray, sampler, counts);
-    if (extras) path.write_extras(*extras);
-    return path.trace();
 }
 
 }  // namespace rayleaf

@@ -39,6 +39,12 @@ struct Departure {
     }
 };
 
+/// What a path leaves behind where it meets a shadow catcher.
+struct CaughtPath {
+    Vec4f objects{0, 0, 0, 0};  ///< what it saw before, and its alpha
+    Vec4f footage{0, 0, 0, 0};  ///< what lies behind, where the picture shows it
+};
+
 /// What a path does where its ray has arrived.
 enum class Arrival : uint8_t {
     Ends,
@@ -83,6 +89,11 @@ class PathTracer {
     /// The ray that arrived, and its hit, where a surface is to be shaded.
     const Ray& ray() const { return ray_; }
     const Hit& hit() const { return *hit_; }
+    /// Whether a surface that it has arrived at is the first shadow catcher; then `split` is asked for, before shading.
+    bool meets_catcher() const;
+    /// The same path in the footage alone, to be followed from here; what it gives is then taken.
+    PathTracer split();
+    void take_footage(const PixelSample& alone);
     /// The inputs of the world's program, where it is asked; `closures` are what it will fill.
     ShadingInputs look_at_world(Closures& closures) const;
     /// What it shows.
@@ -127,6 +138,7 @@ class PathTracer {
     RayUse use_ = RayUse::Camera;  ///< of the ray under way
     std::optional<Hit> hit_;       ///< of the vertex
     std::optional<LightRay> light_ray_;
+    std::optional<CaughtPath> caught_;  ///< once it has met a shadow catcher
     MediumStack media_;               ///< that the ray under way starts in
     uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
     static constexpr uint32_t kNowhere = RayAnchor::kNone;
@@ -134,6 +146,8 @@ class PathTracer {
     float importance() const { return max_component(throughput_); }
     RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
     void take_hit(ClosestHit found);
+    Arrival arrive_alone();
+    void follow(Arrival arrival);
     bool shade_alone();
     bool see_world_alone();
     void pass_volumes();
@@ -185,6 +199,8 @@ class PathTracer {
     bool cross_inside(LobeKind kind, const Color& factor);
     bool survives_roulette();
     float straight_probability(const Closures& closures) const;
+    void catch_light();
+    void divide_by_catchers();
 };
 
 }  // namespace rayleaf

@@ -33,12 +33,15 @@ inline RayUse use_of_scattered(RayUse before, const LobeSample& sample) {
 struct RayCounts {
     std::array<uint64_t, kRayUseNames.size()> of{};
 
+    uint64_t catcher_paths = 0;  ///< that went on twice from a shadow catcher
+
     uint64_t hemispheres_sampled = 0, hemispheres_interpolated = 0;  ///< of surfaces met within the frame
 
     uint64_t& operator[](RayUse use) { return of[static_cast<size_t>(use)]; }
     uint64_t operator[](RayUse use) const { return of[static_cast<size_t>(use)]; }
     RayCounts& operator+=(const RayCounts& other) {
         for (size_t i = 0; i < of.size(); ++i) of[i] += other.of[i];
+        catcher_paths += other.catcher_paths;
         hemispheres_sampled += other.hemispheres_sampled;
         hemispheres_interpolated += other.hemispheres_interpolated;
         return *this;

@@ -59,7 +59,7 @@ double mean_factor(const Lamp& lamp, size_t number, const LampEmission& emission
 
 /// What all lamps have.
 struct LampTraits {
-    uint8_t visibility;
+    uint16_t visibility;
     bool casts_shadow;
     size_t number;  ///< in the list of lamps
     bool has_program;
@@ -141,8 +141,8 @@ struct LightSet::Implementation {
 
 void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
     const LampTraits traits{
-        lamp.visibility, lamp.casts_shadow, number, lamp.emission != nullptr, mean_factor(lamp, number, lamp_emission),
-        lamp.light_group};
+        seen_by(lamp.visibility), lamp.casts_shadow, number, lamp.emission != nullptr,
+        mean_factor(lamp, number, lamp_emission), lamp.light_group};
     switch (lamp.kind) {
         case LampKind::Sun:
             suns.push_back({Sun(lamp), traits});
@@ -197,7 +197,7 @@ bool LightSet::empty() const {
 namespace {
 
 /// The choice of this light taken into account; empty where nothing that floats can hold arrives.
-std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position, double probability, uint8_t visibility,
+std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position, double probability, uint16_t visibility,
                                   bool casts_shadow) {
     LightSample sample;
     sample.direction = Vec3f(from.direction);
@@ -261,7 +261,7 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
         if (choice < probability || set.tree.empty()) {
             LampSample sample = set.world->sample(within);
             sample.radiance = set.world_emission(Vec3f(sample.direction));
-            std::optional<LightSample> light = chosen(sample, position, probability, kVisibleAll, true);
+            std::optional<LightSample> light = chosen(sample, position, probability, seen_by(kVisibleAll | kOfFootage), true);
             if (light) light->world = true;
             return light;
         }

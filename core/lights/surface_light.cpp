@@ -140,7 +140,7 @@ std::optional<uint32_t> SurfaceLights::item_of(const SurfacePoint& point) const 
     return item;
 }
 
-uint8_t SurfaceLights::visibility(uint32_t item) const {
+uint16_t SurfaceLights::visibility(uint32_t item) const {
     return tracer_.instance(elements_[item].instance).visibility;
 }
 

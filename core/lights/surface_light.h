@@ -24,7 +24,7 @@ class SurfaceLights {
     /// The element that holds a point; empty where none of its instance was given as emitting.
     std::optional<uint32_t> item_of(const SurfacePoint& point) const;
     /// Which kinds of rays see the element.
-    uint8_t visibility(uint32_t item) const;
+    uint16_t visibility(uint32_t item) const;
     uint32_t instance(uint32_t item) const { return elements_[item].instance; }
     size_t bytes() const;
 

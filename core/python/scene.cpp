@@ -47,8 +47,9 @@ std::shared_ptr<const Program> copy_of(const std::shared_ptr<Program>& program) 
 }
 
 uint8_t visibility_of(const std::string& object, int visibility) {
-    if (visibility < 0 || visibility > kVisibleAll)
-        throw InputError(object, "visibility", std::to_string(visibility), "0 to " + std::to_string(kVisibleAll));
+    constexpr int kMost = kVisibleAll | kOfFootage;
+    if (visibility < 0 || visibility > kMost)
+        throw InputError(object, "visibility", std::to_string(visibility), "0 to " + std::to_string(kMost));
     return static_cast<uint8_t>(visibility);
 }
 
@@ -381,7 +382,7 @@ void bind_scene(py::module_& module) {
              "motions"_a = py::none())
         .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
              "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
-             "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = static_cast<int>(kVisibleAll),
+             "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = kVisibleAll | kOfFootage,
              "emission"_a = py::none(), "light_group"_a = -1)
         .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024, "medium"_a = py::none(),
              "light_group"_a = -1)

@@ -64,6 +64,7 @@ py::dict rays(const RenderStatistics& s) {
     py::dict result("pixels"_a = s.pixels, "paths"_a = s.paths);
     for (size_t use = 0; use < kRayUseNames.size(); ++use)
         if (s.rays.of[use] > 0) result[kRayUseNames[use]] = s.rays.of[use];
+    if (s.rays.catcher_paths > 0) result["catcher_paths"] = s.rays.catcher_paths;
     return result;
 }
 

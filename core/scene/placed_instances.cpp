@@ -57,8 +57,8 @@ void PlacedInstances::place(uint32_t index) {
     light_groups[index] = instance.light_group;
     visibility[index] = instance.visibility;
     shape_of_[index] = instance.shape;
-    traced.edit(index) = {shapes_[static_cast<size_t>(instance.shape)], instance.object_to_world, instance.visibility,
-                          instance.motion};
+    traced.edit(index) = {shapes_[static_cast<size_t>(instance.shape)], instance.object_to_world,
+                          seen_by(instance.visibility), instance.motion};
 }
 
 }  // namespace rayleaf

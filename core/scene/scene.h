@@ -77,7 +77,9 @@ class Scene {
     /// What shows the length of rays inside an instance; null for objects with a surface. The first slot decides.
     const VolumeVisualisation* volume(uint32_t instance) const;
     /// Which rays see it.
-    uint8_t volume_visibility(uint32_t instance) const { return placed_.visibility[instance]; }
+    uint16_t volume_visibility(uint32_t instance) const { return seen_by(placed_.visibility[instance]); }
+    /// Whether an instance shows the shadows that others cast on it, in place of itself.
+    bool catches_shadows(uint32_t instance) const { return (placed_.visibility[instance] & kOfFootage) != 0; }
     /// The instances that have one; no ray meets their surface.
     const std::vector<uint32_t>& volumes() const { return volumes_; }
     /// The body of an instance of clear glass whose inside rays skip; null for others.

@@ -12,6 +12,7 @@ from . import cache_report, kept_messages, passes, ray_report, statistics, versi
 from .denoising import Denoising
 from .export import CancelCheck, ExportCancelled, ExportError
 from .export.camera import CropRectangle, Frame, crop_of, frame_of
+from .export.instances import has_shadow_catchers
 from .export.motion import shutter_open
 from .export.scene import SceneExporter
 from .export.shapes import ExportReport
@@ -97,6 +98,8 @@ class FrameRender:
     def _settings(self) -> dict[str, Any]:
         layer = self.depsgraph.view_layer
         settings = core_settings(self.core, self._scene, layer, self.frame, self.crop, self._passes)
+        if has_shadow_catchers(self.depsgraph):
+            settings["passes"] += passes.for_catchers(self._passes)
         if self._scene.rayleaf.use_denoising:
             settings["passes"] += Denoising.of(self._scene).guides
         return settings

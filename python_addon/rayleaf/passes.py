@@ -25,6 +25,8 @@ _CRYPTOMATTE, _NAMED = "cryptomatte.", "named."
 # How the add-on's own switches begin: properties of `ViewLayer.rayleaf`; and those that Cycles keeps, which are
 # the add-on's where Cycles is not enabled.
 _OWN, _CYCLES = "rayleaf.", "cycles."
+# And those of what other passes are made of, which nobody sees.
+_HIDDEN = "hidden."
 _OWN_DATA = ("rayleaf.use_pass_sample_count",)
 _FOR_DEVELOPERS = ("use_pass_tree", "use_pass_level", "use_pass_cache_misses")
 
@@ -52,6 +54,11 @@ class Pass:
         return self.switch.startswith(_OWN)
 
     @property
+    def is_hidden(self) -> bool:
+        """True if other passes are made of it, and nothing shows it."""
+        return self.switch.startswith(_HIDDEN)
+
+    @property
     def needs_room(self) -> bool:
         """True if results have no room for it unless the engine makes some."""
         return bool(self.switch) and not self.switch.startswith("use_pass_")
@@ -66,6 +73,8 @@ class Pass:
         """True if a view layer asks for the pass."""
         if not self.switch:
             return True
+        if self.is_hidden:
+            return False
         owner, name = self.place(view_layer)
         return bool(getattr(owner, name, False))
 
@@ -122,6 +131,16 @@ def enabled(view_layer: Any, scene: Any = None) -> list[Pass]:
     if scene is not None and scene.rayleaf.use_denoising:
         fixed.append(NOISY)
     return fixed + mattes(view_layer) + list(Slots.of(view_layer).passes)
+
+
+# Has Combined show shadow catchers as Cycles does, as their shadow, where that is no pass of its own.
+_CATCHER, _SHADOW_IN_PICTURE = "shadow_catcher", "footage"
+
+
+def for_catchers(asked: Iterable[Pass]) -> list[str]:
+    """The core's names of the passes that shadow catchers need beside these."""
+    identifiers = {entry.identifier for entry in asked}
+    return [_SHADOW_IN_PICTURE] if "combined" in identifiers and _CATCHER not in identifiers else []
 
 
 # How far things move from frame to frame: in sharp pictures.

@@ -179,12 +179,17 @@ class RayleafViewLayerSettings(bpy.types.PropertyGroup):
         default=False,
         update=update_passes,
     )
-    # These three are Cycles' where it is enabled, so that its files find their passes.
+    # These four are Cycles' where it is enabled, so that its files find their passes.
     use_pass_volume_direct: BoolProperty(  # type: ignore
         name="Volume Direct", description="Light that volumes scatter straight from lights", update=update_passes
     )
     use_pass_volume_indirect: BoolProperty(  # type: ignore
         name="Volume Indirect", description="Light that volumes scatter after further bounces", update=update_passes
+    )
+    use_pass_shadow_catcher: BoolProperty(  # type: ignore
+        name="Shadow Catcher",
+        description="How much the other objects change the light on shadow catchers; Combined is without their shadow then",
+        update=update_passes,
     )
     denoising_store_passes: BoolProperty(  # type: ignore
         name="Denoising Data",

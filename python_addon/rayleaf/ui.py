@@ -323,6 +323,7 @@ class RAYLEAF_PT_ray_visibility(_Panel, bpy.types.Panel):
         for kind in ("camera", "diffuse", "glossy", "transmission", "shadow"):
             column.prop(context.object, f"visible_{kind}", text=kind.title())
         column.prop(context.object, "is_holdout")
+        column.prop(context.object, "is_shadow_catcher")
 
 
 PANELS = (

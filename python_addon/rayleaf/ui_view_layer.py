@@ -17,7 +17,7 @@ class RAYLEAF_PT_passes(_Panel, bpy.types.Panel):
     def draw(self, context: Any) -> None:
         groups: dict[str, list[passes.Pass]] = {}
         for entry in passes.table():
-            if entry.switch and not entry.is_for_developers:
+            if entry.switch and not entry.is_for_developers and not entry.is_hidden:
                 groups.setdefault(entry.group, []).append(entry)
         for heading, entries in groups.items():
             column = self._column().column(heading=heading, align=True)

@@ -25,6 +25,7 @@ _RANDOM_RANGE = 0xFFFFFFFF
 
 VISIBLE_CAMERA, VISIBLE_DIFFUSE, VISIBLE_GLOSSY, VISIBLE_TRANSMISSION, VISIBLE_SHADOW = 1, 2, 4, 8, 16
 VISIBLE_VOLUME = 32  # to rays that a medium has scattered
+IN_FOOTAGE = 64  # shadow catchers, and lamps that light them
 
 # Of what has a mesh beside it, what the core can render from control points.
 WITH_EXACT_FORM = {"SURFACE", "CURVE", "FONT"}
@@ -42,6 +43,7 @@ class Group:
     members: list[int]  # places in the depsgraph's list of instances
     hair: int | None = None  # which of the owner's hair particle systems, in place of the data
     instanced: bool = False  # some member is made by another object
+    in_footage: bool = False  # what makes them is a shadow catcher
 
     @property
     def sources(self) -> frozenset[int]:
@@ -131,7 +133,8 @@ class _Collector:
         self._exact = _ExactForms(core, depsgraph, motions)
         self._motions = motions
         self._space = space
-        self._known: dict[tuple[int, int], Group | None] = {}
+        self._known: dict[tuple[int, int, bool], Group | None] = {}
+        self._has_catchers = has_shadow_catchers(depsgraph)
         self._hair: dict[int, list[Group]] = {}
         self._matrices, self._randoms = array("f"), array("d")
         self._result = Instances(np.empty((0, 4, 4)), np.empty(0, np.float32))
@@ -157,7 +160,8 @@ class _Collector:
             self._take_hair(settings, place)
         if not shown:
             return
-        key = (settings.as_pointer(), data.as_pointer())
+        in_footage = self._has_catchers and owner is not None and instance.parent.is_shadow_catcher
+        key = (settings.as_pointer(), data.as_pointer(), in_footage)
         try:
             group = self._known[key]
         except KeyError:
@@ -165,6 +169,7 @@ class _Collector:
             group = self._known[key] = self._new_group(item, owner, data)
         if group is not None:
             group.members.append(place)
+            group.in_footage = in_footage
             group.instanced |= owner is not None
             system = None if owner is None else instance.particle_system
             if system is not None:
@@ -249,9 +254,15 @@ def collect(
     return collector.result()
 
 
-def visibility(owner: Any, view_layer: Any) -> int:
-    """The core's visibility bits of an object in a view layer."""
-    bits = 0
+def has_shadow_catchers(depsgraph: Any) -> bool:
+    """Whether some object catches shadows."""
+    return any(item.is_shadow_catcher and item.type != "LIGHT" for item in depsgraph.objects)
+
+
+def visibility(owner: Any, view_layer: Any, in_footage: bool = False) -> int:
+    """The core's visibility bits of an object in a view layer. `in_footage`: whatever the object says."""
+    is_caught = (in_footage or owner.is_shadow_catcher) and not is_holdout(owner, view_layer)
+    bits = IN_FOOTAGE if is_caught else 0
     for flag, name in (
         (VISIBLE_CAMERA, "visible_camera"),
         (VISIBLE_DIFFUSE, "visible_diffuse"),

@@ -184,7 +184,7 @@ class SceneExporter(ShapeExporter):
         return slots if override is None else [override] * max(len(slots), 1)
 
     def _material_list(self, group: Group) -> int:
-        unsupported.name_object_settings(group.owner, self._messages)
+        unsupported.name_object_settings(group.owner, self._blender_scene, self._messages)
         return self.materials.slot_list(self._slots(group), instances.is_holdout(group.owner, self._view_layer))
 
     def _is_displaced(self, group: Group) -> bool:
@@ -298,7 +298,7 @@ class SceneExporter(ShapeExporter):
             spread([shape for _, shape, _ in chosen]),
             spread([materials for _, _, materials in chosen]),
             spread([group.owner.pass_index for group, _, _ in chosen]),
-            spread([instances.visibility(group.owner, self._view_layer) for group, _, _ in chosen]),
+            spread([instances.visibility(group.owner, self._view_layer, group.in_footage) for group, _, _ in chosen]),
             spread([self._ray_interpolation(group.owner) for group, _, _ in chosen]),
             spread([self._light_group(group.owner) for group, _, _ in chosen]),
         )

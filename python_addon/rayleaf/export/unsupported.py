@@ -15,7 +15,6 @@ _MATTES = {f"use_pass_cryptomatte_{kind}" for kind in ("object", "material", "as
 _WORLD_VISIBILITY = ("camera", "diffuse", "glossy", "transmission", "shadow")
 # Passes that Blender's Cycles add-on keeps with a view layer.
 _CYCLES_PASSES = {
-    "use_pass_shadow_catcher": "Shadow Catcher",
     "pass_debug_sample_count": "Debug Sample Count",
 }
 
@@ -81,13 +80,13 @@ def _name_smoke(owner: Any, messages: Messages) -> None:
             _warn(messages, subject, "smoke and fire are not supported; its volume is the same all over")
 
 
-def name_object_settings(owner: Any, messages: Messages) -> None:
-    """Those of an evaluated object."""
+def name_object_settings(owner: Any, scene: Any, messages: Messages) -> None:
+    """Those of an evaluated object in its scene."""
     name_light_linking(owner, messages)
     _name_smoke(owner, messages)
-    if getattr(owner, "is_shadow_catcher", False):
+    if scene.rayleaf.integrator == "DISTRIBUTION" and owner.is_shadow_catcher:
         subject = Subject("Object", name_of(owner))
-        _warn(messages, subject, "shadow catchers are not supported; rendered like any object")
+        _warn(messages, subject, "distribution ray tracing knows no shadow catchers; rendered like any object")
 
 
 def name_material_settings(material: Any, messages: Messages) -> None:

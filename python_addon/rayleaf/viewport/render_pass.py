@@ -13,7 +13,7 @@ _LEFT_OUT = ("depth", "position")
 
 
 def _items() -> list[tuple[str, str, str]]:
-    shown = [entry for entry in passes.table() if entry.identifier not in _LEFT_OUT]
+    shown = [entry for entry in passes.table() if entry.identifier not in _LEFT_OUT and not entry.is_hidden]
     return [(entry.identifier, _label(entry), entry.meaning.capitalize()) for entry in shown]
 
 

@@ -9,8 +9,9 @@ import gpu
 import numpy as np
 from gpu_extras.presets import draw_texture_2d
 
-from .. import kept_messages
+from .. import kept_messages, passes
 from ..export import ExportError
+from ..export.instances import has_shadow_catchers
 from ..messages import Messages
 from . import render_pass, view
 from .sync import SceneSync
@@ -47,6 +48,7 @@ class Viewport:
         self._drawn: Picture | None = None
         self._worker = Worker(core, self._redraw)
         self._problem = ""
+        self._has_catchers = False  # the scene, of shadows
         _OPEN.add(self)
 
     def close(self) -> None:
@@ -69,7 +71,7 @@ class Viewport:
             shows_uv = render_pass.entry_of(context.space_data).identifier == "uv"
             frame = view.frame_of(context)
             self._scene = self.sync.update(depsgraph, frame, camera, shows_uv, context.space_data)
-            self._problem = ""
+            self._problem, self._has_catchers = "", has_shadow_catchers(depsgraph)
         except (ExportError, self._core.InputError) as error:
             self._scene, self._problem = None, str(error)
         self._ask(context, depsgraph)
@@ -99,6 +101,8 @@ class Viewport:
         camera, shown = view.camera_of(context, depsgraph), render_pass.entry_of(context.space_data)
         crop = view.crop_of(context, frame, camera)
         settings = view.settings_of(self._core, scene, depsgraph.view_layer, frame, crop, shown)
+        if self._has_catchers:
+            settings["passes"] += passes.for_catchers([shown])
         denoising = view.denoising_of(scene, shown)
         if denoising is not None:
             settings["passes"] += denoising.guides
