@@ -13,7 +13,8 @@ namespace rayleaf {
 /// Pixels of Pass::shadow_catcher: `caught` (RGB) over `alone` (RGBA, A the alpha of all), pixel by pixel.
 std::vector<float> shadow_share(std::span<const float> caught, std::span<const float> alone);
 
-/// Pixels of Combined with the shadow in alpha, over `footage` where that is in the picture. All but `share` (RGB): RGBA.
+/// Pixels of Combined with the shadow in alpha, over `footage` where that is in the picture. All but `share` (RGB):
+/// RGBA.
 std::vector<float> with_shadow(std::span<const float> objects, std::span<const float> share,
                                std::span<const float> footage);
 

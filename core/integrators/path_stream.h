@@ -51,7 +51,7 @@ class PathStream {
         uint32_t path, alone;
     };
     std::vector<Split> splits_;
-    std::vector<Vertex> vertices_;      ///< of the paths that are shaded together
+    std::vector<Vertex> vertices_;  ///< of the paths that are shaded together
 
     void trace_all();
     void trace_active(Coherence coherence);

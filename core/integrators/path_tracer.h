@@ -139,8 +139,8 @@ class PathTracer {
     std::optional<Hit> hit_;       ///< of the vertex
     std::optional<LightRay> light_ray_;
     std::optional<CaughtPath> caught_;  ///< once it has met a shadow catcher
-    MediumStack media_;               ///< that the ray under way starts in
-    uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
+    MediumStack media_;                 ///< that the ray under way starts in
+    uint32_t outside_of_ = kNowhere;    ///< instance of glass that the ray under way has just left
     static constexpr uint32_t kNowhere = RayAnchor::kNone;
 
     float importance() const { return max_component(throughput_); }

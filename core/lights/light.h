@@ -42,8 +42,9 @@ struct Lamp {
     double size_x = 1, size_y = 1;     ///< area lamps, in lamp space; a disk's axes
     double spread = 3.14159265358979;  ///< area lamps: full angle of emission, radians
     bool casts_shadow = true;
-    uint8_t visibility = kVisibleAll | kOfFootage;  ///< which rays may hit the lamp itself; whether it is in the footage
-    int light_group = -1;              ///< the slot of its light (film/pass.h); -1: none
+    uint8_t visibility =
+        kVisibleAll | kOfFootage;  ///< which rays may hit the lamp itself; whether it is in the footage
+    int light_group = -1;          ///< the slot of its light (film/pass.h); -1: none
     /// What it emits is a factor on the strength, by place and direction; null: 1.
     std::shared_ptr<const Program> emission = nullptr;
 };
@@ -66,9 +67,9 @@ struct LightSample {
     float density = 0;         ///< per solid angle, choice of the light included; delta lights: the choice alone
     bool delta = false;        ///< cannot be hit by a scattered ray
     bool casts_shadow = true;
-    bool world = false;                ///< light of the world, not of a lamp or surface
-    int lamp_group = -1;               ///< light group of the lamp; -1: none, or no lamp
-    int instance = -1;                 ///< of an emitting surface; else -1
+    bool world = false;                 ///< light of the world, not of a lamp or surface
+    int lamp_group = -1;                ///< light group of the lamp; -1: none, or no lamp
+    int instance = -1;                  ///< of an emitting surface; else -1
     uint16_t visibility = kVisibleAll;  ///< which kinds of rays see the light: other lobes are not lit by it
 };
 

@@ -140,9 +140,12 @@ struct LightSet::Implementation {
 };
 
 void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
-    const LampTraits traits{
-        seen_by(lamp.visibility), lamp.casts_shadow, number, lamp.emission != nullptr,
-        mean_factor(lamp, number, lamp_emission), lamp.light_group};
+    const LampTraits traits{seen_by(lamp.visibility),
+                            lamp.casts_shadow,
+                            number,
+                            lamp.emission != nullptr,
+                            mean_factor(lamp, number, lamp_emission),
+                            lamp.light_group};
     switch (lamp.kind) {
         case LampKind::Sun:
             suns.push_back({Sun(lamp), traits});
@@ -197,8 +200,8 @@ bool LightSet::empty() const {
 namespace {
 
 /// The choice of this light taken into account; empty where nothing that floats can hold arrives.
-std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position, double probability, uint16_t visibility,
-                                  bool casts_shadow) {
+std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position, double probability,
+                                  uint16_t visibility, bool casts_shadow) {
     LightSample sample;
     sample.direction = Vec3f(from.direction);
     sample.distance = from.distance;
@@ -261,7 +264,8 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
         if (choice < probability || set.tree.empty()) {
             LampSample sample = set.world->sample(within);
             sample.radiance = set.world_emission(Vec3f(sample.direction));
-            std::optional<LightSample> light = chosen(sample, position, probability, seen_by(kVisibleAll | kOfFootage), true);
+            std::optional<LightSample> light =
+                chosen(sample, position, probability, seen_by(kVisibleAll | kOfFootage), true);
             if (light) light->world = true;
             return light;
         }

@@ -57,7 +57,7 @@ struct InstanceDescription {
     int material_list = -1;  ///< index of a list of materials, one per slot; -1: neutral material everywhere
     float object_index = 0, random = 0;
     uint8_t visibility = kVisibleAll;  ///< with kOfFootage: a shadow catcher
-    int ray_interpolation = -1;  ///< index of the object's own; -1: the scene's
+    int ray_interpolation = -1;        ///< index of the object's own; -1: the scene's
     std::vector<InstanceAttribute> attributes = {};
     int light_group = -1;    ///< the slot of the light that it emits (film/pass.h); -1: none
     std::string asset = {};  ///< to which it belongs for Cryptomatte; empty: it is one itself

@@ -54,7 +54,7 @@ constexpr uint16_t seen_by(uint8_t visibility) {
 
 struct TracedInstance {
     std::shared_ptr<const Shape> shape;
-    Affine3d object_to_world;  ///< must be regular; checked where the scene is described
+    Affine3d object_to_world;           ///< must be regular; checked where the scene is described
     uint16_t visibility = kVisibleAll;  ///< `seen_by`
     /// Where it is while the shutter is open; null: it stands still at `object_to_world`.
     std::shared_ptr<const Motion> motion = nullptr;

@@ -315,11 +315,14 @@ class RAYLEAF_PT_ray_visibility(_Panel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        shown = {"MESH", "CURVE", "SURFACE", "FONT", "META", "LIGHT"}
+        shown = {"MESH", "CURVE", "SURFACE", "FONT", "META", "LIGHT", "EMPTY"}
         return context.object is not None and context.object.type in shown and super().poll(context)
 
     def draw(self, context: Any) -> None:
         column = self._column()
+        if context.object.type == "EMPTY":  # of what it makes instances of
+            column.prop(context.object, "is_shadow_catcher")
+            return
         for kind in ("camera", "diffuse", "glossy", "transmission", "shadow"):
             column.prop(context.object, f"visible_{kind}", text=kind.title())
         column.prop(context.object, "is_holdout")

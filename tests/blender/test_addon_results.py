@@ -31,9 +31,9 @@ def test_every_pass_arrives_with_all_its_channels_upright(run_blender, tmp_path)
     script = """
 from rayleaf import passes
 for entry in passes.table():
-    if entry.switch:
+    if entry.switch and not entry.is_hidden:
         setattr(*entry.place(bpy.context.view_layer), True)
-report(passes=[[entry.name, entry.channels] for entry in passes.table()])
+report(passes=[[entry.name, entry.channels] for entry in passes.table() if not entry.is_hidden])
 """
     run = run_blender(SETUP + script + RENDER, path)
     picture = plain_exr.read(path)
@@ -152,7 +152,7 @@ from rayleaf import passes
 scene = bpy.context.scene
 scene.render.engine = "RAYLEAF"
 for entry in passes.table():
-    if entry.switch:
+    if entry.switch and not entry.is_hidden:
         setattr(*entry.place(bpy.context.view_layer), True)
 tree = scenes.compositor(scene)
 bpy.context.view_layer.update()

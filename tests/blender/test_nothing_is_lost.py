@@ -295,14 +295,16 @@ SETTINGS = {
         "Scene 'Scene'",
     ),
     "the pass Shadow": ("layer.use_pass_shadow = True", "View layer 'ViewLayer'"),
-    "Shadow Catcher": ("layer.cycles.use_pass_shadow_catcher = True", "View layer 'ViewLayer'"),
     "shader AOV 'Rayleaf Mask'": ("layer.aovs.add().name = 'Rayleaf Mask'", "View layer 'ViewLayer'"),
     "knows no light groups": (
         "layer.lightgroups.add(name='Sun'); scene.rayleaf.integrator = 'DISTRIBUTION';"
         "scene.rayleaf.use_irradiance_cache = True; scene.update_tag()",
         "View layer 'ViewLayer'",
     ),
-    "shadow catchers": ("item.is_shadow_catcher = True", "Object 'Quad'"),
+    "shadow catchers": (
+        "item.is_shadow_catcher = True; scene.rayleaf.integrator = 'DISTRIBUTION'; scene.update_tag()",
+        "Object 'Quad'",
+    ),
     "ignore transparency": (
         "owner = material if hasattr(material, 'use_transparent_shadow') else material.cycles;"
         "owner.use_transparent_shadow = False",

@@ -22,6 +22,7 @@ UNNEEDED = {
     "irradiance cache",
     "tessellation",
     "volume visualisation",
+    "shadow catchers",
     "spline surfaces",
     "strands",
     "bevelled curves",
