@@ -48,21 +48,74 @@ def frames_and_outputs(options: argparse.Namespace) -> list[tuple[int, Path]]:
     return [(number, output.with_name(f"{output.name}_{number:04d}")) for number in numbers]
 
 
-def save(path: Path, file_format: str, color_depth: str) -> None:
-    """Save Blender's Render Result: beside first, then renamed, so that no half file has the name."""
+def choose_format(file_format: str, color_depth: str, views_format: str = "INDIVIDUAL") -> None:
+    """How pictures are written; `views_format`: how stereoscopic ones are."""
     scene = bpy.context.scene
     settings = scene.render.image_settings
     choose_file_format(settings, file_format)
     settings.color_mode = "RGBA" if scene.render.film_transparent or file_format != "PNG" else "RGB"
     settings.color_depth = color_depth
-    beside = path.with_name(f".{path.stem}.{os.uname().nodename}.{os.getpid()}{path.suffix}")
+    settings.views_format = views_format  # which goes back as the format changes
+
+
+def beside(path: Path) -> Path:
+    """Where a picture is written before it gets its name, so that no half file has that."""
+    return path.with_name(f".{path.stem}.{os.uname().nodename}.{os.getpid()}{path.suffix}")
+
+
+def save(path: Path, file_format: str, color_depth: str, views_format: str = "INDIVIDUAL") -> None:
+    """Save Blender's Render Result."""
+    scene, unnamed = bpy.context.scene, beside(path)
+    choose_format(file_format, color_depth, views_format)
     try:
-        bpy.data.images["Render Result"].save_render(str(beside), scene=scene)
-        if not beside.is_file():
-            raise RuntimeError(f"Blender did not write {beside}")
-        beside.replace(path)
+        bpy.data.images["Render Result"].save_render(str(unnamed), scene=scene)
+        if not unnamed.is_file():
+            raise RuntimeError(f"Blender did not write {unnamed}")
+        unnamed.replace(path)
     finally:
-        beside.unlink(missing_ok=True)
+        unnamed.unlink(missing_ok=True)
+
+
+def view_suffixes() -> list[str]:
+    """Of the files of stereoscopic pictures, a file a view."""
+    render = bpy.context.scene.render
+    shown = [view for view in render.views if view.use]
+    if render.views_format == "STEREO_3D":
+        shown = [view for view in shown if name_of(view) in ("left", "right")]
+    return [view.file_suffix for view in shown]
+
+
+def save_views(path: Path, views_format: str) -> list[Path]:
+    """Save what each view of the Render Result shows as a PNG; or as one, where the file's settings put both into one."""
+    if views_format == "STEREO_3D":
+        save(path, "PNG", "8", views_format)
+        return [path]
+    choose_format("PNG", "8")
+    unnamed, saved = beside(path), []
+    try:
+        bpy.data.images["Render Result"].save_render(str(unnamed), scene=bpy.context.scene)
+    except RuntimeError:  # Blender 3.4 writes these files and says that it could not write one without a suffix
+        pass
+    for suffix in view_suffixes():
+        written = unnamed.with_name(f"{unnamed.stem}{suffix}{unnamed.suffix}")
+        saved.append(path.with_name(f"{path.stem}{suffix}{path.suffix}"))
+        written.replace(saved[-1])
+    return saved
+
+
+def render_views(frame: int, png: Path, exr: Path, statistics_path: Path) -> tuple[list[dict[str, Any]], list[Path]]:
+    """Render a stereoscopic frame. Blender puts all views into one EXR only where it writes it as it renders."""
+    scene, unnamed = bpy.context.scene, beside(exr)
+    of_file = scene.render.image_settings.views_format
+    choose_format("OPEN_EXR_MULTILAYER", "32", "MULTIVIEW")
+    scene.render.filepath = str(unnamed)
+    try:
+        layers = rendered_layers(frame, statistics_path, write_still=True)
+        saved = save_views(png, of_file)
+        unnamed.replace(exr)
+    finally:
+        unnamed.unlink(missing_ok=True)
+    return layers, saved
 
 
 def with_ending(output: Path, ending: str) -> Path:
@@ -70,11 +123,11 @@ def with_ending(output: Path, ending: str) -> Path:
     return output.with_name(output.name + ending)
 
 
-def rendered_layers(frame: int, statistics_path: Path) -> list[dict[str, Any]]:
-    """Render one frame in Blender; what happened to each view layer."""
+def rendered_layers(frame: int, statistics_path: Path, write_still: bool = False) -> list[dict[str, Any]]:
+    """Render one frame in Blender; what happened to each view layer. `write_still`: Blender writes the picture."""
     statistics_path.write_text("")
     bpy.context.scene.frame_set(frame)
-    bpy.ops.render.render()
+    bpy.ops.render.render(write_still=write_still)
     layers = [json.loads(line) for line in statistics_path.read_text().splitlines()]
     missing = {name_of(layer) for layer in bpy.context.scene.view_layers if layer.use} - {
         layer["view_layer"] for layer in layers if layer["completed"]
@@ -87,13 +140,22 @@ def rendered_layers(frame: int, statistics_path: Path) -> list[dict[str, Any]]:
 def render(frame: int, output: Path, statistics_path: Path) -> dict[str, Any]:
     """Render one frame, save it, and tell what happened."""
     started = time.perf_counter()
-    layers = rendered_layers(frame, statistics_path)
     png, exr = with_ending(output, ".png"), with_ending(output, ".exr")
     output.parent.mkdir(parents=True, exist_ok=True)
-    save(png, "PNG", "8")
-    save(exr, "OPEN_EXR_MULTILAYER", "32")
+    if bpy.context.scene.render.use_multiview:
+        layers, pngs = render_views(frame, png, exr, statistics_path)
+    else:
+        layers, pngs = rendered_layers(frame, statistics_path), [png]
+        save(png, "PNG", "8")
+        save(exr, "OPEN_EXR_MULTILAYER", "32")
     seconds = time.perf_counter() - started
-    return {"frame": frame, "seconds": seconds, "png": str(png), "exr": str(exr), "view_layers": layers}
+    # Of a stereoscopic frame `pngs` lists a picture for each view.
+    files: dict[str, Any] = {
+        "png": str(pngs[0]),
+        "exr": str(exr),
+        **({"pngs": list(map(str, pngs))} if len(pngs) > 1 else {}),
+    }
+    return {"frame": frame, "seconds": seconds, **files, "view_layers": layers}
 
 
 def parts_folder(output: Path) -> Path:
@@ -182,7 +244,10 @@ def main() -> None:
         os.environ["RAYLEAF_STATS"] = str(statistics_path)
         for frame, output in frames_and_outputs(options):
             done.append(rendered(options, frame, output, statistics_path))
-            files = "\n".join(f"  {done[-1][kind]}" for kind in ("png", "exr", "part") if kind in done[-1])
+            paths = [done[-1][kind] for kind in ("png", "exr", "part") if kind in done[-1]] + done[-1].get("pngs", [])[
+                1:
+            ]
+            files = "\n".join(f"  {path}" for path in paths)
             print(f"\nframe {frame}: {done[-1]['seconds']:.2f} s\n{files}")
             for layer in done[-1]["view_layers"]:
                 print("\n".join(summary(layer)), flush=True)

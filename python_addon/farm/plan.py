@@ -1,5 +1,6 @@
 """What is to be rendered, cut into tasks; kept as a file that submitter and nodes share. Runs in Debian's Python, without Blender."""
 
+import glob
 import hashlib
 import json
 from collections.abc import Iterator
@@ -85,7 +86,10 @@ class Plan:
         return is_merged or (self.marker(task).exists() and Path(f"{self.picture(task.frame)}.parts").is_dir())
 
     def _has_pictures(self, frame: int) -> bool:
-        return all(Path(f"{self.picture(frame)}{ending}").is_file() for ending in (".png", ".exr"))
+        """The PNG, of stereoscopic frames one a view, and the EXR."""
+        picture = Path(self.picture(frame))
+        pngs = [picture.with_name(f"{picture.name}.png"), *picture.parent.glob(f"{glob.escape(picture.name)}_*.png")]
+        return pngs[-1].is_file() and picture.with_name(f"{picture.name}.exr").is_file()
 
     def write(self, path: Path) -> None:
         """For `read`."""

@@ -8,11 +8,12 @@ from typing import Any
 
 import bpy
 
-from . import cache_report, kept_messages, passes, ray_report, statistics, versions
+from . import cache_report, kept_messages, passes, ray_report, statistics, stereo, versions
 from .denoising import Denoising
 from .export import CancelCheck, ExportCancelled, ExportError
 from .export.camera import CropRectangle, Frame, crop_of, frame_of
 from .export.instances import has_shadow_catchers
+from .export.kept import KeptExport
 from .export.motion import shutter_open
 from .export.scene import SceneExporter
 from .export.shapes import ExportReport
@@ -53,6 +54,7 @@ class FrameRender:
         self._scene = depsgraph.scene_eval
         self._layer_name = name_of(depsgraph.view_layer)
         self._layer = ""  # what Blender's result is told of the name; empty: any layer
+        self.view = ""  # of a stereoscopic picture; empty: it is none
         self.frame: Frame = frame_of(self._scene)
         self.crop: CropRectangle = crop_of(self._scene, self.frame)
         self._passes = passes.enabled(depsgraph.view_layer, self._scene)
@@ -74,13 +76,21 @@ class FrameRender:
 
     def _run(self) -> None:
         self._add_passes()
+        kept = KeptExport()
+        for self.view in stereo.views(self._engine, self._scene):
+            if not self._engine.test_break():
+                kept = self._render_view(kept)
+
+    def _render_view(self, kept: KeptExport) -> KeptExport:
+        """Of a stereoscopic picture one after the other: `kept` is what the export before left."""
         began = time.perf_counter()
         self._status("exporting", 0.0)
-        exporter = SceneExporter(self.core, self.depsgraph, self._messages, self._engine.test_break, self._parts)
+        eye = stereo.eye_in(self._engine, self.depsgraph, self.view)
+        exporter = SceneExporter(self.core, self.depsgraph, self._messages, self._engine.test_break, self._parts, kept)
         shown, check = {entry.identifier for entry in self._passes}, CancelCheck(self._engine.test_break)
-        arguments = (self.core, self._engine, self.depsgraph, self.frame, passes.VECTOR in shown, check)
+        arguments = (self.core, self._engine, self.depsgraph, self.frame, passes.VECTOR in shown, check, eye)
         with shutter_open(*arguments) as motions:
-            description = exporter.export(self.frame, needs_uv="uv" in shown, motions=motions)
+            description = exporter.export(self.frame, needs_uv="uv" in shown, motions=motions, eye=eye)
         exported = time.perf_counter()
         session = RenderThread(self.core, description, self.core.Settings(**self._settings()), self._ray_caches)
         try:
@@ -94,6 +104,7 @@ class FrameRender:
             self._publish(session, exporter.report, times)
         finally:
             session.close()
+        return exporter.left if self.view else KeptExport()
 
     def _settings(self) -> dict[str, Any]:
         layer = self.depsgraph.view_layer
@@ -128,7 +139,8 @@ class FrameRender:
                 next_result = ended + max(_RESULT_SECONDS, (ended - began) / _RESULT_SHARE)
 
     def _status(self, stage: str, share: float) -> None:
-        text = f"Rayleaf | {self._layer_name} | {stage.capitalize()} {share:.0%}"
+        what = f"{self._layer_name}, {self.view}" if self.view else self._layer_name
+        text = f"Rayleaf | {what} | {stage.capitalize()} {share:.0%}"
         if text == self._status_text:  # without a window every call prints a line
             return
         self._status_text = text
@@ -156,7 +168,8 @@ class FrameRender:
 
     def _hand_over(self, pixels: dict[str, Any]) -> None:
         """By Blender's pass name. All is ready before Blender's result is opened."""
-        result = self._engine.begin_result(0, 0, self.crop.width, self.crop.height, layer=self._layer)
+        size = self.crop.width, self.crop.height
+        result = self._engine.begin_result(0, 0, *size, layer=self._layer, view=self.view)
         try:
             versions.write_passes(result.layers[0], pixels)
         finally:
@@ -181,6 +194,7 @@ class FrameRender:
             "scene": name_of(self._scene),
             "frame": self._scene.frame_current,
             "view_layer": self._layer_name,
+            **({"view": self.view} if self.view else {}),
             "completed": session.completed,
             "times": times,
             "export": asdict(report),

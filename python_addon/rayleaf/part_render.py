@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from . import statistics
+from . import statistics, stereo
 from .export import ExportError
 from .export.camera import CropRectangle
 from .frame import FrameRender
@@ -44,7 +44,8 @@ def _shape(render: FrameRender, crop: CropRectangle, settings: dict[str, Any]) -
     scene, frame = render.depsgraph.scene_eval, render.frame
     place = (crop.x, crop.y, crop.width, crop.height)
     picture, passes = (frame.width, frame.height), tuple(settings["passes"])
-    return LayerShape(name_of(scene), name_of(render.depsgraph.view_layer), picture, place, settings["samples"], passes)
+    layer = name_of(render.depsgraph.view_layer)
+    return LayerShape(name_of(scene), layer, picture, place, settings["samples"], passes, render.view)
 
 
 class PartRender(FrameRender):
@@ -81,8 +82,13 @@ class MergedRender(FrameRender):
 
     def _run(self) -> None:
         assert isinstance(task, MergeTask)
-        began = time.perf_counter()
         self._add_passes()
+        for self.view in stereo.views(self._engine, self.depsgraph.scene_eval):
+            self._merge_view()
+
+    def _merge_view(self) -> None:
+        assert isinstance(task, MergeTask)
+        began = time.perf_counter()
         shape = _shape(self, self.crop, self._settings())
         try:
             film = task.parts.film(self.core, shape)
@@ -98,6 +104,7 @@ class MergedRender(FrameRender):
                 "scene": name_of(self.depsgraph.scene_eval),
                 "frame": self.depsgraph.scene_eval.frame_current,
                 "view_layer": self._layer_name,
+                **({"view": self.view} if self.view else {}),
                 "completed": True,
                 "times": {"total": seconds},
                 "parts": list(parts),

@@ -77,6 +77,7 @@ class LayerShape:
     crop: tuple[int, int, int, int]  # x, y, width, height in the picture
     samples: int
     passes: tuple[str, ...]  # identifiers of those that were asked for
+    view: str = ""  # of a stereoscopic picture; empty: it is none
 
 
 @dataclass

@@ -20,8 +20,6 @@ _UNSUITABLE = {
     "NODE_DATA_PT_light",
     "RENDER_PT_freestyle",
     "MATERIAL_PT_freestyle_line",
-    "RENDER_PT_output_views",
-    "DATA_PT_camera_stereoscopy",
 }
 _UNSUITABLE_PREFIX = ("VIEWLAYER_PT_freestyle", "DATA_PT_lightprobe", "TEXTURE_PT_")
 # Panels meant for other engines that suit as they are: nodes of materials and worlds, depth of field.

@@ -176,7 +176,7 @@ def new_sync():
 def seen_from():
     """The camera where it is now: views set theirs for each picture."""
     seen_by = scene.camera.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return camera.describe(_core, seen_by, np.array(seen_by.matrix_world, np.float64), SIZE)
+    return camera.describe(_core, camera.eye_of(seen_by), SIZE)
 
 
 def rendered(core_scene):

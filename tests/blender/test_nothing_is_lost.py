@@ -289,7 +289,11 @@ SETTINGS = {
         "scene.rayleaf.integrator = 'DISTRIBUTION'",
         "Scene 'Scene'",
     ),
-    "stereoscopy": ("scene.render.use_multiview = True", "Scene 'Scene'"),
+    "spherical stereo": (
+        "scene.render.use_multiview = scene.camera.data.stereo.use_spherical_stereo = True;"
+        "scenes.make_panoramic(scene.camera.data, 'EQUIRECTANGULAR')",
+        "Object 'Camera'",
+    ),
     "transparent glass": (
         "scene.render.film_transparent = scene.cycles.film_transparent_glass = True",
         "Scene 'Scene'",
@@ -301,10 +305,7 @@ SETTINGS = {
         "scene.rayleaf.use_irradiance_cache = True; scene.update_tag()",
         "View layer 'ViewLayer'",
     ),
-    "shadow catchers": (
-        "item.is_shadow_catcher = True; scene.rayleaf.integrator = 'DISTRIBUTION'; scene.update_tag()",
-        "Object 'Quad'",
-    ),
+    "shadow catchers": ("item.is_shadow_catcher = True; scene.rayleaf.integrator = 'DISTRIBUTION'", "Object 'Quad'"),
     "ignore transparency": (
         "owner = material if hasattr(material, 'use_transparent_shadow') else material.cycles;"
         "owner.use_transparent_shadow = False",

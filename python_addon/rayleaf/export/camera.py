@@ -61,8 +61,24 @@ def crop_of(scene: Any, frame: Frame) -> CropRectangle:
     return CropRectangle(left, bottom, right - left, top - bottom)
 
 
-def window(camera: Any, frame: Frame) -> tuple[tuple[float, float], tuple[float, float]]:
-    """The picture's window: on the plane at distance 1 (perspective) or in world units (orthographic)."""
+@dataclass(frozen=True)
+class Eye:
+    """From where a picture is seen: of stereoscopic ones, one of several places."""
+
+    camera_object: Any  # evaluated
+    matrix: NDArray[np.float64]
+    shift_x: float  # in place of the camera's
+
+
+def eye_of(camera_object: Any) -> Eye:
+    """A camera's own."""
+    shift = float(getattr(camera_object.data, "shift_x", 0.0))
+    return Eye(camera_object, np.array(camera_object.matrix_world, np.float64), shift)
+
+
+def window(camera: Any, frame: Frame, shift_x: float | None = None) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The picture's window: on the plane at distance 1 (perspective) or in world units (orthographic). `shift_x`: in place
+    of the camera's."""
     width, height = frame.width * frame.pixel_aspect_x, frame.height * frame.pixel_aspect_y
     horizontal = camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and width >= height)
     if camera.type == "ORTHO":
@@ -73,7 +89,8 @@ def window(camera: Any, frame: Frame) -> tuple[tuple[float, float], tuple[float,
     half_x = larger_half if horizontal else larger_half * width / height
     half_y = larger_half * height / width if horizontal else larger_half
     # Shift is in units of the fitted side, for both axes.
-    center_x, center_y = 2 * larger_half * camera.shift_x, 2 * larger_half * camera.shift_y
+    shift = camera.shift_x if shift_x is None else shift_x
+    center_x, center_y = 2 * larger_half * shift, 2 * larger_half * camera.shift_y
     return (center_x - half_x, center_y - half_y), (center_x + half_x, center_y + half_y)
 
 
@@ -130,8 +147,9 @@ def _sensor(camera: Any, frame: Frame) -> tuple[float, float]:
     return fitted * width / height, fitted
 
 
-def describe(core: ModuleType, camera_object: Any, matrix: NDArray[np.float64], frame: Frame) -> dict[str, Any]:
+def describe(core: ModuleType, eye: Eye, frame: Frame) -> dict[str, Any]:
     """The arguments of the core's `set_camera`."""
+    camera_object, matrix = eye.camera_object, eye.matrix
     camera = camera_object.data
     if camera_object.type != "CAMERA":
         raise ExportError(f"Camera '{name_of(camera_object)}' is a {camera_object.type.lower()}, not a camera")
@@ -140,7 +158,7 @@ def describe(core: ModuleType, camera_object: Any, matrix: NDArray[np.float64], 
             f"Camera '{name_of(camera_object)}': type {camera.type.title()} is not supported; "
             "use Perspective, Orthographic or Panoramic"
         )
-    window_min, window_max = window(camera, frame)
+    window_min, window_max = window(camera, frame, eye.shift_x)
     arguments = dict(
         kind=_KINDS[camera.type],
         matrix=matrix,

@@ -141,11 +141,19 @@ class _Gatherer:
     """Takes a scene to the shutter's times, one after the other."""
 
     def __init__(
-        self, core: ModuleType, engine: Any, depsgraph: Any, shutter: Shutter, picture: camera.Frame, check: Check
+        self,
+        core: ModuleType,
+        engine: Any,
+        depsgraph: Any,
+        shutter: Shutter,
+        picture: camera.Frame,
+        check: Check,
+        eye: Callable[[], camera.Eye] | None = None,
     ) -> None:
         self._engine, self._depsgraph, self._shutter = engine, depsgraph, shutter
         self._picture, self._check = picture, check
         self._camera_object = depsgraph.scene_eval.camera
+        self._eye = eye or self._own_eye
         self._tracks: dict[Key, _Track] = {}
         self._levels: dict[int, int] = {}
         self._views: list[tuple[Matrix, tuple[float, ...]]] = []
@@ -248,10 +256,14 @@ class _Gatherer:
 
     def _view(self) -> tuple[Matrix, tuple[float, ...]]:
         """The camera's matrix, and its window's corners."""
-        now = self._camera_object.original.evaluated_get(self._depsgraph)
+        eye = self._eye()
+        now = eye.camera_object
         is_perspective = now.type == "CAMERA" and now.data.type == "PERSP"
-        corners = camera.window(now.data, self._picture) if is_perspective else ()
-        return _matrix(now.matrix_world), tuple(number for corner in corners for number in corner)
+        corners = camera.window(now.data, self._picture, eye.shift_x) if is_perspective else ()
+        return _matrix(eye.matrix), tuple(number for corner in corners for number in corner)
+
+    def _own_eye(self) -> camera.Eye:
+        return camera.eye_of(self._camera_object.original.evaluated_get(self._depsgraph))
 
     def _found(self) -> Motions:
         moving = {key: track.matrices() for key, track in self._tracks.items()}
@@ -273,10 +285,16 @@ def _matrix(matrix: Any) -> Matrix:
 
 @contextmanager
 def shutter_open(
-    core: ModuleType, engine: Any, depsgraph: Any, picture: camera.Frame, shows_vectors: bool, check: Check
+    core: ModuleType,
+    engine: Any,
+    depsgraph: Any,
+    picture: camera.Frame,
+    shows_vectors: bool,
+    check: Check,
+    eye: Callable[[], camera.Eye] | None = None,
 ) -> Iterator[Motions]:
     """What moves; the scene is in the middle of the shutter's time until the context ends. `shows_vectors`: a pass shows
-    what moves from frame to frame."""
+    what moves from frame to frame. `eye`: where the scene's camera stands, if it is not itself."""
     scene = depsgraph.scene_eval
     shutter = Shutter.around(scene) if shows_vectors else Shutter.of(scene)
     if shutter is None:
@@ -284,6 +302,6 @@ def shutter_open(
         return
     frame, subframe = scene.frame_current, scene.frame_subframe
     try:
-        yield _Gatherer(core, engine, depsgraph, shutter, picture, check).motions()
+        yield _Gatherer(core, engine, depsgraph, shutter, picture, check, eye).motions()
     finally:
         engine.frame_set(frame, subframe)

@@ -109,13 +109,15 @@ class SceneExporter(ShapeExporter):
         needs_uv: bool,
         camera_arguments: dict[str, Any] | None = None,
         motions: Motions | None = None,
+        eye: Callable[[], camera.Eye] | None = None,
     ) -> Any:
         """The scene description. `needs_uv`: a pass shows the UV map. `camera_arguments`: of the core's `set_camera`, where
-        the scene is not seen by its own. `motions`: what moves. Raises ExportError, InputError, ExportCancelled."""
+        the scene is not seen by its own. `motions`: what moves. `eye`: where the scene's camera stands, if it is not
+        itself. Raises ExportError, InputError, ExportCancelled."""
         self.scene.texture_memory = self._blender_scene.rayleaf.texture_memory * _BYTES_PER_MEGABYTE
         self._motions = motions or Motions()
         if camera_arguments is None:
-            self._export_camera(frame, self._motions)
+            self._export_camera(frame, self._motions, eye)
         else:
             self.scene.set_camera(**camera_arguments)
         unsupported.name_scene_settings(self._blender_scene, self._messages)
@@ -169,13 +171,14 @@ class SceneExporter(ShapeExporter):
                 subject = Subject("Object", name_of(group.owner))
                 self._messages.warn(f"{subject}: curves and hair are not displaced; left out", subject)
 
-    def _export_camera(self, frame: camera.Frame, motions: Motions) -> None:
+    def _export_camera(
+        self, frame: camera.Frame, motions: Motions, eye: Callable[[], camera.Eye] | None = None
+    ) -> None:
         camera_object = self._blender_scene.camera
         if camera_object is None:
             raise ExportError(f"Scene '{name_of(self._blender_scene)}' has no camera")
-        camera_object = camera_object.evaluated_get(self._depsgraph)
-        matrix = np.array(camera_object.matrix_world, np.float64)
-        self.scene.set_camera(**camera.describe(self._core, camera_object, matrix, frame), **motions.camera)
+        seen_from = camera.eye_of(camera_object.evaluated_get(self._depsgraph)) if eye is None else eye()
+        self.scene.set_camera(**camera.describe(self._core, seen_from, frame), **motions.camera)
 
     def _slots(self, group: Group) -> list[Any]:
         """The materials of a group, None for empty slots."""
