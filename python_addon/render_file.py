@@ -65,10 +65,12 @@ def beside(path: Path) -> Path:
 
 def save(path: Path, file_format: str, color_depth: str, views_format: str = "INDIVIDUAL") -> None:
     """Save Blender's Render Result."""
-    scene, unnamed = bpy.context.scene, beside(path)
+    scene, unnamed, shown = bpy.context.scene, beside(path), bpy.data.images["Render Result"]
     choose_format(file_format, color_depth, views_format)
     try:
-        bpy.data.images["Render Result"].save_render(str(unnamed), scene=scene)
+        if views_format != "INDIVIDUAL":
+            shown.views_format = views_format  # which Blender asks here
+        shown.save_render(str(unnamed), scene=scene)
         if not unnamed.is_file():
             raise RuntimeError(f"Blender did not write {unnamed}")
         unnamed.replace(path)

@@ -302,7 +302,7 @@ SETTINGS = {
     "shader AOV 'Rayleaf Mask'": ("layer.aovs.add().name = 'Rayleaf Mask'", "View layer 'ViewLayer'"),
     "knows no light groups": (
         "layer.lightgroups.add(name='Sun'); scene.rayleaf.integrator = 'DISTRIBUTION';"
-        "scene.rayleaf.use_irradiance_cache = True; scene.update_tag()",
+        "scene.rayleaf.use_irradiance_cache = True",
         "View layer 'ViewLayer'",
     ),
     "shadow catchers": ("item.is_shadow_catcher = True; scene.rayleaf.integrator = 'DISTRIBUTION'", "Object 'Quad'"),
@@ -335,8 +335,8 @@ def test_settings_of_scene_layer_object_material_and_world_are_named_with_what_t
     scene.world = bpy.data.worlds.new("World")
     assert recording_core.export()[2] == []
     exec(line)
-    material.update_tag()
-    scene.world.update_tag()
+    for each in (material, scene, scene.world):
+        each.update_tag()
     layer.update()
     found[text] = recording_core.export()[2]
 report(found=found)
