@@ -16,6 +16,7 @@ using Vec2f = Imath::V2f;
 using Vec2d = Imath::V2d;
 using Vec3f = Imath::V3f;
 using Vec3d = Imath::V3d;
+using Vec3i = Imath::V3i;
 using Vec4f = Imath::V4f;
 using Vec4d = Imath::V4d;
 using Box3f = Imath::Box3f;

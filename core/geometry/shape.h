@@ -40,6 +40,8 @@ struct LocalSurface {
 /// Named data over a shape ("UVMap", "Col"): an index into the scene's table of names.
 using AttributeId = int32_t;
 
+struct VolumeGrids;  // geometry/volume_grids.h
+
 /// A point chosen by parameters on an element.
 struct ElementPoint {
     LocalHit hit;           ///< as if a ray had hit here
@@ -130,6 +132,8 @@ class Shape {
         std::call_once(hashed_, [this] { content_hash_ = hash_of_content(); });
         return content_hash_;
     }
+    /// What fills it, where it bounds a volume; else null.
+    virtual const VolumeGrids* grids() const { return nullptr; }
     /// Memory of the shape, including this object.
     virtual size_t bytes() const = 0;
 

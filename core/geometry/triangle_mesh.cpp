@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "geometry/parameter_slopes.h"
+#include "geometry/volume_grids.h"
 
 #include <algorithm>
 
@@ -33,7 +34,7 @@ ParameterSlopes weight_slopes(const Vec2f& uv0, const Vec2f& uv1, const Vec2f& u
 }  // namespace
 
 TriangleMesh::TriangleMesh(TriangleMeshArrays arrays)
-    : Shape(ShapeKind::TriangleMesh, std::move(arrays.name)), layout_(arrays.layout) {
+    : Shape(ShapeKind::TriangleMesh, std::move(arrays.name)), layout_(arrays.layout), grids_(std::move(arrays.grids)) {
     set_vertices(arrays);
     set_triangles(arrays.triangles);
     const bool normals_move = deforms() && !arrays.moved_normals.empty();
@@ -224,7 +225,9 @@ ElementPoint TriangleMesh::element_point_at(uint32_t element, const Vec2f& param
     return result;
 }
 
+/// What fills a volume has none.
 std::optional<ContentHash> TriangleMesh::hash_of_content() const {
+    if (grids_) return std::nullopt;
     ContentHasher hasher;
     add_to(hasher);
     hasher.add(steps_);
@@ -246,7 +249,7 @@ size_t TriangleMesh::bytes() const {
                    triangles_.capacity() * sizeof(triangles_[0]) + corner_normals_.capacity() * sizeof(Vec3f) +
                    material_slots_.capacity() * sizeof(uint16_t);
     for (const CornerAttribute& attribute : attributes_) total += attribute.values.capacity() * sizeof(float);
-    return total;
+    return total + (grids_ ? grids_->bytes() : 0);
 }
 
 }  // namespace rayleaf

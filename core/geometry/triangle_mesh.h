@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -42,6 +43,7 @@ struct TriangleMeshArrays {
     /// Of a mesh that deforms, the vertices and normals at even times of the shutter, time by time; `vertices` and
     /// `corner_normals` are those in its middle. Without normals the middle's hold at all times.
     std::span<const float> moved_vertices = {}, moved_normals = {};
+    std::shared_ptr<const VolumeGrids> grids = nullptr;  ///< of the box around a volume
 };
 
 class TriangleMesh final : public Shape {
@@ -61,6 +63,7 @@ class TriangleMesh final : public Shape {
     ElementPoint element_point_at(uint32_t element, const Vec2f& parameters, float time) const override;
     std::optional<ContentHash> hash_of_content() const override;
     size_t bytes() const override;
+    const VolumeGrids* grids() const override { return grids_.get(); }
 
     size_t vertex_count() const { return vertices_.size() / steps(); }
     /// Local space, at one of the steps.
@@ -85,6 +88,7 @@ class TriangleMesh final : public Shape {
     std::vector<uint16_t> material_slots_;
     std::vector<CornerAttribute> attributes_;
     int active_uv_ = -1;  ///< index into attributes_
+    std::shared_ptr<const VolumeGrids> grids_;
 
     void set_vertices(const TriangleMeshArrays& arrays);
     bool is_flat(uint32_t triangle) const;

@@ -27,5 +27,6 @@ void bind_strands(py::module_& module);
 void bind_subdivision(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_splines(py::module_& module);
+void bind_volumes(py::module_& module);
 
 }  // namespace rayleaf

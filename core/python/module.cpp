@@ -24,6 +24,7 @@ void tell_versions(py::module_& module) {
     built_with["Embree"] = RAYLEAF_EMBREE_VERSION;
     built_with["OpenImageIO"] = RAYLEAF_OPENIMAGEIO_VERSION;
     built_with["OpenSubdiv"] = RAYLEAF_OPENSUBDIV_VERSION;
+    built_with["OpenVDB"] = RAYLEAF_OPENVDB_VERSION;
     built_with["TBB"] = RAYLEAF_TBB_VERSION;
     module.attr("built_with") = built_with;
 }
@@ -45,6 +46,7 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::bind_trace(module);
     rayleaf::bind_strands(module);
     rayleaf::bind_subdivision(module);
+    rayleaf::bind_volumes(module);
     rayleaf::bind_ri_tree(module);
     rayleaf::bind_splines(module);
     rayleaf::bind_curves(module);

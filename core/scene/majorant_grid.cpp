@@ -44,12 +44,10 @@ MajorantGrid::MajorantGrid(const Box3d& box, int cells, const Extinctions& extin
         cancel.throw_if_cancelled();
         fill_layer(box, z, last, extinctions, lattice.data() + layer_size * z);
     });
-    double sum = 0;
     for (int z = 0; z < side; ++z)
         for (int y = 0; y < side; ++y)
             for (int x = 0; x < side; ++x) {
                 const float value = lattice[layer_size * z + static_cast<size_t>(side) * y + x];
-                sum += value;
                 largest_ = std::max(largest_, value * kReserve);
                 const auto first = [](int i) { return std::max((i - 1) / kPointsPerCell, 0); };
                 const auto end = [cells](int i) { return std::min(i / kPointsPerCell, cells - 1); };
@@ -60,7 +58,11 @@ MajorantGrid::MajorantGrid(const Box3d& box, int cells, const Extinctions& extin
                             majorant = std::max(majorant, value * kReserve);
                         }
             }
-    mean_ = static_cast<float>(sum / static_cast<double>(lattice.size()));
+}
+
+MajorantGrid::MajorantGrid(const Box3d& box, int cells, std::vector<float> majorants)
+    : box_(box), cells_(cells), majorants_(std::move(majorants)) {
+    for (const float majorant : majorants_) largest_ = std::max(largest_, majorant);
 }
 
 MajorantStep MajorantGrid::at(const Vec3d& origin, const Vec3d& direction, double t) const {

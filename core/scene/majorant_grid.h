@@ -27,17 +27,18 @@ class MajorantGrid {
     /// `cells` along each side of `box`. Throws Cancelled soon after `cancel` says so.
     MajorantGrid(const Box3d& box, int cells, const Extinctions& extinctions, const CancelToken& cancel);
 
+    /// Of bounds that are known, x fastest.
+    MajorantGrid(const Box3d& box, int cells, std::vector<float> majorants);
+
     /// Along a ray in the grid's space, at `t`. Beyond the box: as dense as anywhere, for ever.
     MajorantStep at(const Vec3d& origin, const Vec3d& direction, double t) const;
-    /// Of the box, per world unit.
-    float mean() const { return mean_; }
     size_t bytes() const { return majorants_.capacity() * sizeof(float); }
 
   private:
     Box3d box_;
     int cells_;
     std::vector<float> majorants_;  ///< x fastest
-    float mean_ = 0, largest_ = 0;
+    float largest_ = 0;
 };
 
 }  // namespace rayleaf

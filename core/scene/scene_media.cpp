@@ -6,8 +6,23 @@ namespace rayleaf {
 namespace {
 
 /// Cells along a side of the box of a medium that varies, and cells of all of them together.
-constexpr int kMostOccupiedCells = 16;
+constexpr int kMostOccupiedCells = 16, kMostGridCells = 32;
 constexpr double kMostCellsInAll = 1 << 18;
+
+/// Lookups across the box of what emits where there is nothing else: fire without smoke.
+constexpr double kGlowLookups = 32.0;
+
+/// A little more than a box: the ends of rays in it stay inside, whatever their rounding.
+Box3d padded(const Box3d& box) {
+    constexpr double kShare = 1e-5;
+    return {box.min - box.size() * kShare, box.max + box.size() * kShare};
+}
+
+/// Per world unit over per unit of the object's own space, by a direction that favours no axis, as in Cycles.
+float density_per_world_unit(const Affine3d& to_world) {
+    const double length = to_world.vector(Vec3d(1.0 / std::sqrt(3.0))).length();
+    return length > 0.0 ? static_cast<float>(1.0 / length) : 1.0f;
+}
 
 /// The space in which a world's medium is bounded cell by cell is larger than what it surrounds.
 Box3d widened(const Box3d& box) {
@@ -29,17 +44,25 @@ void SceneMedia::add(uint32_t instance, const Material& material) {
     if (!is_new) return;
     place->second.instance = instance;
     place->second.program = material.medium.get();
+    const TracedInstance& placed = surroundings_.tracer->instance(instance);
+    place->second.voxels = placed.shape->grids();
+    if (place->second.voxels != nullptr && place->second.voxels->unit == DensityUnit::Object)
+        place->second.density_factor = density_per_world_unit(placed.object_to_world);
     material_indices_[key] = material.pass_index;
     if (instances_.empty() || instances_.back() != instance) instances_.push_back(instance);
 }
 
 void SceneMedia::commit(const CancelToken& cancel) {
+    const auto varies = [](const SceneMedium& medium) {
+        return medium.voxels != nullptr || medium.program->varies_in_space();
+    };
     size_t varying = 0;
-    for (const auto& [key, medium] : all_) varying += medium.program->varies_in_space() ? 1 : 0;
+    for (const auto& [key, medium] : all_) varying += varies(medium) ? 1 : 0;
     const double each = kMostCellsInAll / static_cast<double>(std::max<size_t>(varying, 1));
-    const int cells = std::clamp(static_cast<int>(std::cbrt(each)), 1, kMostOccupiedCells);
+    const int cells = static_cast<int>(std::cbrt(each));
     for (auto& [key, medium] : all_)
-        if (medium.program->varies_in_space()) bound(medium, cells, cancel);
+        if (varies(medium))
+            bound(medium, std::clamp(cells, 1, medium.voxels != nullptr ? kMostGridCells : kMostOccupiedCells), cancel);
     if (world_.program && world_.program->varies_in_space()) bound(world_, kMostOccupiedCells, cancel);
 }
 
@@ -48,14 +71,24 @@ void SceneMedia::bound(SceneMedium& medium, int cells, const CancelToken& cancel
     const Tracer& tracer = *surroundings_.tracer;
     const Box3d box = is_world ? widened(tracer.bounds()) : tracer.instance(medium.instance).shape->object_bounds();
     const Affine3d to_world = is_world ? Affine3d() : tracer.instance(medium.instance).object_to_world;
-    medium.grid = std::make_unique<const MajorantGrid>(
-        box, cells,
-        [&](std::span<const Vec3d> points, float* values) {
-            std::array<Vec3d, kMostPoints> world;
-            for (size_t i = 0; i < points.size(); ++i) world[i] = to_world.point(points[i]);
-            extinctions(medium, {world.data(), points.size()}, values);
-        },
-        cancel);
+    if (!is_world) medium.glow_rate = static_cast<float>(kGlowLookups / image_of(box, to_world).size().length());
+    const auto probed = [&](std::span<const GridProbe> probes, float* values) {
+        std::array<GridProbe, kMostPoints> world;
+        for (size_t i = 0; i < probes.size(); ++i) world[i] = {to_world.point(probes[i].point), probes[i].assumed};
+        extinctions(medium, {world.data(), probes.size()}, values);
+    };
+    if (medium.voxels != nullptr) {
+        const Box3d around = padded(box);
+        medium.grid = std::make_unique<const MajorantGrid>(
+            around, cells, grid_majorants(*medium.voxels, medium.program->attributes(), around, cells, probed, cancel));
+        return;
+    }
+    const auto looked_up = [&](std::span<const Vec3d> points, float* values) {
+        std::array<GridProbe, kMostPoints> probes;
+        for (size_t i = 0; i < points.size(); ++i) probes[i].point = points[i];
+        probed({probes.data(), points.size()}, values);
+    };
+    medium.grid = std::make_unique<const MajorantGrid>(box, cells, looked_up, cancel);
 }
 
 const SceneMedium* SceneMedia::find(uint32_t instance, const Material& material) const {
@@ -90,24 +123,36 @@ ShadingInputs SceneMedia::inputs_at(const SceneMedium& medium, const SurfacePoin
 void SceneMedia::evaluate(const SceneMedium& medium, const Vec3d& position, const Vec3f& outgoing,
                           const PathState& path, Closures& result) const {
     const SurfacePoint point = point_in(medium, position, outgoing);
+    if (is_empty_at(medium, point)) return result.clear();
     medium.program->evaluate(inputs_at(medium, point, path), result);
+    if (medium.density_factor != 1.0f) result.medium.scale(medium.density_factor);
 }
 
-void SceneMedia::extinctions(const SceneMedium& medium, std::span<const Vec3d> points, float* values) const {
+bool SceneMedia::is_empty_at(const SceneMedium& medium, const SurfacePoint& point) const {
+    if (medium.voxels == nullptr) return false;
+    return !medium.voxels->holds((*surroundings_.instances)[medium.instance].world_to_object.point(point.position));
+}
+
+/// As null collisions go by: also where there is nothing but light.
+void SceneMedia::extinctions(const SceneMedium& medium, std::span<const GridProbe> probes, float* values) const {
     std::array<SurfacePoint, kMostPoints> places;
     std::array<ShadingInputs, kMostPoints> inputs;
     std::array<const ShadingInputs*, kMostPoints> of_point;
     std::array<Closures*, kMostPoints> results;
-    std::vector<Closures> closures(points.size());
+    std::vector<Closures> closures(probes.size());
     const PathState path;
-    for (size_t i = 0; i < points.size(); ++i) {
-        places[i] = point_in(medium, points[i], Vec3f(0, 0, 1));
+    for (size_t i = 0; i < probes.size(); ++i) {
+        places[i] = point_in(medium, probes[i].point, Vec3f(0, 0, 1));
         inputs[i] = inputs_at(medium, places[i], path);
+        inputs[i].assumed = probes[i].assumed;
         of_point[i] = &inputs[i];
         results[i] = &closures[i];
     }
-    medium.program->evaluate({of_point.data(), points.size()}, {results.data(), points.size()});
-    for (size_t i = 0; i < points.size(); ++i) values[i] = max_component(closures[i].medium.extinction);
+    medium.program->evaluate({of_point.data(), probes.size()}, {results.data(), probes.size()});
+    for (size_t i = 0; i < probes.size(); ++i) {
+        values[i] = max_component(closures[i].medium.extinction) * medium.density_factor;
+        if (!is_black(closures[i].emission)) values[i] = std::max(values[i], medium.glow_rate);
+    }
 }
 
 Affine3d SceneMedia::to_grid(const SceneMedium& medium) const {

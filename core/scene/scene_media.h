@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/description.h"
+#include "scene/grid_majorants.h"
 #include "scene/scene_medium.h"
 #include "shading/inputs.h"
 #include "trace/tracer.h"
@@ -56,7 +57,8 @@ class SceneMedia {
 
     SurfacePoint point_in(const SceneMedium& medium, const Vec3d& position, const Vec3f& outgoing) const;
     ShadingInputs inputs_at(const SceneMedium& medium, const SurfacePoint& point, const PathState& path) const;
-    void extinctions(const SceneMedium& medium, std::span<const Vec3d> points, float* values) const;
+    bool is_empty_at(const SceneMedium& medium, const SurfacePoint& point) const;
+    void extinctions(const SceneMedium& medium, std::span<const GridProbe> probes, float* values) const;
     void bound(SceneMedium& medium, int cells, const CancelToken& cancel) const;
 };
 

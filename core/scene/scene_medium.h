@@ -1,6 +1,7 @@
 // A medium in its place: what fills an object, or the world.
 #pragma once
 
+#include "geometry/volume_grids.h"
 #include "scene/majorant_grid.h"
 #include "shading/program.h"
 
@@ -14,6 +15,9 @@ struct SceneMedium {
     uint32_t instance = kWorld;
     const Program* program = nullptr;
     std::unique_ptr<const MajorantGrid> grid = nullptr;  ///< of one that varies from place to place, in object space
+    const VolumeGrids* voxels = nullptr;                 ///< outside of what they hold there is nothing; null: none
+    float density_factor = 1;                            ///< on extinction and scattering: world units for the object's
+    float glow_rate = 0;  ///< lookups per world unit where it emits at least, as if its extinction were as much
 };
 
 }  // namespace rayleaf

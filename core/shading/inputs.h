@@ -9,6 +9,7 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace rayleaf {
@@ -58,6 +59,8 @@ struct ShadingInputs {
     float material_index = 0;                    ///< Blender's pass index
     const Surroundings* surroundings = nullptr;  ///< null where rays cannot be traced
     ProbeNumbers probes;                         ///< for these
+    /// What grids are taken to hold, in place of what they do; of the others nothing is known. Empty: what they do.
+    std::span<const InstanceAttribute> assumed = {};
 
     /// The maps of the instance when the point is seen; there must be one.
     Affine3d object_to_world() const { return moves() ? instance->motion->at(point->time) : instance->object_to_world; }

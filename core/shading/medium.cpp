@@ -63,6 +63,11 @@ void MediumClosures::add(const MediumClosures& other) {
         add_scattering(other.phases[static_cast<size_t>(i)].scattering, other.phases[static_cast<size_t>(i)].g);
 }
 
+void MediumClosures::scale(float factor) {
+    extinction *= factor;
+    for (int i = 0; i < count; ++i) phases[static_cast<size_t>(i)].scattering *= factor;
+}
+
 Color MediumClosures::evaluate(const Vec3f& outgoing, const Vec3f& incoming) const {
     const float cosine = -outgoing.dot(incoming);
     Color sum(0.0f);

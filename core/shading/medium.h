@@ -40,6 +40,7 @@ struct MediumClosures {
     /// Numbers that are not finite or negative become 0. Past kMostPhases the last takes the rest.
     void add_scattering(const Color& scattering, float g);
     void add_extinction(const Color& more);
+    void scale(float factor);
     /// All that another medium at the same place does.
     void add(const MediumClosures& other);
     /// Sum over the phase functions of scattering times phase function, per world unit and solid angle.

@@ -37,6 +37,7 @@ struct IntCounts {
 constexpr IntCounts int_counts(Operation operation) {
     switch (operation) {
         case Operation::attribute:
+        case Operation::grid_value:
         case Operation::component:
         case Operation::table:
         case Operation::musgrave:

@@ -1,5 +1,6 @@
 #include "shading/operations_input.h"
 
+#include "geometry/volume_grids.h"
 #include "shading/fresnel.h"
 #include "shading/operations_closure.h"
 #include "shading/spaces.h"
@@ -56,10 +57,21 @@ Vec3f generated(const ShadingInputs& inputs) {
                        share(position.z, box.min.z, size.z)));
 }
 
+std::optional<Vec4f> grid_value(const ShadingInputs& inputs, int32_t id) {
+    if (inputs.point == nullptr || !inputs.point->inside || inputs.point->shape == nullptr) return std::nullopt;
+    const VolumeGrids* grids = inputs.point->shape->grids();
+    const VoxelGrid* grid = grids != nullptr ? grids->find(id) : nullptr;
+    if (grid == nullptr) return std::nullopt;
+    for (const InstanceAttribute& each : inputs.assumed)
+        if (each.id == id) return Vec4f(each.value[0], each.value[1], each.value[2], each.value[3]);
+    return grid->at(object_position(inputs));
+}
+
 Vec4f attribute(const ShadingInputs& inputs, int32_t id) {
     if (inputs.point == nullptr || inputs.point->shape == nullptr) return spread(0.0f);
     if (!inputs.point->inside)
         if (const std::optional<Vec4f> own = inputs.point->shape->attribute(id, inputs.point->local)) return *own;
+    if (const std::optional<Vec4f> held = grid_value(inputs, id)) return *held;
     if (inputs.instance != nullptr)
         for (const InstanceAttribute& each : inputs.instance->attributes)
             if (each.id == id) return Vec4f(each.value[0], each.value[1], each.value[2], each.value[3]);
@@ -217,6 +229,8 @@ Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands
             return uv(inputs, ints.empty() ? -1 : ints[0]);
         case Operation::attribute:
             return attribute(inputs, ints[0]);
+        case Operation::grid_value:
+            return grid_value(inputs, ints[0]).value_or(operands.connected(0) ? operands.value(0) : spread(0.0f));
         case Operation::object_location:
             return extended(inputs.instance != nullptr ? Vec3f(inputs.object_to_world().translation) : Vec3f(0.0f));
         case Operation::object_index:

@@ -7,6 +7,7 @@
 #include "shading/operation.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace rayleaf {
@@ -24,7 +25,9 @@ Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands
 /// The surface's own normal, facing the viewer, and the position in the object's bounding box; object space.
 Vec3f object_normal(const ShadingInputs& inputs);
 Vec3f generated(const ShadingInputs& inputs);
-/// A named value of the surface, else of the instance; 0 where neither has it.
+/// What the grid of a name holds at a point inside a volume; empty where there is no such grid.
+std::optional<Vec4f> grid_value(const ShadingInputs& inputs, int32_t id);
+/// A named value of the surface, else of a grid, else of the instance; 0 where none has it.
 Vec4f attribute(const ShadingInputs& inputs, int32_t id);
 
 /// The operation `bump`, from heights at the point and its neighbours.

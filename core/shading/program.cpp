@@ -314,6 +314,17 @@ void Program::add_to(ContentHasher& hasher) const {
     hasher.add(registers_);
 }
 
+std::vector<int32_t> Program::attributes() const {
+    std::vector<int32_t> found;
+    for (const Instruction& instruction : instructions_) {
+        const bool names =
+            instruction.operation == Operation::attribute || instruction.operation == Operation::grid_value;
+        const int32_t id = names ? ints_[instruction.first_int] : -1;
+        if (id >= 0 && std::find(found.begin(), found.end(), id) == found.end()) found.push_back(id);
+    }
+    return found;
+}
+
 bool Program::reads_camera() const {
     return std::any_of(instructions_.begin(), instructions_.end(), [](const Instruction& instruction) {
         return instruction.operation == Operation::camera_coordinates || instruction.operation == Operation::window ||

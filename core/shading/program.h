@@ -67,6 +67,8 @@ class Program {
     bool has_even_closures() const { return !reads_inputs_; }
     /// True if its closures may differ from place to place inside an object, beside those of its surface.
     bool varies_in_space() const { return varies_in_space_; }
+    /// The named attributes that it reads, as such.
+    std::vector<int32_t> attributes() const;
     /// True if it reads the active texture coordinate, as such.
     bool reads_uv() const { return reads_uv_; }
     /// True if it reads where the camera is.

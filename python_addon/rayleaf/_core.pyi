@@ -341,6 +341,29 @@ def strand_tubes(strands: Strands, rings: int, sides: int, facets: str = "TRIANG
 def strands_along(curve: SweptCurve, form: str = "ROUND", spheres_per_segment: int = 16) -> Strands | None:
     """The strands along a bevelled curve's axes; None unless its profile is one full circle."""
 
+class VoxelGrid:
+    """Numbers, vectors or colours at the points of a lattice, sparse; see core/geometry/voxel_grid.h.
+
+    values (z, y, x, channels): 1 channel, 3 of a vector, or 4 of a colour that its alpha has multiplied. to_object (4, 4): from
+    whole coordinates, 0 for the first, to object space. A voxel counts as there if its largest number is not below `least`, nor 0.
+    """
+
+    bad_numbers: int  # that were not finite, and are 0
+    bytes: int
+
+    def __init__(self, object: str, name: str, values: Floats, to_object: Doubles, least: float = 0.0) -> None: ...
+    def values(self, points: Doubles) -> Floats:
+        """(n, 4) at points of object space (n, 3), interpolated."""
+    def bounds(self) -> tuple[list[float], list[float]]:
+        """Of the blocks of 8³ voxels where something is, in object space."""
+
+def read_vdb(object: str, path: str, names: Sequence[str]) -> dict[str, VoxelGrid]:
+    """Those grids of an OpenVDB file that it has; `object` is named in messages."""
+
+def volume(name: str, grids: dict[int, VoxelGrid], density_unit: str = "WORLD") -> Any:
+    """The shape of a volume: a box around what grids hold, which a program reads by their ids. density_unit: WORLD, or
+    OBJECT, by which densities are per unit of object space."""
+
 class SubdivisionSurface:
     """The limit of a polygon mesh; see core/geometry/subdivision_cage.h. A corner is a vertex of a face.
 

@@ -1,6 +1,9 @@
 """A call that holds for every function that the stub lists; core/bad_arguments.py spoils them."""
 
+import os
+
 import numpy as np
+import pyopenvdb
 from core import fake_denoiser, shapes
 from core.good_arguments import (
     ROWS,
@@ -47,6 +50,21 @@ def built():
 def film_sums():
     """Of a picture without samples yet."""
     return _core.FilmSums(2, 2, ["combined"])
+
+
+def grid():
+    """A grid of one voxel."""
+    return _core.VoxelGrid("cloud", "density", np.ones((1, 1, 1, 1)), np.eye(4))
+
+
+def vdb_file():
+    """A file of one grid."""
+    path = in_temporary(f"rayleaf-good-call-{os.getpid()}.vdb")
+    made = pyopenvdb.FloatGrid()
+    made.name = "density"
+    made.copyFromArray(np.ones((2, 2, 2), np.float32))
+    pyopenvdb.write(path, [made])
+    return path
 
 
 CALLS: dict[str, Call] = {
@@ -110,6 +128,13 @@ CALLS: dict[str, Call] = {
     "Strands": ctor(_core.Strands, **HAIR, moved_points=np.zeros((2, len(HAIR["points"]), 4))),
     "strand_tubes": later(_core.strand_tubes, strands=strands, rings=lambda: 3, sides=lambda: 4),
     "strands_along": later(_core.strands_along, curve=swept),
+    "VoxelGrid": ctor(
+        _core.VoxelGrid, object="cloud", name="density", values=np.ones((2, 2, 2, 1)), to_object=np.eye(4)
+    ),
+    "VoxelGrid.values": method(grid, "values", points=np.zeros((2, 3))),
+    "VoxelGrid.bounds": method(grid, "bounds"),
+    "read_vdb": later(_core.read_vdb, object=lambda: "cloud", path=vdb_file, names=lambda: ["density"]),
+    "volume": later(_core.volume, name=lambda: "cloud", grids=lambda: {0: grid()}),
     "SubdivisionSurface": ctor(_core.SubdivisionSurface, **CAGE),
     "SubdivisionSurface.points": method(
         CUBE.surface, "points", elements=np.zeros(2, np.int32), parameters=np.zeros((2, 2))

@@ -7,6 +7,7 @@ DOORS = {
     "Embree": (r"<embree\d*/|\brtc[A-Z]\w+\s*\(", {"trace"}),
     "OpenImageIO": (r"<OpenImageIO/|\bOIIO(_NAMESPACE)?::", {"textures", "film"}),
     "OpenSubdiv": (r"<opensubdiv/|\bOpenSubdiv::", {"geometry"}),
+    "OpenVDB": (r"<openvdb/|\bopenvdb::", {"geometry"}),
     "Open Image Denoise": (r"\bdlopen\s*\(|\"oidn[A-Z]", {"render"}),
     "pybind11": (r"<pybind11/|\bpybind11::|\bpy::|<Python\.h>", {"python"}),
 }

@@ -1,0 +1,136 @@
+#include "geometry/vdb_file.h"
+
+#include "base/error.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include <openvdb/openvdb.h>
+
+namespace rayleaf {
+namespace {
+
+static_assert(openvdb::FloatTree::LeafNodeType::LOG2DIM == VoxelGrid::kSideBits);
+
+/// What to name in messages.
+struct VdbSource {
+    const std::string& object;
+    std::string grid;
+
+    [[noreturn]] void refuse(const std::string& got, const std::string& wanted) const {
+        throw InputError(object, "grid '" + grid + "'", got, wanted);
+    }
+};
+
+Vec3d vector_of(const openvdb::Vec3d& v) {
+    return {v.x(), v.y(), v.z()};
+}
+
+Vec3i voxel_of(const openvdb::Coord& c) {
+    return {c.x(), c.y(), c.z()};
+}
+
+/// A value stands in the middle of its voxel, which begins at the whole coordinates: as Cycles has it.
+Affine3d map_of(const VdbSource& source, const openvdb::math::Transform& transform) {
+    if (!transform.isLinear()) source.refuse("in the frustum of a camera", "one that straight lines bound");
+    const auto at = [&](double x, double y, double z) {
+        return vector_of(transform.indexToWorld(openvdb::Vec3d(x + 0.5, y + 0.5, z + 0.5)));
+    };
+    const Vec3d origin = at(0, 0, 0);
+    return {at(1, 0, 0) - origin, at(0, 1, 0) - origin, at(0, 0, 1) - origin, origin};
+}
+
+template <typename T>
+constexpr int kChannelsOf = 1;
+template <typename T>
+constexpr int kChannelsOf<openvdb::math::Vec3<T>> = 3;
+
+template <typename Value>
+void append(std::vector<float>& numbers, const Value& value) {
+    if constexpr (kChannelsOf<Value> == 3)
+        for (int i = 0; i < 3; ++i) numbers.push_back(static_cast<float>(value[i]));
+    else
+        numbers.push_back(static_cast<float>(value));
+}
+
+template <typename Value>
+std::vector<float> numbers_of(const Value& value) {
+    std::vector<float> numbers;
+    append(numbers, value);
+    return numbers;
+}
+
+/// Values of a tree above its leaves: each is one of a whole cube.
+template <typename Tree>
+void take_tiles(const Tree& tree, VoxelGrid& grid) {
+    auto value = tree.cbeginValueAll();
+    value.setMaxDepth(Tree::ValueAllCIter::LEAF_DEPTH - 1);
+    for (; value; ++value) {
+        if (!value.isValueOn() && *value == tree.background()) continue;
+        const openvdb::CoordBBox box = value.getBoundingBox();
+        const auto level = std::find_if(VoxelGrid::kTileBits.begin(), VoxelGrid::kTileBits.end(),
+                                        [&](int bits) { return box.dim().x() == 1 << bits; });
+        if (level != VoxelGrid::kTileBits.end())
+            grid.add_tile(voxel_of(box.min()), *level, numbers_of(*value), value.isValueOn());
+    }
+}
+
+template <typename Grid>
+std::shared_ptr<const VoxelGrid> taken(const VdbSource& source, const openvdb::GridBase::ConstPtr& base) {
+    const auto typed = openvdb::gridConstPtrCast<Grid>(base);
+    if (!typed) return nullptr;
+    using Value = typename Grid::ValueType;
+    const auto& tree = typed->tree();
+    auto grid =
+        std::make_shared<VoxelGrid>(source.object, source.grid, kChannelsOf<Value>, map_of(source, typed->transform()));
+    grid->set_background(numbers_of(tree.background()));
+    take_tiles(tree, *grid);
+    VoxelGrid::Active active;
+    std::vector<float> values;
+    for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+        values.clear();
+        for (openvdb::Index i = 0; i < VoxelGrid::kVoxels; ++i) {
+            append(values, leaf->getValue(i));
+            active[i] = leaf->isValueOn(i);
+        }
+        const Vec3i first = voxel_of(leaf->origin());
+        grid->add_block(
+            {first.x >> VoxelGrid::kSideBits, first.y >> VoxelGrid::kSideBits, first.z >> VoxelGrid::kSideBits}, values,
+            active);
+    }
+    return grid;
+}
+
+template <typename... Grids>
+std::shared_ptr<const VoxelGrid> taken_as_any(const VdbSource& source, const openvdb::GridBase::ConstPtr& base) {
+    std::shared_ptr<const VoxelGrid> grid;
+    ((grid = grid ? grid : taken<Grids>(source, base)), ...);
+    if (!grid) source.refuse("of the type " + quotable(base->type()), "one of numbers or vectors");
+    return grid;
+}
+
+std::shared_ptr<const VoxelGrid> taken_grid(const VdbSource& source, const openvdb::GridBase::ConstPtr& base) {
+    using namespace openvdb;
+    return taken_as_any<FloatGrid, Vec3SGrid, DoubleGrid, Int32Grid, Int64Grid, BoolGrid, Vec3DGrid, Vec3IGrid>(source,
+                                                                                                                base);
+}
+
+}  // namespace
+
+std::map<std::string, std::shared_ptr<const VoxelGrid>> read_vdb(const std::string& object, const std::string& path,
+                                                                 const std::vector<std::string>& names) {
+    static std::once_flag initialized;
+    std::call_once(initialized, [] { openvdb::initialize(); });
+    std::map<std::string, std::shared_ptr<const VoxelGrid>> grids;
+    try {
+        openvdb::io::File file(path);
+        file.open(false);
+        for (const std::string& name : names)
+            if (file.hasGrid(name)) grids[name] = taken_grid({object, name}, file.readGrid(name));
+    } catch (const openvdb::Exception& error) {
+        throw InputError(object, "file '" + quotable(path) + "'", quotable(error.what()), "an OpenVDB file");
+    }
+    return grids;
+}
+
+}  // namespace rayleaf
