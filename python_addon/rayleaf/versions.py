@@ -60,6 +60,11 @@ def uv_map(layer: Any, corners: int) -> Floats:
     return values.reshape(-1, 2)
 
 
+def absolute_path(path: str, block: Any) -> str:
+    """Of a path that a data block holds."""
+    return str(bpy.path.abspath(path, library=block.library))
+
+
 def creases(mesh: Any) -> tuple[Floats | None, Floats | None]:
     """The creases of edges and of vertices, 0 to 1; None where there are none."""
 

@@ -17,6 +17,7 @@ from .deformation import MESH, WITH_MESH_TWIN, Deformation, is_own_data
 from .motion import Motions
 from .random_numbers import random_of_name
 from .strands import hair_systems
+from .volumes import gas_domain
 
 # Instances between two questions whether to stop: some 10 ms.
 _CANCEL_STRIDE = 10_000
@@ -29,7 +30,7 @@ IN_FOOTAGE = 64  # shadow catchers, and lamps that light them
 
 # Of what has a mesh beside it, what the core can render from control points.
 WITH_EXACT_FORM = {"SURFACE", "CURVE", "FONT"}
-_UNSUPPORTED = {"VOLUME": "OpenVDB volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
+_UNSUPPORTED = {"POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
 
 
 @dataclass
@@ -44,6 +45,7 @@ class Group:
     hair: int | None = None  # which of the owner's hair particle systems, in place of the data
     instanced: bool = False  # some member is made by another object
     in_footage: bool = False  # what makes them is a shadow catcher
+    volume: bool = False  # the data is a Volume, or the mesh of a simulation's domain
 
     @property
     def sources(self) -> frozenset[int]:
@@ -217,9 +219,13 @@ class _Collector:
         if kind == "MESH":
             if settings.type in WITH_EXACT_FORM and self._exact.has(settings):
                 return None  # the mesh beside exact splines
-            return Group(settings, data, exact=False, from_owner=is_own_data(settings, data), members=[])
+            own = is_own_data(settings, data)
+            smokes = own and settings.type == "MESH" and gas_domain(settings) is not None
+            return Group(settings, data, exact=False, from_owner=own, members=[], volume=smokes)
         if kind in WITH_EXACT_FORM and self._exact.has(settings):
             return Group(settings, data, exact=True, from_owner=True, members=[])
+        if kind == "VOLUME":
+            return Group(settings, data, exact=False, from_owner=settings.type == kind, members=[], volume=True)
         if kind == "CURVES":
             return Group(settings, data, exact=False, from_owner=True, members=[])
         if kind in _UNSUPPORTED:

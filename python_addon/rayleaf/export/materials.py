@@ -1,6 +1,7 @@
 """Materials to shader programs, each once."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
@@ -13,9 +14,18 @@ from .nodes.compiler import Compiler
 from .nodes.resources import Resources
 from .nodes.displacement import bend_normal, compile_displacement
 from .nodes.emitter import Emitter
+from .nodes.volumes import write_default_volume
 from .ray_interpolation import volume_of
 
 _NEUTRAL = -1  # the core's grey, for slots without a material
+
+
+@dataclass(frozen=True)
+class VolumeMaterial:
+    """What fills a volume."""
+
+    material_list: int
+    reads: frozenset[str]  # names of grids
 
 
 class MaterialLibrary:
@@ -38,6 +48,7 @@ class MaterialLibrary:
         self._materials: dict[int, int] = {}  # by the pointer of the original
         self._lists: dict[tuple[int, ...], int] = {}
         self._holdout: int | None = None
+        self._volumes: dict[int, VolumeMaterial | None] = {}  # by the pointer of the original; 0: of no material
         self._displacing: set[int] = set()
         self._former = former
         self.compiled: dict[int, CompiledMaterial] = {}  # by pointer, as `former`
@@ -98,6 +109,48 @@ class MaterialLibrary:
         surface = emitter.program if has_surface or medium is None else None
         arguments = (subject.name, surface, material.pass_index, volume, displacement, medium)
         return CompiledMaterial(arguments, frozenset(asked.attributes), asked.images)
+
+    def volume(self, materials: list[Any]) -> VolumeMaterial | None:
+        """What fills an object that grids are of: the volume of the first material that has one; without any material,
+        Cycles' own. None where there is none."""
+        for material in materials or [None]:
+            key = 0 if material is None else material.original.as_pointer()
+            if key not in self._volumes:
+                self._check_cancel()
+                self._volumes[key] = self._add_volume(material)
+            found = self._volumes[key]
+            if found is not None:
+                return found
+        return None
+
+    def fills_volumes(self, pointer: int) -> bool:
+        """Whether the material of that original is that of an object that grids are of."""
+        return pointer in self._volumes
+
+    def _add_volume(self, material: Any) -> VolumeMaterial | None:
+        name = "volume" if material is None else name_of(material)
+        subject, emitter = Subject("Material", name), Emitter(self._core, name)
+        try:
+            with self._resources.noted() as asked:
+                if material is None:
+                    write_default_volume(emitter, self._resources)
+                elif not self._compile_volume(emitter, subject, material.evaluated_get(self._depsgraph)):
+                    return None
+            pass_index = 0 if material is None else material.pass_index
+            index = int(self._scene.add_material(name, None, pass_index, medium=emitter.program))
+        except (self._core.InputError, RecursionError) as error:
+            reason = "its chain of nodes is too long" if isinstance(error, RecursionError) else str(error)
+            self._messages.warn(f"{subject}: {reason}; its volume is left out", subject)
+            return None
+        reads = frozenset(name for name in asked.attributes if not name.startswith("\n"))
+        return VolumeMaterial(int(self._scene.add_material_list([index])), reads)
+
+    def _compile_volume(self, emitter: Emitter, subject: Subject, material: Any) -> bool:
+        if not material.use_nodes or material.node_tree is None:
+            return False
+        compiler = self._compiler(emitter, subject)
+        compiler.reads_grids = True
+        return compiler.compile_volume(material.node_tree)
 
     def _compiler(self, emitter: Emitter, subject: Subject, displaces: bool = False) -> Compiler:
         return Compiler(emitter, subject, self._resources, self._messages, displaces=displaces)

@@ -26,7 +26,7 @@ from .images import ImageLibrary
 from .kept import KeptExport, KeptShape
 from .instances import Group, Instances
 from .motion import Motions
-from .materials import MaterialLibrary, slots_of
+from .materials import MaterialLibrary, VolumeMaterial, slots_of
 from .nodes.resources import Resources
 from .shapes import ExportReport, ShapeExporter
 
@@ -161,6 +161,8 @@ class SceneExporter(ShapeExporter):
 
     def _is_in_layer(self, group: Group) -> bool:
         """Whether the view layer's filter lets a group through: hair, or any other surface."""
+        if group.volume:
+            return bool(self._view_layer.use_volumes)
         is_hair = group.hair is not None or group.owner.type == "CURVES"
         return bool(self._view_layer.use_strand if is_hair else self._view_layer.use_solid)
 
@@ -188,7 +190,13 @@ class SceneExporter(ShapeExporter):
 
     def _material_list(self, group: Group) -> int:
         unsupported.name_object_settings(group.owner, self._blender_scene, self._messages)
+        if group.volume:
+            volume = self._volume_material(group)
+            return -1 if volume is None else volume.material_list
         return self.materials.slot_list(self._slots(group), instances.is_holdout(group.owner, self._view_layer))
+
+    def _volume_material(self, group: Group) -> VolumeMaterial | None:
+        return self.materials.volume(self._slots(group))
 
     def _is_displaced(self, group: Group) -> bool:
         return any(slot is not None and self.materials.displaces(slot) for slot in self._slots(group))
@@ -243,9 +251,14 @@ class SceneExporter(ShapeExporter):
         for group in listed.groups:
             self._check_cancel()
             # An object's own material may displace what another object shows smooth.
-            key = group.shape_key, not _is_thread(group) and self._is_displaced(group)
+            key: Any = (group.shape_key, not _is_thread(group) and self._is_displaced(group))
+            attributes = wanted
+            if group.volume:
+                volume = self._volume_material(group)
+                attributes = frozenset() if volume is None else volume.reads
+                key = (group.shape_key, attributes)
             if key not in known:
-                known[key] = self._kept_or_exported(key, group, wanted, listed.judged)
+                known[key] = self._kept_or_exported(key, group, attributes, listed.judged)
             result.append(known[key])
             self._note_way(group, listed.reasons)
         self.report.shapes = sum(shape is not None for shape in known.values())

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..messages import Messages, Subject
 from ..names import name_of
-from . import CancelCheck, curves, meshes, strand_arrays, strands, subdivision, surfaces
+from . import CancelCheck, curves, meshes, strand_arrays, strands, subdivision, surfaces, volumes
 from .deformation import CAGE, CURVES, HAIR, MESH, SPLINES, Deformation, Part
 from .instances import Group
 from .motion import Motions
@@ -71,9 +71,30 @@ class ShapeExporter:
         raise NotImplementedError
 
     def _export_shape(self, group: Group, wanted: frozenset[str], judged: dict[Any, curves.Judged]) -> int | None:
+        if group.volume:
+            return self._export_volume(group, wanted)
         if group.hair is not None or group.owner.type == "CURVES":
             return self._export_strands(group, wanted)
         return self._export_surface(group, judged) if group.exact else self._export_mesh(group, wanted)
+
+    def _export_volume(self, group: Group, reads: frozenset[str]) -> int | None:
+        """The box around the grids that a volume's material reads."""
+        name = name_of(group.owner)
+        subject = Subject("Object", name)
+        if not reads:
+            self._leave_out(name, "its material reads no grid of a volume")
+            return None
+        try:
+            grids = volumes.grids_of(self._core, group.owner, group.data, reads, self._blender_scene.frame_current)
+            if not grids:
+                self._leave_out(name, f"it has none of the grids that its material reads: {', '.join(sorted(reads))}")
+                return None
+            volumes.check_grids(grids, reads, lambda text: self._messages.warn(f"{subject}: {text}", subject))
+            held = {self.scene.attribute(each): grid for each, grid in grids.items()}
+            return int(self.scene.add_shape(self._core.volume(name, held, volumes.density_unit(group.data))))
+        except self._core.InputError as error:
+            self._leave_out(name, str(error))
+            return None
 
     def _export_strands(self, group: Group, wanted: frozenset[str]) -> int | None:
         name = name_of(group.owner)

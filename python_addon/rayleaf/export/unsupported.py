@@ -78,21 +78,9 @@ def name_light_linking(owner: Any, messages: Messages) -> None:
         _warn(messages, subject, "light linking is not supported; it lights and shades all objects")
 
 
-def _name_smoke(owner: Any, messages: Messages) -> None:
-    for modifier in owner.modifiers:
-        if (
-            modifier.type == "FLUID"
-            and modifier.fluid_type == "DOMAIN"
-            and modifier.domain_settings.domain_type == "GAS"
-        ):
-            subject = Subject("Object", name_of(owner))
-            _warn(messages, subject, "smoke and fire are not supported; its volume is the same all over")
-
-
 def name_object_settings(owner: Any, scene: Any, messages: Messages) -> None:
     """Those of an evaluated object in its scene."""
     name_light_linking(owner, messages)
-    _name_smoke(owner, messages)
     if scene.rayleaf.integrator == "DISTRIBUTION" and owner.is_shadow_catcher:
         subject = Subject("Object", name_of(owner))
         _warn(messages, subject, "distribution ray tracing knows no shadow catchers; rendered like any object")

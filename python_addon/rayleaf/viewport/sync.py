@@ -102,6 +102,8 @@ def _edit(exporter: SceneExporter, depsgraph: Any, changes: Changes) -> bool:
     rows = _rows_of(exporter, changes)
     if rows is None or (changes.lamps and exporter.lamps is None):
         return False
+    if any(exporter.materials.fills_volumes(pointer) for pointer in changes.materials):
+        return False  # it may read other grids now
     shown = any(exporter.materials.index_of(pointer) is not None for pointer in changes.materials)
     if not (rows or shown or changes.world or changes.lamps):
         return True

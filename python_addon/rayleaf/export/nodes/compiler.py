@@ -116,6 +116,7 @@ class Compiler:
         load_nodes()
         self.emitter, self.resources, self.is_world, self._displaces = emitter, resources, is_world, displaces
         self._is_volume, self.is_lamp = False, subject.kind == "Light"
+        self.reads_grids = False  # what is compiled fills an object that grids are of
         self._subject, self._messages = subject, messages
         # What stands for the surface's normal, where displacement is bump only.
         self.bent_normal: Register = UNCONNECTED

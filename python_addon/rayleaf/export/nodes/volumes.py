@@ -1,8 +1,10 @@
 """Shader nodes of volumes: what they do to light inside an object or the world, with a weight."""
 
 from ... import versions
-from .compiler import NodeView, volume_node
-from .emitter import Register
+from ...names import text_of
+from .compiler import NodeView, value_node, volume_node
+from .emitter import Emitter, Register
+from .resources import Resources
 
 
 @volume_node("ShaderNodeVolumeAbsorption")
@@ -37,16 +39,51 @@ def coefficients(view: NodeView, weight: Register) -> None:
     emitter.operation("emission", [weight, view.input("Emission Coefficients"), one])
 
 
+def _times_grid(view: NodeView, value: Register, attribute: str, is_color: bool = False) -> Register:
+    """A value times what the grid holds that an input names, where there is such a grid."""
+    socket = view.socket(attribute)
+    name = "" if socket is None else text_of(socket, "default_value")
+    if not view.compiler.reads_grids or not name:
+        return value
+    emitter = view.emitter
+    held = emitter.operation("grid_value", [emitter.scalar(1.0)], [view.resources.attribute(name)])
+    if is_color:
+        return emitter.operation("vector_math", [value, held], text="MULTIPLY")
+    number = emitter.operation("average", [held])
+    return emitter.math("MULTIPLY", value, emitter.math("MAXIMUM", number, emitter.scalar(0.0)))
+
+
+def write_default_volume(emitter: Emitter, resources: Resources) -> None:
+    """What Cycles takes for volumes without a material: grey, as dense as the grid of that name says."""
+    zero, one = emitter.scalar(0.0), emitter.scalar(1.0)
+    density = emitter.operation("average", [emitter.operation("grid_value", [one], [resources.attribute("density")])])
+    emitter.operation("volume_principled", [one, emitter.scalar(0.5), density, *(zero,) * 4, zero, one, zero])
+
+
+@value_node("ShaderNodeVolumeInfo")
+def volume_info(view: NodeView, output: str) -> Register:
+    """Volume Info: grids by their usual names."""
+    if not view.compiler.reads_grids:
+        return view.emitter.scalar(0.0)
+    held = view.emitter.operation("attribute", ints=[view.resources.attribute(output.lower())])
+    return held if output == "Color" else view.emitter.operation("average", [held])
+
+
 @volume_node("ShaderNodeVolumePrincipled")
 def principled(view: NodeView, weight: Register) -> None:
     """Principled Volume. Its attributes are those of grids, which meshes have not."""
+    color = _times_grid(view, view.input("Color"), "Color Attribute", is_color=True)
+    density = _times_grid(view, view.input("Density"), "Density Attribute")
     strength, heat = view.input("Emission Strength"), view.input("Blackbody Intensity")
+    kelvins = view.input("Temperature")
+    if view.emitter.value_of(heat) != (0.0, 0.0, 0.0, 0.0):
+        kelvins = _times_grid(view, kelvins, "Temperature Attribute")
     if versions.glow_counts_its_weight_twice():
         strength, heat = (view.emitter.math("MULTIPLY", each, weight) for each in (strength, heat))
     operands = [
-        *(weight, view.input("Color"), view.input("Density"), view.input("Anisotropy")),
+        *(weight, color, density, view.input("Anisotropy")),
         *(view.input("Absorption Color"), strength, view.input("Emission Color")),
-        *(heat, view.input("Blackbody Tint"), view.input("Temperature")),
+        *(heat, view.input("Blackbody Tint"), kelvins),
     ]
     view.emitter.operation("volume_principled", operands)
 
