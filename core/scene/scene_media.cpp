@@ -151,7 +151,9 @@ void SceneMedia::extinctions(const SceneMedium& medium, std::span<const GridProb
     medium.program->evaluate({of_point.data(), probes.size()}, {results.data(), probes.size()});
     for (size_t i = 0; i < probes.size(); ++i) {
         values[i] = max_component(closures[i].medium.extinction) * medium.density_factor;
-        if (!is_black(closures[i].emission)) values[i] = std::max(values[i], medium.glow_rate);
+        // What has no grids is sampled as often as it is dense; only where it is not would its light be overlooked.
+        const bool is_faint = medium.voxels != nullptr ? values[i] < medium.glow_rate : values[i] == 0.0f;
+        if (is_faint && !is_black(closures[i].emission)) values[i] = medium.glow_rate;
     }
 }
 

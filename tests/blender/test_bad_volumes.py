@@ -117,3 +117,12 @@ def test_a_volume_of_which_nothing_is_read_is_named(run_blender, tmp_path):
     change = "smoke.inputs['Density Attribute'].default_value = ''\n"
     messages, left_out, alpha = rendered(run_blender, tmp_path, path, change)
     assert "Cloud" in only(messages) and list(left_out) == ["Cloud"] and alpha == 0.0
+
+
+def test_settings_that_are_not_followed_are_named_and_layers_may_hide_volumes(run_blender, tmp_path):
+    path = write(tmp_path / "cloud.vdb", make_grid("density", ball, 16))
+    change = "import addon_utils; addon_utils.enable('cycles'); material.cycles.volume_interpolation = 'CUBIC'\n"
+    messages, left_out, alpha = rendered(run_blender, tmp_path, path, change)
+    assert "'Smoke'" in only(messages) and "cubic" in only(messages) and left_out == {} and alpha > 0.1
+    messages, left_out, alpha = rendered(run_blender, tmp_path, path, "bpy.context.view_layer.use_volumes = False\n")
+    assert messages == [] and left_out == {} and alpha == 0.0

@@ -136,6 +136,8 @@ class MaterialLibrary:
                     write_default_volume(emitter, self._resources)
                 elif not self._compile_volume(emitter, subject, material.evaluated_get(self._depsgraph)):
                     return None
+                else:
+                    unsupported.name_volume_settings(material, self._messages)
             pass_index = 0 if material is None else material.pass_index
             index = int(self._scene.add_material(name, None, pass_index, medium=emitter.program))
         except (self._core.InputError, RecursionError) as error:

@@ -93,6 +93,13 @@ def name_material_settings(material: Any, messages: Messages) -> None:
         _warn(messages, subject, "shadows that ignore transparency are not supported; they respect it")
 
 
+def name_volume_settings(material: Any, messages: Messages) -> None:
+    """Those of a material that fills an object of grids."""
+    if versions.cycles_setting(material, "volume_interpolation", "LINEAR") == "CUBIC":
+        subject = Subject("Material", name_of(material))
+        _warn(messages, subject, "cubic interpolation of grids is not supported; they are interpolated linearly")
+
+
 def name_world_settings(world: Any, messages: Messages) -> None:
     """Those beside a world's nodes."""
     shown = versions.world_visibility(world, _WORLD_VISIBILITY)
