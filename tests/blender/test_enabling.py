@@ -206,4 +206,4 @@ report(before=before, result=list(result), after=preferences.lines(bpy.context.s
     assert re.search(
         r"Version: \d+\.\d+\.\d+\nCore: /.*_core\..*\.so\nBuilt with: Compiler GNU \d+.*Embree \d.*OpenImageIO \d", text
     )
-    assert re.search(r"OpenSubdiv 3\.\d\.\d, TBB 20\d\d", text) and "Threads: 3, as set" in text
+    assert re.search(r"OpenSubdiv 3\.\d\.\d, OpenVDB \d+\.\d\.\d, TBB 20\d\d", text) and "Threads: 3, as set" in text
