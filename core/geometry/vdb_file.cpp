@@ -127,7 +127,9 @@ std::map<std::string, std::shared_ptr<const VoxelGrid>> read_vdb(const std::stri
         file.open(false);
         for (const std::string& name : names)
             if (file.hasGrid(name)) grids[name] = taken_grid({object, name}, file.readGrid(name));
-    } catch (const openvdb::Exception& error) {
+    } catch (const InputError&) {
+        throw;
+    } catch (const std::exception& error) {  // OpenVDB's own, and what broken lengths make of memory
         throw InputError(object, "file '" + quotable(path) + "'", quotable(error.what()), "an OpenVDB file");
     }
     return grids;
