@@ -113,6 +113,9 @@ class Shape {
     virtual LocalSurface surface(const LocalHit& hit) const = 0;
     /// The same where the detail Normal will do.
     virtual LocalSurface surface_without_curvature(const LocalHit& hit) const { return surface(hit); }
+    /// From a hit on a flat facet that is shaded smooth to the smooth surface that it stands for, local space; zero for
+    /// shapes whose points lie on their surface.
+    virtual Vec3d rise(const LocalHit& /*hit*/) const { return Vec3d(0.0); }
     /// Value of an attribute at a hit, missing channels 0, alpha 1; empty if the shape has no such attribute.
     virtual std::optional<Vec4f> attribute(AttributeId id, const LocalHit& hit) const = 0;
     /// Index into the instance's material slots for a primitive of a hit.

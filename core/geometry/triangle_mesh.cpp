@@ -1,6 +1,7 @@
 #include "geometry/triangle_mesh.h"
 
 #include "base/error.h"
+#include "geometry/facet_rise.h"
 #include "geometry/parameter_slopes.h"
 #include "geometry/volume_grids.h"
 
@@ -181,6 +182,14 @@ LocalSurface TriangleMesh::surface(const LocalHit& hit) const {
     result.dn_du = derivative(weights.by_u);
     result.dn_dv = derivative(weights.by_v);
     return result;
+}
+
+Vec3d TriangleMesh::rise(const LocalHit& hit) const {
+    if (corner_normals_.empty()) return Vec3d(0.0);
+    const std::array<Vec3f, 3> normals = normals_at(hit.primitive, hit.time);
+    const Vec3f sum = normals[0] * (1.0f - hit.u - hit.v) + normals[1] * hit.u + normals[2] * hit.v;
+    return Vec3d(normalized_or(sum, Vec3f(0.0f))) *
+           facet_rise(corners(hit.primitive, hit.time), normals, double{hit.u}, double{hit.v});
 }
 
 const CornerAttribute* TriangleMesh::find_attribute(AttributeId id) const {

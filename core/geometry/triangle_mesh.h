@@ -52,6 +52,7 @@ class TriangleMesh final : public Shape {
 
     uint32_t element_count() const override { return static_cast<uint32_t>(triangles_.size()); }
     LocalSurface surface(const LocalHit& hit) const override;
+    Vec3d rise(const LocalHit& hit) const override;
     std::optional<Vec4f> attribute(AttributeId id, const LocalHit& hit) const override;
     uint32_t material_slot(const LocalHit& hit) const override;
     uint32_t element_of(const LocalHit& hit) const override { return hit.primitive; }

@@ -10,18 +10,37 @@
 namespace rayleaf {
 namespace {
 
+/// From a facet that is shaded smooth to the surface that it stands for, or part of the way, where light grazes it. By
+/// share as Cycles does it: all of it where the mean of both sines is below half the cutoff, nothing above it.
+Vec3d way_to_smooth_surface(const Scene& scene, const SurfacePoint& point, const Vec3f& direction) {
+    const float cutoff = scene.shadow_terminator(point.instance);
+    const float by_normal = direction.dot(point.normal), side = by_normal > 0.0f ? 1.0f : -1.0f;
+    const float by_facet = side * direction.dot(point.facet_normal);
+    const float share =
+        std::abs(by_normal) < cutoff ? 2.0f - (by_facet + std::abs(by_normal)) / cutoff : 1.0f - by_facet / cutoff;
+    if (!(cutoff > 0.0f && share > 0.0f)) return Vec3d(0.0);
+    const Vec3d rise = point.shape->rise(point.local);
+    if (rise == Vec3d(0.0)) return rise;
+    const Vec3d way = scene.tracer().local_to_world(point.instance, point.time).vector(rise);
+    // Where it is hollow the facet is nearer to the light.
+    if (!(way.dot(Vec3d(point.facet_normal)) * side > 0.0)) return Vec3d(0.0);
+    return way * double{std::min(share, 1.0f)};
+}
+
 /// Where a shadow ray starts. Near the terminator a facet may face away from a light that the surface itself still
 /// sees, or stand in the light of its neighbour where the two meet in a dent. The facet's point would then lie in
 /// shadow, in steps as large as facets; the surface's own point lies outside all facets around it where the surface is
 /// convex.
-Vec3d shadow_origin(const SurfacePoint& point, const Vec3f& direction) {
+Vec3d shadow_origin(const Scene& scene, const SurfacePoint& point, const Vec3f& direction) {
     /// Sine of the angle to a facet and to the surface above which neighbours never matter: facets of a tenth of a
     /// pixel meet at less. At a pole they are narrow, and may be turned farther from the surface than that.
     constexpr float kGrazing = 0.1f;
     const float by_facet = direction.dot(point.facet_normal), by_surface = direction.dot(point.normal);
+    const Vec3d side = Vec3d(point.normal) * (by_surface > 0.0f ? 1.0 : -1.0);
+    const Vec3d way = point.shape ? way_to_smooth_surface(scene, point, direction) : Vec3d(0.0);
+    if (way != Vec3d(0.0)) return point.facet_position + way + side * point.start_offset;
     if (by_facet * by_surface > 0.0f && std::min(std::abs(by_facet), std::abs(by_surface)) > kGrazing)
         return point.ray_origin(direction);
-    const Vec3d side = Vec3d(point.normal) * (by_surface > 0.0f ? 1.0 : -1.0);
     const double rise = (point.position - point.facet_position).dot(side);
     // Corners and edges of facets lie on the surface, but for rounding.
     if (rise < -point.facet_error) return point.ray_origin(direction);
@@ -35,7 +54,7 @@ std::optional<Ray> shadow_ray(const Scene& scene, const SurfacePoint& point, con
     Ray ray;
     ray.t_min = scene.shadow_bias();
     point.release(ray, light.direction);
-    ray.origin = shadow_origin(point, light.direction);
+    ray.origin = shadow_origin(scene, point, light.direction);
     ray.end = light.target_anchor;
     ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
     if (!std::isfinite(light.distance)) return ray;

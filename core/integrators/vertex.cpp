@@ -8,13 +8,18 @@ namespace {
 /// The rays that see a light which lights lobes of a kind.
 constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
 
-/// The normal that decides on which side a light is: the exact one of splines, so that their facets do not show where
-/// light grazes; a facet's own on meshes, and where a facet is seen at a silhouette whose surface faces away.
+/// The normal that decides on which side a light is: the smooth surface's, so that facets do not show where light
+/// grazes; a facet's own where it is seen at a silhouette whose surface faces away.
 const Vec3f& side_normal(const Vertex& vertex) {
     const SurfacePoint& point = vertex.point;
-    const bool exact = point.shape && point.shape->kind() != ShapeKind::TriangleMesh;
     const bool seen = point.normal.dot(vertex.outgoing) * point.facet_normal.dot(vertex.outgoing) > 0.0f;
-    return exact && seen ? point.normal : point.facet_normal;
+    return point.shape && seen ? point.normal : point.facet_normal;
+}
+
+/// The density by which the vertex sends rays towards a light: none to where its facet faces away.
+float density_towards(const Vertex& vertex, const LightSample& light, float density) {
+    const Vec3f& facet = vertex.point.facet_normal;
+    return light.direction.dot(facet) * light.direction.dot(side_normal(vertex)) < 0.0f ? 0.0f : density;
 }
 
 }  // namespace
@@ -26,7 +31,7 @@ bool lights_all_kinds(const LightSample& light) {
 
 LitLobes lit_together(const Vertex& vertex, const Closures& closures, const LightSample& light) {
     const auto both = closures.evaluate_with_density(vertex.outgoing, light.direction, side_normal(vertex));
-    return {both.value, both.density, {}};
+    return {both.value, density_towards(vertex, light, both.density), {}};
 }
 
 LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const LightSample& light) {
@@ -38,7 +43,7 @@ LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const Light
         parts[kind] = lobes.values[static_cast<size_t>(kind)];
         lit.value += parts[kind];
     }
-    lit.density = lobes.density;
+    lit.density = density_towards(vertex, light, lobes.density);
     lit.shares = shares_of(parts, lit.value);
     return lit;
 }

@@ -4,6 +4,7 @@
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/corner_attributes.h"
+#include "python/instances.h"
 #include "python/motions.h"
 #include "scene/description.h"
 #include "scene/edits.h"
@@ -44,13 +45,6 @@ ColorSpace color_space(const std::string& object, const std::string& name) {
 /// What a scene holds of a program, which may grow later, and while others render.
 std::shared_ptr<const Program> copy_of(const std::shared_ptr<Program>& program) {
     return program ? std::make_shared<const Program>(*program) : nullptr;
-}
-
-uint8_t visibility_of(const std::string& object, int visibility) {
-    constexpr int kMost = kVisibleAll | kOfFootage;
-    if (visibility < 0 || visibility > kMost)
-        throw InputError(object, "visibility", std::to_string(visibility), "0 to " + std::to_string(kMost));
-    return static_cast<uint8_t>(visibility);
 }
 
 int add_mesh(SceneDescription& scene, const std::string& name, const Array<float>& vertices,
@@ -138,78 +132,6 @@ void move_instances(SceneDescription& scene, const Array<int32_t>& indices, cons
     for (py::ssize_t i = 0; i < indices.shape(0); ++i)
         places.push_back(affine_of("instances", matrices.data() + 16 * i));
     place_instances(scene, span_of(indices), places);
-}
-
-int add_instance(SceneDescription& scene, const std::string& name, int shape, const Array<double>& matrix,
-                 int material_list, int object_index, float random, int visibility, int ray_interpolation,
-                 int light_group, const std::string& asset, const std::optional<Array<double>>& motion) {
-    return scene.add_instance({name,
-                               shape,
-                               affine_of(name, matrix),
-                               material_list,
-                               static_cast<float>(object_index),
-                               random,
-                               visibility_of(name, visibility),
-                               ray_interpolation,
-                               {},
-                               light_group,
-                               asset,
-                               motion ? motion_of(name, *motion) : nullptr});
-}
-
-using InstanceAttributes = std::map<int, Array<float>>;  ///< by id: (instances, 4)
-
-std::vector<InstanceAttribute> attributes_at(const InstanceAttributes& attributes, py::ssize_t i) {
-    std::vector<InstanceAttribute> result;
-    for (const auto& [id, values] : attributes) {
-        InstanceAttribute attribute{id, {}};
-        for (size_t k = 0; k < 4; ++k) {
-            const float value = values.data()[4 * i + static_cast<py::ssize_t>(k)];
-            attribute.value[k] = std::isfinite(value) ? value : 0.0f;
-        }
-        result.push_back(attribute);
-    }
-    return result;
-}
-
-std::vector<std::string> add_instances(SceneDescription& scene, const std::vector<std::string>& names,
-                                       const Array<int32_t>& shapes, const Array<double>& matrices,
-                                       const Array<int32_t>& material_lists, const Array<int32_t>& object_indices,
-                                       const Array<float>& randoms, const Array<int32_t>& visibilities,
-                                       const std::optional<Array<int32_t>>& ray_interpolations,
-                                       const std::optional<InstanceAttributes>& attributes,
-                                       const std::optional<Array<int32_t>>& light_groups,
-                                       const std::optional<std::vector<std::string>>& assets,
-                                       const std::optional<InstanceMotions>& motions) {
-    const auto count = static_cast<py::ssize_t>(names.size());
-    constexpr const char* kObject = "instances";
-    check_shape(kObject, "shapes", shapes, {count});
-    check_shape(kObject, "matrices", matrices, {count, 4, 4});
-    check_shape(kObject, "material_lists", material_lists, {count});
-    check_shape(kObject, "object_indices", object_indices, {count});
-    check_shape(kObject, "randoms", randoms, {count});
-    check_shape(kObject, "visibilities", visibilities, {count});
-    if (ray_interpolations) check_shape(kObject, "ray_interpolations", *ray_interpolations, {count});
-    if (light_groups) check_shape(kObject, "light_groups", *light_groups, {count});
-    if (assets && assets->size() != names.size())
-        throw InputError(kObject, "assets", std::to_string(assets->size()), "as many as names");
-    const InstanceAttributes named = attributes.value_or(InstanceAttributes());
-    for (const auto& [id, values] : named) check_shape(kObject, "attributes", values, {count, 4});
-    std::vector<std::string> messages;
-    for (py::ssize_t i = 0; i < count; ++i) {
-        try {
-            const std::string& name = names[static_cast<size_t>(i)];
-            scene.add_instance(
-                {name, shapes.data()[i], affine_of(name, matrices.data() + 16 * i), material_lists.data()[i],
-                 static_cast<float>(object_indices.data()[i]), randoms.data()[i],
-                 visibility_of(name, visibilities.data()[i]), ray_interpolations ? ray_interpolations->data()[i] : -1,
-                 attributes_at(named, i), light_groups ? light_groups->data()[i] : -1,
-                 assets ? (*assets)[static_cast<size_t>(i)] : std::string(), motion_at(motions, name, i)});
-        } catch (const InputError& error) {
-            messages.emplace_back(error.what());
-        }
-    }
-    return messages;
 }
 
 int add_lamp(SceneDescription& scene, const std::string& name, const std::string& kind, const Array<double>& matrix,
@@ -334,10 +256,11 @@ void bind_scene(py::module_& module) {
         .def(py::init(&make_panorama), "kind"_a, "longitudes"_a = std::make_pair(-kHalf, kHalf),
              "latitudes"_a = std::make_pair(-kQuarter, kQuarter), "field_of_view"_a = kHalf, "lens"_a = 10.5,
              "sensor"_a = std::make_pair(36.0, 24.0));
-    py::class_<SceneDescription, std::shared_ptr<SceneDescription>>(
+    SceneClass scene(
         module, "SceneDescription",
-        "A scene. Each add_... returns an index for later calls, or raises and leaves the scene as it was.")
-        .def(py::init<std::shared_ptr<SceneParts>>(), "parts"_a = py::none())
+        "A scene. Each add_... returns an index for later calls, or raises and leaves the scene as it was.");
+    bind_instances(scene);
+    scene.def(py::init<std::shared_ptr<SceneParts>>(), "parts"_a = py::none())
         .def("attribute", &SceneDescription::attribute, "name"_a)
         .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a, "corner_normals"_a = py::none(),
              "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none(), "moved_vertices"_a = py::none(),
@@ -372,14 +295,7 @@ void bind_scene(py::module_& module) {
         .def("place_instances", &move_instances, "indices"_a, "matrices"_a)
         .def("clear_lamps", [](SceneDescription& scene) { scene.lamps.clear(); })
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
-        .def("add_instance", &add_instance, "name"_a, "shape"_a, "matrix"_a, "material_list"_a = -1,
-             "object_index"_a = 0, "random"_a = 0.0f, "visibility"_a = static_cast<int>(kVisibleAll),
-             "ray_interpolation"_a = -1, "light_group"_a = -1, "asset"_a = "", "motion"_a = py::none())
         .def("add_ray_interpolation", &SceneDescription::add_ray_interpolation, "object"_a, "interpolation"_a)
-        .def("add_instances", &add_instances, "names"_a, "shapes"_a, "matrices"_a, "material_lists"_a,
-             "object_indices"_a, "randoms"_a, "visibilities"_a, "ray_interpolations"_a = py::none(),
-             "attributes"_a = py::none(), "light_groups"_a = py::none(), "assets"_a = py::none(),
-             "motions"_a = py::none())
         .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
              "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
              "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = kVisibleAll | kOfFootage,

@@ -58,6 +58,8 @@ int SceneDescription::add_instance(InstanceDescription instance) {
     check_index(instance.name, "ray interpolation", instance.ray_interpolation, ray_interpolations.size(), -1);
     check_light_group(instance.name, instance.light_group);
     check_matrix(instance.name, instance.object_to_world);
+    if (!(instance.shadow_terminator >= 0.0f && instance.shadow_terminator <= 1.0f))
+        throw InputError(instance.name, "shadow terminator", number_text(instance.shadow_terminator), "0 to 1");
     instances.push_back(std::move(instance));
     return static_cast<int>(instances.size()) - 1;
 }

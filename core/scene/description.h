@@ -50,6 +50,9 @@ struct Material {
     bool bounds_medium_alone = false;  ///< follows from the programs
 };
 
+/// Cycles' for new objects.
+inline constexpr float kShadowTerminator = 0.1f;
+
 struct InstanceDescription {
     std::string name;
     int shape = -1;
@@ -63,6 +66,9 @@ struct InstanceDescription {
     std::string asset = {};  ///< to which it belongs for Cryptomatte; empty: it is one itself
     /// Where it is while the shutter is open; null: it stands still at `object_to_world`.
     std::shared_ptr<const Motion> motion = nullptr;
+    /// Sine of the angle between a light and the surface below which shadow rays start above facets that are shaded
+    /// smooth, 0 to 1; 0: never. Cycles' Shadow Terminator Geometry Offset.
+    float shadow_terminator = kShadowTerminator;
 
     bool operator==(const InstanceDescription&) const = default;
 };

@@ -40,6 +40,7 @@ void PlacedInstances::resize(size_t count) {
     lists.resize(count);
     interpolations.resize(count);
     light_groups.resize(count);
+    shadow_terminators.resize(count);
     visibility.resize(count);
     shape_of_.resize(count);
     for (size_t i = 0; i < count; ++i) traced.push_back({});
@@ -55,6 +56,7 @@ void PlacedInstances::place(uint32_t index) {
     lists[index] = instance.material_list;
     interpolations[index] = instance.ray_interpolation;
     light_groups[index] = instance.light_group;
+    shadow_terminators[index] = instance.shadow_terminator;
     visibility[index] = instance.visibility;
     shape_of_[index] = instance.shape;
     traced.edit(index) = {shapes_[static_cast<size_t>(instance.shape)], instance.object_to_world,

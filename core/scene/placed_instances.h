@@ -19,6 +19,7 @@ class PlacedInstances {
     std::vector<int> lists;           ///< of materials, by their index in the description; -1: none
     std::vector<int> interpolations;  ///< by their index in the description; -1: the scene's
     std::vector<int> light_groups;    ///< slots; -1: none
+    std::vector<float> shadow_terminators;
     std::vector<uint8_t> visibility;  ///< as described
     ChunkedVector<TracedInstance> traced;
     uint32_t moving = 0;  ///< instances that have a motion

@@ -103,6 +103,8 @@ class Scene {
         if (light.world) return world_light_group_;
         return light.instance < 0 ? light.lamp_group : placed_.light_groups[static_cast<size_t>(light.instance)];
     }
+    /// Of the description's instance.
+    float shadow_terminator(uint32_t instance) const { return placed_.shadow_terminators[instance]; }
     /// What Cryptomatte calls a surface; where the settings ask for mattes.
     std::array<uint32_t, kMatteKinds> matte_ids(const SurfacePoint& point) const;
     float object_index(uint32_t instance) const { return placed_.infos[instance].object_index; }

@@ -506,10 +506,12 @@ class SceneDescription:
         light_group: int = -1,
         asset: str = "",
         motion: Doubles | None = None,
+        shadow_terminator: float = 0.1,
     ) -> int:
         """visibility: sum of 1 camera, 2 diffuse, 4 glossy, 8 transmission, 16 shadow, 32 volume. light_group: the slot of
         the light that it emits (-1: none). asset: to which it belongs for Cryptomatte; itself if empty. motion: matrices
-        (n, 4, 4) at even times while the shutter is open."""
+        (n, 4, 4) at even times while the shutter is open. shadow_terminator: sine of the angle between light and surface
+        below which shadow rays start above facets that are shaded smooth (Cycles' Geometry Offset), 0 to 1."""
     def add_ray_interpolation(self, object: str, interpolation: RayInterpolation) -> int:
         """An index for add_instance, for objects that have settings of their own."""
     def add_instances(
@@ -526,6 +528,7 @@ class SceneDescription:
         light_groups: Ints | None = None,
         assets: Sequence[str] | None = None,
         motions: Mapping[int, Doubles] | None = None,
+        shadow_terminators: Floats | None = None,
     ) -> list[str]:
         """Many at once; matrices (n, 4, 4), attributes of whole instances by id (n, 4), slots of light groups (-1: none),
         motions of some (by place in the list).

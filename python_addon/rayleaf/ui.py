@@ -5,7 +5,7 @@ from typing import Any
 
 import bpy
 
-from . import sampling_presets
+from . import sampling_presets, versions
 
 ENGINE = "RAYLEAF"
 
@@ -321,10 +321,27 @@ class RAYLEAF_PT_ray_visibility(_Panel, bpy.types.Panel):
         if context.object.type == "EMPTY":  # of what it makes instances of
             column.prop(context.object, "is_shadow_catcher")
             return
-        for kind in ("camera", "diffuse", "glossy", "transmission", "shadow"):
-            column.prop(context.object, f"visible_{kind}", text=kind.title())
+        for kind in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"):
+            column.prop(context.object, f"visible_{kind}", text=kind.replace("_", " ").title())
         column.prop(context.object, "is_holdout")
         column.prop(context.object, "is_shadow_catcher")
+
+
+class RAYLEAF_PT_shadow_terminator(_Panel, bpy.types.Panel):
+    """Where shadow rays start on coarse meshes that are shaded smooth."""
+
+    bl_label = "Shadow Terminator"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        shown = context.object is not None and context.object.type in {"MESH", "CURVE", "FONT", "META"}
+        return shown and versions.holder_of_shadow_terminator(context.object) is not None and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        holder = versions.holder_of_shadow_terminator(context.object)
+        self._column().prop(holder, versions.SHADOW_TERMINATOR, text="Geometry Offset")
 
 
 PANELS = (
@@ -341,6 +358,7 @@ PANELS = (
     RAYLEAF_PT_light_spot,
     RAYLEAF_PT_light_nodes,
     RAYLEAF_PT_ray_visibility,
+    RAYLEAF_PT_shadow_terminator,
 )
 
 

@@ -172,6 +172,7 @@ class SceneDescription:
         light_groups,
         assets,
         motions,
+        shadow_terminators,
     ):
         part = dict(
             names=list(names),
@@ -184,6 +185,7 @@ class SceneDescription:
             ray_interpolations=ray_interpolations.tolist(),
             light_groups=light_groups.tolist(),
             assets=list(assets),
+            shadow_terminators=shadow_terminators.tolist(),
             motions=[None if motions is None else motions.get(i) for i in range(len(names))],
             attributes=[{key: rows[i].tolist() for key, rows in attributes.items()} for i in range(len(names))],
         )

@@ -162,6 +162,7 @@ INSTANCES = {
     "light_groups": np.zeros(2, np.int32),
     "assets": ["a", ""],
     "motions": {1: MOTION},
+    "shadow_terminators": np.zeros(2, np.float32),
 }
 CAMERA = {
     "kind": "PERSPECTIVE",

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
 from ..passes import Slots
@@ -318,6 +319,8 @@ class SceneExporter(ShapeExporter):
             spread([self._ray_interpolation(group.owner) for group, _, _ in chosen]),
             spread([self._light_group(group.owner) for group, _, _ in chosen]),
         )
+        terminators = [versions.shadow_terminator(group.owner) for group, _, _ in chosen]
+        terminator_rows = np.repeat(np.array(terminators, np.float32), counts)
         assets = [name for group, _, _ in chosen for name in [_asset_of(group.owner)] * len(group.members)]
         values = self._instance_values(listed, [(group.owner, group.members) for group, _, _ in chosen])
         for first in range(0, len(places), _INSTANCE_CHUNK):
@@ -340,6 +343,7 @@ class SceneExporter(ShapeExporter):
                 {row: listed.motions[place] for row, place in enumerate(places[part]) if place in listed.motions}
                 if listed.motions
                 else None,
+                terminator_rows[part],
             )
             self.report.instances += len(shape) - len(problems)
             for problem in problems:

@@ -81,6 +81,9 @@ def name_light_linking(owner: Any, messages: Messages) -> None:
 def name_object_settings(owner: Any, scene: Any, messages: Messages) -> None:
     """Those of an evaluated object in its scene."""
     name_light_linking(owner, messages)
+    if versions.shadow_terminator_shading(owner) > 0.0:
+        subject = Subject("Object", name_of(owner))
+        _warn(messages, subject, "the shading offset of the shadow terminator is not supported; it is shaded as with 0")
     if scene.rayleaf.integrator == "DISTRIBUTION" and owner.is_shadow_catcher:
         subject = Subject("Object", name_of(owner))
         _warn(messages, subject, "distribution ray tracing knows no shadow catchers; rendered like any object")
