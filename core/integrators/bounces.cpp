@@ -11,6 +11,7 @@ void Bounces::scatter(const LobeSample& sample) {
     state_.singular = sample.singular;
     state_.transmission = sample.transmitted;
     state_.reflection = !sample.transmitted;
+    sees_film_ &= sample.transmitted && !diffuse && sample.roughness <= settings_.film_glass_roughness;
     passed_ = 0;
     ++state_.depth;
     is_last_ |= state_.depth > settings_.max_bounces;
@@ -30,6 +31,7 @@ void Bounces::scatter(const LobeSample& sample) {
 void Bounces::scatter_in_medium() {
     state_.camera = state_.diffuse = state_.glossy = state_.singular = state_.transmission = state_.reflection = false;
     state_.volume = true;
+    sees_film_ = false;
     passed_ = 0;
     is_last_ |= ++state_.depth > settings_.max_bounces;
     is_last_ |= ++state_.volume_depth > settings_.volume_bounces;

@@ -35,6 +35,9 @@ class Bounces {
     /// From now on the path meets nothing but what stands in the footage.
     void go_into_footage() { in_footage_ = true; }
     bool is_in_footage() const { return in_footage_; }
+    /// Whether the camera looks straight through to here, by way of glass that a transparent film ignores at most: the
+    /// world beyond is not drawn then.
+    bool sees_film() const { return settings_.film_transparent && sees_film_; }
     /// Transparent surfaces that a shadow ray from here may pass.
     int transparent_left() const { return settings_.transparent_bounces - state_.transparent_depth; }
     /// The state at a hit `length` along the ray.
@@ -46,7 +49,7 @@ class Bounces {
     const PathSettings& settings_;
     PathState state_;
     Visibility ray_kind_ = kVisibleCamera;
-    bool is_last_ = false, in_footage_ = false;
+    bool is_last_ = false, in_footage_ = false, sees_film_ = true;
     double passed_ = 0;  ///< length since the last scattering, before the present transparent surface
 };
 

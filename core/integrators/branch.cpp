@@ -27,12 +27,15 @@ Branch Branch::scattered(const Vertex& from, const Closures& closures, const Lob
     return child;
 }
 
-Branch Branch::straight_on(const Vertex& from) const {
+Branch Branch::straight_on(const Scene& scene, const Vertex& from) const {
     Branch child = *this;
     child.ray = from.point.behind(ray);
     child.differential = from.differential;
     child.throughput *= from.closures.transparency;
     child.bounces.pass_through(from.point.t);
+    // No shadow ray comes by here: lights beyond are found by this ray alone.
+    if (!scene.material(from.point.instance, from.point.local).transparent_shadow)
+        child.departure.sampling = LightSampling::None;
     ++child.vertex;
     return child;
 }

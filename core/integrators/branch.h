@@ -71,7 +71,7 @@ struct Branch {
     /// differential, random numbers and light sampling.
     Branch scattered(const Vertex& from, const Closures& closures, const LobeSample& sample, int count) const;
     /// The ray behind a transparent surface.
-    Branch straight_on(const Vertex& from) const;
+    Branch straight_on(const Scene& scene, const Vertex& from) const;
 };
 
 /// False for a ray that is black, or that ends by chance, being dim; the others carry its light.

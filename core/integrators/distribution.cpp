@@ -70,7 +70,7 @@ void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
     add_emission(branch, vertex);
     if (branch.bounces.is_spent()) return;
     if (branch.spread == Spread::One) return send_one_on(branch, vertex);
-    if (!is_black(vertex.closures.transparency)) push(branch.straight_on(vertex), vertex);
+    if (!is_black(vertex.closures.transparency)) push(branch.straight_on(scene_, vertex), vertex);
     if (!branch.bounces.is_last()) send_on(branch, vertex);
 }
 
@@ -93,9 +93,11 @@ void DistributionTracer::add_lamps(const Branch& branch, double t_max) {
 }
 
 void DistributionTracer::add_world(const Branch& branch) {
-    const bool hidden = branch.bounces.count() == 0 && settings_.film_transparent;
+    const bool hidden = branch.bounces.sees_film();
     if (hidden) alpha_ -= average(branch.throughput);
-    if (!scene_.has_world() || (hidden && !settings_.wants(Pass::environment) && settings_.slots == 0)) return;
+    if (!scene_.shows_world_to(branch.bounces.ray_kind()) ||
+        (hidden && !settings_.wants(Pass::environment) && settings_.slots == 0))
+        return;
     const Vec3f direction(branch.ray.direction);
     const BranchDeparture& departure = branch.departure;
     const float density =

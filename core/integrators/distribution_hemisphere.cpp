@@ -35,7 +35,7 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
         };
         result.light.direct = color(Pass::diffuse_direct);
         result.light.indirect = color(Pass::diffuse_indirect);
-    } else if (distribution_.indirect == IndirectLight::AmbientOcclusion && scene_.has_world()) {
+    } else if (distribution_.indirect == IndirectLight::AmbientOcclusion && scene_.shows_world_to(kVisibleDiffuse)) {
         result.light.direct =
             result.light.free * scene_.world(Vec3f(ray.ray.direction), ray.differential, ray.bounces.at(0));
     }
@@ -98,7 +98,7 @@ void DistributionTracer::add_unoccluded_world() {
     free_shares(scene_, ways_, Coherence::Incoherent, free.data());
     for (size_t i = 0; i < unoccluded_.size(); ++i) {
         const Branch& child = unoccluded_[i];
-        if (is_black(free[i])) continue;
+        if (is_black(free[i]) || !scene_.shows_world_to(child.bounces.ray_kind())) continue;
         const Color radiance = scene_.world(Vec3f(child.ray.direction), child.differential, child.bounces.at(0));
         add(child, free[i] * radiance, Pass::environment, scene_.world_light_group());
     }

@@ -150,7 +150,7 @@ void DistributionTracer::send_one_on(const Branch& branch, const Vertex& vertex)
     for (int i = 0; i < vertex.closures.size() && !last; ++i) scattering += max_component(vertex.closures[i].weight);
     const float straight = through > 0.0f ? through / (through + scattering) : 0.0f;
     if (straight > 0.0f && branch.random(PathDimension::Transparency) < straight) {
-        Branch child = branch.straight_on(vertex);
+        Branch child = branch.straight_on(scene_, vertex);
         child.throughput /= straight;
         return push(std::move(child), vertex);
     }

@@ -92,7 +92,7 @@ void PointFinder::look(const Branch& branch) {
                        {branch.sampler, dimension(branch.vertex, PathDimension::Probe)});
     if (branch.bounces.count() == 0 && frame_.settings.path.wants(Pass::ambient_occlusion))
         add(branch, vertex, facing_normal(vertex));
-    push(branch.straight_on(vertex));
+    push(branch.straight_on(frame_.scene, vertex));
     if (branch.bounces.is_last()) return;
     const SplitClosures lobes(vertex.closures, vertex.outgoing, vertex.point.facet_normal);
     if (hemisphere_brings_light(frame_))

@@ -31,10 +31,11 @@ struct PathSettings {
     double occlusion_distance;           ///< infinity: no limit
     float exposure;
     bool film_transparent;
-    uint64_t passes;    ///< a bit per pass of the table that is on
-    size_t slots;       ///< as many as the passes need
-    bool mattes;        ///< any of them
-    bool light_passes;  ///< any pass that splits light by the kind of lobe
+    float film_glass_roughness;  ///< Settings'
+    uint64_t passes;             ///< a bit per pass of the table that is on
+    size_t slots;                ///< as many as the passes need
+    bool mattes;                 ///< any of them
+    bool light_passes;           ///< any pass that splits light by the kind of lobe
     bool color_passes;
     bool ray_passes;                ///< any pass that shows how rays were answered
     bool surface_passes;            ///< any pass that describes the first surface

@@ -44,6 +44,7 @@ PathSettings::PathSettings(const Settings& s)
       occlusion_distance(s.occlusion_distance > 0 ? s.occlusion_distance : std::numeric_limits<double>::infinity()),
       exposure(s.exposure),
       film_transparent(s.film_transparent),
+      film_glass_roughness(s.film_glass_roughness),
       passes(0),
       slots(0),
       mattes(false),

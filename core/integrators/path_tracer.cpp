@@ -124,7 +124,8 @@ void PathTracer::add_lamps(double t_max) {
 
 bool PathTracer::leave_scene() {
     if (hides_world()) alpha_ -= average(throughput_);
-    if (!scene_.has_world() || (hides_world() && !settings_.wants(Pass::environment) && settings_.slots == 0))
+    if (!scene_.shows_world_to(bounces_.ray_kind()) ||
+        (hides_world() && !settings_.wants(Pass::environment) && settings_.slots == 0))
         return false;
     world_density_ =
         departure_.density > 0.0f ? scene_.lights().world_density(Vec3f(ray_.direction), departure_.position) : 0.0f;
@@ -241,6 +242,8 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     throughput_ *= vertex.closures.transparency / probability;
     if (!is_finite(throughput_)) return false;
     bounces_.pass_through(vertex.point.t);
+    // No shadow ray comes by here: lights beyond are found by this ray alone.
+    if (!scene_.material(vertex.point.instance, vertex.point.local).transparent_shadow) departure_.density = 0.0f;
     leave_towards(scene_, vertex.point, vertex.outgoing, -vertex.outgoing, media_);
     ray_ = vertex.point.behind(ray_);
     outside_of_ = kNowhere;

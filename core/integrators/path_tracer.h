@@ -176,7 +176,7 @@ class PathTracer {
     void add_lamps(double t_max);
     /// Before the ray's end.
     Color free_of_media(double t) const;
-    bool hides_world() const { return bounces_.count() == 0 && settings_.film_transparent; }
+    bool hides_world() const { return bounces_.sees_film(); }
     /// Whether the world's program must be asked what the world shows.
     bool leave_scene();
     void add_emission(const Vertex& vertex);

@@ -86,6 +86,11 @@ Ray behind(const SurfacePoint& point, const Ray& ray) {
     return rest;
 }
 
+bool lets_through(const Material& material, Visibility kind) {
+    const bool is_shadow_ray = kind == kVisibleShadow || kind == in_footage(kVisibleShadow);
+    return material.surface->may_be_transparent() && (material.transparent_shadow || !is_shadow_ray);
+}
+
 /// What the surface lets through; the way then goes on behind it.
 Color through_surface(const Scene& scene, FreeWay& way, const Hit& hit) {
     const Vec3f direction(way.ray.direction);
@@ -117,7 +122,7 @@ void shares_through_surfaces(const Scene& scene, std::span<FreeWay> ways, std::s
             continue;
         }
         const Material& material = scene.material(hit->instance, hit->local);
-        const bool opaque = !material.bounds_medium_alone && !material.surface->may_be_transparent();
+        const bool opaque = !material.bounds_medium_alone && !lets_through(material, ways[i].kind);
         shares[i] = opaque ? Color(0.0f) : free_share(scene, std::move(ways[i]));
     }
 }
@@ -162,8 +167,7 @@ Color free_share(const Scene& scene, FreeWay way) {
         if (hit) {
             const Material& material = scene.material(hit->instance, hit->local);
             const bool is_surface = !material.bounds_medium_alone;
-            if (is_surface && (way.transparent_left <= 0 || !material.surface->may_be_transparent()))
-                return Color(0.0f);
+            if (is_surface && (way.transparent_left <= 0 || !lets_through(material, way.kind))) return Color(0.0f);
         }
         share *= through_media(scene, way, hit);
         if (!hit) return share;

@@ -100,6 +100,7 @@ struct Emissions {
     EvenEmission even;
     WorldEmission world;
     LampEmission lamp;
+    uint8_t world_visibility = kVisibleAll;  ///< which rays see the world
 };
 
 /// An emitting instance, all elements of which whose material slot emits.

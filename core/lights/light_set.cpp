@@ -89,6 +89,7 @@ struct LightSet::Implementation {
     LightTree hittable{{}};                 ///< over those
     SurfaceLights surfaces;
     WorldEmission world_emission;
+    uint8_t world_visibility;
     LampEmission lamp_emission;
     std::shared_ptr<const WorldLight> world;
     LightTree tree{{}};
@@ -97,6 +98,7 @@ struct LightSet::Implementation {
     Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, Emissions emissions)
         : surfaces(emitters, tracer, std::move(emissions.surface), std::move(emissions.even)),
           world_emission(std::move(emissions.world)),
+          world_visibility(emissions.world_visibility),
           lamp_emission(std::move(emissions.lamp)) {}
 
     void add(const Lamp& lamp, size_t number);
@@ -265,7 +267,7 @@ std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& 
             LampSample sample = set.world->sample(within);
             sample.radiance = set.world_emission(Vec3f(sample.direction));
             std::optional<LightSample> light =
-                chosen(sample, position, probability, seen_by(kVisibleAll | kOfFootage), true);
+                chosen(sample, position, probability, seen_by(set.world_visibility | kOfFootage), true);
             if (light) light->world = true;
             return light;
         }

@@ -94,8 +94,9 @@ using DisplacementTuple = std::optional<std::tuple<std::shared_ptr<Program>, int
 
 Material material_of(const std::string& name, const std::shared_ptr<Program>& surface, int pass_index,
                      const std::optional<VolumeVisualisation>& volume, const DisplacementTuple& displacement,
-                     const std::shared_ptr<Program>& medium) {
-    Material material{name, copy_of(surface), static_cast<float>(pass_index), volume, {}, copy_of(medium)};
+                     const std::shared_ptr<Program>& medium, bool transparent_shadow) {
+    Material material{
+        name, copy_of(surface), static_cast<float>(pass_index), volume, {}, copy_of(medium), transparent_shadow};
     if (displacement) {
         const auto& [program, object, world] = *displacement;
         if (!program) throw InputError(name, "displacement", "without a program", "(program, register, register)");
@@ -106,15 +107,17 @@ Material material_of(const std::string& name, const std::shared_ptr<Program>& su
 
 int add_material(SceneDescription& scene, const std::string& name, const std::shared_ptr<Program>& surface,
                  int pass_index, const std::optional<VolumeVisualisation>& volume,
-                 const DisplacementTuple& displacement, const std::shared_ptr<Program>& medium) {
-    return scene.add_material(material_of(name, surface, pass_index, volume, displacement, medium));
+                 const DisplacementTuple& displacement, const std::shared_ptr<Program>& medium,
+                 bool transparent_shadow) {
+    return scene.add_material(material_of(name, surface, pass_index, volume, displacement, medium, transparent_shadow));
 }
 
 void change_material(SceneDescription& scene, int index, const std::string& name,
                      const std::shared_ptr<Program>& surface, int pass_index,
                      const std::optional<VolumeVisualisation>& volume, const DisplacementTuple& displacement,
-                     const std::shared_ptr<Program>& medium) {
-    replace_material(scene, index, material_of(name, surface, pass_index, volume, displacement, medium));
+                     const std::shared_ptr<Program>& medium, bool transparent_shadow) {
+    replace_material(scene, index,
+                     material_of(name, surface, pass_index, volume, displacement, medium, transparent_shadow));
 }
 
 std::shared_ptr<Shape> shape_of(const SceneDescription& scene, int index) {
@@ -159,7 +162,8 @@ int add_lamp(SceneDescription& scene, const std::string& name, const std::string
 }
 
 void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, int sampling_resolution,
-               const std::shared_ptr<Program>& medium, int light_group) {
+               const std::shared_ptr<Program>& medium, int light_group, int visibility) {
+    scene.world_visibility = visibility_of("world", visibility);
     scene.set_world_light_group(light_group);
     scene.set_world(copy_of(world), sampling_resolution, copy_of(medium));
 }
@@ -273,7 +277,8 @@ void bind_scene(py::module_& module) {
             py::arg("shape").none(false))
         .def("add_curve", &add_curve, "curve"_a)
         .def("add_material", &add_material, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
-             "volume"_a = py::none(), "displacement"_a = py::none(), "medium"_a = py::none())
+             "volume"_a = py::none(), "displacement"_a = py::none(), "medium"_a = py::none(),
+             "transparent_shadow"_a = true)
         .def("copy", [](const SceneDescription& scene) { return std::make_shared<SceneDescription>(scene); })
         .def("emptied",
              [](const SceneDescription& scene) { return std::make_shared<SceneDescription>(emptied(scene)); })
@@ -291,7 +296,8 @@ void bind_scene(py::module_& module) {
             },
             "index"_a, py::arg("shape").none(false))
         .def("replace_material", &change_material, "index"_a, "name"_a, "surface"_a.none(true), "pass_index"_a = 0,
-             "volume"_a = py::none(), "displacement"_a = py::none(), "medium"_a = py::none())
+             "volume"_a = py::none(), "displacement"_a = py::none(), "medium"_a = py::none(),
+             "transparent_shadow"_a = true)
         .def("place_instances", &move_instances, "indices"_a, "matrices"_a)
         .def("clear_lamps", [](SceneDescription& scene) { scene.lamps.clear(); })
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
@@ -301,7 +307,7 @@ void bind_scene(py::module_& module) {
              "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = kVisibleAll | kOfFootage,
              "emission"_a = py::none(), "light_group"_a = -1)
         .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024, "medium"_a = py::none(),
-             "light_group"_a = -1)
+             "light_group"_a = -1, "visibility"_a = static_cast<int>(kVisibleAll))
         .def("matte_attributes", &manifest, "kind"_a, "layer"_a)
         .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,
              "clip_end"_a, "aperture_radius"_a = 0.0, "focus_distance"_a = 10.0, "blades"_a = 0,

@@ -98,6 +98,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("clamp_direct", &Settings::clamp_direct)
         .def_readwrite("clamp_indirect", &Settings::clamp_indirect)
         .def_readwrite("film_transparent", &Settings::film_transparent)
+        .def_readwrite("film_glass_roughness", &Settings::film_glass_roughness)
         .def_readwrite("mist_start", &Settings::mist_start)
         .def_readwrite("mist_depth", &Settings::mist_depth)
         .def_readwrite("mist_falloff", &Settings::mist_falloff)

@@ -47,6 +47,8 @@ struct Material {
     MaterialDisplacement displacement;          ///< of patches and subdivision surfaces
     /// What fills the space behind the surface (shading/medium.h). Without `surface` there is none to be seen.
     std::shared_ptr<const Program> medium = nullptr;
+    bool transparent_shadow =
+        true;  ///< where light goes straight through, shadow rays do too; else it is opaque to them
     bool bounds_medium_alone = false;  ///< follows from the programs
 };
 
@@ -116,7 +118,8 @@ class SceneDescription {
     std::vector<Lamp> lamps;
     std::shared_ptr<const Program> world, world_medium;
     int world_resolution = 0;
-    int world_light_group = -1;  ///< the slot of its light; -1: none
+    int world_light_group = -1;              ///< the slot of its light; -1: none
+    uint8_t world_visibility = kVisibleAll;  ///< which rays see it
     size_t texture_memory = size_t{1} << 30;
     std::shared_ptr<SceneParts> parts;  ///< never null
 

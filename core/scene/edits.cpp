@@ -14,6 +14,7 @@ SceneDescription emptied(const SceneDescription& scene) {
     result.lamps.clear();
     result.set_world(nullptr, 0);
     result.world_light_group = -1;
+    result.world_visibility = kVisibleAll;
     return result;
 }
 

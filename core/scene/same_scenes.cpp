@@ -31,7 +31,8 @@ bool same_displacements(const MaterialDisplacement& a, const MaterialDisplacemen
 
 bool same_materials(const Material& a, const Material& b) {
     return same_programs(a.surface, b.surface) && same_programs(a.medium, b.medium) && a.pass_index == b.pass_index &&
-           same_volumes(a.volume, b.volume) && same_displacements(a.displacement, b.displacement);
+           a.transparent_shadow == b.transparent_shadow && same_volumes(a.volume, b.volume) &&
+           same_displacements(a.displacement, b.displacement);
 }
 
 bool same_lamps(const Lamp& a, const Lamp& b) {
@@ -57,7 +58,8 @@ bool shows_same(const SceneDescription& a, const SceneDescription& b) {
     // An object's own settings say how it is rendered, not what it is: they count as different.
     return a.ray_interpolations.empty() && b.ray_interpolations.empty() && a.texture_memory == b.texture_memory &&
            a.world_resolution == b.world_resolution && a.world_light_group == b.world_light_group &&
-           same_programs(a.world, b.world) && same_programs(a.world_medium, b.world_medium) && same_textures(a, b) &&
+           a.world_visibility == b.world_visibility && same_programs(a.world, b.world) &&
+           same_programs(a.world_medium, b.world_medium) && same_textures(a, b) &&
            are_same(a.shapes, b.shapes, std::equal_to<>()) && are_same(a.materials, b.materials, same_materials) &&
            are_same(a.material_lists, b.material_lists, std::equal_to<>()) && are_same(a.lamps, b.lamps, same_lamps) &&
            a.instances.size() == b.instances.size() && differing_items(a.instances, b.instances).empty();

@@ -252,12 +252,13 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
     if (sampled && description.world_resolution > 0)
         table = world_table(description, world_inputs(Vec3f(0, 0, 1), {}, sampled_light), cancel);
     world_light_group_ = description.world_light_group;
+    world_visibility_ = description.world_visibility;
     lamps_ = description.lamps;
     for (const Lamp& lamp : lamps_) lamp_infos_.push_back({lamp.to_world, inverse_or_identity(lamp.to_world)});
     const auto lamp_light = [this](const LampPoint& lamp) { return lamp_emission(lamp); };
-    lights_ =
-        std::make_unique<LightSet>(lamps_, emitting_instances(cancel), *tracer_,
-                                   Emissions{emission, even, world_emission, lamp_light}, std::move(table), cancel);
+    lights_ = std::make_unique<LightSet>(lamps_, emitting_instances(cancel), *tracer_,
+                                         Emissions{emission, even, world_emission, lamp_light, world_visibility_},
+                                         std::move(table), cancel);
 }
 
 /// Normals are those of the lamp's frame. Area lamps have parameters, 0 to 1, but no texture coordinates, as in Cycles.

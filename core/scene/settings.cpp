@@ -51,6 +51,7 @@ void validate(const Settings& s) {
     check("roulette start", s.roulette_start, 0, 1024);
     check("shadow bias", s.shadow_bias, 0, 1e30);
     check("clamp direct", s.clamp_direct, 0, 1e30);
+    check("film glass roughness", s.film_glass_roughness, -1, 1);
     check("clamp indirect", s.clamp_indirect, 0, 1e30);
     check("occlusion distance", s.occlusion_distance, 0, 1e30);
     check("glossy rays", s.glossy_rays, 1, kManyRays);

@@ -58,6 +58,8 @@ struct Settings {
     /// and surfaces need no more to be free of acne. For pictures like those of older ray tracers.
     double shadow_bias = 0;
     bool film_transparent = false;
+    /// With a transparent film the world behind glass up to this roughness is not drawn either, 0 to 1; -1: it is.
+    float film_glass_roughness = -1;
     /// The pass Mist: where it begins, how deep it is (world units), and the exponent of its falloff.
     double mist_start = 5, mist_depth = 25;
     float mist_falloff = 2;

@@ -460,6 +460,7 @@ class SceneDescription:
         volume: VolumeVisualisation | None = None,
         displacement: tuple[Program, int, int] | None = None,
         medium: Program | None = None,
+        transparent_shadow: bool = True,
     ) -> int:
         """`volume` replaces the surface: the object shows the length of rays inside it.
 
@@ -467,6 +468,8 @@ class SceneDescription:
 
         `displacement` moves the points of spline and subdivision surfaces: a program, and the registers that hold the
         vector in object space and the one in world space, -1 for none.
+
+        Without `transparent_shadow` its shadow is that of an opaque surface.
         """
     def copy(self) -> SceneDescription:
         """Another of the same, to be changed by what follows: the two share what is not."""
@@ -486,6 +489,7 @@ class SceneDescription:
         volume: VolumeVisualisation | None = None,
         displacement: tuple[Program, int, int] | None = None,
         medium: Program | None = None,
+        transparent_shadow: bool = True,
     ) -> None:
         """As `add_material`."""
     def place_instances(self, indices: Ints, matrices: Doubles) -> None:
@@ -562,7 +566,9 @@ class SceneDescription:
         sampling_resolution: int = 1024,
         medium: Program | None = None,
         light_group: int = -1,
-    ) -> None: ...
+        visibility: int = 63,
+    ) -> None:
+        """visibility: of which rays it lights, as add_instance's; 16, shadow, has no meaning here."""
     def matte_attributes(self, kind: str, layer: str) -> dict[str, str]:
         """What headers of files say of Cryptomatte's passes of a kind (OBJECT, MATERIAL, ASSET): the names behind the ids.
         layer: the passes' name without their numbers."""
@@ -634,6 +640,7 @@ class Settings:
     clamp_direct: float
     clamp_indirect: float
     film_transparent: bool
+    film_glass_roughness: float  # with a transparent film, glass up to this roughness shows no world; -1: none
     mist_start: float
     mist_depth: float
     mist_falloff: float

@@ -3,6 +3,7 @@
 from types import ModuleType
 from typing import Any
 
+from . import versions
 from .export import ray_interpolation
 from .export.camera import CropRectangle, Frame
 from .passes import Pass, Slots
@@ -19,6 +20,13 @@ def _mist(world: Any) -> dict[str, float]:
         return {}
     mist = world.mist_settings
     return dict(mist_start=mist.start, mist_depth=mist.depth, mist_falloff=_MIST_FALLOFF[mist.falloff])
+
+
+def _film_glass_roughness(scene: Any) -> float:
+    """Up to which roughness glass shows no world where the film is transparent; -1: all shows it."""
+    if not versions.cycles_setting(scene, "film_transparent_glass", False):
+        return -1.0
+    return float(versions.cycles_setting(scene, "film_transparent_roughness", 0.1))
 
 
 def core_settings(
@@ -51,6 +59,7 @@ def core_settings(
         clamp_direct=own.clamp_direct,
         clamp_indirect=own.clamp_indirect,
         film_transparent=render.film_transparent,
+        film_glass_roughness=_film_glass_roughness(scene),
         **_mist(scene.world),
         filter=own.filter_type,
         filter_width=own.filter_width,

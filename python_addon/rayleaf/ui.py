@@ -5,7 +5,7 @@ from typing import Any
 
 import bpy
 
-from . import sampling_presets, versions
+from . import sampling_presets
 
 ENGINE = "RAYLEAF"
 
@@ -153,6 +153,13 @@ class RAYLEAF_PT_film(_Panel, bpy.types.Panel):
         column, settings = self._column(), context.scene.rayleaf
         column.prop(settings, "film_exposure")
         column.prop(context.scene.render, "film_transparent")
+        if hasattr(context.scene, "cycles"):
+            glass = column.column()
+            glass.active = context.scene.render.film_transparent
+            glass.prop(context.scene.cycles, "film_transparent_glass", text="Transparent Glass")
+            threshold = glass.column()
+            threshold.active = context.scene.cycles.film_transparent_glass
+            threshold.prop(context.scene.cycles, "film_transparent_roughness", text="Roughness Threshold")
         column.prop(settings, "filter_type")
         row = column.row()
         row.active = settings.filter_type != "BOX"
@@ -304,46 +311,6 @@ class RAYLEAF_PT_light_nodes(_Panel, bpy.types.Panel):
             column.template_node_view(light.node_tree, output, output.inputs["Surface"])
 
 
-class RAYLEAF_PT_ray_visibility(_Panel, bpy.types.Panel):
-    """Which rays see an object."""
-
-    bl_label = "Ray Visibility"
-    bl_context = "object"
-    bl_parent_id = "OBJECT_PT_visibility"
-
-    @classmethod
-    def poll(cls, context: Any) -> bool:
-        shown = {"MESH", "CURVE", "SURFACE", "FONT", "META", "LIGHT", "EMPTY"}
-        return context.object is not None and context.object.type in shown and super().poll(context)
-
-    def draw(self, context: Any) -> None:
-        column = self._column()
-        if context.object.type == "EMPTY":  # of what it makes instances of
-            column.prop(context.object, "is_shadow_catcher")
-            return
-        for kind in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"):
-            column.prop(context.object, f"visible_{kind}", text=kind.replace("_", " ").title())
-        column.prop(context.object, "is_holdout")
-        column.prop(context.object, "is_shadow_catcher")
-
-
-class RAYLEAF_PT_shadow_terminator(_Panel, bpy.types.Panel):
-    """Where shadow rays start on coarse meshes that are shaded smooth."""
-
-    bl_label = "Shadow Terminator"
-    bl_context = "object"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: Any) -> bool:
-        shown = context.object is not None and context.object.type in {"MESH", "CURVE", "FONT", "META"}
-        return shown and versions.holder_of_shadow_terminator(context.object) is not None and super().poll(context)
-
-    def draw(self, context: Any) -> None:
-        holder = versions.holder_of_shadow_terminator(context.object)
-        self._column().prop(holder, versions.SHADOW_TERMINATOR, text="Geometry Offset")
-
-
 PANELS = (
     RAYLEAF_PT_sampling,
     RAYLEAF_PT_integrator,
@@ -357,8 +324,6 @@ PANELS = (
     RAYLEAF_PT_light,
     RAYLEAF_PT_light_spot,
     RAYLEAF_PT_light_nodes,
-    RAYLEAF_PT_ray_visibility,
-    RAYLEAF_PT_shadow_terminator,
 )
 
 

@@ -187,8 +187,10 @@ def displacement_method(material: Any) -> str:
 
 def world_visibility(world: Any, kinds: Iterable[str]) -> dict[str, bool]:
     """Which kinds of rays see the world, as Cycles is told."""
-    own = getattr(world, "cycles_visibility", None)
-    return {kind: bool(getattr(own, kind, True)) for kind in kinds}
+    if hasattr(world, "cycles_visibility"):
+        return {kind: bool(getattr(world.cycles_visibility, kind, True)) for kind in kinds}
+    kept = world.get("cycles_visibility") or {}  # without Blender's Cycles add-on
+    return {kind: bool(kept.get(kind, True)) for kind in kinds}
 
 
 def lamp_color(lamp: Any) -> tuple[float, float, float]:

@@ -144,9 +144,11 @@ class SceneDescription:
         self.curves.append(curve)
         return self._shape("curve", curve)
 
-    def add_material(self, name, surface, pass_index=0, volume=None, displacement=None, medium=None):
+    def add_material(
+        self, name, surface, pass_index=0, volume=None, displacement=None, medium=None, transparent_shadow=True
+    ):
         made = dict(name=name, surface=surface, pass_index=pass_index, volume=volume, displacement=displacement)
-        made["medium"] = medium
+        made["medium"], made["transparent_shadow"] = medium, transparent_shadow
         self.materials.append(made)
         return len(self.materials) - 1
 
@@ -196,7 +198,7 @@ class SceneDescription:
         self.lamps.append(arguments)
         return len(self.lamps) - 1
 
-    def set_world(self, world, sampling_resolution=1024, medium=None, light_group=-1):
+    def set_world(self, world, sampling_resolution=1024, medium=None, light_group=-1, visibility=63):
         self.world, self.world_medium, self.world_light_group = world, medium, light_group
 
     def matte_attributes(self, kind, layer):

@@ -294,10 +294,6 @@ SETTINGS = {
         "scenes.make_panoramic(scene.camera.data, 'EQUIRECTANGULAR')",
         "Object 'Camera'",
     ),
-    "transparent glass": (
-        "scene.render.film_transparent = scene.cycles.film_transparent_glass = True",
-        "Scene 'Scene'",
-    ),
     "the pass Shadow": ("layer.use_pass_shadow = True", "View layer 'ViewLayer'"),
     "shader AOV 'Rayleaf Mask'": ("layer.aovs.add().name = 'Rayleaf Mask'", "View layer 'ViewLayer'"),
     "knows no light groups": (
@@ -306,12 +302,7 @@ SETTINGS = {
         "View layer 'ViewLayer'",
     ),
     "shadow catchers": ("item.is_shadow_catcher = True; scene.rayleaf.integrator = 'DISTRIBUTION'", "Object 'Quad'"),
-    "ignore transparency": (
-        "owner = material if hasattr(material, 'use_transparent_shadow') else material.cycles;"
-        "owner.use_transparent_shadow = False",
-        "Material 'Material'",
-    ),
-    "camera off": ("scene.world.cycles_visibility.camera = False", "World 'World'"),
+    "shading offset": ("item.cycles.shadow_terminator_offset = 0.1; item.update_tag()", "Object 'Quad'"),
     "coordinates from the instancer": (
         "node = nodes.new('ShaderNodeUVMap'); node.from_instancer = True;"
         "links.new(node.outputs[0], output.inputs['Surface'])",

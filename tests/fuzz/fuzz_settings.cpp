@@ -41,7 +41,8 @@ Settings settings(fuzz::Bytes& bytes) {
                        &s.tile_size, &s.max_bounces, &s.diffuse_bounces, &s.glossy_bounces, &s.transmission_bounces,
                        &s.transparent_bounces, &s.roulette_start, &s.glossy_rays, &s.light_rays, &s.hemisphere_rays})
         if (bytes.byte() % 8 == 1) *value = drawn_int(bytes);
-    for (float* value : {&s.clamp_direct, &s.clamp_indirect, &s.filter_width, &s.exposure, &s.irradiance_error})
+    for (float* value : {&s.clamp_direct, &s.clamp_indirect, &s.filter_width, &s.exposure, &s.film_glass_roughness,
+                         &s.irradiance_error})
         if (bytes.byte() % 4 == 1) *value = static_cast<float>(bytes.number());
     for (double* value : {&s.shadow_bias, &s.occlusion_distance})
         if (bytes.byte() % 4 == 1) *value = bytes.number();

@@ -29,7 +29,7 @@ class CompiledMaterial:
     @property
     def displaces(self) -> bool:
         """Whether it moves the points of surfaces."""
-        (_name, _surface, _pass_index, _volume, displacement, _medium) = self.arguments
+        (_name, _surface, _pass_index, _volume, displacement, *_) = self.arguments
         return displacement is not None
 
 

@@ -8,7 +8,6 @@ from typing import Any
 from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
-from . import unsupported
 from .kept import CompiledMaterial, KeptExport
 from .nodes.compiler import Compiler
 from .nodes.resources import Resources
@@ -73,7 +72,6 @@ class MaterialLibrary:
 
     def _add(self, material: Any) -> int:
         subject = Subject("Material", name_of(material))
-        unsupported.name_material_settings(material, self._messages)
         pointer = material.original.as_pointer()
         try:
             compiled = self._former.materials.get(pointer) or self.compile(material)
@@ -107,7 +105,8 @@ class MaterialLibrary:
             medium = self._medium(material, subject)
         # A material of nothing but a volume has no surface that could be seen.
         surface = emitter.program if has_surface or medium is None else None
-        arguments = (subject.name, surface, material.pass_index, volume, displacement, medium)
+        shadow = versions.transparent_shadow(material)
+        arguments = (subject.name, surface, material.pass_index, volume, displacement, medium, shadow)
         return CompiledMaterial(arguments, frozenset(asked.attributes), asked.images)
 
     def volume(self, materials: list[Any]) -> VolumeMaterial | None:

@@ -208,13 +208,16 @@ class SceneExporter(ShapeExporter):
         if blender_world is None or not self._view_layer.use_sky:
             self.scene.set_world(None)
             return
-        unsupported.name_world_settings(blender_world, self._messages)
         try:
             arguments = (self._core, blender_world, self._resources, self._messages)
             program, medium = world.compile_world(*arguments), world.compile_medium(*arguments)
             width = _WORLD_TABLE_WIDTH if world.uses_nodes(blender_world) else 0
             self.scene.set_world(
-                program, sampling_resolution=width, medium=medium, light_group=self._light_group(blender_world)
+                program,
+                sampling_resolution=width,
+                medium=medium,
+                light_group=self._light_group(blender_world),
+                visibility=world.visibility(blender_world),
             )
         except self._core.InputError as error:
             subject = Subject("World", name_of(blender_world))

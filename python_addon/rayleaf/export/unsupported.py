@@ -11,8 +11,6 @@ from ..names import name_of
 # (Cryptomatte always counts all samples, which its switch for accuracy asks of other engines.)
 _NO_PASSES = {"use_pass_combined", "use_pass_cryptomatte_accurate"}
 _MATTES = {f"use_pass_cryptomatte_{kind}" for kind in ("object", "material", "asset")}
-# Kinds of rays to which Cycles can hide the world.
-_WORLD_VISIBILITY = ("camera", "diffuse", "glossy", "transmission", "shadow")
 # Passes that Blender's Cycles add-on keeps with a view layer.
 _CYCLES_PASSES = {
     "pass_debug_sample_count": "Debug Sample Count",
@@ -30,8 +28,6 @@ def name_scene_settings(scene: Any, messages: Messages) -> None:
     if scene.render.use_motion_blur and own.integrator == "DISTRIBUTION" and own.use_irradiance_cache:
         _warn(messages, subject, "the irradiance cache knows no motion; what moves is rendered without it")
     _name_stereoscopy(scene, messages)
-    if scene.render.film_transparent and versions.cycles_setting(scene, "film_transparent_glass", False):
-        _warn(messages, subject, "transparent glass on film is not supported; glass is opaque there")
 
 
 def _name_stereoscopy(scene: Any, messages: Messages) -> None:
@@ -89,24 +85,8 @@ def name_object_settings(owner: Any, scene: Any, messages: Messages) -> None:
         _warn(messages, subject, "distribution ray tracing knows no shadow catchers; rendered like any object")
 
 
-def name_material_settings(material: Any, messages: Messages) -> None:
-    """Those beside a material's nodes."""
-    if not versions.transparent_shadow(material):
-        subject = Subject("Material", name_of(material))
-        _warn(messages, subject, "shadows that ignore transparency are not supported; they respect it")
-
-
 def name_volume_settings(material: Any, messages: Messages) -> None:
     """Those of a material that fills an object of grids."""
     if versions.cycles_setting(material, "volume_interpolation", "LINEAR") == "CUBIC":
         subject = Subject("Material", name_of(material))
         _warn(messages, subject, "cubic interpolation of grids is not supported; they are interpolated linearly")
-
-
-def name_world_settings(world: Any, messages: Messages) -> None:
-    """Those beside a world's nodes."""
-    shown = versions.world_visibility(world, _WORLD_VISIBILITY)
-    hidden = [kind for kind, visible in shown.items() if not visible]
-    if hidden:
-        subject = Subject("World", name_of(world))
-        _warn(messages, subject, f"ray visibility ({', '.join(hidden)} off) is not supported; seen by every ray")

@@ -3,8 +3,10 @@
 from types import ModuleType
 from typing import Any
 
+from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
+from . import instances
 from .nodes.compiler import Compiler
 from .nodes.resources import Resources
 from .nodes.emitter import Emitter
@@ -29,6 +31,21 @@ def compile_medium(core: ModuleType, world: Any, resources: Resources, messages:
     emitter = Emitter(core, subject.name)
     compiler = Compiler(emitter, subject, resources, messages, is_world=True)
     return emitter.program if compiler.compile_volume(world.node_tree) else None
+
+
+_VISIBILITY = {
+    "camera": instances.VISIBLE_CAMERA,
+    "diffuse": instances.VISIBLE_DIFFUSE,
+    "glossy": instances.VISIBLE_GLOSSY,
+    "transmission": instances.VISIBLE_TRANSMISSION,
+    "scatter": instances.VISIBLE_VOLUME,
+}
+
+
+def visibility(world: Any) -> int:
+    """The core's bits of the rays that see its light."""
+    shown = versions.world_visibility(world, _VISIBILITY)
+    return sum(bit for kind, bit in _VISIBILITY.items() if shown[kind])
 
 
 def uses_nodes(world: Any) -> bool:
