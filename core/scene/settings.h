@@ -57,12 +57,12 @@ struct Settings {
     /// What is nearer than this to the start of a shadow ray casts no shadow, world units. 0: everything casts shadows,
     /// and surfaces need no more to be free of acne. For pictures like those of older ray tracers.
     double shadow_bias = 0;
-    bool film_transparent = false;
-    /// With a transparent film the world behind glass up to this roughness is not drawn either, 0 to 1; -1: it is.
-    float film_glass_roughness = -1;
     /// The pass Mist: where it begins, how deep it is (world units), and the exponent of its falloff.
     double mist_start = 5, mist_depth = 25;
     float mist_falloff = 2;
+    /// With a transparent film the world behind glass up to this roughness is not drawn either, 0 to 1; -1: it is.
+    float film_glass_roughness = -1;
+    bool film_transparent = false;
     PixelFilterKind filter = PixelFilterKind::BlackmanHarris;
     float filter_width = 1.5f;  ///< pixels, as Blender's panel counts it (film/pixel_filter.h)
     float exposure = 1;         ///< factor on radiance, as Blender's Film exposure
