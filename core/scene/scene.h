@@ -100,7 +100,9 @@ class Scene {
     int light_group(uint32_t instance) const { return placed_.light_groups[instance]; }
     int world_light_group() const { return world_light_group_; }
     /// Whether rays of a kind see the world's light; to the others it is black.
-    bool shows_world_to(Visibility kind) const { return has_world() && (seen_by(world_visibility_ | kOfFootage) & kind) != 0; }
+    bool shows_world_to(Visibility kind) const {
+        return has_world() && (seen_by(world_visibility_ | kOfFootage) & kind) != 0;
+    }
     int light_group(const LightSample& light) const {
         if (light.world) return world_light_group_;
         return light.instance < 0 ? light.lamp_group : placed_.light_groups[static_cast<size_t>(light.instance)];

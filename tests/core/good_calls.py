@@ -216,7 +216,9 @@ CALLS: dict[str, Call] = {
     "SceneDescription.add_lamp": method(
         scene, "add_lamp", name="lamp", kind="POINT", matrix=np.eye(4), strength=(1.0, 1.0, 1.0), emission=program()
     ),
-    "SceneDescription.set_world": method(scene, "set_world", world=program(), medium=program(), light_group=1, visibility=31),
+    "SceneDescription.set_world": method(
+        scene, "set_world", world=program(), medium=program(), light_group=1, visibility=31
+    ),
     "SceneDescription.matte_attributes": method(scene, "matte_attributes", kind="OBJECT", layer="CryptoObject"),
     "SceneDescription.set_camera": method(scene, "set_camera", **CAMERA),
     "SceneDescription.add_image_file": method(scene, "add_image_file", name="a", path="nowhere", color_space="SRGB"),
