@@ -44,7 +44,6 @@ def register() -> None:
         ui_debug,
         ui_messages,
         ui_motion,
-        ui_visibility,
         ui_passes,
         ui_rays,
         ui_view_layer,
@@ -65,7 +64,6 @@ def register() -> None:
         ui_passes,
         ui_camera,
         ui_motion,
-        ui_visibility,
         panel,
         ui_debug,
     )

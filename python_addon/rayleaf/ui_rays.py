@@ -1,4 +1,4 @@
-"""Panels of ray interpolation and volume visualisation."""
+"""Panels of which rays see what, of where shadows begin, and of ray interpolation and volume visualisation."""
 
 import textwrap
 from typing import Any
@@ -113,10 +113,75 @@ class RAYLEAF_PT_volume(_Panel, bpy.types.Panel):
         column.prop(settings, "volume_color")
 
 
+class RAYLEAF_PT_ray_visibility(_Panel, bpy.types.Panel):
+    """Which rays see an object."""
+
+    bl_label = "Ray Visibility"
+    bl_context = "object"
+    bl_parent_id = "OBJECT_PT_visibility"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        shown = {"MESH", "CURVE", "SURFACE", "FONT", "META", "LIGHT", "EMPTY"}
+        return context.object is not None and context.object.type in shown and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        column = self._column()
+        if context.object.type == "EMPTY":  # of what it makes instances of
+            column.prop(context.object, "is_shadow_catcher")
+            return
+        for kind in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"):
+            column.prop(context.object, f"visible_{kind}", text=kind.replace("_", " ").title())
+        column.prop(context.object, "is_holdout")
+        column.prop(context.object, "is_shadow_catcher")
+
+
+class RAYLEAF_PT_world_visibility(_Panel, bpy.types.Panel):
+    """Which rays see the world."""
+
+    bl_label = "Ray Visibility"
+    bl_context = "world"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.world is not None and hasattr(context.world, "cycles_visibility") and super().poll(context)
+
+    def draw(self, context: Any) -> None:
+        column = self._column()
+        for kind in ("camera", "diffuse", "glossy", "transmission", "scatter"):
+            column.prop(context.world.cycles_visibility, kind, text="Volume Scatter" if kind == "scatter" else None)
+
+
+class RAYLEAF_PT_shadow_terminator(_Panel, bpy.types.Panel):
+    """Where shadow rays start on coarse meshes that are shaded smooth."""
+
+    bl_label = "Shadow Terminator"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+    _OFFSET = "shadow_terminator_geometry_offset"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        shown = context.object is not None and context.object.type in {"MESH", "CURVE", "FONT", "META"}
+        return shown and cls._holder(context.object) is not None and super().poll(context)
+
+    @classmethod
+    def _holder(cls, owner: Any) -> Any:
+        """What has the property: the object in later versions, what Blender's Cycles add-on keeps with it in earlier."""
+        return owner if hasattr(owner, cls._OFFSET) else getattr(owner, "cycles", None)
+
+    def draw(self, context: Any) -> None:
+        self._column().prop(self._holder(context.object), self._OFFSET, text="Geometry Offset")
+
+
 PANELS = (
     RAYLEAF_PT_ray_interpolation,
     RAYLEAF_PT_ray_interpolation_outcome,
     RAYLEAF_PT_object_ray_interpolation,
     RAYLEAF_PT_volume,
+    RAYLEAF_PT_ray_visibility,
+    RAYLEAF_PT_world_visibility,
+    RAYLEAF_PT_shadow_terminator,
 )
 register, unregister = bpy.utils.register_classes_factory(PANELS)

@@ -106,19 +106,14 @@ def cycles_setting(owner: Any, name: str, default: Any) -> Any:
     return default if kept is None else kept.get(name, default)
 
 
-SHADOW_TERMINATOR = "shadow_terminator_geometry_offset"
+_SHADOW_TERMINATOR = "shadow_terminator_geometry_offset"
 
 
 def shadow_terminator(owner: Any) -> float:
     """An object's Geometry Offset of the shadow terminator, 0 to 1. Later versions hold it for all engines."""
-    offset = getattr(owner, SHADOW_TERMINATOR, None)
-    value = float(cycles_setting(owner, SHADOW_TERMINATOR, 0.1) if offset is None else offset)
+    offset = getattr(owner, _SHADOW_TERMINATOR, None)
+    value = float(cycles_setting(owner, _SHADOW_TERMINATOR, 0.1) if offset is None else offset)
     return min(max(value, 0.0), 1.0)
-
-
-def holder_of_shadow_terminator(owner: Any) -> Any:
-    """What a panel shows that property of; None without Blender's Cycles add-on in versions where it holds it."""
-    return owner if hasattr(owner, SHADOW_TERMINATOR) else getattr(owner, "cycles", None)
 
 
 def shadow_terminator_shading(owner: Any) -> float:

@@ -107,3 +107,19 @@ def test_without_their_passes_catchers_are_like_any_object(core):
     assert_same(passes_of(core, plain, ["combined"]), {"combined": passes_of(core, plain)["combined"]})
     counted = path_scenes.render(core, caught, size=12, samples=2, passes=PASSES).statistics()
     assert counted["rays"]["catcher_paths"] > 0 and "shadow catchers" not in counted["left_out"]
+
+
+def test_catchers_seen_and_shaded_by_way_of_ray_caches_are_as_traced(core):
+    """The glass ball and a mirror ball above a catcher, whose rays come from caches that know of no footage."""
+    scene = varied(core)
+    mirror = path_scenes.material(core, scene, ("glossy", 1.0, 0.9, 0.0, "SHARP"), name="mirror")
+    ball = scene.add_surface("mirror ball", [scenes.sphere_spline(core)])
+    scene.add_instance("mirror ball", ball, scenes.matrix((-0.3, 0.3, 0.9), 0.4), mirror)
+    names = ["combined", "shadow_catcher", "mask"]
+    settings = dict(samples=256, film_transparent=True)
+    traced = passes_of(core, scene, names, ray_interpolation=core.RayInterpolation("OFF"), **settings)
+    asked = passes_of(core, scene, names, ray_interpolation=core.RayInterpolation("ON", error=0.005), **settings)
+    assert np.any(np.isin(asked["mask"], [2, 3])) and not np.any(np.isin(traced["mask"], [2, 3]))
+    for name in names[:2]:
+        assert asked[name].mean() == pytest.approx(traced[name].mean(), rel=0.02)
+        assert np.abs(asked[name] - traced[name]).mean() < 0.03 * np.abs(traced[name]).mean() + 0.01

@@ -52,7 +52,6 @@ MEET_BLENDER = {
         "denoising.py",
         "ui_camera.py",
         "ui_motion.py",
-        "ui_visibility.py",
         "ui_passes.py",
         "ui_view_layer.py",
         "versions.py",

@@ -8,6 +8,7 @@ from typing import Any
 from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
+from . import unsupported
 from .kept import CompiledMaterial, KeptExport
 from .nodes.compiler import Compiler
 from .nodes.resources import Resources
