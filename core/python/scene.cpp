@@ -260,11 +260,11 @@ void bind_scene(py::module_& module) {
         .def(py::init(&make_panorama), "kind"_a, "longitudes"_a = std::make_pair(-kHalf, kHalf),
              "latitudes"_a = std::make_pair(-kQuarter, kQuarter), "field_of_view"_a = kHalf, "lens"_a = 10.5,
              "sensor"_a = std::make_pair(36.0, 24.0));
-    SceneClass scene(
+    SceneClass described(
         module, "SceneDescription",
         "A scene. Each add_... returns an index for later calls, or raises and leaves the scene as it was.");
-    bind_instances(scene);
-    scene.def(py::init<std::shared_ptr<SceneParts>>(), "parts"_a = py::none())
+    bind_instances(described);
+    described.def(py::init<std::shared_ptr<SceneParts>>(), "parts"_a = py::none())
         .def("attribute", &SceneDescription::attribute, "name"_a)
         .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a, "corner_normals"_a = py::none(),
              "material_slots"_a = py::none(), "uv"_a = -1, "attributes"_a = py::none(), "moved_vertices"_a = py::none(),
