@@ -83,14 +83,16 @@ class Context:
 
 context = Context()
 context.scene, context.object, context.material = scene, cube, cube.active_material
+context.world = scene.world
 for each in (rays, own):
     each.use_advanced = True
 own.use_own_error = True
 for panel in ui_rays.PANELS:
-    shown = type("Shown", (), {"layout": Layout(), "_column": lambda self: Layout(), "draw": panel.draw})()
+    own_names = {name: each for name, each in vars(panel).items() if not name.startswith("__")}
+    shown = type("Shown", (), own_names | {"layout": Layout(), "_column": lambda self: Layout()})()
     shown.draw(context)
-    if hasattr(panel, "draw_header"):
-        panel.draw_header(shown, context)
+    if hasattr(shown, "draw_header"):
+        shown.draw_header(context)
 owners = [rays, own, context.material.rayleaf]
 report(missing=[[type(o).__name__, p.identifier] for o in owners for p in o.bl_rna.properties
                 if p.identifier not in ("rna_type", "name") and (type(o).__name__, p.identifier) not in Layout.shown])
