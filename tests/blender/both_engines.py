@@ -56,6 +56,12 @@ def picture(scene, engine, path):
     return color(channels(scene, engine, path), letters="RGBA").astype(np.float64)
 
 
+def means(picture, side):
+    """Means over the parts of a square picture that are `side` pixels wide and high, by channel."""
+    cells = len(picture) // side
+    return picture.reshape(cells, side, cells, side, -1).mean((1, 3)).ravel().tolist()
+
+
 def white_floor(size):
     """A diffuse floor seen from straight above, `size` wide in the picture, without any light."""
     scenes.plain_world((0, 0, 0))

@@ -116,12 +116,6 @@ def build():
     return scene
 
 
-def parts(picture):
-    """Means over 8 x 8 pixels, of colour and alpha."""
-    cells = SIZE // 8
-    return picture.reshape(cells, 8, cells, 8, 4).mean((1, 3)).ravel().tolist()
-
-
 if __name__ == "__main__":
     folder, found = Path(sys.argv[1]), {}
     for case, change in CASES.items():
@@ -130,5 +124,5 @@ if __name__ == "__main__":
         found[case] = {}
         for engine in ("CYCLES", "RAYLEAF"):
             path = folder / f"{engine} {case}.exr"
-            found[case][engine] = parts(both_engines.picture(shown, engine, path))
+            found[case][engine] = both_engines.means(both_engines.picture(shown, engine, path), 8)
     report(found=found)

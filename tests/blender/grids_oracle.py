@@ -94,16 +94,10 @@ def build(case, folder):
     return scene
 
 
-def parts(scene, engine, path):
-    """Means of the picture over 3 x 3 parts, by channel."""
-    picture = both_engines.color(both_engines.channels(scene, engine, path))
-    third = SIZE // 3
-    return picture.reshape(3, third, 3, third, 3).mean((1, 3)).ravel().tolist()
-
-
 if __name__ == "__main__":
     files, results, result = Path(sys.argv[1]), Path(sys.argv[2]), {}
     for case_name in sys.argv[3:] or list(CASES):
         built = build(CASES[case_name], files)
-        result[case_name] = {e: parts(built, e, results / "picture.exr") for e in ("CYCLES", "RAYLEAF")}
+        pictures = {e: both_engines.picture(built, e, results / "picture.exr") for e in ("CYCLES", "RAYLEAF")}
+        result[case_name] = {e: both_engines.means(each[..., :3], SIZE // 3) for e, each in pictures.items()}
     report(result=result)

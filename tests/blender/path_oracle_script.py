@@ -102,12 +102,6 @@ def set_limits(scene, values):
     both_engines.filter_by_box(scene)
 
 
-def parts(picture):
-    """Means over 2 x 2 parts."""
-    half = SIZE // 2
-    return picture.reshape(2, half, 2, half, -1).mean((1, 3)).ravel().tolist()
-
-
 def light_by_pass(scene, engine, path):
     """Light by pass, colours multiplied back in."""
     channels = both_engines.channels(scene, engine, path)
@@ -120,7 +114,7 @@ def light_by_pass(scene, engine, path):
     for kind in ("Diff", "Gloss", "Trans"):
         for part in ("Dir", "Ind"):
             light[kind + part] = color(kind + part) * color(kind + "Col")
-    return {name: parts(picture) for name, picture in light.items()}
+    return {name: both_engines.means(picture, SIZE // 2) for name, picture in light.items()}
 
 
 if __name__ == "__main__":

@@ -44,6 +44,25 @@ def empty_scene():
     return scene
 
 
+def half_filled_picture(path, samples):
+    """A scene of 16 x 16 pixels, written to a file: a quad shines in the lower half, the upper is empty."""
+    scene = empty_scene()
+    render = scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = 16, 16, 100
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth, render.image_settings.exr_codec = "32", "NONE"
+    render.filepath, render.film_transparent = path, True
+    scene.rayleaf.samples = samples
+    scene.camera.location, scene.camera.data.type, scene.camera.data.ortho_scale = (0, 0, 5), "ORTHO", 2
+    shining = mesh([(-1, -1, 0), (1, -1, 0), (1, 0, 0), (-1, 0, 0)], [(0, 1, 2, 3)], "Good")
+    shining_material, tree, output = material("Shining")
+    shader = tree.nodes.new("ShaderNodeEmission")
+    shader.inputs["Color"].default_value = (1, 0.5, 0.25, 1)
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    shining.data.materials.append(shining_material)
+    return scene
+
+
 def add(data, name=None, collection=None):
     """An object with this data, in the scene."""
     item = bpy.data.objects.new(name or (data.name if data else "Empty"), data)

@@ -74,13 +74,6 @@ def build(folder, principled, settings):
     return scene
 
 
-def parts(scene, engine, path):
-    """Means of the picture over 3 x 3 parts, by channel."""
-    picture = both_engines.color(both_engines.channels(scene, engine, path))
-    third = SIZE // 3
-    return picture.reshape(3, third, 3, third, 3).mean((1, 3)).ravel().tolist()
-
-
 if __name__ == "__main__":
     os.chdir(sys.argv[1])  # simulations leave a file of noise wherever they run
     result = {}
@@ -88,5 +81,6 @@ if __name__ == "__main__":
         cache = Path(sys.argv[1]) / f"cache{number}"
         cache.mkdir()
         built = build(cache, *case)
-        result[case_name] = {e: parts(built, e, cache / "picture.exr") for e in ("CYCLES", "RAYLEAF")}
+        pictures = {e: both_engines.picture(built, e, cache / "picture.exr") for e in ("CYCLES", "RAYLEAF")}
+        result[case_name] = {e: both_engines.means(each[..., :3], SIZE // 3) for e, each in pictures.items()}
     report(result=result)

@@ -71,12 +71,6 @@ def build():
     return scene
 
 
-def parts(picture):
-    """Means over 8 x 8 pixels."""
-    cells = SIZE // 8
-    return picture[..., :3].reshape(cells, 8, cells, 8, 3).mean((1, 3)).ravel().tolist()
-
-
 if __name__ == "__main__":
     scene_of_all, folder, found = build(), Path(sys.argv[1]), {}
     things = [item for item in scene_of_all.objects if item.type == "MESH"]
@@ -88,5 +82,5 @@ if __name__ == "__main__":
         found[case] = {}
         for engine in ("CYCLES", "RAYLEAF"):
             path = folder / f"{engine} {case}.exr"
-            found[case][engine] = parts(both_engines.picture(scene_of_all, engine, path))
+            found[case][engine] = both_engines.means(both_engines.picture(scene_of_all, engine, path)[..., :3], 8)
     report(found=found)

@@ -73,12 +73,6 @@ def build(kind, scale, offset, lamp_kind):
     return scene
 
 
-def parts(picture):
-    """Means over 4 x 4 pixels."""
-    cells = SIZE // 4
-    return picture[..., 0].reshape(cells, 4, cells, 4).mean((1, 3)).ravel().tolist()
-
-
 if __name__ == "__main__":
     folder, found = Path(sys.argv[1]), {}
     for case, described in CASES.items():
@@ -86,5 +80,5 @@ if __name__ == "__main__":
         found[case] = {}
         for engine in ("CYCLES", "RAYLEAF"):
             path = folder / f"{engine} {case}.exr"
-            found[case][engine] = parts(both_engines.picture(shown, engine, path))
+            found[case][engine] = both_engines.means(both_engines.picture(shown, engine, path)[..., :1], 4)
     report(found=found)

@@ -10,20 +10,7 @@ from core.vdb_files import make_grid, write
 SCRIPT = """
 import sys
 import bpy, scenes, rayleaf
-scene = scenes.empty_scene()
-render = scene.render
-render.resolution_x, render.resolution_y, render.resolution_percentage = 16, 16, 100
-render.image_settings.file_format = "OPEN_EXR"
-render.image_settings.color_depth, render.image_settings.exr_codec = "32", "NONE"
-render.filepath, render.film_transparent = sys.argv[1], True
-scene.rayleaf.samples = 4
-scene.camera.location, scene.camera.data.type, scene.camera.data.ortho_scale = (0, 0, 5), "ORTHO", 2
-good = scenes.mesh([(-1, -1, 0), (1, -1, 0), (1, 0, 0), (-1, 0, 0)], [(0, 1, 2, 3)], "Good")
-material, tree, output = scenes.material("Shining")
-shader = tree.nodes.new("ShaderNodeEmission")
-shader.inputs["Color"].default_value = (1, 0.5, 0.25, 1)
-tree.links.new(shader.outputs[0], output.inputs["Surface"])
-good.data.materials.append(material)
+scene = scenes.half_filled_picture(sys.argv[1], 4)
 volume = bpy.data.volumes.new("Cloud")
 cloud = scenes.add(volume, "Cloud")
 cloud.location, cloud.scale = (0, 0.5, 0), (0.4, 0.4, 0.4)

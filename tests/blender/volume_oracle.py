@@ -113,13 +113,6 @@ def set_up(scene, settings):
     scene.cycles.volume_step_rate, scene.cycles.volume_preview_step_rate = 0.1, 0.1
 
 
-def parts(scene, engine, path):
-    """Means of the picture over 3 x 3 parts, by channel."""
-    picture = both_engines.color(both_engines.channels(scene, engine, path))
-    third = SIZE // 3
-    return picture.reshape(3, third, 3, third, 3).mean((1, 3)).ravel().tolist()
-
-
 if __name__ == "__main__":
     folder, result = Path(sys.argv[1]), {}
     wanted = sys.argv[2:] or list(CASES)
@@ -133,5 +126,6 @@ if __name__ == "__main__":
             for key, setting in own_settings.items():
                 setattr(scene_of_case.rayleaf, key, setting)
             chosen = "CYCLES" if engine_name == "CYCLES" else "RAYLEAF"
-            result[case_name][engine_name] = parts(scene_of_case, chosen, folder / "picture.exr")
+            picture = both_engines.picture(scene_of_case, chosen, folder / "picture.exr")
+            result[case_name][engine_name] = both_engines.means(picture[..., :3], SIZE // 3)
     report(result=result)
