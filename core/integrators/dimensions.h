@@ -27,7 +27,8 @@ enum class PathDimension : uint32_t {
     MediumPlace = 10,  ///< and where it arrives
     MediumWalk = 11,   ///< seeds a sequence of numbers for media that vary
     ShadowWalk = 12,   ///< the same for the ray to the light
-    Probe = 13         ///< the tag of what the material asks about its surroundings
+    Probe = 13,        ///< the tag of what the material asks about its surroundings
+    Below = 14         ///< distribution ray tracing: how light enters a body, and the tag of its walks
 };
 
 constexpr uint32_t kFirstPathDimension = 16;

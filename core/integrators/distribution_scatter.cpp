@@ -12,6 +12,7 @@ void DistributionTracer::send_on(const Branch& branch, const Vertex& vertex) {
     follow_singular(branch, vertex, lobes);
     scatter_glossy(branch, vertex, lobes);
     scatter_over_hemisphere(branch, vertex, lobes);
+    scatter_below(branch, vertex, lobes);
 }
 
 FreeWay DistributionTracer::way_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
@@ -154,11 +155,19 @@ void DistributionTracer::send_one_on(const Branch& branch, const Vertex& vertex)
         child.throughput /= straight;
         return push(std::move(child), vertex);
     }
-    if (last) return;
+    if (!last) scatter_once(branch, vertex, straight);
+}
+
+void DistributionTracer::scatter_once(const Branch& branch, const Vertex& vertex, float straight) {
     const std::optional<LobeSample> sample =
         vertex.closures.sample(vertex.outgoing, vertex.point.facet_normal,
                                branch.sampler.get3(dimension(branch.vertex, PathDimension::Scatter)));
     if (!sample) return;
+    if (sample->subsurface) {
+        Branch below = branch;
+        below.throughput /= 1.0f - straight;
+        return walk_on(std::move(below), vertex, *sample);
+    }
     Branch child = branch.scattered(vertex, vertex.closures, *sample, 1);
     child.throughput /= 1.0f - straight;
     child.differential = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);

@@ -113,6 +113,9 @@ class DistributionTracer {
     void follow_singular(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
     void scatter_glossy(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
     void scatter_over_hemisphere(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
+    void scatter_below(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
+    /// One walk of light that enters by `entry`; `branch` carries its share.
+    void walk_on(Branch branch, const Vertex& vertex, const LobeSample& entry);
     /// Those that wait, at most a packet.
     void add_unoccluded_world();
     /// True where the cache answered for all lobes.
@@ -121,6 +124,8 @@ class DistributionTracer {
 
     void sample_light_once(const Branch& branch, const Vertex& vertex);
     void send_one_on(const Branch& branch, const Vertex& vertex);
+    /// By the lobes alone; `straight` is the probability with which the ray would have gone straight on.
+    void scatter_once(const Branch& branch, const Vertex& vertex, float straight);
 
     /// Takes a ray up, unless it is black or, being dim, ends by chance.
     void push(Branch&& branch);

@@ -95,11 +95,14 @@ void PointFinder::look(const Branch& branch) {
     push(branch.straight_on(frame_.scene, vertex));
     if (branch.bounces.is_last()) return;
     const SplitClosures lobes(vertex.closures, vertex.outgoing, vertex.point.facet_normal);
-    if (hemisphere_brings_light(frame_))
+    if (hemisphere_brings_light(frame_)) {
         for (int i = 0; i < lobes.diffuse().size(); ++i) {
             const Lobe& lobe = lobes.diffuse()[i];
             add(branch, vertex, lobe.type == LobeType::Translucent ? -lobe.normal : lobe.normal);
         }
+        // Light that enters leaves nearby.
+        for (int i = 0; i < lobes.subsurface().size(); ++i) add(branch, vertex, lobes.subsurface()[i].normal);
+    }
     for (const LobeSample& sample : lobes.singular()) {
         Branch child = branch.scattered(vertex, vertex.closures, sample, 1);
         child.differential = glossy_differential(vertex.differential, direction, vertex.point, sample, 1);

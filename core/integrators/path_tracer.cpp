@@ -276,46 +276,17 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
     return !body || cross_glass(*body, vertex);
 }
 
-/// The point where a walk below the surface ends, as a vertex that scatters by the cosine; empty where light is lost.
-std::optional<Vertex> PathTracer::exit_below(const Vertex& vertex, const LobeSample& entry) {
-    SubsurfaceEntry start;
-    start.instance = vertex.point.instance;
-    start.medium = subsurface_medium(*entry.subsurface);
-    vertex.point.release(start.ray, entry.direction);
-    start.ray.direction = normalized_or(Vec3d(entry.direction), Vec3d(0, 0, 1));
-    start.ray = with_width(start.ray, vertex.differential);
-    const std::optional<SubsurfaceExit> exit =
-        walk_below(scene_, start, sampler_, dimension(vertex_, PathDimension::Walk));
-    throughput_ *= entry.weight * start.medium.factor;
-    if (!exit) return std::nullopt;
-    throughput_ *= exit->throughput;
-    Vertex found;
-    found.point = scene_.tracer().surface_point(exit->ray, exit->hit);
-    found.differential = vertex.differential;
-    // Evaluated as seen from outside: the material may bend the normal by which light leaves.
-    found.outgoing = Vec3f(exit->ray.direction);
-    scene_.shade(found.point, found.outgoing, found.differential, bounces_.at(0), found.closures);
-    Lobe lobe;
-    const bool faces = found.point.facet_normal.dot(found.outgoing) > 0.0f;
-    lobe.normal = faces ? found.point.normal : -found.point.normal;
-    for (int i = 0; i < found.closures.size(); ++i)
-        if (found.closures[i].type == LobeType::Subsurface) lobe.normal = found.closures[i].normal;
-    const bool is_disney = entry.subsurface->fresnel == Lobe::Fresnel::Schlick;
-    lobe.type = is_disney ? LobeType::LambertExit : LobeType::Diffuse;
-    lobe.weight = Color(1.0f);
-    found.closures.clear();
-    found.closures.add(lobe);
-    return found;
-}
-
 bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry) {
     // Of the point where light enters: there is room for one.
     if (light_ray_) receive(free_share(scene_, *light_ray_));
-    const std::optional<Vertex> exit = exit_below(vertex, entry);
-    if (!exit || !(max_component(throughput_) > 0.0f) || !is_finite(throughput_)) return false;
+    const std::optional<SubsurfaceVertex> exit =
+        leave_below(scene_, {vertex, entry, bounces_.at(0), sampler_, dimension(vertex_, PathDimension::Walk)});
+    if (!exit) return false;
+    throughput_ *= exit->throughput;
+    if (!(max_component(throughput_) > 0.0f) || !is_finite(throughput_)) return false;
     ++vertex_;
-    add_direct_light(*exit, random3(PathDimension::Light));
-    return scatter(*exit, random3(PathDimension::Scatter));
+    add_direct_light(exit->vertex, random3(PathDimension::Light));
+    return scatter(exit->vertex, random3(PathDimension::Scatter));
 }
 
 /// Goes on from where the ray that has just entered a glass body leaves it; false if the path ends inside.

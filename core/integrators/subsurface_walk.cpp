@@ -85,6 +85,18 @@ bool survives(Color& throughput, float random) {
     return true;
 }
 
+/// What light leaves by that entered by `entered`.
+Lobe exit_lobe(const Vertex& vertex, const Lobe& entered) {
+    Lobe lobe;
+    const bool faces = vertex.point.facet_normal.dot(vertex.outgoing) > 0.0f;
+    lobe.normal = faces ? vertex.point.normal : -vertex.point.normal;
+    for (int i = 0; i < vertex.closures.size(); ++i)
+        if (vertex.closures[i].type == LobeType::Subsurface) lobe.normal = vertex.closures[i].normal;
+    lobe.type = entered.fresnel == Lobe::Fresnel::Schlick ? LobeType::LambertExit : LobeType::Diffuse;
+    lobe.weight = Color(1.0f);
+    return lobe;
+}
+
 }  // namespace
 
 std::optional<SubsurfaceExit> walk_below(const Scene& scene, const SubsurfaceEntry& entry, const Sampler& sampler,
@@ -113,6 +125,30 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const SubsurfaceEnt
         ray = next;
     }
     return std::nullopt;
+}
+
+std::optional<SubsurfaceVertex> leave_below(const Scene& scene, const SubsurfaceStart& start) {
+    const Vertex& from = start.vertex;
+    SubsurfaceEntry entry;
+    entry.instance = from.point.instance;
+    entry.medium = subsurface_medium(*start.entry.subsurface);
+    from.point.release(entry.ray, start.entry.direction);
+    entry.ray.direction = normalized_or(Vec3d(start.entry.direction), Vec3d(0, 0, 1));
+    entry.ray = with_width(entry.ray, from.differential);
+    const std::optional<SubsurfaceExit> exit = walk_below(scene, entry, start.sampler, start.dimension);
+    if (!exit) return std::nullopt;
+    SubsurfaceVertex found;
+    found.throughput = start.entry.weight * entry.medium.factor * exit->throughput;
+    Vertex& vertex = found.vertex;
+    vertex.point = scene.tracer().surface_point(exit->ray, exit->hit);
+    vertex.differential = from.differential;
+    // Evaluated as seen from outside: the material may bend the normal by which light leaves.
+    vertex.outgoing = Vec3f(exit->ray.direction);
+    scene.shade(vertex.point, vertex.outgoing, vertex.differential, start.state, vertex.closures);
+    const Lobe lobe = exit_lobe(vertex, *start.entry.subsurface);
+    vertex.closures.clear();
+    vertex.closures.add(lobe);
+    return found;
 }
 
 }  // namespace rayleaf

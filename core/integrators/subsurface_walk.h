@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/random.h"
+#include "integrators/vertex.h"
 #include "scene/scene.h"
 #include "shading/subsurface.h"
 
@@ -26,5 +27,23 @@ struct SubsurfaceEntry {
 /// way. `dimension` is the first of the sampler's that the walk may use; it takes them from a branch of its own.
 std::optional<SubsurfaceExit> walk_below(const Scene& scene, const SubsurfaceEntry& entry, const Sampler& sampler,
                                          uint32_t dimension);
+
+/// Light that a vertex lets into its body: a sample of its Subsurface lobes.
+struct SubsurfaceStart {
+    const Vertex& vertex;
+    const LobeSample& entry;
+    PathState state;
+    const Sampler& sampler;
+    uint32_t dimension = 0;
+};
+
+/// Where it leaves the body.
+struct SubsurfaceVertex {
+    Vertex vertex;              ///< scatters by the cosine
+    Color throughput{1, 1, 1};  ///< of entering and of the way
+};
+
+/// Empty where light is lost.
+std::optional<SubsurfaceVertex> leave_below(const Scene& scene, const SubsurfaceStart& start);
 
 }  // namespace rayleaf

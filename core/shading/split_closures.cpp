@@ -46,12 +46,10 @@ Color hemispherical_albedo(const Lobe& lobe, const Vec3f& outgoing) {
 
 SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, const Vec3f& facet_normal) {
     for (int i = 0; i < closures.size(); ++i) {
-        Lobe lobe = closures[i];
-        if (lobe.type == LobeType::Subsurface) {  // no walks there: light leaves where it entered
-            lobe.type = LobeType::Diffuse;
-            lobe.roughness = 0.0f;
-        }
-        if (is_singular(lobe))
+        const Lobe& lobe = closures[i];
+        if (lobe.type == LobeType::Subsurface)
+            subsurface_.add(lobe);
+        else if (is_singular(lobe))
             add_singular(lobe, outgoing, facet_normal);
         else
             (is_hemispherical(lobe) ? diffuse_ : glossy_).add(lobe);

@@ -18,11 +18,13 @@ class SplitClosures {
     const Closures& glossy() const { return glossy_; }
     /// The lobes that scatter over the hemisphere, sampled by the cosine.
     const Closures& diffuse() const { return diffuse_; }
+    /// Those by which light enters a body.
+    const Closures& subsurface() const { return subsurface_; }
 
   private:
     LobeSample singular_[2 * Closures::kMaxLobes];  ///< glass has two
     int singular_count_ = 0;
-    Closures glossy_, diffuse_;
+    Closures glossy_, diffuse_, subsurface_;
 
     void add_singular(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& facet_normal);
     void add_singular(const LobeSample& sample);

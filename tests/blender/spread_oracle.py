@@ -111,7 +111,7 @@ def tuft(x, y, material):
     skin.show_instancer_for_render = False
 
 
-def set_up(columns, rows):
+def set_up(columns, rows, distribution):
     """An orthographic camera over unit squares, two suns, a dim world."""
     scenes.empty_file()
     scene = bpy.context.scene
@@ -127,19 +127,24 @@ def set_up(columns, rows):
     scene.render.film_transparent = True
     both_engines.sample_plainly(scene, SAMPLES)
     scene.cycles_curves.shape, scene.rayleaf.strand_shape = "THICK", "ROUND"
-    limits = {"diffuse_bounces": 4, "glossy_bounces": 12, "transmission_bounces": 12}
+    # Distribution ray tracing follows one diffuse bounce.
+    limits = {"diffuse_bounces": 1 if distribution else 4, "glossy_bounces": 12, "transmission_bounces": 12}
     both_engines.set_alike(scene, max_bounces=12, **limits)
     scene.render.resolution_x, scene.render.resolution_y = columns * PIXELS, rows * PIXELS
+    if distribution:
+        own = scene.rayleaf
+        own.integrator, own.hemisphere_rays, own.light_rays = "DISTRIBUTION", 4, 2
+        scene.cycles.samples = 4 * SAMPLES
     scenes.write_layers()
     return scene
 
 
-def main(kind, folder):
+def main(kind, integrator, folder):
     """Render both, each twice, and report means by case."""
     cases, add = (subsurface_cases(), body) if kind == "subsurface" else (hair_cases(), tuft)
     columns = math.ceil(math.sqrt(len(cases)))
     rows = math.ceil(len(cases) / columns)
-    scene = set_up(columns, rows)
+    scene = set_up(columns, rows, integrator == "distribution")
     for i, case in enumerate(cases):
         add(i % columns + 0.5, i // columns + 0.5, build_material(case))
     pictures = {}
@@ -157,4 +162,4 @@ def main(kind, folder):
     report(found=found, version=bpy.app.version)
 
 
-main(sys.argv[1], Path(sys.argv[2]))
+main(sys.argv[1], sys.argv[2], Path(sys.argv[3]))

@@ -12,6 +12,8 @@ ALLOWED = {"subsurface": (0.01, 0.02), "hair": (0.07, 0.03)}
 # Strands that mirror light along themselves to each other, where the ends count most: 0.11 less in 3.4, 0.12 in 5.2, both
 # converged; without bounces 0.003.
 ALONG_THE_STRANDS = 0.13
+# With one diffuse bounce the Principled shader is up to 0.03 dimmer than in Cycles, converged; path traced up to 0.02.
+ONE_BOUNCE = 0.03
 # Since 4.0 Cycles' walks that go far beyond a body's size bring up to 0.04 more of the strongest channel than 3.4's, which
 # ours are; why is not known.
 FARTHER_WALKS = 0.04
@@ -33,13 +35,15 @@ def differences(found):
     return result
 
 
-@pytest.mark.parametrize("kind", ["subsurface", "hair"])
-def test_bodies_and_hair_have_the_colours_that_cycles_gives_them(run_blender, tmp_path, kind):
-    run = run_blender(SCRIPT, kind, tmp_path)
+@pytest.mark.parametrize("kind, integrator", [("subsurface", "path"), ("subsurface", "distribution"), ("hair", "path")])
+def test_bodies_and_hair_have_the_colours_that_cycles_gives_them(run_blender, tmp_path, kind, integrator):
+    run = run_blender(SCRIPT, kind, integrator, tmp_path)
     found = differences(run.report["found"])
     assert len(found) > 10
     each, mean = ALLOWED[kind]
     version = tuple(run.report["version"])
+    if integrator == "distribution":
+        each = ONE_BOUNCE
     if kind == "subsurface" and version >= (4, 0):
         each = FARTHER_WALKS
 

@@ -87,7 +87,32 @@ def veils(core):
     return scene
 
 
+def bodies(core):
+    """Light goes through a ball, below a matte share and a mirror, and is seen in a floor of its kind."""
+    scene = core.SceneDescription()
+    slots = []
+    for name, scale, method, share in (("skin", 0.3, 1, 0.7), ("wax", 0.1, 0, 1.0)):
+        program = core.Program(name)
+        values = [share, (0.8, 0.5, 0.3), scale, (1.0, 0.4, 0.2), 1.4, 0.3]
+        operands = [program.constant(*(v if isinstance(v, tuple) else (v,) * 3), 1) for v in values]
+        program.operation("subsurface", operands, ints=[method])
+        if share < 1:
+            rest, white, clear = (program.constant(*(v,) * 4) for v in (0.15, 0.9, 0.0))
+            program.operation("diffuse", [rest, white])
+            program.operation("glossy", [rest, white, clear], text="SHARP")
+        slots.append(scene.add_material_list([scene.add_material(name, program)]))
+    ball = scene.add_surface("ball", [sphere_spline(core)])
+    scene.add_instance("skin", ball, matrix((0, 0, 0.6), 0.5), slots[0])
+    scene.add_instance("wax", ball, matrix((0.6, 0, 0.2), 0.4), slots[1])
+    scene.add_lamp("lamp", "RECTANGLE", matrix((0.5, 0.3, 2)), (50, 40, 30))
+    scene.add_lamp("back", "POINT", matrix((-0.5, 0, -1)), (30, 40, 50), radius=0.2)
+    scene.set_world(uneven_world(core), 32)
+    look_down(scene, half=0.2)
+    return scene
+
+
 SCENES = dict(
+    bodies=bodies,
     direct=direct,
     soft_shadow=soft_shadow,
     mirrors=mirrors,
@@ -130,7 +155,7 @@ def test_the_mean_of_every_pass_is_that_of_path_tracing(core, name):
     assert not wrong, wrong
 
 
-@pytest.mark.parametrize("name", ["direct", "soft_shadow", "mirrors", "glossy"])
+@pytest.mark.parametrize("name", ["direct", "soft_shadow", "mirrors", "glossy", "bodies"])
 def test_without_indirect_light_the_mean_is_that_of_no_diffuse_bounce(core, name):
     scene = SCENES[name](core)
     path, path_error = means(core, scene, samples=256, diffuse_bounces=0)
