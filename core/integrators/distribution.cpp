@@ -151,7 +151,8 @@ PixelSample trace_distributed(const DistributionFrame& frame, const CameraRay& c
                               RayCounts& counts, SampleExtras* extras) {
     if (!camera_ray.exists) return DistributionTracer(frame, counts, extras).unseen();
     Branch camera(frame.settings.path, camera_ray, sampler);
-    if (frame.scene.has_media()) camera.media = media_around(frame.scene, camera.ray.origin, camera.ray.time);
+    if (frame.scene.has_media())
+        camera.media = media_around(frame.scene, camera.ray.at(camera.ray.t_min), camera.ray.time);
     return DistributionTracer(frame, counts, extras).trace(camera);
 }
 

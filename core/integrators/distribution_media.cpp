@@ -8,7 +8,8 @@ namespace {}  // namespace
 Color DistributionTracer::free_of_media(const Branch& branch, double t) const {
     if (branch.media.empty()) return Color(1.0f);
     RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::ShadowWalk));
-    return transmittance({scene_, branch.media, branch.ray, t, branch.bounces.at(0)}, random);
+    const SeenRay seen(branch.ray, branch.vertex);
+    return transmittance({scene_, branch.media, seen.ray, t - seen.from, branch.bounces.at(0)}, random);
 }
 
 void DistributionTracer::add_scattered_light(const Branch& branch, const MediumSegment& segment) {
@@ -33,16 +34,18 @@ void DistributionTracer::add_scattered_light(const Branch& branch, const MediumS
 }
 
 bool DistributionTracer::pass_media(Branch& branch, double end) {
-    const MediumSegment segment{scene_, branch.media, branch.ray, end, branch.bounces.at(0)};
+    const SeenRay seen(branch.ray, branch.vertex);
+    const MediumSegment segment{scene_, branch.media, seen.ray, end - seen.from, branch.bounces.at(0)};
     const bool scatters = !branch.bounces.is_last();
     if (scatters) add_scattered_light(branch, segment);
     RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::MediumWalk));
     const Vec2f distance = branch.sampler.get2(dimension(branch.vertex, PathDimension::Medium));
-    const MediumPassage passage = pass(segment, branch.throughput, scatters, distance, random);
+    MediumPassage passage = pass(segment, branch.throughput, scatters, distance, random);
     if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission, -1);
     branch.throughput *= passage.weight;
     if (!is_finite(branch.throughput) || is_black(branch.throughput)) return true;
     if (!passage.t) return false;
+    *passage.t += seen.from;
     const Vec3f direction(branch.ray.direction);
     const std::optional<PhaseSample> sample =
         passage.medium.sample(-direction, branch.sampler.get3(dimension(branch.vertex, PathDimension::Scatter)));

@@ -30,6 +30,16 @@ class MediumStack {
 /// The media at a point that lies on no surface, where a path starts; `time` of the shutter.
 MediumStack media_around(const Scene& scene, const Vec3d& position, float time);
 
+/// The part of a ray that media may change. Of the camera's (`vertex` 0) it begins where clipping ends, as in Cycles.
+struct SeenRay {
+    Ray ray;
+    double from = 0;  ///< on the whole ray, world units
+
+    SeenRay(const Ray& whole, int vertex) : ray(whole), from(vertex == 0 ? whole.t_min : 0.0) {
+        if (from > 0.0) ray.origin = whole.at(from);
+    }
+};
+
 /// The media beyond a surface point, for a ray that goes on through it along `direction`.
 void cross(const Scene& scene, const SurfacePoint& point, const Vec3f& direction, MediumStack& media);
 

@@ -8,20 +8,23 @@ namespace {}  // namespace
 Color PathTracer::free_of_media(double t) const {
     if (media_.empty()) return Color(1.0f);
     RandomStream random(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
-    return transmittance({scene_, media_, ray_, t, bounces_.at(0)}, random);
+    const SeenRay seen(ray_, vertex_);
+    return transmittance({scene_, media_, seen.ray, t - seen.from, bounces_.at(0)}, random);
 }
 
 bool PathTracer::pass_media(double end) {
-    const MediumSegment segment{scene_, media_, ray_, end, bounces_.at(0)};
+    const SeenRay seen(ray_, vertex_);
+    const MediumSegment segment{scene_, media_, seen.ray, end - seen.from, bounces_.at(0)};
     const bool scatters = !bounces_.is_last();
     if (scatters) add_scattered_light(segment);
     RandomStream random(sampler_, dimension(vertex_, PathDimension::MediumWalk));
     const Vec2f distance = sampler_.get2(dimension(vertex_, PathDimension::Medium));
-    const MediumPassage passage = pass(segment, throughput_, scatters, distance, random);
+    MediumPassage passage = pass(segment, throughput_, scatters, distance, random);
     if (!is_black(passage.emission)) add(passage.emission, Pass::emission, -1);
     throughput_ *= passage.weight;
     if (!is_finite(throughput_) || is_black(throughput_)) return true;
     if (!passage.t) return false;
+    *passage.t += seen.from;
     scatter_in_medium(passage);
     return true;
 }

@@ -68,7 +68,7 @@ class PathTracer {
           light_(settings),
           has_footprint_(scene.needs_footprints()),
           sees_(camera_ray.exists) {
-        if (scene.has_media()) media_ = media_around(scene, ray_.origin, ray_.time);
+        if (scene.has_media()) media_ = media_around(scene, ray_.at(ray_.t_min), ray_.time);
     }
 
     /// Where the path writes what it is asked beside the passes of the table; before its first ray.

@@ -79,8 +79,8 @@ def build(case, folder):
     point.data.energy, point.data.shadow_soft_size, point.location = 150, 0.0, (1.5, -1.5, 3.0)
     camera = scenes.add(bpy.data.cameras.new("camera"))
     camera.location, camera.rotation_euler = (0.0, -4.5, 2.4), (1.25, 0, 0)
-    if case.camera_inside:  # in Cycles nothing is nearer than where clipping ends, the cloud neither
-        camera.data.clip_start = 0.001
+    if case.camera_inside:  # nothing is seen nearer than where clipping ends, the cloud neither
+        camera.data.clip_start = case.clip_start
         camera.location, camera.rotation_euler = (0.1, 0.0, 1.0), (1.1, 0, 0.3)
     scene.camera = camera
     scene.frame_set(case.frame)

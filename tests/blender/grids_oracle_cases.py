@@ -16,6 +16,7 @@ class Cloud:
     made: bool = False  # by a modifier, of a mesh
     material: bool = True
     camera_inside: bool = False
+    clip_start: float = 0.001
     frame: int = 1  # of a sequence
     settings: dict[str, Any] = field(default_factory=dict)
 
@@ -42,5 +43,6 @@ CASES = {
     "without a material": Cloud({}, material=False),
     "made by a modifier": Cloud(SMOKE, made=True),
     "seen from inside": Cloud({**SMOKE, "Density": 1.0}, camera_inside=True),
+    "seen from inside, the nearest clipped": Cloud({**SMOKE, "Density": 1.0}, camera_inside=True, clip_start=0.3),
     "a frame of a sequence": Cloud(SMOKE, frame=2),
 }

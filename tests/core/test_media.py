@@ -127,7 +127,20 @@ def test_a_camera_inside_sees_the_medium_around_it(core):
     scene = in_front_of_the_world(core)
     add_box(core, scene, absorbing(core, (0.5,) * 3, 1.0), (0, 0, 5.0), 2.0)
     image = picture(core, scene, samples=2)
-    np.testing.assert_allclose(image, np.exp(-0.5 * 2.0), rtol=2e-3)
+    np.testing.assert_allclose(image, np.exp(-0.5 * (2.0 - 0.01)), rtol=3e-3)  # seen from where clipping ends
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("clip_start, way", [(0.5, 1.5), (3.0, 0.0), (5.0, 1.0)])
+def test_the_medium_nearer_than_where_clipping_ends_is_not_seen(core, integrator, clip_start, way):
+    """The camera is in the first box, two units from its border; from 4 to 6 units away is another."""
+    scene = in_front_of_the_world(core)
+    for place in (5.0, 0.0):
+        add_box(core, scene, absorbing(core, (0.5,) * 3), (0, 0, place), 2.0 if place else 1.0, name=str(place))
+    scene.set_camera("PERSPECTIVE", matrix((0, 0, 5)), (-0.05,) * 2, (0.05,) * 2, clip_start, 1000.0)
+    beyond = 0.0 if clip_start == 5.0 else 2.0
+    image = picture(core, scene, samples=2, integrator=integrator)
+    np.testing.assert_allclose(image, np.exp(-0.5 * (way + beyond)), rtol=5e-3)  # rays slant
 
 
 def test_glass_tints_by_the_way_inside(core):
