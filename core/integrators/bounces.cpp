@@ -13,6 +13,7 @@ void Bounces::scatter(const LobeSample& sample) {
     state_.reflection = !sample.transmitted;
     sees_film_ &= sample.transmitted && !diffuse && sample.roughness <= settings_.film_glass_roughness;
     passed_ = 0;
+    if (!sample.singular) least_density_ = std::min(least_density_, sample.density);
     ++state_.depth;
     is_last_ |= state_.depth > settings_.max_bounces;
     // What went through a surface counts as transmission whatever its lobe, as in Cycles.
@@ -28,7 +29,8 @@ void Bounces::scatter(const LobeSample& sample) {
     }
 }
 
-void Bounces::scatter_in_medium() {
+void Bounces::scatter_in_medium(float density) {
+    least_density_ = std::min(least_density_, density);
     state_.camera = state_.diffuse = state_.glossy = state_.singular = state_.transmission = state_.reflection = false;
     state_.volume = true;
     sees_film_ = false;
@@ -41,6 +43,14 @@ void Bounces::scatter_in_medium() {
 void Bounces::pass_through(double length) {
     passed_ += length;
     ++state_.transparent_depth;
+}
+
+void Bounces::simplify(Closures& closures) const {
+    if (settings_.drops_caustics && ray_kind_ == kVisibleDiffuse)
+        closures.drop_caustics(!settings_.reflective_caustics, !settings_.refractive_caustics);
+    constexpr float kWidest = 0.5f;  // Cycles' limit of the roughness
+    if (least_density_ < settings_.filter_glossy)
+        closures.widen(kWidest * std::sqrt(1.0f - least_density_ / settings_.filter_glossy));
 }
 
 PathState Bounces::at(double length) const {

@@ -6,6 +6,8 @@
 #include "shading/inputs.h"
 #include "trace/tracer.h"
 
+#include <limits>
+
 namespace rayleaf {
 
 /// Vertices of one path, borders of media included: none gets stuck.
@@ -17,8 +19,8 @@ class Bounces {
 
     /// After a scattering.
     void scatter(const LobeSample& sample);
-    /// After a scattering by a medium.
-    void scatter_in_medium();
+    /// After a scattering by a medium, with this density per solid angle.
+    void scatter_in_medium(float density);
     /// After going straight on, `length` along, where nothing but a medium begins or ends.
     void pass_boundary(double length) { passed_ += length; }
     /// After going straight on through a transparent surface `length` away.
@@ -32,6 +34,10 @@ class Bounces {
     /// The kind of ray now under way.
     Visibility ray_kind() const { return in_footage_ ? in_footage(ray_kind_) : ray_kind_; }
     Visibility kind_of_shadow_ray() const { return in_footage_ ? in_footage(kVisibleShadow) : kVisibleShadow; }
+    /// Lobes as this path sees them. One that has been scattered widely finds a narrow lobe by chance, and then brings
+    /// much light: such lobes are made wider, and those that make caustics are dropped, as the settings say. Cycles'
+    /// filter_glossy and caustics switches.
+    void simplify(Closures& closures) const;
     /// From now on the path meets nothing but what stands in the footage.
     void go_into_footage() { in_footage_ = true; }
     bool is_in_footage() const { return in_footage_; }
@@ -49,6 +55,7 @@ class Bounces {
     const PathSettings& settings_;
     PathState state_;
     Visibility ray_kind_ = kVisibleCamera;
+    float least_density_ = std::numeric_limits<float>::infinity();  ///< of its scatterings; of mirrors: infinite
     bool is_last_ = false, in_footage_ = false, sees_film_ = true;
     double passed_ = 0;  ///< length since the last scattering, before the present transparent surface
 };

@@ -64,6 +64,7 @@ void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
     scene_.shade(vertex.point, vertex.outgoing, sampled ? RayDifferential{} : vertex.differential,
                  branch.bounces.at(hit->t), vertex.closures,
                  {branch.sampler, dimension(branch.vertex, PathDimension::Probe)});
+    branch.bounces.simplify(vertex.closures);
     if (branch.bounces.count() == 0) record_surface(branch, vertex);
     if (settings_.feature_passes && branch.shows_features)
         branch.features.meet(scene_, vertex, hit->t - branch.ray.t_min, light_.sample);

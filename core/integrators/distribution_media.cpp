@@ -56,7 +56,7 @@ bool DistributionTracer::pass_media(Branch& branch, double end) {
         branch.features.meet_medium(passage.weight * sample->weight, light_.sample);
     if (child.bounces.count() == 0) child.first_shares = kMediumFirst;
     child.shows_features = false;
-    child.bounces.scatter_in_medium();
+    child.bounces.scatter_in_medium(sample->density);
     child.use = RayUse::Medium;
     child.differential =
         widened(branch.differential.transferred(direction, *passage.t, -direction), sample->direction, kScatteredWidth);

@@ -208,6 +208,7 @@ HemisphereRecord Fill::sampled(const OpenPoint& point) {
         LobeSample sample;
         sample.direction = tangent * local.x + bitangent * local.y + point.normal * local.z;
         sample.weight = Color(1.0f);
+        sample.density = local.z / kPi;
         // A shading normal bent from the facet has part of its hemisphere inside the surface.
         const float side = point.normal.dot(vertex.point.facet_normal);
         if (!(sample.direction.dot(vertex.point.facet_normal) * side > 0.0f)) continue;

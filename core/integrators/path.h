@@ -29,6 +29,8 @@ struct PathSettings {
     int most_interior_hits;              ///< of a path through glass
     float clamp_direct, clamp_indirect;  ///< infinity: no limit
     double occlusion_distance;           ///< infinity: no limit
+    float filter_glossy;  ///< Settings'; 0: nothing is made wider
+    bool reflective_caustics, refractive_caustics, drops_caustics;
     float exposure;
     bool film_transparent;
     float film_glass_roughness;  ///< Settings'

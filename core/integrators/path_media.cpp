@@ -59,7 +59,7 @@ bool PathTracer::scatter_in_medium(const MediumPassage& passage) {
     throughput_ *= sample->weight;
     if (settings_.feature_passes) features_.meet_medium(passage.weight * sample->weight, light_.sample);
     if (bounces_.count() == 0) first_shares_ = kMediumFirst;
-    bounces_.scatter_in_medium();
+    bounces_.scatter_in_medium(sample->density);
     use_ = RayUse::Medium;
     if (!survives_roulette()) return false;
     if (has_footprint_)

@@ -59,7 +59,8 @@ ShadingInputs PathTracer::approach(Vertex& vertex) const {
     return inputs;
 }
 
-bool PathTracer::shade(const Vertex& vertex, const VertexNumbers& numbers) {
+bool PathTracer::shade(Vertex& vertex, const VertexNumbers& numbers) {
+    bounces_.simplify(vertex.closures);
     if (bounces_.count() == 0) record_surface(vertex);
     if (settings_.feature_passes) features_.meet(scene_, vertex, hit_->t - ray_.t_min, light_.sample);
     add_emission(vertex);

@@ -108,7 +108,7 @@ class PathTracer {
         return {pairs.triple(first), pairs.triple(first + 2)};
     }
     /// True if the path goes on from a vertex whose closures are known; a ray to a light may be wanted either way.
-    bool shade(const Vertex& vertex, const VertexNumbers& numbers);
+    bool shade(Vertex& vertex, const VertexNumbers& numbers);
     /// The ray to a light that was chosen where the path arrived last, if any.
     std::optional<LightRay>& light_ray() { return light_ray_; }
     /// The share of that light that arrives; before the path arrives again.

@@ -50,6 +50,7 @@ void validate(const Settings& s) {
     check("volume bounces", s.volume_bounces, 0, 1024);
     check("roulette start", s.roulette_start, 0, 1024);
     check("shadow bias", s.shadow_bias, 0, 1e30);
+    check("filter glossy", s.filter_glossy, 0, 1e6);
     check("clamp direct", s.clamp_direct, 0, 1e30);
     check("film glass roughness", s.film_glass_roughness, -1, 1);
     check("clamp indirect", s.clamp_indirect, 0, 1e30);

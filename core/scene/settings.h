@@ -54,6 +54,11 @@ struct Settings {
     int volume_bounces = 0;
     int roulette_start = 3;                       ///< bounces after which Russian roulette may end a path
     float clamp_direct = 0, clamp_indirect = 10;  ///< largest component of one contribution; 0: no limit
+    /// Surfaces that a path comes to by a scattering of a density below this, per solid angle, are as rough as if they
+    /// were seen blurred: less noise, and softer caustics. 0: as they are. Off: no light over mirrors, or through
+    /// glass, by rays from matte surfaces.
+    float filter_glossy = 0;
+    bool reflective_caustics = true, refractive_caustics = true;
     /// What is nearer than this to the start of a shadow ray casts no shadow, world units. 0: everything casts shadows,
     /// and surfaces need no more to be free of acne. For pictures like those of older ray tracers.
     double shadow_bias = 0;

@@ -60,6 +60,16 @@ void make_tangent_orthogonal(Lobe& lobe) {
     lobe.tangent = normalized_or(lobe.tangent - lobe.normal * lobe.normal.dot(lobe.tangent), tangent);
 }
 
+/// An interface that light passes without being bent.
+bool is_clear(const Lobe& lobe) {
+    return refracts(lobe) && std::abs(lobe.ior - 1.0f) < kLeastIndexStep;
+}
+
+/// Whether the lobe is of microfacets.
+bool has_facets(const Lobe& lobe) {
+    return refracts(lobe) || lobe.type == LobeType::Reflection || lobe.type == LobeType::Clearcoat;
+}
+
 /// Makes all its numbers such that can be computed with.
 void mend(Lobe& lobe) {
     lobe.weight = positive(lobe.weight);
@@ -77,8 +87,7 @@ void mend(Lobe& lobe) {
     lobe.film.ior = limited(lobe.film.ior, kLeastIndex, kLargestIndex);
     lobe.alpha_x = limited(lobe.alpha_x, 0.0f, 1.0f);
     lobe.alpha_y = limited(lobe.alpha_y, 0.0f, 1.0f);
-    const bool clear = refracts(lobe) && std::abs(lobe.ior - 1.0f) < kLeastIndexStep;
-    if (clear || lobe.alpha_x * lobe.alpha_y <= kSingularAlphaProduct) {
+    if (is_clear(lobe) || lobe.alpha_x * lobe.alpha_y <= kSingularAlphaProduct) {
         lobe.alpha_x = lobe.alpha_y = 0.0f;
         if (lobe.type == LobeType::Clearcoat) lobe.type = LobeType::Reflection;
     } else {
@@ -92,8 +101,9 @@ bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
     return a.type == b.type && a.kind == b.kind && a.distribution == b.distribution && a.normal == b.normal &&
            a.tangent == b.tangent && a.alpha_x == b.alpha_x && a.alpha_y == b.alpha_y && a.ior == b.ior &&
            a.roughness == b.roughness && a.softness == b.softness && a.fresnel_0 == b.fresnel_0 &&
-           a.masking == b.masking && a.in_front == b.in_front && a.fresnel == b.fresnel && a.radius == b.radius &&
-           a.across == b.across && a.tilt == b.tilt && a.film == b.film;
+           a.masking == b.masking && a.stays_sharp == b.stays_sharp && a.in_front == b.in_front &&
+           a.fresnel == b.fresnel && a.radius == b.radius && a.across == b.across && a.tilt == b.tilt &&
+           a.film == b.film;
 }
 
 /// How far two lobes are from each other; infinite for those that nothing makes alike: of two types, or a mirror and
@@ -186,6 +196,36 @@ void Closures::add(const Lobe& lobe) {
         join_most_alike(clean);
     else
         std::construct_at(&lobes_[count_++], clean);
+}
+
+void Closures::widen(float alpha) {
+    for (int i = 0; i < count_; ++i) {
+        Lobe& lobe = lobes_[i];
+        const bool is_strand = lobe.type == LobeType::HairFibre;
+        if (!is_strand && (!has_facets(lobe) || lobe.stays_sharp || is_clear(lobe))) continue;
+        lobe.alpha_x = std::max(lobe.alpha_x, alpha);
+        lobe.alpha_y = std::max(lobe.alpha_y, alpha);
+        if (is_strand) lobe.roughness = std::max(lobe.roughness, alpha);
+    }
+}
+
+void Closures::drop_caustics(bool reflective, bool refractive) {
+    int kept = 0;
+    for (int i = 0; i < count_; ++i) {
+        Lobe lobe = lobes_[i];
+        const bool reflects_alone =
+            lobe.type == LobeType::Reflection || lobe.type == LobeType::Clearcoat || lobe.type == LobeType::ToonGlossy;
+        if (reflects_alone && reflective) continue;
+        if (lobe.type == LobeType::Refraction && refractive) continue;
+        if (lobe.type == LobeType::Glass && (reflective || refractive)) {
+            if (reflective && refractive) continue;
+            lobe.type = reflective ? LobeType::Refraction : LobeType::Reflection;
+            lobe.kind = reflective ? LobeKind::Transmission : LobeKind::Glossy;
+            lobe.fresnel = Lobe::Fresnel::Dielectric;
+        }
+        lobes_[kept++] = lobe;
+    }
+    count_ = kept;
 }
 
 /// Of the lobes and one more.

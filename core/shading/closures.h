@@ -65,9 +65,10 @@ struct Lobe {
     LobeKind kind = LobeKind::Diffuse;  ///< Glass: its reflection counts as Glossy, its refraction as Transmission
     MicrofacetDistribution distribution = MicrofacetDistribution::Ggx;
     Masking masking = Masking::Separate;
-    bool in_front = false;  ///< ToonGlossy: nothing at right angles to the mirror direction and beyond
-    Color weight{0, 0, 0};  ///< factor on the lobe's value
-    Vec3f normal{0, 0, 1};  ///< unit; faces the viewer
+    bool stays_sharp = false;  ///< Reflection, Refraction, Glass: `widen` passes it by
+    bool in_front = false;     ///< ToonGlossy: nothing at right angles to the mirror direction and beyond
+    Color weight{0, 0, 0};     ///< factor on the lobe's value
+    Vec3f normal{0, 0, 1};     ///< unit; faces the viewer
     /// For anisotropy, made orthogonal to `normal` by `add`; zero: any. Of hair: along the fibre. Microfibres: towards
     /// the viewer.
     Vec3f tangent{0, 0, 0};
@@ -134,6 +135,10 @@ class Closures {
     /// become harmless ones; roughness too small for floating point, or an index too near 1 to spread, becomes
     /// singular.
     void add(const Lobe& lobe);
+    /// Gives microfacets at least the roughness `alpha`, and hair at least such widths.
+    void widen(float alpha);
+    /// Keeps what of the lobes makes no caustics: drops reflections that are not diffuse, refractions, or both.
+    void drop_caustics(bool reflective, bool refractive);
     int size() const { return count_; }
     const Lobe& operator[](int i) const { return lobes_[i]; }
 

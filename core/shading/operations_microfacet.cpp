@@ -13,6 +13,7 @@ void set_roughness(Lobe& lobe, MicrofacetVariant variant, float roughness) {
     const float clamped = saturate(roughness);
     const float alpha = variant == MicrofacetVariant::SHARP ? 0.0f : clamped * clamped;
     lobe.alpha_x = lobe.alpha_y = alpha;
+    lobe.stays_sharp = variant == MicrofacetVariant::SHARP;
     // Ashikhmin-Shirley's lobes have no tails, like Beckmann's.
     const bool beckmann = variant == MicrofacetVariant::BECKMANN || variant == MicrofacetVariant::ASHIKHMIN_SHIRLEY;
     lobe.distribution = beckmann ? MicrofacetDistribution::Beckmann : MicrofacetDistribution::Ggx;

@@ -639,6 +639,9 @@ class Settings:
     shadow_bias: float
     clamp_direct: float
     clamp_indirect: float
+    filter_glossy: float  # density per solid angle below which scattering blurs what comes next; 0: never
+    reflective_caustics: bool
+    refractive_caustics: bool
     film_transparent: bool
     film_glass_roughness: float  # with a transparent film, glass up to this roughness shows no world; -1: none
     mist_start: float

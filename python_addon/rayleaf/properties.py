@@ -268,6 +268,27 @@ class RayleafSceneSettings(bpy.types.PropertyGroup):
         default=10.0,
         min=0.0,
     )
+    filter_glossy: FloatProperty(  # type: ignore
+        name="Filter Glossy",
+        description="Blur mirrors and glass that are seen by light from matte surfaces: higher brings less noise and"
+        " softer caustics, 0 changes nothing",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
+        max=1e6,
+    )
+    use_reflective_caustics: BoolProperty(  # type: ignore
+        name="Reflective",
+        description="Light that comes to matte surfaces by way of mirrors. Without it there is less noise, and some"
+        " light is missing",
+        default=True,
+    )
+    use_refractive_caustics: BoolProperty(  # type: ignore
+        name="Refractive",
+        description="Light that comes to matte surfaces through glass. Without it there is less noise, and what stands"
+        " behind glass is darker",
+        default=True,
+    )
 
     film_exposure: FloatProperty(  # type: ignore
         name="Exposure", description="Factor on all light: 2 is twice as bright", default=1.0, min=0.0, soft_max=10.0

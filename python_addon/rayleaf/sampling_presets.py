@@ -49,6 +49,9 @@ FROM_CYCLES = {
     "volume_bounces": "volume_bounces",
     "sample_clamp_direct": "clamp_direct",
     "sample_clamp_indirect": "clamp_indirect",
+    "blur_glossy": "filter_glossy",
+    "caustics_reflective": "use_reflective_caustics",
+    "caustics_refractive": "use_refractive_caustics",
     "film_exposure": "film_exposure",
     "pixel_filter_type": "filter_type",
     "filter_width": "filter_width",
@@ -76,7 +79,7 @@ class RAYLEAF_OT_preset(bpy.types.Operator):
 
 
 class RAYLEAF_OT_copy_cycles_settings(bpy.types.Operator):
-    """Take sampling, bounces, clamping, exposure, pixel filter, dicing rate and hair shape from Cycles' settings"""
+    """Take sampling, bounces, clamping, caustics, exposure, pixel filter, dicing rate and hair shape from Cycles' settings"""
 
     bl_idname = "rayleaf.copy_cycles_settings"
     bl_label = "Copy Settings from Cycles"

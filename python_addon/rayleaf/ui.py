@@ -142,6 +142,10 @@ class RAYLEAF_PT_light_paths(_Panel, bpy.types.Panel):
         clamping = column.column(align=True, heading="Clamping")
         clamping.prop(settings, "clamp_direct", text="Clamp Direct")
         clamping.prop(settings, "clamp_indirect", text="Clamp Indirect")
+        column.prop(settings, "filter_glossy")
+        caustics = column.column(align=True, heading="Caustics")
+        caustics.prop(settings, "use_reflective_caustics")
+        caustics.prop(settings, "use_refractive_caustics")
 
 
 class RAYLEAF_PT_film(_Panel, bpy.types.Panel):

@@ -29,8 +29,13 @@ def sample_plainly(scene, samples):
 
 
 def without_blur(scene):
-    """Cycles widens what is glossy after diffuse bounces (Filter Glossy); Rayleaf does not."""
-    scene.cycles.blur_glossy = 0.0
+    """Narrow lobes stay narrow after wide scattering (Filter Glossy)."""
+    blur(scene, 0.0)
+
+
+def blur(scene, amount):
+    """Filter Glossy."""
+    scene.cycles.blur_glossy = scene.rayleaf.filter_glossy = amount
 
 
 def filter_by_box(scene, width=1.0):

@@ -12,7 +12,16 @@ def passes_of(core, scene, **settings):
     return {name: session.pass_pixels(name) for name in path_scenes.ALL_PASSES}
 
 
-@pytest.mark.parametrize("settings", [{}, {"threads": 3, "tile_size": 5}, {"resident_megabytes": 0.0}])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {},
+        {"threads": 3, "tile_size": 5},
+        {"resident_megabytes": 0.0},
+        {"filter_glossy": 1.0},
+        {"reflective_caustics": False, "refractive_caustics": False},
+    ],
+)
 @pytest.mark.parametrize("paths", [1, 17, 512, 4096])
 def test_streams_of_any_size_give_the_bits_of_single_paths(core, paths, settings):
     scene = path_scenes.varied_scene(core)

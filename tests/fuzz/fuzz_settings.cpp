@@ -42,7 +42,7 @@ Settings settings(fuzz::Bytes& bytes) {
                        &s.transparent_bounces, &s.roulette_start, &s.glossy_rays, &s.light_rays, &s.hemisphere_rays})
         if (bytes.byte() % 8 == 1) *value = drawn_int(bytes);
     for (float* value : {&s.clamp_direct, &s.clamp_indirect, &s.filter_width, &s.exposure, &s.film_glass_roughness,
-                         &s.irradiance_error})
+                         &s.irradiance_error, &s.filter_glossy})
         if (bytes.byte() % 4 == 1) *value = static_cast<float>(bytes.number());
     for (double* value : {&s.shadow_bias, &s.occlusion_distance})
         if (bytes.byte() % 4 == 1) *value = bytes.number();
