@@ -117,6 +117,8 @@ def main() -> None:
     scene = bpy.context.scene
     scene.rayleaf.max_bounces = 4
     scene.rayleaf.volume_bounces = 2
+    if hasattr(scene, "cycles"):  # what it is compared with
+        scene.cycles.max_bounces, scene.cycles.volume_bounces = 4, 2
     add_camera((0.7, -6.2, 1.5), (0.05, 0, 1.25), 38)
     save("foggy_lamp")
 
