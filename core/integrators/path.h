@@ -29,7 +29,7 @@ struct PathSettings {
     int most_interior_hits;              ///< of a path through glass
     float clamp_direct, clamp_indirect;  ///< infinity: no limit
     double occlusion_distance;           ///< infinity: no limit
-    float filter_glossy;  ///< Settings'; 0: nothing is made wider
+    float filter_glossy;                 ///< Settings'; 0: nothing is made wider
     bool reflective_caustics, refractive_caustics, drops_caustics;
     float exposure;
     bool film_transparent;

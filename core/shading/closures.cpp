@@ -61,7 +61,7 @@ void make_tangent_orthogonal(Lobe& lobe) {
 }
 
 /// An interface that light passes without being bent.
-bool is_clear(const Lobe& lobe) {
+bool is_unbent(const Lobe& lobe) {
     return refracts(lobe) && std::abs(lobe.ior - 1.0f) < kLeastIndexStep;
 }
 
@@ -87,7 +87,7 @@ void mend(Lobe& lobe) {
     lobe.film.ior = limited(lobe.film.ior, kLeastIndex, kLargestIndex);
     lobe.alpha_x = limited(lobe.alpha_x, 0.0f, 1.0f);
     lobe.alpha_y = limited(lobe.alpha_y, 0.0f, 1.0f);
-    if (is_clear(lobe) || lobe.alpha_x * lobe.alpha_y <= kSingularAlphaProduct) {
+    if (is_unbent(lobe) || lobe.alpha_x * lobe.alpha_y <= kSingularAlphaProduct) {
         lobe.alpha_x = lobe.alpha_y = 0.0f;
         if (lobe.type == LobeType::Clearcoat) lobe.type = LobeType::Reflection;
     } else {
@@ -202,7 +202,7 @@ void Closures::widen(float alpha) {
     for (int i = 0; i < count_; ++i) {
         Lobe& lobe = lobes_[i];
         const bool is_strand = lobe.type == LobeType::HairFibre;
-        if (!is_strand && (!has_facets(lobe) || lobe.stays_sharp || is_clear(lobe))) continue;
+        if (!is_strand && (!has_facets(lobe) || lobe.stays_sharp || is_unbent(lobe))) continue;
         lobe.alpha_x = std::max(lobe.alpha_x, alpha);
         lobe.alpha_y = std::max(lobe.alpha_y, alpha);
         if (is_strand) lobe.roughness = std::max(lobe.roughness, alpha);

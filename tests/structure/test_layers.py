@@ -38,6 +38,7 @@ MEET_BLENDER = {
         "frame.py",
         "kept_messages.py",
         "preferences.py",
+        "light_paths.py",
         "properties.py",
         "registration.py",
     ),
