@@ -2,6 +2,8 @@
 // collisions.
 #pragma once
 
+#include "base/vector.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -25,6 +27,10 @@ class ContentHasher {
     void add(double number) { add(std::bit_cast<uint64_t>(number)); }
     void add(int number) { add(static_cast<uint64_t>(static_cast<uint32_t>(number))); }
     void add(uint32_t number) { add(uint64_t{number}); }
+    void add(const Affine3d& map) {
+        for (const Vec3d& column : {map.x, map.y, map.z, map.translation})
+            for (int axis = 0; axis < 3; ++axis) add(column[axis]);
+    }
     /// Adds the bytes of numbers without padding.
     template <typename T>
     void add(const std::vector<T>& values) {

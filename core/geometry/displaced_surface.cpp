@@ -43,6 +43,15 @@ BorderPlace owner_place(const Shape& base, uint32_t element, const Vec2f& parame
 
 }  // namespace
 
+std::optional<ContentHash> DisplacedSurface::hash_of(const Shape& base, const Displacement& displacement) {
+    const std::optional<ContentHash> below = base.content_hash(), moves = displacement.content_hash();
+    if (!below || !moves) return std::nullopt;
+    ContentHasher hasher;
+    hasher.add(static_cast<int>(ShapeKind::DisplacedSurface));
+    for (const uint64_t word : {(*below)[0], (*below)[1], (*moves)[0], (*moves)[1]}) hasher.add(word);
+    return hasher.value();
+}
+
 DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::shared_ptr<const Displacement> displacement,
                                    const CancelToken& cancel)
     : Shape(ShapeKind::DisplacedSurface, base->name()), base_(std::move(base)), displacement_(std::move(displacement)) {

@@ -6,9 +6,11 @@
 #pragma once
 
 #include "base/cancel.h"
+#include "base/content_hash.h"
 #include "geometry/shape.h"
 
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace rayleaf {
@@ -19,10 +21,14 @@ class Displacement {
     /// The displacement vectors of points of the base surface, object space; their normals are on the outside. Pure:
     /// each vector depends on its point alone. The caller checks for NaN and infinity.
     virtual void offsets(const Shape& base, std::span<const PlacedPoint> points, Vec3d* offsets) const = 0;
+    /// Of everything that the vectors depend on, beside the base surface; empty where that is not known.
+    virtual std::optional<ContentHash> content_hash() const { return std::nullopt; }
 };
 
 class DisplacedSurface final : public Shape {
   public:
+    /// What `content_hash` of such a surface is.
+    static std::optional<ContentHash> hash_of(const Shape& base, const Displacement& displacement);
     static bool can_displace(const Shape& base) {
         return base.kind() == ShapeKind::PatchSurface || base.kind() == ShapeKind::SubdivisionSurface;
     }
@@ -38,6 +44,7 @@ class DisplacedSurface final : public Shape {
     uint32_t material_slot(const LocalHit& hit) const override { return base_->material_slot(hit); }
     uint32_t element_of(const LocalHit& hit) const override { return base_->element_of(hit); }
     ElementPoint element_point(uint32_t element, const Vec2f& parameters) const override;
+    std::optional<ContentHash> hash_of_content() const override { return hash_of(*base_, *displacement_); }
     size_t bytes() const override { return sizeof(*this) + base_->bytes(); }
 
     const Shape& base() const { return *base_; }

@@ -1,6 +1,7 @@
 #include "scene/material_displacement.h"
 
 #include "base/error.h"
+#include "scene/scene_parts.h"
 
 #include <algorithm>
 #include <array>
@@ -20,6 +21,19 @@ class ByMaterial final : public Displacement {
           map_(instance.object_to_world * frame.to_object()),
           side_(map_.determinant() < 0.0 ? -1.0 : 1.0) {}
 
+    std::optional<ContentHash> content_hash() const override {
+        ContentHasher hasher;
+        for (const Material& material : slots_) add_to(hasher, material);
+        add_to(hasher, instance_);
+        if (surroundings_.textures) surroundings_.textures->add_to(hasher);
+        const auto reads_camera = [](const Material& material) {
+            return material.displacement.program && material.displacement.program->reads_camera();
+        };
+        if (surroundings_.camera && std::any_of(slots_.begin(), slots_.end(), reads_camera))
+            surroundings_.camera->add_to(hasher);
+        return hasher.value();
+    }
+
     void offsets(const Shape& base, std::span<const PlacedPoint> points, Vec3d* offsets) const override {
         for (size_t first = 0; first < points.size();) {
             const size_t slot = slot_of(base, points[first]);
@@ -36,6 +50,26 @@ class ByMaterial final : public Displacement {
     DisplacementSurroundings surroundings_;
     Affine3d map_;  ///< local space of the surface below -> world
     double side_;   ///< a mirrored object's outside stays its outside
+
+    static void add_to(ContentHasher& hasher, const Material& material) {
+        const MaterialDisplacement& displacement = material.displacement;
+        hasher.add(displacement.program ? 1 : 0);
+        if (!displacement.program) return;
+        displacement.program->add_to(hasher);
+        hasher.add(displacement.object);
+        hasher.add(displacement.world);
+        hasher.add(double{material.pass_index});
+    }
+
+    static void add_to(ContentHasher& hasher, const InstanceInfo& instance) {
+        hasher.add(instance.object_to_world);
+        hasher.add(double{instance.object_index});
+        hasher.add(double{instance.random});
+        for (const InstanceAttribute& attribute : instance.attributes) {
+            hasher.add(attribute.id);
+            for (const float number : attribute.value) hasher.add(double{number});
+        }
+    }
 
     size_t slot_of(const Shape& base, const PlacedPoint& point) const {
         return std::min<size_t>(base.material_slot(point.hit), slots_.size() - 1);
@@ -68,7 +102,7 @@ class ByMaterial final : public Displacement {
             points[i] = point_of(base, placed[i]);
             inputs[i].point = &points[i];
             inputs[i].instance = &instance_;
-            inputs[i].camera = surroundings_.camera;
+            inputs[i].camera = surroundings_.camera ? &*surroundings_.camera : nullptr;
             inputs[i].textures = surroundings_.textures.get();
             inputs[i].outgoing = points[i].normal;
             inputs[i].material_index = material.pass_index;
@@ -110,6 +144,18 @@ DisplacementLook look_of(const Shape* shape, const std::vector<int>* list, const
             instance.attributes};
 }
 
+/// Such a surface of the store, or a new one, which is kept there.
+std::shared_ptr<const Shape> found_or_made(const std::shared_ptr<const Shape>& base,
+                                           std::shared_ptr<const Displacement> displacement,
+                                           DisplacedSurfaceStore& store, const CancelToken& cancel) {
+    const std::optional<ContentHash> key = DisplacedSurface::hash_of(*base, *displacement);
+    std::shared_ptr<const Shape> surface = key ? store.find(*key) : nullptr;
+    if (surface) return surface;
+    surface = std::make_shared<const DisplacedSurface>(base, std::move(displacement), cancel);
+    if (key) store.keep(*key, surface);
+    return surface;
+}
+
 }  // namespace
 
 void displace(ChunkedVector<TracedInstance>& traced, const SceneDescription& description,
@@ -121,6 +167,7 @@ void displace(ChunkedVector<TracedInstance>& traced, const SceneDescription& des
         return material >= 0 && static_cast<size_t>(material) < description.materials.size() &&
                is_displacing(description.materials[static_cast<size_t>(material)]);
     };
+    description.parts->displaced.next_user();
     std::map<DisplacementLook, std::shared_ptr<const Shape>> known;
     for (uint32_t i = 0; i < traced.size(); ++i) {
         const std::vector<int>& list = list_of(i);
@@ -131,10 +178,10 @@ void displace(ChunkedVector<TracedInstance>& traced, const SceneDescription& des
         if (!made) {
             const InstanceInfo info{instance.object_to_world, instance.object_to_world.inverse(), instance.object_index,
                                     instance.random, instance.attributes};
-            made = std::make_shared<const DisplacedSurface>(
+            made = found_or_made(
                 shape,
                 std::make_shared<const ByMaterial>(materials_of(description, list), info, surroundings, shape->frame()),
-                cancel);
+                description.parts->displaced, cancel);
         }
         traced.edit(i).shape = made;
     }

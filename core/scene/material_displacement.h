@@ -1,6 +1,7 @@
 // Displacement by materials: programs that say how far points move, and the surfaces they make.
 #pragma once
 
+#include "base/kept_by_key.h"
 #include "geometry/displaced_surface.h"
 #include "scene/description.h"
 #include "trace/tracer.h"
@@ -8,13 +9,17 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace rayleaf {
 
-/// What programs read beside the surface; must live as long as the surfaces.
+/// Displaced surfaces by their content: another view of a scene, or its next frame, finds them.
+class DisplacedSurfaceStore final : public KeptByKey<ContentHash, std::shared_ptr<const Shape>> {};
+
+/// What programs read beside the surface.
 struct DisplacementSurroundings {
-    const CameraInfo* camera = nullptr;
+    std::optional<CameraInfo> camera;
     std::shared_ptr<const TextureStore> textures;
 };
 

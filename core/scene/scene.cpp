@@ -82,7 +82,7 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     for (const uint32_t volume : volumes_) traced.edit(volume).visibility = 0;  // rays meet no surface of theirs
     commit_motion(traced);
     const auto list_of = [this](uint32_t i) -> const std::vector<int>& { return material_list(i); };
-    displace(traced, description, list_of, {&camera_->info(), textures_}, cancel);
+    displace(traced, description, list_of, {camera_->info(), textures_}, cancel);
     tracer_ = std::make_unique<Tracer>(
         std::move(traced), Camera(*description.dicing_camera(), settings.width, settings.height).dicing_view(), cancel,
         geometry_cache_settings(settings), &description.parts->shapes);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "lights/world_light.h"
+#include "scene/material_displacement.h"
 #include "scene/placed_instances.h"
 #include "textures/converted_textures.h"
 #include "trace/traced_shape_store.h"
@@ -13,6 +14,7 @@
 namespace rayleaf {
 
 struct SceneParts {
+    DisplacedSurfaceStore displaced;
     TracedShapeStore shapes;
     PlacedInstancesStore instances;  ///< of scenes that are gone
     WorldLightStore world_lights;

@@ -23,14 +23,7 @@ WorldLightKey world_light_key(const SceneDescription& description, const CameraI
     ContentHasher hasher;
     description.world->add_to(hasher);
     if (description.existing_textures()) description.existing_textures()->add_to(hasher);
-    if (description.world->reads_camera()) {
-        const Affine3d& m = camera.world_to_camera;
-        for (const Vec3d& column : {m.x, m.y, m.z, m.translation})
-            for (int axis = 0; axis < 3; ++axis) hasher.add(column[axis]);
-        for (const double number :
-             {camera.window_min.x, camera.window_min.y, camera.window_size.x, camera.window_size.y})
-            hasher.add(number);
-    }
+    if (description.world->reads_camera()) camera.add_to(hasher);
     return {hasher.value(), table_width(description)};
 }
 

@@ -28,7 +28,7 @@ struct PathState {
 struct InstanceAttribute {
     AttributeId id = 0;
     std::array<float, 4> value{};
-    auto operator<=>(const InstanceAttribute&) const = default;
+    auto operator<=>(const InstanceAttribute&) const = default;  // NOLINT(modernize-use-nullptr): it has no pointers
 };
 
 /// Facts of the object instance that programs read.
@@ -46,6 +46,12 @@ struct CameraInfo {
     /// x, y on the picture 0..1 = (p.xy / (perspective ? -p.z : 1) - window_min) / window_size, p in camera space.
     Vec2d window_min{-1, -1}, window_size{2, 2};
     bool perspective = true;
+
+    void add_to(ContentHasher& hasher) const {
+        hasher.add(world_to_camera);
+        for (const double number : {window_min.x, window_min.y, window_size.x, window_size.y}) hasher.add(number);
+        hasher.add(perspective ? 1 : 0);
+    }
 };
 
 struct ShadingInputs {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -18,6 +19,10 @@ constexpr size_t kDirectInstances = 3;
 
 /// A tree is built anew once so large a share of the instances has moved in it.
 constexpr uint32_t kMovedShare = 8;
+
+bool are_alike(const Shape& a, const Shape& b) {
+    return &a == &b || key_of(a, {}) == key_of(b, {});
+}
 
 /// A traced shape looks at the shape that it was made of, also in tracers whose instances have another of that content.
 struct OwnShapeScene {
@@ -117,12 +122,15 @@ void InstanceTable::update(ChunkedVector<TracedInstance> instances_now, const Di
     renew_tree(placed, cancel);
 }
 
+/// Shapes of equal content are one: copies of an object that the artist did not link are traced as if they were.
 /// Also finds of which shapes the tolerances are to be found: of those that have changed, or any of whose instances
 /// has.
 void InstanceTable::number_shapes(Changes& changes, bool same_view) {
     const std::vector<std::shared_ptr<const Shape>> before = std::move(unique);
     const std::vector<uint32_t> shape_before = std::move(shape_of);
-    const auto has_shape_of_before = [&](uint32_t i) { return instances[i].shape == before[shape_before[i]]; };
+    const auto has_shape_of_before = [&](uint32_t i) {
+        return are_alike(*instances[i].shape, *before[shape_before[i]]);
+    };
     if (shape_before.size() == instances.size() && std::ranges::all_of(changes.items, has_shape_of_before)) {
         unique = before;
         shape_of = shape_before;
@@ -130,10 +138,15 @@ void InstanceTable::number_shapes(Changes& changes, bool same_view) {
         unique.clear();
         shape_of.clear();
         std::unordered_map<const Shape*, uint32_t> numbers;
+        std::map<TracedShapeKey, uint32_t> of_content;
         shape_of.reserve(instances.size());
         for (const TracedInstance& instance : instances) {
-            const auto [entry, added] = numbers.try_emplace(instance.shape.get(), static_cast<uint32_t>(unique.size()));
-            if (added) unique.push_back(instance.shape);
+            const auto [entry, added] = numbers.try_emplace(instance.shape.get(), 0u);
+            if (added) {
+                const auto next = static_cast<uint32_t>(unique.size());
+                entry->second = of_content.try_emplace(key_of(*instance.shape, {}), next).first->second;
+                if (entry->second == next) unique.push_back(instance.shape);
+            }
             shape_of.push_back(entry->second);
         }
     }

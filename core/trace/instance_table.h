@@ -22,11 +22,11 @@ class TracedShapeStore;
 /// Below, `of shapes`: by the number of a shape, in the order in which instances first have them.
 struct InstanceTable {
     ChunkedVector<TracedInstance> instances;
-    std::vector<uint32_t> shape_of;  ///< of each instance, its shape
-    std::vector<std::shared_ptr<const Shape>> unique;
-    std::vector<ShapeTolerance> tolerances;           ///< of shapes
-    std::vector<std::shared_ptr<ShapeScene>> shapes;  ///< the same as they are traced
-    uint64_t kept_shapes = 0;                         ///< those that were not built for this tracer
+    std::vector<uint32_t> shape_of;                    ///< of each instance, its shape
+    std::vector<std::shared_ptr<const Shape>> unique;  ///< of each content the first
+    std::vector<ShapeTolerance> tolerances;            ///< of shapes
+    std::vector<std::shared_ptr<ShapeScene>> shapes;   ///< the same as they are traced
+    uint64_t kept_shapes = 0;                          ///< those that were not built for this tracer
     std::vector<InstanceRecord> records;
     std::vector<Box3d> boxes;  ///< of instances in the world, of whole motions where they move
     uint32_t moving = 0;       ///< instances that do

@@ -250,3 +250,23 @@ report(same=before == flags(item), export=rayleaf.last_statistics["export"])
 """
     ).report
     assert run["same"] and run["export"]["subdivision"] == ["Cube"] and run["export"]["evaluated"] == {}
+
+
+def test_equal_cages_are_one_shape_though_each_object_has_a_modifier(run_blender):
+    run = run_blender(
+        START
+        + """
+first, linked, copied, other = (cube(name) for name in ("first", "linked", "copied", "other"))
+linked.data, copied.data = first.data, first.data.copy()
+other.data.vertices[0].co.z -= 0.5
+for item in (first, linked, copied, other):
+    subdivide(item)
+sent, told, messages = cages()
+shapes = dict(zip(sent.instances["names"], sent.instances["shapes"]))
+report(cages=len(sent.cages), shapes=shapes, told=sorted(told.subdivision), messages=messages)
+"""
+    ).report
+    assert run["cages"] == 2 and run["messages"] == []
+    shapes = run["shapes"]
+    assert shapes["first"] == shapes["linked"] == shapes["copied"] != shapes["other"]
+    assert run["told"] == ["copied", "first", "linked", "other"]

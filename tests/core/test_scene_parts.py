@@ -117,3 +117,95 @@ def converted_files():
     """Files of textures that this process holds."""
     folders = Path(tempfile.gettempdir()).glob(f"rayleaf_textures_{os.getpid()}_*")
     return sum(len(list(folder.iterdir())) for folder in folders)
+
+
+def rising(scene, height=0.2, image=None, reads_camera=False):
+    """A displacement along z: so far, times an image, or where the camera sees the point."""
+    program = _core.Program("rising")
+    moved = program.constant(0, 0, height, 1)
+    if image is not None:
+        pixels = np.random.default_rng(image).uniform(0, 1, (8, 8, 3)).astype(np.float32)
+        texture = scene.add_image_pixels("heights", pixels, "NON_COLOR")
+        read = program.operation("image", [program.operation("uv", ints=[-1])], ints=[texture, 0, 0])
+        moved = program.operation("vector_math", [moved, read], text="MULTIPLY")
+    if reads_camera:
+        seen = program.operation("component", [program.operation("camera_coordinates")], ints=[2])
+        moved = program.operation("vector_math", [moved, seen], text="MULTIPLY")
+    return program, moved, -1
+
+
+def hills(parts=None, place=0.0, camera=6.0, color=0.5, **displacement):
+    """A displaced ball."""
+    scene = _core.SceneDescription(parts)
+    ball = scene.add_surface("ball", [scenes.sphere_spline(_core)])
+    program = scenes.diffuse(_core, color=(color, color, color))
+    rises = rising(scene, **displacement)
+    scene.add_instance(
+        "ball",
+        ball,
+        scenes.matrix((place, 0, 0)),
+        scene.add_material_list([scene.add_material("hills", program, displacement=rises)]),
+    )
+    scene.set_world(checkered(scene, 1), 64)
+    scenes.look_down(scene, camera, 0.6)
+    scenes.look_down(scene, 6.0, 1e-3, dicing=True)
+    return scene
+
+
+DISPLACED_EDITS = {
+    "nothing": ({}, {}, 1),
+    "the camera": ({}, {"camera": 5.0}, 1),
+    "the camera, which it reads": ({"reads_camera": True}, {"camera": 5.0}, 0),
+    "its colour": ({}, {"color": 0.9}, 1),
+    "its displacement": ({}, {"height": 0.3}, 0),
+    "its place": ({}, {"place": 0.1}, 0),  # programs may read it
+    "the image that it reads": ({"image": 1}, {"image": 2}, 0),
+    "nothing of an image": ({"image": 1}, {}, 1),
+}
+
+
+@pytest.mark.parametrize("edit", DISPLACED_EDITS)
+def test_a_displaced_surface_is_kept_until_something_changes_that_it_is_made_of(edit):
+    before, change, kept = DISPLACED_EDITS[edit]
+    parts = _core.SceneParts()
+    render(hills(parts, **before))
+    edited, found = render(hills(parts, **{**before, **change}))
+    np.testing.assert_array_equal(edited, render(hills(**{**before, **change}))[0])
+    assert found == kept
+
+
+def copies(linked, parts=None, sizes=(1.0, 1.0, 1.0)):
+    """Balls side by side, which are one shape or each one of its own."""
+    scene = _core.SceneDescription(parts)
+    shapes = [
+        scene.add_surface("ball", [scenes.sphere_spline(_core, radius=size)]) for size in sizes[: 1 if linked else None]
+    ]
+    glossy = material(_core, scene, ("glossy", 1.0, 0.9, 0.2, "GGX"))
+    for i in range(len(sizes)):
+        scene.add_instance(f"ball {i}", shapes[0 if linked else i], scenes.matrix((2.2 * i - 2.2, 0, -i)), glossy)
+    scene.set_world(checkered(scene, 1), 64)
+    scenes.look_down(scene, 8.0, 0.6)
+    return scene
+
+
+def shapes_of(scene):
+    session = _core.Session(scene, _core.Settings(width=16, height=16, samples=4))
+    assert session.render()
+    return session.pass_pixels("combined"), session.statistics()["geometry"]["shapes"]
+
+
+def test_copies_are_traced_as_one_shape():
+    picture, count = shapes_of(copies(linked=False))
+    np.testing.assert_array_equal(picture, shapes_of(copies(linked=True))[0])
+    assert count == 1
+
+
+def test_a_copy_that_is_replaced_is_a_shape_of_its_own():
+    parts = _core.SceneParts()
+    scene = copies(linked=False, parts=parts)
+    shapes_of(scene)
+    other = copies(linked=False, sizes=(1.0, 0.5, 1.0))
+    scene.replace_shape(1, other.shape(1))
+    picture, count = shapes_of(scene)
+    np.testing.assert_array_equal(picture, shapes_of(other)[0])
+    assert count == 2

@@ -37,7 +37,12 @@ SceneDescription edited(int edit, const std::shared_ptr<SceneParts>& parts) {
     instance.name = "ring";
     instance.shape = scene.add_shape(stress::ring());
     instance.object_to_world.translation = {0, 0, -0.7 * edit};
-    instance.material_list = scene.add_material_list({scene.add_material({"image", program, 0, std::nullopt, {}})});
+    auto rising = std::make_shared<Program>("rising");
+    const MaterialDisplacement displacement{rising, rising->constant(Vec4f(0, 0, 0.1f * static_cast<float>(edit), 1)),
+                                            -1};
+    const int material =
+        scene.add_material({"image", program, 0, std::nullopt, edit < 2 ? MaterialDisplacement{} : displacement});
+    instance.material_list = scene.add_material_list({material});
     scene.add_instance(instance);
     scene.set_world(world(edit), 16);
     CameraDescription camera;

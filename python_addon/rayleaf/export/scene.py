@@ -30,6 +30,7 @@ from .motion import Motions
 from .materials import MaterialLibrary, VolumeMaterial, slots_of
 from .nodes.resources import Resources
 from .shapes import ExportReport, ShapeExporter
+from .subdivision import Cages
 
 # Width of the table by which a world made of nodes is importance sampled; a plain colour needs none.
 _WORLD_TABLE_WIDTH = 1024
@@ -87,6 +88,7 @@ class SceneExporter(ShapeExporter):
         self._former = former or KeptExport()
         self._motions = Motions()
         self.scene = core.SceneDescription(parts) if self._former.scene is None else self._former.scene.emptied()
+        self._cages = Cages(core, self.scene)
         self._shapes: dict[Any, KeptShape] = {}
         self.rows: dict[int, int] | None = {}  # instances that are objects' own, by pointer; None: not known
         self.lamps: list[Any] | None = []  # original objects; None: some are instanced

@@ -40,6 +40,7 @@ class ShapeExporter:
     _messages: Messages
     _check_cancel: CancelCheck
     _motions: Motions
+    _cages: subdivision.Cages
 
     def _deformation(self, group: Group, part: Part) -> Deformation | None:
         """How a part of a group's owner deforms; what cannot be followed is said."""
@@ -169,7 +170,7 @@ class ShapeExporter:
                 if arrays is None:
                     return None
                 moved = self._exact_points(group, (CAGE, 0), len(arrays.vertices))
-                shape = subdivision.add_cage(self._core, self.scene, name, arrays, moved)
+                shape = self._cages.add(name, arrays, moved)
                 self.report.subdivision.append(name)
                 return shape
             except self._core.InputError as error:
@@ -183,7 +184,7 @@ class ShapeExporter:
         name = name_of(group.owner)
         try:
             arrays = subdivision.polygon_arrays(group.data, wanted)
-            return None if arrays is None else subdivision.add_cage(self._core, self.scene, name, arrays)
+            return None if arrays is None else self._cages.add(name, arrays)
         except self._core.InputError as error:
             self._messages.warn(f"{error}; its displacement is left out", Subject("Object", name))
             return None

@@ -1,6 +1,7 @@
 """Meshes as cages whose limit the core renders: those that a modifier subdivides last, and those that are displaced."""
 
 from dataclasses import dataclass, field
+from hashlib import blake2b
 from types import ModuleType
 from typing import Any
 
@@ -139,19 +140,52 @@ def _creases(mesh: Any) -> dict[str, Any]:
     return result
 
 
-def add_cage(
-    core: ModuleType, scene: Any, name: str, arrays: CageArrays, moved: NDArray[np.float32] | None = None
-) -> int:
-    """Send a cage; the shape's index. Raises the core's InputError. `moved`: its vertices at the shutter's steps."""
-    shape = core.SubdivisionSurface(
-        name,
-        arrays.vertices,
-        arrays.face_sizes,
-        arrays.corners,
-        **arrays.options,
-        uv_maps={scene.attribute(key): values for key, values in arrays.uv_maps.items()},
-        uv=scene.attribute(ACTIVE_UV) if ACTIVE_UV in arrays.uv_maps else -1,
-        attributes={scene.attribute(key): values for key, values in arrays.attributes.items()},
-        moved_vertices=moved,
-    )
-    return int(scene.add_shape(shape))
+class Cages:
+    """Sends the cages of one export. Equal ones are one shape: copies that the artist did not link, or that have a
+    modifier each."""
+
+    def __init__(self, core: ModuleType, scene: Any) -> None:
+        self._core, self._scene = core, scene
+        self._known: dict[bytes, int] = {}  # the shape of each content
+
+    def add(self, name: str, arrays: CageArrays, moved: Floats | None = None) -> int:
+        """The shape's index. Raises the core's InputError. `moved`: the vertices at the shutter's steps."""
+        content = _digest([vars(arrays), moved])
+        if content not in self._known:
+            self._known[content] = int(self._scene.add_shape(self._shape(name, arrays, moved)))
+        return self._known[content]
+
+    def _shape(self, name: str, arrays: CageArrays, moved: Floats | None) -> Any:
+        scene = self._scene
+        return self._core.SubdivisionSurface(
+            name,
+            arrays.vertices,
+            arrays.face_sizes,
+            arrays.corners,
+            **arrays.options,
+            uv_maps={scene.attribute(key): values for key, values in arrays.uv_maps.items()},
+            uv=scene.attribute(ACTIVE_UV) if ACTIVE_UV in arrays.uv_maps else -1,
+            attributes={scene.attribute(key): values for key, values in arrays.attributes.items()},
+            moved_vertices=moved,
+        )
+
+
+def _digest(content: Any) -> bytes:
+    """Of arrays, dictionaries and lists of them, and plain values."""
+    digest = blake2b(digest_size=16)
+
+    def add(value: Any) -> None:
+        if isinstance(value, np.ndarray):
+            digest.update(f"{value.dtype} {value.shape}".encode())
+            digest.update(np.ascontiguousarray(value).data)
+        elif isinstance(value, dict):
+            add([part for item in value.items() for part in item])
+        elif isinstance(value, list):
+            digest.update(f"list {len(value)}".encode())
+            for part in value:
+                add(part)
+        else:
+            digest.update(f"{value!r};".encode())
+
+    add(content)
+    return digest.digest()

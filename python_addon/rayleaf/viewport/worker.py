@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
-# Pixels along a side of the blocks that are shown first, coarsest first.
-_BLOCKS = (8, 4, 2)
+# Pixels along a side of the blocks that are shown first; blocks of half the size follow. Where they take longer than
+# the first, or less than the second of these seconds, the next view begins with coarser ones, or finer.
+_BLOCKS, _COARSEST_BLOCKS = 8, 32
+_SLOW_BLOCKS, _FAST_BLOCKS = 0.15, 0.03
 # Samples are taken in rounds of at most about so many seconds, so that the picture is seen to get better.
 _ROUND_SECONDS = 0.25
 # After so long without another camera, facets are made for the camera that there is.
@@ -63,6 +65,13 @@ def interpolated_share(statistics: dict[str, Any]) -> float | None:
     return sum(cache["interpolated"] for cache in used) / queries if queries else None
 
 
+def blocks_after(size: int, seconds: float) -> int:
+    """With which blocks a view should begin, where the last one began with these."""
+    if seconds > _SLOW_BLOCKS:
+        return min(2 * size, _COARSEST_BLOCKS)
+    return max(size // 2, _BLOCKS) if seconds < _FAST_BLOCKS else size
+
+
 class Worker:
     """Renders the newest request. All methods are for one thread; the work is done in another."""
 
@@ -77,8 +86,10 @@ class Worker:
         self._began = 0.0
         self._picture: Picture | None = None
         self._is_new = True  # nothing of the request under way has been shown
+        self._gave_up = False  # the request before, of which nothing was shown
         self._error: Exception | None = None
         self._closing = self._paused = self._working = False
+        self._first_blocks = _BLOCKS
         self._dicing: tuple[Any, dict[str, Any]] | None = None  # scene and camera that facets are made for
         self._thread = threading.Thread(target=self._serve, name="rayleaf viewport", daemon=True)
         self._thread.start()
@@ -87,8 +98,10 @@ class Worker:
         """Render this from now on. `is_edit`: what is being rendered is no longer true, and is given up at once."""
         with self._condition:
             self._wanted = request
-            late = time.monotonic() - self._began > _FIRST_SECONDS
+            # One picture in a row: the next one would be given up as well.
+            late = not self._gave_up and time.monotonic() - self._began > _FIRST_SECONDS
             if self._session is not None and (is_edit or late or not self._is_new):
+                self._gave_up = late and self._is_new
                 self._session.cancel()
             self._condition.notify()
 
@@ -184,13 +197,18 @@ class Worker:
         return session if session.build() else None
 
     def _show_blocks(self, session: Any) -> bool:
-        for size in _BLOCKS:
+        size = first = self._first_blocks
+        while size > 1:
+            began = time.monotonic()
             if not session.render_blocks(size):
                 return False
+            if size == first:
+                self._first_blocks = blocks_after(first, time.monotonic() - began)
             self._publish(session, 0)
             with self._condition:
                 if self._is_over():
                     return False
+            size //= 2
         return True
 
     def _refine(self, session: Any, request: Request) -> None:
@@ -223,4 +241,5 @@ class Worker:
         share = interpolated_share(session.statistics()) if samples else None
         with self._condition:
             self._picture, self._is_new = Picture(pixels, samples, settings, share, problem), False
+            self._gave_up = False
         self._redraw()
