@@ -7,7 +7,7 @@ Majorants::Majorants(const MediumSegment& segment) {
     for (const SceneMedium* medium : segment.media.all()) {
         if (medium->grid) {
             const Affine3d map = media.to_grid(*medium);
-            lines_[count_++] = {medium->grid.get(), map.point(segment.ray.origin), map.vector(segment.ray.direction)};
+            lines_[count_++] = {medium->grid.get(), {map.point(segment.ray.origin), map.vector(segment.ray.direction)}};
             continue;
         }
         Closures closures;
@@ -19,7 +19,7 @@ Majorants::Majorants(const MediumSegment& segment) {
 MajorantStep Majorants::at(double t) const {
     MajorantStep sum{even_, std::numeric_limits<double>::infinity()};
     for (size_t i = 0; i < count_; ++i) {
-        const MajorantStep own = lines_[i].grid->at(lines_[i].origin, lines_[i].direction, t);
+        const MajorantStep own = lines_[i].grid->at(lines_[i].ray, t);
         sum.majorant += own.majorant;
         sum.end = std::min(sum.end, own.end);
     }

@@ -14,7 +14,7 @@ class Majorants {
   private:
     struct Line {
         const MajorantGrid* grid;
-        Vec3d origin, direction;  ///< of the ray in the grid's space
+        GridLine ray;
     };
     std::array<Line, MediumStack::kMost> lines_;
     size_t count_ = 0;

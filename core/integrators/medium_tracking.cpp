@@ -52,10 +52,13 @@ Closures limited(Closures closures, float majorant) {
 template <typename Visit>
 void track(const MediumSegment& segment, RandomStream& random, const Visit& visit) {
     const Majorants majorants(segment);
-    double t = 0.0;
+    double t = 0.0, border = 0.0;
+    MajorantStep step;
     for (int i = 0; i < kMostCollisions && t < segment.end; ++i) {
-        const MajorantStep step = majorants.at(t);
-        const double border = std::min(step.end, segment.end);
+        if (t >= border) {
+            step = majorants.at(t);
+            border = std::min(step.end, segment.end);
+        }
         double next = std::numeric_limits<double>::infinity();
         if (step.majorant > 0.0f)
             next = t - std::log1p(-static_cast<double>(random.next())) / static_cast<double>(step.majorant);

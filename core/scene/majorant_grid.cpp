@@ -35,8 +35,20 @@ void fill_layer(const Box3d& box, int z, int last, const MajorantGrid::Extinctio
 
 }  // namespace
 
+GridLine::GridLine(const Vec3d& from, const Vec3d& towards) : origin(from), direction(towards), per_direction(0.0) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (direction[axis] != 0.0) per_direction[axis] = 1.0 / direction[axis];
+}
+
+MajorantGrid::MajorantGrid(const Box3d& box, int cells)
+    : box_(box), cells_(cells), width_(box.size() / static_cast<double>(cells)), per_width_(0.0) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (width_[axis] > 0.0) per_width_[axis] = 1.0 / width_[axis];
+}
+
 MajorantGrid::MajorantGrid(const Box3d& box, int cells, const Extinctions& extinctions, const CancelToken& cancel)
-    : box_(box), cells_(cells), majorants_(static_cast<size_t>(cells) * cells * cells, 0.0f) {
+    : MajorantGrid(box, cells) {
+    majorants_.assign(static_cast<size_t>(cells) * cells * cells, 0.0f);
     const int last = cells * kPointsPerCell, side = last + 1;
     const size_t layer_size = static_cast<size_t>(side) * side;
     std::vector<float> lattice(layer_size * side);
@@ -60,25 +72,27 @@ MajorantGrid::MajorantGrid(const Box3d& box, int cells, const Extinctions& extin
             }
 }
 
-MajorantGrid::MajorantGrid(const Box3d& box, int cells, std::vector<float> majorants)
-    : box_(box), cells_(cells), majorants_(std::move(majorants)) {
+MajorantGrid::MajorantGrid(const Box3d& box, int cells, std::vector<float> majorants) : MajorantGrid(box, cells) {
+    majorants_ = std::move(majorants);
     for (const float majorant : majorants_) largest_ = std::max(largest_, majorant);
 }
 
-MajorantStep MajorantGrid::at(const Vec3d& origin, const Vec3d& direction, double t) const {
-    const Vec3d place = origin + direction * t, size = box_.size();
+MajorantStep MajorantGrid::at(const GridLine& line, double t) const {
     MajorantStep step{largest_, std::numeric_limits<double>::infinity()};
     size_t index = 0;
     for (int axis = 2; axis >= 0; --axis) {
-        if (!(size[axis] > 0.0)) continue;
-        const double width = size[axis] / cells_, cell = std::floor((place[axis] - box_.min[axis]) / width);
-        if (!(cell >= 0.0 && cell < cells_)) return {largest_, std::numeric_limits<double>::infinity()};
+        if (per_width_[axis] == 0.0) continue;
+        const double place = line.origin[axis] + line.direction[axis] * t;
+        const double cells = (place - box_.min[axis]) * per_width_[axis];
+        if (!(cells >= 0.0 && cells < cells_)) return {largest_, std::numeric_limits<double>::infinity()};
+        const int cell = static_cast<int>(cells);
         index = index * static_cast<size_t>(cells_) + static_cast<size_t>(cell);
-        if (direction[axis] == 0.0) continue;
+        if (line.per_direction[axis] == 0.0) continue;
         // A little beyond the border, so that rounding never finds the same cell again.
         constexpr double kBeyond = 1e-6;
-        const double border = box_.min[axis] + width * (direction[axis] > 0.0 ? cell + 1.0 + kBeyond : cell - kBeyond);
-        step.end = std::min(step.end, (border - origin[axis]) / direction[axis]);
+        const double border =
+            box_.min[axis] + width_[axis] * (line.direction[axis] > 0.0 ? cell + 1.0 + kBeyond : cell - kBeyond);
+        step.end = std::min(step.end, (border - line.origin[axis]) * line.per_direction[axis]);
     }
     step.majorant = majorants_[index];
     return step;

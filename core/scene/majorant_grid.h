@@ -19,6 +19,14 @@ struct MajorantStep {
     double end = 0;      ///< how far along the ray it holds
 };
 
+/// A ray in a grid's space.
+struct GridLine {
+    Vec3d origin, direction, per_direction;  ///< the last: reciprocals, 0 where there are none
+
+    GridLine() = default;
+    GridLine(const Vec3d& from, const Vec3d& towards);
+};
+
 class MajorantGrid {
   public:
     /// Extinction's largest channel at points of the grid's own space; up to kMostPoints at once (shading/program.h).
@@ -30,13 +38,16 @@ class MajorantGrid {
     /// Of bounds that are known, x fastest.
     MajorantGrid(const Box3d& box, int cells, std::vector<float> majorants);
 
-    /// Along a ray in the grid's space, at `t`. Beyond the box: as dense as anywhere, for ever.
-    MajorantStep at(const Vec3d& origin, const Vec3d& direction, double t) const;
+    /// Along a ray, at `t`. Beyond the box: as dense as anywhere, for ever.
+    MajorantStep at(const GridLine& line, double t) const;
     size_t bytes() const { return majorants_.capacity() * sizeof(float); }
 
   private:
+    MajorantGrid(const Box3d& box, int cells);
+
     Box3d box_;
     int cells_;
+    Vec3d width_, per_width_;       ///< of a cell; the reciprocal, 0 along sides without length
     std::vector<float> majorants_;  ///< x fastest
     float largest_ = 0;
 };

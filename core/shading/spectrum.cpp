@@ -1,6 +1,8 @@
 #include "shading/spectrum.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace rayleaf {
 namespace {
@@ -60,16 +62,48 @@ Color wavelength_color(float nanometres) {
     return rec709(observed(i) * (1.0f - share) + observed(i + 1) * share) * kScale;
 }
 
-Color blackbody_color(float kelvins) {
-    constexpr float kSecondRadiation = 1.438776877e7f;  // Planck's h c / k, nanometre kelvins
-    const float temperature = kelvins > 800.0f ? std::min(kelvins, 12000.0f) : 800.0f;
-    Vec3f sum(0.0f);
+namespace {
+
+constexpr float kColdest = 800.0f, kHottest = 12000.0f;  // kelvins; Cycles' limits
+/// Colours change about evenly with the reciprocal of the temperature: a line between two of so many is exact to some
+/// 10^-6.
+constexpr size_t kBlackbodies = 1024;
+
+/// The radiation of a black body as Planck's law says, of luminance 1; a channel may be negative.
+Color integrated_blackbody(double kelvins) {
+    constexpr double kSecondRadiation = 1.438776877e7;  // Planck's h c / k, nanometre kelvins
+    Vec3d sum(0.0);
     for (size_t i = 0; i < kObserver.size(); ++i) {
-        const float wavelength = kFirst + kStep * static_cast<float>(i);
-        const float scaled = 560.0f / wavelength, fifth = scaled * scaled * scaled * scaled * scaled;
-        sum += observed(i) * (fifth / std::expm1(kSecondRadiation / (wavelength * temperature)));
+        const double wavelength = double{kFirst} + double{kStep} * static_cast<double>(i);
+        sum += Vec3d(observed(i)) *
+               (std::pow(560.0 / wavelength, 5.0) / std::expm1(kSecondRadiation / (wavelength * kelvins)));
     }
-    return rec709(sum / sum.y);
+    return unlimited_rec709(Vec3f(sum / sum.y));
+}
+
+/// By even steps of the reciprocal temperature, hottest first.
+const std::array<Color, kBlackbodies + 1>& blackbodies() {
+    static const auto kTable = [] {
+        std::array<Color, kBlackbodies + 1> result;
+        const double first = 1.0 / double{kHottest}, last = 1.0 / double{kColdest};
+        for (size_t i = 0; i <= kBlackbodies; ++i)
+            result[i] = integrated_blackbody(1.0 / (first + (last - first) * static_cast<double>(i) / kBlackbodies));
+        return result;
+    }();
+    return kTable;
+}
+
+}  // namespace
+
+Color blackbody_color(float kelvins) {
+    static const std::array<Color, kBlackbodies + 1>& table = blackbodies();
+    constexpr float kFirstPlace = 1.0f / kHottest, kPlaces = kBlackbodies / (1.0f / kColdest - 1.0f / kHottest);
+    const float temperature = kelvins > kColdest ? std::min(kelvins, kHottest) : kColdest;
+    const float place = std::clamp((1.0f / temperature - kFirstPlace) * kPlaces, 0.0f, float{kBlackbodies});
+    const size_t i = std::min(static_cast<size_t>(place), kBlackbodies - 1);
+    const float share = place - static_cast<float>(i);
+    const Color color = table[i] * (1.0f - share) + table[i + 1] * share;
+    return {std::max(color.x, 0.0f), std::max(color.y, 0.0f), std::max(color.z, 0.0f)};
 }
 
 std::span<const Sensitivity> rec709_sensitivities() {
