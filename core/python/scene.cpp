@@ -209,7 +209,8 @@ std::map<std::string, std::string> manifest(const SceneDescription& scene, const
 
 Panorama make_panorama(const std::string& kind, std::pair<double, double> longitudes,
                        std::pair<double, double> latitudes, double field_of_view, double lens,
-                       std::pair<double, double> sensor) {
+                       std::pair<double, double> sensor, double eye_offset, std::optional<double> convergence,
+                       std::optional<std::pair<double, double>> pole_merge) {
     constexpr std::pair<const char*, PanoramaKind> kKinds[] = {
         {"EQUIRECTANGULAR", PanoramaKind::Equirectangular},
         {"FISHEYE_EQUIDISTANT", PanoramaKind::FisheyeEquidistant},
@@ -223,7 +224,8 @@ Panorama make_panorama(const std::string& kind, std::pair<double, double> longit
                             field_of_view,
                             lens,
                             sensor.first,
-                            sensor.second};
+                            sensor.second,
+                            {eye_offset, convergence, pole_merge}};
     validate(panorama);
     return panorama;
 }
@@ -259,7 +261,8 @@ void bind_scene(py::module_& module) {
                          "What a panoramic camera shows; angles in radians, lengths in millimetres.")
         .def(py::init(&make_panorama), "kind"_a, "longitudes"_a = std::make_pair(-kHalf, kHalf),
              "latitudes"_a = std::make_pair(-kQuarter, kQuarter), "field_of_view"_a = kHalf, "lens"_a = 10.5,
-             "sensor"_a = std::make_pair(36.0, 24.0));
+             "sensor"_a = std::make_pair(36.0, 24.0), "eye_offset"_a = 0.0, "convergence"_a = py::none(),
+             "pole_merge"_a = py::none());
     SceneClass described(
         module, "SceneDescription",
         "A scene. Each add_... returns an index for later calls, or raises and leaves the scene as it was.");

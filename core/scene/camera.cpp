@@ -160,6 +160,12 @@ CameraRay Camera::panoramic_ray(const Vec2d& pixel, const Vec2f& lens, const Aff
         from = aside * on_lens.x + aside.cross(towards) * on_lens.y;
         towards = (towards * description_.focus_distance - from).normalized();
     }
+    const SphericalStereo& stereo = description_.panorama.stereo;
+    if (stereo.offset != 0.0) {
+        const Vec3d eye = eye_place(stereo, towards);
+        from += eye;
+        towards = eye_direction(stereo, eye, towards);
+    }
     result.ray.origin = to_world.point(from);
     result.ray.direction = to_world.vector(towards).normalized();
     result.ray.t_min = description_.clip_start;

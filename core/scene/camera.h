@@ -57,7 +57,8 @@ class Camera {
     /// When a ray through the pixel is exposed; `random` in [0,1).
     float time(const Vec2d& pixel, float random) const { return shutter_.time(random, pixel.y / height_); }
     bool moves() const { return motion_.has_value() || !description_.windows.empty(); }
-    /// Where a point is seen on the picture, pixels, without the lens; not finite where it is nowhere.
+    /// Where a point is seen on the picture, pixels, without the lens; not finite where it is nowhere. Of eyes that
+    /// turn, seen from between them.
     Vec2d seen_at(const Vec3d& world, float time) const;
     /// Distance of a point along the view axis, Blender's Depth; a panorama's from the eye.
     double depth(const Vec3d& world) const;

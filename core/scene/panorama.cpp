@@ -67,6 +67,11 @@ void validate(const Panorama& p) {
     require_range("fisheye lens", p.lens, kLeast, kMost);
     require_range("sensor width", p.sensor_width, kLeast, kMost);
     require_range("sensor height", p.sensor_height, kLeast, kMost);
+    require_range("eye offset", p.stereo.offset, -kMost, kMost);
+    if (p.stereo.convergence) require_range("convergence distance", *p.stereo.convergence, kLeast, 1e100);
+    if (!p.stereo.pole_merge) return;
+    require_range("start of the pole merge", p.stereo.pole_merge->first, 0.0, kRight);
+    require_range("end of the pole merge", p.stereo.pole_merge->second, 0.0, kRight);
 }
 
 std::optional<Vec3d> panorama_direction(const Panorama& panorama, const Vec2d& place) {

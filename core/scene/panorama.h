@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/vector.h"
+#include "scene/spherical_stereo.h"
 
 #include <cstdint>
 #include <numbers>
@@ -24,6 +25,7 @@ struct Panorama {
     double field_of_view = std::numbers::pi;           ///< of a fisheye: full angle, radians
     double lens = 10.5;                                ///< of an equisolid fisheye: focal length, millimetres
     double sensor_width = 36.0, sensor_height = 24.0;  ///< of it
+    SphericalStereo stereo;
 };
 
 /// Throws InputError for numbers that show nothing.

@@ -419,9 +419,16 @@ class Panorama:
         field_of_view: float = 3.141592653589793,
         lens: float = 10.5,
         sensor: tuple[float, float] = ...,
+        eye_offset: float = 0.0,
+        convergence: float | None = None,
+        pole_merge: tuple[float, float] | None = None,
     ) -> None:
         """kind: EQUIRECTANGULAR, FISHEYE_EQUIDISTANT, FISHEYE_EQUISOLID or MIRRORBALL. The lens and the sensor (width and
-        height) are the equisolid fisheye's."""
+        height) are the equisolid fisheye's.
+
+        Of spherical stereo, world units: eye_offset, to the right of where the eye looks; convergence, how far away both
+        eyes look at the same place, None: nowhere; pole_merge: from which angle to which above and below the horizon
+        they become one."""
 
 class SceneDescription:
     """A scene. Each `add_…` returns an index for later calls, or raises and leaves the scene as it was."""

@@ -229,8 +229,9 @@ class VolumeVisualisation(RayInterpolation):
 
 
 class Panorama:
-    def __init__(self, *values):
+    def __init__(self, *values, **of_stereo):
         self.values = values
+        self.of_stereo = of_stereo
 
 
 class SceneParts:

@@ -17,6 +17,16 @@ CASES = {
     "toe-in": (dict(convergence_mode="TOE", pivot="CENTER", convergence_distance=4.0), {}),
     "orthographic": (dict(convergence_mode="PARALLEL"), dict(type="ORTHO", ortho_scale=6.0)),
 }
+# Panoramas whose eyes turn: what is set of the stereo settings, and the kind of panorama.
+PANORAMAS = {
+    "around": (dict(convergence_mode="OFFAXIS", convergence_distance=5.0), "EQUIRECTANGULAR"),
+    "around, parallel": (dict(convergence_mode="PARALLEL"), "EQUIRECTANGULAR"),
+    "around, poles merged": (
+        dict(convergence_mode="TOE", use_pole_merge=True, pole_merge_angle_from=0.2, pole_merge_angle_to=0.8),
+        "EQUIRECTANGULAR",
+    ),
+    "fisheye": (dict(convergence_mode="OFFAXIS", convergence_distance=3.0), "FISHEYE_EQUIDISTANT"),
+}
 LENS = "focused on an object"
 CAMERAS = "cameras of their own"
 MOVING = "moving"
@@ -63,6 +73,17 @@ def focus(scene):
     dof.use_dof, dof.aperture_fstop, dof.focus_object = True, 0.1, bpy.data.objects["Cube.002"]
 
 
+def turn_eyes(kind):
+    """All around, in the middle of the bodies."""
+
+    def change(scene):
+        camera = scene.camera
+        camera.location, camera.data.stereo.use_spherical_stereo = (0.1, -2.5, 0.6), True
+        scenes.make_panoramic(camera.data, kind)
+
+    return change
+
+
 def give_views_cameras(scene):
     """Found by the ends of their names."""
     scene.render.views_format = "MULTIVIEW"
@@ -96,9 +117,14 @@ if __name__ == "__main__":
     for case, (of_stereo, of_camera) in CASES.items():
         set_up(build(), of_stereo, of_camera)
         render(out, case)
+    for case, (of_stereo, panorama) in PANORAMAS.items():
+        made = build()
+        set_up(made, of_stereo, {})
+        turn_eyes(panorama)(made)
+        render(out, case)
     for case, change in ((LENS, focus), (CAMERAS, give_views_cameras), (MOVING, move)):
         made = build()
         set_up(made, dict(convergence_mode="TOE"), {})
         change(made)
         render(out, case)
-    report(cases=[*CASES, LENS, CAMERAS, MOVING])
+    report(cases=[*CASES, *PANORAMAS, LENS, CAMERAS, MOVING])

@@ -289,11 +289,6 @@ SETTINGS = {
         "scene.rayleaf.integrator = 'DISTRIBUTION'",
         "Scene 'Scene'",
     ),
-    "spherical stereo": (
-        "scene.render.use_multiview = scene.camera.data.stereo.use_spherical_stereo = True;"
-        "scenes.make_panoramic(scene.camera.data, 'EQUIRECTANGULAR')",
-        "Object 'Camera'",
-    ),
     "the pass Shadow": ("layer.use_pass_shadow = True", "View layer 'ViewLayer'"),
     "shader AOV 'Rayleaf Mask'": ("layer.aovs.add().name = 'Rayleaf Mask'", "View layer 'ViewLayer'"),
     "knows no light groups": (

@@ -123,3 +123,23 @@ def test_an_open_lens_blurs_what_is_out_of_focus(core):
         return np.abs(np.diff(depth.pass_pixels("mist")[16, :, 0])).max()
 
     assert edge(0.3) < 0.7 * edge(0.0)
+
+
+def seen_by_eye(core, **stereo):
+    """What an eye sees of the world: where it looks."""
+    scene = around(core, kind="EQUIRECTANGULAR", **stereo)
+    return render(core, scene, size=32, samples=1, passes=["combined"]).pass_pixels("combined")[..., :3]
+
+
+def test_eyes_in_parallel_see_what_is_far_as_one_eye_does(core):
+    middle = seen_by_eye(core)
+    assert np.array_equal(seen_by_eye(core, eye_offset=0.4), middle)
+    assert np.abs(seen_by_eye(core, eye_offset=0.4, convergence=1.0) - middle).max() > 0.1
+    merged = seen_by_eye(core, eye_offset=0.4, convergence=1.0, pole_merge=(0.2, 0.5))
+    assert np.array_equal(merged[[0, -1]], middle[[0, -1]]) and not np.array_equal(merged[16], middle[16])
+
+
+@pytest.mark.parametrize("bad", [dict(eye_offset=np.nan), dict(convergence=0.0), dict(pole_merge=(0.1, 2.0))])
+def test_bad_numbers_of_eyes_are_named(core, bad):
+    with pytest.raises(ValueError, match="eye|convergence|pole"):
+        core.Panorama("EQUIRECTANGULAR", **bad)

@@ -68,6 +68,7 @@ class Eye:
     camera_object: Any  # evaluated
     matrix: NDArray[np.float64]
     shift_x: float  # in place of the camera's
+    side: int = 0  # of spherical stereo: -1 left, 1 right; 0: a camera's own
 
 
 def eye_of(camera_object: Any) -> Eye:
@@ -117,8 +118,22 @@ _KINDS = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC", "PANO": "PANORAMIC"}
 _PANORAMAS = ("EQUIRECTANGULAR", "FISHEYE_EQUIDISTANT", "FISHEYE_EQUISOLID", "MIRRORBALL")
 
 
-def _panorama(core: ModuleType, camera_object: Any, frame: Frame) -> Any:
+def _spherical_stereo(eye: Eye) -> dict[str, Any]:
+    """Of an eye that turns, more arguments of the core's Panorama."""
+    if eye.side == 0:
+        return {}
+    stereo = eye.camera_object.data.stereo
+    merge = (stereo.pole_merge_angle_from, stereo.pole_merge_angle_to) if stereo.use_pole_merge else None
+    return dict(
+        eye_offset=eye.side * stereo.interocular_distance / 2,
+        convergence=None if stereo.convergence_mode == "PARALLEL" else stereo.convergence_distance,
+        pole_merge=merge,
+    )
+
+
+def _panorama(core: ModuleType, eye: Eye, frame: Frame) -> Any:
     """The core's Panorama of a panoramic camera."""
+    camera_object = eye.camera_object
     camera = camera_object.data
     found = versions.panorama(camera)
     kind = found["panorama_type"]
@@ -135,6 +150,7 @@ def _panorama(core: ModuleType, camera_object: Any, frame: Frame) -> Any:
         found["fisheye_fov"],
         found["fisheye_lens"],
         _sensor(camera, frame),
+        **_spherical_stereo(eye),
     )
 
 
@@ -168,7 +184,7 @@ def describe(core: ModuleType, eye: Eye, frame: Frame) -> dict[str, Any]:
         clip_end=camera.clip_end,
     )
     if camera.type == "PANO":
-        arguments["panorama"] = _panorama(core, camera_object, frame)
+        arguments["panorama"] = _panorama(core, eye, frame)
     if camera.dof.use_dof:
         arguments.update(
             aperture_radius=aperture_radius(camera),

@@ -27,17 +27,6 @@ def name_scene_settings(scene: Any, messages: Messages) -> None:
     own = scene.rayleaf
     if scene.render.use_motion_blur and own.integrator == "DISTRIBUTION" and own.use_irradiance_cache:
         _warn(messages, subject, "the irradiance cache knows no motion; what moves is rendered without it")
-    _name_stereoscopy(scene, messages)
-
-
-def _name_stereoscopy(scene: Any, messages: Messages) -> None:
-    """What is left out of stereoscopic pictures."""
-    camera, render = scene.camera, scene.render
-    if camera is None or camera.type != "CAMERA" or not render.use_multiview or render.views_format != "STEREO_3D":
-        return
-    if camera.data.type == "PANO" and camera.data.stereo.use_spherical_stereo:
-        subject = Subject("Object", name_of(camera))
-        _warn(messages, subject, "spherical stereo is not supported; both eyes look from where they are straight ahead")
 
 
 def _requested(view_layer: Any) -> Iterable[str]:
