@@ -9,7 +9,7 @@ import scenes
 from grids_oracle_cases import CASES
 
 report = globals()["report"]  # given by the test
-SIZE, SAMPLES = 24, 384
+SIZE, SAMPLES = 24, 128
 
 
 def textures(tree):

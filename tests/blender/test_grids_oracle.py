@@ -7,7 +7,7 @@ from core.vdb_files import make_grid, write
 
 HERE = Path(__file__).resolve().parent
 # Of the brightest part: noise of both at these samples, and Cycles' steps.
-CLOSE = 0.02
+CLOSE = 0.012
 
 
 def ball(x, y, z, radius=0.9):
