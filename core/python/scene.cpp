@@ -42,6 +42,11 @@ ColorSpace color_space(const std::string& object, const std::string& name) {
     throw InputError(object, "color space", "'" + name + "'", "SRGB, LINEAR or NON_COLOR");
 }
 
+ImageColors image_colors(const std::string& object, const std::string& space, const std::string& config) {
+    if (config.empty()) return color_space(object, space);
+    return std::make_shared<const ColorTransform>(object, config, space);
+}
+
 /// What a scene holds of a program, which may grow later, and while others render.
 std::shared_ptr<const Program> copy_of(const std::shared_ptr<Program>& program) {
     return program ? std::make_shared<const Program>(*program) : nullptr;
@@ -231,21 +236,21 @@ Panorama make_panorama(const std::string& kind, std::pair<double, double> longit
 }
 
 // Converting a large image takes seconds; Python goes on meanwhile.
-int add_image_file(SceneDescription& scene, const std::string& name, const std::string& path,
-                   const std::string& space) {
-    const ColorSpace known_space = color_space(name, space);
+int add_image_file(SceneDescription& scene, const std::string& name, const std::string& path, const std::string& space,
+                   const std::string& config, int picture) {
+    if (picture < 0) throw InputError(name, "picture", std::to_string(picture), "0 or more");
     const py::gil_scoped_release released;
-    return scene.textures()->add_file(name, path, known_space);
+    return scene.textures()->add_file(name, path, image_colors(name, space, config), picture);
 }
 
 int add_image_pixels(SceneDescription& scene, const std::string& name, const Array<float>& pixels,
-                     const std::string& space) {
+                     const std::string& space, const std::string& config) {
     check_shape(name, "pixels", pixels, {-1, -1, -1});
     const auto height = static_cast<int>(pixels.shape(0)), width = static_cast<int>(pixels.shape(1));
     const auto channels = static_cast<int>(pixels.shape(2));
-    const ColorSpace known_space = color_space(name, space);
+    const std::span<const float> values = span_of(pixels);
     const py::gil_scoped_release released;
-    return scene.textures()->add_pixels(name, span_of(pixels), width, height, channels, known_space);
+    return scene.textures()->add_pixels(name, values, width, height, channels, image_colors(name, space, config));
 }
 
 }  // namespace
@@ -317,8 +322,8 @@ void bind_scene(py::module_& module) {
              "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0, "dicing"_a = false, "panorama"_a = py::none(),
              "motion"_a = py::none(), "windows"_a = py::none(), "shutter_curve"_a = py::none(),
              "rolling_shutter"_a = py::none())
-        .def("add_image_file", &add_image_file, "name"_a, "path"_a, "color_space"_a)
-        .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a)
+        .def("add_image_file", &add_image_file, "name"_a, "path"_a, "color_space"_a, "config"_a = "", "picture"_a = 0)
+        .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a, "config"_a = "")
         .def_readwrite("texture_memory", &SceneDescription::texture_memory);
 }
 

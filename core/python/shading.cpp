@@ -314,7 +314,12 @@ void bind_textures(py::module_& module) {
         .value("CUBIC", TextureInterpolation::Cubic);
     py::class_<TextureStore, std::shared_ptr<TextureStore>>(module, "TextureStore", "The image textures of a scene.")
         .def(py::init<size_t>(), "memory_limit"_a)
-        .def("add_file", &TextureStore::add_file, "name"_a, "path"_a, "space"_a)
+        .def(
+            "add_file",
+            [](TextureStore& store, const std::string& name, const std::string& path, ColorSpace space) {
+                return store.add_file(name, path, space);
+            },
+            "name"_a, "path"_a, "space"_a)
         .def(
             "add_pixels",
             [](TextureStore& store, const std::string& name, const Floats& pixels, ColorSpace space) {

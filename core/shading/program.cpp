@@ -86,9 +86,9 @@ IntRange int_range(Operation operation, size_t i) {
         case Operation::bump:
             return {0, 1};
         case Operation::image:
-            return i == 0 || i > 3 ? IntRange{} : IntRange{0, i == 1 ? 3 : 2};
+            return i == 0 || i > 3 ? IntRange{} : IntRange{0, i == 1 ? 3 : i == 2 ? 6 : 2};
         case Operation::environment:
-            return i == 0 ? IntRange{} : IntRange{0, i == 1 ? 1 : 2};
+            return i == 0 ? IntRange{} : IntRange{0, i == 1 ? 1 : 6};
         default:
             return {};
     }

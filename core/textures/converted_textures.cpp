@@ -122,13 +122,18 @@ oiio::TextureSystem& texture_system() {
     return *system;
 }
 
-ConvertedTexture::ConvertedTexture(std::string name, Picture picture, ColorSpace space, const ContentHash& key)
-    : name_(std::move(name)), space_(space), key_(key), folder_(temporary_folder()), file_(folder_->file()) {
+ConvertedTexture::ConvertedTexture(std::string name, Picture picture, ImageColors colors, const ContentHash& key)
+    : name_(std::move(name)),
+      colors_(std::move(colors)),
+      key_(key),
+      folder_(temporary_folder()),
+      file_(folder_->file()) {
     normalize_channels(picture);
     channels_ = picture.channels;
     width_ = picture.width;
     height_ = picture.height;
-    associated_ = picture.alpha_channel() >= 0 && space != ColorSpace::NonColor;
+    associated_ = picture.alpha_channel() >= 0 && colors_.space != ColorSpace::NonColor;
+    encoded_ = colors_.space == ColorSpace::Srgb && !picture.precise;
     picture_ = std::move(picture);
 }
 
@@ -148,7 +153,7 @@ void ConvertedTexture::convert(const CancelToken& cancel) const {
 }
 
 void ConvertedTexture::make(const CancelToken& cancel) const {
-    prepare(picture_, space_, cancel);
+    prepare(picture_, colors_, cancel);
     if (bytes_ == 0) bytes_ = folder_->take(bytes_of(picture_));
     fault_ = write_levels(picture_, file_, bytes_ > 0 ? "none" : "zip", cancel);
     picture_ = {};

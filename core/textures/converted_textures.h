@@ -19,7 +19,7 @@ class TemporaryFolder;
 /// An image that is converted, or will be before it is looked up; its file goes with it. Thread-safe.
 class ConvertedTexture {
   public:
-    ConvertedTexture(std::string name, Picture picture, ColorSpace space, const ContentHash& key);
+    ConvertedTexture(std::string name, Picture picture, ImageColors colors, const ContentHash& key);
     ~ConvertedTexture();
     ConvertedTexture(const ConvertedTexture&) = delete;
     ConvertedTexture& operator=(const ConvertedTexture&) = delete;
@@ -40,15 +40,17 @@ class ConvertedTexture {
     int height() const { return height_; }
     /// Colours are multiplied by alpha and must be divided again.
     bool associated() const { return associated_; }
+    /// It was of bytes in sRGB.
+    bool is_encoded() const { return encoded_; }
 
   private:
     std::string name_;
-    ColorSpace space_;
+    ImageColors colors_;
     ContentHash key_;
     std::shared_ptr<TemporaryFolder> folder_;
     std::string file_;
     int channels_ = 0, width_ = 0, height_ = 0;
-    bool associated_ = false;
+    bool associated_ = false, encoded_ = false;
     mutable std::mutex mutex_;  ///< held while it is converted; guards all below
     mutable Picture picture_;   ///< until it is converted
     mutable std::string fault_;

@@ -7,15 +7,20 @@
 #include <oneapi/tbb/parallel_for.h>
 
 namespace rayleaf {
-namespace {
 
-constexpr float kLargestHalf = 65504.0f;
-
-/// Decoding of sRGB (IEC 61966-2-1).
 float decoded_srgb(float x) {
     if (x <= 0.04045f) return x / 12.92f;
     return std::pow((x + 0.055f) / 1.055f, 2.4f);
 }
+
+float encoded_srgb(float x) {
+    if (x <= 0.0031308f) return x * 12.92f;
+    return 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
+}
+
+namespace {
+
+constexpr float kLargestHalf = 65504.0f;
 
 /// The same, faster where a picture had eight bits: those values are looked up.
 class SrgbDecoder {
@@ -60,6 +65,29 @@ struct Linearizing {
     }
 };
 
+/// By a configuration, whose curves are for colours that are not multiplied by alpha. Grey becomes the mean of what it
+/// is as a colour, as in Cycles.
+void transform_row(const ColorTransform& transform, std::span<float> row, const Picture& picture) {
+    const auto channels = static_cast<size_t>(picture.channels);
+    const size_t count = row.size() / channels;
+    const auto alpha_of = [&](size_t i) {
+        const bool divides = picture.alpha == Alpha::Associated && picture.alpha_channel() >= 0;
+        const float alpha = divides ? row[i * channels + 3] : 1.0f;
+        return alpha > 0.0f ? alpha : 1.0f;
+    };
+    std::vector<float> colors(3 * count);
+    for (size_t i = 0; i < count; ++i)
+        for (size_t c = 0; c < 3; ++c) colors[3 * i + c] = row[i * channels + (channels >= 3 ? c : 0)] / alpha_of(i);
+    transform.apply(colors.data(), count);
+    for (size_t i = 0; i < count; ++i) {
+        const float* color = &colors[3 * i];
+        if (channels < 3)
+            row[i] = (color[0] + color[1] + color[2]) / 3.0f;
+        else
+            for (size_t c = 0; c < 3; ++c) row[i * channels + c] = color[c] * alpha_of(i);
+    }
+}
+
 /// Infinities and NaN, which some panoramas contain, become numbers. Whether a half float can hold them all.
 bool make_finite(std::span<float> row) {
     bool fits = true;
@@ -87,9 +115,9 @@ void normalize_channels(Picture& picture) {
     picture.channels = to;
 }
 
-void prepare(Picture& picture, ColorSpace space, const CancelToken& cancel) {
+void prepare(Picture& picture, const ImageColors& colors, const CancelToken& cancel) {
     static const SrgbDecoder decode;
-    const Linearizing linearize{decode, space, picture.alpha, picture.channels, picture.alpha_channel()};
+    const Linearizing linearize{decode, colors.space, picture.alpha, picture.channels, picture.alpha_channel()};
     const auto channels = static_cast<size_t>(picture.channels);
     const size_t length = static_cast<size_t>(picture.width) * channels;
     picture.prepared.resize(static_cast<size_t>(picture.height));
@@ -97,7 +125,8 @@ void prepare(Picture& picture, ColorSpace space, const CancelToken& cancel) {
         cancel.throw_if_cancelled();
         if (picture.prepared[y] != 0) return;
         const std::span<float> row(&picture.pixels[y * length], length);
-        if (space != ColorSpace::NonColor)
+        if (colors.transform) transform_row(*colors.transform, row, picture);
+        if (colors.space != ColorSpace::NonColor)
             for (size_t i = 0; i < length; i += channels) linearize(&row[i]);
         if (!make_finite(row)) std::atomic_ref(picture.precise).store(true, std::memory_order_relaxed);
         picture.prepared[y] = 1;

@@ -22,10 +22,14 @@ struct Picture {
     int alpha_channel() const { return channels == 4 ? 3 : -1; }
 };
 
+/// Coding of sRGB (IEC 61966-2-1).
+float decoded_srgb(float x);
+float encoded_srgb(float x);
+
 /// Gives it one, three or four channels: grey and alpha become colours with alpha, what is beyond four is left out.
 void normalize_channels(Picture& picture);
 /// Makes it what textures are filtered from: finite numbers, linear light with associated alpha. Data images keep their
 /// channels as they are. Throws Cancelled soon after `cancel` says so; the next call does the rest.
-void prepare(Picture& picture, ColorSpace space, const CancelToken& cancel);
+void prepare(Picture& picture, const ImageColors& colors, const CancelToken& cancel);
 
 }  // namespace rayleaf

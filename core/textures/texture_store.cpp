@@ -112,12 +112,13 @@ struct TextureStore::Implementation {
 
     /// The texture of that key; `picture` gives its pixels where they are wanted.
     template <typename GetPicture>
-    TextureId add(const std::string& name, ColorSpace space, const ContentHash& key, const GetPicture& picture) {
+    TextureId add(const std::string& name, const ImageColors& colors, const ContentHash& key,
+                  const GetPicture& picture) {
         std::shared_ptr<const ConvertedTexture> texture = converted->find(key);
         if (!texture || (texture->is_converted() && !texture->fault().empty())) {
             Picture pixels = picture();
             const size_t bytes = pixels.pixels.size() * sizeof(float);
-            texture = std::make_shared<const ConvertedTexture>(name, std::move(pixels), space, key);
+            texture = std::make_shared<const ConvertedTexture>(name, std::move(pixels), colors, key);
             converted->keep(key, texture);
             convert_soon(texture, bytes);
         }
@@ -141,6 +142,11 @@ struct TextureStore::Implementation {
     }
 };
 
+void ImageColors::add_to(ContentHasher& hasher) const {
+    hasher.add(static_cast<int>(space));
+    if (transform) transform->add_to(hasher);
+}
+
 TextureStore::TextureStore(size_t memory_limit, std::shared_ptr<ConvertedTextures> converted)
     : implementation_(std::make_unique<Implementation>(memory_limit, std::move(converted))) {}
 TextureStore::~TextureStore() = default;
@@ -148,9 +154,10 @@ TextureStore::~TextureStore() = default;
 namespace {
 
 /// Who reads a file again knows it by its place, size and time.
-ContentHash key_of_file(const std::string& path, ColorSpace space) {
+ContentHash key_of_file(const std::string& path, const ImageColors& colors, int picture) {
     ContentHasher hasher;
-    hasher.add(static_cast<int>(space));
+    hasher.add(picture);
+    colors.add_to(hasher);
     hasher.add(std::vector<char>(path.begin(), path.end()));
     struct stat status {};
     if (stat(path.c_str(), &status) != 0) return hasher.value();  // reading it will say what is wrong
@@ -160,11 +167,14 @@ ContentHash key_of_file(const std::string& path, ColorSpace space) {
     return hasher.value();
 }
 
-Picture read_picture(const std::string& name, const std::string& path) {
+Picture read_picture(const std::string& name, const std::string& path, int number) {
     oiio::ImageSpec hints;
     hints.attribute("oiio:UnassociatedAlpha", 1);  // leave straight alpha as the file has it
     const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::open(path, &hints);
     if (!input) throw InputError(name, "image file '" + path + "'", oiio::geterror(), "a readable image");
+    if (number != 0 && !input->seek_subimage(number, 0))
+        throw InputError(name, "image file '" + path + "'", "no picture " + std::to_string(number + 1),
+                         "a picture that the file has");
     const oiio::ImageSpec& spec = input->spec();
     check_spec(name, path, spec);
     Picture picture;
@@ -175,7 +185,7 @@ Picture read_picture(const std::string& name, const std::string& path) {
     picture.precise = spec.format.basesize() > 2;
     picture.pixels.resize(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) *
                           static_cast<size_t>(picture.channels));
-    if (!input->read_image(0, 0, 0, picture.channels, oiio::TypeDesc::FLOAT, picture.pixels.data()))
+    if (!input->read_image(number, 0, 0, picture.channels, oiio::TypeDesc::FLOAT, picture.pixels.data()))
         throw InputError(name, "image file '" + path + "'", input->geterror(), "a readable image");
     return picture;
 }
@@ -197,12 +207,14 @@ Picture turned_over(std::span<const float> pixels, int width, int height, int ch
 
 }  // namespace
 
-TextureId TextureStore::add_file(const std::string& name, const std::string& path, ColorSpace space) {
-    return implementation_->add(name, space, key_of_file(path, space), [&] { return read_picture(name, path); });
+TextureId TextureStore::add_file(const std::string& name, const std::string& path, const ImageColors& colors,
+                                 int picture) {
+    return implementation_->add(name, colors, key_of_file(path, colors, picture),
+                                [&] { return read_picture(name, path, picture); });
 }
 
 TextureId TextureStore::add_pixels(const std::string& name, std::span<const float> pixels, int width, int height,
-                                   int channels, ColorSpace space) {
+                                   int channels, const ImageColors& colors) {
     if (width <= 0 || height <= 0)
         throw InputError(name, "image size", std::to_string(width) + " x " + std::to_string(height), "at least 1 x 1");
     if (channels != 1 && channels != 3 && channels != 4)
@@ -212,9 +224,10 @@ TextureId TextureStore::add_pixels(const std::string& name, std::span<const floa
         throw InputError(name, "number of pixel values", std::to_string(pixels.size()),
                          std::to_string(row * static_cast<size_t>(height)));
     ContentHasher hasher;
-    for (const int number : {static_cast<int>(space), width, height, channels}) hasher.add(number);
+    colors.add_to(hasher);
+    for (const int number : {width, height, channels}) hasher.add(number);
     hasher.add(pixels);
-    return implementation_->add(name, space, hasher.value(),
+    return implementation_->add(name, colors, hasher.value(),
                                 [&] { return turned_over(pixels, width, height, channels); });
 }
 
@@ -226,6 +239,16 @@ void TextureStore::finish(const CancelToken& cancel) const {
             throw InputError(texture.name(), "image", "not convertible (" + texture.fault() + ")",
                              "an image that OpenEXR can hold, and room in the temporary folder");
     }
+}
+
+Vec4f TextureStore::multiplied_by_alpha(TextureId id, const Vec4f& value) const {
+    const float alpha = value.w;
+    if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return value;
+    const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
+    if (alpha == 1.0f || !texture.associated()) return value;
+    if (!texture.is_encoded()) return {value.x * alpha, value.y * alpha, value.z * alpha, alpha};
+    const auto multiplied = [alpha](float x) { return decoded_srgb(encoded_srgb(x) * alpha); };
+    return {multiplied(value.x), multiplied(value.y), multiplied(value.z), alpha};
 }
 
 TextureStore::Size TextureStore::size(TextureId id) const {

@@ -4,6 +4,7 @@
 #include "base/cancel.h"
 #include "base/content_hash.h"
 #include "base/vector.h"
+#include "textures/color_transform.h"
 
 #include <cstdint>
 #include <memory>
@@ -17,6 +18,16 @@ using TextureId = int32_t;
 class ConvertedTextures;  // textures/converted_textures.h
 
 enum class ColorSpace : uint8_t { Srgb, Linear, NonColor };
+
+/// How an image's numbers are meant: by a space that everyone knows, or by one of a configuration.
+struct ImageColors {
+    ColorSpace space = ColorSpace::Srgb;
+    std::shared_ptr<const ColorTransform> transform = nullptr;  ///< in place of the space
+
+    ImageColors(ColorSpace known) : space(known) {}
+    ImageColors(std::shared_ptr<const ColorTransform> by) : space(ColorSpace::Linear), transform(std::move(by)) {}
+    void add_to(ContentHasher& hasher) const;
+};
 enum class TextureExtension : uint8_t {
     Repeat,
     Extend,    ///< the border pixels go on
@@ -38,10 +49,11 @@ class TextureStore {
     TextureStore& operator=(const TextureStore&) = delete;
 
     /// An image file. Throws InputError that names `name` and the path if it is missing or cannot be read.
-    TextureId add_file(const std::string& name, const std::string& path, ColorSpace space);
+    /// `picture`: which one of a file that has several, like a movie.
+    TextureId add_file(const std::string& name, const std::string& path, const ImageColors& colors, int picture = 0);
     /// Pixels as Blender holds them: `channels` floats each (1, 3 or 4), rows bottom to top, alpha straight.
     TextureId add_pixels(const std::string& name, std::span<const float> pixels, int width, int height, int channels,
-                         ColorSpace space);
+                         const ImageColors& colors);
 
     /// Waits until all images are converted, which goes on from when they are added, by other threads. Throws
     /// InputError that names one that could not be, Cancelled soon after `cancel` says so.
@@ -60,6 +72,9 @@ class TextureStore {
     /// pixel.
     Vec4f lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, const Vec2f& duv_dy, TextureExtension extension,
                  TextureInterpolation interpolation) const;
+    /// What a lookup gave, its colour multiplied by its alpha: as Cycles multiplies it, which for images of bytes in
+    /// sRGB does so before they are decoded.
+    Vec4f multiplied_by_alpha(TextureId id, const Vec4f& value) const;
 
     /// Bytes of tiles cached now, tiles read since this store was made; both of all stores together.
     struct Statistics {

@@ -605,9 +605,12 @@ class SceneDescription:
         While the shutter is open, at even times: motion, matrices (n, 4, 4); windows (n, 4), lower left and upper right
         corners of a perspective camera; shutter_curve, how far it is open. rolling_shutter: the share of the time for
         which a row is exposed, from the upper border to the lower."""
-    def add_image_file(self, name: str, path: str | bytes, color_space: str) -> int:
-        """color_space: SRGB, LINEAR or NON_COLOR. Returns a texture id for the operations image and environment."""
-    def add_image_pixels(self, name: str, pixels: Floats, color_space: str) -> int:
+    def add_image_file(
+        self, name: str, path: str | bytes, color_space: str, config: str | bytes = "", picture: int = 0
+    ) -> int:
+        """color_space: SRGB, LINEAR or NON_COLOR; or, by a configuration of OpenColorIO at the path `config`, one of its
+        spaces. picture: of a movie, from 0 on. Returns a texture id for the operations image and environment."""
+    def add_image_pixels(self, name: str, pixels: Floats, color_space: str, config: str | bytes = "") -> int:
         """pixels (height, width, channels), rows bottom to top."""
     texture_memory: int
 

@@ -207,12 +207,13 @@ class SceneDescription:
     def set_camera(self, **arguments):
         self.camera = arguments
 
-    def add_image_file(self, name, path, color_space):
-        self.images.append(dict(name=name, path=os.fsdecode(path), color_space=color_space))
+    def add_image_file(self, name, path, color_space, config="", picture=0):
+        row = dict(name=name, path=os.fsdecode(path), color_space=color_space, config=config, picture=picture)
+        self.images.append(row)
         return len(self.images) - 1
 
-    def add_image_pixels(self, name, pixels, color_space):
-        self.images.append(dict(name=name, pixels=pixels, color_space=color_space))
+    def add_image_pixels(self, name, pixels, color_space, config=""):
+        self.images.append(dict(name=name, pixels=pixels, color_space=color_space, config=config))
         return len(self.images) - 1
 
 

@@ -92,12 +92,20 @@ shot(picture("float", float_buffer=True), "float")
 image = saved("strange")
 image.colorspace_settings.name = scenes.XYZ
 shot(image, "strange")
+from rayleaf.export import images
+images._configuration = lambda: (True, f"{folder}/gone.ocio")
+scene.rayleaf.seed += 1
+other = saved("lost")
+other.colorspace_settings.name = scenes.XYZ
+shot(other, "lost")
 """
     run = run_blender(SCENE + lines, tmp_path)
     for name in ("data", "linear", "float"):
         assert np.allclose(quadrants(tmp_path / f"{name}.exr"), COLORS, atol=3e-3), name
-    (text,) = run.report["strange"]
-    assert "strange.png" in text and "XYZ" in text
+    assert run.report["strange"] == []
+    (text,) = run.report["lost"]
+    assert "lost.png" in text and "XYZ" in text and "gone.ocio" in text and "taken as sRGB" in text
+    assert np.allclose(quadrants(tmp_path / "lost.exr"), linear(COLORS), atol=2e-3)
 
 
 @pytest.mark.parametrize("extension", ["REPEAT", "EXTEND", "CLIP"])

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from functools import partial
 from types import ModuleType
 from typing import Any
 
@@ -13,7 +14,7 @@ from ..messages import Messages, Subject
 from ..names import name_of
 from . import CancelCheck
 
-# Blender's colour space names, 3.4 and later.
+# What needs no configuration: names in Blender's own, 3.4 and later.
 _COLOR_SPACES = {
     "sRGB": "SRGB",
     "Linear": "LINEAR",
@@ -22,9 +23,31 @@ _COLOR_SPACES = {
     "Non-Color": "NON_COLOR",
     "Raw": "NON_COLOR",
 }
+_BY_DEFAULT = ("SRGB", "")
 
 # As many tiles as the core takes of one image.
 _MOST_TILES = 1000
+
+
+def _configuration() -> tuple[bool, str]:
+    """Whether Blender's colours are by its own configuration of OpenColorIO, and where that, or the other one, is."""
+    other = os.environ.get("OCIO", "")
+    if os.path.isfile(other):
+        return False, other
+    folders = [bpy.utils.user_resource("DATAFILES"), bpy.utils.system_resource("DATAFILES")]
+    files = [os.path.join(folder, "colormanagement", "config.ocio") for folder in folders if folder]
+    return True, next(filter(os.path.isfile, files), files[-1] if files else "config.ocio")
+
+
+def shown_frame(user: Any, frame: int) -> int:
+    """Which frame of a sequence or movie is seen in a scene's frame (BKE_image_user_frame_get)."""
+    length = int(user.frame_duration)
+    if length == 0:
+        return 0
+    shown = frame - int(user.frame_start) + 1
+    if user.use_cyclic:
+        shown = (shown - 1) % length + 1
+    return min(max(shown, 0), length) + int(user.frame_offset)
 
 
 class ImageLibrary:
@@ -35,7 +58,7 @@ class ImageLibrary:
     ) -> None:
         self._check_cancel = check_cancel or CancelCheck(lambda: False)
         self._core, self.scene, self._messages = core, scene, messages
-        self.known: dict[tuple[int, str], int | None] = {}  # textures by image and path
+        self.known: dict[tuple[int, str, int], int | None] = {}  # textures by image, path and picture
         self._computed: dict[tuple[Any, ...], int] = {}
         self.asked = 0  # how often something was
         self.added = 0
@@ -48,15 +71,17 @@ class ImageLibrary:
 
     def texture(self, image: Any, user: Any, frame: int) -> int | None:
         """The texture id of an image as a node uses it, or None if it cannot be read."""
-        return self._texture_at(image, self._path(image, user, frame))
+        picture = max(shown_frame(user, frame) - 1, 0) if image.source == "MOVIE" and user is not None else 0
+        return self._texture_at(image, self._path(image, user, frame), picture)
 
-    def _texture_at(self, image: Any, path: str) -> int | None:
+    def _texture_at(self, image: Any, path: str, picture: int = 0) -> int | None:
+        """`picture`: of those of a movie."""
         self.asked += 1
-        key = (image.original.as_pointer(), path)
+        key = (image.original.as_pointer(), path, picture)
         if key not in self.known:
             self._check_cancel()
             try:
-                self.known[key] = self._add(image, path)
+                self.known[key] = self._add(image, path, picture)
             except self._core.InputError as error:
                 self._messages.warn(f"{error}; rendered pink", Subject("Image", name_of(image)))
                 self.known[key] = None
@@ -89,16 +114,16 @@ class ImageLibrary:
 
     def _path(self, image: Any, user: Any, frame: int) -> str:
         if image.source == "SEQUENCE" and user is not None:
-            user.frame_current = frame
+            user.frame_current = shown_frame(user, frame)
             return str(bpy.path.abspath(image.filepath_from_user(image_user=user), library=image.library))
         path = str(bpy.path.abspath(image.filepath, library=image.library))
         if image.source == "TILED":
             path = path.replace("<UDIM>", str(image.tiles[0].number) if image.tiles else "1001")
         return path
 
-    def _add(self, image: Any, path: str) -> int | None:
-        if image.source in ("MOVIE", "VIEWER"):
-            self._warn(image, f"{image.source.lower()} images are not supported; rendered pink")
+    def _add(self, image: Any, path: str, picture: int) -> int | None:
+        if image.source == "VIEWER":
+            self._warn(image, "viewer images are not supported; rendered pink")
             return None
         space = self._color_space(image)
         if image.packed_file is not None or image.source == "GENERATED" or image.is_dirty:
@@ -106,22 +131,35 @@ class ImageLibrary:
         if not os.path.isfile(path):
             self._warn(image, f"no file at {path or 'an empty path'}; rendered pink")
             return None
-        return self._send(self.scene.add_image_file, image, os.fsencode(path), space)
+        add = self.scene.add_image_file
+        if image.source == "MOVIE":
+            add = partial(add, picture=min(picture, max(image.frame_duration - 1, 0)))
+        return self._send(add, image, os.fsencode(path), space)
 
-    def _send(self, add: Callable[[str, Any, str], int], image: Any, what: Any, space: str) -> int:
+    def _send(self, add: Callable[..., int], image: Any, what: Any, space: tuple[str, str]) -> int:
         """Hand an image to the core, which converts it: seconds for a large one."""
         name = name_of(image)
         self.added += 1
-        return int(self._check_cancel.while_waiting_for(lambda: add(name, what, space)))
+        try:
+            return int(self._check_cancel.while_waiting_for(lambda: add(name, what, *space)))
+        except self._core.InputError as error:
+            if not space[1] or "colour space" not in str(error):
+                raise
+            self._warn(image, f"{error}; taken as sRGB")
+            return self._send(add, image, what, _BY_DEFAULT)
 
-    def _color_space(self, image: Any) -> str:
-        name = name_of(image.colorspace_settings)
-        if name in _COLOR_SPACES:
-            return _COLOR_SPACES[name]
-        self._warn(image, f"colour space {name} is not supported; taken as sRGB")
-        return "SRGB"
+    def _color_space(self, image: Any) -> tuple[str, str]:
+        """What the core knows it by: a name, and the configuration that it is of, if it needs one."""
+        settings = image.colorspace_settings
+        name = name_of(settings)
+        if getattr(settings, "is_data", False):
+            return "NON_COLOR", ""
+        own, configuration = _configuration()
+        if own and name in _COLOR_SPACES:
+            return _COLOR_SPACES[name], ""
+        return name, configuration
 
-    def _add_pixels(self, image: Any, path: str, space: str) -> int | None:
+    def _add_pixels(self, image: Any, path: str, space: tuple[str, str]) -> int | None:
         width, height = image.size
         if width == 0 or height == 0:
             self._warn(image, f"no pixels in {path or 'the packed file'}; rendered pink")
@@ -133,7 +171,7 @@ class ImageLibrary:
             pixels = np.ascontiguousarray(pixels[..., [0, 0, 0, 1]])
         if image.is_float:
             # Blender holds float images scene-linear, with the colour multiplied by alpha.
-            space = "LINEAR" if space == "SRGB" else space
+            space = space if space[0] == "NON_COLOR" else ("LINEAR", "")
             if pixels.shape[2] == 4 and image.alpha_mode not in ("CHANNEL_PACKED", "NONE"):
                 alpha = pixels[..., 3:]
                 pixels[..., :3] /= np.where(alpha > 0.0, alpha, np.float32(1.0))

@@ -1,5 +1,7 @@
 """Textures that look up pictures."""
 
+from typing import Any
+
 from .compiler import NodeView, value_node
 from .emitter import UNCONNECTED, Register
 
@@ -7,6 +9,8 @@ _EXTENSIONS = {"REPEAT": 0, "EXTEND": 1, "CLIP": 2, "MIRROR": 3}
 _INTERPOLATIONS = {"Linear": 0, "Closest": 1, "Cubic": 2, "Smart": 2}
 _PLANES = {"FLAT": 0, "SPHERE": 1, "TUBE": 2}
 _PROJECTIONS = {"EQUIRECTANGULAR": 0, "MIRROR_BALL": 1}
+# Added to an interpolation: colours come multiplied by alpha.
+_MULTIPLIED = 4
 # What stands for an image that cannot be read.
 _PINK = (1.0, 0.0, 1.0, 1.0)
 
@@ -32,6 +36,14 @@ def _texture(view: NodeView) -> int | None:
     return view.resources.images.texture(node.image, node.image_user, view.resources.frame)
 
 
+def _reading(node: Any) -> int:
+    """The number of the interpolation. As in Cycles, colours are divided by alpha again only where that is used as well."""
+    number = _INTERPOLATIONS.get(node.interpolation, 0)
+    uses_alpha = "Alpha" in node.outputs and node.outputs["Alpha"].is_linked
+    has_alpha = node.image.alpha_mode in ("STRAIGHT", "PREMUL")
+    return number + (_MULTIPLIED if has_alpha and not uses_alpha else 0)
+
+
 @value_node("ShaderNodeTexImage")
 def image(view: NodeView, output: str) -> Register:
     """Image Texture. Without an image it is black, as in Blender; an image that cannot be read is pink."""
@@ -45,7 +57,7 @@ def image(view: NodeView, output: str) -> Register:
     vector = view.linked("Vector")
     if vector == UNCONNECTED:
         vector = emitter.operation("uv", ints=[view.resources.active_uv()])
-    ints = [texture, _EXTENSIONS[node.extension], _INTERPOLATIONS.get(node.interpolation, 0)]
+    ints = [texture, _EXTENSIONS[node.extension], _reading(node)]
     opaque = output == "Alpha" and node.image.alpha_mode == "NONE"
     if opaque:
         return emitter.scalar(1.0)
@@ -88,5 +100,5 @@ def environment(view: NodeView, output: str) -> Register:
     direction = view.linked("Vector")
     if direction == UNCONNECTED:
         direction = emitter.operation("position")
-    ints = [texture, _PROJECTIONS[node.projection], _INTERPOLATIONS.get(node.interpolation, 0)]
+    ints = [texture, _PROJECTIONS[node.projection], _reading(node)]
     return emitter.operation("environment", [direction], ints)
