@@ -13,5 +13,5 @@ def test_the_benchmark_of_whole_scenes_builds_one_and_prints_what_was_asked_of_e
     assert all(word in printed for word in ("coarse", "medium", "fine", "misses", "computed again")), printed
     rows = {row["name"]: row["values"][0] for row in measured}
     title = "parking_lot 1 diffuse"
-    assert rows[f"{title}: subpatches"] > 10_000
+    assert rows[f"{title}: subpatches"] > 5_000
     assert rows[f"{title}: multi, computed again"] < rows[f"{title}: single, computed again"]

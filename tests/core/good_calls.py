@@ -224,9 +224,11 @@ CALLS: dict[str, Call] = {
     ),
     "SceneDescription.matte_attributes": method(scene, "matte_attributes", kind="OBJECT", layer="CryptoObject"),
     "SceneDescription.set_camera": method(scene, "set_camera", **CAMERA),
-    "SceneDescription.add_image_file": method(scene, "add_image_file", name="a", path="nowhere", color_space="SRGB"),
+    "SceneDescription.add_image_file": method(
+        scene, "add_image_file", name="a", path="nowhere", color_space="SRGB", config="", picture=0
+    ),
     "SceneDescription.add_image_pixels": method(
-        scene, "add_image_pixels", name="a", pixels=np.ones((2, 3, 4), np.float32), color_space="SRGB"
+        scene, "add_image_pixels", name="a", pixels=np.ones((2, 3, 4), np.float32), color_space="SRGB", config=""
     ),
     "Settings": ctor(_core.Settings),
     "Session": later(_core.Session, scene=scene, settings=settings, ray_caches=_core.RayCacheStore),
