@@ -1,6 +1,7 @@
 // The sums that a thread fills while it renders a tile: pixels row by row, each with its samples in order.
 #pragma once
 
+#include "film/error_blocks.h"
 #include "film/film_sums.h"
 #include "film/noise_blocks.h"
 #include "film/sample_range.h"
@@ -18,6 +19,7 @@ class TileSums {
     struct Wanted {
         FilmSums* sums = nullptr;   ///< gets the sums of finished pixels; null: nobody
         bool moments = false;       ///< what noise is estimated from
+        bool halves = false;        ///< what the error is estimated from
         bool mattes = false;        ///< what each pixel shows
         bool more_samples = false;  ///< follow, so that light is not divided yet
     };
@@ -30,12 +32,14 @@ class TileSums {
     void add(const PixelSample& sample) {
         sums_.add(sample, samples_.first + added_, passes_);
         if (wanted_.moments) pixel_moments_.add(sample);
+        if (wanted_.halves) pixel_halves_.add(sample, (samples_.first + added_) % 2 == 1);
         if (wanted_.mattes) add_mattes(sample.extras->mattes);
         if (++added_ == samples_.count) finish_pixel();
     }
     /// The values of finished pixels.
     std::span<const PixelValues> values() const { return values_; }
     std::span<const PixelMoments> moments() const { return moments_; }
+    std::span<const HalfSums> halves() const { return halves_; }
     std::span<const PixelMattes> mattes() const { return mattes_; }
 
   private:
@@ -45,10 +49,12 @@ class TileSums {
     Wanted wanted_;
     PixelSums sums_;  ///< of the current pixel
     PixelMoments pixel_moments_;
+    HalfSums pixel_halves_;
     PixelMattes pixel_mattes_;
     int added_ = 0;  ///< samples of it so far
     std::vector<PixelValues> values_;
     std::vector<PixelMoments> moments_;
+    std::vector<HalfSums> halves_;
     std::vector<PixelMattes> mattes_;
 
     void add_mattes(std::span<const MatteRecord> records) {
@@ -59,6 +65,7 @@ class TileSums {
         const int number = static_cast<int>(values_.size());
         values_.push_back(sums_.values(passes_, samples_.count, wanted_.more_samples));
         if (wanted_.moments) moments_.push_back(std::exchange(pixel_moments_, {}));
+        if (wanted_.halves) halves_.push_back(std::exchange(pixel_halves_, {}));
         if (wanted_.mattes) mattes_.push_back(std::exchange(pixel_mattes_, {}));
         if (wanted_.sums) {
             const int x = tile_.x + number % tile_.width, y = tile_.y + number / tile_.width;

@@ -116,6 +116,13 @@ py::dict curves(const RenderStatistics& s) {
     return result;
 }
 
+/// Where a target is set: how near the noise has come.
+py::dict error(const RenderStatistics& s) {
+    using namespace py::literals;
+    if (!(s.target_error > 0.0)) return {};
+    return py::dict("target"_a = s.target_error, "noise"_a = s.estimated_error);
+}
+
 py::dict session_statistics(const Session& session) {
     using namespace py::literals;
     const RenderStatistics s = session.statistics();
@@ -127,7 +134,7 @@ py::dict session_statistics(const Session& session) {
                                             "kept_shapes"_a = t.kept_shapes, "resident_shapes"_a = t.resident_shapes,
                                             "limit_normals"_a = limit_normals(t.limit_normals)),
                     "curves"_a = curves(s), "geometry_cache"_a = geometry_cache_statistics(t.geometry),
-                    "lights"_a = s.lights, "ray_caches"_a = ray_caches(s),
+                    "error"_a = error(s), "lights"_a = s.lights, "ray_caches"_a = ray_caches(s),
                     "memory"_a = py::dict(
                         "shapes"_a = s.shape_bytes, "facets"_a = t.facet_bytes, "grids"_a = t.geometry.bytes,
                         "subpatches"_a = t.record_bytes, "acceleration"_a = t.bvh_bytes, "lights"_a = s.light_bytes,

@@ -80,6 +80,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("first_sample", &Settings::first_sample)
         .def_readwrite("sample_count", &Settings::sample_count)
         .def_readwrite("noise_threshold", &Settings::noise_threshold)
+        .def_readwrite("target_error", &Settings::target_error)
         .def_readwrite("least_samples", &Settings::least_samples)
         .def_readwrite("time_limit", &Settings::time_limit)
         .def_readwrite("keep_sums", &Settings::keep_sums)

@@ -34,6 +34,7 @@ std::vector<std::string> left_out(const RenderStatistics& s, const Film& film) {
     add(s.irradiance_records > 0, "irradiance cache");
     add(s.trace.subpatches > 0, "tessellation");
     add(s.volumes > 0, "volume visualisation");
+    add(s.target_error > 0.0, "target error");
     add(s.rays.catcher_paths > 0, "shadow catchers");
     for (size_t kind = 0; kind < kShapeKinds; ++kind) add(s.shapes_of[kind].shapes > 0, spaced(kKindNames[kind]));
     for (const PassInfo& entry : kPasses) add(film.has(entry.pass), "pass " + std::string(entry.name));

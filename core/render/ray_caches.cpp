@@ -3,6 +3,8 @@
 #include "render/ray_cache_probe.h"
 #include "ri_tree/fast_tree.h"
 
+#include <algorithm>
+
 namespace rayleaf {
 namespace {
 
@@ -27,16 +29,39 @@ std::vector<RayCacheStore::ObjectShape> shapes_of(const std::vector<PlannedRayCa
     return shapes;
 }
 
+/// Where a target error is set nobody knows yet how many samples there will be.
+Settings likely(Settings settings) {
+    constexpr int kLikely = 64;
+    if (settings.target_error > 0.0) settings.samples = std::min(settings.samples, kLikely);
+    return settings;
+}
+
+/// Thresholds that leave room for noise.
+void tighten(RayCacheSettings& own, double target) {
+    const RayCacheSettings wanted = quality_settings(kInterpolationShare * target);
+    own.distance_threshold = std::min(own.distance_threshold, wanted.distance_threshold);
+    own.direction_threshold = std::min(own.direction_threshold, wanted.direction_threshold);
+    own.angle_threshold = std::min(own.angle_threshold, wanted.angle_threshold);
+    own.depth_limit = std::max(own.depth_limit, wanted.depth_limit);
+    own.mixed_depth_limit = std::max(own.mixed_depth_limit, wanted.mixed_depth_limit);
+}
+
 }  // namespace
 
-RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Settings& settings, RayCacheStore* store,
+bool RayCaches::any_used() const {
+    return std::any_of(frame_.begin(), frame_.end(), [](const FrameCache& each) { return each.cache != nullptr; });
+}
+
+RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Settings& asked, RayCacheStore* store,
                      const CancelToken& cancel) {
+    const Settings settings = likely(asked);
     const double neighbour_scale = 1.0 / std::sqrt(settings.samples);
     std::vector<PlannedRayCache> undecided;
     std::vector<size_t> places;
     std::vector<PlannedRayCache> all = plan_ray_caches(description, scene, settings, cancel);
     if (store && store->count() > 0) store->drop_changed(shapes_of(all));
     for (PlannedRayCache& planned : all) {
+        if (settings.target_error > 0.0) tighten(planned.interpolation.thresholds, settings.target_error);
         frame_.push_back({std::move(planned), nullptr, {}, {}});
         FrameCache& each = frame_.back();
         each.reason = each.planned.obstacle;

@@ -27,10 +27,11 @@ class RayCaches {
   public:
     /// Plans caches for the scene and gives it those that are on. `store` may be null. Throws Cancelled soon after
     /// `cancel` says so.
-    RayCaches(const SceneDescription& description, Scene& scene, const Settings& settings, RayCacheStore* store,
+    RayCaches(const SceneDescription& description, Scene& scene, const Settings& asked, RayCacheStore* store,
               const CancelToken& cancel = kNeverCancelled);
 
     bool any() const { return !frame_.empty(); }
+    bool any_used() const;
     /// What happened since construction.
     std::vector<RayCacheReport> report() const;
 

@@ -11,7 +11,6 @@
 #include "trace/float_environment.h"
 
 #include <array>
-#include <limits>
 #include <unordered_set>
 
 #include <oneapi/tbb/global_control.h>
@@ -26,6 +25,9 @@ constexpr size_t kMostCameraSamples = SamplePairs::kMost / 3;
 
 /// Paths between two looks at the cancel token: well under a frame of a display for any scene.
 constexpr int kSamplesPerLook = 4;
+
+/// What noise may leave of a target error beside interpolated rays: squares add up.
+const double kNoiseShareBeside = std::sqrt(1.0 - kInterpolationShare * kInterpolationShare);
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -45,8 +47,7 @@ struct Session::Frame {
     IntegratorKind integrator;
     bool has_lens;  ///< else no ray asks where it passes the lens
     bool has_time;  ///< else nothing moves, and no ray asks when it is
-    SampleRange samples;
-    int step;  ///< tiles count blocks of so many pixels along a side
+    int step;       ///< tiles count blocks of so many pixels along a side
 };
 
 Session::Session(std::shared_ptr<const SceneDescription> description, Settings settings,
@@ -57,7 +58,9 @@ Session::Session(std::shared_ptr<const SceneDescription> description, Settings s
       film_(part(settings_).width, part(settings_).height, computed_passes(settings_.passes)) {
     settings_.passes = film_.passes();
     if (settings_.keep_sums) sums_ = std::make_unique<FilmSums>(film_.width(), film_.height(), film_.passes());
-    if (settings_.noise_threshold > 0.0)
+    if (settings_.target_error > 0.0)
+        error_ = std::make_unique<ErrorBlocks>(film_.width(), film_.height(), settings_.target_error);
+    else if (settings_.noise_threshold > 0.0)
         noise_ = std::make_unique<NoiseBlocks>(film_.width(), film_.height(), settings_.noise_threshold,
                                                least_samples(settings_));
 }
@@ -88,7 +91,7 @@ bool Session::render() {
     const bool finished = run([this] {
         build_scene();
         const auto start = std::chrono::steady_clock::now();
-        if (noise_ || settings_.time_limit > 0.0)
+        if (noise_ || error_ || settings_.time_limit > 0.0)
             render_rounds();
         else
             render_tiles(sample_range(settings_), 1);
@@ -120,69 +123,26 @@ bool Session::render_more(int count) {
     return finished;
 }
 
-void Session::render_round(int count) {
-    render_tiles({sample_range(settings_).first + samples_taken_, count}, 1);
-    if (!cancel_.cancelled()) samples_taken_ += count;
-}
-
-void Session::render_rounds() {
-    const int most = sample_range(settings_).count;
-    const auto all = static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height());
-    more_samples_follow_ = true;
-    while (!cancel_.cancelled() && samples_taken_ < most) {
-        const int count = std::min(next_round(seconds_left()), most - samples_taken_);
-        if (count == 0) break;
-        render_round(count);
-        const uint64_t noisy = noise_ ? noise_->noisy_pixels() : all;
-        planned_paths_ = finished_paths_ + noisy * static_cast<uint64_t>(most - samples_taken_);
-        if (noisy == 0) break;
-    }
-    more_samples_follow_ = false;
-    film_.divide_light();
-}
-
-double Session::seconds_left() const {
-    if (settings_.time_limit == 0.0) return std::numeric_limits<double>::infinity();
-    return settings_.time_limit - seconds_since(began_);
-}
-
-/// Rounds of a quarter more samples each. Of what fits into the time that is left half, so that the last rounds are
-/// small.
-int Session::next_round(double seconds_left) const {
-    constexpr int kShare = 4, kLeast = 8;
-    int count = std::max(samples_taken_ / kShare, kLeast);
-    if (samples_taken_ == 0) count = settings_.time_limit > 0.0 ? 1 : least_samples(settings_);
-    if (settings_.time_limit == 0.0 || samples_taken_ == 0) return count;
-    const double seconds_each = (settings_.time_limit - build_seconds_ - seconds_left) / samples_taken_;
-    const double fit = seconds_left / seconds_each;
-    if (fit < 1.0) return 0;
-    return static_cast<int>(std::clamp(fit / 2.0, 1.0, static_cast<double>(count)));
-}
-
 void Session::build_scene() {
     began_ = std::chrono::steady_clock::now();
     state_ = RenderState::Building;
     scene_ = std::make_unique<Scene>(*description_, settings_, cancel_);
     caches_ = std::make_unique<RayCaches>(*description_, *scene_, settings_, ray_caches_.get(), cancel_);
+    if (error_ && caches_->any_used()) error_->set_target(settings_.target_error * kNoiseShareBeside);
     build_seconds_ = seconds_since(began_);
     state_ = RenderState::Rendering;
 }
 
-std::vector<Window> Session::windows(int step) const {
-    Window whole = part(settings_);
-    if (noise_ && step == 1) {
-        std::vector<Window> blocks;
-        for (const NoiseBlocks::Block& each : noise_->noisy())
-            blocks.push_back({whole.x + each.x, whole.y + each.y, each.width, each.height});
-        return blocks;
-    }
-    whole.width = (whole.width + step - 1) / step;
-    whole.height = (whole.height + step - 1) / step;
-    return tiles_of(whole, settings_.tile_size);
+void Session::render_tiles(const SampleRange& samples, int step) {
+    std::vector<WindowSamples> parts;
+    for (const Window& each : windows(step)) parts.push_back({each, samples, samples_taken_});
+    if (samples_taken_ == 0 && step == 1)
+        planned_paths_ = static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height()) *
+                         static_cast<uint64_t>(more_samples_follow_ ? sample_range(settings_).count : samples.count);
+    render_windows(parts, step);
 }
 
-void Session::render_tiles(const SampleRange& samples, int step) {
-    const std::vector<Window> tiles = windows(step);
+void Session::render_windows(const std::vector<WindowSamples>& windows, int step) {
     const DistributionSettings distribution(settings_);
     const Frame frame{PixelFilter(settings_.filter, settings_.filter_width),
                       PathSettings(settings_),
@@ -190,13 +150,10 @@ void Session::render_tiles(const SampleRange& samples, int step) {
                       settings_.integrator,
                       description_->camera()->aperture_radius > 0,
                       scene_->has_motion(),
-                      samples,
                       step};
-    if (samples_taken_ == 0 && step == 1)
-        planned_paths_ = static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height()) *
-                         static_cast<uint64_t>(more_samples_follow_ ? sample_range(settings_).count : samples.count);
     oneapi::tbb::parallel_for(
-        size_t{0}, tiles.size(), [&](size_t i) { render_tile(tiles[i], frame); }, oneapi::tbb::simple_partitioner());
+        size_t{0}, windows.size(), [&](size_t i) { render_tile(windows[i], frame); },
+        oneapi::tbb::simple_partitioner());
 }
 
 const IrradianceCache* Session::filled_cache() {
@@ -214,49 +171,55 @@ const IrradianceCache* Session::filled_cache() {
     return irradiance_.get();
 }
 
-void Session::render_tile(const Window& tile, const Frame& frame) {
+void Session::render_tile(const WindowSamples& next, const Frame& frame) {
     const Window whole = part(settings_);
+    const Window& tile = next.window;
     const Window of_film{tile.x - whole.x, tile.y - whole.y, tile.width, tile.height};
-    const bool is_noise_asked = noise_ && frame.step == 1;
+    const int count = next.samples.count, samples = next.taken + count;
+    const bool is_noise_asked = noise_ && frame.step == 1, is_error_asked = error_ && more_samples_follow_;
     const bool shows_mattes = film_.has_mattes() && frame.step == 1;
-    TileSums sums(of_film, frame.samples, film_.summed_passes(),
-                  {sums_.get(), is_noise_asked, shows_mattes, more_samples_follow_});
+    TileSums sums(of_film, next.samples, film_.summed_passes(),
+                  {sums_.get(), is_noise_asked, is_error_asked, shows_mattes, more_samples_follow_});
     RayCounts counts;
     // Which pixel caused a tessellation is known for single paths only.
     const bool alone = frame.integrator != IntegratorKind::Path || settings_.stream_paths == 0 ||
                        frame.path.wants(Pass::geometry_misses);
-    if (!(alone ? render_paths(tile, frame, sums, counts) : render_streams(tile, frame, sums, counts))) return;
-    store(of_film, frame, sums.values());
-    if (shows_mattes) film_.add_mattes(of_film, frame.samples.count, sums.mattes());
-    if (is_noise_asked) noise_->add(of_film, sums.moments(), samples_taken_ + frame.samples.count);
-    finished_paths_ += sums.values().size() * static_cast<uint64_t>(frame.samples.count);
+    if (!(alone ? render_paths(next, frame, sums, counts) : render_streams(next, frame, sums, counts))) return;
+    store({of_film, next.samples, next.taken}, frame.step, sums.values());
+    if (shows_mattes) film_.add_mattes(of_film, count, sums.mattes());
+    if (is_noise_asked) noise_->add(of_film, sums.moments(), samples);
+    if (is_error_asked) error_->add(of_film, sums.halves(), samples);
+    finished_paths_ += sums.values().size() * static_cast<uint64_t>(count);
     add_counts(counts);
 }
 
 /// Puts a tile of the film's pixels, or blocks of them, where it belongs.
-void Session::store(const Window& tile, const Frame& frame, std::span<const PixelValues> values) {
-    if (frame.step > 1)
-        film_.put_blocks(tile, values, frame.step);
-    else if (samples_taken_ == 0)
-        film_.put(tile, values);
+void Session::store(const WindowSamples& of_film, int step, std::span<const PixelValues> values) {
+    const auto count = static_cast<float>(of_film.samples.count), taken = static_cast<float>(of_film.taken);
+    if (step > 1)
+        film_.put_blocks(of_film.window, values, step);
+    else if (of_film.taken == 0)
+        film_.put(of_film.window, values);
     else
-        film_.refine(
-            tile, values,
-            static_cast<float>(frame.samples.count) / static_cast<float>(samples_taken_ + frame.samples.count));
+        film_.refine(of_film.window, values, count / (taken + count));
 }
 
 /// One path after the other.
-bool Session::render_paths(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const {
+bool Session::render_paths(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const {
+    const Window& tile = next.window;
     for (int y = 0; y < tile.height; ++y)
-        for (int x = 0; x < tile.width; ++x)
-            if (!render_pixel(tile.x + x, tile.y + y, frame, sums, counts)) return false;
+        for (int x = 0; x < tile.width; ++x) {
+            const CameraPlace place = place_of(tile.x + x, tile.y + y, next.samples.first, frame);
+            if (!render_pixel(place, next.samples.count, frame, sums, counts)) return false;
+        }
     return true;
 }
 
 /// The paths of a tile, pixel by pixel, as many at once as a stream takes.
-bool Session::render_streams(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const {
+bool Session::render_streams(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const {
     PathStream stream(*scene_, frame.path, cancel_, counts);
-    const SampleRange range = frame.samples;
+    const Window& tile = next.window;
+    const SampleRange range = next.samples;
     const auto samples = static_cast<size_t>(range.count);
     const size_t paths = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height) * samples;
     const auto most = static_cast<size_t>(settings_.stream_paths);
@@ -287,7 +250,11 @@ Session::CameraPlace Session::place_of(int x, int y, int sample, const Frame& fr
 Sampler Session::sampler_at(const CameraPlace& place) const {
     const auto pixel =
         static_cast<uint32_t>(place.y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(place.x);
-    return {pixel, static_cast<uint32_t>(place.sample), settings_.seed};
+    const auto sample = static_cast<uint32_t>(place.sample);
+    if (!error_) return {pixel, sample, settings_.seed};
+    // What the odd samples show must not depend on the even ones (film/error_blocks.h).
+    constexpr uint32_t kOdd = 0x0ddu;
+    return {pixel, sample / 2, sample % 2 == 1 ? hash_combine(settings_.seed, kOdd) : settings_.seed};
 }
 
 CameraRay Session::camera_ray(const CameraPlace& place, const CameraNumbers& random, const Frame& frame) const {
@@ -319,13 +286,11 @@ void Session::add_counts(const RayCounts& counts) {
     statistics_.rays += counts;
 }
 
-bool Session::render_pixel(int x, int y, const Frame& frame, TileSums& sums, RayCounts& counts) const {
-    const SampleRange range = frame.samples;
+bool Session::render_pixel(CameraPlace place, int count, const Frame& frame, TileSums& sums, RayCounts& counts) const {
     SampleExtras extras;
     SampleExtras* const wanted_extras = frame.path.has_extras() ? &extras : nullptr;
-    for (int s = range.first; s < range.first + range.count; ++s) {
-        if ((s - range.first) % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
-        const CameraPlace place = place_of(x, y, s, frame);
+    for (int s = 0; s < count; ++s, ++place.sample) {
+        if (s % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
         const Sampler sampler = sampler_at(place);
         CameraNumbers random{sampler.get2(kFilterDimension)};
         if (frame.has_lens) random.lens = sampler.get2(kLensDimension);
@@ -364,7 +329,10 @@ void Session::gather_statistics(double build_seconds, double render_seconds) {
     if (scene_->textures()) statistics_.textures = scene_->textures()->statistics();
     statistics_.lights = scene_->lights().count();
     statistics_.light_bytes = scene_->lights().bytes();
-    statistics_.film_bytes = film_.bytes() + (sums_ ? sums_->bytes() : 0) + (noise_ ? noise_->bytes() : 0);
+    statistics_.film_bytes =
+        film_.bytes() + (sums_ ? sums_->bytes() : 0) + (noise_ ? noise_->bytes() : 0) + (error_ ? error_->bytes() : 0);
+    statistics_.target_error = settings_.target_error;
+    statistics_.estimated_error = error_ ? error_->error() : 0;
     statistics_.ray_caches = caches_->report();
     statistics_.volumes = scene_->volumes().size();
     count_shapes();

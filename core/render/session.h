@@ -3,6 +3,7 @@
 
 #include "base/cancel.h"
 #include "base/random.h"
+#include "film/error_blocks.h"
 #include "film/film.h"
 #include "film/noise_blocks.h"
 #include "film/tile_sums.h"
@@ -47,7 +48,9 @@ struct RenderStatistics {
     CurveStatistics curves;
     size_t lights = 0, light_bytes = 0, film_bytes = 0, shape_bytes = 0;
     ShapeShares shapes_of;
-    size_t volumes = 0;  ///< instances shown by the length of rays inside them
+    double target_error = 0;     ///< 0: none is set
+    double estimated_error = 0;  ///< that noise makes then
+    size_t volumes = 0;          ///< instances shown by the length of rays inside them
 };
 
 class Session {
@@ -87,7 +90,8 @@ class Session {
     std::shared_ptr<RayCacheStore> ray_caches_;
     Film film_;
     std::unique_ptr<FilmSums> sums_;
-    std::unique_ptr<NoiseBlocks> noise_;  ///< null: all pixels take all samples
+    std::unique_ptr<NoiseBlocks> noise_;  ///< these two null: all pixels take all samples
+    std::unique_ptr<ErrorBlocks> error_;
     CancelToken cancel_;
     bool has_taken_scene_ = false;
     std::unique_ptr<Scene> scene_;
@@ -98,7 +102,7 @@ class Session {
     mutable std::mutex mutex_;  ///< guards statistics_
     RenderStatistics statistics_;
 
-    int samples_taken_ = 0;                        ///< in rounds so far, by pixels that are noisy still
+    int samples_taken_ = 0;  ///< in rounds so far, by pixels that are noisy still; no target error
     std::chrono::steady_clock::time_point began_;  ///< to build
     double build_seconds_ = 0;
     bool more_samples_follow_ = false;  ///< light passes are divided after the last round
@@ -108,19 +112,24 @@ class Session {
     void build_scene();
     /// `step`: pixels along a side of the block that a sample stands for.
     void render_tiles(const SampleRange& samples, int step);
+    void render_windows(const std::vector<WindowSamples>& windows, int step);
     /// What a round of samples is rendered in, windows of the picture: tiles, or the blocks that are noisy.
     std::vector<Window> windows(int step) const;
     /// The next samples of what is noisy.
     void render_round(int count);
     /// All samples, in rounds, as far as noise and time ask for them.
     void render_rounds();
+    /// As far as error and time ask for them.
+    void render_to_target();
+    std::vector<WindowSamples> next_to_target() const;
     int next_round(double seconds_left) const;
+    size_t unfinished_pixels() const;
     double seconds_left() const;
     /// Null where the settings want none; filled once.
     const IrradianceCache* filled_cache();
     struct Frame;  ///< what all tiles share
-    void render_tile(const Window& tile, const Frame& frame);
-    void store(const Window& tile, const Frame& frame, std::span<const PixelValues> values);
+    void render_tile(const WindowSamples& next, const Frame& frame);
+    void store(const WindowSamples& of_film, int step, std::span<const PixelValues> values);
     /// A pixel and the number of a sample in it.
     struct CameraPlace {
         int x = 0, y = 0, sample = 0;
@@ -134,9 +143,10 @@ class Session {
     };
     CameraRay camera_ray(const CameraPlace& place, const CameraNumbers& random, const Frame& frame) const;
     void add_paths(std::span<const CameraPlace> places, const Frame& frame, PathStream& stream) const;
-    bool render_paths(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const;
-    bool render_streams(const Window& tile, const Frame& frame, TileSums& sums, RayCounts& counts) const;
-    bool render_pixel(int x, int y, const Frame& frame, TileSums& sums, RayCounts& counts) const;
+    bool render_paths(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const;
+    bool render_streams(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const;
+    /// `place`: of the first of so many samples.
+    bool render_pixel(CameraPlace place, int count, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     void add_counts(const RayCounts& counts);
     void gather_statistics(double build_seconds, double render_seconds);
     void count_shapes();

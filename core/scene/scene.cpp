@@ -83,9 +83,10 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     commit_motion(traced);
     const auto list_of = [this](uint32_t i) -> const std::vector<int>& { return material_list(i); };
     displace(traced, description, list_of, {camera_->info(), textures_}, cancel);
-    tracer_ = std::make_unique<Tracer>(
-        std::move(traced), Camera(*description.dicing_camera(), settings.width, settings.height).dicing_view(), cancel,
-        geometry_cache_settings(settings), &description.parts->shapes);
+    DicingView view = Camera(*description.dicing_camera(), settings.width, settings.height).dicing_view();
+    view.pixels = dicing_pixels(settings);
+    tracer_ = std::make_unique<Tracer>(std::move(traced), view, cancel, geometry_cache_settings(settings),
+                                       &description.parts->shapes);
     if (asks_surroundings_) surroundings_.emplace(*tracer_);
     cancel.throw_if_cancelled();
     commit_media(description, cancel);

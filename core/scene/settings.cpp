@@ -37,6 +37,7 @@ void validate(const Settings& s) {
     check("first sample", s.first_sample, 0, s.samples - 1);
     check("sample count", s.sample_count, 0, s.samples - s.first_sample);
     check("noise threshold", s.noise_threshold, 0, 1e3);
+    check("target error", s.target_error, 0, 1);
     check("least samples", s.least_samples, 0, kMany);
     check("time limit", s.time_limit, 0, 1e9);
     check("threads", s.threads, 0, 1024);
@@ -76,6 +77,12 @@ int least_samples(const Settings& s) {
     // The finer the threshold, the more samples are needed to see whether it is met.
     constexpr double kSamples = 16, kPower = -0.3, kMost = 1024;
     return static_cast<int>(std::clamp(std::ceil(kSamples * std::pow(s.noise_threshold, kPower)), 4.0, kMost));
+}
+
+double dicing_pixels(const Settings& s) {
+    /// Of the target: an outline crosses few pixels, and facets reach the whole distance at few places.
+    constexpr double kUsual = 0.1, kLeast = 0.02, kPerError = 20;
+    return s.target_error > 0.0 ? std::clamp(kPerError * s.target_error, kLeast, kUsual) : kUsual;
 }
 
 GeometryCacheSettings geometry_cache_settings(const Settings& s) {

@@ -38,6 +38,9 @@ struct Settings {
     int sample_count = 0;  ///< 0: all from there on
     /// Blocks of pixels whose noise falls below take no more samples (film/noise_blocks.h); 0: all samples everywhere.
     double noise_threshold = 0;
+    /// The error that noise and shortcuts together may leave (film/error_blocks.h); 0: none is set. `samples` are the
+    /// most, and there is no noise threshold then.
+    double target_error = 0;
     int least_samples = 0;  ///< of each pixel before its noise counts; 0: by the threshold, as Cycles does
     /// Seconds after which no round of samples begins, the scene's build included; 0: none. The picture depends on how
     /// far the machine comes.
@@ -97,6 +100,12 @@ struct Settings {
 
     std::vector<Pass> passes = {Pass::combined};
 };
+
+/// How the target error is divided (film/error_blocks.h): the share that interpolated rays may make, in the terms of
+/// their error bound; the rest is noise.
+inline constexpr double kInterpolationShare = 0.5;
+/// How far facets may be from surfaces, pixels: nearer for low targets, as outlines are off by as much.
+double dicing_pixels(const Settings& settings);
 
 /// What a render's settings ask of the geometry cache.
 GeometryCacheSettings geometry_cache_settings(const Settings& settings);

@@ -632,6 +632,7 @@ class Settings:
     first_sample: int
     sample_count: int
     noise_threshold: float
+    target_error: float
     least_samples: int
     time_limit: float
     keep_sums: bool

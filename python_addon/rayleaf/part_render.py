@@ -15,6 +15,7 @@ from .frame import FrameRender
 from .names import name_of
 from .parts import Cut, LayerPart, LayerShape, PartError, Parts
 from .session import RenderThread
+from .settings import counted_samples
 
 
 class PartTask:
@@ -48,12 +49,20 @@ def _shape(render: FrameRender, crop: CropRectangle, settings: dict[str, Any]) -
     return LayerShape(name_of(scene), layer, picture, place, settings["samples"], passes, render.view)
 
 
+def _counted(render: FrameRender, settings: dict[str, Any]) -> dict[str, Any]:
+    """Settings without a target error, which looks at whole pictures."""
+    if settings["target_error"]:
+        samples = counted_samples(render.depsgraph.scene_eval, render.depsgraph.view_layer)
+        settings |= dict(target_error=0.0, samples=samples)
+    return settings
+
+
 class PartRender(FrameRender):
     """Some rows, some samples; Blender is handed no picture."""
 
     def _settings(self) -> dict[str, Any]:
         assert isinstance(task, PartTask)
-        settings, crop = super()._settings(), self.crop
+        settings, crop = _counted(self, super()._settings()), self.crop
         (row, rows), (first, count) = task.cut.tile.of(crop.height), task.cut.samples.of(settings["samples"])
         if rows == 0 or count == 0:
             raise ExportError(
@@ -61,8 +70,10 @@ class PartRender(FrameRender):
             )
         self._part = LayerPart(_shape(self, crop, settings), (0, row), count, {}, {})
         place = dict(part_x=crop.x, part_y=crop.y + row, part_width=crop.width, part_height=rows)
-        if settings["noise_threshold"] or settings["time_limit"]:
-            self._messages.note("Parts take all their samples: Noise Threshold and Time Limit count as off")
+        if any(settings[name] for name in ("noise_threshold", "time_limit")) or self._scene.rayleaf.target_error > 0.0:
+            self._messages.note(
+                "Parts take all their samples: Noise Threshold, Target Error and Time Limit count as off"
+            )
         whole = dict(noise_threshold=0.0, time_limit=0.0)
         return settings | place | whole | dict(first_sample=first, sample_count=count, keep_sums=True)
 
@@ -89,7 +100,7 @@ class MergedRender(FrameRender):
     def _merge_view(self) -> None:
         assert isinstance(task, MergeTask)
         began = time.perf_counter()
-        shape = _shape(self, self.crop, self._settings())
+        shape = _shape(self, self.crop, _counted(self, self._settings()))
         try:
             film = task.parts.film(self.core, shape)
         except PartError as error:

@@ -39,7 +39,7 @@ def render(engine: Any, depsgraph: Any, core: ModuleType) -> None:
         return
     settings = core_settings(core, scene, depsgraph.view_layer, frame, crop, [combined])
     samples = min(max(_PATHS // (frame.width * frame.height), _LEAST_SAMPLES), _MOST_SAMPLES)
-    settings.update(samples=samples, time_limit=0.0, ray_interpolation=core.RayInterpolation())
+    settings.update(samples=samples, time_limit=0.0, target_error=0.0, ray_interpolation=core.RayInterpolation())
     session = RenderThread(core, description, core.Settings(**settings))
     try:
         session.start()

@@ -56,6 +56,12 @@ CURVE_PRIMITIVES = (
     ("EMBREE_ROUND", "Embree", "Embree's own round curves"),
 )
 
+_TARGET_ERROR = (
+    "The error that the picture may have, in colours from 0 to 1: sets samples, interpolated rays and facets. It is "
+    "estimated, no bound. 0: off"
+)
+_SHARES = dict(default=0.0, min=0.0, soft_max=0.1, max=1.0, precision=4, step=0.1)
+
 
 class RayleafSceneSettings(LightPaths, bpy.types.PropertyGroup):
     """What is set per scene."""
@@ -92,6 +98,7 @@ class RayleafSceneSettings(LightPaths, bpy.types.PropertyGroup):
         description="Remove the noise of pictures in the 3-D view, too",
         default=False,
     )
+    target_error: FloatProperty(name="Target Error", description=_TARGET_ERROR, **_SHARES)  # type: ignore
     use_noise_threshold: BoolProperty(  # type: ignore
         name="Noise Threshold",
         description="Blocks of 8 x 8 pixels take no more samples once they are calm: time goes where the noise is",

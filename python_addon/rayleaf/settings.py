@@ -11,6 +11,8 @@ from .passes import Pass, Slots
 _LARGEST_SEED = 0xFFFFFFFF  # frames before the first count down from here
 
 
+# Of a pixel, where an error is set in place of their number.
+_MOST_SAMPLES = 1 << 16
 _MIST_FALLOFF = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}  # exponents
 
 
@@ -29,6 +31,11 @@ def _film_glass_roughness(scene: Any) -> float:
     return float(versions.cycles_setting(scene, "film_transparent_roughness", 0.1))
 
 
+def counted_samples(scene: Any, view_layer: Any) -> int:
+    """Of a pixel, where no error is set."""
+    return int(view_layer.samples or scene.rayleaf.samples)
+
+
 def core_settings(
     core: ModuleType, scene: Any, view_layer: Any, frame: Frame, crop: CropRectangle, passes: list[Pass]
 ) -> dict[str, Any]:
@@ -41,7 +48,8 @@ def core_settings(
         crop_y=crop.y,
         crop_width=crop.width,
         crop_height=crop.height,
-        samples=view_layer.samples or own.samples,
+        samples=_MOST_SAMPLES if own.target_error > 0.0 else counted_samples(scene, view_layer),
+        target_error=own.target_error,
         noise_threshold=own.noise_threshold if own.use_noise_threshold else 0.0,
         least_samples=own.least_samples,
         time_limit=own.time_limit,

@@ -82,9 +82,12 @@ class RAYLEAF_PT_sampling(_Panel, bpy.types.Panel):
         presets = column.row(align=True)
         for name in sampling_presets.PRESETS:
             presets.operator("rayleaf.preset", text=name.title()).preset = name
-        column.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
-        column.prop(settings, "use_noise_threshold")
-        adaptive = column.column()
+        column.prop(settings, "target_error")
+        counted = column.column()
+        counted.active = settings.target_error == 0.0
+        counted.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
+        counted.prop(settings, "use_noise_threshold")
+        adaptive = counted.column()
         adaptive.active = settings.use_noise_threshold
         adaptive.prop(settings, "noise_threshold")
         adaptive.prop(settings, "least_samples")

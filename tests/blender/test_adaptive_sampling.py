@@ -1,4 +1,4 @@
-"""Noise threshold and time limit from Blender's settings to the picture."""
+"""Noise threshold, time limit and target error from Blender's settings to the picture."""
 
 SCENE = """
 import bpy
@@ -31,11 +31,14 @@ own.samples = 3
 all_of_them = counts()
 own.samples, own.time_limit = 1 << 20, 0.2
 limited = counts()
+own.time_limit, own.target_error = 0.0, 0.002
+aimed = counts()
 report(few=[int(few.min()), int(few.max())], all=[int(all_of_them.min()), int(all_of_them.max())],
-       limited=[int(limited.min()), int(limited.max())])
+       limited=[int(limited.min()), int(limited.max())], aimed=[int(aimed.min()), int(aimed.max())])
 """
     ).report
     least, most = run["few"]
     assert least < most <= 256 and least == 52
     assert run["all"] == [3, 3]
     assert run["limited"][0] == run["limited"][1] < 1 << 20
+    assert 8 == run["aimed"][0] < run["aimed"][1] < 1000

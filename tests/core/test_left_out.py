@@ -23,6 +23,7 @@ UNNEEDED = {
     "tessellation",
     "volume visualisation",
     "shadow catchers",
+    "target error",
     "spline surfaces",
     "strands",
     "bevelled curves",

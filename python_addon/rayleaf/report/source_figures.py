@@ -141,4 +141,5 @@ BY_BENCHMARK: dict[str, tuple[SourceTable, ...]] = {
     "rays": (RI_TABLE_1, RI_TABLE_2_DISTANCE, RI_TABLE_2_ANGLE, RI_TABLE_2_DEPTH),
     "geometry": (MGC_HIT_RATES, MGC_CACHE_SIZES),
     "curves": (BEZ_TABLE_3_4_1,),
+    "target": (),  # no other engine's
 }

@@ -110,7 +110,7 @@ def settings_of(
 ) -> dict[str, Any]:
     """The arguments of the core's Settings: those of a render, without what would delay the first picture."""
     settings = core_settings(core, scene, view_layer, frame, crop, [shown])
-    settings.update(samples=1, time_limit=0.0)  # samples are taken in rounds
+    settings.update(samples=1, time_limit=0.0, target_error=0.0)  # samples are taken in rounds
     if settings["ray_interpolation"].mode == "AUTO":  # whose probe takes as long as a picture
         settings["ray_interpolation"] = core.RayInterpolation()
     return settings

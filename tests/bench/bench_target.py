@@ -1,0 +1,85 @@
+"""Target Error: what was asked for, what was achieved, and how long a fixed number of samples takes for it.
+
+Of small pictures of blend_scenes, since the error of a picture hardly depends on its size.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any
+
+PRINTS_ITSELF = True
+ROOT = Path(__file__).resolve().parents[2]
+TARGETS = (0.02, 0.005, 0.001)
+
+
+def targets(text: str) -> tuple[float, ...]:
+    """Numbers with commas between them."""
+    return tuple(float(word) for word in text.split(","))
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """What can be asked for."""
+    parser.add_argument("scene", nargs="*", help="names of scenes; default: all")
+    parser.add_argument("--targets", type=targets, default=TARGETS, metavar="T[,T...]")
+    parser.add_argument("--width", type=int, default=96, help="of pictures, pixels")
+    parser.add_argument("--converged", type=int, default=4096, help="samples of the pictures that errors are against")
+    parser.add_argument("--most", type=int, default=1 << 16, help="samples of a pixel")
+    parser.add_argument(
+        "--minutes", type=float, default=30.0, help="for each scene; what is not done by then is left out"
+    )
+    parser.add_argument("--small", action="store_true", help="64 pixels wide, two targets, 5 minutes a scene at most")
+    parser.add_argument("--interpolation", action="store_true", help="rays are interpolated wherever they can be")
+
+
+def measured(scene: str, options: Any) -> list[dict[str, float]]:
+    """A row for each target, as far as time allows."""
+    job = {name: getattr(options, name) for name in ("width", "converged", "targets", "most")}
+    job["interpolates"] = options.interpolation
+    script = Path(__file__).with_name("target_frames.py")
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "rows"
+        command = [
+            *(os.environ.get("BLENDER") or "/usr/bin/blender", "--background", "--factory-startup"),
+            *("--python-exit-code", "1", "--addons", "rayleaf", str(ROOT / "blend_scenes" / f"{scene}.blend")),
+            *("--python", str(script), "--", json.dumps(job), str(out)),
+        ]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=60 * options.minutes, check=False)
+            if done.returncode != 0:
+                raise RuntimeError(f"{scene}: Blender ended with {done.returncode}:\n{done.stdout[-2000:]}")
+        except subprocess.TimeoutExpired:
+            pass
+        return [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
+
+
+def run(quick: bool = False, small: bool = False, options: Any = None) -> list[dict[str, Any]]:
+    """Prints a line for each picture."""
+    if options is None:
+        parser = argparse.ArgumentParser()
+        add_options(parser)
+        options = parser.parse_args([])
+    if small or options.small:
+        options.targets, options.width, options.converged, options.minutes = TARGETS[:2], 64, 1024, 5.0
+    if quick:
+        options.scene, options.targets, options.width, options.most = ["bezier_sheet"], (0.05,), 16, 256
+        options.converged = 256
+    print(
+        f"{'':<20} {'target':>7} {'achieved':>8} {'of it':>6} {'estimated':>9} {'samples':>18} {'s':>7} {'of fixed':>8}"
+    )
+    rows = []
+    for scene in options.scene or sorted(file.stem for file in (ROOT / "blend_scenes").glob("*.blend")):
+        for row in measured(scene, options):
+            samples = f"{row['least']}..{row['mean']:.0f}..{row['most']}"
+            share, of_fixed = row["achieved"] / row["target"], row["seconds"] / row["fixed_seconds"]
+            print(
+                f"{scene:<20} {row['target']:>7} {row['achieved']:>8.5f} {share:>6.2f} {row['estimated']:>9.5f}"
+                f" {samples:>18} {row['seconds']:>7.1f} {of_fixed:>8.2f}",
+                flush=True,
+            )
+            rows.append({"name": f"{scene}, {row['target']}", "unit": "of the target", "values": [share]})
+            rows.append({"name": f"{scene}, {row['target']}", "unit": "of fixed samples' time", "values": [of_fixed]})
+    return rows

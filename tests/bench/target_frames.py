@@ -1,0 +1,87 @@
+"""Runs inside Blender, in the file that is open: small pictures of it to a target error each, how near they came, and what
+a fixed number of samples costs that comes as near.
+
+What a picture is off by is seen in two converged ones of other random numbers, of facets as fine as can be: the mean
+product of its differences to either. Their own noise drops out of that.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+from rayleaf import core_module, passes
+from rayleaf.export.camera import crop_of, frame_of
+from rayleaf.export.scene import SceneExporter
+from rayleaf.messages import Messages
+from rayleaf.report.errors import displayed
+from rayleaf.settings import core_settings
+
+SEEDS = (101, 202)  # of the converged pictures
+
+
+class Pictures:
+    """Of the open file, `width` pixels wide."""
+
+    def __init__(self, width: int, converged: int, interpolates: bool) -> None:
+        scene = bpy.context.scene
+        scene.render.engine, scene.render.resolution_percentage = "RAYLEAF", 100
+        height = max(scene.render.resolution_y * width // scene.render.resolution_x, 8)
+        scene.render.resolution_x, scene.render.resolution_y = width, height
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        self._core, frame = core_module.load(), frame_of(scene)
+        self._scene = SceneExporter(self._core, depsgraph, Messages(), lambda: False).export(frame, needs_uv=False)
+        shown = [entry for entry in passes.table() if entry.identifier in ("combined", "sample_count")]
+        arguments = (self._core, scene, depsgraph.view_layer, frame, crop_of(scene, frame), shown)
+        self._settings = core_settings(*arguments)
+        self._settings.update(noise_threshold=0.0, time_limit=0.0)
+        off = self._core.RayInterpolation()
+        fine = dict(samples=converged, target_error=1e-9, ray_interpolation=off)
+        self._converged = [self._rendered(seed=seed, **fine)[1] for seed in SEEDS]
+        self._settings["ray_interpolation"] = self._core.RayInterpolation(mode="ON") if interpolates else off
+
+    def _rendered(self, **settings):
+        """The session, its picture as a screen shows it, and seconds of all threads."""
+        session = self._core.Session(self._scene, self._core.Settings(**{**self._settings, **settings}))
+        began = time.process_time()
+        assert session.render()
+        return session, displayed(session.pass_pixels("combined")), time.process_time() - began
+
+    def _off_by(self, picture) -> float:
+        square = float(np.mean((picture - self._converged[0]) * (picture - self._converged[1])))
+        return max(square, 0.0) ** 0.5
+
+    def _fixed_seconds(self, target: float, count: int) -> float:
+        """Of the number of samples that reaches the target, the same for all pixels: looked for twice, since errors fall
+        a little faster than those of independent samples."""
+        seconds = error = 0.0
+        for _ in range(2):
+            _, picture, seconds = self._rendered(samples=count, seed=7, target_error=0.0)
+            error = self._off_by(picture)
+            count = max(round(count * (error / target) ** 2), 1)
+        return seconds * (error / target) ** 2
+
+    def row(self, target: float, most: int) -> dict[str, float]:
+        """What comes of one target."""
+        session, picture, seconds = self._rendered(samples=most, seed=7, target_error=target)
+        counts = session.pass_pixels("sample_count")
+        return dict(
+            target=target,
+            achieved=self._off_by(picture),
+            estimated=session.statistics()["error"]["noise"],
+            least=int(counts.min()),
+            mean=float(counts.mean()),
+            most=int(counts.max()),
+            seconds=seconds,
+            fixed_seconds=self._fixed_seconds(target, round(counts.mean())),
+        )
+
+
+if __name__ == "__main__":
+    job = json.loads(sys.argv[-2])
+    pictures = Pictures(job["width"], job["converged"], job["interpolates"])
+    with Path(sys.argv[-1]).open("a", encoding="utf-8") as out:
+        for wanted in job["targets"]:
+            print(json.dumps(pictures.row(wanted, job["most"])), file=out, flush=True)

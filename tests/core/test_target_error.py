@@ -1,0 +1,60 @@
+"""A target in place of a number of samples: reached on scenes of few and of many calm parts, the same for any threads."""
+
+import time
+
+import numpy as np
+import pytest
+from test_adaptive_sampling import half_lit, rendered
+
+MOST = 1 << 14
+
+
+def shown(session):
+    return np.clip(session.pass_pixels("combined")[..., :3].astype(np.float64), 0, 1)
+
+
+def error_of(core, picture, samples=2048):
+    """The mean product of differences to two pictures of other random numbers: their own noise drops out."""
+    others = [shown(rendered(core, samples=samples, seed=seed)) for seed in (11, 12)]
+    return float(np.mean((picture - others[0]) * (picture - others[1]))) ** 0.5
+
+
+@pytest.mark.parametrize("target", [0.01, 0.004])
+def test_the_error_is_between_half_the_target_and_the_target(core, target):
+    session = rendered(core, samples=MOST, target_error=target)
+    assert target / 2 < error_of(core, shown(session)) < target
+    statistics = session.statistics()
+    assert target / 2 < statistics["error"]["noise"] <= target and "target error" not in statistics["left_out"]
+    counts = session.pass_pixels("sample_count")
+    assert counts[:, 40:].mean() < counts[:, :24].mean()  # where nothing is noisy
+
+
+@pytest.mark.parametrize("changed", [{"threads": 3}, {"tile_size": 7}, {"stream_paths": 33}, {"stream_paths": 0}])
+def test_neither_threads_nor_tiles_show(core, changed):
+    usual = {"samples": MOST, "target_error": 0.02, "threads": 1, "passes": ["combined", "sample_count", "depth"]}
+    one, other = rendered(core, **usual), rendered(core, **{**usual, **changed})
+    for name in usual["passes"]:
+        assert (one.pass_pixels(name) == other.pass_pixels(name)).all()
+
+
+def test_what_is_brighter_than_a_screen_takes_few_samples(core):
+    counts = rendered(core, samples=MOST, target_error=0.005, exposure=1e4).pass_pixels("sample_count")
+    assert counts.max() <= 64
+
+
+def test_a_time_limit_ends_it_too(core):
+    began = time.perf_counter()
+    counts = rendered(core, samples=1 << 20, target_error=1e-7, time_limit=0.5).pass_pixels("sample_count")
+    assert time.perf_counter() - began < 5 and 8 <= counts.min() and counts.max() < 1 << 20
+    assert (counts % 2 == 0).all(), "the halves of the picture are alike"
+
+
+def test_samples_are_the_most_that_are_taken(core):
+    counts = rendered(core, samples=20, target_error=1e-6).pass_pixels("sample_count")
+    assert counts.max() == 20 and (counts[:, :16] == 20).all()
+    assert rendered(core, samples=13, target_error=1e-6).pass_pixels("sample_count").max() == 13
+
+
+def test_without_a_target_nothing_is_estimated(core):
+    statistics = rendered(core, half_lit(core), samples=2).statistics()
+    assert statistics["error"] == {} and "target error" in statistics["left_out"]
