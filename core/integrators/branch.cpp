@@ -11,13 +11,15 @@ constexpr float kLeastBranchSurvival = 0.05f;
 
 }  // namespace
 
-Branch Branch::scattered(const Vertex& from, const Closures& closures, const LobeSample& sample, int count) const {
+Branch Branch::scattered(const Scene& scene, const Vertex& from, const Closures& closures, const LobeSample& sample,
+                         int count) const {
     Branch child = *this;
     child.ray = Ray{};
     from.point.release(child.ray, sample.direction);
     child.ray.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
     child.departure = {};
-    child.departure.position = from.point.position;
+    child.departure.from = scene.lit(from.point);
+    child.has_departed = scene.has_blocked_lights();
     child.bounces.scatter(sample);
     child.throughput *= sample.weight / static_cast<float>(count);
     child.share /= static_cast<float>(count);
@@ -29,6 +31,7 @@ Branch Branch::scattered(const Vertex& from, const Closures& closures, const Lob
 
 Branch Branch::straight_on(const Scene& scene, const Vertex& from) const {
     Branch child = *this;
+    child.has_departed = false;
     child.ray = from.point.behind(ray);
     child.differential = from.differential;
     child.throughput *= from.closures.transparency;

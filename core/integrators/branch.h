@@ -20,7 +20,7 @@ enum class LightSampling : uint8_t {
 
 /// How a ray came about: what light sampling did beside it.
 struct BranchDeparture {
-    Vec3d position{0, 0, 0};  ///< where lights were sampled
+    LitPoint from;  ///< where lights were sampled
     LightSampling sampling = LightSampling::None;
     float density = 0;     ///< times the number of rays: with which scattering chose the direction
     float light_rays = 1;  ///< number of sampled lights
@@ -42,7 +42,7 @@ struct Branch {
     Branch(const PathSettings& settings, const CameraRay& camera, const Sampler& random_numbers)
         : ray(camera.ray),
           differential(camera.differential),
-          departure{camera.ray.origin},
+          departure{{camera.ray.origin}},
           bounces(settings),
           sampler(random_numbers),
           splits_light(settings.light_passes) {}
@@ -61,6 +61,7 @@ struct Branch {
     bool splits_light;  ///< whether anyone asks for `first_shares`
     int vertex = 0;     ///< counted from the camera
     DenoisingFeatures features;
+    bool has_departed = false;   ///< was scattered, and has met nothing yet
     bool shows_features = true;  ///< for denoisers: by way of mirrors and clear glass alone
 
     /// How bright the ray is for one of its kind.
@@ -69,7 +70,8 @@ struct Branch {
 
     /// The ray that `sample`, drawn from `closures`, makes of this one, one of `count`; with nothing said of its
     /// differential, random numbers and light sampling.
-    Branch scattered(const Vertex& from, const Closures& closures, const LobeSample& sample, int count) const;
+    Branch scattered(const Scene& scene, const Vertex& from, const Closures& closures, const LobeSample& sample,
+                     int count) const;
     /// The ray behind a transparent surface.
     Branch straight_on(const Scene& scene, const Vertex& from) const;
 };

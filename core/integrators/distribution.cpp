@@ -1,5 +1,6 @@
 #include "integrators/distribution.h"
 
+#include "integrators/blocked_light.h"
 #include "integrators/distribution_tracer.h"
 #include "integrators/first_surface.h"
 #include "integrators/ray_passes.h"
@@ -43,6 +44,7 @@ void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& 
 
 void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
     if (branch.vertex == 0 && settings_.ray_passes) write_level(hit, light_.sample);
+    if (branch.has_departed) add_blocked_lights(branch);
     if (!scene_.volumes().empty()) pass_volumes(branch, hit);
     const double end = hit ? hit->t : std::numeric_limits<double>::infinity();
     add_lamps(branch, end);
@@ -87,9 +89,23 @@ void DistributionTracer::add_lamps(const Branch& branch, double t_max) {
     if (!scene_.lights().has_hittable_lamps() || branch.departure.sampling == LightSampling::Alone) return;
     Ray ray = branch.ray;
     ray.t_max = t_max;
-    scene_.lights().lamp_hits(ray, branch.departure.position, branch.bounces.ray_kind(), [&](const LampHit& hit) {
+    scene_.lights().lamp_hits(ray, branch.departure.from, branch.bounces.ray_kind(), [&](const LampHit& hit) {
+        if (branch.bounces.count() > 0 && hit.blockers >= 0) return;
         add(branch, hit.radiance * branch.departure.weight(hit.density) * free_of_media(branch, hit.t), Pass::emission,
             hit.light_group);
+    });
+}
+
+void DistributionTracer::add_blocked_lights(const Branch& branch) {
+    if (branch.departure.sampling == LightSampling::Alone) return;
+    const FreeWay way = way_of(branch, branch.ray);
+    FreeWay shadow = way;
+    shadow.kind = kVisibleShadow;
+    shadow.state = branch.bounces.of_shadow_ray();
+    shadow.widening = settings_.widening(branch.importance(), false);
+    find_blocked_lights(scene_, way, shadow, branch.departure.from, [&](const BlockedLight& light) {
+        ++counts_[RayUse::Shadow];
+        add(branch, light.radiance * branch.departure.weight(light.density), Pass::emission, light.light_group);
     });
 }
 
@@ -102,7 +118,7 @@ void DistributionTracer::add_world(const Branch& branch) {
     const Vec3f direction(branch.ray.direction);
     const BranchDeparture& departure = branch.departure;
     const float density =
-        departure.sampling != LightSampling::None ? scene_.lights().world_density(direction, departure.position) : 0.0f;
+        departure.sampling != LightSampling::None ? scene_.lights().world_density(direction, departure.from) : 0.0f;
     const float weight = departure.weight(density);
     if (weight == 0.0f) return;
     // As for surfaces that emit.
@@ -121,8 +137,9 @@ void DistributionTracer::add_world(const Branch& branch) {
 void DistributionTracer::add_emission(const Branch& branch, const Vertex& vertex) {
     if (is_black(vertex.closures.emission)) return;
     const BranchDeparture& departure = branch.departure;
+    if (branch.bounces.count() > 0 && !scene_.shines_openly_on(departure.from, vertex.point.instance)) return;
     const float density = departure.sampling != LightSampling::None
-                              ? scene_.lights().emitter_density(departure.position, vertex.point)
+                              ? scene_.lights().emitter_density(departure.from, vertex.point)
                               : 0.0f;
     add(branch, vertex.closures.emission * departure.weight(density), Pass::emission,
         scene_.light_group(vertex.point.instance));
@@ -165,7 +182,7 @@ bool hemisphere_brings_light(const DistributionFrame& frame) {
     const IndirectLight indirect = frame.settings.indirect;
     const bool sees_world =
         frame.scene.has_world() && (indirect == IndirectLight::AmbientOcclusion ||
-                                    !(frame.scene.lights().world_density(Vec3f(0, 0, 1), Vec3d(0.0)) > 0.0f));
+                                    !(frame.scene.lights().world_density(Vec3f(0, 0, 1), {}) > 0.0f));
     return sees_world || (indirect == IndirectLight::ColorBleeding && frame.settings.path.diffuse_bounces > 0);
 }
 

@@ -70,7 +70,7 @@ void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Ver
         const std::optional<LobeSample> sample =
             lobes.diffuse().sample(vertex.outgoing, vertex.point.facet_normal, sampler.get3(use));
         if (!sample) continue;
-        Branch child = branch.scattered(vertex, lobes.diffuse(), *sample, count);
+        Branch child = branch.scattered(scene_, vertex, lobes.diffuse(), *sample, count);
         child.sampler = sampler;
         child.differential =
             hemisphere_differential(vertex.differential, sample->direction, kPi * sample->density, count);

@@ -61,12 +61,13 @@ bool DistributionTracer::pass_media(Branch& branch, double end) {
     child.differential =
         widened(branch.differential.transferred(direction, *passage.t, -direction), sample->direction, kScatteredWidth);
     child.departure = {};
-    child.departure.position = branch.ray.at(*passage.t);
+    child.departure.from = lit_in(scene_, branch.media, branch.ray.at(*passage.t));
+    child.has_departed = scene_.has_blocked_lights();
     child.departure.sampling = LightSampling::Weighed;
     child.departure.density = sample->density;
     child.ray = Ray{};
     child.ray.time = branch.ray.time;
-    child.ray.origin = child.departure.position;
+    child.ray.origin = child.departure.from.position;
     child.ray.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
     ++child.vertex;
     push(std::move(child));
@@ -81,6 +82,7 @@ void DistributionTracer::pass_boundary(const Branch& branch, const Hit& hit) {
     cross(scene_, point, direction, child.media);
     child.bounces.pass_boundary(point.t);
     child.differential = branch.differential.transferred(direction, point.t, point.facet_normal);
+    child.has_departed = false;
     child.ray = point.behind(branch.ray);
     ++child.vertex;
     pending_.push_back(std::move(child));

@@ -19,7 +19,7 @@ FreeWay DistributionTracer::way_of_light(const Branch& branch, const Vertex& ver
                                          const Ray& shadow, int siblings) const {
     FreeWay way = way_of(branch, shadow);
     way.differential = shadow_differential(vertex.differential, light, siblings);
-    way.kind = kVisibleShadow;
+    way.kind = to_light(kVisibleShadow, light.blockers);
     way.state = branch.bounces.of_shadow_ray();
     way.widening = settings_.widening(branch.importance(), false);
     leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(shadow.direction), way.media);
@@ -88,7 +88,7 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
     for (int i = 0; i < count; ++i) {
         const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
         const std::optional<LightSample> light =
-            scene_.lights().sample(vertex.point.position, sampler.get3(use), vertex.point.time);
+            scene_.lights().sample(scene_.lit(vertex.point), sampler.get3(use), vertex.point.time);
         if (!light) continue;
         const LitClasses lit = lit_by_classes(branch, vertex, lobes, *light, count);
         send_light(branch, vertex, *light, lit.value, lit.shares, count);
@@ -101,7 +101,7 @@ void DistributionTracer::follow_singular(const Branch& branch, const Vertex& ver
     float total = max_component(vertex.closures.transparency);
     for (const LobeSample& sample : lobes.singular()) total += max_component(sample.weight);
     for (const LobeSample& sample : lobes.singular()) {
-        Branch child = branch.scattered(vertex, vertex.closures, sample, 1);
+        Branch child = branch.scattered(scene_, vertex, vertex.closures, sample, 1);
         child.sampler = branch.sampler.branch(0, 1, dimension(branch.vertex, PathDimension::Child) ^ (number++ << 24));
         child.differential = glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, sample, 1);
         child.use = RayUse::Specular;
@@ -120,7 +120,7 @@ void DistributionTracer::scatter_glossy(const Branch& branch, const Vertex& vert
         const std::optional<LobeSample> sample =
             lobes.glossy().sample(vertex.outgoing, vertex.point.facet_normal, sampler.get3(use));
         if (!sample) continue;
-        Branch child = branch.scattered(vertex, lobes.glossy(), *sample, count);
+        Branch child = branch.scattered(scene_, vertex, lobes.glossy(), *sample, count);
         child.sampler = sampler;
         child.differential = glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample, count);
         child.departure.sampling = LightSampling::Weighed;
@@ -133,8 +133,9 @@ void DistributionTracer::scatter_glossy(const Branch& branch, const Vertex& vert
 
 void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& vertex) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    const std::optional<LightSample> light = scene_.lights().sample(
-        vertex.point.position, branch.sampler.get3(dimension(branch.vertex, PathDimension::Light)), vertex.point.time);
+    const std::optional<LightSample> light =
+        scene_.lights().sample(scene_.lit(vertex.point),
+                               branch.sampler.get3(dimension(branch.vertex, PathDimension::Light)), vertex.point.time);
     if (!light) return;
     const LitLobes lit = !lights_all_kinds(*light) ? lit_by_kind(vertex, vertex.closures, *light)
                                                    : lit_together(vertex, vertex.closures, *light);
@@ -168,7 +169,7 @@ void DistributionTracer::scatter_once(const Branch& branch, const Vertex& vertex
         below.throughput /= 1.0f - straight;
         return walk_on(std::move(below), vertex, *sample);
     }
-    Branch child = branch.scattered(vertex, vertex.closures, *sample, 1);
+    Branch child = branch.scattered(scene_, vertex, vertex.closures, *sample, 1);
     child.throughput /= 1.0f - straight;
     child.differential = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
     if (!sample->singular) {

@@ -90,6 +90,8 @@ class DistributionTracer {
         return seen ? std::span<Vec4f>(light_.sample.extras->slots) : std::span<Vec4f>();
     }
     void add_lamps(const Branch& branch, double t_max);
+    /// Of lights with blockers of their own (integrators/blocked_light.h).
+    void add_blocked_lights(const Branch& branch);
     void add_world(const Branch& branch);
     void add_emission(const Branch& branch, const Vertex& vertex);
     void record_surface(const Branch& branch, const Vertex& vertex);

@@ -104,7 +104,7 @@ void PointFinder::look(const Branch& branch) {
         for (int i = 0; i < lobes.subsurface().size(); ++i) add(branch, vertex, lobes.subsurface()[i].normal);
     }
     for (const LobeSample& sample : lobes.singular()) {
-        Branch child = branch.scattered(vertex, vertex.closures, sample, 1);
+        Branch child = branch.scattered(frame_.scene, vertex, vertex.closures, sample, 1);
         child.differential = glossy_differential(vertex.differential, direction, vertex.point, sample, 1);
         push(std::move(child));
     }
@@ -212,7 +212,7 @@ HemisphereRecord Fill::sampled(const OpenPoint& point) {
         // A shading normal bent from the facet has part of its hemisphere inside the surface.
         const float side = point.normal.dot(vertex.point.facet_normal);
         if (!(sample.direction.dot(vertex.point.facet_normal) * side > 0.0f)) continue;
-        Branch ray = Branch(distribution_.path, {}, sampler).scattered(vertex, {}, sample, 1);
+        Branch ray = Branch(distribution_.path, {}, sampler).scattered(frame_.scene, vertex, {}, sample, 1);
         ray.first_shares[LobeKind::Diffuse] = Color(1.0f);
         ray.differential = hemisphere_differential(vertex.differential, sample.direction, local.z, grid_.size());
         ray.departure.sampling = LightSampling::Alone;

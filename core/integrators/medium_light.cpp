@@ -12,13 +12,15 @@ std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, cons
     RandomStream random(sampler, dimension(vertex, PathDimension::MediumPlace));
     const Vec3d likely = segment.ray.at(likely_distance(segment, random.next()));
     const Vec3f choice(random.next(), random.next(), random.next());
-    const std::optional<Vec3d> pivot = place_of(lights.sample(likely, choice, segment.ray.time));
+    const std::optional<Vec3d> pivot =
+        place_of(lights.sample(lit_in(segment.scene, segment.media, likely), choice, segment.ray.time));
     const Vec2f numbers = sampler.get2(dimension(vertex, PathDimension::MediumPlace));
     const std::optional<LitPlace> place = place_of_light(segment, throughput, pivot, numbers, random);
     if (!place) return std::nullopt;
     const Vec3d position = segment.ray.at(place->t);
     const std::optional<LightSample> light =
-        lights.sample(position, sampler.get3(dimension(vertex, PathDimension::MediumLight)), segment.ray.time);
+        lights.sample(lit_in(segment.scene, segment.media, position),
+                      sampler.get3(dimension(vertex, PathDimension::MediumLight)), segment.ray.time);
     if (!light || !(light->visibility & in_world_of(shadow.kind, kVisibleVolume))) return std::nullopt;
     const Vec3f outgoing = segment.outgoing();
     const float density = place->medium.density(outgoing, light->direction);
@@ -30,6 +32,7 @@ std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, cons
     if (!is_finite(result.value) || is_black(result.value)) return std::nullopt;
     if (!light->casts_shadow) return result;
     result.way = shadow;
+    result.way->kind = to_light(shadow.kind, light->blockers);
     Ray& ray = result.way->ray;
     ray = Ray{};
     ray.time = segment.ray.time;

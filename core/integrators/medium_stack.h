@@ -30,6 +30,11 @@ class MediumStack {
 /// The media at a point that lies on no surface, where a path starts; `time` of the shutter.
 MediumStack media_around(const Scene& scene, const Vec3d& position, float time);
 
+/// A point in media, which the lights of the first shine on, as in Cycles. There must be one.
+inline LitPoint lit_in(const Scene& scene, const MediumStack& media, const Vec3d& position) {
+    return scene.lit(media.all().front()->instance, position);
+}
+
 /// The part of a ray that media may change. Of the camera's (`vertex` 0) it begins where clipping ends, as in Cycles.
 struct SeenRay {
     Ray ray;

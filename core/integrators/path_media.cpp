@@ -66,7 +66,8 @@ bool PathTracer::scatter_in_medium(const MediumPassage& passage) {
         differential_ =
             widened(differential_.transferred(direction, *passage.t, -direction), sample->direction, kScatteredWidth);
     const Vec3d position = ray_.at(*passage.t);
-    departure_ = {position, sample->density};
+    departure_ = {lit_in(scene_, media_, position), sample->density};
+    has_departed_ = scene_.has_blocked_lights();
     const float time = ray_.time;
     ray_ = Ray{};
     ray_.time = time;

@@ -1,6 +1,7 @@
 #include "integrators/path_tracer.h"
 
 #include "integrators/ambient_occlusion.h"
+#include "integrators/blocked_light.h"
 #include "integrators/fibre.h"
 #include "integrators/first_surface.h"
 #include "integrators/glass_path.h"
@@ -25,6 +26,7 @@ RayQuery PathTracer::next_ray() {
 }
 
 Arrival PathTracer::arrive(const ClosestHit& found) {
+    if (has_departed_) add_blocked_lights();
     take_hit(found);
     pass_volumes();
     const double end = hit_ ? hit_->t : std::numeric_limits<double>::infinity();
@@ -118,8 +120,29 @@ void PathTracer::add_lamps(double t_max) {
     if (!scene_.lights().has_hittable_lamps()) return;
     Ray ray = ray_;
     ray.t_max = t_max;
-    scene_.lights().lamp_hits(ray, departure_.position, bounces_.ray_kind(), [this](const LampHit& hit) {
+    scene_.lights().lamp_hits(ray, departure_.from, bounces_.ray_kind(), [this](const LampHit& hit) {
+        if (bounces_.count() > 0 && hit.blockers >= 0) return;
         add(hit.radiance * departure_.weight(hit.density) * free_of_media(hit.t), Pass::emission, hit.light_group);
+    });
+}
+
+void PathTracer::add_blocked_lights() {
+    has_departed_ = false;
+    FreeWay way;
+    way.ray = ray_;
+    way.differential = differential_;
+    way.kind = bounces_.ray_kind();
+    way.state = bounces_.at(0);
+    way.transparent_left = bounces_.transparent_left();
+    way.widening = settings_.widening(importance(), false);
+    way.media = media_;
+    way.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
+    FreeWay shadow = way;
+    shadow.kind = bounces_.kind_of_shadow_ray();
+    shadow.state = bounces_.of_shadow_ray();
+    find_blocked_lights(scene_, way, shadow, departure_.from, [this](const BlockedLight& light) {
+        ++counts_[RayUse::Shadow];
+        add(light.radiance * departure_.weight(light.density), Pass::emission, light.light_group);
     });
 }
 
@@ -129,7 +152,7 @@ bool PathTracer::leave_scene() {
         (hides_world() && !settings_.wants(Pass::environment) && settings_.slots == 0))
         return false;
     world_density_ =
-        departure_.density > 0.0f ? scene_.lights().world_density(Vec3f(ray_.direction), departure_.position) : 0.0f;
+        departure_.density > 0.0f ? scene_.lights().world_density(Vec3f(ray_.direction), departure_.from) : 0.0f;
     const Color* even = scene_.even_world();
     if (!even || !aovs().empty()) return true;
     take_world(*even);
@@ -153,15 +176,16 @@ void PathTracer::take_world(const Color& radiance) {
 
 void PathTracer::add_emission(const Vertex& vertex) {
     if (is_black(vertex.closures.emission)) return;
+    if (bounces_.count() > 0 && !scene_.shines_openly_on(departure_.from, vertex.point.instance)) return;
     const float density =
-        departure_.density > 0.0f ? scene_.lights().emitter_density(departure_.position, vertex.point) : 0.0f;
+        departure_.density > 0.0f ? scene_.lights().emitter_density(departure_.from, vertex.point) : 0.0f;
     add(vertex.closures.emission * departure_.weight(density), Pass::emission,
         scene_.light_group(vertex.point.instance));
 }
 
 void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    std::optional<LightSample> light = scene_.lights().sample(vertex.point.position, random, vertex.point.time);
+    std::optional<LightSample> light = scene_.lights().sample(scene_.lit(vertex.point), random, vertex.point.time);
     if (!light) return;
     if (bounces_.is_in_footage()) *light = seen_in_footage(*light);
     const bool first = bounces_.count() == 0;
@@ -173,25 +197,25 @@ void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     const Color arriving = throughput_ * lit.value * (light->radiance / light->density) * weight;
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
-    LightRay& to_light = light_ray_.emplace();
-    to_light.arriving = arriving;
-    to_light.shares = lit.shares;
-    to_light.first = first;
-    to_light.group = scene_.light_group(*light);
-    to_light.scatterings = bounces_.count() + 1;
+    LightRay& way = light_ray_.emplace();
+    way.arriving = arriving;
+    way.shares = lit.shares;
+    way.first = first;
+    way.group = scene_.light_group(*light);
+    way.scatterings = bounces_.count() + 1;
     std::optional<Ray> ray = shadow_ray(scene_, vertex.point, *light);
     if (!ray) return receive(Color(1.0f));
     leave_fibre(scene_, vertex.point, vertex.closures, *ray);
-    to_light.ray = *ray;
-    to_light.kind = bounces_.kind_of_shadow_ray();
-    if (has_footprint_) to_light.differential = shadow_differential(vertex.differential, *light, kPathSiblings);
-    to_light.state = bounces_.of_shadow_ray();
-    to_light.transparent_left = bounces_.transparent_left();
-    to_light.widening = settings_.widening(importance(), false);
+    way.ray = *ray;
+    way.kind = to_light(bounces_.kind_of_shadow_ray(), light->blockers);
+    if (has_footprint_) way.differential = shadow_differential(vertex.differential, *light, kPathSiblings);
+    way.state = bounces_.of_shadow_ray();
+    way.transparent_left = bounces_.transparent_left();
+    way.widening = settings_.widening(importance(), false);
     if (!scene_.has_media()) return;
-    to_light.media = media_;
-    to_light.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
-    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(ray->direction), to_light.media);
+    way.media = media_;
+    way.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
+    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(ray->direction), way.media);
 }
 
 void PathTracer::receive(const Color& free) {
@@ -266,7 +290,8 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
     const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
     if (has_footprint_)
         differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
-    departure_ = {vertex.point.position, sample->singular ? 0.0f : sample->density};
+    departure_ = {scene_.lit(vertex.point), sample->singular ? 0.0f : sample->density};
+    has_departed_ = scene_.has_blocked_lights();
     leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
     ray_ = Ray{};
     vertex.point.release(ray_, sample->direction);
@@ -303,7 +328,7 @@ bool PathTracer::cross_glass(const GlassBody& body, const Vertex& vertex) {
         if (!cross_inside(LobeKind::Transmission, body.leaving)) return false;
     ray_ = exit->ray;
     differential_ = exit->differential;
-    departure_.position = ray_.origin;
+    departure_.from.position = ray_.origin;
     outside_of_ = vertex.point.instance;
     return true;
 }

@@ -31,8 +31,8 @@ struct VertexNumbers {
 
 /// How the ray under way came about: what light sampling would have done instead.
 struct Departure {
-    Vec3d position{0, 0, 0};  ///< where lights were sampled
-    float density = 0;        ///< with which scattering chose the direction; 0: no light sampling could have
+    LitPoint from;      ///< where lights were sampled
+    float density = 0;  ///< with which scattering chose the direction; 0: no light sampling could have
 
     float weight(float light_density) const {
         return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_density) : 1.0f;
@@ -63,7 +63,7 @@ class PathTracer {
           counts_(counts),
           ray_(camera_ray.ray),
           differential_(camera_ray.differential),
-          departure_{camera_ray.ray.origin},
+          departure_{{camera_ray.ray.origin}},
           bounces_(settings),
           light_(settings),
           has_footprint_(scene.needs_footprints()),
@@ -141,6 +141,7 @@ class PathTracer {
     std::optional<CaughtPath> caught_;  ///< once it has met a shadow catcher
     MediumStack media_;                 ///< that the ray under way starts in
     uint32_t outside_of_ = kNowhere;    ///< instance of glass that the ray under way has just left
+    bool has_departed_ = false;         ///< was scattered, and has met nothing yet
     static constexpr uint32_t kNowhere = RayAnchor::kNone;
 
     float importance() const { return max_component(throughput_); }
@@ -174,6 +175,8 @@ class PathTracer {
     /// it.
     void add(const Color& radiance, Pass seen, int group);
     void add_lamps(double t_max);
+    /// Of lights with blockers of their own (integrators/blocked_light.h).
+    void add_blocked_lights();
     /// Before the ray's end.
     Color free_of_media(double t) const;
     bool hides_world() const { return bounces_.sees_film(); }

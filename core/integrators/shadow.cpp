@@ -87,8 +87,7 @@ Ray behind(const SurfacePoint& point, const Ray& ray) {
 }
 
 bool lets_through(const Material& material, Visibility kind) {
-    const bool is_shadow_ray = kind == kVisibleShadow || kind == in_footage(kVisibleShadow);
-    return material.surface->may_be_transparent() && (material.transparent_shadow || !is_shadow_ray);
+    return material.surface->may_be_transparent() && (material.transparent_shadow || !is_shadow_ray(kind));
 }
 
 /// What the surface lets through; the way then goes on behind it.

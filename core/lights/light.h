@@ -8,6 +8,7 @@
 
 #include "base/cancel.h"
 #include "base/vector.h"
+#include "lights/light_linking.h"
 #include "rays/ray.h"
 #include "trace/tracer.h"
 
@@ -47,6 +48,7 @@ struct Lamp {
     int light_group = -1;          ///< the slot of its light (film/pass.h); -1: none
     /// What it emits is a factor on the strength, by place and direction; null: 1.
     std::shared_ptr<const Program> emission = nullptr;
+    LightLink link;
 };
 
 /// A point of a lamp with a program, seen from somewhere.
@@ -71,6 +73,7 @@ struct LightSample {
     int lamp_group = -1;                ///< light group of the lamp; -1: none, or no lamp
     int instance = -1;                  ///< of an emitting surface; else -1
     uint16_t visibility = kVisibleAll;  ///< which kinds of rays see the light: other lobes are not lit by it
+    int blockers = -1;                  ///< whose shadows it has (LightLink)
 };
 
 /// A light as paths see it that meet nothing but what stands in the footage.
@@ -85,6 +88,7 @@ struct LampHit {
     Color radiance{0, 0, 0};
     float density = 0;
     int light_group = -1;  ///< the lamp's
+    int blockers = -1;     ///< the lamp's
 };
 
 /// Emitted radiance of a surface point towards `outgoing`, for emitters and the world; given by the scene.
@@ -107,6 +111,7 @@ struct Emissions {
 struct EmittingInstance {
     uint32_t instance = 0;
     std::vector<uint32_t> elements;
+    LightLink link = {};
 };
 
 class WorldLight;  // lights/world_light.h
@@ -122,17 +127,24 @@ class LightSet {
     LightSet& operator=(const LightSet&) = delete;
 
     bool empty() const;  ///< nothing to sample
-    /// A light for a point at `position`; `random` in [0,1)³, z chooses the light; `time` of the shutter.
-    std::optional<LightSample> sample(const Vec3d& position, const Vec3f& random, float time = kMiddleTime) const;
-    /// Density with which `sample` at `from` would have chosen the direction to an emitting surface point.
-    float emitter_density(const Vec3d& from, const SurfacePoint& point) const;
+    /// A light for a point; `random` in [0,1)³, z chooses the light; `time` of the shutter.
+    std::optional<LightSample> sample(const LitPoint& at, const Vec3f& random, float time = kMiddleTime) const;
+    /// Density with which `sample` at `from` would have chosen the direction to an emitting surface point; 0 where that
+    /// does not shine on `from`.
+    float emitter_density(const LitPoint& from, const SurfacePoint& point) const;
     /// The same for the world in `direction`.
-    float world_density(const Vec3f& direction, const Vec3d& from) const;
+    float world_density(const Vec3f& direction, const LitPoint& from) const;
     /// Calls `add` for each lamp with a size that the ray meets in (t_min, t_max), in no order: they add up. Suns are
-    /// met by rays with infinite t_max only. `from` is where `sample` stood for the densities, usually near the origin.
-    void lamp_hits(const Ray& ray, const Vec3d& from, Visibility kind,
+    /// met by rays with infinite t_max only. `from` is where `sample` stood for the densities, usually near the origin;
+    /// lamps that do not shine on it are left out.
+    void lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind,
                    const std::function<void(const LampHit&)>& add) const;
     bool has_hittable_lamps() const;  ///< false: lamp_hits never finds any
+    /// Whether any light shines on some objects alone, or has the shadows of some alone.
+    bool has_links() const;
+    /// Emitting instances that have the shadows of some objects alone; and whether such lamps can be met.
+    const std::vector<uint32_t>& emitters_with_blockers() const;
+    bool has_hittable_lamps_with_blockers() const;
     size_t bytes() const;
     size_t count() const;
 

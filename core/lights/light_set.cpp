@@ -12,6 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <ranges>
 #include <variant>
 
 namespace rayleaf {
@@ -60,6 +61,7 @@ double mean_factor(const Lamp& lamp, size_t number, const LampEmission& emission
 /// What all lamps have.
 struct LampTraits {
     uint16_t visibility;
+    LightLink link;
     bool casts_shadow;
     size_t number;  ///< in the list of lamps
     bool has_program;
@@ -94,6 +96,8 @@ struct LightSet::Implementation {
     std::shared_ptr<const WorldLight> world;
     LightTree tree{{}};
     double suns_and_world = 0;  ///< sum of irradiances
+    bool has_links = false;     ///< some light does not shine on all, or has no shadows of some
+    std::vector<uint32_t> emitters_with_blockers;
 
     Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, Emissions emissions)
         : surfaces(emitters, tracer, std::move(emissions.surface), std::move(emissions.even)),
@@ -111,18 +115,23 @@ struct LightSet::Implementation {
             return std::visit([&](const auto& lamp) { return lamp.reaches(position); }, lamps[item].shape);
         };
     }
-    size_t group_count() const { return suns.size() + (world ? 1 : 0) + (tree.empty() ? 0 : 1); }
-    /// Probability of a group of the given irradiance, all groups together having `total`.
-    double group_probability(double irradiance, double total) const {
-        const double even = 1.0 / static_cast<double>(group_count());
-        if (!(total > 0) || !std::isfinite(total)) return even;
-        return kEvenShare * even + (1.0 - kEvenShare) * irradiance / total;
+    /// The groups of which light shines on a point: each sun, the world, all lights that have a place.
+    struct Groups {
+        size_t count;
+        bool has_tree;
+        double of_tree, total;  ///< irradiances
+
+        double probability(double irradiance) const {
+            const double even = 1.0 / static_cast<double>(count);
+            if (!(total > 0) || !std::isfinite(total)) return even;
+            return kEvenShare * even + (1.0 - kEvenShare) * irradiance / total;
+        }
+        double tree_probability() const { return probability(of_tree); }
+    };
+    Groups groups(const LitPoint& at) const;
+    bool shines_on(const LitPoint& at, const LampTraits& lamp) const {
+        return !has_links || (lamp.link.set() & at.lit_by) != 0;
     }
-    double tree_probability(const Vec3d& position) const {
-        const double irradiance = tree.irradiance(position);
-        return group_probability(irradiance, suns_and_world + irradiance);
-    }
-    double total_irradiance(const Vec3d& position) const { return suns_and_world + tree.irradiance(position); }
     /// What `sample` knows of its light when it has come to the tree.
     struct InTree {
         double choice;       ///< what is left of its random number
@@ -137,12 +146,30 @@ struct LightSet::Implementation {
     }
     std::optional<LightSample> chosen_of(const LampTraits& lamp, LampSample sample, const Vec3d& position,
                                          double probability) const;
-    std::optional<LightSample> sample_tree(const Vec3d& position, const Vec2f& random, const InTree& in_tree,
+    std::optional<LightSample> sample_tree(const LitPoint& at, const Vec2f& random, const InTree& in_tree,
                                            float time) const;
 };
 
+LightSet::Implementation::Groups LightSet::Implementation::groups(const LitPoint& at) const {
+    Groups result{suns.size() + (world ? 1 : 0), tree.shines_on(at), tree.irradiance(at), suns_and_world};
+    if (has_links) {
+        const auto linked = [&](const DistantLamp& lamp) { return shines_on(at, lamp.traits); };
+        result.count = world ? 1 : 0;
+        result.total = world ? world->irradiance() : 0.0;
+        for (const DistantLamp& lamp : suns | std::views::filter(linked)) {
+            ++result.count;
+            result.total += lamp.irradiance();
+        }
+    }
+    result.count += result.has_tree ? 1 : 0;
+    result.total += result.of_tree;
+    return result;
+}
+
 void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
-    const LampTraits traits{seen_by(lamp.visibility),
+    has_links |= lamp.link != LightLink();
+    const LampTraits traits{static_cast<uint16_t>(seen_by(lamp.visibility)),
+                            lamp.link,
                             lamp.casts_shadow,
                             number,
                             lamp.emission != nullptr,
@@ -171,7 +198,7 @@ void LightSet::Implementation::build_tree(const CancelToken& cancel) {
     for (const PlacedLamp& lamp : lamps)
         std::visit(
             [&](const auto& shape) {
-                items.push_back({shape.bounds(), shape.intensity() * lamp.traits.factor});
+                items.push_back({shape.bounds(), shape.intensity() * lamp.traits.factor, lamp.traits.link.set()});
             },
             lamp.shape);
     std::vector<LightTreeItem> with_size;
@@ -188,6 +215,10 @@ LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingIns
     Implementation& set = *implementation_;
     for (size_t i = 0; i < lamps.size(); ++i)
         if (shines(lamps[i])) set.add(lamps[i], i);
+    for (const EmittingInstance& emitter : emitters) {
+        set.has_links |= emitter.link != LightLink();
+        if (emitter.link.blockers >= 0) set.emitters_with_blockers.push_back(emitter.instance);
+    }
     if (world_light && !world_light->is_uniform()) set.world = std::move(world_light);
     if (set.world) set.suns_and_world += set.world->irradiance();
     set.build_tree(cancel);
@@ -196,7 +227,8 @@ LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingIns
 LightSet::~LightSet() = default;
 
 bool LightSet::empty() const {
-    return implementation_->group_count() == 0;
+    const Implementation& set = *implementation_;
+    return set.suns.empty() && !set.world && set.tree.empty();
 }
 
 namespace {
@@ -227,13 +259,16 @@ std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits&
                                                                const Vec3d& position, double probability) const {
     sample.radiance = shaded(lamp, sample.radiance, position, sample.direction, sample.distance);
     std::optional<LightSample> light = chosen(sample, position, probability, lamp.visibility, lamp.casts_shadow);
-    if (light) light->lamp_group = lamp.light_group;
+    if (!light) return light;
+    light->lamp_group = lamp.light_group;
+    light->blockers = lamp.link.blockers;
     return light;
 }
 
-std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& position, const Vec2f& random,
+std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint& at, const Vec2f& random,
                                                                  const InTree& in_tree, float time) const {
-    const std::optional<LightTree::Choice> item = tree.choose(position, in_tree.choice, reaches(position));
+    const Vec3d& position = at.position;
+    const std::optional<LightTree::Choice> item = tree.choose(at, in_tree.choice, reaches(position));
     if (!item) return std::nullopt;
     const double probability = item->probability * in_tree.probability;
     if (item->item < lamps.size()) {
@@ -246,79 +281,84 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const Vec3d& po
     const auto sample = surfaces.sample(surface, position, random, time);
     if (!sample) return std::nullopt;
     std::optional<LightSample> light = chosen(*sample, position, probability, surfaces.visibility(surface), true);
-    if (light) light->instance = static_cast<int>(surfaces.instance(surface));
+    if (!light) return light;
+    light->instance = static_cast<int>(surfaces.instance(surface));
+    light->blockers = surfaces.link(surface).blockers;
     return light;
 }
 
-std::optional<LightSample> LightSet::sample(const Vec3d& position, const Vec3f& random, float time) const {
+std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec3f& random, float time) const {
     const Implementation& set = *implementation_;
-    if (set.group_count() == 0) return std::nullopt;
+    const Implementation::Groups groups = set.groups(at);
+    if (groups.count == 0) return std::nullopt;
+    const Vec3d& position = at.position;
     const Vec2f within(random.x, random.y);
     double choice = random.z;
-    const double of_tree = set.tree.irradiance(position), total = set.suns_and_world + of_tree;
+    const DistantLamp* last = nullptr;
     for (const DistantLamp& lamp : set.suns) {
-        const double probability = set.group_probability(lamp.irradiance(), total);
+        if (!set.shines_on(at, lamp.traits)) continue;
+        const double probability = groups.probability(lamp.irradiance());
         if (choice < probability) return set.chosen_of(lamp.traits, lamp.sun.sample(within), position, probability);
         choice -= probability;
+        last = &lamp;
     }
     if (set.world) {
-        const double probability = set.group_probability(set.world->irradiance(), total);
-        if (choice < probability || set.tree.empty()) {
+        const double probability = groups.probability(set.world->irradiance());
+        if (choice < probability || !groups.has_tree) {
             LampSample sample = set.world->sample(within);
             sample.radiance = set.world_emission(Vec3f(sample.direction));
-            std::optional<LightSample> light =
-                chosen(sample, position, probability, seen_by(set.world_visibility | kOfFootage), true);
+            std::optional<LightSample> light = chosen(
+                sample, position, probability, static_cast<uint16_t>(seen_by(set.world_visibility | kOfFootage)), true);
             if (light) light->world = true;
             return light;
         }
         choice -= probability;
     }
-    if (set.tree.empty()) {  // rounding may leave `choice` just past the last sun
-        const DistantLamp& lamp = set.suns.back();
-        return set.chosen_of(lamp.traits, lamp.sun.sample(within), position,
-                             set.group_probability(lamp.irradiance(), total));
-    }
-    const double probability = set.group_probability(of_tree, total);
-    return set.sample_tree(position, within, {std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53), probability}, time);
+    if (!groups.has_tree)  // rounding may leave `choice` just past the last sun
+        return set.chosen_of(last->traits, last->sun.sample(within), position, groups.probability(last->irradiance()));
+    const double probability = groups.tree_probability();
+    return set.sample_tree(at, within, {std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53), probability}, time);
 }
 
-float LightSet::emitter_density(const Vec3d& from, const SurfacePoint& point) const {
+float LightSet::emitter_density(const LitPoint& from, const SurfacePoint& point) const {
     const Implementation& set = *implementation_;
     const std::optional<uint32_t> item = set.surfaces.item_of(point);
-    if (!item) return 0.0f;
+    if (!item || (set.surfaces.link(*item).set() & from.lit_by) == 0) return 0.0f;
     const auto in_tree = static_cast<uint32_t>(*item + set.lamps.size());
-    const double choice = set.tree_probability(from) * set.tree.probability(from, in_tree, set.reaches(from));
-    return static_cast<float>(std::min(choice * set.surfaces.density(from, point), kLargestDensity));
+    const double choice =
+        set.groups(from).tree_probability() * set.tree.probability(from, in_tree, set.reaches(from.position));
+    return static_cast<float>(std::min(choice * set.surfaces.density(from.position, point), kLargestDensity));
 }
 
-float LightSet::world_density(const Vec3f& direction, const Vec3d& from) const {
+float LightSet::world_density(const Vec3f& direction, const LitPoint& from) const {
     const Implementation& set = *implementation_;
     if (!set.world) return 0.0f;
-    const double choice = set.group_probability(set.world->irradiance(), set.total_irradiance(from));
+    const double choice = set.groups(from).probability(set.world->irradiance());
     return static_cast<float>(choice * set.world->density(direction));
 }
 
-void LightSet::lamp_hits(const Ray& ray, const Vec3d& from, Visibility kind,
+void LightSet::lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind,
                          const std::function<void(const LampHit&)>& add) const {
     const Implementation& set = *implementation_;
     const auto report = [&](const LampTraits& lamp, const LampIntersection& hit, double choice) {
         const Color radiance = set.shaded(lamp, hit.radiance, ray.origin, ray.direction, hit.t);
-        add({hit.t, radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity)), lamp.light_group});
+        add({hit.t, radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity)), lamp.light_group,
+             lamp.link.blockers});
     };
     set.hittable.visit_crossed(ray, [&](uint32_t item) {
         const uint32_t index = set.lamps_with_size[item];
         const PlacedLamp& lamp = set.lamps[index];
-        if (!(lamp.traits.visibility & kind)) return;
-        const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, from); }, lamp.shape);
+        if (!(lamp.traits.visibility & kind) || !set.shines_on(from, lamp.traits)) return;
+        const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, from.position); }, lamp.shape);
         if (hit)
             report(lamp.traits, *hit,
-                   set.tree_probability(from) * set.tree.probability(from, index, set.reaches(from)));
+                   set.groups(from).tree_probability() * set.tree.probability(from, index, set.reaches(from.position)));
     });
     if (std::isfinite(ray.t_max)) return;
     for (const DistantLamp& lamp : set.suns) {
-        if (!(lamp.traits.visibility & kind)) continue;
+        if (!(lamp.traits.visibility & kind) || !set.shines_on(from, lamp.traits)) continue;
         if (const auto hit = lamp.sun.hit(ray))
-            report(lamp.traits, *hit, set.group_probability(lamp.irradiance(), set.total_irradiance(from)));
+            report(lamp.traits, *hit, set.groups(from).probability(lamp.irradiance()));
     }
 }
 
@@ -326,6 +366,22 @@ bool LightSet::has_hittable_lamps() const {
     const Implementation& set = *implementation_;
     return !set.lamps_with_size.empty() ||
            std::any_of(set.suns.begin(), set.suns.end(), [](const DistantLamp& lamp) { return lamp.sun.has_size(); });
+}
+
+bool LightSet::has_links() const {
+    return implementation_->has_links;
+}
+
+const std::vector<uint32_t>& LightSet::emitters_with_blockers() const {
+    return implementation_->emitters_with_blockers;
+}
+
+bool LightSet::has_hittable_lamps_with_blockers() const {
+    const Implementation& set = *implementation_;
+    return std::ranges::any_of(set.lamps_with_size,
+                               [&](uint32_t index) { return set.lamps[index].traits.link.blockers >= 0; }) ||
+           std::ranges::any_of(
+               set.suns, [](const DistantLamp& lamp) { return lamp.sun.has_size() && lamp.traits.link.blockers >= 0; });
 }
 
 size_t LightSet::bytes() const {

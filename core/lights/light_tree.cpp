@@ -1,5 +1,6 @@
 #include "lights/light_tree.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace rayleaf {
@@ -11,6 +12,7 @@ LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken&
     nodes_.reserve(2 * items.size() - 1);
     nodes_.emplace_back();
     build(items, order, 0, order.size(), 0, cancel);
+    gather_sets(items);
 }
 
 void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
@@ -46,13 +48,23 @@ void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint3
     build(items, order, middle, end, left + 1, cancel);
 }
 
-double LightTree::irradiance(const Vec3d& position) const {
+void LightTree::gather_sets(const std::vector<LightTreeItem>& items) {
+    if (std::ranges::all_of(items, [](const LightTreeItem& item) { return item.set == kLightsOfAll; })) return;
+    sets_.resize(nodes_.size());
+    for (size_t i = nodes_.size(); i-- > 0;) {  // children come after their parents
+        if (nodes_[i].left == 0) sets_[i] = items[nodes_[i].item].set;
+        if (i > 0) sets_[nodes_[i].parent] |= sets_[i];
+    }
+}
+
+double LightTree::irradiance(const LitPoint& at) const {
     if (nodes_.empty()) return 0;
-    return importance(nodes_.front(), position, [](uint32_t) { return true; });
+    return importance(0, at, [](uint32_t) { return true; });
 }
 
 size_t LightTree::bytes() const {
-    return nodes_.capacity() * sizeof(Node) + leaf_of_item_.capacity() * sizeof(uint32_t);
+    return nodes_.capacity() * sizeof(Node) + leaf_of_item_.capacity() * sizeof(uint32_t) +
+           sets_.capacity() * sizeof(LightSets);
 }
 
 }  // namespace rayleaf

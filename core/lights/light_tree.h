@@ -8,6 +8,7 @@
 
 #include "base/cancel.h"
 #include "base/vector.h"
+#include "lights/light_linking.h"
 #include "rays/ray.h"
 
 #include <cstdint>
@@ -19,8 +20,9 @@ namespace rayleaf {
 
 /// A light as the tree sees it.
 struct LightTreeItem {
-    Box3d bounds;          ///< world
-    double intensity = 0;  ///< W/sr at best, positive
+    Box3d bounds;                  ///< world
+    double intensity = 0;          ///< W/sr at best, positive
+    LightSets set = kLightsOfAll;  ///< LightLink::set
 };
 
 class LightTree {
@@ -30,7 +32,9 @@ class LightTree {
 
     bool empty() const { return nodes_.empty(); }
     /// A rough estimate of the irradiance of all lights at a point: the weight of the tree against suns and the world.
-    double irradiance(const Vec3d& position) const;
+    double irradiance(const LitPoint& at) const;
+    /// Whether any light shines on a point, by their links alone.
+    bool shines_on(const LitPoint& at) const { return !nodes_.empty() && is_linked(0, at.lit_by); }
 
     struct Choice {
         uint32_t item = 0;
@@ -38,10 +42,10 @@ class LightTree {
     };
     /// `random` in [0,1). Empty where no light arrives. `reaches(item)` is asked of single lights only.
     template <typename Reaches>
-    std::optional<Choice> choose(const Vec3d& position, double random, const Reaches& reaches) const;
-    /// The probability with which `choose` returns `item`.
+    std::optional<Choice> choose(const LitPoint& at, double random, const Reaches& reaches) const;
+    /// The probability with which `choose` returns `item`, which shines on the point.
     template <typename Reaches>
-    double probability(const Vec3d& position, uint32_t item, const Reaches& reaches) const;
+    double probability(const LitPoint& at, uint32_t item, const Reaches& reaches) const;
 
     /// Calls `visit(item)` for every light whose bounds a ray may cross.
     template <typename Visit>
@@ -62,22 +66,26 @@ class LightTree {
     };
     std::vector<Node> nodes_;
     std::vector<uint32_t> leaf_of_item_;
+    std::vector<LightSets> sets_;  ///< per node, of all its lights; empty where all shine on all
 
+    bool is_linked(size_t node, LightSets lit_by) const { return sets_.empty() || (sets_[node] & lit_by) != 0; }
+    void gather_sets(const std::vector<LightTreeItem>& items);
     void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
                uint32_t node, const CancelToken& cancel);
 
     template <typename Reaches>
-    double importance(const Node& node, const Vec3d& position, const Reaches& reaches) const {
-        if (node.left == 0 && !reaches(node.item)) return 0.0;
+    double importance(size_t index, const LitPoint& at, const Reaches& reaches) const {
+        const Node& node = nodes_[index];
+        if (!is_linked(index, at.lit_by) || (node.left == 0 && !reaches(node.item))) return 0.0;
         // Inside a node the distance says nothing; half its radius is as good a guess as any.
-        const double distance_squared = (node.center - position).length2();
+        const double distance_squared = (node.center - at.position).length2();
         return node.intensity / std::max({distance_squared, 0.25 * node.radius_squared, kNearest});
     }
     /// Probability of the left child.
     template <typename Reaches>
-    double left_share(const Node& node, const Vec3d& position, const Reaches& reaches) const {
-        const double left = importance(nodes_[node.left], position, reaches);
-        const double right = importance(nodes_[node.left + 1], position, reaches);
+    double left_share(const Node& node, const LitPoint& at, const Reaches& reaches) const {
+        const double left = importance(node.left, at, reaches);
+        const double right = importance(size_t{node.left} + 1, at, reaches);
         if (left == 0 && right == 0) return 0.5;
         return left / (left + right);
     }
@@ -100,30 +108,32 @@ class LightTree {
 };
 
 template <typename Reaches>
-std::optional<LightTree::Choice> LightTree::choose(const Vec3d& position, double random, const Reaches& reaches) const {
-    if (nodes_.empty()) return std::nullopt;
+std::optional<LightTree::Choice> LightTree::choose(const LitPoint& at, double random, const Reaches& reaches) const {
+    if (!shines_on(at)) return std::nullopt;
     const Node* node = nodes_.data();
     Choice choice{0, 1.0};
     while (node->left != 0) {
-        const double left = left_share(*node, position, reaches);
+        const double left = left_share(*node, at, reaches);
         const bool goes_left = random < left;
         random = goes_left ? random / left : (random - left) / (1.0 - left);
         random = std::min(random, 1.0 - 0x1p-53);
         choice.probability *= goes_left ? left : 1.0 - left;
         node = &nodes_[node->left + (goes_left ? 0 : 1)];
     }
-    if (!(choice.probability > 0)) return std::nullopt;
+    // Among lights that do not arrive it ends anywhere.
+    if (!(choice.probability > 0) || !is_linked(static_cast<size_t>(node - nodes_.data()), at.lit_by))
+        return std::nullopt;
     choice.item = node->item;
     return choice;
 }
 
 template <typename Reaches>
-double LightTree::probability(const Vec3d& position, uint32_t item, const Reaches& reaches) const {
+double LightTree::probability(const LitPoint& at, uint32_t item, const Reaches& reaches) const {
     double probability = 1.0;
     uint32_t index = leaf_of_item_[item];
     while (index != 0) {
         const Node& parent = nodes_[nodes_[index].parent];
-        const double left = left_share(parent, position, reaches);
+        const double left = left_share(parent, at, reaches);
         probability *= index == parent.left ? left : 1.0 - left;
         index = nodes_[index].parent;
     }

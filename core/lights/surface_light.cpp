@@ -1,5 +1,7 @@
 #include "lights/surface_light.h"
 
+#include <algorithm>
+
 #include <tbb/parallel_for.h>
 
 namespace rayleaf {
@@ -63,8 +65,11 @@ Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_
 SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
                              SurfaceEmission emission, EvenEmission even_emission)
     : tracer_(tracer), emission_(std::move(emission)), even_emission_(std::move(even_emission)) {
+    const bool linked =
+        std::ranges::any_of(emitters, [](const EmittingInstance& each) { return each.link != LightLink(); });
     for (const EmittingInstance& emitter : emitters) {
         if (emitter.elements.empty()) continue;
+        if (linked) links_.push_back(emitter.link);
         if (emitter.instance >= table_of_instance_.size()) table_of_instance_.resize(emitter.instance + 1, -1);
         table_of_instance_[emitter.instance] = static_cast<int32_t>(item_of_element_.size());
         auto& items = item_of_element_.emplace_back(tracer.instance(emitter.instance).shape->element_count(), kNone);
@@ -88,8 +93,10 @@ std::vector<LightTreeItem> SurfaceLights::tree_items(const CancelToken& cancel) 
     items.reserve(estimates.size());
     // Both sides shine; half a cosine is the mean over the directions of one. The smallest double keeps weights
     // positive.
-    for (const Estimate& e : estimates)
-        items.push_back({e.bounds, std::max(1e-300, 0.5 * e.area * std::max(e.radiance, least))});
+    for (uint32_t i = 0; i < count(); ++i) {
+        const Estimate& e = estimates[i];
+        items.push_back({e.bounds, std::max(1e-300, 0.5 * e.area * std::max(e.radiance, least)), link(i).set()});
+    }
     return items;
 }
 
@@ -141,11 +148,12 @@ std::optional<uint32_t> SurfaceLights::item_of(const SurfacePoint& point) const 
 }
 
 uint16_t SurfaceLights::visibility(uint32_t item) const {
-    return tracer_.instance(elements_[item].instance).visibility;
+    return static_cast<uint16_t>(tracer_.instance(elements_[item].instance).visibility);
 }
 
 size_t SurfaceLights::bytes() const {
-    size_t total = elements_.capacity() * sizeof(Element) + table_of_instance_.capacity() * sizeof(int32_t);
+    size_t total = elements_.capacity() * sizeof(Element) + table_of_instance_.capacity() * sizeof(int32_t) +
+                   links_.capacity() * sizeof(LightLink);
     for (const auto& table : item_of_element_) total += table.capacity() * sizeof(uint32_t);
     return total;
 }

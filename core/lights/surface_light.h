@@ -26,6 +26,7 @@ class SurfaceLights {
     /// Which kinds of rays see the element.
     uint16_t visibility(uint32_t item) const;
     uint32_t instance(uint32_t item) const { return elements_[item].instance; }
+    LightLink link(uint32_t item) const { return links_.empty() ? LightLink() : links_[table_of(item)]; }
     size_t bytes() const;
 
   private:
@@ -34,10 +35,13 @@ class SurfaceLights {
     };
     std::vector<Element> elements_;
     std::vector<int32_t> table_of_instance_;              ///< -1: does not emit
+    std::vector<LightLink> links_;                        ///< per table; empty: all shine on all
     std::vector<std::vector<uint32_t>> item_of_element_;  ///< per table; kNone: does not emit
     const Tracer& tracer_;
     SurfaceEmission emission_;
     EvenEmission even_emission_;
+
+    size_t table_of(uint32_t item) const { return static_cast<size_t>(table_of_instance_[instance(item)]); }
 
     static constexpr uint32_t kNone = 0xffffffffu;
 };

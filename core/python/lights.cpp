@@ -33,9 +33,9 @@ py::array_t<float> colors(py::ssize_t count) {
     return array;
 }
 
-py::dict sample(const LightProbe& probe, const Array<double>& position, const Array<float>& random) {
+py::dict sample(const LightProbe& probe, const Array<double>& position, const Array<float>& random, int64_t lit_by) {
     check_shape("light probe", "random", random, {-1, 3});
-    const Vec3d at = position_of(position);
+    const LitPoint at{position_of(position), checked_light_sets("light probe", lit_by)};
     const py::ssize_t count = random.shape(0);
     py::array_t<float> direction = colors(count), radiance = colors(count), density(count);
     py::array_t<double> distance(count);
@@ -61,13 +61,13 @@ py::dict sample(const LightProbe& probe, const Array<double>& position, const Ar
 }
 
 /// Everything that shines along one ray: all lamps on the way, then the emitting surface or the world.
-std::pair<Color, float> look_along(const Scene& scene, const Ray& ray) {
+std::pair<Color, float> look_along(const Scene& scene, const Ray& ray, const LitPoint& from) {
     Color radiance(0.0f);
     float density = 0;
     const std::optional<Hit> hit = scene.tracer().closest_hit(ray, kVisibleDiffuse);
     Ray way = ray;
     if (hit) way.t_max = hit->t;
-    scene.lights().lamp_hits(way, ray.origin, kVisibleDiffuse, [&](const LampHit& lamp) {
+    scene.lights().lamp_hits(way, from, kVisibleDiffuse, [&](const LampHit& lamp) {
         radiance += lamp.radiance;
         density += lamp.density;
     });
@@ -76,26 +76,27 @@ std::pair<Color, float> look_along(const Scene& scene, const Ray& ray) {
         const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
         Closures closures;
         scene.shade(point, -direction, {}, {}, closures);
-        radiance += closures.emission;
-        density += scene.lights().emitter_density(ray.origin, point);
+        if (scene.shines_openly_on(from, point.instance)) radiance += closures.emission;
+        density += scene.lights().emitter_density(from, point);
     } else {
         radiance += scene.world(direction, {}, {});
-        density += scene.lights().world_density(direction, ray.origin);
+        density += scene.lights().world_density(direction, from);
     }
     return {radiance, density};
 }
 
-py::tuple look(const LightProbe& probe, const Array<double>& position, const Array<double>& directions) {
+py::tuple look(const LightProbe& probe, const Array<double>& position, const Array<double>& directions,
+               int64_t lit_by) {
     check_shape("light probe", "directions", directions, {-1, 3});
-    const Vec3d at = position_of(position);
+    const LitPoint at{position_of(position), checked_light_sets("light probe", lit_by)};
     const py::ssize_t count = directions.shape(0);
     py::array_t<float> radiance = colors(count), density(count);
     for (py::ssize_t i = 0; i < count; ++i) {
         const double* d = directions.data() + 3 * i;
         Ray ray;
-        ray.origin = at;
+        ray.origin = at.position;
         ray.direction = normalized_or(Vec3d(d[0], d[1], d[2]), Vec3d(0, 0, 1));
-        const auto [color, at_density] = look_along(probe.scene(), ray);
+        const auto [color, at_density] = look_along(probe.scene(), ray, at);
         for (int c = 0; c < 3; ++c) radiance.mutable_at(i, c) = color[c];
         density.mutable_at(i) = at_density;
     }
@@ -108,10 +109,10 @@ void bind_lights(py::module_& module) {
     using namespace py::literals;
     py::class_<LightProbe>(module, "LightProbe", "The lights of a scene, asked from a position.")
         .def(py::init<const std::shared_ptr<SceneDescription>&>(), py::arg("scene").none(false))
-        .def("sample", &sample, "position"_a, "random"_a,
+        .def("sample", &sample, "position"_a, "random"_a, "lit_by"_a = kAnyLight,
              "Light sampling for random numbers (n, 3): a dictionary of direction, distance, radiance, density, delta. "
              "A sample that carries nothing has density 0.")
-        .def("look", &look, "position"_a, "directions"_a,
+        .def("look", &look, "position"_a, "directions"_a, "lit_by"_a = kAnyLight,
              "What shines from directions (n, 3): radiance (n, 3), and the density with which light sampling chooses "
              "the direction (n,).")
         .def(

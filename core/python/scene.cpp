@@ -145,7 +145,7 @@ void move_instances(SceneDescription& scene, const Array<int32_t>& indices, cons
 int add_lamp(SceneDescription& scene, const std::string& name, const std::string& kind, const Array<double>& matrix,
              const std::array<float, 3>& strength, double radius, double angle, double spot_size, double spot_blend,
              const std::string& spot_profile, double size_x, double size_y, double spread, bool casts_shadow,
-             int visibility, const std::shared_ptr<Program>& emission, int light_group) {
+             int visibility, const std::shared_ptr<Program>& emission, int light_group, std::pair<int, int> link) {
     Lamp lamp;
     lamp.name = name;
     lamp.kind = lamp_kind(name, kind);
@@ -163,11 +163,13 @@ int add_lamp(SceneDescription& scene, const std::string& name, const std::string
     lamp.visibility = visibility_of(name, visibility);
     lamp.emission = copy_of(emission);
     lamp.light_group = light_group;
+    lamp.link = checked_light_link(name, link.first, link.second);
     return scene.add_lamp(lamp);
 }
 
 void set_world(SceneDescription& scene, const std::shared_ptr<Program>& world, int sampling_resolution,
-               const std::shared_ptr<Program>& medium, int light_group, int visibility) {
+               const std::shared_ptr<Program>& medium, int light_group, int visibility, int64_t lit_by) {
+    scene.world_lit_by = checked_light_sets("world", lit_by);
     scene.world_visibility = visibility_of("world", visibility);
     scene.set_world_light_group(light_group);
     scene.set_world(copy_of(world), sampling_resolution, copy_of(medium));
@@ -313,9 +315,9 @@ void bind_scene(py::module_& module) {
         .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
              "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
              "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = kVisibleAll | kOfFootage,
-             "emission"_a = py::none(), "light_group"_a = -1)
+             "emission"_a = py::none(), "light_group"_a = -1, "link"_a = std::make_pair(-1, -1))
         .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024, "medium"_a = py::none(),
-             "light_group"_a = -1, "visibility"_a = static_cast<int>(kVisibleAll))
+             "light_group"_a = -1, "visibility"_a = static_cast<int>(kVisibleAll), "lit_by"_a = kAnyLight)
         .def("matte_attributes", &manifest, "kind"_a, "layer"_a)
         .def("set_camera", &set_camera, "kind"_a, "matrix"_a, "window_min"_a, "window_max"_a, "clip_start"_a,
              "clip_end"_a, "aperture_radius"_a = 0.0, "focus_distance"_a = 10.0, "blades"_a = 0,

@@ -30,6 +30,7 @@ std::vector<std::string> left_out(const RenderStatistics& s, const Film& film) {
     const auto used = [](const RayCacheReport& each) { return each.used; };
     add(s.has_textures, "texture system");
     add(s.lights > 0, "light sampling");
+    add(s.light_linking, "light linking");
     add(std::any_of(s.ray_caches.begin(), s.ray_caches.end(), used), "ray caches");
     add(s.irradiance_records > 0, "irradiance cache");
     add(s.trace.subpatches > 0, "tessellation");

@@ -334,6 +334,7 @@ void Session::gather_statistics(double build_seconds, double render_seconds) {
     statistics_.target_error = settings_.target_error;
     statistics_.estimated_error = error_ ? error_->error() : 0;
     statistics_.ray_caches = caches_->report();
+    statistics_.light_linking = scene_->has_light_linking();
     statistics_.volumes = scene_->volumes().size();
     count_shapes();
 }

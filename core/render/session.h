@@ -50,6 +50,7 @@ struct RenderStatistics {
     ShapeShares shapes_of;
     double target_error = 0;     ///< 0: none is set
     double estimated_error = 0;  ///< that noise makes then
+    bool light_linking = false;  ///< some lights shine on some objects alone, or have their shadows alone
     size_t volumes = 0;          ///< instances shown by the length of rays inside them
 };
 

@@ -71,6 +71,7 @@ struct InstanceDescription {
     /// Sine of the angle between a light and the surface below which shadow rays start above facets that are shaded
     /// smooth, 0 to 1; 0: never. Cycles' Shadow Terminator Geometry Offset.
     float shadow_terminator = kShadowTerminator;
+    LightLinking linking = {};
 
     bool operator==(const InstanceDescription&) const = default;
 };
@@ -120,6 +121,7 @@ class SceneDescription {
     int world_resolution = 0;
     int world_light_group = -1;              ///< the slot of its light; -1: none
     uint8_t world_visibility = kVisibleAll;  ///< which rays see it
+    LightSets world_lit_by = kAllLightSets;  ///< of its medium
     size_t texture_memory = size_t{1} << 30;
     std::shared_ptr<SceneParts> parts;  ///< never null
 

@@ -15,6 +15,7 @@ SceneDescription emptied(const SceneDescription& scene) {
     result.set_world(nullptr, 0);
     result.world_light_group = -1;
     result.world_visibility = kVisibleAll;
+    result.world_lit_by = kAllLightSets;
     return result;
 }
 

@@ -42,6 +42,7 @@ void PlacedInstances::resize(size_t count) {
     light_groups.resize(count);
     shadow_terminators.resize(count);
     visibility.resize(count);
+    linkings.resize(count);
     shape_of_.resize(count);
     for (size_t i = 0; i < count; ++i) traced.push_back({});
 }
@@ -50,6 +51,8 @@ void PlacedInstances::place(uint32_t index) {
     const InstanceDescription& instance = instances_[index];
     moving -= infos[index].motion ? 1 : 0;
     moving += instance.motion ? 1 : 0;
+    linked -= linkings[index] == LightLinking() ? 0 : 1;
+    linked += instance.linking == LightLinking() ? 0 : 1;
     infos[index] = {instance.object_to_world, instance.object_to_world.inverse(),
                     instance.object_index,    instance.random,
                     instance.attributes,      instance.motion.get()};
@@ -58,9 +61,10 @@ void PlacedInstances::place(uint32_t index) {
     light_groups[index] = instance.light_group;
     shadow_terminators[index] = instance.shadow_terminator;
     visibility[index] = instance.visibility;
+    linkings[index] = instance.linking;
     shape_of_[index] = instance.shape;
     traced.edit(index) = {shapes_[static_cast<size_t>(instance.shape)], instance.object_to_world,
-                          seen_by(instance.visibility), instance.motion};
+                          seen_by(instance.visibility, instance.linking.blocks), instance.motion};
 }
 
 }  // namespace rayleaf

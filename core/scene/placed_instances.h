@@ -21,8 +21,10 @@ class PlacedInstances {
     std::vector<int> light_groups;    ///< slots; -1: none
     std::vector<float> shadow_terminators;
     std::vector<uint8_t> visibility;  ///< as described
+    std::vector<LightLinking> linkings;
     ChunkedVector<TracedInstance> traced;
     uint32_t moving = 0;  ///< instances that have a motion
+    uint32_t linked = 0;  ///< instances to which the links of lights matter
 
     /// Makes them those of a description's instances.
     void update(const SceneDescription& description);

@@ -40,7 +40,7 @@ bool same_lamps(const Lamp& a, const Lamp& b) {
            a.radius == b.radius && a.angle == b.angle && a.spot_size == b.spot_size && a.spot_blend == b.spot_blend &&
            a.spot_profile == b.spot_profile && a.size_x == b.size_x && a.size_y == b.size_y && a.spread == b.spread &&
            a.casts_shadow == b.casts_shadow && a.visibility == b.visibility && same_programs(a.emission, b.emission) &&
-           a.light_group == b.light_group;
+           a.light_group == b.light_group && a.link == b.link;
 }
 
 bool same_textures(const SceneDescription& a, const SceneDescription& b) {
@@ -58,8 +58,8 @@ bool shows_same(const SceneDescription& a, const SceneDescription& b) {
     // An object's own settings say how it is rendered, not what it is: they count as different.
     return a.ray_interpolations.empty() && b.ray_interpolations.empty() && a.texture_memory == b.texture_memory &&
            a.world_resolution == b.world_resolution && a.world_light_group == b.world_light_group &&
-           a.world_visibility == b.world_visibility && same_programs(a.world, b.world) &&
-           same_programs(a.world_medium, b.world_medium) && same_textures(a, b) &&
+           a.world_visibility == b.world_visibility && a.world_lit_by == b.world_lit_by &&
+           same_programs(a.world, b.world) && same_programs(a.world_medium, b.world_medium) && same_textures(a, b) &&
            are_same(a.shapes, b.shapes, std::equal_to<>()) && are_same(a.materials, b.materials, same_materials) &&
            are_same(a.material_lists, b.material_lists, std::equal_to<>()) && are_same(a.lamps, b.lamps, same_lamps) &&
            a.instances.size() == b.instances.size() && differing_items(a.instances, b.instances).empty();

@@ -227,7 +227,7 @@ std::vector<EmittingInstance> Scene::emitting_instances(const CancelToken& cance
         if (list_emits[static_cast<size_t>(&list - lists_.data())] == 0) continue;
         const auto emits = [&](uint32_t slot) { return material_of(list, slot).surface->emits(); };
         std::vector<uint32_t> elements = emitting_elements(*tracer_->instance(i).shape, emits, cancel);
-        if (!elements.empty()) emitters.push_back({i, std::move(elements)});
+        if (!elements.empty()) emitters.push_back({i, std::move(elements), linking(i).as_light});
     }
     return emitters;
 }
@@ -254,12 +254,15 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
         table = world_table(description, world_inputs(Vec3f(0, 0, 1), {}, sampled_light), cancel);
     world_light_group_ = description.world_light_group;
     world_visibility_ = description.world_visibility;
+    world_lit_by_ = description.world_lit_by;
     lamps_ = description.lamps;
     for (const Lamp& lamp : lamps_) lamp_infos_.push_back({lamp.to_world, inverse_or_identity(lamp.to_world)});
     const auto lamp_light = [this](const LampPoint& lamp) { return lamp_emission(lamp); };
     lights_ = std::make_unique<LightSet>(lamps_, emitting_instances(cancel), *tracer_,
                                          Emissions{emission, even, world_emission, lamp_light, world_visibility_},
                                          std::move(table), cancel);
+    has_light_linking_ = placed_.linked > 0 || world_lit_by_ != kAllLightSets || lights_->has_links();
+    has_blocked_lights_ = !lights_->emitters_with_blockers().empty() || lights_->has_hittable_lamps_with_blockers();
 }
 
 /// Normals are those of the lamp's frame. Area lamps have parameters, 0 to 1, but no texture coordinates, as in Cycles.

@@ -77,7 +77,9 @@ class Scene {
     /// What shows the length of rays inside an instance; null for objects with a surface. The first slot decides.
     const VolumeVisualisation* volume(uint32_t instance) const;
     /// Which rays see it.
-    uint16_t volume_visibility(uint32_t instance) const { return seen_by(placed_.visibility[instance]); }
+    uint64_t volume_visibility(uint32_t instance) const {
+        return seen_by(placed_.visibility[instance], placed_.linkings[instance].blocks);
+    }
     /// Whether an instance shows the shadows that others cast on it, in place of itself.
     bool catches_shadows(uint32_t instance) const { return (placed_.visibility[instance] & kOfFootage) != 0; }
     /// The instances that have one; no ray meets their surface.
@@ -106,6 +108,22 @@ class Scene {
     int light_group(const LightSample& light) const {
         if (light.world) return world_light_group_;
         return light.instance < 0 ? light.lamp_group : placed_.light_groups[static_cast<size_t>(light.instance)];
+    }
+    /// A point as lights see it: on an instance, or in its medium (SceneMedium's number).
+    LitPoint lit(uint32_t instance, const Vec3d& position) const {
+        if (!has_light_linking_) return {position};
+        return {position, instance == SceneMedium::kWorld ? world_lit_by_ : linking(instance).lit_by};
+    }
+    LitPoint lit(const SurfacePoint& point) const { return lit(point.instance, point.position); }
+    const LightLinking& linking(uint32_t instance) const { return placed_.linkings[instance]; }
+    bool has_light_linking() const { return has_light_linking_; }
+    /// Whether scattered rays must ask for lights with blockers of their own (integrators/blocked_light.h).
+    bool has_blocked_lights() const { return has_blocked_lights_; }
+    /// Whether a scattered ray from a point sees what an instance emits, where that is in its way.
+    bool shines_openly_on(const LitPoint& from, uint32_t instance) const {
+        if (!has_light_linking_) return true;
+        const LightLink& link = linking(instance).as_light;
+        return link.blockers < 0 && (link.set() & from.lit_by) != 0;
     }
     /// Of the description's instance.
     float shadow_terminator(uint32_t instance) const { return placed_.shadow_terminators[instance]; }
@@ -155,6 +173,8 @@ class Scene {
     double shadow_bias_ = 0;
     int world_light_group_ = -1;
     uint8_t world_visibility_ = kVisibleAll;
+    LightSets world_lit_by_ = kAllLightSets;
+    bool has_light_linking_ = false, has_blocked_lights_ = false;
     /// Hashes of names, where the settings ask for mattes.
     struct MatteIds {
         std::vector<uint32_t> objects, assets, materials;

@@ -18,7 +18,7 @@ struct InstanceRecord {
     const ShapeScene* scene = nullptr;
     const LocalRayCache* cache = nullptr;  ///< null: rays are traced
     const Motion* motion = nullptr;        ///< null: it stands still, else the maps are those of one moment
-    uint16_t visibility = 0;               ///< TracedInstance's
+    uint64_t visibility = 0;               ///< TracedInstance's
     Affine3d local_to_world;
     Vec3d to_local_x{1, 0, 0}, to_local_y{0, 1, 0}, to_local_z{0, 0, 1};  ///< linear part world -> local, columns
 

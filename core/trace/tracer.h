@@ -16,6 +16,7 @@
 #include "splines/limit_normal.h"
 #include "tessellation/geometry_cache.h"
 #include "trace/local_ray_cache.h"
+#include "trace/visibility.h"
 
 #include <cstdint>
 #include <memory>
@@ -25,37 +26,10 @@
 
 namespace rayleaf {
 
-/// Which rays see an instance (Blender's ray visibility); also the kind of a ray.
-enum Visibility : uint16_t {
-    kVisibleCamera = 1,
-    kVisibleDiffuse = 2,
-    kVisibleGlossy = 4,
-    kVisibleTransmission = 8,
-    kVisibleShadow = 16,
-    kVisibleVolume = 32,  ///< rays that a medium has scattered
-    kVisibleAll = 63,
-    kOfFootage = 64  ///< no kind of ray: the object stands in the footage, as shadow catchers and their lamps do
-};
-
-/// The kind of a ray that meets what stands in the footage alone.
-inline constexpr int kFootageShift = 7;
-constexpr Visibility in_footage(Visibility kind) {
-    return static_cast<Visibility>(kind << kFootageShift);
-}
-/// A kind of ray that meets as much as one that is under way.
-constexpr Visibility in_world_of(Visibility under_way, Visibility kind) {
-    return under_way > kOfFootage ? in_footage(kind) : kind;
-}
-/// The kinds of rays that see an object, those in the footage included.
-constexpr uint16_t seen_by(uint8_t visibility) {
-    const int kinds = visibility & kVisibleAll;
-    return static_cast<uint16_t>(kinds | ((visibility & kOfFootage) != 0 ? kinds << kFootageShift : 0));
-}
-
 struct TracedInstance {
     std::shared_ptr<const Shape> shape;
-    Affine3d object_to_world;           ///< must be regular; checked where the scene is described
-    uint16_t visibility = kVisibleAll;  ///< `seen_by`
+    Affine3d object_to_world;  ///< must be regular; checked where the scene is described
+    uint64_t visibility = seen_by(kVisibleAll);
     /// Where it is while the shutter is open; null: it stands still at `object_to_world`.
     std::shared_ptr<const Motion> motion = nullptr;
 

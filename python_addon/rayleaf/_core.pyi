@@ -518,11 +518,15 @@ class SceneDescription:
         asset: str = "",
         motion: Doubles | None = None,
         shadow_terminator: float = 0.1,
+        linking: Sequence[int] | None = None,
     ) -> int:
         """visibility: sum of 1 camera, 2 diffuse, 4 glossy, 8 transmission, 16 shadow, 32 volume. light_group: the slot of
         the light that it emits (-1: none). asset: to which it belongs for Cryptomatte; itself if empty. motion: matrices
         (n, 4, 4) at even times while the shutter is open. shadow_terminator: sine of the angle between light and surface
-        below which shadow rays start above facets that are shaded smooth (Cycles' Geometry Offset), 0 to 1."""
+        below which shadow rays start above facets that are shaded smooth (Cycles' Geometry Offset), 0 to 1. linking: what
+        it has to do with lights that are linked: the sets of receivers and of blockers that it is in, a bit for each (63 and
+        24); and, if it emits, the numbers of the sets on which it shines, and which cast shadows in its light (-1: all).
+        """
     def add_ray_interpolation(self, object: str, interpolation: RayInterpolation) -> int:
         """An index for add_instance, for objects that have settings of their own."""
     def add_instances(
@@ -540,9 +544,10 @@ class SceneDescription:
         assets: Sequence[str] | None = None,
         motions: Mapping[int, Doubles] | None = None,
         shadow_terminators: Floats | None = None,
+        linkings: Ints | None = None,
     ) -> list[str]:
         """Many at once; matrices (n, 4, 4), attributes of whole instances by id (n, 4), slots of light groups (-1: none),
-        motions of some (by place in the list).
+        motions of some (by place in the list), linkings (n, 4).
         Instances that cannot be rendered are left out, one message for each."""
     def add_lamp(
         self,
@@ -562,8 +567,10 @@ class SceneDescription:
         visibility: int = 63,
         emission: Program | None = None,
         light_group: int = -1,
+        link: tuple[int, int] = (-1, -1),
     ) -> int:
-        """`emission` is a factor on the strength, by place and direction.
+        """`emission` is a factor on the strength, by place and direction. `link`: the set of receivers on which it shines,
+        and the set of blockers that cast shadows in its light; -1: all.
 
         kind: POINT, SUN, SPOT, RECTANGLE, DISK. strength: colour times watts (SUN: W/m²). spot_profile: COSINE, EVEN.
         """
@@ -574,8 +581,10 @@ class SceneDescription:
         medium: Program | None = None,
         light_group: int = -1,
         visibility: int = 63,
+        lit_by: int = 0x7FFFFFFFFFFFFFFF,
     ) -> None:
-        """visibility: of which rays it lights, as add_instance's; 16, shadow, has no meaning here."""
+        """lit_by: the sets of lights that shine on its medium. visibility: of which rays it lights, as add_instance's; 16,
+        shadow, has no meaning here."""
     def matte_attributes(self, kind: str, layer: str) -> dict[str, str]:
         """What headers of files say of Cryptomatte's passes of a kind (OBJECT, MATERIAL, ASSET): the names behind the ids.
         layer: the passes' name without their numbers."""
@@ -771,12 +780,12 @@ class LightProbe:
     """The lights of a scene, asked from a position."""
 
     def __init__(self, scene: SceneDescription) -> None: ...
-    def sample(self, position: Doubles, random: Floats) -> dict[str, Any]:
+    def sample(self, position: Doubles, random: Floats, lit_by: int = 0x7FFFFFFFFFFFFFFF) -> dict[str, Any]:
         """Light sampling for random numbers (n, 3): a dictionary of direction, distance, radiance, density, delta.
 
         A sample that carries nothing has density 0.
         """
-    def look(self, position: Doubles, directions: Doubles) -> tuple[Floats, Floats]:
+    def look(self, position: Doubles, directions: Doubles, lit_by: int = 0x7FFFFFFFFFFFFFFF) -> tuple[Floats, Floats]:
         """What shines from directions (n, 3): radiance, and the density with which light sampling chooses them."""
     def count(self) -> int:
         """How many lights there are: each lamp, emitting element, and the world if it is sampled."""

@@ -211,16 +211,25 @@ CALLS: dict[str, Call] = {
         medium=program(),
     ),
     "SceneDescription.add_material_list": method(scene, "add_material_list", materials=[0, -1]),
-    "SceneDescription.add_instance": method(scene, "add_instance", name="a", shape=0, matrix=np.eye(4), motion=MOTION),
+    "SceneDescription.add_instance": method(
+        scene, "add_instance", name="a", shape=0, matrix=np.eye(4), motion=MOTION, linking=[1, 1, 0, -1]
+    ),
     "SceneDescription.add_ray_interpolation": method(
         scene, "add_ray_interpolation", object="a", interpolation=_core.RayInterpolation()
     ),
     "SceneDescription.add_instances": method(scene, "add_instances", **INSTANCES),
     "SceneDescription.add_lamp": method(
-        scene, "add_lamp", name="lamp", kind="POINT", matrix=np.eye(4), strength=(1.0, 1.0, 1.0), emission=program()
+        scene,
+        "add_lamp",
+        name="lamp",
+        kind="POINT",
+        matrix=np.eye(4),
+        strength=(1.0, 1.0, 1.0),
+        emission=program(),
+        link=(0, -1),
     ),
     "SceneDescription.set_world": method(
-        scene, "set_world", world=program(), medium=program(), light_group=1, visibility=31
+        scene, "set_world", world=program(), medium=program(), light_group=1, visibility=31, lit_by=1
     ),
     "SceneDescription.matte_attributes": method(scene, "matte_attributes", kind="OBJECT", layer="CryptoObject"),
     "SceneDescription.set_camera": method(scene, "set_camera", **CAMERA),
@@ -253,9 +262,11 @@ CALLS: dict[str, Call] = {
         _core.refracted_differential, incoming=ROWS, direction=UP, normal=UP, dn_dx=UP, dn_dy=UP, eta=1.5
     ),
     "LightProbe": later(_core.LightProbe, scene=scene),
-    "LightProbe.sample": method(lambda: _core.LightProbe(scene()), "sample", position=np.array(UP), random=TRIPLES),
+    "LightProbe.sample": method(
+        lambda: _core.LightProbe(scene()), "sample", position=np.array(UP), random=TRIPLES, lit_by=1
+    ),
     "LightProbe.look": method(
-        lambda: _core.LightProbe(scene()), "look", position=np.array(UP), directions=RAYS["directions"]
+        lambda: _core.LightProbe(scene()), "look", position=np.array(UP), directions=RAYS["directions"], lit_by=1
     ),
     "LightProbe.count": method(lambda: _core.LightProbe(scene()), "count"),
 }

@@ -18,6 +18,7 @@ CORE = Path(__file__).parents[2] / "core"
 
 UNNEEDED = {
     "texture system",
+    "light linking",
     "ray caches",
     "irradiance cache",
     "tessellation",
@@ -109,6 +110,10 @@ def add_displaced_shape(core, scene):
     scene.add_instance("cube", shape, scenes.matrix(), scenes_material(core, scene))
 
 
+def add_linked_lamp(core, scene):
+    scene.add_lamp("linked", "POINT", scenes.matrix((0, 0, 3)), (1, 1, 1), link=(0, -1))
+
+
 # What is added -> what is no longer left out.
 ADDED = {
     add_spline_surface: {"spline surfaces", "tessellation"},
@@ -119,6 +124,7 @@ ADDED = {
     add_volume: {"volume visualisation"},
     add_displaced_material: {"spline surfaces", "displaced surfaces", "tessellation"},
     add_displaced_shape: {"displaced surfaces", "tessellation"},
+    add_linked_lamp: {"light linking"},
 }
 
 
