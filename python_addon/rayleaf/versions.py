@@ -122,6 +122,21 @@ def shadow_terminator_shading(owner: Any) -> float:
     return float(cycles_setting(owner, "shadow_terminator_offset", 0.0) if offset is None else offset)
 
 
+def light_collections(owner: Any) -> tuple[Any, Any]:
+    """The collections of objects that a light shines on, and that cast its shadows; None: all. Since 4.0."""
+    linking = getattr(owner, "light_linking", None)
+    return (None, None) if linking is None else (linking.receiver_collection, linking.blocker_collection)
+
+
+def linked_objects(collection: Any) -> Iterable[tuple[Any, bool]]:
+    """The objects of such a collection, and whether they are included; else they are excluded. Some may come twice."""
+    for entry, child in zip(collection.collection_children, collection.children, strict=True):
+        for item in child.all_objects:
+            yield item, entry.light_linking.link_state == "INCLUDE"
+    for entry, item in zip(collection.collection_objects, collection.objects, strict=True):
+        yield item, entry.light_linking.link_state == "INCLUDE"
+
+
 _PANORAMAS = {  # as files hold Cycles' choice where its add-on is not enabled
     0: "EQUIRECTANGULAR",
     1: "FISHEYE_EQUIDISTANT",

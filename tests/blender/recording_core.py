@@ -175,6 +175,7 @@ class SceneDescription:
         assets,
         motions,
         shadow_terminators,
+        linkings=None,
     ):
         part = dict(
             names=list(names),
@@ -188,6 +189,7 @@ class SceneDescription:
             light_groups=light_groups.tolist(),
             assets=list(assets),
             shadow_terminators=shadow_terminators.tolist(),
+            linkings=[None] * len(names) if linkings is None else linkings.tolist(),
             motions=[None if motions is None else motions.get(i) for i in range(len(names))],
             attributes=[{key: rows[i].tolist() for key, rows in attributes.items()} for i in range(len(names))],
         )
@@ -198,7 +200,7 @@ class SceneDescription:
         self.lamps.append(arguments)
         return len(self.lamps) - 1
 
-    def set_world(self, world, sampling_resolution=1024, medium=None, light_group=-1, visibility=63):
+    def set_world(self, world, sampling_resolution=1024, medium=None, light_group=-1, visibility=63, lit_by=None):
         self.world, self.world_medium, self.world_light_group = world, medium, light_group
 
     def matte_attributes(self, kind, layer):

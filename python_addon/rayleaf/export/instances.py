@@ -46,6 +46,7 @@ class Group:
     instanced: bool = False  # some member is made by another object
     in_footage: bool = False  # what makes them is a shadow catcher
     volume: bool = False  # the data is a Volume, or the mesh of a simulation's domain
+    maker: Any = None  # what makes them, where lights are linked
 
     @property
     def sources(self) -> frozenset[int]:
@@ -131,11 +132,11 @@ class _Collector:
     two exactly one is taken.
     """
 
-    def __init__(self, core: ModuleType, depsgraph: Any, space: Any, motions: Motions) -> None:
+    def __init__(self, core: ModuleType, depsgraph: Any, space: Any, motions: Motions, linked: bool) -> None:
         self._exact = _ExactForms(core, depsgraph, motions)
         self._motions = motions
-        self._space = space
-        self._known: dict[tuple[int, int, bool], Group | None] = {}
+        self._space, self._linked = space, linked
+        self._known: dict[tuple[int, int, bool, int], Group | None] = {}
         self._has_catchers = has_shadow_catchers(depsgraph)
         self._hair: dict[int, list[Group]] = {}
         self._matrices, self._randoms = array("f"), array("d")
@@ -163,7 +164,8 @@ class _Collector:
         if not shown:
             return
         in_footage = self._has_catchers and owner is not None and instance.parent.is_shadow_catcher
-        key = (settings.as_pointer(), data.as_pointer(), in_footage)
+        maker = instance.parent if self._linked and owner is not None else None
+        key = (settings.as_pointer(), data.as_pointer(), in_footage, 0 if maker is None else maker.as_pointer())
         try:
             group = self._known[key]
         except KeyError:
@@ -171,7 +173,7 @@ class _Collector:
             group = self._known[key] = self._new_group(item, owner, data)
         if group is not None:
             group.members.append(place)
-            group.in_footage = in_footage
+            group.in_footage, group.maker = in_footage, maker
             group.instanced |= owner is not None
             system = None if owner is None else instance.particle_system
             if system is not None:
@@ -241,14 +243,15 @@ def collect(
     check_cancel: Callable[[], None],
     space: Any = None,
     motions: Motions | None = None,
+    linked: bool = False,
 ) -> Instances:
-    """Walk over the view layer once. `space`: a 3-D view, which may hide some.
+    """Walk over the view layer once. `space`: a 3-D view, which may hide some. `linked`: lights are.
 
     Blender frees the instances that an object makes only when their list has been walked to its end. `foreach_get` looks at
     the first entry alone to learn its type, and leaves such a list behind: so values are read one by one, and whoever stops
     early goes on to the end.
     """
-    collector = _Collector(core, depsgraph, space, motions or Motions())
+    collector = _Collector(core, depsgraph, space, motions or Motions(), linked)
     listed = iter(depsgraph.object_instances)
     try:
         for place, instance in enumerate(listed):

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
-from . import unsupported
 from .instances import VISIBLE_CAMERA
 from .nodes.compiler import Compiler
 from .nodes.resources import Resources
@@ -69,7 +68,6 @@ def describe(
     """The arguments of the core's `add_lamp`."""
     lamp, subject = lamp_object.data, Subject("Light", name_of(lamp_object))
     _name_ignored(lamp, subject, messages)
-    unsupported.name_light_linking(lamp_object, messages)
     factor = np.full(3, versions.lamp_factor(lamp))
     if not getattr(lamp, "normalize", True):  # 4.5
         factor *= _area(lamp, matrix)

@@ -25,6 +25,7 @@ from . import (
 )
 from .images import ImageLibrary
 from .kept import KeptExport, KeptShape
+from .light_linking import LightLinks
 from .instances import Group, Instances
 from .motion import Motions
 from .materials import MaterialLibrary, VolumeMaterial, slots_of
@@ -87,6 +88,7 @@ class SceneExporter(ShapeExporter):
         self._space = space
         self._former = former or KeptExport()
         self._motions = Motions()
+        self.links = LightLinks.of(depsgraph.objects)
         self.scene = core.SceneDescription(parts) if self._former.scene is None else self._former.scene.emptied()
         self._cages = Cages(core, self.scene)
         self._shapes: dict[Any, KeptShape] = {}
@@ -125,7 +127,10 @@ class SceneExporter(ShapeExporter):
             self.scene.set_camera(**camera_arguments)
         unsupported.name_scene_settings(self._blender_scene, self._messages)
         unsupported.name_passes(self._blender_scene, self._view_layer, self._messages)
-        listed = instances.collect(self._core, self._depsgraph, self._check_cancel, self._space, self._motions)
+        self.links.warn(self._messages)
+        listed = instances.collect(
+            self._core, self._depsgraph, self._check_cancel, self._space, self._motions, bool(self.links)
+        )
         listed.groups = [group for group in listed.groups if self._is_in_layer(group)]
         for name, reason in listed.skipped.items():
             self._leave_out(name, reason)
@@ -220,6 +225,7 @@ class SceneExporter(ShapeExporter):
                 medium=medium,
                 light_group=self._light_group(blender_world),
                 visibility=world.visibility(blender_world),
+                lit_by=self.links.lit_by_of_world,
             )
         except self._core.InputError as error:
             subject = Subject("World", name_of(blender_world))
@@ -244,7 +250,8 @@ class SceneExporter(ShapeExporter):
         visibility = instances.visibility(lamp_object, self._view_layer)
         try:
             arguments = (self._core, lamp_object, matrix, visibility, self._resources, self._messages)
-            self.scene.add_lamp(light_group=self._light_group(lamp_object), **lights.describe(*arguments))
+            links = dict(light_group=self._light_group(lamp_object), link=self.links.light(lamp_object))
+            self.scene.add_lamp(**links, **lights.describe(*arguments))
             self.report.lamps += 1
         except self._core.InputError as error:
             self._leave_out(name_of(lamp_object), str(error))
@@ -326,6 +333,10 @@ class SceneExporter(ShapeExporter):
         )
         terminators = [versions.shadow_terminator(group.owner) for group, _, _ in chosen]
         terminator_rows = np.repeat(np.array(terminators, np.float32), counts)
+        linkings = None
+        if self.links:
+            rows = [self.links.row(group.owner, group.maker) for group, _, _ in chosen]
+            linkings = np.repeat(np.array(rows, np.int64), counts, axis=0)
         assets = [name for group, _, _ in chosen for name in [_asset_of(group.owner)] * len(group.members)]
         values = self._instance_values(listed, [(group.owner, group.members) for group, _, _ in chosen])
         for first in range(0, len(places), _INSTANCE_CHUNK):
@@ -349,6 +360,7 @@ class SceneExporter(ShapeExporter):
                 if listed.motions
                 else None,
                 terminator_rows[part],
+                None if linkings is None else linkings[part],
             )
             self.report.instances += len(shape) - len(problems)
             for problem in problems:

@@ -54,18 +54,8 @@ def name_passes(scene: Any, view_layer: Any, messages: Messages) -> None:
         _warn(messages, subject, f"the pass {label} is not supported; left out")
 
 
-def name_light_linking(owner: Any, messages: Messages) -> None:
-    """Which objects a lamp or an emitting object lights or shades, since 4.0."""
-    linking = getattr(owner, "light_linking", None)
-    if linking is not None and (linking.receiver_collection is not None or linking.blocker_collection is not None):
-        kind = "Light" if owner.type == "LIGHT" else "Object"
-        subject = Subject(kind, name_of(owner))
-        _warn(messages, subject, "light linking is not supported; it lights and shades all objects")
-
-
 def name_object_settings(owner: Any, scene: Any, messages: Messages) -> None:
     """Those of an evaluated object in its scene."""
-    name_light_linking(owner, messages)
     if versions.shadow_terminator_shading(owner) > 0.0:
         subject = Subject("Object", name_of(owner))
         _warn(messages, subject, "the shading offset of the shadow terminator is not supported; it is shaded as with 0")

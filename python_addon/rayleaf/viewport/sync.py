@@ -13,6 +13,7 @@ import numpy as np
 
 from ..export.camera import Frame
 from ..export.kept import KeptExport
+from ..export.light_linking import LightLinks
 from ..export.scene import SceneExporter
 from ..messages import Messages
 from ..names import name_of
@@ -102,6 +103,8 @@ def _edit(exporter: SceneExporter, depsgraph: Any, changes: Changes) -> bool:
     rows = _rows_of(exporter, changes)
     if rows is None or (changes.lamps and exporter.lamps is None):
         return False
+    if (exporter.links or changes.lamps or changes.reshaded) and LightLinks.of(depsgraph.objects) != exporter.links:
+        return False  # lights shine on other objects now
     if any(exporter.materials.fills_volumes(pointer) for pointer in changes.materials):
         return False  # it may read other grids now
     shown = any(exporter.materials.index_of(pointer) is not None for pointer in changes.materials)
