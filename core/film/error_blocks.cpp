@@ -85,10 +85,11 @@ double ErrorBlocks::samples_missing(int most) const {
     return sum;
 }
 
-void ErrorBlocks::add(const Window& block, std::span<const HalfSums> pixels, int samples) {
+void ErrorBlocks::add(const Window& block, std::span<const HalfSums> pixels, int samples, uint64_t rays) {
     constexpr int kSide = NoiseBlocks::kSide;
     Block& its = blocks_[index(block.x / kSide, block.y / kSide)];
     its.samples = samples;
+    its.rays += rays;
     its.squares = 0;
     const double odd = samples / 2, even = samples - odd;  // NOLINT(bugprone-integer-division)
     for (size_t i = 0; i < pixels.size(); ++i) {
@@ -107,8 +108,9 @@ double ErrorBlocks::squares_of_all() const {
     return sum;
 }
 
-/// Of a single sample in each block: half told by the block, half by it and those around.
-std::vector<double> ErrorBlocks::deviations() const {
+/// The deviation of a single sample in each block, half told by the block, half by it and those around, over the root
+/// of what one costs.
+std::vector<double> ErrorBlocks::worths() const {
     const int rows = static_cast<int>(blocks_.size()) / columns_;
     std::vector<double> found(blocks_.size());
     for (size_t i = 0; i < blocks_.size(); ++i) {
@@ -120,17 +122,18 @@ std::vector<double> ErrorBlocks::deviations() const {
                 variance += blocks_[other].variance();
                 count += numbers(other);
             }
-        found[i] = std::sqrt((blocks_[i].variance() / numbers(i) + variance / count) / 2.0);
+        const double cost = blocks_[i].cost(numbers(i) / 3.0) / numbers(i);
+        found[i] = std::sqrt((blocks_[i].variance() / numbers(i) + variance / count) / 2.0 / cost);
     }
     return found;
 }
 
 /// How many samples there must be, so that all squares add up to `room`.
-double ErrorBlocks::samples_per_deviation(std::span<const double> deviations, double room) const {
+double ErrorBlocks::samples_per_worth(std::span<const double> worths, double room) const {
     const auto squares_at = [&](double factor) {
         double sum = 0;
         for (size_t i = 0; i < blocks_.size(); ++i)
-            sum += blocks_[i].variance() / std::max<double>(blocks_[i].samples, deviations[i] * factor);
+            sum += blocks_[i].variance() / std::max<double>(blocks_[i].samples, worths[i] * factor);
         return sum;
     };
     constexpr int kSteps = 50;
@@ -145,8 +148,8 @@ double ErrorBlocks::samples_per_deviation(std::span<const double> deviations, do
 void ErrorBlocks::decide() {
     const double room = kAim * kAim * target_ * target_ * numbers_of_all();
     const bool is_reached = squares_of_all() <= room;
-    const std::vector<double> found = is_reached ? std::vector<double>(blocks_.size()) : deviations();
-    const double factor = is_reached ? 0.0 : samples_per_deviation(found, room);
+    const std::vector<double> found = is_reached ? std::vector<double>(blocks_.size()) : worths();
+    const double factor = is_reached ? 0.0 : samples_per_worth(found, room);
     for (size_t i = 0; i < blocks_.size(); ++i) blocks_[i].needed = std::max(found[i] * factor, kLeastOfBlock);
 }
 

@@ -5,17 +5,18 @@
 // halves that know nothing of each other: as far as they differ, half of that the whole is off, evenly spread samples
 // and rare bright ones included.
 //
-// After a round, `decide` divides what is missing: samples in proportion to the deviation of one make the least error
-// for their number. How noisy a block is its neighbours tell as well, since a block that missed something rare looks
-// calm; one that was done goes on where others turn out to be noisier. It is called while nothing is added, and sums in
-// the order of blocks: neither threads nor tiles show. Samples are stopped by what they show, so a mean is biased a
-// little, as in film/noise_blocks.h.
+// After a round, `decide` divides what is missing: samples in proportion to the deviation of one, over the root of the
+// rays that one takes, make the least error for the number of rays (Neyman's allocation). How noisy a block is its
+// neighbours tell as well, since a block that missed something rare looks calm; one that was done goes on where others
+// turn out to be noisier. It is called while nothing is added, and sums in the order of blocks: neither threads nor
+// tiles show. Samples are stopped by what they show, so a mean is biased a little, as in film/noise_blocks.h.
 #pragma once
 
 #include "film/pixel.h"
 #include "film/sample_range.h"
 #include "film/window.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -40,8 +41,8 @@ class ErrorBlocks {
     /// Of all pixels, as far as one can see.
     double samples_missing(int most) const;
     /// After further samples of all of a block's pixels, row by row: `samples` is how many each has now, two or more.
-    /// Blocks may be added to by different threads.
-    void add(const Window& block, std::span<const HalfSums> pixels, int samples);
+    /// `rays` is how many these samples took. Blocks may be added to by different threads.
+    void add(const Window& block, std::span<const HalfSums> pixels, int samples, uint64_t rays);
     /// After each round.
     void decide();
     /// Less is left for noise, where a shortcut makes an error.
@@ -54,10 +55,13 @@ class ErrorBlocks {
     struct Block {
         double squares = 0;  ///< of what its pixels' channels are off by, added up
         int samples = 0;
+        uint64_t rays = 0;
         double needed = 0;  ///< samples; not fewer than these
 
         /// Of single samples, added up.
         double variance() const { return squares * samples; }
+        /// Of all pixels' samples of one number, added up; a sample costs something beside its rays.
+        double cost(double pixels) const { return pixels + static_cast<double>(rays) / std::max(samples, 1); }
     };
     int width_, height_, columns_;
     double target_;
@@ -71,8 +75,8 @@ class ErrorBlocks {
     double numbers(size_t index) const;
     double numbers_of_all() const { return 3.0 * width_ * height_; }
     double squares_of_all() const;
-    std::vector<double> deviations() const;
-    double samples_per_deviation(std::span<const double> deviations, double room) const;
+    std::vector<double> worths() const;
+    double samples_per_worth(std::span<const double> worths, double room) const;
 };
 
 }  // namespace rayleaf

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 
 namespace rayleaf {
 
@@ -39,6 +40,7 @@ struct RayCounts {
 
     uint64_t& operator[](RayUse use) { return of[static_cast<size_t>(use)]; }
     uint64_t operator[](RayUse use) const { return of[static_cast<size_t>(use)]; }
+    uint64_t sum() const { return std::accumulate(of.begin(), of.end(), uint64_t{0}); }
     RayCounts& operator+=(const RayCounts& other) {
         for (size_t i = 0; i < of.size(); ++i) of[i] += other.of[i];
         catcher_paths += other.catcher_paths;

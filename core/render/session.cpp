@@ -188,7 +188,7 @@ void Session::render_tile(const WindowSamples& next, const Frame& frame) {
     store({of_film, next.samples, next.taken}, frame.step, sums.values());
     if (shows_mattes) film_.add_mattes(of_film, count, sums.mattes());
     if (is_noise_asked) noise_->add(of_film, sums.moments(), samples);
-    if (is_error_asked) error_->add(of_film, sums.halves(), samples);
+    if (is_error_asked) error_->add(of_film, sums.halves(), samples, counts.sum());
     finished_paths_ += sums.values().size() * static_cast<uint64_t>(count);
     add_counts(counts);
 }
