@@ -147,7 +147,6 @@ class Scene {
     std::vector<Material> materials_;
     std::shared_ptr<SceneParts> parts_;
     PlacedInstances placed_;
-    bool is_as_described_ = true;          ///< what is placed; then another scene may begin with it
     std::vector<std::vector<int>> lists_;  ///< materials by slot; none empty, none negative; the last is neutral
     std::vector<std::optional<Color>> even_emissions_;  ///< per material, where its emission is known beforehand
     std::shared_ptr<const Program> world_;
@@ -163,17 +162,18 @@ class Scene {
     std::vector<RayInterpolation> interpolations_;  ///< their own
     std::vector<uint32_t> volumes_;
     std::vector<std::optional<GlassBody>> glass_bodies_;  ///< per instance, or none at all
-    int cached_ = 0;                                      ///< instances with a ray cache
     std::optional<TracedSurroundings> surroundings_;
-    bool asks_surroundings_ = false;  ///< some material's program does
-    bool reads_footprints_ = false;   ///< some material's program does
-    bool has_transparency_ = false;
     SceneMedia media_;
-    bool has_media_ = false;
     double shadow_bias_ = 0;
+    int cached_ = 0;  ///< instances with a ray cache
     int world_light_group_ = -1;
     uint8_t world_visibility_ = kVisibleAll;
     LightSets world_lit_by_ = kAllLightSets;
+    bool is_as_described_ = true;     ///< what is placed; then another scene may begin with it
+    bool asks_surroundings_ = false;  ///< some material's program does
+    bool reads_footprints_ = false;   ///< some material's program does
+    bool has_transparency_ = false;
+    bool has_media_ = false;
     bool has_light_linking_ = false, has_blocked_lights_ = false;
     /// Hashes of names, where the settings ask for mattes.
     struct MatteIds {

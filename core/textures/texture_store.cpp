@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <OpenImageIO/imageio.h>
+#include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
 #include <sys/stat.h>
 
@@ -95,6 +96,9 @@ struct TextureStore::Implementation {
     std::shared_ptr<ConvertedTextures> converted;
     AppendList<std::shared_ptr<const ConvertedTexture>> textures;
     size_t tiles_before = tiles_read();  ///< by stores before this one
+    /// Its own, with a place for who waits: tasks of another thread's arena are run by oneTBB's workers alone, of which
+    /// there are none where one thread is allowed, and the wait would have no end.
+    tbb::task_arena arena;
     tbb::task_group conversions;
     CancelToken gone;                ///< nobody waits for conversions any more
     std::atomic<size_t> waiting{0};  ///< bytes of pictures
@@ -107,7 +111,7 @@ struct TextureStore::Implementation {
     }
     ~Implementation() {
         gone.cancel();
-        conversions.wait();
+        arena.execute([this] { conversions.wait(); });
     }
 
     /// The texture of that key; `picture` gives its pixels where they are wanted.
@@ -132,13 +136,14 @@ struct TextureStore::Implementation {
             waiting -= bytes;
             return texture->convert();
         }
-        conversions.run([this, texture, bytes] {
+        const auto task = [this, texture, bytes] {
             try {
                 texture->convert(gone);
             } catch (const std::exception&) {  // `finish` tries again, and throws what it meets
             }
             waiting -= bytes;
-        });
+        };
+        arena.execute([&] { conversions.run(task); });
     }
 };
 

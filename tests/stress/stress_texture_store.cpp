@@ -61,10 +61,18 @@ void share_conversions(const std::shared_ptr<ConvertedTextures>& converted, int 
     }
 }
 
+/// The thread that has asked for conversions is gone before the store is, and no other thread would run them.
+void outlive_the_thread_that_asked() {
+    auto store = std::make_unique<TextureStore>(kLeastMemory);
+    stress::run_together(1, [&](int) { store->add_pixels("left", picture(48, 0.0f), 48, 48, 4, ColorSpace::Srgb); });
+    store.reset();
+}
+
 }  // namespace
 
 int main() {
     const stress::NoOtherThreads alone;
+    outlive_the_thread_that_asked();
     TextureStore store(kLeastMemory);
     for (int i = 0; i < kTextures; ++i)
         store.add_pixels("wave", picture(kSide, static_cast<float>(i)), kSide, kSide, 4, ColorSpace::Linear);
