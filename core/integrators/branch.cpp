@@ -25,6 +25,7 @@ Branch Branch::scattered(const Scene& scene, const Vertex& from, const Closures&
     child.share /= static_cast<float>(count);
     if (splits_light && bounces.count() == 0) child.first_shares = shares_of_scattering(from, closures, sample);
     child.shows_features = false;
+    child.outside_of = RayAnchor::kNone;
     ++child.vertex;
     return child;
 }
@@ -32,6 +33,7 @@ Branch Branch::scattered(const Scene& scene, const Vertex& from, const Closures&
 Branch Branch::straight_on(const Scene& scene, const Vertex& from) const {
     Branch child = *this;
     child.has_departed = false;
+    child.outside_of = RayAnchor::kNone;
     child.ray = from.point.behind(ray);
     child.differential = from.differential;
     child.throughput *= from.closures.transparency;

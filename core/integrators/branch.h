@@ -61,8 +61,9 @@ struct Branch {
     bool splits_light;  ///< whether anyone asks for `first_shares`
     int vertex = 0;     ///< counted from the camera
     DenoisingFeatures features;
-    bool has_departed = false;   ///< was scattered, and has met nothing yet
-    bool shows_features = true;  ///< for denoisers: by way of mirrors and clear glass alone
+    uint32_t outside_of = RayAnchor::kNone;  ///< instance of glass that the ray has just left
+    bool has_departed = false;               ///< was scattered, and has met nothing yet
+    bool shows_features = true;              ///< for denoisers: by way of mirrors and clear glass alone
 
     /// How bright the ray is for one of its kind.
     float importance() const { return max_component(throughput) / share; }

@@ -3,6 +3,7 @@
 #include "integrators/blocked_light.h"
 #include "integrators/distribution_tracer.h"
 #include "integrators/first_surface.h"
+#include "integrators/glass_path.h"
 #include "integrators/ray_passes.h"
 
 namespace rayleaf {
@@ -13,8 +14,16 @@ void DistributionTracer::follow_pending() {
         pending_.pop_back();
         ++counts_[branch.use];
         branch.ray = ray_of(branch);
-        arrive(branch, scene_.tracer().closest_hit(branch.ray, branch.bounces.ray_kind()));
+        arrive(branch, closest(branch, branch.ray));
     }
+}
+
+ClosestHit DistributionTracer::closest(const Branch& branch, Ray& ray) const {
+    const Visibility kind = branch.bounces.ray_kind();
+    const RayDifferential* differential = scene_.needs_differentials() ? &branch.differential : nullptr;
+    const ClosestHit found = scene_.tracer().closest(ray, kind, differential);
+    if (branch.outside_of == RayAnchor::kNone) return found;
+    return outside_glass(scene_, branch.outside_of, ray, kind, differential, found);
 }
 
 PixelSample DistributionTracer::trace(const Branch& camera) {
@@ -42,8 +51,12 @@ void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& 
     if (branch.vertex == 0 && settings_.ray_passes) write_volumes(passage, light_.sample);
 }
 
-void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
-    if (branch.vertex == 0 && settings_.ray_passes) write_level(hit, light_.sample);
+void DistributionTracer::arrive(Branch& branch, const ClosestHit& found) {
+    const std::optional<Hit>& hit = found.hit;
+    if (branch.vertex == 0 && settings_.ray_passes) {
+        write_answer(scene_.tracer(), found, light_.sample);
+        write_level(hit, light_.sample);
+    }
     if (branch.has_departed) add_blocked_lights(branch);
     if (!scene_.volumes().empty()) pass_volumes(branch, hit);
     const double end = hit ? hit->t : std::numeric_limits<double>::infinity();
@@ -59,6 +72,10 @@ void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
     const Vec3f direction(branch.ray.direction);
     vertex.outgoing = -direction;
     vertex.differential = branch.differential.transferred(direction, hit->t, vertex.point.facet_normal);
+    if (hit->is_interpolated()) {
+        vertex.point.dp_du = vertex.differential.dp_dx;
+        vertex.point.dp_dv = vertex.differential.dp_dy;
+    }
     // Light sampling looks at points: where it might have found the same emission, both must see it alike, or their
     // weights would not add up to one.
     const bool sampled = branch.departure.sampling != LightSampling::None && program.emits();
@@ -72,9 +89,9 @@ void DistributionTracer::arrive(Branch& branch, const std::optional<Hit>& hit) {
         branch.features.meet(scene_, vertex, hit->t - branch.ray.t_min, light_.sample);
     add_emission(branch, vertex);
     if (branch.bounces.is_spent()) return;
-    if (branch.spread == Spread::One) return send_one_on(branch, vertex);
+    if (branch.spread == Spread::One) return send_one_on(branch, *hit, vertex);
     if (!is_black(vertex.closures.transparency)) push(branch.straight_on(scene_, vertex), vertex);
-    if (!branch.bounces.is_last()) send_on(branch, vertex);
+    if (!branch.bounces.is_last()) send_on(branch, *hit, vertex);
 }
 
 void DistributionTracer::add(const Branch& branch, const Color& radiance, Pass seen, int group) {

@@ -30,7 +30,7 @@ void DistributionTracer::walk_on(Branch branch, const Vertex& vertex, const Lobe
     if (!survives(branch, settings_)) return;
     if (branch.spread == Spread::One) {
         sample_light_once(branch, exit->vertex);
-        return scatter_once(branch, exit->vertex, 0.0f);
+        return scatter_once(branch, Hit(), exit->vertex, 0.0f);  // no cache has answered it
     }
     const SplitClosures lobes(exit->vertex.closures, exit->vertex.outgoing, exit->vertex.point.facet_normal);
     sample_lights(branch, exit->vertex, lobes);

@@ -15,7 +15,8 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     Ray limited = whole;
     if (!carries_light) limited.t_max = reach;
     ++counts_[ray.use];
-    const std::optional<Hit> hit = scene_.tracer().closest_hit(limited, ray.bounces.ray_kind());
+    const ClosestHit found = closest(ray, limited);
+    const std::optional<Hit>& hit = found.hit;
     HemisphereRay result;
     if (hit) result.inverse_distance = static_cast<float>(1.0 / hit->t);
     limited.t_max = reach;
@@ -27,7 +28,7 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     if (carries_light) {
         Branch branch = ray;
         branch.ray = whole;
-        arrive(branch, hit);
+        arrive(branch, found);
         follow_pending();
         const auto color = [&](Pass pass) {
             const Vec4f& value = light_.sample[pass];

@@ -1,4 +1,5 @@
 #include "integrators/distribution_tracer.h"
+#include "integrators/glass_path.h"
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
 
@@ -6,10 +7,10 @@
 
 namespace rayleaf {
 
-void DistributionTracer::send_on(const Branch& branch, const Vertex& vertex) {
+void DistributionTracer::send_on(const Branch& branch, const Hit& hit, const Vertex& vertex) {
     const SplitClosures lobes(vertex.closures, vertex.outgoing, vertex.point.facet_normal);
     sample_lights(branch, vertex, lobes);
-    follow_singular(branch, vertex, lobes);
+    follow_singular(branch, hit, vertex, lobes);
     scatter_glossy(branch, vertex, lobes);
     scatter_over_hemisphere(branch, vertex, lobes);
     scatter_below(branch, vertex, lobes);
@@ -96,7 +97,8 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
     add_sent_light(branch, count);
 }
 
-void DistributionTracer::follow_singular(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes) {
+void DistributionTracer::follow_singular(const Branch& branch, const Hit& hit, const Vertex& vertex,
+                                         const SplitClosures& lobes) {
     uint32_t number = 0;
     float total = max_component(vertex.closures.transparency);
     for (const LobeSample& sample : lobes.singular()) total += max_component(sample.weight);
@@ -107,7 +109,7 @@ void DistributionTracer::follow_singular(const Branch& branch, const Vertex& ver
         child.use = RayUse::Specular;
         child.shows_features = branch.shows_features;
         child.features.take_share(max_component(sample.weight) / total);
-        push(std::move(child), vertex);
+        push_scattered(std::move(child), hit, vertex, sample);
     }
 }
 
@@ -144,7 +146,7 @@ void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& v
     add_sent_light(branch, 1);
 }
 
-void DistributionTracer::send_one_on(const Branch& branch, const Vertex& vertex) {
+void DistributionTracer::send_one_on(const Branch& branch, const Hit& hit, const Vertex& vertex) {
     const bool last = branch.bounces.is_last();
     if (!last) sample_light_once(branch, vertex);
     const float through = max_component(vertex.closures.transparency);
@@ -156,10 +158,10 @@ void DistributionTracer::send_one_on(const Branch& branch, const Vertex& vertex)
         child.throughput /= straight;
         return push(std::move(child), vertex);
     }
-    if (!last) scatter_once(branch, vertex, straight);
+    if (!last) scatter_once(branch, hit, vertex, straight);
 }
 
-void DistributionTracer::scatter_once(const Branch& branch, const Vertex& vertex, float straight) {
+void DistributionTracer::scatter_once(const Branch& branch, const Hit& hit, const Vertex& vertex, float straight) {
     const std::optional<LobeSample> sample =
         vertex.closures.sample(vertex.outgoing, vertex.point.facet_normal,
                                branch.sampler.get3(dimension(branch.vertex, PathDimension::Scatter)));
@@ -177,7 +179,22 @@ void DistributionTracer::scatter_once(const Branch& branch, const Vertex& vertex
         child.departure.density = sample->density;
     }
     child.use = RayUse::Indirect;
-    push(std::move(child), vertex);
+    push_scattered(std::move(child), hit, vertex, *sample);
+}
+
+void DistributionTracer::push_scattered(Branch&& branch, const Hit& hit, const Vertex& from, const LobeSample& sample) {
+    enter_media(branch, from);
+    const bool enters = sample.singular && sample.transmitted && from.outgoing.dot(from.point.facet_normal) > 0.0f;
+    if (enters) {
+        const GlassOutcome crossing = cross_glass(scene_, hit, from, settings_.most_interior_hits,
+                                                  {branch.ray, branch.differential, branch.bounces, branch.throughput});
+        if (crossing == GlassOutcome::Ended) return;
+        if (crossing == GlassOutcome::Left) {
+            branch.departure.from.position = branch.ray.origin;
+            branch.outside_of = from.point.instance;
+        }
+    }
+    push(std::move(branch));
 }
 
 void DistributionTracer::push(Branch&& branch) {

@@ -74,8 +74,10 @@ class DistributionTracer {
                 RandomStream(branch.sampler, dimension(branch.vertex, PathDimension::ShadowWalk))};
     }
     void follow_pending();
+    /// What `ray`, the branch's, meets; begun anew behind glass that it has just left (integrators/glass_path.h).
+    ClosestHit closest(const Branch& branch, Ray& ray) const;
     /// What the ray meets at its end.
-    void arrive(Branch& branch, const std::optional<Hit>& hit);
+    void arrive(Branch& branch, const ClosestHit& found);
     void pass_volumes(Branch& branch, const std::optional<Hit>& hit);
     /// True if a medium scattered the ray's light on the way: then the branch ends.
     bool pass_media(Branch& branch, double end);
@@ -102,7 +104,7 @@ class DistributionTracer {
                    ? 1
                    : std::max(1, static_cast<int>(std::lround(static_cast<float>(wanted) * branch.share)));
     }
-    void send_on(const Branch& branch, const Vertex& vertex);
+    void send_on(const Branch& branch, const Hit& hit, const Vertex& vertex);
     FreeWay way_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Ray& shadow,
                          int siblings) const;
     void send_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Color& value,
@@ -112,7 +114,8 @@ class DistributionTracer {
     LitClasses lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
                               const LightSample& light, int count) const;
     void sample_lights(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
-    void follow_singular(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
+    /// `hit` is the vertex's.
+    void follow_singular(const Branch& branch, const Hit& hit, const Vertex& vertex, const SplitClosures& lobes);
     void scatter_glossy(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
     void scatter_over_hemisphere(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
     void scatter_below(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
@@ -125,9 +128,11 @@ class DistributionTracer {
     void add_occlusion(const Branch& branch, const Vertex& vertex);
 
     void sample_light_once(const Branch& branch, const Vertex& vertex);
-    void send_one_on(const Branch& branch, const Vertex& vertex);
+    void send_one_on(const Branch& branch, const Hit& hit, const Vertex& vertex);
     /// By the lobes alone; `straight` is the probability with which the ray would have gone straight on.
-    void scatter_once(const Branch& branch, const Vertex& vertex, float straight);
+    void scatter_once(const Branch& branch, const Hit& hit, const Vertex& vertex, float straight);
+    /// Takes up a ray that `sample` made of one that met `hit`: from where it leaves the glass, if it enters some.
+    void push_scattered(Branch&& branch, const Hit& hit, const Vertex& from, const LobeSample& sample);
 
     /// Takes a ray up, unless it is black or, being dim, ends by chance.
     void push(Branch&& branch);

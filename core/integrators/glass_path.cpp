@@ -10,8 +10,15 @@ namespace {
 /// beyond it, which suffices where it leaves steeper than at some 15 degrees.
 constexpr double kExitErrors = 4.0;
 
-}  // namespace
+struct GlassExit {
+    Ray ray;  ///< that leaves
+    RayDifferential differential;
+    int crossings = 0, total_reflections = 0;  ///< hits from inside: that let the ray out, and that did not
+    bool is_cut_off = false;                   ///< by the limit of hits: no ray leaves
+};
 
+/// The path through the glass as the hit's ray cache knows it; empty where it does not. `differential`: of the ray that
+/// enters, where it hits; so is the one that leaves, unless the cache was asked how the way changes.
 std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const RayDifferential& differential,
                                            float time) {
     if (!hit.is_interpolated() || hit.interpolated.way == GlassWay::Unknown) return std::nullopt;
@@ -42,6 +49,8 @@ std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, c
     return exit;
 }
 
+/// The way from `entered`, a ray that just passed the surface of `instance`, of at most so many hits from inside. Empty
+/// where it finds no end.
 std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, uint32_t instance, const Ray& entered,
                                      const RayDifferential& differential, int most_hits) {
     GlassExit exit{entered, differential, 0, 0};
@@ -74,6 +83,50 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
     }
     exit.is_cut_off = true;
     return exit;
+}
+
+/// Counts a hit from inside as the bounce that it is; false if the path ends there.
+bool cross_inside(LobeKind kind, const Color& factor, const GlassCrosser& path) {
+    if (path.bounces.is_last()) return false;
+    LobeSample sample;
+    sample.kind = kind;
+    sample.singular = true;
+    sample.transmitted = kind == LobeKind::Transmission;
+    path.bounces.scatter(sample);
+    path.throughput *= factor;
+    return max_component(path.throughput) > 0.0f;
+}
+
+}  // namespace
+
+GlassOutcome cross_glass(const Scene& scene, const Hit& entered, const Vertex& vertex, int most_interior_hits,
+                         GlassCrosser path) {
+    const uint32_t instance = vertex.point.instance;
+    const GlassBody* body = scene.glass_body(instance);
+    if (!body) return GlassOutcome::BySurfaces;
+    std::optional<GlassExit> exit = interpolated_exit(scene, entered, vertex.differential, vertex.point.time);
+    if (!exit) exit = traced_exit(scene, *body, instance, path.ray, path.differential, most_interior_hits);
+    if (!exit) return GlassOutcome::BySurfaces;
+    if (exit->is_cut_off) return GlassOutcome::Ended;
+    for (int i = 0; i < exit->total_reflections; ++i)
+        if (!cross_inside(LobeKind::Glossy, body->reflected, path)) return GlassOutcome::Ended;
+    for (int i = 0; i < exit->crossings; ++i)
+        if (!cross_inside(LobeKind::Transmission, body->leaving, path)) return GlassOutcome::Ended;
+    path.ray = exit->ray;
+    path.differential = exit->differential;
+    return GlassOutcome::Left;
+}
+
+ClosestHit outside_glass(const Scene& scene, uint32_t outside_of, Ray& ray, Visibility kind,
+                         const RayDifferential* differential, ClosestHit found) {
+    constexpr int kMostSurfaces = 4;
+    for (int i = 1; i < kMostSurfaces && found.hit && found.hit->instance == outside_of; ++i) {
+        const SurfacePoint point = scene.tracer().surface_point(ray, *found.hit);
+        if (point.facet_normal.dot(Vec3f(ray.direction)) <= 0.0f) break;
+        ray.t_min = found.hit->t + point.start_offset;
+        found = scene.tracer().closest(ray, kind, differential);
+    }
+    return found;
 }
 
 }  // namespace rayleaf

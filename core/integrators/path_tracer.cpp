@@ -81,17 +81,10 @@ const PixelSample& PathTracer::finish() {
     return light_.sample;
 }
 
-/// A ray that has left a glass body cannot meet it from inside, unless the point where it was said to leave lay a
-/// little inside: then that surface is not there, and what lies behind counts.
 void PathTracer::take_hit(ClosestHit found) {
-    constexpr int kMostSurfaces = 4;
-    for (int i = 1; i < kMostSurfaces && found.hit && found.hit->instance == outside_of_; ++i) {
-        const SurfacePoint point = scene_.tracer().surface_point(ray_, *found.hit);
-        if (point.facet_normal.dot(Vec3f(ray_.direction)) <= 0.0f) break;
-        ray_.t_min = found.hit->t + point.start_offset;
-        found =
-            scene_.tracer().closest(ray_, bounces_.ray_kind(), scene_.needs_differentials() ? &differential_ : nullptr);
-    }
+    if (outside_of_ != kNowhere)
+        found = outside_glass(scene_, outside_of_, ray_, bounces_.ray_kind(),
+                              scene_.needs_differentials() ? &differential_ : nullptr, found);
     hit_ = found.hit;
     if (vertex_ > 0 || !settings_.ray_passes) return;
     write_answer(scene_.tracer(), found, light_.sample);
@@ -298,8 +291,14 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
     if (sample->fibre) leave_fibre(scene_, vertex.point, vertex.closures, ray_);
     outside_of_ = kNowhere;
-    const GlassBody* body = enters ? scene_.glass_body(vertex.point.instance) : nullptr;
-    return !body || cross_glass(*body, vertex);
+    if (!enters) return true;
+    const GlassOutcome crossing =
+        cross_glass(scene_, *hit_, vertex, settings_.most_interior_hits, {ray_, differential_, bounces_, throughput_});
+    if (crossing == GlassOutcome::Left) {
+        departure_.from.position = ray_.origin;
+        outside_of_ = vertex.point.instance;
+    }
+    return crossing != GlassOutcome::Ended;
 }
 
 bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry) {
@@ -313,36 +312,6 @@ bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry) {
     ++vertex_;
     add_direct_light(exit->vertex, random3(PathDimension::Light));
     return scatter(exit->vertex, random3(PathDimension::Scatter));
-}
-
-/// Goes on from where the ray that has just entered a glass body leaves it; false if the path ends inside.
-bool PathTracer::cross_glass(const GlassBody& body, const Vertex& vertex) {
-    std::optional<GlassExit> exit = interpolated_exit(scene_, *hit_, vertex.differential, vertex.point.time);
-    if (!exit)
-        exit = traced_exit(scene_, body, vertex.point.instance, ray_, differential_, settings_.most_interior_hits);
-    if (!exit) return true;  // on, surface by surface
-    if (exit->is_cut_off) return false;
-    for (int i = 0; i < exit->total_reflections; ++i)
-        if (!cross_inside(LobeKind::Glossy, body.reflected)) return false;
-    for (int i = 0; i < exit->crossings; ++i)
-        if (!cross_inside(LobeKind::Transmission, body.leaving)) return false;
-    ray_ = exit->ray;
-    differential_ = exit->differential;
-    departure_.from.position = ray_.origin;
-    outside_of_ = vertex.point.instance;
-    return true;
-}
-
-/// Counts a hit from inside as the bounce that it is.
-bool PathTracer::cross_inside(LobeKind kind, const Color& factor) {
-    if (bounces_.is_last()) return false;
-    LobeSample sample;
-    sample.kind = kind;
-    sample.singular = true;
-    sample.transmitted = kind == LobeKind::Transmission;
-    bounces_.scatter(sample);
-    throughput_ *= factor;
-    return max_component(throughput_) > 0.0f;
 }
 
 bool PathTracer::survives_roulette() {

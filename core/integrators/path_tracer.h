@@ -197,8 +197,6 @@ class PathTracer {
     bool scatter(const Vertex& vertex, const Vec3f& random);
     /// Light that enters the body at the vertex: lit and scattered on where it leaves.
     bool scatter_below(const Vertex& vertex, const LobeSample& entry);
-    bool cross_glass(const GlassBody& body, const Vertex& vertex);
-    bool cross_inside(LobeKind kind, const Color& factor);
     bool survives_roulette();
     float straight_probability(const Closures& closures) const;
     void catch_light();

@@ -10,6 +10,7 @@ constexpr double kSphere = 4.0 * std::numbers::pi;  ///< solid angle of all dire
 PointLamp::PointLamp(const Lamp& lamp)
     : center_(lamp.to_world.translation),
       radius_(std::max(0.0, lamp.radius)),
+      soft_(lamp.soft_falloff),
       intensity_(lamp.strength * static_cast<float>(1.0 / kSphere)),
       axis_(normalized_or(-lamp.to_world.z, Vec3d(0, 0, -1))),
       spot_(lamp.kind == LampKind::Spot),
@@ -33,19 +34,23 @@ float PointLamp::attenuation(const Vec3d& towards_lamp) const {
     return static_cast<float>(profile * x * x * (3.0 - 2.0 * x));
 }
 
+double PointLamp::sine_squared(double distance_squared) const {
+    const double square = radius_ * radius_;
+    return square / (soft_ ? distance_squared + square : distance_squared);
+}
+
 double PointLamp::density(const Vec3d& position) const {
-    const double distance_squared = (center_ - position).length2();
-    const double sine_squared = radius_ * radius_ / distance_squared;
-    if (!(sine_squared < 1.0)) return 1.0 / kSphere;
-    return std::min(kLargestDensity, 1.0 / cone_solid_angle(sine_squared));
+    const double sine = sine_squared((center_ - position).length2());
+    if (!(sine < 1.0)) return soft_ ? 0.0 : 1.0 / kSphere;
+    return std::min(kLargestDensity, 1.0 / cone_solid_angle(sine));
 }
 
 std::optional<LampSample> PointLamp::sample(const Vec3d& position, const Vec2f& random) const {
     const Vec3d offset = center_ - position;
     const double distance = offset.length();
-    const double sine_squared = radius_ * radius_ / (distance * distance);
+    const double sine = sine_squared(distance * distance);
     LampSample sample;
-    if (radius_ > 0 && !(sine_squared < 1.0)) {  // inside the sphere: all of it, its shell seen from within
+    if (radius_ > 0 && !soft_ && !(sine < 1.0)) {  // inside the sphere: all of it, its shell seen from within
         const ConeDirection cone = sample_cone(Vec3d(0, 0, 1), 2.0, random);
         sample.direction = cone.direction;
         const double along = offset.dot(sample.direction);
@@ -56,7 +61,7 @@ std::optional<LampSample> PointLamp::sample(const Vec3d& position, const Vec2f& 
     }
     if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
     const Vec3d axis = offset / distance;
-    const double solid_angle = cone_solid_angle(sine_squared);
+    const double solid_angle = cone_solid_angle(sine);
     if (radius_ == 0 || solid_angle < kSmallestSolidAngle) {
         const Color irradiance(Vec3d(intensity_) / (distance * distance));
         return LampSample{axis, distance, irradiance * attenuation(axis), 1.0, true};
@@ -66,14 +71,14 @@ std::optional<LampSample> PointLamp::sample(const Vec3d& position, const Vec2f& 
     const double below = cone.one_minus_cosine;
     const double half_chord_squared = radius_ * radius_ - distance * distance * below * (2.0 - below);
     sample.direction = cone.direction;
-    sample.distance = distance * (1.0 - below) - std::sqrt(std::max(0.0, half_chord_squared));
+    sample.distance =
+        soft_ ? distance / (1.0 - below) : distance * (1.0 - below) - std::sqrt(std::max(0.0, half_chord_squared));
     sample.density = 1.0 / solid_angle;
     sample.radiance = radiance_ * attenuation(sample.direction);
     return sample;
 }
 
-std::optional<LampIntersection> PointLamp::hit(const Ray& ray, const Vec3d& from) const {
-    if (radius_ == 0) return std::nullopt;
+std::optional<double> PointLamp::distance_to_sphere(const Ray& ray, const Vec3d& from) const {
     const Vec3d offset = center_ - ray.origin;
     const double along = offset.dot(ray.direction);
     const double miss_squared = (offset - ray.direction * along).length2();
@@ -81,9 +86,23 @@ std::optional<LampIntersection> PointLamp::hit(const Ray& ray, const Vec3d& from
     if (half_chord_squared < 0) return std::nullopt;
     const bool inside = (center_ - from).length2() <= radius_ * radius_;
     const double half_chord = std::sqrt(half_chord_squared);
-    const double t = inside ? along + half_chord : along - half_chord;
-    if (!(t > ray.t_min && t < ray.t_max)) return std::nullopt;
-    return LampIntersection{t, radiance_ * attenuation(ray.direction), density(from)};
+    return inside ? along + half_chord : along - half_chord;
+}
+
+std::optional<double> PointLamp::distance_to_disk(const Ray& ray, const Vec3d& from) const {
+    const Vec3d facing = center_ - from, offset = center_ - ray.origin;
+    const double approach = ray.direction.dot(facing);
+    if (!(approach > 0)) return std::nullopt;
+    const double t = offset.dot(facing) / approach;
+    if (!((offset - ray.direction * t).length2() <= radius_ * radius_)) return std::nullopt;
+    return t;
+}
+
+std::optional<LampIntersection> PointLamp::hit(const Ray& ray, const Vec3d& from) const {
+    if (radius_ == 0) return std::nullopt;
+    const std::optional<double> t = soft_ ? distance_to_disk(ray, from) : distance_to_sphere(ray, from);
+    if (!t || !(*t > ray.t_min && *t < ray.t_max)) return std::nullopt;
+    return LampIntersection{*t, radiance_ * attenuation(ray.direction), density(from)};
 }
 
 Box3d PointLamp::bounds() const {

@@ -1,8 +1,9 @@
 // Point and spot lamps: a sphere that shines alike everywhere, or a point; a spot lets light out in a cone only.
 //
 // A lamp of P watts has the intensity P / (4 pi) W/sr whatever its radius, so its sphere has the radiance
-// P / (4 pi² r²), as in Cycles. (Cycles 3.4 replaces the sphere by a disk that faces the point; the sphere keeps the
-// inverse square law exact.)
+// P / (4 pi² r²), as in Cycles. The sphere keeps the inverse square law exact. With soft falloff, a disk of the same
+// radiance takes its place, that faces whoever looks: near the lamp it brings less light, and nobody is inside of it.
+// Either is a cone of directions, in which directions are sampled evenly.
 #pragma once
 
 #include "lights/lamp_sample.h"
@@ -15,8 +16,8 @@ class PointLamp {
     explicit PointLamp(const Lamp& lamp);
 
     std::optional<LampSample> sample(const Vec3d& position, const Vec2f& random) const;
-    /// Whether the line from `origin` meets the sphere in (t_min, t_max). `from` is where light sampling would have
-    /// stood: it decides whether the sphere is seen from outside or from inside.
+    /// Whether the ray meets the sphere or the disk in (t_min, t_max). `from` is where light sampling would have stood:
+    /// the disk faces it, and it decides whether the sphere is seen from outside or from inside.
     std::optional<LampIntersection> hit(const Ray& ray, const Vec3d& from) const;
 
     bool has_size() const { return radius_ > 0; }
@@ -29,6 +30,7 @@ class PointLamp {
   private:
     Vec3d center_;
     double radius_;    ///< 0: a point
+    bool soft_;        ///< a disk
     Color intensity_;  ///< W/sr
     Color radiance_;   ///< of the sphere
     Vec3d axis_;       ///< unit, the way a spot shines
@@ -37,7 +39,11 @@ class PointLamp {
     double cos_half_ = 0;    ///< of the cone
     double fade_width_ = 0;  ///< in cosines; 0: a sharp border
 
+    /// Square of the sine of the cone's half angle, at a distance; a sphere that is seen from inside: 1 or more.
+    double sine_squared(double distance_squared) const;
     double density(const Vec3d& position) const;
+    std::optional<double> distance_to_sphere(const Ray& ray, const Vec3d& from) const;
+    std::optional<double> distance_to_disk(const Ray& ray, const Vec3d& from) const;
     float attenuation(const Vec3d& towards_lamp) const;
 };
 

@@ -143,15 +143,17 @@ void move_instances(SceneDescription& scene, const Array<int32_t>& indices, cons
 }
 
 int add_lamp(SceneDescription& scene, const std::string& name, const std::string& kind, const Array<double>& matrix,
-             const std::array<float, 3>& strength, double radius, double angle, double spot_size, double spot_blend,
-             const std::string& spot_profile, double size_x, double size_y, double spread, bool casts_shadow,
-             int visibility, const std::shared_ptr<Program>& emission, int light_group, std::pair<int, int> link) {
+             const std::array<float, 3>& strength, double radius, bool soft_falloff, double angle, double spot_size,
+             double spot_blend, const std::string& spot_profile, double size_x, double size_y, double spread,
+             bool casts_shadow, int visibility, const std::shared_ptr<Program>& emission, int light_group,
+             std::pair<int, int> link) {
     Lamp lamp;
     lamp.name = name;
     lamp.kind = lamp_kind(name, kind);
     lamp.to_world = affine_of(name, matrix);
     lamp.strength = Color(strength[0], strength[1], strength[2]);
     lamp.radius = radius;
+    lamp.soft_falloff = soft_falloff;
     lamp.angle = angle;
     lamp.spot_size = spot_size;
     lamp.spot_blend = spot_blend;
@@ -312,10 +314,11 @@ void bind_scene(py::module_& module) {
         .def("clear_lamps", [](SceneDescription& scene) { scene.lamps.clear(); })
         .def("add_material_list", &SceneDescription::add_material_list, "materials"_a)
         .def("add_ray_interpolation", &SceneDescription::add_ray_interpolation, "object"_a, "interpolation"_a)
-        .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0, "angle"_a = 0.0,
-             "spot_size"_a = 0.0, "spot_blend"_a = 0.0, "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0,
-             "spread"_a = std::numbers::pi, "casts_shadow"_a = true, "visibility"_a = kVisibleAll | kOfFootage,
-             "emission"_a = py::none(), "light_group"_a = -1, "link"_a = std::make_pair(-1, -1))
+        .def("add_lamp", &add_lamp, "name"_a, "kind"_a, "matrix"_a, "strength"_a, "radius"_a = 0.0,
+             "soft_falloff"_a = false, "angle"_a = 0.0, "spot_size"_a = 0.0, "spot_blend"_a = 0.0,
+             "spot_profile"_a = "COSINE", "size_x"_a = 1.0, "size_y"_a = 1.0, "spread"_a = std::numbers::pi,
+             "casts_shadow"_a = true, "visibility"_a = kVisibleAll | kOfFootage, "emission"_a = py::none(),
+             "light_group"_a = -1, "link"_a = std::make_pair(-1, -1))
         .def("set_world", &set_world, "world"_a.none(true), "sampling_resolution"_a = 1024, "medium"_a = py::none(),
              "light_group"_a = -1, "visibility"_a = static_cast<int>(kVisibleAll), "lit_by"_a = kAnyLight)
         .def("matte_attributes", &manifest, "kind"_a, "layer"_a)

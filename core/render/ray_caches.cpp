@@ -65,10 +65,6 @@ RayCaches::RayCaches(const SceneDescription& description, Scene& scene, const Se
         frame_.push_back({std::move(planned), nullptr, {}, {}});
         FrameCache& each = frame_.back();
         each.reason = each.planned.obstacle;
-        // Its cache is needed for more than the first hit: each mirror and each refraction is followed exactly.
-        if (each.reason.empty() && settings.integrator == IntegratorKind::Distribution &&
-            each.planned.samples.kind != OutputKind::Volume)
-            each.reason = "distribution ray tracing traces every surface";
         if (!each.reason.empty()) continue;
         if (each.planned.interpolation.mode == RayInterpolationMode::Auto) {
             undecided.push_back(each.planned);

@@ -37,10 +37,11 @@ bool same_materials(const Material& a, const Material& b) {
 
 bool same_lamps(const Lamp& a, const Lamp& b) {
     return a.name == b.name && a.kind == b.kind && a.to_world == b.to_world && a.strength == b.strength &&
-           a.radius == b.radius && a.angle == b.angle && a.spot_size == b.spot_size && a.spot_blend == b.spot_blend &&
-           a.spot_profile == b.spot_profile && a.size_x == b.size_x && a.size_y == b.size_y && a.spread == b.spread &&
-           a.casts_shadow == b.casts_shadow && a.visibility == b.visibility && same_programs(a.emission, b.emission) &&
-           a.light_group == b.light_group && a.link == b.link;
+           a.radius == b.radius && a.soft_falloff == b.soft_falloff && a.angle == b.angle &&
+           a.spot_size == b.spot_size && a.spot_blend == b.spot_blend && a.spot_profile == b.spot_profile &&
+           a.size_x == b.size_x && a.size_y == b.size_y && a.spread == b.spread && a.casts_shadow == b.casts_shadow &&
+           a.visibility == b.visibility && same_programs(a.emission, b.emission) && a.light_group == b.light_group &&
+           a.link == b.link;
 }
 
 bool same_textures(const SceneDescription& a, const SceneDescription& b) {

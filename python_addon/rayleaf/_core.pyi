@@ -556,6 +556,7 @@ class SceneDescription:
         matrix: Doubles,
         strength: Sequence[float],
         radius: float = 0.0,
+        soft_falloff: bool = False,
         angle: float = 0.0,
         spot_size: float = 0.0,
         spot_blend: float = 0.0,
@@ -573,6 +574,7 @@ class SceneDescription:
         and the set of blockers that cast shadows in its light; -1: all.
 
         kind: POINT, SUN, SPOT, RECTANGLE, DISK. strength: colour times watts (SUN: W/m²). spot_profile: COSINE, EVEN.
+        soft_falloff: a disk that faces whoever looks takes the place of the sphere of a POINT or a SPOT.
         """
     def set_world(
         self,

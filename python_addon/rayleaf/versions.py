@@ -254,6 +254,11 @@ def _power_factor(lamp: Any) -> float:
     return 1.0
 
 
+def has_soft_falloff(lamp: Any) -> bool:
+    """Whether a point or spot lamp is a disk that faces whoever looks, instead of a sphere. Since 4.2 lamps can be set."""
+    return bool(getattr(lamp, "use_soft_falloff", bpy.app.version < (4, 0, 0)))
+
+
 def spot_profile() -> str:
     """How a spot shines within its cone before it fades; until 4.0 by the cosine to its axis."""
     return "COSINE" if bpy.app.version < (4, 0, 0) else "EVEN"

@@ -34,6 +34,9 @@ LAMPS = {
     "point": dict(kind="POINT"),
     "sphere": dict(kind="POINT", radius=0.5),
     "sphere around the point": dict(kind="POINT", radius=3.0),
+    "soft point": dict(kind="POINT", radius=0.5, soft_falloff=True),
+    "soft point nearer than its radius": dict(kind="POINT", radius=3.0, soft_falloff=True),
+    "soft spot": dict(kind="SPOT", spot_size=2.0, spot_blend=0.5, radius=0.4, soft_falloff=True),
     "spot": dict(kind="SPOT", spot_size=2.0, spot_blend=0.5),
     "wide spot": dict(kind="SPOT", spot_size=2.0, spot_blend=0.5, radius=0.4),
     "sun": dict(kind="SUN"),
@@ -107,6 +110,17 @@ def test_inside_a_shining_sphere_every_direction_is_as_bright(core):
     value, error = irradiance(probe_of(core, dict(kind="POINT", radius=3.0)).sample(POSITION, random_numbers(40000)))
     expected = np.pi * POWER / (4 * np.pi**2 * 9)
     assert abs(value - expected) < 5 * error
+
+
+@pytest.mark.parametrize("radius", [0.01, 0.5, 3.0, 100.0])
+def test_a_point_lamp_with_soft_falloff_is_a_disk_that_faces_the_point(core, radius):
+    probe = probe_of(core, dict(kind="POINT", radius=radius, soft_falloff=True))
+    offset = np.array([0.0, 0.0, 1.0]) - POSITION
+    square = offset @ offset
+    facing = offset / np.sqrt(square)
+    value, error = irradiance(probe.sample(POSITION, random_numbers(20000)), facing)
+    expected = POWER / (4 * np.pi**2 * radius**2) * np.pi * radius**2 / (radius**2 + square)
+    assert abs(value - expected) < 5 * error + 1e-5 * expected
 
 
 def test_a_sun_gives_its_strength_to_a_surface_that_faces_it(core):

@@ -25,7 +25,9 @@ void add_lamp(SceneDescription& scene, fuzz::Bytes& bytes) {
         if (bytes.flag()) *value = bytes.number();
     lamp.spot_profile = bytes.flag() ? SpotProfile::Even : SpotProfile::Cosine;
     lamp.casts_shadow = bytes.flag();
-    lamp.visibility = bytes.byte();
+    const uint8_t seen = bytes.byte();
+    lamp.visibility = seen;
+    lamp.soft_falloff = seen % 3 == 1;  // of a byte that is there: kept cases mean what they did
     scene.add_lamp(lamp);
 }
 

@@ -29,8 +29,6 @@ def is_portal(lamp: Any) -> bool:
 def _name_ignored(lamp: Any, subject: Subject, messages: Messages) -> None:
     if versions.cycles_setting(lamp, "max_bounces", _ANY_BOUNCES) < _ANY_BOUNCES:
         messages.warn(f"{subject}: a limit of bounces of its own is not supported; it has none", subject)
-    if not getattr(lamp, "use_soft_falloff", True):  # 4.2
-        messages.warn(f"{subject}: a lamp without soft falloff is not supported; it has one", subject)
 
 
 def _area(lamp: Any, matrix: NDArray[np.float64]) -> float:
@@ -85,7 +83,7 @@ def describe(
         emission=program,
     )
     if lamp.type in ("POINT", "SPOT"):
-        arguments["radius"] = lamp.shadow_soft_size
+        arguments.update(radius=lamp.shadow_soft_size, soft_falloff=versions.has_soft_falloff(lamp))
     if lamp.type == "SPOT":
         arguments.update(spot_size=lamp.spot_size, spot_blend=lamp.spot_blend, spot_profile=versions.spot_profile())
     if lamp.type == "SUN":
