@@ -21,9 +21,9 @@ void DistributionTracer::follow_pending() {
 ClosestHit DistributionTracer::closest(const Branch& branch, Ray& ray) const {
     const Visibility kind = branch.bounces.ray_kind();
     const RayDifferential* differential = scene_.needs_differentials() ? &branch.differential : nullptr;
-    const ClosestHit found = scene_.tracer().closest(ray, kind, differential);
+    ClosestHit found = scene_.tracer().closest(ray, kind, differential);
     if (branch.outside_of == RayAnchor::kNone) return found;
-    return outside_glass(scene_, branch.outside_of, ray, kind, differential, found);
+    return outside_glass(scene_, branch.outside_of, ray, kind, differential, std::move(found));
 }
 
 PixelSample DistributionTracer::trace(const Branch& camera) {

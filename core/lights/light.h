@@ -33,14 +33,14 @@ class Program;  // shading/program.h
 struct Lamp {
     std::string name;
     LampKind kind = LampKind::Point;
-    Affine3d to_world;          ///< scale counts for area lamps only
-    Color strength{0, 0, 0};    ///< colour times watts; the sun: colour times W/m²; negative takes light away
-    double radius = 0;          ///< point and spot: of the shining sphere, world units; 0 is a point
-    bool soft_falloff = false;  ///< point and spot: a disk that faces whoever looks takes the sphere's place
-    double angle = 0;           ///< sun: angular diameter, radians
-    double spot_size = 0;       ///< full cone angle, radians
-    double spot_blend = 0;      ///< 0..1 share of the cone that fades
+    Affine3d to_world;        ///< scale counts for area lamps only
+    Color strength{0, 0, 0};  ///< colour times watts; the sun: colour times W/m²; negative takes light away
+    double radius = 0;        ///< point and spot: of the shining sphere, world units; 0 is a point
+    double angle = 0;         ///< sun: angular diameter, radians
+    double spot_size = 0;     ///< full cone angle, radians
+    double spot_blend = 0;    ///< 0..1 share of the cone that fades
     SpotProfile spot_profile = SpotProfile::Cosine;
+    bool soft_falloff = false;         ///< point and spot: a disk that faces whoever looks takes the sphere's place
     double size_x = 1, size_y = 1;     ///< area lamps, in lamp space; a disk's axes
     double spread = 3.14159265358979;  ///< area lamps: full angle of emission, radians
     bool casts_shadow = true;
