@@ -14,6 +14,14 @@ Affine3d matrix(fuzz::Bytes& bytes) {
     return drawn;
 }
 
+/// To none, to a set of receivers, of blockers, or both.
+LightLink link(uint8_t byte) {
+    LightLink drawn;
+    if (byte % 5 == 2 || byte % 5 == 4) drawn.receivers = static_cast<int8_t>(byte % 3);
+    if (byte % 5 >= 3) drawn.blockers = static_cast<int8_t>(byte % 2);
+    return drawn;
+}
+
 void add_lamp(SceneDescription& scene, fuzz::Bytes& bytes) {
     Lamp lamp;
     lamp.name = "lamp";
@@ -27,7 +35,9 @@ void add_lamp(SceneDescription& scene, fuzz::Bytes& bytes) {
     lamp.casts_shadow = bytes.flag();
     const uint8_t seen = bytes.byte();
     lamp.visibility = seen;
-    lamp.soft_falloff = seen % 3 == 1;  // of a byte that is there: kept cases mean what they did
+    // Of a byte that is there: kept cases mean what they did.
+    lamp.soft_falloff = seen % 3 == 1;
+    lamp.link = link(seen);
     scene.add_lamp(lamp);
 }
 
@@ -53,7 +63,11 @@ void add_instance(SceneDescription& scene, fuzz::Bytes& bytes) {
     instance.shape = bytes.count(4) - 1;
     instance.object_to_world = matrix(bytes);
     instance.material_list = bytes.count(5) - 1;
-    instance.visibility = bytes.byte();
+    const uint8_t seen = bytes.byte();
+    instance.visibility = seen;
+    instance.linking.as_light = link(seen);
+    if (seen % 4 == 3) instance.linking.lit_by = kLightsOfAll | LightSets{seen} % 8;
+    if (seen % 4 >= 2) instance.linking.blocks = seen % 3;
     if (bytes.flag()) instance.visibility = kVisibleAll;
     instance.ray_interpolation = bytes.count(2) - 1;
     scene.add_instance(instance);
