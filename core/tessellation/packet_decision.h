@@ -5,6 +5,7 @@
 #include "geometry/facet.h"
 #include "tessellation/ray_packet.h"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace rayleaf {
@@ -18,6 +19,11 @@ struct alignas(64) FacetLanes {
     void set(size_t lane, const FacetCorners& facet) {
         for (size_t k = 0; k < 3; ++k)
             for (int axis = 0; axis < 3; ++axis) corners[k][axis][lane] = facet[k][axis];
+    }
+    /// The same facet in all lanes.
+    void set_all(const FacetCorners& facet) {
+        for (size_t k = 0; k < 3; ++k)
+            for (int axis = 0; axis < 3; ++axis) std::fill_n(corners[k][axis], kPacketSize, facet[k][axis]);
     }
     FacetHit hit(size_t lane) const {
         return {t[lane], u[lane], v[lane], {position[0][lane], position[1][lane], position[2][lane]}};

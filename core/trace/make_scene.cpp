@@ -66,8 +66,11 @@ double facet_distance_of(const Shape& shape, const FacetTolerance& tolerance) {
 }
 
 std::unique_ptr<ShapeScene> make_plain_scene(const Shape& shape, const CancelToken& cancel) {
-    if (shape.kind() == ShapeKind::TriangleMesh)
-        return std::make_unique<TriangleScene>(static_cast<const TriangleMesh&>(shape), cancel);
+    if (shape.kind() == ShapeKind::TriangleMesh) {
+        const auto& mesh = static_cast<const TriangleMesh&>(shape);
+        if (FewTrianglesScene::suits(mesh)) return std::make_unique<FewTrianglesScene>(mesh);
+        return std::make_unique<TriangleScene>(mesh, cancel);
+    }
     const auto& strands = static_cast<const Strands&>(shape);
     if (strands.form() == StrandForm::EmbreeRound) return std::make_unique<EmbreeStrandScene>(strands, cancel);
     return std::make_unique<StrandScene>(strands, cancel);

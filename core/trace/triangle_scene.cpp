@@ -73,8 +73,7 @@ void set_quads(RTCGeometry geometry, const TriangleMesh& mesh) {
 
 }  // namespace
 
-TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel)
-    : ShapeScene(mesh, FacetKind::Triangles), mesh_(&mesh) {
+TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel) : MeshScene(mesh) {
     if (mesh.triangles().empty()) return;
     const bool quads = mesh.layout() == FacetLayout::Quads;
     RTCGeometry geometry = rtcNewGeometry(embree_device(), quads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -98,7 +97,54 @@ TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel
     set_scene(std::move(scene), mesh.bounds());
 }
 
-LocalHit TriangleScene::local_hit(const ShapeHit& hit) const {
+bool FewTrianglesScene::suits(const TriangleMesh& mesh) {
+    constexpr size_t kMost = 12;  // a box
+    return !mesh.deforms() && !mesh.triangles().empty() && mesh.triangles().size() <= kMost;
+}
+
+FewTrianglesScene::FewTrianglesScene(const TriangleMesh& mesh) : MeshScene(mesh), meet_facets_(decision_kernel()) {
+    for (uint32_t i = 0; i < mesh.triangles().size(); ++i) corners_.push_back(mesh.corners(i));
+    set_box(mesh.bounds());
+}
+
+bool FewTrianglesScene::closest(const LocalRay& ray, ShapeHit& hit) const {
+    FacetQuery query(ray, hit);
+    const FacetRay facet_ray(ray.origin, ray.direction, ray.start);
+    for (uint32_t i = 0; i < corners_.size(); ++i) query.take({i, 0}, facet_ray.meet(corners_[i]));
+    return query.found;
+}
+
+bool FewTrianglesScene::occluded(const LocalRay& ray) const {
+    ShapeHit hit;
+    FacetQuery query(ray, hit);
+    const FacetRay facet_ray(ray.origin, ray.direction, ray.start);
+    for (uint32_t i = 0; i < corners_.size() && !query.found; ++i) query.take({i, 0}, facet_ray.meet(corners_[i]));
+    return query.found;
+}
+
+/// Offers one triangle to lanes of a packet; those that took it.
+uint32_t FewTrianglesScene::meet(PacketQuery& packet, uint32_t triangle, uint32_t lanes) const {
+    FacetLanes facets;
+    facets.set_all(corners_[triangle]);
+    uint32_t taken = 0;
+    for_each_lane(meet_facets_(packet.rays, lanes, facets), [&](size_t lane) {
+        if (packet.take(lane, {triangle, 0}, facets.hit(lane))) taken |= 1u << lane;
+    });
+    return taken;
+}
+
+void FewTrianglesScene::find_closest(PacketQuery& packet) const {
+    packet.found = 0;
+    for (uint32_t i = 0; i < corners_.size(); ++i) meet(packet, i, packet.lanes);
+}
+
+void FewTrianglesScene::find_any(PacketQuery& packet) const {
+    packet.found = 0;
+    uint32_t open = packet.lanes;
+    for (uint32_t i = 0; i < corners_.size() && open != 0; ++i) open &= ~meet(packet, i, open);
+}
+
+LocalHit MeshScene::local_hit(const ShapeHit& hit) const {
     LocalHit local;
     local.primitive = hit.facet.primitive;
     local.u = static_cast<float>(hit.point.u);
@@ -109,7 +155,7 @@ LocalHit TriangleScene::local_hit(const ShapeHit& hit) const {
     return local;
 }
 
-LocalHit TriangleScene::on_facet(const LocalHit& hit) const {
+LocalHit MeshScene::on_facet(const LocalHit& hit) const {
     return deforms() ? mesh_->point_at(hit) : hit;
 }
 
