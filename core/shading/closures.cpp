@@ -54,10 +54,15 @@ void mend_microfibres(Lobe& lobe) {
     lobe.alpha_y = limited(lobe.alpha_y, -kMostSkew, kMostSkew);
 }
 
-void make_tangent_orthogonal(Lobe& lobe) {
+Vec3f any_tangent(const Vec3f& normal) {
     Vec3f tangent, bitangent;
-    orthonormal_basis(lobe.normal, tangent, bitangent);
-    lobe.tangent = normalized_or(lobe.tangent - lobe.normal * lobe.normal.dot(lobe.tangent), tangent);
+    orthonormal_basis(normal, tangent, bitangent);
+    return tangent;
+}
+
+void make_tangent_orthogonal(Lobe& lobe) {
+    const Vec3f along = lobe.tangent - lobe.normal * lobe.normal.dot(lobe.tangent);
+    lobe.tangent = normalized_or(along, any_tangent(lobe.normal));
 }
 
 /// An interface that light passes without being bent.
@@ -94,7 +99,10 @@ void mend(Lobe& lobe) {
         lobe.alpha_x = std::max(lobe.alpha_x, kLeastLobeAlpha);
         lobe.alpha_y = std::max(lobe.alpha_y, kLeastLobeAlpha);
     }
-    make_tangent_orthogonal(lobe);
+    if (lobe.alpha_x == lobe.alpha_y)
+        lobe.tangent = any_tangent(lobe.normal);
+    else
+        make_tangent_orthogonal(lobe);
 }
 
 bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
@@ -196,6 +204,17 @@ void Closures::add(const Lobe& lobe) {
         join_most_alike(clean);
     else
         std::construct_at(&lobes_[count_++], clean);
+}
+
+void Closures::take_turned(const Closures& other, const Vec3f& normal) {
+    const std::span<Vec4f> slots = aovs;
+    *this = other;
+    aovs = slots;
+    const Vec3f tangent = any_tangent(normal);
+    for (int i = 0; i < count_; ++i) {
+        lobes_[i].normal = normal;
+        lobes_[i].tangent = tangent;
+    }
 }
 
 void Closures::widen(float alpha) {

@@ -69,8 +69,8 @@ struct Lobe {
     bool in_front = false;     ///< ToonGlossy: nothing at right angles to the mirror direction and beyond
     Color weight{0, 0, 0};     ///< factor on the lobe's value
     Vec3f normal{0, 0, 1};     ///< unit; faces the viewer
-    /// For anisotropy, made orthogonal to `normal` by `add`; zero: any. Of hair: along the fibre. Microfibres: towards
-    /// the viewer.
+    /// For anisotropy, made orthogonal to `normal` by `add`; without, `add` chooses one. Of hair: along the fibre.
+    /// Microfibres: towards the viewer.
     Vec3f tangent{0, 0, 0};
     /// Microfacet roughness (already squared); both 0: singular. Of hair: how wide it scatters along and around the
     /// fibre; HairFibre: a variance and a scale. Microfibres: their narrowing and skew.
@@ -135,6 +135,8 @@ class Closures {
     /// become harmless ones; roughness too small for floating point, or an index too near 1 to spread, becomes
     /// singular.
     void add(const Lobe& lobe);
+    /// Becomes a copy of `other`, all lobes of which have one normal, with `normal` in its place. AOVs stay.
+    void take_turned(const Closures& other, const Vec3f& normal);
     /// Gives microfacets at least the roughness `alpha`, and hair at least such widths.
     void widen(float alpha);
     /// Keeps what of the lobes makes no caustics: drops reflections that are not diffuse, refractions, or both.

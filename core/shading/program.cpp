@@ -1,6 +1,7 @@
 #include "shading/program.h"
 
 #include "base/error.h"
+#include "shading/even_closures.h"
 #include "shading/ies.h"
 #include "shading/operations_surroundings.h"
 #include "shading/variants.h"
@@ -182,6 +183,10 @@ Register Program::operation(const std::string& identifier, std::span<const Regis
     note_effects(instruction, operands);
     note_noise_use(instruction, operands);
     instructions_.push_back(instruction);
+    if (family == OperationFamily::Closure)
+        closures_turn_alone_ &= turns_alone(instruction.operation, instruction.variant,
+                                            operands_of(instruction, RegisterBank{nullptr, 1, registers_.data()}, 0));
+    find_even_closures();
     return instruction.result;
 }
 

@@ -20,6 +20,7 @@
 namespace rayleaf {
 
 class Operands;
+struct EvenClosures;
 struct RegisterBank;
 
 using Register = int32_t;  ///< -1: not connected
@@ -119,6 +120,8 @@ class Program {
     bool compute_together(const Instruction& instruction, const RegisterBank& registers) const;
     void add_closures(const Instruction& instruction, const RegisterBank& registers, Inputs inputs,
                       Results results) const;
+    void find_even_closures();
+    bool copy_even_closures(Inputs inputs, Results results) const;
     void look_up(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const;
     void bend(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const;
     void probe(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const;
@@ -142,6 +145,9 @@ class Program {
     bool asks_surroundings_ = false;
     bool textured_ = false;                   ///< some instruction is differentiated, or reads an image
     bool differentiates_attributes_ = false;  ///< and reads a named attribute
+    bool closures_turn_alone_ = true;         ///< closures differ between points by normal, side and path alone
+    /// Where they do, and nothing is read: what is added at any point (shading/even_closures.h). Else null.
+    std::shared_ptr<const EvenClosures> even_closures_;
 };
 
 }  // namespace rayleaf

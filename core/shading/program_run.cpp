@@ -1,5 +1,6 @@
 // Running a program: the interpreter. Each operation is done for all points of the run before the next one.
 #include "base/assert.h"
+#include "shading/even_closures.h"
 #include "shading/ies.h"
 #include "shading/neighbour.h"
 #include "shading/noise_lanes.h"
@@ -314,8 +315,23 @@ void Program::execute(Inputs inputs, float* numbers, Results results) const {
     run_textured(inputs, {places.data(), any ? kPlaces : 1}, results);
 }
 
+void Program::find_even_closures() {
+    even_closures_ = nullptr;
+    if (reads_inputs_ || !closures_turn_alone_) return;
+    even_closures_ = std::make_shared<const EvenClosures>(
+        [this](const ShadingInputs& inputs, Closures& result) { evaluate(inputs, result); });
+}
+
+/// False where the program must run.
+bool Program::copy_even_closures(Inputs inputs, Results results) const {
+    if (!even_closures_ || inputs.empty() || inputs[0]->point == nullptr) return false;
+    for (size_t i = 0; i < inputs.size(); ++i) even_closures_->copy(*inputs[i], *results[i]);
+    return true;
+}
+
 void Program::evaluate(std::span<const ShadingInputs* const> inputs, std::span<Closures* const> results) const {
     RAYLEAF_ASSERT_LE(inputs.size(), kMostPoints);
+    if (copy_even_closures(inputs, results)) return;
     for (Closures* result : results) result->clear();
     with_registers(inputs.size(), [&](float* numbers) { execute(inputs, numbers, results); });
     for (Closures* result : results) {

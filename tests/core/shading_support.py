@@ -10,6 +10,7 @@ from rayleaf import _core
 
 Doubles = NDArray[np.float64]
 UP = np.float32((0, 0, 1))
+WHITE = (1.0, 1.0, 1.0)
 
 
 def scalar(program: Any, value: float) -> int:
@@ -69,11 +70,11 @@ def direction(cosine: float, azimuth: float = 0.4) -> NDArray[np.float32]:
     return np.float32((sine * np.cos(azimuth), sine * np.sin(azimuth), cosine))
 
 
-def closures(program: Any, outgoing: Any, facet_normal: Any = UP, normal: Any = None) -> Any:
-    """The closures of a program at a point whose facet has `facet_normal`."""
+def one_point(outgoing: Any, facet_normal: Any = UP, normal: Any = None) -> Any:
+    """A point whose facet has `facet_normal`."""
     rows = [np.float32(v).reshape(1, 3) for v in (facet_normal, outgoing, facet_normal if normal is None else normal)]
     tangent = np.float32([[1, 0, 0]])
-    points = _core.shading.surface_points(
+    return _core.shading.surface_points(
         np.zeros((1, 3), np.float32),
         rows[2],
         rows[1],
@@ -81,7 +82,11 @@ def closures(program: Any, outgoing: Any, facet_normal: Any = UP, normal: Any = 
         dp_du=tangent,
         dp_dv=np.float32([[0, 1, 0]]),
     )
-    return points.closures(program, 0)
+
+
+def closures(program: Any, outgoing: Any, facet_normal: Any = UP, normal: Any = None) -> Any:
+    """The closures of a program at such a point."""
+    return one_point(outgoing, facet_normal, normal).closures(program, 0)
 
 
 def stratified(side: int, seed: int = 0) -> NDArray[np.float32]:

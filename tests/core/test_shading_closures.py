@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from rayleaf._core import Program, shading
 from shading_support import (
     UP,
+    WHITE,
     albedo,
     cell_of,
     chi_square_p_value,
@@ -21,7 +22,6 @@ from shading_support import (
 
 MICROFACETS = ("GGX", "BECKMANN")
 COSINES = (1.0, 0.7, 0.3, 0.08)
-WHITE = (1.0, 1.0, 1.0)
 
 
 def rough_lobes():
