@@ -102,18 +102,34 @@ class OfEach {
     hn::Vec<hn::RebindToSigned<Doubles>> offsets_;
 };
 
-/// FixedBernsteinBasis's.
+/// A degree that is known when this is compiled.
 template <int kDegree>
-struct Basis {
-    Double value_of[kDegree + 1], first_of[kDegree], second_of[kDegree - 1];
+struct FixedDegree {
+    static constexpr int kMost = kDegree;
+    HWY_INLINE explicit FixedDegree(int /*degree*/) {}
+    HWY_INLINE constexpr operator int() const { return kDegree; }  // NOLINT(google-explicit-constructor): it is one
+};
+/// Any other.
+struct AnyDegree {
+    static constexpr int kMost = SurfaceLanes::kMostDegree;
+    int degree;
+    HWY_INLINE explicit AnyDegree(int of) : degree(of) {}
+    HWY_INLINE operator int() const { return degree; }  // NOLINT(google-explicit-constructor): it is one
+};
 
-    HWY_INLINE explicit Basis(Double t) {
+/// BernsteinBasis's.
+template <typename Degree>
+struct Basis {
+    Degree degree;
+    Double value_of[Degree::kMost + 1], first_of[Degree::kMost], second_of[Degree::kMost];
+
+    HWY_INLINE Basis(Degree of, Double t) : degree(of) {
         value_of[0] = all(1.0);
         const Double s = hn::Sub(all(1.0), t);
-        for (int k = 0; k < kDegree; ++k) {
-            if (k == kDegree - 2)
+        for (int k = 0; k < degree; ++k) {
+            if (k == degree - 2)
                 for (int i = 0; i <= k; ++i) second_of[i] = value_of[i];
-            if (k == kDegree - 1)
+            if (k == degree - 1)
                 for (int i = 0; i <= k; ++i) first_of[i] = value_of[i];
             value_of[k + 1] = hn::Mul(value_of[k], t);
             for (int i = k; i > 0; --i) value_of[i] = hn::Add(hn::Mul(value_of[i], s), hn::Mul(value_of[i - 1], t));
@@ -122,21 +138,21 @@ struct Basis {
     }
     HWY_INLINE Double value(const Double* points) const {
         Double sum = hn::Mul(points[0], value_of[0]);
-        for (int i = 1; i <= kDegree; ++i) sum = hn::Add(sum, hn::Mul(points[i], value_of[i]));
+        for (int i = 1; i <= degree; ++i) sum = hn::Add(sum, hn::Mul(points[i], value_of[i]));
         return sum;
     }
     HWY_INLINE Double first(const Double* points) const {
         Double sum = hn::Mul(points[0], all(0.0));
-        for (int i = 0; i < kDegree; ++i) sum = hn::Add(sum, hn::Mul(hn::Sub(points[i + 1], points[i]), first_of[i]));
-        return hn::Mul(sum, all(kDegree));
+        for (int i = 0; i < degree; ++i) sum = hn::Add(sum, hn::Mul(hn::Sub(points[i + 1], points[i]), first_of[i]));
+        return hn::Mul(sum, all(degree));
     }
     HWY_INLINE Double second(const Double* points) const {
         Double sum = hn::Mul(points[0], all(0.0));
-        for (int i = 0; i + 1 < kDegree; ++i)
+        for (int i = 0; i + 1 < degree; ++i)
             sum =
                 hn::Add(sum, hn::Mul(hn::Sub(hn::Sub(points[i + 2], points[i + 1]), hn::Sub(points[i + 1], points[i])),
                                      second_of[i]));
-        return hn::Mul(sum, all(kDegree * (kDegree - 1)));
+        return hn::Mul(sum, all(degree * (degree - 1)));
     }
 };
 
@@ -145,14 +161,14 @@ struct Derivatives {
     Double value, du, dv, duu, duv, dvv;
 };
 
-template <int kDegree, SurfaceDetail kDetail>
-HWY_INLINE Derivatives evaluate(const OfEach<Vec4d>& points, int coordinate, const Basis<kDegree>& u,
-                                const Basis<kDegree>& v) {
-    Double value[kDegree + 1], first[kDegree + 1], second[kDegree + 1];
-    for (int j = 0; j <= kDegree; ++j) {
-        Double row[kDegree + 1];
-        for (int i = 0; i <= kDegree; ++i)
-            row[i] = points.number((&(&points.first())[j * (kDegree + 1) + i].x)[coordinate]);
+template <typename Degree, SurfaceDetail kDetail>
+HWY_INLINE Derivatives evaluate(const OfEach<Vec4d>& points, int coordinate, const Basis<Degree>& u,
+                                const Basis<Degree>& v) {
+    Double value[Degree::kMost + 1], first[Degree::kMost + 1], second[Degree::kMost + 1];
+    for (int j = 0; j <= v.degree; ++j) {
+        Double row[Degree::kMost + 1];
+        for (int i = 0; i <= u.degree; ++i)
+            row[i] = points.number((&(&points.first())[j * (u.degree + 1) + i].x)[coordinate]);
         value[j] = u.value(row);
         first[j] = u.first(row);
         if (kDetail == SurfaceDetail::Curvature) second[j] = u.second(row);
@@ -183,14 +199,14 @@ HWY_INLINE void divide_by_weight(Point& p, const Derivatives& w) {
     p.dvv = divided(p.dvv - times(p.dv, hn::Mul(two, w.dv)) - times(p.position, w.dvv), w.value);
 }
 
-template <int kDegree, bool kRational, SurfaceDetail kDetail>
-HWY_INLINE Point evaluate(const OfEach<Vec4d>& points, Double at_u, Double at_v) {
-    const Basis<kDegree> u(at_u), v(at_v);
-    const Derivatives x = evaluate<kDegree, kDetail>(points, 0, u, v), y = evaluate<kDegree, kDetail>(points, 1, u, v),
-                      z = evaluate<kDegree, kDetail>(points, 2, u, v);
+template <typename Degree, bool kRational, SurfaceDetail kDetail>
+HWY_INLINE Point evaluate(const OfEach<Vec4d>& points, const PatchForm& form, Double at_u, Double at_v) {
+    const Basis<Degree> u(Degree(form.degree_u), at_u), v(Degree(form.degree_v), at_v);
+    const Derivatives x = evaluate<Degree, kDetail>(points, 0, u, v), y = evaluate<Degree, kDetail>(points, 1, u, v),
+                      z = evaluate<Degree, kDetail>(points, 2, u, v);
     Point p{{x.value, y.value, z.value}, {x.du, y.du, z.du},    {x.dv, y.dv, z.dv},
             {x.duu, y.duu, z.duu},       {x.duv, y.duv, z.duv}, {x.dvv, y.dvv, z.dvv}};
-    if constexpr (kRational) divide_by_weight<kDetail>(p, evaluate<kDegree, kDetail>(points, 3, u, v));
+    if constexpr (kRational) divide_by_weight<kDetail>(p, evaluate<Degree, kDetail>(points, 3, u, v));
     return p;
 }
 
@@ -266,8 +282,8 @@ HWY_INLINE void store(const FloatVec3& v, float (*rows)[SurfaceLanes::kMost], si
 }
 
 /// The lanes from `first` on.
-template <int kDegree, bool kRational, SurfaceDetail kDetail>
-HWY_INLINE uint32_t compute(SurfaceLanes& lanes, size_t first) {
+template <typename Degree, bool kRational, SurfaceDetail kDetail>
+HWY_INLINE uint32_t compute(SurfaceLanes& lanes, const PatchForm& form, size_t first) {
     const auto row = [&](const double* numbers) HWY_ATTR { return hn::Load(Doubles(), numbers + first); };
     const OfEach<Vec4d> points(lanes.points + first);
     const OfEach<InstanceRecord> records(lanes.records + first);
@@ -279,7 +295,7 @@ HWY_INLINE uint32_t compute(SurfaceLanes& lanes, size_t first) {
     const Vec3 translation = records.vector(map.translation);
     Mask sound = hn::FirstN(Doubles(), kWidth);
 
-    const Point p = evaluate<kDegree, kRational, kDetail>(points, row(lanes.u), row(lanes.v));
+    const Point p = evaluate<Degree, kRational, kDetail>(points, form, row(lanes.u), row(lanes.v));
     const Normal exact = normal_of<kDetail>(p, sound);
     const FloatVec3 facet{hn::Load(Floats(), lanes.facet_normal[0] + first),
                           hn::Load(Floats(), lanes.facet_normal[1] + first),
@@ -329,26 +345,29 @@ HWY_INLINE uint32_t compute(SurfaceLanes& lanes, size_t first) {
     return static_cast<uint32_t>(bits);
 }
 
-template <int kDegree, bool kRational, SurfaceDetail kDetail>
-void compute_all(SurfaceLanes& lanes) {
+template <typename Degree, bool kRational, SurfaceDetail kDetail>
+void compute_all(const PatchForm& form, SurfaceLanes& lanes) {
     lanes.done = 0;
     for (size_t first = 0; first < lanes.count; first += kWidth)
-        lanes.done |= compute<kDegree, kRational, kDetail>(lanes, first) << first;
+        lanes.done |= compute<Degree, kRational, kDetail>(lanes, form, first) << first;
 }
 
-template <int kDegree>
-void compute_degree(bool rational, SurfaceDetail detail, SurfaceLanes& lanes) {
+template <typename Degree>
+void compute_degree(const PatchForm& form, SurfaceDetail detail, SurfaceLanes& lanes) {
     const bool curved = detail == SurfaceDetail::Curvature;
-    if (rational)
-        curved ? compute_all<kDegree, true, SurfaceDetail::Curvature>(lanes)
-               : compute_all<kDegree, true, SurfaceDetail::Normal>(lanes);
+    if (form.rational)
+        curved ? compute_all<Degree, true, SurfaceDetail::Curvature>(form, lanes)
+               : compute_all<Degree, true, SurfaceDetail::Normal>(form, lanes);
     else
-        curved ? compute_all<kDegree, false, SurfaceDetail::Curvature>(lanes)
-               : compute_all<kDegree, false, SurfaceDetail::Normal>(lanes);
+        curved ? compute_all<Degree, false, SurfaceDetail::Curvature>(form, lanes)
+               : compute_all<Degree, false, SurfaceDetail::Normal>(form, lanes);
 }
 
-void surfaces_of_lanes(int degree, bool rational, SurfaceDetail detail, SurfaceLanes& lanes) {
-    degree == 3 ? compute_degree<3>(rational, detail, lanes) : compute_degree<2>(rational, detail, lanes);
+void surfaces_of_lanes(const PatchForm& form, SurfaceDetail detail, SurfaceLanes& lanes) {
+    const auto both = [&](int degree) { return form.degree_u == degree && form.degree_v == degree; };
+    if (both(3)) return compute_degree<FixedDegree<3>>(form, detail, lanes);
+    if (both(2)) return compute_degree<FixedDegree<2>>(form, detail, lanes);
+    compute_degree<AnyDegree>(form, detail, lanes);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -360,12 +379,13 @@ namespace rayleaf {
 
 HWY_EXPORT(surfaces_of_lanes);
 
-bool has_lanes(int degree_u, int degree_v) {
-    return degree_u == degree_v && (degree_u == 2 || degree_u == 3);
+bool has_lanes(const PatchForm& form) {
+    const auto few = [](int degree) { return degree >= 1 && degree <= SurfaceLanes::kMostDegree; };
+    return few(form.degree_u) && few(form.degree_v);
 }
 
-void compute_surfaces(int degree, bool rational, SurfaceDetail detail, SurfaceLanes& lanes) {
-    HWY_DYNAMIC_DISPATCH(surfaces_of_lanes)(degree, rational, detail, lanes);
+void compute_surfaces(const PatchForm& form, SurfaceDetail detail, SurfaceLanes& lanes) {
+    HWY_DYNAMIC_DISPATCH(surfaces_of_lanes)(form, detail, lanes);
 }
 
 }  // namespace rayleaf

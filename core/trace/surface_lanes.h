@@ -14,11 +14,19 @@
 
 namespace rayleaf {
 
-/// Hits on patches that have equal degrees and are all rational or all not. Rows are aligned for vectors.
+/// What patches that are computed together have in common.
+struct PatchForm {
+    int degree_u = 0, degree_v = 0;
+    bool rational = false;
+    bool operator==(const PatchForm&) const = default;
+};
+
+/// Hits on patches of one form. Rows are aligned for vectors.
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding)
 struct SurfaceLanes {
     static constexpr size_t kMost = 8;
-    static constexpr size_t kMostPoints = 16;  ///< of a patch (has_lanes)
+    static constexpr int kMostDegree = 5;                                         ///< Blender's highest order is 6
+    static constexpr size_t kMostPoints = (kMostDegree + 1) * (kMostDegree + 1);  ///< of a patch
 
     // Of each hit:
     const Vec4d* points[kMost];  ///< the patch's
@@ -37,9 +45,9 @@ struct SurfaceLanes {
     alignas(64) float dn_du[3][kMost], dn_dv[3][kMost];
 };
 
-/// Whether there is a version for patches of these degrees.
-bool has_lanes(int degree_u, int degree_v);
+/// Whether there is a version for patches of this form.
+bool has_lanes(const PatchForm& form);
 /// Fills the second part from the first. Rows beyond the last hit must hold some hit's numbers.
-void compute_surfaces(int degree, bool rational, SurfaceDetail detail, SurfaceLanes& lanes);
+void compute_surfaces(const PatchForm& form, SurfaceDetail detail, SurfaceLanes& lanes);
 
 }  // namespace rayleaf

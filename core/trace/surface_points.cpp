@@ -102,44 +102,69 @@ void take(const LaneGroup& group, size_t i, SurfaceDetail detail) {
     *group.queries[i]->point = point;
 }
 
-/// Gathers hits until a kernel's lanes are full.
+/// Hits of one call, those on patches of one form together.
 class SurfaceBatch {
   public:
+    static constexpr size_t kMost = 32;
+
     SurfaceBatch(const Tracer& tracer, SurfaceDetail detail) : tracer_(tracer), detail_(detail) {}
 
     void add(const SurfaceQuery& query, const InstanceRecord& record) {
         const PatchSurface* surface = patches_of(record, *query.hit);
         const SplinePatches* spline = surface ? &surface->spline_of(query.hit->local.primitive) : nullptr;
-        if (!spline || !spline->smooth || !has_lanes(spline->degree_u, spline->degree_v)) return add_alone(query);
-        LaneGroup& group = groups_[spline->degree_u - 2][spline->rational ? 1 : 0];
-        rayleaf::add(group, query, record, *surface, *spline);
-        if (group.lanes.count == SurfaceLanes::kMost) compute(group, spline->degree_u, spline->rational);
+        if (!spline || !spline->smooth) return add_alone(query);
+        const PatchForm form{spline->degree_u, spline->degree_v, spline->rational};
+        if (!has_lanes(form)) return add_alone(query);
+        open_ |= 1u << count_;
+        waiting_[count_++] = {&query, &record, surface, spline, form};
+        if (count_ == kMost) finish();
     }
     void finish() {
-        for (const int degree : {2, 3})
-            for (const bool rational : {false, true}) compute(groups_[degree - 2][rational ? 1 : 0], degree, rational);
+        while (open_ != 0) {
+            const PatchForm& form = waiting_[static_cast<size_t>(__builtin_ctz(open_))].form;
+            for_each_lane(open_, [&](size_t i) {
+                const Waiting& hit = waiting_[i];
+                if (!(hit.form == form)) return;
+                open_ &= ~(1u << i);
+                rayleaf::add(group_, *hit.query, *hit.record, *hit.surface, *hit.spline);
+                if (group_.lanes.count == SurfaceLanes::kMost) compute(form);
+            });
+            compute(form);
+        }
+        count_ = 0;
     }
 
   private:
+    struct Waiting {
+        const SurfaceQuery* query;
+        const InstanceRecord* record;
+        const PatchSurface* surface;
+        const SplinePatches* spline;
+        PatchForm form;
+    };
     const Tracer& tracer_;
     SurfaceDetail detail_;
-    LaneGroup groups_[2][2];  ///< by degree from 2 on, and rationality
+    std::array<Waiting, kMost> waiting_;
+    size_t count_ = 0;
+    uint32_t open_ = 0;  ///< of those that wait, a bit each
+    LaneGroup group_;
 
     void add_alone(const SurfaceQuery& query) { *query.point = tracer_.surface_point(*query.ray, *query.hit, detail_); }
 
-    void compute(LaneGroup& group, int degree, bool rational) {
-        group.lanes.done = 0;
-        if (group.lanes.count >= kLeastLanes) {
-            fill_up(group.lanes);
-            compute_surfaces(degree, rational, detail_, group.lanes);
+    void compute(const PatchForm& form) {
+        SurfaceLanes& lanes = group_.lanes;
+        lanes.done = 0;
+        if (lanes.count >= kLeastLanes) {
+            fill_up(lanes);
+            compute_surfaces(form, detail_, lanes);
         }
-        for (size_t i = 0; i < group.lanes.count; ++i) {
-            if ((group.lanes.done >> i & 1u) != 0)
-                take(group, i, detail_);
+        for (size_t i = 0; i < lanes.count; ++i) {
+            if ((lanes.done >> i & 1u) != 0)
+                take(group_, i, detail_);
             else
-                add_alone(*group.queries[i]);
+                add_alone(*group_.queries[i]);
         }
-        group.lanes.count = 0;
+        lanes.count = 0;
     }
 };
 

@@ -24,11 +24,12 @@ def cusp():
     return trace.PatchSurface("cusp", [(points, (4, False, True, True), (4, False, True, True), True, 0)])
 
 
-def quartic():
-    """A patch of a degree that has no version for lanes, beside others."""
-    x, y = np.meshgrid(np.linspace(-1, 1, 5), np.linspace(-1, 1, 5))
-    points = np.stack([x, y, np.sin(x * 3) * 0.2, np.ones_like(x)], axis=2)
-    return trace.PatchSurface("quartic", [(points, (5, False, True, True), (5, False, True, True), True, 0)])
+def of_degrees(degree_u, degree_v, rational=False):
+    """A wavy patch."""
+    x, y = np.meshgrid(np.linspace(-1, 1, degree_u + 1), np.linspace(-1, 1, degree_v + 1))
+    points = np.stack([x, y, np.sin(x * 3) * np.cos(y * 2) * 0.2, 1 + 0.3 * rational * np.cos(x + y)], axis=2)
+    orders = [(degree + 1, False, True, True) for degree in (degree_u, degree_v)]
+    return trace.PatchSurface(f"{degree_u} by {degree_v}", [(points, *orders, True, 0)])
 
 
 def placed(shape, random, size=1.0):
@@ -40,13 +41,17 @@ def placed(shape, random, size=1.0):
 
 def scenes():
     random = np.random.default_rng(2)
-    alone = [shapes.nurbs_sphere(), shapes.nurbs_torus(), shapes.lumpy_torus(), cusp(), quartic()]
+    alone = [shapes.nurbs_sphere(), shapes.nurbs_torus(), shapes.lumpy_torus(), cusp(), of_degrees(4, 4)]
     for shape in alone:
         yield [(shape, np.eye(4))]
     yield [(shapes.nurbs_sphere(smooth=False), np.eye(4))]
     yield [(shapes.lumpy_torus(), shapes.moved(1e6, 1e-3)), (shapes.nurbs_sphere(scale=1e-3), shapes.moved(1e6, 1.0))]
     shared = shapes.lumpy_torus()
     yield [placed(shape, random) for shape in [shared, shared, *alone, shapes.nurbs_sphere(smooth=False)]]
+    degrees = [(1, 1), (1, 3), (3, 2), (5, 4), (5, 5), (2, 5)]
+    mixed = [of_degrees(*pair, rational) for pair in degrees for rational in (False, True)]
+    yield [placed(shape, random) for shape in mixed]
+    yield from [[(shape, np.eye(4))] for shape in mixed]
 
 
 def rays_at(tracer, random, count):
@@ -60,7 +65,7 @@ def rays_at(tracer, random, count):
     return origins, shapes.unit(targets - origins)
 
 
-@pytest.mark.parametrize("number", range(8))
+@pytest.mark.parametrize("number", range(len(list(scenes()))))
 def test_surface_points_have_the_same_bits_in_lanes(target, number):
     tracer = trace.Tracer([(*each, shapes.EVERYTHING) for each in list(scenes())[number]])
     origins, directions = rays_at(tracer, np.random.default_rng(number), 1000)
