@@ -270,3 +270,30 @@ report(cages=len(sent.cages), shapes=shapes, told=sorted(told.subdivision), mess
     shapes = run["shapes"]
     assert shapes["first"] == shapes["linked"] == shapes["copied"] != shapes["other"]
     assert run["told"] == ["copied", "first", "linked", "other"]
+
+
+def test_blenders_own_subdivision_is_asked_for_only_where_it_is_rendered(run_blender):
+    # In a window the graphics card subdivides, and the mesh is not made before somebody asks for it.
+    run = run_blender(
+        START
+        + """
+from rayleaf.export import instances
+
+plain, asked = instances.Group.data, []
+
+def data(group):
+    asked.append(group.owner.name)
+    return plain.fget(group)
+
+instances.Group.data = property(data)
+smooth, simple, shared = cube("Smooth"), cube("Simple"), cube("Shared")
+subdivide(smooth)
+subdivide(simple).subdivision_type = "SIMPLE"
+other = scenes.add(shared.data, "Other")
+bpy.context.view_layer.update()
+sent, told, messages = cages()
+report(asked=sorted(set(asked)), cages=len(sent.cages), meshes=sorted(m["name"] for m in sent.meshes))
+"""
+    ).report
+    assert "Smooth" not in run["asked"] and "Simple" in run["asked"]
+    assert run["cages"] == 1 and len(run["meshes"]) == 2 and "Simple" in run["meshes"]

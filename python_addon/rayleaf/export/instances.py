@@ -17,6 +17,7 @@ from .deformation import MESH, WITH_MESH_TWIN, Deformation, is_own_data
 from .motion import Motions
 from .random_numbers import random_of_name
 from .strands import hair_systems
+from .subdivision import last_subdivision
 from .volumes import gas_domain
 
 # Instances between two questions whether to stop: some 10 ms.
@@ -38,7 +39,7 @@ class Group:
     """Instances that share geometry, materials and settings."""
 
     owner: Any  # the evaluated object whose settings count
-    data: Any  # what is rendered: a Mesh, or the data of an exact surface or curve
+    given: Any  # what is rendered: a Mesh, or the data of an exact surface or curve; None: the owner's subdivided mesh
     exact: bool  # splines, not a mesh
     from_owner: bool  # the data is the owner's own, so its material slots count
     members: list[int]  # places in the depsgraph's list of instances
@@ -49,17 +50,24 @@ class Group:
     maker: Any = None  # what makes them, where lights are linked
 
     @property
+    def data(self) -> Any:
+        """What is rendered. Blender's window leaves subdivision to the graphics card until somebody asks for the mesh."""
+        return self.owner.data if self.given is None else self.given
+
+    @property
     def sources(self) -> frozenset[int]:
         """Pointers of the original data blocks that its geometry comes from."""
-        data = self.owner.data
-        blocks = [self.owner] if data is None else [self.owner, data]
-        return frozenset(block.original.as_pointer() for block in blocks)
+        owner = self.owner.original
+        blocks = [owner] if owner.data is None else [owner, owner.data]
+        return frozenset(block.as_pointer() for block in blocks)
 
     @property
     def shape_key(self) -> Any:
         """Equal for groups that can share one shape in the core."""
         if self.hair is not None:
             return (self.owner.as_pointer(), self.hair)
+        if self.given is None:
+            return self.owner.as_pointer()
         if not self.exact:
             return self.data.as_pointer()
         return _exact_shape_key(self.owner, self.data)
@@ -134,7 +142,7 @@ class _Collector:
 
     def __init__(self, core: ModuleType, depsgraph: Any, space: Any, motions: Motions, linked: bool) -> None:
         self._exact = _ExactForms(core, depsgraph, motions)
-        self._motions = motions
+        self._depsgraph, self._motions = depsgraph, motions
         self._space, self._linked = space, linked
         self._known: dict[tuple[int, int, bool, int], Group | None] = {}
         self._has_catchers = has_shadow_catchers(depsgraph)
@@ -155,8 +163,9 @@ class _Collector:
         if self._space is not None and self._is_hidden(instance):
             return
         item, owner = instance.object, instance.instance_object
-        data = item.data
-        if data is None:
+        is_subdivided = owner is None and last_subdivision(item, self._depsgraph) is not None
+        data = None if is_subdivided else item.data
+        if data is None and not is_subdivided:
             return
         settings = item if owner is None else owner
         if with_particles:
@@ -165,7 +174,12 @@ class _Collector:
             return
         in_footage = self._has_catchers and owner is not None and instance.parent.is_shadow_catcher
         maker = instance.parent if self._linked and owner is not None else None
-        key = (settings.as_pointer(), data.as_pointer(), in_footage, 0 if maker is None else maker.as_pointer())
+        key = (
+            settings.as_pointer(),
+            0 if data is None else data.as_pointer(),
+            in_footage,
+            0 if maker is None else maker.as_pointer(),
+        )
         try:
             group = self._known[key]
         except KeyError:
@@ -221,7 +235,7 @@ class _Collector:
         if kind == "MESH":
             if settings.type in WITH_EXACT_FORM and self._exact.has(settings):
                 return None  # the mesh beside exact splines
-            own = is_own_data(settings, data)
+            own = data is None or is_own_data(settings, data)
             smokes = own and settings.type == "MESH" and gas_domain(settings) is not None
             return Group(settings, data, exact=False, from_owner=own, members=[], volume=smokes)
         if kind in WITH_EXACT_FORM and self._exact.has(settings):

@@ -201,6 +201,6 @@ class MaterialLibrary:
 
 def slots_of(owner: Any, data: Any, from_owner: bool) -> list[Any]:
     """The materials by slot: the object's slots, linked to it or to its data; of foreign data its own materials."""
-    if from_owner and owner.data is not None:
+    if from_owner and owner.type != "EMPTY":
         return [slot.material for slot in owner.material_slots]
     return list(data.materials)

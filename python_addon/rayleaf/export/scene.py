@@ -193,7 +193,7 @@ class SceneExporter(ShapeExporter):
     def _slots(self, group: Group) -> list[Any]:
         """The materials of a group, None for empty slots."""
         override = self._depsgraph.view_layer_eval.material_override
-        slots = slots_of(group.owner, group.data, group.from_owner)
+        slots = slots_of(group.owner, group.given, group.from_owner)
         return slots if override is None else [override] * max(len(slots), 1)
 
     def _material_list(self, group: Group) -> int:
