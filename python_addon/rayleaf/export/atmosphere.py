@@ -4,7 +4,9 @@ single scattering by air and dust, absorption by ozone, with the constants that 
 Spectra have 21 wavelengths from 380 to 780 nm. Lengths are in metres.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,7 @@ _DUST_ANISOTROPY = 0.76
 _EARTH, _ATMOSPHERE = 6360e3, 6420e3  # radii
 _STEPS = 32
 _NANOMETRES = 20.0  # between wavelengths
+_PARTS = 32  # of a table, for threads
 # Of the sun above the atmosphere, W / (m² nm).
 _IRRADIANCE = np.array(
     [
@@ -79,19 +82,19 @@ def _densities(height: Array) -> Array:
     return np.stack([np.exp(-height / _AIR_HEIGHT), np.exp(-height / _DUST_HEIGHT), ozone], -1)
 
 
-def _way_out(place: Array, direction: Array) -> Array:
-    """To the border of the atmosphere."""
-    along = (place * direction).sum(-1)
-    return -along + np.sqrt(along**2 - (place**2).sum(-1) + _ATMOSPHERE**2)
+def _way_out(squared: Array, along: Array) -> Array:
+    """To the border of the atmosphere; `squared`: distance from the middle of the earth, `along`: the part of the place
+    that lies in the direction."""
+    return np.asarray(-along + np.sqrt(along**2 - squared + _ATMOSPHERE**2), np.float64)
 
 
-def _depth(place: Array, direction: Array) -> Array:
+def _depth(squared: Array, along: Array) -> Array:
     """Densities times length, from places to the border."""
-    length = _way_out(place, direction)
+    length = _way_out(squared, along)
     total = np.zeros((*length.shape, 3))
     for share, weight in zip(_PLACES, _WEIGHTS):
-        at = place + direction * (share * length)[..., None]
-        total += weight * _densities(np.linalg.norm(at, axis=-1) - _EARTH)
+        far = share * length
+        total += weight * _densities(np.sqrt(squared + far * (2.0 * along + far)) - _EARTH)
     return total * length[..., None]
 
 
@@ -103,55 +106,65 @@ def _xyz(spectrum: Array) -> Array:
     return np.asarray(spectrum @ _OBSERVER * _NANOMETRES, np.float64)
 
 
-def _is_in_shadow(place: Array, sun: Array) -> Array:
+def _is_in_shadow(squared: Array, along: Array, sun: Array) -> Array:
     """Of the earth."""
-    along = (place * sun).sum(-1)
-    return np.asarray((sun[2] < 0.0) & (along**2 >= (place**2).sum(-1) - _EARTH**2))
+    return np.asarray((sun[2] < 0.0) & (along**2 >= squared - _EARTH**2))
 
 
 def _scattered(directions: Array, sun: Array, air: Air) -> Array:
     """Spectra that arrive from directions."""
-    origin = np.array([0.0, 0.0, _EARTH + air.altitude])
+    start = _EARTH + air.altitude
     scale = np.array([air.air, air.dust, air.ozone])
     cosine = directions @ sun
     g2 = _DUST_ANISOTROPY**2
     phase_air = 3.0 / (16.0 * np.pi) * (1.0 + cosine**2)
     phase_dust = 3.0 / (8.0 * np.pi) * (1.0 - g2) * (1.0 + cosine**2) / (2.0 + g2)
     phase_dust /= (1.0 + g2 - 2.0 * _DUST_ANISOTROPY * cosine) ** 1.5
-    step = _way_out(np.broadcast_to(origin, directions.shape), directions) / _STEPS
+    upward = directions[..., 2]
+    step = _way_out(np.array(start**2), start * upward) / _STEPS
     extinction = np.stack([_AIR, np.full_like(_AIR, _DUST_EXTINCTION * _DUST_SCATTERING), _OZONE])
     depth = np.zeros((*cosine.shape, 3))
     total = np.zeros((*cosine.shape, len(_AIR)))
     for i in range(_STEPS):
-        place = np.asarray(origin + directions * ((i + 0.5) * step)[..., None], np.float64)
-        density = scale * _densities(np.linalg.norm(place, axis=-1) - _EARTH)
+        away = (i + 0.5) * step
+        squared, along = start**2 + away * (2.0 * start * upward + away), start * sun[2] + away * cosine
+        density = scale * _densities(np.sqrt(squared) - _EARTH)
         depth += step[..., None] * density
-        passed = np.exp(-(depth + scale * _depth(place, np.broadcast_to(sun, place.shape))) @ extinction)
-        brought = (phase_air * density[..., 0])[..., None] * _AIR
-        brought += (phase_dust * density[..., 1] * _DUST_SCATTERING)[..., None]
-        lit = step * ~_is_in_shadow(place, sun)
-        total += passed * brought * _IRRADIANCE * lit[..., None]
-    return total
+        passed = np.exp(-(depth + scale * _depth(squared, along)) @ extinction)
+        lit = step * ~_is_in_shadow(squared, along, sun)
+        passed *= (phase_air * density[..., 0] * lit)[..., None] * _AIR + (
+            phase_dust * density[..., 1] * _DUST_SCATTERING * lit
+        )[..., None]
+        total += passed
+    return total * _IRRADIANCE
 
 
+@lru_cache(maxsize=4)
 def sky_table(air: Air, width: int = 512, height: int = 128) -> NDArray[np.float32]:
-    """(height, width, 3), linear: rows by the root of the elevation, columns by the azimuth, the sun in the middle."""
+    """(height, width, 3), linear: rows by the root of the elevation, columns by the azimuth, the sun in the middle. Not to
+    be changed."""
     sun = _direction(np.array(air.elevation), np.array(0.0))
     rows = (0.5 * np.pi + 0.25 * np.pi / height) * (np.arange(height) / height) ** 2
     columns = 2.0 * np.pi / width * np.arange(width // 2) - np.pi
-    half = _xyz(_scattered(_direction(rows[:, None] + 0.0 * columns, columns + 0.0 * rows[:, None]), sun, air))
+    directions = _direction(rows[:, None] + 0.0 * columns, columns + 0.0 * rows[:, None])
+    with ThreadPoolExecutor() as threads:
+        half = np.concatenate(
+            list(threads.map(lambda part: _xyz(_scattered(part, sun, air)), np.array_split(directions, _PARTS)))
+        )
     whole = np.concatenate([half, half[:, ::-1]], axis=1)
-    return np.maximum(whole @ FROM_XYZ.T, 0.0).astype(np.float32)
+    table = np.maximum(whole @ FROM_XYZ.T, 0.0).astype(np.float32)
+    table.flags.writeable = False
+    return table
 
 
 def sun_disc(air: Air, diameter: float) -> tuple[Array, Array]:
     """The radiance at the lower and the upper edge of the sun, linear."""
     half = 0.5 * diameter
     solid_angle = 2.0 * np.pi * (1.0 - np.cos(half))
-    origin = np.array([0.0, 0.0, _EARTH + air.altitude])
+    start = _EARTH + air.altitude
     found = []
     for elevation in (air.elevation - half, air.elevation + half):
-        depth = _depth(origin, _direction(np.array(max(elevation, 0.0)), np.array(0.0)))
+        depth = _depth(np.array(start**2), np.array(start * np.sin(max(elevation, 0.0))))
         lost = _AIR * (depth[0] * air.air) + _DUST_EXTINCTION * _DUST_SCATTERING * depth[1] * air.dust
         found.append(_xyz(_IRRADIANCE * np.exp(-lost) / solid_angle) @ FROM_XYZ.T)
     return found[0], found[1]
