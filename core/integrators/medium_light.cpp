@@ -10,12 +10,12 @@ std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, cons
     const LightSet& lights = segment.scene.lights();
     if (lights.empty()) return std::nullopt;
     RandomStream random(sampler, dimension(vertex, PathDimension::MediumPlace));
-    const Vec3d likely = segment.ray.at(likely_distance(segment, random.next()));
-    const Vec3f choice(random.next(), random.next(), random.next());
-    const std::optional<Vec3d> pivot =
-        place_of(lights.sample(lit_in(segment.scene, segment.media, likely), choice, segment.ray.time));
+    const double likely_t = lights.weighs_passed() ? likely_distance(segment, random.next()) : 0.0;
+    const Vec3d likely = segment.ray.at(likely_t);
+    const PassedLights passed =
+        lights.passed(segment.ray, segment.end, lit_in(segment.scene, segment.media, likely), random.next());
     const Vec2f numbers = sampler.get2(dimension(vertex, PathDimension::MediumPlace));
-    const std::optional<LitPlace> place = place_of_light(segment, throughput, pivot, numbers, random);
+    const std::optional<LitPlace> place = place_of_light(segment, throughput, passed, numbers, random);
     if (!place) return std::nullopt;
     const Vec3d position = segment.ray.at(place->t);
     const std::optional<LightSample> light =

@@ -21,10 +21,4 @@ struct ScatteredLight {
 std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, const Color& throughput,
                                               const Sampler& sampler, int vertex, const FreeWay& shadow);
 
-/// Lamps have places; suns and the world have none.
-inline std::optional<Vec3d> place_of(const std::optional<LightSample>& light) {
-    if (!light || !std::isfinite(light->distance)) return std::nullopt;
-    return light->target;
-}
-
 }  // namespace rayleaf

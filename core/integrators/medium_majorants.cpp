@@ -57,4 +57,10 @@ double RoughDepth::density(double t) const {
     return 0.0;
 }
 
+double RoughDepth::dimmed(double t, double /*beside*/) const {
+    for (size_t i = count_; i-- > 0;)
+        if (t >= pieces_[i].begin) return std::exp(-pieces_[i].depth - pieces_[i].extinction * (t - pieces_[i].begin));
+    return 1.0;
+}
+
 }  // namespace rayleaf

@@ -29,6 +29,8 @@ class RoughDepth {
     /// The place for `random` in [0, 1). Infinite or beyond the end where there is nothing on the way.
     double sample(float random) const;
     double density(double t) const;
+    /// Roughly what is left of light from there; what is beside the ray is not known.
+    double dimmed(double t, double /*beside*/) const;
 
   private:
     struct Piece {

@@ -48,10 +48,10 @@ struct LitPlace {
     MediumClosures medium;
 };
 
-/// By distance, and by the angle under which a light is seen (Kulla and Fajardo 2012), weighed by the balance
-/// heuristic. Empty where nothing scatters. `pivot`: where a light may be; `place`: which technique, and where.
+/// By distance, and by the light that arrives, weighed by the balance heuristic. Empty where nothing scatters. `place`:
+/// which technique, and where.
 std::optional<LitPlace> place_of_light(const MediumSegment& segment, const Color& throughput,
-                                       const std::optional<Vec3d>& pivot, const Vec2f& place, RandomStream& random);
+                                       const PassedLights& passed, const Vec2f& place, RandomStream& random);
 
 /// How far along the segment scattering is likely, for the choice of a light.
 double likely_distance(const MediumSegment& segment, float random);

@@ -6,6 +6,7 @@
 
 #include "lights/lamp_sample.h"
 #include "lights/light.h"
+#include "lights/lit_cone.h"
 
 namespace rayleaf {
 
@@ -20,7 +21,8 @@ class AreaLamp {
     Box3d bounds() const;
     double intensity() const;  ///< along the normal, W/sr, as one number
     /// False where no light of the lamp arrives.
-    bool reaches(const Vec3d& position) const { return (position - center_).dot(normal_) > 0; }
+    bool reaches(const Vec3d& position) const { return lit().holds(position); }
+    LitCone lit() const { return {center_, normal_, 0.0}; }
 
   private:
     Vec3d center_;

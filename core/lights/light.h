@@ -12,10 +12,12 @@
 #include "rays/ray.h"
 #include "trace/tracer.h"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -77,6 +79,25 @@ struct LightSample {
     int blockers = -1;                  ///< whose shadows it has (LightLink)
 };
 
+/// A light with a place, as a ray sees it that passes by.
+struct PassedLight {
+    Vec3d center{0, 0, 0};
+    double radius = 0;          ///< world units, about
+    double intensity = 0;       ///< W/sr at best
+    double begin = 0, end = 0;  ///< the part of the ray on which it may shine
+};
+
+/// All of them, as long as they are few; of many, one.
+struct PassedLights {
+    static constexpr size_t kMost = 8;
+
+    std::array<PassedLight, kMost> lights;
+    size_t count = 0;
+    double far_share = 0;  ///< of the light that comes from suns and the world, roughly
+
+    std::span<const PassedLight> all() const { return {lights.data(), count}; }
+};
+
 /// A light as paths see it that meet nothing but what stands in the footage.
 inline LightSample seen_in_footage(LightSample light) {
     light.visibility = static_cast<uint16_t>(light.visibility >> kFootageShift);
@@ -130,6 +151,11 @@ class LightSet {
     bool empty() const;  ///< nothing to sample
     /// A light for a point; `random` in [0,1)³, z chooses the light; `time` of the shutter.
     std::optional<LightSample> sample(const LitPoint& at, const Vec3f& random, float time = kMiddleTime) const;
+    /// The lights that the first `end` of a ray passes. `likely`: a point of it by which one is chosen, by `random` in
+    /// [0,1), where there are many, and by which those that have no place are weighed.
+    PassedLights passed(const Ray& ray, double end, const LitPoint& likely, float random) const;
+    /// Whether it matters what is likely.
+    bool weighs_passed() const;
     /// Density with which `sample` at `from` would have chosen the direction to an emitting surface point; 0 where that
     /// does not shine on `from`.
     float emitter_density(const LitPoint& from, const SurfacePoint& point) const;

@@ -320,6 +320,31 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec3f& ran
     return set.sample_tree(at, within, {std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53), probability}, time);
 }
 
+PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely, float random) const {
+    const Implementation& set = *implementation_;
+    PassedLights result;
+    if (!set.suns.empty() || set.world) result.far_share = 1.0 - set.groups(likely).tree_probability();
+    const auto add = [&](uint32_t item) {
+        const LightTree::Light light = set.tree.light(item);
+        std::optional<LitPart> part = LitPart{0.0, end};
+        if (item < set.lamps.size())
+            part = std::visit([&](const auto& lamp) { return lamp.lit().part_of(ray, end); }, set.lamps[item].shape);
+        if (part && (light.set & likely.lit_by) != 0)
+            result.lights[result.count++] = {light.center, light.radius, light.intensity, part->begin, part->end};
+    };
+    if (set.tree.count() > PassedLights::kMost) {
+        if (const auto chosen = set.tree.choose(likely, random, set.reaches(likely.position))) add(chosen->item);
+    } else {
+        for (uint32_t item = 0; item < set.tree.count(); ++item) add(item);
+    }
+    return result;
+}
+
+bool LightSet::weighs_passed() const {
+    const Implementation& set = *implementation_;
+    return !set.suns.empty() || set.world || set.tree.count() > PassedLights::kMost;
+}
+
 float LightSet::emitter_density(const LitPoint& from, const SurfacePoint& point) const {
     const Implementation& set = *implementation_;
     const std::optional<uint32_t> item = set.surfaces.item_of(point);

@@ -62,6 +62,12 @@ double LightTree::irradiance(const LitPoint& at) const {
     return importance(0, at, [](uint32_t) { return true; });
 }
 
+LightTree::Light LightTree::light(uint32_t item) const {
+    const uint32_t index = leaf_of_item_[item];
+    const Node& node = nodes_[index];
+    return {node.center, std::sqrt(node.radius_squared), node.intensity, sets_.empty() ? kLightsOfAll : sets_[index]};
+}
+
 size_t LightTree::bytes() const {
     return nodes_.capacity() * sizeof(Node) + leaf_of_item_.capacity() * sizeof(uint32_t) +
            sets_.capacity() * sizeof(LightSets);

@@ -47,6 +47,15 @@ class LightTree {
     template <typename Reaches>
     double probability(const LitPoint& at, uint32_t item, const Reaches& reaches) const;
 
+    struct Light {
+        Vec3d center;
+        double radius = 0;     ///< of the sphere about its box
+        double intensity = 0;  ///< as it was given
+        LightSets set = kLightsOfAll;
+    };
+    Light light(uint32_t item) const;
+    size_t count() const { return leaf_of_item_.size(); }
+
     /// Calls `visit(item)` for every light whose bounds a ray may cross.
     template <typename Visit>
     void visit_crossed(const Ray& ray, const Visit& visit) const {

@@ -20,6 +20,7 @@ PointLamp::PointLamp(const Lamp& lamp)
     if (!spot_) return;
     cos_half_ = std::cos(0.5 * std::clamp(lamp.spot_size, 0.0, std::numbers::pi));
     fade_width_ = (1.0 - cos_half_) * std::clamp(lamp.spot_blend, 0.0, 1.0);
+    lit_ = LitCone::of_sphere(center_, radius_, axis_, cos_half_);
 }
 
 /// As in Cycles: the profile, faded by a smooth step towards the cone's border.
@@ -108,11 +109,6 @@ std::optional<LampIntersection> PointLamp::hit(const Ray& ray, const Vec3d& from
 Box3d PointLamp::bounds() const {
     const Vec3d half(radius_, radius_, radius_);
     return {center_ - half, center_ + half};
-}
-
-bool PointLamp::reaches(const Vec3d& position) const {
-    if (!spot_ || radius_ > 0) return true;
-    return attenuation(normalized_or(center_ - position, Vec3d(0, 0, 1))) > 0;
 }
 
 }  // namespace rayleaf

@@ -8,6 +8,7 @@
 
 #include "lights/lamp_sample.h"
 #include "lights/light.h"
+#include "lights/lit_cone.h"
 
 namespace rayleaf {
 
@@ -25,7 +26,8 @@ class PointLamp {
     /// Intensity, W/sr, as one number; for the choice of a light.
     double intensity() const { return max_abs(intensity_); }
     /// False where no light of the lamp arrives.
-    bool reaches(const Vec3d& position) const;
+    bool reaches(const Vec3d& position) const { return lit_.holds(position); }
+    const LitCone& lit() const { return lit_; }
 
   private:
     Vec3d center_;
@@ -38,6 +40,7 @@ class PointLamp {
     SpotProfile profile_;
     double cos_half_ = 0;    ///< of the cone
     double fade_width_ = 0;  ///< in cosines; 0: a sharp border
+    LitCone lit_;
 
     /// Square of the sine of the cone's half angle, at a distance; a sphere that is seen from inside: 1 or more.
     double sine_squared(double distance_squared) const;

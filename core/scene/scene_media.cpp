@@ -57,6 +57,8 @@ void SceneMedia::commit(const CancelToken& cancel) {
         return medium.voxels != nullptr || medium.program->varies_in_space();
     };
     size_t varying = 0;
+    for (auto& [key, medium] : all_) note_if_even(medium);
+    if (world_.program) note_if_even(world_);
     for (const auto& [key, medium] : all_) varying += varies(medium) ? 1 : 0;
     const double each = kMostCellsInAll / static_cast<double>(std::max<size_t>(varying, 1));
     const int cells = static_cast<int>(std::cbrt(each));
@@ -64,6 +66,14 @@ void SceneMedia::commit(const CancelToken& cancel) {
         if (varies(medium))
             bound(medium, std::clamp(cells, 1, medium.voxels != nullptr ? kMostGridCells : kMostOccupiedCells), cancel);
     if (world_.program && world_.program->varies_in_space()) bound(world_, kMostOccupiedCells, cancel);
+}
+
+void SceneMedia::note_if_even(SceneMedium& medium) const {
+    const Program& program = *medium.program;
+    if (medium.voxels != nullptr || !program.has_even_closures() || program.asks_surroundings()) return;
+    Closures closures;
+    program.evaluate(inputs_at(medium, point_in(medium, Vec3d(0.0), Vec3f(0, 0, 1)), {}), closures);
+    medium.even = EvenMedium{closures.medium, closures.emission};
 }
 
 void SceneMedia::bound(SceneMedium& medium, int cells, const CancelToken& cancel) const {
@@ -122,6 +132,12 @@ ShadingInputs SceneMedia::inputs_at(const SceneMedium& medium, const SurfacePoin
 
 void SceneMedia::evaluate(const SceneMedium& medium, const Vec3d& position, const Vec3f& outgoing,
                           const PathState& path, Closures& result) const {
+    if (medium.even) {
+        result.clear();
+        result.medium = medium.even->medium;
+        result.emission = medium.even->emission;
+        return;
+    }
     const SurfacePoint point = point_in(medium, position, outgoing);
     if (is_empty_at(medium, point)) return result.clear();
     medium.program->evaluate(inputs_at(medium, point, path), result);

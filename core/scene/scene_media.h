@@ -59,6 +59,7 @@ class SceneMedia {
     ShadingInputs inputs_at(const SceneMedium& medium, const SurfacePoint& point, const PathState& path) const;
     bool is_empty_at(const SceneMedium& medium, const SurfacePoint& point) const;
     void extinctions(const SceneMedium& medium, std::span<const GridProbe> probes, float* values) const;
+    void note_if_even(SceneMedium& medium) const;
     void bound(SceneMedium& medium, int cells, const CancelToken& cancel) const;
 };
 

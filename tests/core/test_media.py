@@ -96,6 +96,68 @@ def test_shadows_are_as_dark_as_the_medium(core, integrator):
     np.testing.assert_allclose(images[1], images[0] * np.exp(-0.5 * 16.0), rtol=5e-3)
 
 
+# Beside the camera's ray, which goes down the z axis from 1 to -1; with the irradiance at points below on that axis.
+BESIDE = np.array([0.5, 0.0, 0.2])
+
+
+def of_points(intensity):
+    """The irradiance of a lamp of `intensity`, W/sr, by the direction from it."""
+
+    def at(points):
+        way = points - BESIDE
+        distance = np.linalg.norm(way, axis=1)
+        return intensity(way / distance[:, None]) / distance**2
+
+    return at
+
+
+def within_spot(direction):
+    cosine = -direction[:, 0]
+    return np.where(cosine > np.cos(0.4), cosine, 0.0) / (4 * np.pi)
+
+
+TOWARDS_AXIS = np.array([[0, 0, 1, 0.5], [0, 1, 0, 0], [-1, 0, 0, 0.2], [0, 0, 0, 1.0]])  # lamps shine along -z
+LIGHTS = {
+    "point": (dict(kind="POINT"), of_points(lambda direction: 1 / (4 * np.pi))),
+    "sphere": (dict(kind="POINT", radius=0.003), of_points(lambda direction: 1 / (4 * np.pi))),
+    "spot": (dict(kind="SPOT", spot_size=0.8), of_points(within_spot)),
+    "wide spot": (dict(kind="SPOT", spot_size=0.8, radius=0.003), of_points(within_spot)),
+    "rectangle": (
+        dict(kind="RECTANGLE", size_x=0.02, size_y=0.02),
+        of_points(lambda direction: np.maximum(-direction[:, 0], 0.0) / 4),
+    ),
+}
+
+
+@pytest.mark.parametrize("density", [0.2, 1.5])
+@pytest.mark.parametrize("uneven", [False, True])
+@pytest.mark.parametrize("names", [[name] for name in LIGHTS] + [list(LIGHTS), ["point"] * 12], ids="+".join)
+def test_light_scattered_once_is_its_integral(core, names, uneven, density):
+    """`uneven`: the same everywhere, but the medium's program does not know."""
+    program = core.Program("medium")
+    one, zero = program.constant(1, 1, 1, 1), program.constant(0, 0, 0, 0)
+    amount = program.constant(*[density] * 4)
+    if uneven:
+        height = program.operation("component", [program.operation("generated")], [2])
+        nothing = program.operation("math", [height, zero], [0], text="MULTIPLY")
+        amount = program.operation("math", [amount, nothing], [0], text="ADD")
+    program.operation("volume_scatter", [one, one, amount, zero])
+    scene = core.SceneDescription()
+    add_box(core, scene, program)
+    look_down(scene, half=1e-4)
+    z = (np.arange(20000) + 0.5) / 10000 - 1
+    points = np.stack([0 * z, 0 * z, z], 1)
+    way = np.linalg.norm(points - BESIDE, axis=1)
+    expected = 0.0
+    for i, name in enumerate(names):
+        lamp, irradiance = LIGHTS[name]
+        scene.add_lamp(name=str(i), matrix=TOWARDS_AXIS, strength=WHITE, **lamp)
+        light = irradiance(points) * np.exp(-density * (way + 1 - z))
+        expected += light.mean() * 2 * density / (4 * np.pi)
+    image = picture(core, scene, samples=4096, size=4, volume_bounces=0)
+    np.testing.assert_allclose(image.mean(), expected, rtol=0.03)  # noise
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("clear", ["medium", "surface"])
