@@ -8,37 +8,62 @@
 
 namespace rayleaf {
 
+void DistributionTracer::write_extras(SampleExtras& extras) {
+    extras.clear(settings_.slots);
+    light_.sample.extras = &extras;
+}
+
+void DistributionTracer::begin(const CameraRay& camera_ray, const Sampler& sampler) {
+    light_.sample = {};
+    alpha_ = 1;
+    surface_recorded_ = false;
+    pending_.clear();
+    if (!camera_ray.exists) return;
+    Branch& camera = pending_.emplace_back(settings_, camera_ray, sampler);
+    if (scene_.has_media()) camera.media = media_around(scene_, camera.ray.at(camera.ray.t_min), camera.ray.time);
+}
+
+RayQuery DistributionTracer::next_ray() {
+    branch_.emplace(std::move(pending_.back()));
+    pending_.pop_back();
+    ++counts_[branch_->use];
+    branch_->ray = ray_of(*branch_);
+    return {&branch_->ray, branch_->bounces.ray_kind(), differential_of(*branch_)};
+}
+
+void DistributionTracer::leave_glass(Branch& branch, ClosestHit& found) const {
+    if (branch.outside_of == RayAnchor::kNone) return;
+    found = outside_glass(scene_, branch.outside_of, branch.ray, branch.bounces.ray_kind(), differential_of(branch),
+                          std::move(found));
+}
+
+const PixelSample& DistributionTracer::trace_alone() {
+    follow_pending();
+    return finish();
+}
+
 void DistributionTracer::follow_pending() {
-    while (!pending_.empty()) {
-        Branch branch = pending_.back();
-        pending_.pop_back();
-        ++counts_[branch.use];
-        branch.ray = ray_of(branch);
-        arrive(branch, closest(branch, branch.ray));
+    while (goes_on()) {
+        const RayQuery query = next_ray();
+        arrive_alone(scene_.tracer().closest(*query.ray, query.kind, query.differential));
     }
 }
 
-ClosestHit DistributionTracer::closest(const Branch& branch, Ray& ray) const {
-    const Visibility kind = branch.bounces.ray_kind();
-    const RayDifferential* differential = scene_.needs_differentials() ? &branch.differential : nullptr;
-    ClosestHit found = scene_.tracer().closest(ray, kind, differential);
-    if (branch.outside_of == RayAnchor::kNone) return found;
-    return outside_glass(scene_, branch.outside_of, ray, kind, differential, std::move(found));
+void DistributionTracer::arrive_alone(const ClosestHit& found) {
+    if (arrive(found)) {
+        Vertex vertex;
+        vertex.point = scene_.tracer().surface_point(branch_->ray, *hit_);
+        scene_.material(hit_->instance, hit_->local).surface->evaluate(approach(vertex), vertex.closures);
+        shade(vertex);
+    }
+    receive_light_alone();
+    receive_world_alone();
 }
 
-PixelSample DistributionTracer::trace(const Branch& camera) {
-    pending_.push_back(camera);
-    follow_pending();
+const PixelSample& DistributionTracer::finish() {
     if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
     light_.sample[Pass::mist].x = 1.0f - light_.sample[Pass::mist].x;
     light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
-    return light_.sample;
-}
-
-PixelSample DistributionTracer::unseen() {
-    light_.sample[Pass::depth].x = kNoDepth;
-    light_.sample[Pass::mist].x = 1.0f;
-    light_.finish(1.0f);
     return light_.sample;
 }
 
@@ -51,8 +76,11 @@ void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& 
     if (branch.vertex == 0 && settings_.ray_passes) write_volumes(passage, light_.sample);
 }
 
-void DistributionTracer::arrive(Branch& branch, const ClosestHit& found) {
-    const std::optional<Hit>& hit = found.hit;
+bool DistributionTracer::arrive(ClosestHit found) {
+    Branch& branch = *branch_;
+    leave_glass(branch, found);
+    hit_ = found.hit;
+    const std::optional<Hit>& hit = hit_;
     if (branch.vertex == 0 && settings_.ray_passes) {
         write_answer(scene_.tracer(), found, light_.sample);
         write_level(hit, light_.sample);
@@ -61,37 +89,52 @@ void DistributionTracer::arrive(Branch& branch, const ClosestHit& found) {
     if (!scene_.volumes().empty()) pass_volumes(branch, hit);
     const double end = hit ? hit->t : std::numeric_limits<double>::infinity();
     add_lamps(branch, end);
-    if (!branch.media.empty() && pass_media(branch, end)) return;
-    if (!hit) return add_world(branch);
+    if (!branch.media.empty() && pass_media(branch, end)) return false;
+    if (!hit) {
+        add_world(branch);
+        return false;
+    }
     const Material& material = scene_.material(hit->instance, hit->local);
-    if (material.bounds_medium_alone) return pass_boundary(branch, *hit);
+    if (material.bounds_medium_alone) {
+        pass_boundary(branch, *hit);
+        return false;
+    }
     const Program& program = *material.surface;
-    if (branch.bounces.is_last() && !program.emits() && !program.may_be_transparent()) return;
-    Vertex vertex;
-    vertex.point = scene_.tracer().surface_point(branch.ray, *hit);
+    return !branch.bounces.is_last() || program.emits() || program.may_be_transparent();
+}
+
+ShadingInputs DistributionTracer::approach(Vertex& vertex) {
+    const Branch& branch = *branch_;
     const Vec3f direction(branch.ray.direction);
     vertex.outgoing = -direction;
-    vertex.differential = branch.differential.transferred(direction, hit->t, vertex.point.facet_normal);
-    if (hit->is_interpolated()) {
+    if (has_footprint_)
+        vertex.differential = branch.differential.transferred(direction, hit_->t, vertex.point.facet_normal);
+    if (hit_->is_interpolated()) {
         vertex.point.dp_du = vertex.differential.dp_dx;
         vertex.point.dp_dv = vertex.differential.dp_dy;
     }
+    vertex.closures.aovs = aovs(branch);
     // Light sampling looks at points: where it might have found the same emission, both must see it alike, or their
     // weights would not add up to one.
-    const bool sampled = branch.departure.sampling != LightSampling::None && program.emits();
-    vertex.closures.aovs = aovs(branch);
-    scene_.shade(vertex.point, vertex.outgoing, sampled ? RayDifferential{} : vertex.differential,
-                 branch.bounces.at(hit->t), vertex.closures,
-                 {branch.sampler, dimension(branch.vertex, PathDimension::Probe)});
+    const bool sampled = branch.departure.sampling != LightSampling::None &&
+                         scene_.material(hit_->instance, hit_->local).surface->emits();
+    ShadingInputs inputs = scene_.shading_inputs(
+        vertex.point, vertex.outgoing, sampled ? RayDifferential{} : vertex.differential, branch.bounces.at(hit_->t));
+    scene_.offer_surroundings(inputs, {branch.sampler, dimension(branch.vertex, PathDimension::Probe)});
+    return inputs;
+}
+
+void DistributionTracer::shade(Vertex& vertex) {
+    Branch& branch = *branch_;
     branch.bounces.simplify(vertex.closures);
     if (branch.bounces.count() == 0) record_surface(branch, vertex);
     if (settings_.feature_passes && branch.shows_features)
-        branch.features.meet(scene_, vertex, hit->t - branch.ray.t_min, light_.sample);
+        branch.features.meet(scene_, vertex, hit_->t - branch.ray.t_min, light_.sample);
     add_emission(branch, vertex);
     if (branch.bounces.is_spent()) return;
-    if (branch.spread == Spread::One) return send_one_on(branch, *hit, vertex);
+    if (branch.spread == Spread::One) return send_one_on(branch, *hit_, vertex);
     if (!is_black(vertex.closures.transparency)) push(branch.straight_on(scene_, vertex), vertex);
-    if (!branch.bounces.is_last()) send_on(branch, *hit, vertex);
+    if (!branch.bounces.is_last()) send_on(branch, *hit_, vertex);
 }
 
 void DistributionTracer::add(const Branch& branch, const Color& radiance, Pass seen, int group) {
@@ -184,11 +227,10 @@ DistributionSettings::DistributionSettings(const Settings& settings)
 
 PixelSample trace_distributed(const DistributionFrame& frame, const CameraRay& camera_ray, const Sampler& sampler,
                               RayCounts& counts, SampleExtras* extras) {
-    if (!camera_ray.exists) return DistributionTracer(frame, counts, extras).unseen();
-    Branch camera(frame.settings.path, camera_ray, sampler);
-    if (frame.scene.has_media())
-        camera.media = media_around(frame.scene, camera.ray.at(camera.ray.t_min), camera.ray.time);
-    return DistributionTracer(frame, counts, extras).trace(camera);
+    DistributionTracer tracer(frame, counts);
+    tracer.begin(camera_ray, sampler);
+    if (extras) tracer.write_extras(*extras);
+    return tracer.trace_alone();
 }
 
 HemisphereRay trace_hemisphere_ray(const DistributionFrame& frame, const Branch& ray, RayCounts& counts) {

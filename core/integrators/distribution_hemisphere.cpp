@@ -11,11 +11,13 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     const double reach = settings_.occlusion_distance;
     const bool carries_light =
         distribution_.indirect != IndirectLight::AmbientOcclusion && hemisphere_brings_light(frame_);
-    const Ray whole = ray_of(ray);
-    Ray limited = whole;
-    if (!carries_light) limited.t_max = reach;
+    Branch& branch = branch_.emplace(ray);
+    branch.ray = ray_of(ray);
+    const double whole = branch.ray.t_max;
+    if (!carries_light) branch.ray.t_max = reach;
     ++counts_[ray.use];
-    const ClosestHit found = closest(ray, limited);
+    const ClosestHit found = scene_.tracer().closest(branch.ray, branch.bounces.ray_kind(), differential_of(branch));
+    Ray limited = branch.ray;
     const std::optional<Hit>& hit = found.hit;
     HemisphereRay result;
     if (hit) result.inverse_distance = static_cast<float>(1.0 / hit->t);
@@ -26,9 +28,8 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     else if (scene_.has_transparency() || !scene_.volumes().empty())
         result.light.free = free_share(scene_, way_of(ray, limited));
     if (carries_light) {
-        Branch branch = ray;
-        branch.ray = whole;
-        arrive(branch, found);
+        branch.ray.t_max = whole;
+        arrive_alone(found);
         follow_pending();
         const auto color = [&](Pass pass) {
             const Vec4f& value = light_.sample[pass];
@@ -73,30 +74,36 @@ void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Ver
         if (!sample) continue;
         Branch child = branch.scattered(scene_, vertex, lobes.diffuse(), *sample, count);
         child.sampler = sampler;
-        child.differential =
-            hemisphere_differential(vertex.differential, sample->direction, kPi * sample->density, count);
+        if (has_footprint_)
+            child.differential =
+                hemisphere_differential(vertex.differential, sample->direction, kPi * sample->density, count);
         child.departure.sampling = LightSampling::Alone;
         child.spread = Spread::One;
         child.use = RayUse::Hemisphere;
         enter_media(child, vertex);
         if (distribution_.indirect == IndirectLight::AmbientOcclusion)
-            unoccluded_.push_back(std::move(child));
+            ask_world(std::move(child));
         else
             push(std::move(child));
-        if (unoccluded_.size() == kPacketSize) add_unoccluded_world();
     }
-    add_unoccluded_world();
 }
 
-void DistributionTracer::add_unoccluded_world() {
-    for (const Branch& child : unoccluded_) {
-        ++counts_[child.use];
-        Ray ray = child.ray;
-        ray.t_max = settings_.occlusion_distance;
-        ways_.push_back(way_of(child, ray));
-    }
+void DistributionTracer::ask_world(Branch&& child) {
+    if (unoccluded_.size() == kPacketSize) receive_world_alone();
+    ++counts_[child.use];
+    Ray ray = child.ray;
+    ray.t_max = settings_.occlusion_distance;
+    world_ways_.push_back(way_of(child, ray));
+    unoccluded_.push_back(std::move(child));
+}
+
+void DistributionTracer::receive_world_alone() {
     std::array<Color, kPacketSize> free;
-    free_shares(scene_, ways_, Coherence::Incoherent, free.data());
+    free_shares(scene_, world_ways_, Coherence::Incoherent, free.data());
+    receive_world(free.data());
+}
+
+void DistributionTracer::receive_world(const Color* free) {
     for (size_t i = 0; i < unoccluded_.size(); ++i) {
         const Branch& child = unoccluded_[i];
         if (is_black(free[i]) || !scene_.shows_world_to(child.bounces.ray_kind())) continue;
@@ -104,7 +111,7 @@ void DistributionTracer::add_unoccluded_world() {
         add(child, free[i] * radiance, Pass::environment, scene_.world_light_group());
     }
     unoccluded_.clear();
-    ways_.clear();
+    world_ways_.clear();
 }
 
 bool DistributionTracer::add_cached_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes) {

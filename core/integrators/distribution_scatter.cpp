@@ -19,7 +19,7 @@ void DistributionTracer::send_on(const Branch& branch, const Hit& hit, const Ver
 FreeWay DistributionTracer::way_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
                                          const Ray& shadow, int siblings) const {
     FreeWay way = way_of(branch, shadow);
-    way.differential = shadow_differential(vertex.differential, light, siblings);
+    if (has_footprint_) way.differential = shadow_differential(vertex.differential, light, siblings);
     way.kind = to_light(kVisibleShadow, light.blockers);
     way.state = branch.bounces.of_shadow_ray();
     way.widening = settings_.widening(branch.importance(), false);
@@ -35,27 +35,30 @@ void DistributionTracer::send_light(const Branch& branch, const Vertex& vertex, 
     ++counts_[RayUse::Shadow];
     const int siblings = branch.spread == Spread::One ? kPathSiblings : count;
     const std::optional<Ray> ray = shadow_ray(scene_, vertex.point, light);
-    if (ray) ways_.push_back(way_of_light(branch, vertex, light, *ray, siblings));
-    sent_.push_back({arriving, shares, scene_.light_group(light), ray.has_value()});
-    if (sent_.size() == kPacketSize) add_sent_light(branch, count);
+    if (ray) light_ways_.push_back(way_of_light(branch, vertex, light, *ray, siblings));
+    const int scatterings = branch.bounces.count() + 1;
+    sent_.push_back({arriving, scatterings == 1 ? shares : branch.first_shares, scene_.light_group(light), scatterings,
+                     branch.share * each, ray.has_value()});
+    if (sent_.size() == kPacketSize) receive_light_alone();
 }
 
-void DistributionTracer::add_sent_light(const Branch& branch, int count) {
-    const float each = 1.0f / static_cast<float>(count);
+void DistributionTracer::receive_light_alone() {
     std::array<Color, kPacketSize> free;
-    free_shares(scene_, ways_, Coherence::Coherent, free.data());
-    size_t way = 0;
+    free_shares(scene_, light_ways_, Coherence::Coherent, free.data());
+    receive_light(free.data());
+}
+
+void DistributionTracer::receive_light(const Color* free) {
     for (const SentLight& light : sent_) {
-        const Color arriving = light.waits ? light.value * free[way++] : light.value;
+        const Color arriving = light.waits ? light.value * *free++ : light.value;
         if (is_black(arriving)) continue;
-        if (branch.bounces.count() == 0)
-            light_.add_first(arriving, light.shares, light.group, branch.share * each);
+        if (light.scatterings == 1)
+            light_.add_first(arriving, light.shares, light.group, light.share);
         else
-            light_.add_scattered(arriving, branch.bounces.count() + 1, branch.first_shares, light.group,
-                                 branch.share * each);
+            light_.add_scattered(arriving, light.scatterings, light.shares, light.group, light.share);
     }
     sent_.clear();
-    ways_.clear();
+    light_ways_.clear();
 }
 
 LitClasses DistributionTracer::lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
@@ -94,7 +97,6 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
         const LitClasses lit = lit_by_classes(branch, vertex, lobes, *light, count);
         send_light(branch, vertex, *light, lit.value, lit.shares, count);
     }
-    add_sent_light(branch, count);
 }
 
 void DistributionTracer::follow_singular(const Branch& branch, const Hit& hit, const Vertex& vertex,
@@ -105,7 +107,8 @@ void DistributionTracer::follow_singular(const Branch& branch, const Hit& hit, c
     for (const LobeSample& sample : lobes.singular()) {
         Branch child = branch.scattered(scene_, vertex, vertex.closures, sample, 1);
         child.sampler = branch.sampler.branch(0, 1, dimension(branch.vertex, PathDimension::Child) ^ (number++ << 24));
-        child.differential = glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, sample, 1);
+        if (has_footprint_)
+            child.differential = glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, sample, 1);
         child.use = RayUse::Specular;
         child.shows_features = branch.shows_features;
         child.features.take_share(max_component(sample.weight) / total);
@@ -124,7 +127,9 @@ void DistributionTracer::scatter_glossy(const Branch& branch, const Vertex& vert
         if (!sample) continue;
         Branch child = branch.scattered(scene_, vertex, lobes.glossy(), *sample, count);
         child.sampler = sampler;
-        child.differential = glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample, count);
+        if (has_footprint_)
+            child.differential =
+                glossy_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample, count);
         child.departure.sampling = LightSampling::Weighed;
         child.departure.density = static_cast<float>(count) * sample->density;
         child.departure.light_rays = static_cast<float>(rays(branch, distribution_.light_rays));
@@ -143,7 +148,6 @@ void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& v
                                                    : lit_together(vertex, vertex.closures, *light);
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
     send_light(branch, vertex, *light, lit.value * weight, {}, 1);
-    add_sent_light(branch, 1);
 }
 
 void DistributionTracer::send_one_on(const Branch& branch, const Hit& hit, const Vertex& vertex) {
@@ -173,7 +177,8 @@ void DistributionTracer::scatter_once(const Branch& branch, const Hit& hit, cons
     }
     Branch child = branch.scattered(scene_, vertex, vertex.closures, *sample, 1);
     child.throughput /= 1.0f - straight;
-    child.differential = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
+    if (has_footprint_)
+        child.differential = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
     if (!sample->singular) {
         child.departure.sampling = LightSampling::Weighed;
         child.departure.density = sample->density;

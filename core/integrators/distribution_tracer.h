@@ -17,31 +17,52 @@ struct LitClasses {
     ByKind shares;
 };
 
-/// Light on its way from a sampled light.
+/// Light on its way from a sampled light, to be told how much of it arrives.
 struct SentLight {
     Color value{0, 0, 0};
-    ByKind shares;       ///< of what it is scattered by
-    int group = -1;      ///< of lights
-    bool waits = false;  ///< for its way; else all of it arrives
+    ByKind shares;        ///< of the first scattering
+    int group = -1;       ///< of lights
+    int scatterings = 1;  ///< on the way to the camera
+    float share = 1;      ///< of the camera sample
+    bool waits = false;   ///< for its way; else all of it arrives
 };
 
 class DistributionTracer {
   public:
-    DistributionTracer(const DistributionFrame& frame, RayCounts& counts, SampleExtras* extras = nullptr)
+    DistributionTracer(const DistributionFrame& frame, RayCounts& counts)
         : frame_(frame),
           scene_(frame.scene),
           distribution_(frame.settings),
           settings_(frame.settings.path),
           counts_(counts),
-          light_(frame.settings.path) {
-        if (extras) extras->clear(settings_.slots);
-        light_.sample.extras = extras;
-    }
+          has_footprint_(frame.scene.needs_footprints()),
+          light_(frame.settings.path) {}
 
-    PixelSample trace(const Branch& camera);
-    /// Of a place of the picture where the camera shows nothing.
-    PixelSample unseen();
+    /// Begins with a camera ray, and forgets the one before.
+    void begin(const CameraRay& camera_ray, const Sampler& sampler);
+    /// What the settings ask for beside passes goes there.
+    void write_extras(SampleExtras& extras);
+    /// What one camera ray and all that follow contribute: ray by ray.
+    const PixelSample& trace_alone();
     HemisphereRay trace_hemisphere(const Branch& ray);
+
+    // The same in steps, for many camera rays together. While `goes_on`: `next_ray`, `arrive`; if it says so, the
+    // surface is shaded: `approach`, `shade`; then what waits for its way is told how much gets through.
+    bool goes_on() const { return !pending_.empty(); }
+    RayQuery next_ray();
+    /// True if the ray met a surface that must be shaded.
+    bool arrive(ClosestHit found);
+    const Ray& ray() const { return branch_->ray; }
+    const Hit& hit() const { return *hit_; }
+    /// The vertex has its point.
+    ShadingInputs approach(Vertex& vertex);
+    /// The vertex has its closures.
+    void shade(Vertex& vertex);
+    std::span<FreeWay> light_ways() { return light_ways_; }
+    void receive_light(const Color* free);
+    std::span<FreeWay> world_ways() { return world_ways_; }
+    void receive_world(const Color* free);
+    const PixelSample& finish();
 
   private:
     const DistributionFrame& frame_;
@@ -49,11 +70,15 @@ class DistributionTracer {
     const DistributionSettings& distribution_;
     const PathSettings& settings_;
     RayCounts& counts_;
+    bool has_footprint_;  ///< differentials count, and are kept
     Contributions light_;
-    std::vector<Branch> pending_;     ///< last in, first out
-    std::vector<Branch> unoccluded_;  ///< rays that wait to be told whether they reach the world
-    std::vector<FreeWay> ways_;       ///< that wait, in the order of what waits for them
-    std::vector<SentLight> sent_;     ///< waits to be told how much of it arrives
+    std::vector<Branch> pending_;   ///< last in, first out
+    std::optional<Branch> branch_;  ///< under way
+    std::optional<Hit> hit_;        ///< of `branch_`
+    std::vector<SentLight> sent_;
+    std::vector<FreeWay> light_ways_;  ///< of what waits of `sent_`, in its order
+    std::vector<Branch> unoccluded_;   ///< rays that wait to be told whether they reach the world
+    std::vector<FreeWay> world_ways_;  ///< theirs
     float alpha_ = 1;
     bool surface_recorded_ = false;
 
@@ -61,7 +86,9 @@ class DistributionTracer {
         return settings_.widening(branch.importance(), branch.bounces.count() > 0);
     }
     /// The branch's ray as wide as it is to be.
-    Ray ray_of(const Branch& branch) const { return with_width(branch.ray, branch.differential, widening(branch)); }
+    Ray ray_of(const Branch& branch) const {
+        return has_footprint_ ? with_width(branch.ray, branch.differential, widening(branch)) : branch.ray;
+    }
     /// Along it, or a part of it.
     FreeWay way_of(const Branch& branch, const Ray& ray) const {
         return {ray,
@@ -74,10 +101,13 @@ class DistributionTracer {
                 RandomStream(branch.sampler, dimension(branch.vertex, PathDimension::ShadowWalk))};
     }
     void follow_pending();
-    /// What `ray`, the branch's, meets; begun anew behind glass that it has just left (integrators/glass_path.h).
-    ClosestHit closest(const Branch& branch, Ray& ray) const;
-    /// What the ray meets at its end.
-    void arrive(Branch& branch, const ClosestHit& found);
+    /// What the ray under way makes of its end, ray by ray.
+    void arrive_alone(const ClosestHit& found);
+    const RayDifferential* differential_of(const Branch& branch) const {
+        return scene_.needs_differentials() ? &branch.differential : nullptr;
+    }
+    /// Begun anew behind glass that the ray has just left (integrators/glass_path.h).
+    void leave_glass(Branch& branch, ClosestHit& found) const;
     void pass_volumes(Branch& branch, const std::optional<Hit>& hit);
     /// True if a medium scattered the ray's light on the way: then the branch ends.
     bool pass_media(Branch& branch, double end);
@@ -109,8 +139,8 @@ class DistributionTracer {
                          int siblings) const;
     void send_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Color& value,
                     const ByKind& shares, int count);
-    /// Light that was sent: at most a packet, of one vertex and so many siblings.
-    void add_sent_light(const Branch& branch, int count);
+    /// Light that was sent, ray by ray or in packets of its own.
+    void receive_light_alone();
     LitClasses lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
                               const LightSample& light, int count) const;
     void sample_lights(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
@@ -121,8 +151,9 @@ class DistributionTracer {
     void scatter_below(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes);
     /// One walk of light that enters by `entry`; `branch` carries its share.
     void walk_on(Branch branch, const Vertex& vertex, const LobeSample& entry);
-    /// Those that wait, at most a packet.
-    void add_unoccluded_world();
+    /// The ray brings the world's light, as far as nothing occludes it.
+    void ask_world(Branch&& child);
+    void receive_world_alone();
     /// True where the cache answered for all lobes.
     bool add_cached_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes);
     void add_occlusion(const Branch& branch, const Vertex& vertex);
@@ -142,7 +173,8 @@ class DistributionTracer {
         push(std::move(branch));
     }
     void enter_media(Branch& branch, const Vertex& from) const {
-        leave_towards(scene_, from.point, from.outgoing, Vec3f(branch.ray.direction), branch.media);
+        if (scene_.has_media())
+            leave_towards(scene_, from.point, from.outgoing, Vec3f(branch.ray.direction), branch.media);
     }
 };
 

@@ -110,32 +110,36 @@ Color through_surface(const Scene& scene, FreeWay& way, const Hit& hit) {
 }
 
 /// A packet's, where something may let light through: most rays meet nothing, or what lets nothing through.
-void shares_through_surfaces(const Scene& scene, std::span<FreeWay> ways, std::span<const RayQuery> rays,
+void shares_through_surfaces(const Scene& scene, std::span<FreeWay* const> ways, std::span<const RayQuery> rays,
                              Coherence coherence, Color* shares) {
     std::array<ClosestHit, kPacketSize> nearest;
     scene.tracer().closest(rays, coherence, nearest.data());
     for (size_t i = 0; i < ways.size(); ++i) {
+        FreeWay& way = *ways[i];
         const std::optional<Hit>& hit = nearest[i].hit;
         if (!hit) {
-            shares[i] = through_volumes(scene, ways[i].ray, ways[i].kind).transmittance;
+            shares[i] = through_volumes(scene, way.ray, way.kind).transmittance;
             continue;
         }
         const Material& material = scene.material(hit->instance, hit->local);
-        const bool opaque = !material.bounds_medium_alone && !lets_through(material, ways[i].kind);
-        shares[i] = opaque ? Color(0.0f) : free_share(scene, std::move(ways[i]));
+        const bool opaque = !material.bounds_medium_alone && !lets_through(material, way.kind);
+        shares[i] = opaque ? Color(0.0f) : free_share(scene, std::move(way));
     }
 }
 
-void shares_of_packet(const Scene& scene, std::span<FreeWay> ways, Coherence coherence, Color* shares) {
+}  // namespace
+
+void free_shares_of_packet(const Scene& scene, std::span<FreeWay* const> ways, Coherence coherence, Color* shares) {
     std::array<RayQuery, kPacketSize> queries;
     bool any_media = false;
     for (size_t i = 0; i < ways.size(); ++i) {
-        if (scene.needs_footprints()) ways[i].ray = with_width(ways[i].ray, ways[i].differential, ways[i].widening);
-        queries[i] = {&ways[i].ray, ways[i].kind, nullptr};
-        any_media |= !ways[i].media.empty();
+        FreeWay& way = *ways[i];
+        if (scene.needs_footprints()) way.ray = with_width(way.ray, way.differential, way.widening);
+        queries[i] = {&way.ray, way.kind, nullptr};
+        any_media |= !way.media.empty();
     }
     if (any_media) {
-        for (size_t i = 0; i < ways.size(); ++i) shares[i] = free_share(scene, std::move(ways[i]));
+        for (size_t i = 0; i < ways.size(); ++i) shares[i] = free_share(scene, std::move(*ways[i]));
         return;
     }
     const std::span<const RayQuery> rays(queries.data(), ways.size());
@@ -143,15 +147,16 @@ void shares_of_packet(const Scene& scene, std::span<FreeWay> ways, Coherence coh
     const uint32_t hidden = scene.tracer().occluded(rays, coherence);
     for (size_t i = 0; i < ways.size(); ++i)
         shares[i] =
-            (hidden >> i & 1u) != 0 ? Color(0.0f) : through_volumes(scene, ways[i].ray, ways[i].kind).transmittance;
+            (hidden >> i & 1u) != 0 ? Color(0.0f) : through_volumes(scene, ways[i]->ray, ways[i]->kind).transmittance;
 }
 
-}  // namespace
-
 void free_shares(const Scene& scene, std::span<FreeWay> ways, Coherence coherence, Color* shares) {
-    for (size_t first = 0; first < ways.size(); first += kPacketSize)
-        shares_of_packet(scene, ways.subspan(first, std::min<size_t>(kPacketSize, ways.size() - first)), coherence,
-                         shares + first);
+    std::array<FreeWay*, kPacketSize> packet;
+    for (size_t first = 0; first < ways.size(); first += kPacketSize) {
+        const size_t count = std::min<size_t>(kPacketSize, ways.size() - first);
+        for (size_t i = 0; i < count; ++i) packet[i] = &ways[first + i];
+        free_shares_of_packet(scene, {packet.data(), count}, coherence, shares + first);
+    }
 }
 
 Color free_share(const Scene& scene, FreeWay way) {

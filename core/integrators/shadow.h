@@ -30,5 +30,7 @@ struct FreeWay {
 Color free_share(const Scene& scene, FreeWay way);
 /// The same for several ways, the rays of which are traced in packets; the ways are used up.
 void free_shares(const Scene& scene, std::span<FreeWay> ways, Coherence coherence, Color* shares);
+/// The same for ways that lie apart: at most a packet.
+void free_shares_of_packet(const Scene& scene, std::span<FreeWay* const> ways, Coherence coherence, Color* shares);
 
 }  // namespace rayleaf

@@ -5,6 +5,7 @@
 #include "geometry/displaced_surface.h"
 #include "integrators/dimensions.h"
 #include "integrators/distribution.h"
+#include "integrators/distribution_stream.h"
 #include "integrators/irradiance_fill.h"
 #include "integrators/path_stream.h"
 #include "render/tiles.h"
@@ -182,8 +183,7 @@ void Session::render_tile(const WindowSamples& next, const Frame& frame) {
                   {sums_.get(), is_noise_asked, is_error_asked, shows_mattes, more_samples_follow_});
     RayCounts counts;
     // Which pixel caused a tessellation is known for single paths only.
-    const bool alone = frame.integrator != IntegratorKind::Path || settings_.stream_paths == 0 ||
-                       frame.path.wants(Pass::geometry_misses);
+    const bool alone = settings_.stream_paths == 0 || frame.path.wants(Pass::geometry_misses);
     if (!(alone ? render_paths(next, frame, sums, counts) : render_streams(next, frame, sums, counts))) return;
     store({of_film, next.samples, next.taken}, frame.step, sums.values());
     if (shows_mattes) film_.add_mattes(of_film, count, sums.mattes());
@@ -215,9 +215,18 @@ bool Session::render_paths(const WindowSamples& next, const Frame& frame, TileSu
     return true;
 }
 
-/// The paths of a tile, pixel by pixel, as many at once as a stream takes.
 bool Session::render_streams(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const {
+    if (frame.integrator == IntegratorKind::Distribution) {
+        DistributionStream stream(frame.distribution, cancel_, counts);
+        return render_stream(next, frame, stream, sums);
+    }
     PathStream stream(*scene_, frame.path, cancel_, counts);
+    return render_stream(next, frame, stream, sums);
+}
+
+/// The paths of a tile, pixel by pixel, as many at once as a stream takes.
+template <typename Stream>
+bool Session::render_stream(const WindowSamples& next, const Frame& frame, Stream& stream, TileSums& sums) const {
     const Window& tile = next.window;
     const SampleRange range = next.samples;
     const auto samples = static_cast<size_t>(range.count);
@@ -264,7 +273,8 @@ CameraRay Session::camera_ray(const CameraPlace& place, const CameraNumbers& ran
 }
 
 /// The paths of up to kMostCameraSamples places.
-void Session::add_paths(std::span<const CameraPlace> places, const Frame& frame, PathStream& stream) const {
+template <typename Stream>
+void Session::add_paths(std::span<const CameraPlace> places, const Frame& frame, Stream& stream) const {
     SamplePairs pairs;
     for (const CameraPlace& place : places) {
         pairs.add(sampler_at(place), kFilterDimension);

@@ -26,8 +26,6 @@
 
 namespace rayleaf {
 
-class PathStream;
-
 enum class RenderState { Waiting, Building, Rendering, Done, Cancelled };
 
 struct Progress {
@@ -143,9 +141,12 @@ class Session {
         float time = 0;
     };
     CameraRay camera_ray(const CameraPlace& place, const CameraNumbers& random, const Frame& frame) const;
-    void add_paths(std::span<const CameraPlace> places, const Frame& frame, PathStream& stream) const;
+    template <typename Stream>
+    void add_paths(std::span<const CameraPlace> places, const Frame& frame, Stream& stream) const;
     bool render_paths(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     bool render_streams(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const;
+    template <typename Stream>
+    bool render_stream(const WindowSamples& next, const Frame& frame, Stream& stream, TileSums& sums) const;
     /// `place`: of the first of so many samples.
     bool render_pixel(CameraPlace place, int count, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     void add_counts(const RayCounts& counts);
