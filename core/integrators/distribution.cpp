@@ -27,7 +27,7 @@ RayQuery DistributionTracer::next_ray() {
     branch_.emplace(std::move(pending_.back()));
     pending_.pop_back();
     ++counts_[branch_->use];
-    branch_->ray = ray_of(*branch_);
+    if (has_footprint_) branch_->ray = ray_of(*branch_);
     return {&branch_->ray, branch_->bounces.ray_kind(), differential_of(*branch_)};
 }
 

@@ -1,3 +1,4 @@
+#include "base/sample_pairs.h"
 #include "integrators/ambient_occlusion.h"
 #include "integrators/distribution_tracer.h"
 #include "integrators/scattered_differential.h"
@@ -67,34 +68,76 @@ void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Ver
     ++counts_.hemispheres_sampled;
     const int count = rays(branch, distribution_.hemisphere_rays);
     const uint32_t use = dimension(branch.vertex, PathDimension::Hemisphere);
-    for (int i = 0; i < count; ++i) {
-        const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
-        const std::optional<LobeSample> sample =
-            lobes.diffuse().sample(vertex.outgoing, vertex.point.facet_normal, sampler.get3(use));
-        if (!sample) continue;
-        Branch child = branch.scattered(scene_, vertex, lobes.diffuse(), *sample, count);
-        child.sampler = sampler;
-        if (has_footprint_)
-            child.differential =
-                hemisphere_differential(vertex.differential, sample->direction, kPi * sample->density, count);
-        child.departure.sampling = LightSampling::Alone;
-        child.spread = Spread::One;
-        child.use = RayUse::Hemisphere;
-        enter_media(child, vertex);
-        if (distribution_.indirect == IndirectLight::AmbientOcclusion)
-            ask_world(std::move(child));
-        else
-            push(std::move(child));
+    constexpr int kAtOnce = SamplePairs::kMost / 2;
+    for (int first = 0; first < count; first += kAtOnce) {
+        const int end = std::min(first + kAtOnce, count);
+        const auto sampler_of = [&](int i) {
+            return branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
+        };
+        SamplePairs pairs;
+        for (int i = first; i < end; ++i) pairs.add3(sampler_of(i), use);
+        pairs.compute();
+        for (int i = first; i < end; ++i) {
+            const std::optional<LobeSample> sample = lobes.diffuse().sample(
+                vertex.outgoing, vertex.point.facet_normal, pairs.triple(2 * static_cast<size_t>(i - first)));
+            if (!sample) continue;
+            const HemisphereSample chosen{*sample, sampler_of(i), count};
+            if (distribution_.indirect == IndirectLight::AmbientOcclusion)
+                ask_world(branch, vertex, lobes.diffuse(), chosen);
+            else
+                send_over_hemisphere(branch, vertex, lobes.diffuse(), chosen);
+        }
     }
 }
 
-void DistributionTracer::ask_world(Branch&& child) {
-    if (unoccluded_.size() == kPacketSize) receive_world_alone();
-    ++counts_[child.use];
-    Ray ray = child.ray;
-    ray.t_max = settings_.occlusion_distance;
-    world_ways_.push_back(way_of(child, ray));
-    unoccluded_.push_back(std::move(child));
+void DistributionTracer::send_over_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes,
+                                              const HemisphereSample& chosen) {
+    const LobeSample& sample = chosen.sample;
+    Branch child = branch.scattered(scene_, vertex, lobes, sample, chosen.count);
+    child.sampler = chosen.sampler;
+    if (has_footprint_)
+        child.differential =
+            hemisphere_differential(vertex.differential, sample.direction, kPi * sample.density, chosen.count);
+    child.departure.sampling = LightSampling::Alone;
+    child.spread = Spread::One;
+    child.use = RayUse::Hemisphere;
+    push(std::move(child), vertex);
+}
+
+/// As the branch that it would be, without all that only a ray that goes on needs.
+void DistributionTracer::ask_world(const Branch& branch, const Vertex& vertex, const Closures& lobes,
+                                   const HemisphereSample& chosen) {
+    if (world_rays_.size() == kPacketSize) receive_world_alone();
+    ++counts_[RayUse::Hemisphere];
+    const LobeSample& sample = chosen.sample;
+    const auto count = static_cast<float>(chosen.count);
+    Bounces bounces = branch.bounces;
+    bounces.scatter(sample);
+    FreeWay& way = world_ways_.emplace_back();
+    vertex.point.release(way.ray, sample.direction);
+    way.ray.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
+    way.ray.t_max = settings_.occlusion_distance;
+    way.kind = bounces.ray_kind();
+    way.state = bounces.at(0);
+    way.transparent_left = bounces.transparent_left();
+    way.media = branch.media;
+    if (scene_.has_media()) leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(way.ray.direction), way.media);
+    way.random = RandomStream(chosen.sampler, dimension(branch.vertex + 1, PathDimension::ShadowWalk));
+
+    WorldRay& ray = world_rays_.emplace_back();
+    ray.throughput = branch.throughput * (sample.weight / count);
+    ray.share = branch.share / count;
+    ray.direction = Vec3f(way.ray.direction);
+    ray.kind = way.kind;
+    ray.state = way.state;
+    ray.scatterings = bounces.count();
+    ray.first_shares = branch.splits_light && branch.bounces.count() == 0 ? shares_of_scattering(vertex, lobes, sample)
+                                                                          : branch.first_shares;
+    if (!has_footprint_) return;
+    ray.differential =
+        hemisphere_differential(vertex.differential, sample.direction, kPi * sample.density, chosen.count);
+    way.differential = ray.differential;
+    way.widening = settings_.widening(max_component(ray.throughput) / ray.share, true);
 }
 
 void DistributionTracer::receive_world_alone() {
@@ -104,13 +147,14 @@ void DistributionTracer::receive_world_alone() {
 }
 
 void DistributionTracer::receive_world(const Color* free) {
-    for (size_t i = 0; i < unoccluded_.size(); ++i) {
-        const Branch& child = unoccluded_[i];
-        if (is_black(free[i]) || !scene_.shows_world_to(child.bounces.ray_kind())) continue;
-        const Color radiance = scene_.world(Vec3f(child.ray.direction), child.differential, child.bounces.at(0));
-        add(child, free[i] * radiance, Pass::environment, scene_.world_light_group());
+    for (const WorldRay& ray : world_rays_) {
+        const Color share = *free++;
+        if (is_black(share) || !scene_.shows_world_to(ray.kind)) continue;
+        const Color radiance = scene_.world(ray.direction, ray.differential, ray.state);
+        light_.add_scattered(ray.throughput * (share * radiance), ray.scatterings, ray.first_shares,
+                             scene_.world_light_group(), ray.share);
     }
-    unoccluded_.clear();
+    world_rays_.clear();
     world_ways_.clear();
 }
 

@@ -15,6 +15,9 @@ namespace rayleaf {
 
 class DistributionStream {
   public:
+    /// What as many trees hold fits a thread's own cache: each has a packet of rays that wait.
+    static constexpr size_t kMost = 64;
+
     /// `counts` gets the rays. Tracing throws Cancelled soon after `cancel` says so.
     DistributionStream(const DistributionFrame& frame, const CancelToken& cancel, RayCounts& counts);
 

@@ -27,6 +27,25 @@ struct SentLight {
     bool waits = false;   ///< for its way; else all of it arrives
 };
 
+/// A ray that brings the world's light, to be told how much gets through.
+struct WorldRay {
+    Color throughput{0, 0, 0};  ///< as of Branch
+    float share = 1;            ///< so too
+    ByKind first_shares;        ///< so too
+    int scatterings = 1;        ///< on the way to the camera
+    Vec3f direction{0, 0, 1};
+    RayDifferential differential;
+    PathState state;
+    Visibility kind = kVisibleDiffuse;
+};
+
+/// A direction over a hemisphere, one of `count`.
+struct HemisphereSample {
+    LobeSample sample;
+    Sampler sampler;  ///< of the ray's random numbers
+    int count;
+};
+
 class DistributionTracer {
   public:
     DistributionTracer(const DistributionFrame& frame, RayCounts& counts)
@@ -77,7 +96,7 @@ class DistributionTracer {
     std::optional<Hit> hit_;        ///< of `branch_`
     std::vector<SentLight> sent_;
     std::vector<FreeWay> light_ways_;  ///< of what waits of `sent_`, in its order
-    std::vector<Branch> unoccluded_;   ///< rays that wait to be told whether they reach the world
+    std::vector<WorldRay> world_rays_;
     std::vector<FreeWay> world_ways_;  ///< theirs
     float alpha_ = 1;
     bool surface_recorded_ = false;
@@ -86,9 +105,7 @@ class DistributionTracer {
         return settings_.widening(branch.importance(), branch.bounces.count() > 0);
     }
     /// The branch's ray as wide as it is to be.
-    Ray ray_of(const Branch& branch) const {
-        return has_footprint_ ? with_width(branch.ray, branch.differential, widening(branch)) : branch.ray;
-    }
+    Ray ray_of(const Branch& branch) const { return with_width(branch.ray, branch.differential, widening(branch)); }
     /// Along it, or a part of it.
     FreeWay way_of(const Branch& branch, const Ray& ray) const {
         return {ray,
@@ -152,7 +169,9 @@ class DistributionTracer {
     /// One walk of light that enters by `entry`; `branch` carries its share.
     void walk_on(Branch branch, const Vertex& vertex, const LobeSample& entry);
     /// The ray brings the world's light, as far as nothing occludes it.
-    void ask_world(Branch&& child);
+    void ask_world(const Branch& branch, const Vertex& vertex, const Closures& lobes, const HemisphereSample& chosen);
+    void send_over_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes,
+                              const HemisphereSample& chosen);
     void receive_world_alone();
     /// True where the cache answered for all lobes.
     bool add_cached_hemisphere(const Branch& branch, const Vertex& vertex, const Closures& lobes);

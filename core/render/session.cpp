@@ -216,22 +216,23 @@ bool Session::render_paths(const WindowSamples& next, const Frame& frame, TileSu
 }
 
 bool Session::render_streams(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const {
+    const auto most = static_cast<size_t>(settings_.stream_paths);
     if (frame.integrator == IntegratorKind::Distribution) {
         DistributionStream stream(frame.distribution, cancel_, counts);
-        return render_stream(next, frame, stream, sums);
+        return render_stream(next, frame, std::min(most, DistributionStream::kMost), stream, sums);
     }
     PathStream stream(*scene_, frame.path, cancel_, counts);
-    return render_stream(next, frame, stream, sums);
+    return render_stream(next, frame, most, stream, sums);
 }
 
-/// The paths of a tile, pixel by pixel, as many at once as a stream takes.
+/// The paths of a tile, pixel by pixel, at most so many at once.
 template <typename Stream>
-bool Session::render_stream(const WindowSamples& next, const Frame& frame, Stream& stream, TileSums& sums) const {
+bool Session::render_stream(const WindowSamples& next, const Frame& frame, size_t most, Stream& stream,
+                            TileSums& sums) const {
     const Window& tile = next.window;
     const SampleRange range = next.samples;
     const auto samples = static_cast<size_t>(range.count);
     const size_t paths = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height) * samples;
-    const auto most = static_cast<size_t>(settings_.stream_paths);
     for (size_t i = 0; i < paths;) {
         const size_t count = std::min({most - stream.size(), paths - i, kMostCameraSamples});
         std::array<CameraPlace, kMostCameraSamples> places;

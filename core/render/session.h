@@ -146,7 +146,8 @@ class Session {
     bool render_paths(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     bool render_streams(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     template <typename Stream>
-    bool render_stream(const WindowSamples& next, const Frame& frame, Stream& stream, TileSums& sums) const;
+    bool render_stream(const WindowSamples& next, const Frame& frame, size_t most, Stream& stream,
+                       TileSums& sums) const;
     /// `place`: of the first of so many samples.
     bool render_pixel(CameraPlace place, int count, const Frame& frame, TileSums& sums, RayCounts& counts) const;
     void add_counts(const RayCounts& counts);
