@@ -1,105 +1,163 @@
 #include "film/error_blocks.h"
 
-#include "film/noise_blocks.h"
-
 #include <algorithm>
 #include <cmath>
 
 namespace rayleaf {
 namespace {
 
-/// What is aimed at, as a share of the target: an estimate is no bound.
-constexpr double kAim = 0.93;
-/// No block is done before.
-constexpr double kLeastOfBlock = 8;
-/// A round makes of each sample that many at most, so that the next one can be judged by more of them.
-constexpr double kMostGrowth = 1.5;
+using Unit = ErrorGoal::Unit;
 
-/// The next even number, or itself: the halves of a picture are alike.
-int even(double number) {
-    return static_cast<int>(std::ceil(number / 2.0)) * 2;
+/// What is aimed at, as a share of a target error: an estimate is no bound.
+constexpr double kAim = 0.93;
+/// Samples of a pixel in the first round.
+constexpr int kFirst = 8;
+/// A round makes of each sample that many at most, so that the next one can be judged by more of them.
+constexpr double kMostGrowth = 2;
+/// How much of a block's deviation the blocks around it tell. More blurs the borders of what is noisy.
+constexpr double kNeighbors = 0.3;
+/// And its halves, beside a target error: brightness does not see every change of a colour.
+constexpr double kHalves = 0.2;
+
+/// Blocks of `side` in `length` pixels.
+int blocks_in(int length, int side) {
+    return (length + side - 1) / side;
 }
 
-/// Expected square of what is displayed of a mean that is off by half of what its halves differ by, to either side.
-double displayed_square(double mean, double one, double other) {
-    const auto [low, high] = std::minmax({std::clamp(one, 0.0, 1.0), std::clamp(other, 0.0, 1.0)});
-    const double shown = std::clamp(mean, 0.0, 1.0), above = high - shown, below = shown - low;
+/// Expected square of what is displayed of a mean that is off by `deviation` to either side.
+double displayed_square(double mean, double deviation) {
+    const double shown = std::clamp(mean, 0.0, 1.0);
+    const double above = std::clamp(mean + deviation, 0.0, 1.0) - shown;
+    const double below = shown - std::clamp(mean - deviation, 0.0, 1.0);
     return (above * above + below * below) / 2.0;
+}
+
+/// By how much the halves of a pixel differ.
+double displayed_square(const PixelMoments& pixel, int samples) {
+    const double odd = samples / 2, even = samples - odd;  // NOLINT(bugprone-integer-division)
+    double squares = 0;
+    for (int c = 0; c < 3; ++c)
+        squares += displayed_square((pixel.even[c] + pixel.odd[c]) / samples,
+                                    std::abs(pixel.even[c] / even - pixel.odd[c] / odd) / 2.0);
+    return squares;
 }
 
 }  // namespace
 
-void HalfSums::add(const PixelSample& sample, bool is_odd) {
-    constexpr double kLargest = 1e30;  // sums stay finite
-    // As in PixelMoments: with what shadow catchers scatter.
+void PixelMoments::add(const PixelSample& sample, bool is_odd) {
+    constexpr double kLargest = 1e30;  // sums of squares stay finite
+    // What shadow catchers scatter is no part of Combined until their shadow is, but is as noisy.
     const Vec4f color = sample[Pass::combined] + sample[Pass::shadow_catcher];
-    Vec3d& half = is_odd ? odd : even;
+    Vec3d finite(0, 0, 0);
     for (int c = 0; c < 3; ++c)
-        if (!std::isnan(color[c])) half[c] += std::clamp(double{color[c]}, -kLargest, kLargest);
+        if (!std::isnan(color[c])) finite[c] = std::clamp(double{color[c]}, -kLargest, kLargest);
+    (is_odd ? odd : even) += finite;
+    squares += sum(finite) * sum(finite);
 }
 
-HalfSums& HalfSums::operator+=(const HalfSums& other) {
+PixelMoments& PixelMoments::operator+=(const PixelMoments& other) {
     even += other.even;
     odd += other.odd;
+    squares += other.squares;
     return *this;
 }
 
-ErrorBlocks::ErrorBlocks(int width, int height, double target)
+double PixelMoments::variance(int samples) const {
+    const double n = samples, mean = brightness(samples);
+    return std::max(squares - n * mean * mean, 0.0) / (n - 1.0) / n;
+}
+
+double PixelMoments::noise(int samples) const {
+    constexpr double kDark = 1e-4;  // below, a pixel is taken to be black, as Cycles takes it
+    return std::sqrt(variance(samples)) / (kDark + std::sqrt(std::abs(brightness(samples))));
+}
+
+ErrorBlocks::ErrorBlocks(int width, int height, const ErrorGoal& goal)
     : width_(width),
       height_(height),
-      columns_((width + NoiseBlocks::kSide - 1) / NoiseBlocks::kSide),
-      target_(target),
-      sums_(static_cast<size_t>(width) * static_cast<size_t>(height)),
-      blocks_(static_cast<size_t>(columns_) *
-              static_cast<size_t>((height + NoiseBlocks::kSide - 1) / NoiseBlocks::kSide)) {
-    for (Block& each : blocks_) each.needed = kLeastOfBlock;
+      columns_(blocks_in(width, kSide)),
+      rows_(blocks_in(height, kSide)),
+      group_columns_(blocks_in(width, kGroup)),
+      goal_(goal),
+      pixels_(static_cast<size_t>(width) * static_cast<size_t>(height)),
+      blocks_(static_cast<size_t>(columns_) * static_cast<size_t>(rows_)),
+      costs_(static_cast<size_t>(group_columns_) * static_cast<size_t>(blocks_in(height, kGroup))) {
+    goal_.least_samples = std::max(goal.least_samples, 2);
+    for (Block& each : blocks_) each.needed = goal_.least_samples;
 }
 
 Window ErrorBlocks::window(size_t index) const {
-    constexpr int kSide = NoiseBlocks::kSide;
     const int x = static_cast<int>(index) % columns_ * kSide, y = static_cast<int>(index) / columns_ * kSide;
     return {x, y, std::min(kSide, width_ - x), std::min(kSide, height_ - y)};
 }
 
-/// Pixels times channels of a block.
-double ErrorBlocks::numbers(size_t index) const {
+double ErrorBlocks::pixels(size_t index) const {
     const Window place = window(index);
-    return 3.0 * place.width * place.height;
+    return static_cast<double>(place.width) * place.height;
 }
 
-std::vector<WindowSamples> ErrorBlocks::next(int most) const {
-    std::vector<WindowSamples> found;
+/// Samples that a block is to have after the next round.
+int ErrorBlocks::wanted(const Block& block, int most) const {
+    // The halves of a picture are alike.
+    const auto whole = [this](double number) {
+        const double step = goal_.unit == Unit::Displayed ? 2.0 : 1.0;
+        return static_cast<int>(std::ceil(number / step) * step);
+    };
+    const int at_once = block.samples == 0 ? kFirst : whole(std::max(kMostGrowth * block.samples, block.samples + 2.0));
+    return std::min({whole(std::min<double>(block.needed, most)), at_once, most});
+}
+
+std::vector<std::vector<WindowSamples>> ErrorBlocks::next(int most) const {
+    std::vector<std::vector<WindowSamples>> found(costs_.size());
     for (size_t i = 0; i < blocks_.size(); ++i) {
-        const int has = blocks_[i].samples, wants = even(std::min<double>(blocks_[i].needed, most));
-        const int at_once = even(has == 0 ? kLeastOfBlock : std::max(kMostGrowth * has, has + 2.0));
-        const int count = std::min({wants, at_once, most}) - has;
-        if (count > 0) found.push_back({window(i), {has, count}, has});
+        const int has = blocks_[i].samples, count = wanted(blocks_[i], most) - has;
+        const Window place = window(i);
+        if (count > 0) found[group(place.x, place.y)].push_back({place, {has, count}, has});
     }
+    std::erase_if(found, [](const auto& each) { return each.empty(); });
     return found;
 }
 
 double ErrorBlocks::samples_missing(int most) const {
     double sum = 0;
     for (size_t i = 0; i < blocks_.size(); ++i)
-        sum += numbers(i) / 3.0 * std::max(std::min<double>(blocks_[i].needed, most) - blocks_[i].samples, 0.0);
+        sum += pixels(i) * std::max(std::min<double>(blocks_[i].needed, most) - blocks_[i].samples, 0.0);
     return sum;
 }
 
-void ErrorBlocks::add(const Window& block, std::span<const HalfSums> pixels, int samples, uint64_t rays) {
-    constexpr int kSide = NoiseBlocks::kSide;
-    Block& its = blocks_[index(block.x / kSide, block.y / kSide)];
+void ErrorBlocks::add(const WindowSamples& block, std::span<const PixelMoments> pixels) {
+    const Window& place = block.window;
+    const int samples = block.taken + block.samples.count;
+    Block& its = blocks_[index(place.x / kSide, place.y / kSide)];
     its.samples = samples;
-    its.rays += rays;
-    its.squares = 0;
-    const double odd = samples / 2, even = samples - odd;  // NOLINT(bugprone-integer-division)
+    its.squares = its.variance = 0;
     for (size_t i = 0; i < pixels.size(); ++i) {
-        const int x = block.x + static_cast<int>(i) % block.width, y = block.y + static_cast<int>(i) / block.width;
-        HalfSums& pixel = sums_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
+        const int x = place.x + static_cast<int>(i) % place.width, y = place.y + static_cast<int>(i) / place.width;
+        PixelMoments& pixel = pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
         pixel += pixels[i];
-        for (int c = 0; c < 3 && samples > 1; ++c)
-            its.squares +=
-                displayed_square((pixel.even[c] + pixel.odd[c]) / samples, pixel.even[c] / even, pixel.odd[c] / odd);
+        if (samples < 2) continue;
+        if (goal_.unit == Unit::Displayed) {
+            const double deviation = std::sqrt(pixel.variance(samples)), of_halves = displayed_square(pixel, samples);
+            const double of_squares = 3.0 * displayed_square(pixel.brightness(samples) / 3.0, deviation / 3.0);
+            its.squares += of_halves;
+            its.variance += samples * std::lerp(of_squares, of_halves, kHalves);
+        } else {
+            const double noise = pixel.noise(samples);
+            its.squares += noise * noise;
+            its.variance += samples * noise * noise;
+        }
     }
+}
+
+void ErrorBlocks::add_rays(std::span<const WindowSamples> blocks, uint64_t rays) {
+    Cost& cost = costs_[group(blocks.front().window.x, blocks.front().window.y)];
+    cost.rays += rays;
+    for (const WindowSamples& each : blocks)
+        cost.samples += static_cast<uint64_t>(each.window.width * each.window.height * each.samples.count);
+}
+
+double ErrorBlocks::numbers_of_all() const {
+    return (goal_.unit == Unit::Displayed ? 3.0 : 1.0) * width_ * height_;
 }
 
 double ErrorBlocks::squares_of_all() const {
@@ -108,22 +166,20 @@ double ErrorBlocks::squares_of_all() const {
     return sum;
 }
 
-/// The deviation of a single sample in each block, half told by the block, half by it and those around, over the root
-/// of what one costs.
+/// The deviation of a single sample in each block over the root of what one costs.
 std::vector<double> ErrorBlocks::worths() const {
-    const int rows = static_cast<int>(blocks_.size()) / columns_;
     std::vector<double> found(blocks_.size());
     for (size_t i = 0; i < blocks_.size(); ++i) {
         const int x = static_cast<int>(i) % columns_, y = static_cast<int>(i) / columns_;
         double variance = 0, count = 0;
-        for (int row = std::max(y - 1, 0); row <= std::min(y + 1, rows - 1); ++row)
+        for (int row = std::max(y - 1, 0); row <= std::min(y + 1, rows_ - 1); ++row)
             for (int column = std::max(x - 1, 0); column <= std::min(x + 1, columns_ - 1); ++column) {
                 const size_t other = index(column, row);
-                variance += blocks_[other].variance();
-                count += numbers(other);
+                variance += blocks_[other].variance;
+                count += pixels(other);
             }
-        const double cost = blocks_[i].cost(numbers(i) / 3.0) / numbers(i);
-        found[i] = std::sqrt((blocks_[i].variance() / numbers(i) + variance / count) / 2.0 / cost);
+        const double mixed = std::lerp(blocks_[i].variance / pixels(i), variance / count, kNeighbors);
+        found[i] = std::sqrt(mixed / costs_[group(x * kSide, y * kSide)].of_sample());
     }
     return found;
 }
@@ -132,8 +188,10 @@ std::vector<double> ErrorBlocks::worths() const {
 double ErrorBlocks::samples_per_worth(std::span<const double> worths, double room) const {
     const auto squares_at = [&](double factor) {
         double sum = 0;
-        for (size_t i = 0; i < blocks_.size(); ++i)
-            sum += blocks_[i].variance() / std::max<double>(blocks_[i].samples, worths[i] * factor);
+        for (size_t i = 0; i < blocks_.size(); ++i) {
+            const double has = blocks_[i].samples;
+            sum += blocks_[i].squares * has / std::max(has, worths[i] * factor);
+        }
         return sum;
     };
     constexpr int kSteps = 50;
@@ -146,11 +204,13 @@ double ErrorBlocks::samples_per_worth(std::span<const double> worths, double roo
 }
 
 void ErrorBlocks::decide() {
-    const double room = kAim * kAim * target_ * target_ * numbers_of_all();
+    const double aim = goal_.unit == Unit::Displayed ? kAim * goal_.most : goal_.most;
+    const double room = aim * aim * numbers_of_all();
     const bool is_reached = squares_of_all() <= room;
     const std::vector<double> found = is_reached ? std::vector<double>(blocks_.size()) : worths();
     const double factor = is_reached ? 0.0 : samples_per_worth(found, room);
-    for (size_t i = 0; i < blocks_.size(); ++i) blocks_[i].needed = std::max(found[i] * factor, kLeastOfBlock);
+    for (size_t i = 0; i < blocks_.size(); ++i)
+        blocks_[i].needed = std::max<double>(found[i] * factor, goal_.least_samples);
 }
 
 double ErrorBlocks::error() const {
@@ -158,7 +218,8 @@ double ErrorBlocks::error() const {
 }
 
 size_t ErrorBlocks::bytes() const {
-    return sums_.capacity() * sizeof(HalfSums) + blocks_.capacity() * sizeof(Block);
+    return pixels_.capacity() * sizeof(PixelMoments) + blocks_.capacity() * sizeof(Block) +
+           costs_.capacity() * sizeof(Cost);
 }
 
 }  // namespace rayleaf

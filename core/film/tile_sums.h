@@ -3,7 +3,6 @@
 
 #include "film/error_blocks.h"
 #include "film/film_sums.h"
-#include "film/noise_blocks.h"
 #include "film/sample_range.h"
 #include "film/window.h"
 
@@ -18,8 +17,7 @@ class TileSums {
     /// What is wanted of a tile's pixels beside their values.
     struct Wanted {
         FilmSums* sums = nullptr;   ///< gets the sums of finished pixels; null: nobody
-        bool moments = false;       ///< what noise is estimated from
-        bool halves = false;        ///< what the error is estimated from
+        bool moments = false;       ///< what the error is estimated from
         bool mattes = false;        ///< what each pixel shows
         bool more_samples = false;  ///< follow, so that light is not divided yet
     };
@@ -31,15 +29,16 @@ class TileSums {
     /// Adds the next sample of the current pixel, or the first one of the next pixel.
     void add(const PixelSample& sample) {
         sums_.add(sample, samples_.first + added_, passes_);
-        if (wanted_.moments) pixel_moments_.add(sample);
-        if (wanted_.halves) pixel_halves_.add(sample, (samples_.first + added_) % 2 == 1);
+        if (wanted_.moments) pixel_moments_.add(sample, (samples_.first + added_) % 2 == 1);
         if (wanted_.mattes) add_mattes(sample.extras->mattes);
         if (++added_ == samples_.count) finish_pixel();
+    }
+    bool is_full() const {
+        return values_.size() == static_cast<size_t>(tile_.width) * static_cast<size_t>(tile_.height);
     }
     /// The values of finished pixels.
     std::span<const PixelValues> values() const { return values_; }
     std::span<const PixelMoments> moments() const { return moments_; }
-    std::span<const HalfSums> halves() const { return halves_; }
     std::span<const PixelMattes> mattes() const { return mattes_; }
 
   private:
@@ -49,12 +48,10 @@ class TileSums {
     Wanted wanted_;
     PixelSums sums_;  ///< of the current pixel
     PixelMoments pixel_moments_;
-    HalfSums pixel_halves_;
     PixelMattes pixel_mattes_;
     int added_ = 0;  ///< samples of it so far
     std::vector<PixelValues> values_;
     std::vector<PixelMoments> moments_;
-    std::vector<HalfSums> halves_;
     std::vector<PixelMattes> mattes_;
 
     void add_mattes(std::span<const MatteRecord> records) {
@@ -65,7 +62,6 @@ class TileSums {
         const int number = static_cast<int>(values_.size());
         values_.push_back(sums_.values(passes_, samples_.count, wanted_.more_samples));
         if (wanted_.moments) moments_.push_back(std::exchange(pixel_moments_, {}));
-        if (wanted_.halves) halves_.push_back(std::exchange(pixel_halves_, {}));
         if (wanted_.mattes) mattes_.push_back(std::exchange(pixel_mattes_, {}));
         if (wanted_.sums) {
             const int x = tile_.x + number % tile_.width, y = tile_.y + number / tile_.width;
@@ -75,6 +71,22 @@ class TileSums {
         sums_.clear(passes_);
         added_ = 0;
     }
+};
+
+/// Of windows that are rendered together, one after the other.
+class WindowSums {
+  public:
+    void add_window(TileSums sums) { windows_.push_back(std::move(sums)); }
+    /// Adds the next sample of the current window, or the first one of the next.
+    void add(const PixelSample& sample) {
+        if (windows_[current_].is_full()) ++current_;
+        windows_[current_].add(sample);
+    }
+    const TileSums& operator[](size_t window) const { return windows_[window]; }
+
+  private:
+    std::vector<TileSums> windows_;
+    size_t current_ = 0;
 };
 
 }  // namespace rayleaf

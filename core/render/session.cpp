@@ -12,6 +12,7 @@
 #include "trace/float_environment.h"
 
 #include <array>
+#include <optional>
 #include <unordered_set>
 
 #include <oneapi/tbb/global_control.h>
@@ -32,6 +33,16 @@ const double kNoiseShareBeside = std::sqrt(1.0 - kInterpolationShare * kInterpol
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// None: all pixels take all samples.
+std::optional<ErrorGoal> error_goal(const Settings& settings) {
+    using Unit = ErrorGoal::Unit;
+    constexpr int kLeast = 8;  // of a target error
+    if (settings.target_error > 0.0) return ErrorGoal{Unit::Displayed, settings.target_error, kLeast};
+    if (settings.noise_threshold > 0.0)
+        return ErrorGoal{Unit::CyclesNoise, settings.noise_threshold, least_samples(settings)};
+    return std::nullopt;
 }
 
 Settings validated(Settings settings) {
@@ -59,11 +70,8 @@ Session::Session(std::shared_ptr<const SceneDescription> description, Settings s
       film_(part(settings_).width, part(settings_).height, computed_passes(settings_.passes)) {
     settings_.passes = film_.passes();
     if (settings_.keep_sums) sums_ = std::make_unique<FilmSums>(film_.width(), film_.height(), film_.passes());
-    if (settings_.target_error > 0.0)
-        error_ = std::make_unique<ErrorBlocks>(film_.width(), film_.height(), settings_.target_error);
-    else if (settings_.noise_threshold > 0.0)
-        noise_ = std::make_unique<NoiseBlocks>(film_.width(), film_.height(), settings_.noise_threshold,
-                                               least_samples(settings_));
+    if (const auto goal = error_goal(settings_))
+        error_ = std::make_unique<ErrorBlocks>(film_.width(), film_.height(), *goal);
 }
 
 void Session::take_scene() {
@@ -92,7 +100,7 @@ bool Session::render() {
     const bool finished = run([this] {
         build_scene();
         const auto start = std::chrono::steady_clock::now();
-        if (noise_ || error_ || settings_.time_limit > 0.0)
+        if (error_ || settings_.time_limit > 0.0)
             render_rounds();
         else
             render_tiles(sample_range(settings_), 1);
@@ -129,21 +137,25 @@ void Session::build_scene() {
     state_ = RenderState::Building;
     scene_ = std::make_unique<Scene>(*description_, settings_, cancel_);
     caches_ = std::make_unique<RayCaches>(*description_, *scene_, settings_, ray_caches_.get(), cancel_);
-    if (error_ && caches_->any_used()) error_->set_target(settings_.target_error * kNoiseShareBeside);
+    if (settings_.target_error > 0.0 && caches_->any_used())
+        error_->set_target(settings_.target_error * kNoiseShareBeside);
     build_seconds_ = seconds_since(began_);
     state_ = RenderState::Rendering;
 }
 
 void Session::render_tiles(const SampleRange& samples, int step) {
-    std::vector<WindowSamples> parts;
-    for (const Window& each : windows(step)) parts.push_back({each, samples, samples_taken_});
+    Window whole = part(settings_);
+    whole.width = (whole.width + step - 1) / step;
+    whole.height = (whole.height + step - 1) / step;
+    std::vector<WindowGroup> groups;
+    for (const Window& each : tiles_of(whole, settings_.tile_size)) groups.push_back({{each, samples, samples_taken_}});
     if (samples_taken_ == 0 && step == 1)
         planned_paths_ = static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height()) *
                          static_cast<uint64_t>(more_samples_follow_ ? sample_range(settings_).count : samples.count);
-    render_windows(parts, step);
+    render_groups(groups, step);
 }
 
-void Session::render_windows(const std::vector<WindowSamples>& windows, int step) {
+void Session::render_groups(const std::vector<WindowGroup>& groups, int step) {
     const DistributionSettings distribution(settings_);
     const Frame frame{PixelFilter(settings_.filter, settings_.filter_width),
                       PathSettings(settings_),
@@ -153,8 +165,7 @@ void Session::render_windows(const std::vector<WindowSamples>& windows, int step
                       scene_->has_motion(),
                       step};
     oneapi::tbb::parallel_for(
-        size_t{0}, windows.size(), [&](size_t i) { render_tile(windows[i], frame); },
-        oneapi::tbb::simple_partitioner());
+        size_t{0}, groups.size(), [&](size_t i) { render_group(groups[i], frame); }, oneapi::tbb::simple_partitioner());
 }
 
 const IrradianceCache* Session::filled_cache() {
@@ -172,79 +183,83 @@ const IrradianceCache* Session::filled_cache() {
     return irradiance_.get();
 }
 
-void Session::render_tile(const WindowSamples& next, const Frame& frame) {
+void Session::render_group(const WindowGroup& group, const Frame& frame) {
+    const bool is_error_asked = error_ && frame.step == 1, shows_mattes = film_.has_mattes() && frame.step == 1;
     const Window whole = part(settings_);
-    const Window& tile = next.window;
-    const Window of_film{tile.x - whole.x, tile.y - whole.y, tile.width, tile.height};
-    const int count = next.samples.count, samples = next.taken + count;
-    const bool is_noise_asked = noise_ && frame.step == 1, is_error_asked = error_ && more_samples_follow_;
-    const bool shows_mattes = film_.has_mattes() && frame.step == 1;
-    TileSums sums(of_film, next.samples, film_.summed_passes(),
-                  {sums_.get(), is_noise_asked, is_error_asked, shows_mattes, more_samples_follow_});
+    WindowGroup of_film = group;
+    WindowSums sums;
+    for (WindowSamples& each : of_film) {
+        each.window.x -= whole.x;
+        each.window.y -= whole.y;
+        sums.add_window(TileSums(each.window, each.samples, film_.summed_passes(),
+                                 {sums_.get(), is_error_asked, shows_mattes, more_samples_follow_}));
+    }
     RayCounts counts;
     // Which pixel caused a tessellation is known for single paths only.
     const bool alone = settings_.stream_paths == 0 || frame.path.wants(Pass::geometry_misses);
-    if (!(alone ? render_paths(next, frame, sums, counts) : render_streams(next, frame, sums, counts))) return;
-    store({of_film, next.samples, next.taken}, frame.step, sums.values());
-    if (shows_mattes) film_.add_mattes(of_film, count, sums.mattes());
-    if (is_noise_asked) noise_->add(of_film, sums.moments(), samples);
-    if (is_error_asked) error_->add(of_film, sums.halves(), samples, counts.sum());
-    finished_paths_ += sums.values().size() * static_cast<uint64_t>(count);
+    if (!(alone ? render_paths(group, frame, sums, counts) : render_streams(group, frame, sums, counts))) return;
+    for (size_t i = 0; i < of_film.size(); ++i) store(of_film[i], frame, sums[i]);
+    if (is_error_asked) error_->add_rays(of_film, counts.sum());
     add_counts(counts);
 }
 
-/// Puts a tile of the film's pixels, or blocks of them, where it belongs.
-void Session::store(const WindowSamples& of_film, int step, std::span<const PixelValues> values) {
-    const auto count = static_cast<float>(of_film.samples.count), taken = static_cast<float>(of_film.taken);
-    if (step > 1)
-        film_.put_blocks(of_film.window, values, step);
-    else if (of_film.taken == 0)
-        film_.put(of_film.window, values);
+/// Puts a window of the film's pixels, or blocks of them, where it belongs.
+void Session::store(const WindowSamples& of_film, const Frame& frame, const TileSums& sums) {
+    const int count = of_film.samples.count, taken = of_film.taken;
+    if (frame.step > 1)
+        film_.put_blocks(of_film.window, sums.values(), frame.step);
+    else if (taken == 0)
+        film_.put(of_film.window, sums.values());
     else
-        film_.refine(of_film.window, values, count / (taken + count));
+        film_.refine(of_film.window, sums.values(), static_cast<float>(count) / static_cast<float>(taken + count));
+    if (film_.has_mattes() && frame.step == 1) film_.add_mattes(of_film.window, count, sums.mattes());
+    if (error_ && frame.step == 1) error_->add(of_film, sums.moments());
+    finished_paths_ += sums.values().size() * static_cast<uint64_t>(count);
 }
 
 /// One path after the other.
-bool Session::render_paths(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const {
-    const Window& tile = next.window;
-    for (int y = 0; y < tile.height; ++y)
-        for (int x = 0; x < tile.width; ++x) {
-            const CameraPlace place = place_of(tile.x + x, tile.y + y, next.samples.first, frame);
-            if (!render_pixel(place, next.samples.count, frame, sums, counts)) return false;
-        }
+bool Session::render_paths(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const {
+    for (const auto& [window, samples, taken] : group)
+        for (int y = window.y; y < window.y + window.height; ++y)
+            for (int x = window.x; x < window.x + window.width; ++x)
+                if (!render_pixel(place_of(x, y, samples.first, frame), samples.count, frame, sums, counts))
+                    return false;
     return true;
 }
 
-bool Session::render_streams(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const {
+bool Session::render_streams(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const {
     const auto most = static_cast<size_t>(settings_.stream_paths);
     if (frame.integrator == IntegratorKind::Distribution) {
         DistributionStream stream(frame.distribution, cancel_, counts);
-        return render_stream(next, frame, std::min(most, DistributionStream::kMost), stream, sums);
+        return render_stream(group, frame, std::min(most, DistributionStream::kMost), stream, sums);
     }
     PathStream stream(*scene_, frame.path, cancel_, counts);
-    return render_stream(next, frame, most, stream, sums);
+    return render_stream(group, frame, most, stream, sums);
 }
 
-/// The paths of a tile, pixel by pixel, at most so many at once.
+/// The paths of windows, pixel by pixel, at most so many at once.
 template <typename Stream>
-bool Session::render_stream(const WindowSamples& next, const Frame& frame, size_t most, Stream& stream,
-                            TileSums& sums) const {
-    const Window& tile = next.window;
-    const SampleRange range = next.samples;
-    const auto samples = static_cast<size_t>(range.count);
-    const size_t paths = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height) * samples;
-    for (size_t i = 0; i < paths;) {
-        const size_t count = std::min({most - stream.size(), paths - i, kMostCameraSamples});
-        std::array<CameraPlace, kMostCameraSamples> places;
-        for (size_t k = 0; k < count; ++k, ++i) {
-            const int place = static_cast<int>(i / samples), x = place % tile.width, y = place / tile.width;
-            places[k] = place_of(tile.x + x, tile.y + y, range.first + static_cast<int>(i % samples), frame);
+bool Session::render_stream(const WindowGroup& group, const Frame& frame, size_t most, Stream& stream,
+                            WindowSums& sums) const {
+    const auto trace = [&] { stream.trace([&](const PixelSample& value) { sums.add(value); }); };
+    for (const auto& [tile, range, taken] : group) {
+        const auto samples = static_cast<size_t>(range.count);
+        const size_t paths = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height) * samples;
+        for (size_t i = 0; i < paths;) {
+            const size_t count = std::min({most - stream.size(), paths - i, kMostCameraSamples});
+            std::array<CameraPlace, kMostCameraSamples> places;
+            for (size_t k = 0; k < count; ++k, ++i) {
+                const int place = static_cast<int>(i / samples), x = place % tile.width, y = place / tile.width;
+                places[k] = place_of(tile.x + x, tile.y + y, range.first + static_cast<int>(i % samples), frame);
+            }
+            add_paths({places.data(), count}, frame, stream);
+            if (stream.size() < most) continue;
+            if (cancel_.cancelled()) return false;
+            trace();
         }
-        add_paths({places.data(), count}, frame, stream);
-        if (stream.size() < most && i < paths) continue;
-        if (cancel_.cancelled()) return false;
-        stream.trace([&](const PixelSample& value) { sums.add(value); });
     }
+    if (cancel_.cancelled()) return false;
+    if (stream.size() > 0) trace();
     return true;
 }
 
@@ -261,7 +276,7 @@ Sampler Session::sampler_at(const CameraPlace& place) const {
     const auto pixel =
         static_cast<uint32_t>(place.y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(place.x);
     const auto sample = static_cast<uint32_t>(place.sample);
-    if (!error_) return {pixel, sample, settings_.seed};
+    if (!(settings_.target_error > 0.0)) return {pixel, sample, settings_.seed};
     // What the odd samples show must not depend on the even ones (film/error_blocks.h).
     constexpr uint32_t kOdd = 0x0ddu;
     return {pixel, sample / 2, sample % 2 == 1 ? hash_combine(settings_.seed, kOdd) : settings_.seed};
@@ -297,7 +312,8 @@ void Session::add_counts(const RayCounts& counts) {
     statistics_.rays += counts;
 }
 
-bool Session::render_pixel(CameraPlace place, int count, const Frame& frame, TileSums& sums, RayCounts& counts) const {
+bool Session::render_pixel(CameraPlace place, int count, const Frame& frame, WindowSums& sums,
+                           RayCounts& counts) const {
     SampleExtras extras;
     SampleExtras* const wanted_extras = frame.path.has_extras() ? &extras : nullptr;
     for (int s = 0; s < count; ++s, ++place.sample) {
@@ -340,8 +356,7 @@ void Session::gather_statistics(double build_seconds, double render_seconds) {
     if (scene_->textures()) statistics_.textures = scene_->textures()->statistics();
     statistics_.lights = scene_->lights().count();
     statistics_.light_bytes = scene_->lights().bytes();
-    statistics_.film_bytes =
-        film_.bytes() + (sums_ ? sums_->bytes() : 0) + (noise_ ? noise_->bytes() : 0) + (error_ ? error_->bytes() : 0);
+    statistics_.film_bytes = film_.bytes() + (sums_ ? sums_->bytes() : 0) + (error_ ? error_->bytes() : 0);
     statistics_.target_error = settings_.target_error;
     statistics_.estimated_error = error_ ? error_->error() : 0;
     statistics_.ray_caches = caches_->report();

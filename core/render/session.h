@@ -5,7 +5,6 @@
 #include "base/random.h"
 #include "film/error_blocks.h"
 #include "film/film.h"
-#include "film/noise_blocks.h"
 #include "film/tile_sums.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/ray_counts.h"
@@ -89,8 +88,7 @@ class Session {
     std::shared_ptr<RayCacheStore> ray_caches_;
     Film film_;
     std::unique_ptr<FilmSums> sums_;
-    std::unique_ptr<NoiseBlocks> noise_;  ///< these two null: all pixels take all samples
-    std::unique_ptr<ErrorBlocks> error_;
+    std::unique_ptr<ErrorBlocks> error_;  ///< null: all pixels take all samples
     CancelToken cancel_;
     bool has_taken_scene_ = false;
     std::unique_ptr<Scene> scene_;
@@ -101,7 +99,7 @@ class Session {
     mutable std::mutex mutex_;  ///< guards statistics_
     RenderStatistics statistics_;
 
-    int samples_taken_ = 0;  ///< in rounds so far, by pixels that are noisy still; no target error
+    int samples_taken_ = 0;                        ///< in rounds so far, where all pixels take all
     std::chrono::steady_clock::time_point began_;  ///< to build
     double build_seconds_ = 0;
     bool more_samples_follow_ = false;  ///< light passes are divided after the last round
@@ -111,24 +109,23 @@ class Session {
     void build_scene();
     /// `step`: pixels along a side of the block that a sample stands for.
     void render_tiles(const SampleRange& samples, int step);
-    void render_windows(const std::vector<WindowSamples>& windows, int step);
-    /// What a round of samples is rendered in, windows of the picture: tiles, or the blocks that are noisy.
-    std::vector<Window> windows(int step) const;
-    /// The next samples of what is noisy.
+    /// Windows of the picture that are rendered together.
+    using WindowGroup = std::vector<WindowSamples>;
+    void render_groups(const std::vector<WindowGroup>& groups, int step);
+    /// The next samples of each pixel, or of what is noisy still.
     void render_round(int count);
-    /// All samples, in rounds, as far as noise and time ask for them.
+    /// All samples, in rounds, as far as error and time ask for them.
     void render_rounds();
-    /// As far as error and time ask for them.
-    void render_to_target();
-    std::vector<WindowSamples> next_to_target() const;
+    void render_to_goal();
+    /// `most`: of a pixel.
+    std::vector<WindowGroup> next_to_goal(int most) const;
     int next_round(double seconds_left) const;
-    size_t unfinished_pixels() const;
     double seconds_left() const;
     /// Null where the settings want none; filled once.
     const IrradianceCache* filled_cache();
     struct Frame;  ///< what all tiles share
-    void render_tile(const WindowSamples& next, const Frame& frame);
-    void store(const WindowSamples& of_film, int step, std::span<const PixelValues> values);
+    void render_group(const WindowGroup& group, const Frame& frame);
+    void store(const WindowSamples& of_film, const Frame& frame, const TileSums& sums);
     /// A pixel and the number of a sample in it.
     struct CameraPlace {
         int x = 0, y = 0, sample = 0;
@@ -143,13 +140,13 @@ class Session {
     CameraRay camera_ray(const CameraPlace& place, const CameraNumbers& random, const Frame& frame) const;
     template <typename Stream>
     void add_paths(std::span<const CameraPlace> places, const Frame& frame, Stream& stream) const;
-    bool render_paths(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const;
-    bool render_streams(const WindowSamples& next, const Frame& frame, TileSums& sums, RayCounts& counts) const;
+    bool render_paths(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const;
+    bool render_streams(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const;
     template <typename Stream>
-    bool render_stream(const WindowSamples& next, const Frame& frame, size_t most, Stream& stream,
-                       TileSums& sums) const;
+    bool render_stream(const WindowGroup& group, const Frame& frame, size_t most, Stream& stream,
+                       WindowSums& sums) const;
     /// `place`: of the first of so many samples.
-    bool render_pixel(CameraPlace place, int count, const Frame& frame, TileSums& sums, RayCounts& counts) const;
+    bool render_pixel(CameraPlace place, int count, const Frame& frame, WindowSums& sums, RayCounts& counts) const;
     void add_counts(const RayCounts& counts);
     void gather_statistics(double build_seconds, double render_seconds);
     void count_shapes();

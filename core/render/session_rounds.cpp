@@ -7,54 +7,38 @@
 
 namespace rayleaf {
 
-std::vector<Window> Session::windows(int step) const {
-    Window whole = part(settings_);
-    if (noise_ && step == 1) {
-        std::vector<Window> blocks = noise_->noisy();
-        for (Window& each : blocks) {
-            each.x += whole.x;
-            each.y += whole.y;
-        }
-        return blocks;
-    }
-    whole.width = (whole.width + step - 1) / step;
-    whole.height = (whole.height + step - 1) / step;
-    return tiles_of(whole, settings_.tile_size);
-}
-
 void Session::render_round(int count) {
+    if (error_) {
+        std::vector<WindowGroup> groups = next_to_goal(std::numeric_limits<int>::max());
+        for (WindowGroup& group : groups)
+            for (WindowSamples& each : group) each.samples.count = count;
+        render_groups(groups, 1);
+        if (!cancel_.cancelled()) error_->decide();
+        return;
+    }
     render_tiles({sample_range(settings_).first + samples_taken_, count}, 1);
     if (cancel_.cancelled()) return;
     samples_taken_ += count;
 }
 
-/// Those that go on.
-size_t Session::unfinished_pixels() const {
-    if (noise_) return noise_->noisy_pixels();
-    return static_cast<size_t>(film_.width()) * static_cast<size_t>(film_.height());
-}
-
 void Session::render_rounds() {
     const int most = sample_range(settings_).count;
     more_samples_follow_ = true;
-    if (error_) render_to_target();
+    if (error_) render_to_goal();
     while (!error_ && !cancel_.cancelled() && samples_taken_ < most) {
         const int count = std::min(next_round(seconds_left()), most - samples_taken_);
         if (count == 0) break;
         render_round(count);
-        const size_t pixels = unfinished_pixels();
-        planned_paths_ = finished_paths_ + uint64_t{pixels} * static_cast<uint64_t>(most - samples_taken_);
-        if (pixels == 0) break;
     }
     more_samples_follow_ = false;
     film_.divide_light();
 }
 
-void Session::render_to_target() {
+void Session::render_to_goal() {
     const int most = sample_range(settings_).count;
     planned_paths_ = static_cast<uint64_t>(std::max(error_->samples_missing(most), 1.0));
-    for (auto parts = next_to_target(); !parts.empty(); parts = next_to_target()) {
-        render_windows(parts, 1);
+    for (auto groups = next_to_goal(most); !groups.empty(); groups = next_to_goal(most)) {
+        render_groups(groups, 1);
         if (cancel_.cancelled()) break;
         error_->decide();
         planned_paths_ = finished_paths_ + static_cast<uint64_t>(error_->samples_missing(most));
@@ -62,25 +46,29 @@ void Session::render_to_target() {
 }
 
 /// Where time is short, half as many as fit into it.
-std::vector<WindowSamples> Session::next_to_target() const {
+std::vector<Session::WindowGroup> Session::next_to_goal(int most) const {
     const Window whole = part(settings_);
-    std::vector<WindowSamples> parts = error_->next(sample_range(settings_).count);
+    std::vector<WindowGroup> groups = error_->next(most);
     uint64_t paths = 0;
-    for (const WindowSamples& each : parts)
-        paths += static_cast<uint64_t>(each.window.width * each.window.height * each.samples.count);
+    for (const WindowGroup& group : groups)
+        for (const WindowSamples& each : group)
+            paths += static_cast<uint64_t>(each.window.width * each.window.height * each.samples.count);
     double share = 1.0;
     if (settings_.time_limit > 0.0 && finished_paths_ > 0) {
         const double seconds = settings_.time_limit - build_seconds_ - seconds_left();
         share = seconds_left() * static_cast<double>(finished_paths_) / seconds / static_cast<double>(paths) / 2.0;
     }
-    for (WindowSamples& each : parts) {
-        each.window.x += whole.x;
-        each.window.y += whole.y;
-        each.samples.first += sample_range(settings_).first;
-        if (share < 1.0) each.samples.count = static_cast<int>(share * each.samples.count / 2.0) * 2;
+    for (WindowGroup& group : groups) {
+        for (WindowSamples& each : group) {
+            each.window.x += whole.x;
+            each.window.y += whole.y;
+            each.samples.first += sample_range(settings_).first;
+            if (share < 1.0) each.samples.count = static_cast<int>(share * each.samples.count / 2.0) * 2;
+        }
+        std::erase_if(group, [](const WindowSamples& each) { return each.samples.count <= 0; });
     }
-    std::erase_if(parts, [](const WindowSamples& each) { return each.samples.count == 0; });
-    return parts;
+    std::erase_if(groups, [](const WindowGroup& group) { return group.empty(); });
+    return groups;
 }
 
 double Session::seconds_left() const {
@@ -92,9 +80,8 @@ double Session::seconds_left() const {
 /// small.
 int Session::next_round(double seconds_left) const {
     constexpr int kShare = 4, kLeast = 8;
-    int count = std::max(samples_taken_ / kShare, kLeast);
-    if (samples_taken_ == 0) count = settings_.time_limit > 0.0 ? 1 : least_samples(settings_);
-    if (settings_.time_limit == 0.0 || samples_taken_ == 0) return count;
+    if (samples_taken_ == 0) return 1;
+    const int count = std::max(samples_taken_ / kShare, kLeast);
     const double seconds_each = (settings_.time_limit - build_seconds_ - seconds_left) / samples_taken_;
     const double fit = seconds_left / seconds_each;
     if (fit < 1.0) return 0;
