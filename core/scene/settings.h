@@ -36,7 +36,7 @@ struct Settings {
     int part_width = 0, part_height = 0;  ///< 0: the whole crop
     int first_sample = 0;
     int sample_count = 0;  ///< 0: all from there on
-    /// Blocks of pixels whose noise falls below take no more samples (film/error_blocks.h); 0: all samples everywhere.
+    /// The noise that the picture may have, in Cycles' unit (film/error_blocks.h); 0: all samples everywhere.
     double noise_threshold = 0;
     /// The error that noise and shortcuts together may leave (film/error_blocks.h); 0: none is set. `samples` are the
     /// most, and there is no noise threshold then.

@@ -101,12 +101,12 @@ class RayleafSceneSettings(LightPaths, bpy.types.PropertyGroup):
     target_error: FloatProperty(name="Target Error", description=_TARGET_ERROR, **_SHARES)  # type: ignore
     use_noise_threshold: BoolProperty(  # type: ignore
         name="Noise Threshold",
-        description="Blocks of 8 x 8 pixels take no more samples once they are calm: time goes where the noise is",
+        description="Samples go where the noise is, until the picture is calm",
         default=False,
     )
     noise_threshold: FloatProperty(  # type: ignore
         name="Threshold",
-        description="The noise at which a block is calm, in Cycles' unit. Lower it where the finished picture is noisy;"
+        description="The noise that the whole picture may have, in Cycles' unit. Lower it where the finished picture is noisy;"
         " half the threshold takes four times as many samples",
         default=0.01,
         min=0.0001,

@@ -1,4 +1,4 @@
-"""Samples where the noise is: blocks of pixels stop when they are calm enough, and a time limit ends a render."""
+"""Samples where the noise is, until the picture is calm enough, and a time limit that ends a render."""
 
 import time
 from typing import Any
@@ -57,6 +57,25 @@ def test_the_noise_that_is_asked_for_is_reached(core):
         # Evenly spread samples are off by less than those that the estimate takes them for.
         assert 0.25 * threshold < errors[-1] < 1.1 * threshold
     assert errors[1] < 0.5 * errors[0]
+
+
+def test_samples_go_where_they_lower_the_error_most(core):
+    truth = picture(rendered(core, samples=2048, seed=5))
+    session = rendered(core, samples=4096, noise_threshold=0.01, least_samples=8)
+    alike = rendered(core, samples=round(float(session.pass_pixels("sample_count").mean())))
+    errors = [np.sqrt(np.mean((picture(each) - truth) ** 2)) for each in (session, alike)]
+    assert errors[0] < 0.8 * errors[1]
+
+
+def test_a_view_goes_on_where_it_is_noisy(core):
+    settings = core.Settings(**SIZE, passes=["combined"], samples=1, noise_threshold=0.01, least_samples=8)
+    view = core.Session(half_lit(core), settings)
+    paths = []
+    for _ in range(5):
+        assert view.render_more(32)
+        paths.append(view.statistics()["rays"]["paths"])
+    assert paths[0] == 64 * 48 * 32 > paths[1] > 0
+    assert paths[-1] < paths[0] and np.isfinite(view.pass_pixels("combined")).all()
 
 
 @pytest.mark.parametrize("changed", [{"threads": 3}, {"tile_size": 7}, {"stream_paths": 33}, {"stream_paths": 0}])
