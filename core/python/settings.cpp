@@ -84,6 +84,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("least_samples", &Settings::least_samples)
         .def_readwrite("time_limit", &Settings::time_limit)
         .def_readwrite("keep_sums", &Settings::keep_sums)
+        .def_readwrite("draft", &Settings::draft)
         .def_readwrite("seed", &Settings::seed)
         .def_readwrite("threads", &Settings::threads)
         .def_readwrite("tile_size", &Settings::tile_size)

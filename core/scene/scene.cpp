@@ -82,15 +82,16 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     for (const uint32_t volume : volumes_) traced.edit(volume).visibility = 0;  // rays meet no surface of theirs
     commit_motion(traced);
     const auto list_of = [this](uint32_t i) -> const std::vector<int>& { return material_list(i); };
-    displace(traced, description, list_of, {camera_->info(), textures_}, cancel);
+    if (!settings.draft) displace(traced, description, list_of, {camera_->info(), textures_}, cancel);
     DicingView view = Camera(*description.dicing_camera(), settings.width, settings.height).dicing_view();
     view.pixels = dicing_pixels(settings);
+    view.coarsest = coarsest_tolerance(settings);
     tracer_ = std::make_unique<Tracer>(std::move(traced), view, cancel, geometry_cache_settings(settings),
                                        &description.parts->shapes);
     if (asks_surroundings_) surroundings_.emplace(*tracer_);
     cancel.throw_if_cancelled();
     commit_media(description, cancel);
-    commit_lights(description, cancel);
+    commit_lights(description, settings, cancel);
     if (std::any_of(settings.passes.begin(), settings.passes.end(), is_matte)) commit_mattes(description);
     commit_glass(description, cancel);
 }
@@ -232,7 +233,7 @@ std::vector<EmittingInstance> Scene::emitting_instances(const CancelToken& cance
     return emitters;
 }
 
-void Scene::commit_lights(const SceneDescription& description, const CancelToken& cancel) {
+void Scene::commit_lights(const SceneDescription& description, const Settings& settings, const CancelToken& cancel) {
     PathState sampled_light;  // what lights show to those who sample them: not what they show to the camera
     sampled_light.camera = false;
     const auto emission = [this, sampled_light](const SurfacePoint& point, const Vec3f& outgoing) {
@@ -251,7 +252,8 @@ void Scene::commit_lights(const SceneDescription& description, const CancelToken
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
     std::shared_ptr<const WorldLight> table;
     if (sampled && description.world_resolution > 0)
-        table = world_table(description, world_inputs(Vec3f(0, 0, 1), {}, sampled_light), cancel);
+        table = world_table(description, world_inputs(Vec3f(0, 0, 1), {}, sampled_light),
+                            settings.draft ? kDraftWorldWidth : description.world_resolution, cancel);
     world_light_group_ = description.world_light_group;
     world_visibility_ = description.world_visibility;
     world_lit_by_ = description.world_lit_by;

@@ -189,7 +189,7 @@ class Scene {
     bool is_in_medium(uint32_t instance) const;
     void commit_glass(const SceneDescription& description, const CancelToken& cancel);
     Color lamp_emission(const LampPoint& lamp) const;
-    void commit_lights(const SceneDescription& description, const CancelToken& cancel);
+    void commit_lights(const SceneDescription& description, const Settings& settings, const CancelToken& cancel);
     std::vector<EmittingInstance> emitting_instances(const CancelToken& cancel) const;
     const Material& material_of(const std::vector<int>& list, uint32_t slot) const;
 };

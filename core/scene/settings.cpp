@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/machine_memory.h"
+#include "trace/tracer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,7 +83,14 @@ int least_samples(const Settings& s) {
 double dicing_pixels(const Settings& s) {
     /// Of the target: an outline crosses few pixels, and facets reach the whole distance at few places.
     constexpr double kUsual = 0.1, kLeast = 0.02, kPerError = 20;
+    constexpr double kDraft = 2;  // its pixels are shown as blocks
+    if (s.draft) return kDraft;
     return s.target_error > 0.0 ? std::clamp(kPerError * s.target_error, kLeast, kUsual) : kUsual;
+}
+
+double coarsest_tolerance(const Settings& s) {
+    constexpr double kDraft = 0.01;
+    return s.draft ? kDraft : kCoarsestTolerance;
 }
 
 GeometryCacheSettings geometry_cache_settings(const Settings& s) {

@@ -46,6 +46,8 @@ struct Settings {
     /// far the machine comes.
     double time_limit = 0;
     bool keep_sums = false;  ///< exact sums, to be put together with other parts' (film/film_sums.h)
+    /// For a first look, soon: coarse facets, nothing displaced, a coarse table of the world's light.
+    bool draft = false;
     uint32_t seed = 0;
     int threads = 0;     ///< 0: all the machine's
     int tile_size = 32;  ///< pixels
@@ -106,6 +108,10 @@ struct Settings {
 inline constexpr double kInterpolationShare = 0.5;
 /// How far facets may be from surfaces, pixels: nearer for low targets, as outlines are off by as much.
 double dicing_pixels(const Settings& settings);
+/// The same of what is far from the picture (trace/tracer.h).
+double coarsest_tolerance(const Settings& settings);
+/// The widest table of a draft's world.
+inline constexpr int kDraftWorldWidth = 128;
 
 /// What a render's settings ask of the geometry cache.
 GeometryCacheSettings geometry_cache_settings(const Settings& settings);

@@ -49,9 +49,10 @@ void emissions_of(const Program& world, const ShadingInputs& inputs, std::span<c
 }  // namespace
 
 std::shared_ptr<const WorldLight> world_table(const SceneDescription& description, const ShadingInputs& inputs,
-                                              const CancelToken& cancel) {
+                                              int most, const CancelToken& cancel) {
     WorldLightStore& store = description.parts->world_lights;
-    const WorldLightKey key = world_light_key(description, *inputs.camera);
+    WorldLightKey key = world_light_key(description, *inputs.camera);
+    key.width = std::min(key.width, most);
     store.next_user();
     std::shared_ptr<const WorldLight> table = store.find(key);
     if (table) return table;

@@ -10,8 +10,9 @@
 
 namespace rayleaf {
 
-/// `inputs` are those of the world's program but for the direction. Throws Cancelled soon after `cancel` says so.
+/// `inputs` are those of the world's program but for the direction; `most`: no wider than this. Throws Cancelled soon
+/// after `cancel` says so.
 std::shared_ptr<const WorldLight> world_table(const SceneDescription& description, const ShadingInputs& inputs,
-                                              const CancelToken& cancel);
+                                              int most, const CancelToken& cancel);
 
 }  // namespace rayleaf

@@ -76,10 +76,14 @@ struct NearView {
     double at_one;  ///< tolerance at a distance of one local unit
 };
 
+bool is_diced(const Shape& shape) {
+    return shape.kind() != ShapeKind::TriangleMesh && shape.kind() != ShapeKind::Strands;
+}
+
 /// What the views of a shape ask for.
 struct ViewClasses {
-    double far = kCoarsestTolerance;  ///< the smallest tolerance of instances that are diced alike everywhere
-    std::vector<NearView> near;
+    double far;  ///< the smallest tolerance of instances that are diced alike everywhere
+    std::vector<NearView> near{};
 
     void add(const LocalView& local, const DicingView& view, const Box3d& box) {
         const double away = distance(box, local.eye);
@@ -87,7 +91,7 @@ struct ViewClasses {
             far = std::min(far, tolerance_class(tolerance_at(local, view, away)));
             return;
         }
-        if (tolerance_at(local, view, away) >= kCoarsestTolerance) return;
+        if (tolerance_at(local, view, away) >= view.coarsest) return;
         const double step = kEyeStep * std::exp2(std::floor(std::log2(std::max(away, kLeastEyeDistance))));
         const double astray = 0.5 * std::numbers::sqrt3 * step;
         NearView seen{local.eye, astray, tolerance_class(tolerance_at(local, view, 1.0))};
@@ -122,9 +126,8 @@ std::vector<ShapeTolerance> facet_tolerances(const ChunkedVector<TracedInstance>
     std::vector<const Shape*> shapes(shape_count);
     const auto nearer = [](const LocalView& a, const LocalView& b) { return a.eye.length2() < b.eye.length2(); };
     for (size_t i = 0; i < instances.size(); ++i) {
-        if (wanted[shape_of[i]] == 0) continue;
+        if (wanted[shape_of[i]] == 0 || !is_diced(*instances[i].shape)) continue;
         shapes[shape_of[i]] = instances[i].shape.get();
-        if (instances[i].shape->kind() == ShapeKind::TriangleMesh) continue;
         std::vector<LocalView>& of_shape = views[shape_of[i]];
         for (const Affine3d& place : places_of(instances[i])) {
             of_shape.push_back(view_from(instances[i], place, view));
@@ -136,8 +139,8 @@ std::vector<ShapeTolerance> facet_tolerances(const ChunkedVector<TracedInstance>
     }
     std::vector<ShapeTolerance> tolerances(shape_count);
     for (size_t shape = 0; shape < shape_count; ++shape) {
-        if (wanted[shape] == 0) continue;
-        ViewClasses classes;
+        if (!shapes[shape]) continue;
+        ViewClasses classes{view.coarsest};
         for (const LocalView& local : views[shape])
             classes.add(local, view, Box3d(Vec3d(shapes[shape]->bounds().min), Vec3d(shapes[shape]->bounds().max)));
         const ContentHash key = classes.hash();

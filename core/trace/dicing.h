@@ -11,10 +11,6 @@
 
 namespace rayleaf {
 
-/// The largest distance between facets and surface, whatever the view says: local units, where a shape's half extent is
-/// between 1/2 and 1. Reflections and shadows of what lies off the picture need some shape too.
-inline constexpr double kCoarsestTolerance = 1e-4;
-
 /// How fine a shape's facets must be, and a hash of all that this depends on.
 struct ShapeTolerance {
     FacetTolerance tolerance;
@@ -25,7 +21,7 @@ struct ShapeTolerance {
 /// smallest in local units, at the point of the part's box nearest to the eye. It changes by steps of the eye's
 /// distance, so that what was diced is kept when the camera or an object moves a little.
 /// `shape_of`: of each instance, the number of its shape; `wanted`: by these numbers, whose are not 0. The others' are
-/// empty.
+/// empty, and so are those of shapes that are not diced.
 std::vector<ShapeTolerance> facet_tolerances(const ChunkedVector<TracedInstance>& instances,
                                              std::span<const uint32_t> shape_of, std::span<const uint8_t> wanted,
                                              const DicingView& view);

@@ -36,6 +36,9 @@ struct TracedInstance {
     bool operator==(const TracedInstance&) const = default;
 };
 
+/// The usual one of DicingView. Reflections and shadows of what lies off the picture need some shape too.
+inline constexpr double kCoarsestTolerance = 1e-4;
+
 /// How finely patches are diced. The grid of a subpatch has 17x17 vertices; patches are split evenly until the distance
 /// between facets and surface is below `tolerance(instance)`.
 struct DicingView {
@@ -43,6 +46,9 @@ struct DicingView {
     double pixel_angle = 1e-3;  ///< radians a pixel spans; 0 for orthographic views
     double pixel_width = 0;     ///< world units a pixel spans in orthographic views
     double pixels = 0.1;        ///< wanted distance between facet and surface, in pixels
+    /// The largest such distance, whatever the view says: local units, where a shape's half extent is between 1/2 and
+    /// 1.
+    double coarsest = kCoarsestTolerance;
 
     bool operator==(const DicingView&) const = default;
 };

@@ -647,6 +647,7 @@ class Settings:
     least_samples: int
     time_limit: float
     keep_sums: bool
+    draft: bool
     seed: int
     threads: int
     tile_size: int

@@ -134,6 +134,18 @@ def rising(scene, height=0.2, image=None, reads_camera=False):
     return program, moved, -1
 
 
+def strands(parts=None):
+    """A few hairs."""
+    scene = _core.SceneDescription(parts)
+    points = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 1) for z in (0, 1, 2)], np.float32)
+    arrays = points, np.full(18, 0.2, np.float32), np.arange(0, 19, 3, dtype=np.int32)
+    hair = scene.add_shape(_core.Strands("hair", *arrays))
+    scene.add_instance("hair", hair, scenes.matrix(), material(_core, scene, ("diffuse", 1.0, 0.5)))
+    scene.set_world(checkered(scene, 1), 64)
+    scenes.look_down(scene, 6.0, 0.6)
+    return scene
+
+
 def hills(parts=None, place=0.0, camera=6.0, color=0.5, **displacement):
     """A displaced ball."""
     scene = _core.SceneDescription(parts)
@@ -172,6 +184,35 @@ def test_a_displaced_surface_is_kept_until_something_changes_that_it_is_made_of(
     edited, found = render(hills(parts, **{**before, **change}))
     np.testing.assert_array_equal(edited, render(hills(**{**before, **change}))[0])
     assert found == kept
+
+
+@pytest.mark.parametrize("described", [make, hills, strands])
+def test_after_a_draft_the_picture_is_that_of_a_fresh_scene(described):
+    parts = _core.SceneParts()
+    draft, _ = render(described(parts), draft=True)
+    assert np.isfinite(draft).all() and draft.any()
+    np.testing.assert_array_equal(render(described(parts))[0], render(described())[0])
+
+
+def facets(scene, **settings):
+    """The bytes of all, and how high the ball is in the middle of the picture."""
+    session = _core.Session(scene, _core.Settings(width=16, height=16, samples=1, passes=["position"], **settings))
+    assert session.render()
+    return session.statistics()["memory"]["facets"], session.pass_pixels("position")[8, 8, 2]
+
+
+def test_a_draft_has_few_facets_and_displaces_nothing():
+    fine, displaced = facets(hills(height=0.5))
+    coarse, plain = facets(hills(height=0.5), draft=True)
+    assert 0 < coarse < fine / 4
+    assert displaced == pytest.approx(plain + 0.5, abs=0.05)
+
+
+@pytest.mark.parametrize("described", [make, strands])
+def test_what_is_not_diced_is_built_once_for_a_draft_and_the_picture(described):
+    scene = described(_core.SceneParts())
+    render(scene, draft=True)
+    assert render(scene)[1] == 1
 
 
 def copies(linked, parts=None, sizes=(1.0, 1.0, 1.0)):

@@ -12,7 +12,9 @@ import numpy as np
 # Pixels along a side of the blocks that are shown first; blocks of half the size follow. Where they take longer than
 # the first, or less than the second of these seconds, the next view begins with coarser ones, or finer.
 _BLOCKS, _COARSEST_BLOCKS = 8, 32
-_SLOW_BLOCKS, _FAST_BLOCKS = 0.15, 0.03
+_SLOW_BLOCKS, _FAST_BLOCKS = 0.1, 0.02
+# Of a draft, which is shown until a view's first scene is built.
+_DRAFT_BLOCKS = (16, 8)
 # Samples are taken in rounds of at most about so many seconds, so that the picture is seen to get better.
 _ROUND_SECONDS = 0.25
 # After so long without another camera, facets are made for the camera that there is.
@@ -90,6 +92,7 @@ class Worker:
         self._error: Exception | None = None
         self._closing = self._paused = self._working = False
         self._first_blocks = _BLOCKS
+        self._is_built = False  # a scene as it should be
         self._dicing: tuple[Any, dict[str, Any]] | None = None  # scene and camera that facets are made for
         self._thread = threading.Thread(target=self._serve, name="rayleaf viewport", daemon=True)
         self._thread.start()
@@ -160,11 +163,16 @@ class Worker:
                 self._working = False
 
     def _render(self, request: Any) -> None:
-        if self._dicing is None or self._dicing[0] is not request.scene:
+        if self._dicing is None or self._dicing[0] is not request.scene or not self._is_built:
             self._dicing = request.scene, request.camera
         moved = not same_camera(self._dicing[1], request.camera)
+        if not self._is_built and not self._show_draft(request):
+            return
         session = self._begin(request)
-        if session is None or not self._show_blocks(session):
+        if session is None:
+            return
+        self._is_built = True
+        if not self._show_blocks(session):
             return
         if moved:  # the picture is shown coarsely until the view rests
             with self._condition:
@@ -180,8 +188,8 @@ class Worker:
     def _is_over(self) -> bool:
         return self._closing or self._paused or self._wanted is not None
 
-    def _begin(self, request: Request) -> Any | None:
-        """A session whose scene is built; None if there is something newer to do."""
+    def _begin(self, request: Request, **changes: Any) -> Any | None:
+        """A session whose scene is built; None if there is something newer to do. `changes`: other settings."""
         assert self._dicing is not None
         with self._condition:
             self._session = None  # what it holds goes to the next
@@ -189,12 +197,29 @@ class Worker:
         request.scene.set_camera(**request.camera)
         request.scene.set_camera(**self._dicing[1], dicing=True)
         self._ray_caches.next_frame()
-        session = self._core.Session(request.scene, self._core.Settings(**request.settings), self._ray_caches)
+        settings = self._core.Settings(**(request.settings | changes))
+        session = self._core.Session(request.scene, settings, self._ray_caches)
         with self._condition:
             if self._is_over():
                 return None
-            self._session, self._is_new, self._began = session, True, time.monotonic()
+            self._session, self._began = session, time.monotonic()
+            self._is_new = self._is_built or "draft" in changes
         return session if session.build() else None
+
+    def _show_draft(self, request: Request) -> bool:
+        """Something soon; False if there is something newer to do."""
+        no_caches = dict(ray_interpolation=self._core.RayInterpolation(), irradiance_cache=False)
+        session = self._begin(request, draft=True, **no_caches)
+        if session is None:
+            return False
+        for size in _DRAFT_BLOCKS:
+            if not session.render_blocks(size):
+                return False
+            self._publish(session, 0)
+            with self._condition:
+                if self._is_over():
+                    return False
+        return True
 
     def _show_blocks(self, session: Any) -> bool:
         size = first = self._first_blocks
