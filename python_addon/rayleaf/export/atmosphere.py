@@ -4,7 +4,6 @@ single scattering by air and dust, absorption by ozone, with the constants that 
 Spectra have 21 wavelengths from 380 to 780 nm. Lengths are in metres.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -19,7 +18,6 @@ _DUST_ANISOTROPY = 0.76
 _EARTH, _ATMOSPHERE = 6360e3, 6420e3  # radii
 _STEPS = 32
 _NANOMETRES = 20.0  # between wavelengths
-_PARTS = 32  # of a table, for threads
 # Of the sun above the atmosphere, W / (m² nm).
 _IRRADIANCE = np.array(
     [
@@ -77,9 +75,9 @@ class Air:
 
 
 def _densities(height: Array) -> Array:
-    """Of air, dust and ozone, last axis; 1 where usual at sea level, or at the middle of the ozone layer."""
+    """Of air, dust and ozone, first axis; 1 where usual at sea level, or at the middle of the ozone layer."""
     ozone = np.clip(1.0 - np.abs(height - 25000.0) / 15000.0, 0.0, None)
-    return np.stack([np.exp(-height / _AIR_HEIGHT), np.exp(-height / _DUST_HEIGHT), ozone], -1)
+    return np.stack([np.exp(-height / _AIR_HEIGHT), np.exp(-height / _DUST_HEIGHT), ozone])
 
 
 def _way_out(squared: Array, along: Array) -> Array:
@@ -91,11 +89,11 @@ def _way_out(squared: Array, along: Array) -> Array:
 def _depth(squared: Array, along: Array) -> Array:
     """Densities times length, from places to the border."""
     length = _way_out(squared, along)
-    total = np.zeros((*length.shape, 3))
+    total = np.zeros((3, *length.shape))
     for share, weight in zip(_PLACES, _WEIGHTS):
         far = share * length
         total += weight * _densities(np.sqrt(squared + far * (2.0 * along + far)) - _EARTH)
-    return total * length[..., None]
+    return total * length
 
 
 def _direction(latitude: Array, longitude: Array) -> Array:
@@ -112,31 +110,30 @@ def _is_in_shadow(squared: Array, along: Array, sun: Array) -> Array:
 
 
 def _scattered(directions: Array, sun: Array, air: Air) -> Array:
-    """Spectra that arrive from directions."""
+    """Spectra that arrive from directions: (wavelengths, directions)."""
     start = _EARTH + air.altitude
-    scale = np.array([air.air, air.dust, air.ozone])
-    cosine = directions @ sun
+    scale = np.array([[air.air], [air.dust], [air.ozone]])
+    cosine, upward = (directions * sun).sum(-1), directions[:, 2]
     g2 = _DUST_ANISOTROPY**2
     phase_air = 3.0 / (16.0 * np.pi) * (1.0 + cosine**2)
     phase_dust = 3.0 / (8.0 * np.pi) * (1.0 - g2) * (1.0 + cosine**2) / (2.0 + g2)
     phase_dust /= (1.0 + g2 - 2.0 * _DUST_ANISOTROPY * cosine) ** 1.5
-    upward = directions[..., 2]
     step = _way_out(np.array(start**2), start * upward) / _STEPS
-    extinction = np.stack([_AIR, np.full_like(_AIR, _DUST_EXTINCTION * _DUST_SCATTERING), _OZONE])
-    depth = np.zeros((*cosine.shape, 3))
-    total = np.zeros((*cosine.shape, len(_AIR)))
+    depth = np.zeros((3, len(cosine)))
+    total = np.zeros((len(_AIR), len(cosine)))
     for i in range(_STEPS):
         away = (i + 0.5) * step
         squared, along = start**2 + away * (2.0 * start * upward + away), start * sun[2] + away * cosine
         density = scale * _densities(np.sqrt(squared) - _EARTH)
-        depth += step[..., None] * density
-        passed = np.exp(-(depth + scale * _depth(squared, along)) @ extinction)
+        depth += step * density
+        by_air, by_dust, by_ozone = depth + scale * _depth(squared, along)
         lit = step * ~_is_in_shadow(squared, along, sun)
-        passed *= (phase_air * density[..., 0] * lit)[..., None] * _AIR + (
-            phase_dust * density[..., 1] * _DUST_SCATTERING * lit
-        )[..., None]
-        total += passed
-    return total * _IRRADIANCE
+        from_air, from_dust = phase_air * density[0] * lit, phase_dust * density[1] * _DUST_SCATTERING * lit
+        by_dust *= _DUST_EXTINCTION * _DUST_SCATTERING
+        for band, (air_there, ozone_there) in enumerate(zip(_AIR, _OZONE)):
+            passed = np.exp(-(air_there * by_air + by_dust + ozone_there * by_ozone))
+            total[band] += passed * (air_there * from_air + from_dust)
+    return total * _IRRADIANCE[:, None]
 
 
 @lru_cache(maxsize=4)
@@ -147,10 +144,7 @@ def sky_table(air: Air, width: int = 512, height: int = 128) -> NDArray[np.float
     rows = (0.5 * np.pi + 0.25 * np.pi / height) * (np.arange(height) / height) ** 2
     columns = 2.0 * np.pi / width * np.arange(width // 2) - np.pi
     directions = _direction(rows[:, None] + 0.0 * columns, columns + 0.0 * rows[:, None])
-    with ThreadPoolExecutor() as threads:
-        half = np.concatenate(
-            list(threads.map(lambda part: _xyz(_scattered(part, sun, air)), np.array_split(directions, _PARTS)))
-        )
+    half = _xyz(_scattered(directions.reshape(-1, 3), sun, air).T).reshape(height, width // 2, 3)
     whole = np.concatenate([half, half[:, ::-1]], axis=1)
     table = np.maximum(whole @ FROM_XYZ.T, 0.0).astype(np.float32)
     table.flags.writeable = False
