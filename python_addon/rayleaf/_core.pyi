@@ -647,7 +647,7 @@ class Settings:
     least_samples: int
     time_limit: float
     keep_sums: bool
-    draft: bool
+    draft: bool  # coarse facets, nothing displaced: for a first look
     seed: int
     threads: int
     tile_size: int

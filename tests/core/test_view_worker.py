@@ -105,3 +105,12 @@ def test_while_the_first_scene_is_built_a_view_that_moves_shows_drafts(core, vie
     wait_for(worker.is_idle)
     assert watched.asked.count("build draft") == 2
     assert worker.picture() is not before and worker.picture().samples == 2
+
+
+def test_blocks_that_take_too_long_are_coarser_from_then_on():
+    from rayleaf.viewport.worker import blocks_after
+
+    slow = 0.11
+    assert blocks_after(8, slow) == 16
+    assert blocks_after(16, slow / 4) == 16  # else every other view would be slow
+    assert blocks_after(32, slow) == 32 and blocks_after(16, 0.01) == 8 and blocks_after(8, 0.01) == 8
