@@ -30,6 +30,10 @@ class Bounces {
     bool is_spent() const { return state_.transparent_depth > settings_.transparent_bounces; }
     /// No limit is left: what the ray meets may still emit or be transparent, but scatters no more.
     bool is_last() const { return is_last_; }
+    /// Whether that will be so after the next scattering, if a medium does it.
+    bool is_last_in_medium() const {
+        return is_last_ || state_.depth >= settings_.max_bounces || state_.volume_depth >= settings_.volume_bounces;
+    }
     int count() const { return state_.depth; }
     /// The kind of ray now under way.
     Visibility ray_kind() const { return in_footage_ ? in_footage(ray_kind_) : ray_kind_; }

@@ -45,11 +45,12 @@ bool DistributionTracer::pass_media(Branch& branch, double end) {
     branch.throughput *= passage.weight;
     if (!is_finite(branch.throughput) || is_black(branch.throughput)) return true;
     if (!passage.t) return false;
+    const std::optional<PhaseSample> sample =
+        scattered_direction(segment, passage, !branch.bounces.is_last_in_medium(),
+                            branch.sampler.get3(dimension(branch.vertex, PathDimension::Scatter)));
+    if (!sample) return true;
     *passage.t += seen.from;
     const Vec3f direction(branch.ray.direction);
-    const std::optional<PhaseSample> sample =
-        passage.medium.sample(-direction, branch.sampler.get3(dimension(branch.vertex, PathDimension::Scatter)));
-    if (!sample) return true;
     Branch child = branch;
     child.throughput *= sample->weight;
     if (settings_.feature_passes && branch.shows_features)

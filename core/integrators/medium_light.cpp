@@ -1,6 +1,7 @@
 #include "integrators/medium_light.h"
 
 #include "integrators/dimensions.h"
+#include "integrators/medium_glow.h"
 #include "integrators/vertex.h"
 
 namespace rayleaf {
@@ -46,6 +47,16 @@ std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, cons
     }
     result.way->media = segment.media;
     return result;
+}
+
+std::optional<PhaseSample> scattered_direction(const MediumSegment& segment, const MediumPassage& passage, bool goes_on,
+                                               const Vec3f& random) {
+    const Vec3f outgoing = segment.outgoing();
+    if (!goes_on) return passage.medium.sample(outgoing, random);
+    const LitPoint at = lit_in(segment.scene, segment.media, segment.ray.at(*passage.t));
+    const LampGlow glow(segment.scene.lights().placed(at.lit_by), at.position,
+                        max_component(passage.medium.extinction));
+    return glow.sample(passage.medium, outgoing, random);
 }
 
 }  // namespace rayleaf

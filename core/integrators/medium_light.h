@@ -21,4 +21,8 @@ struct ScatteredLight {
 std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, const Color& throughput,
                                               const Sampler& sampler, int vertex, const FreeWay& shadow);
 
+/// Where a medium scatters a path at a point on `segment`; `goes_on`: light may be scattered once more after that.
+std::optional<PhaseSample> scattered_direction(const MediumSegment& segment, const MediumPassage& passage, bool goes_on,
+                                               const Vec3f& random);
+
 }  // namespace rayleaf

@@ -3,8 +3,6 @@
 #include "integrators/path_tracer.h"
 
 namespace rayleaf {
-namespace {}  // namespace
-
 Color PathTracer::free_of_media(double t) const {
     if (media_.empty()) return Color(1.0f);
     RandomStream random(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
@@ -24,8 +22,10 @@ bool PathTracer::pass_media(double end) {
     throughput_ *= passage.weight;
     if (!is_finite(throughput_) || is_black(throughput_)) return true;
     if (!passage.t) return false;
+    const std::optional<PhaseSample> sample =
+        scattered_direction(segment, passage, !bounces_.is_last_in_medium(), random3(PathDimension::Scatter));
     *passage.t += seen.from;
-    scatter_in_medium(passage);
+    if (sample) scatter_in_medium(passage, *sample);
     return true;
 }
 
@@ -51,31 +51,28 @@ void PathTracer::add_scattered_light(const MediumSegment& segment) {
         light_.add_scattered(value, bounces_.count() + 1, first_shares_, light->light_group);
 }
 
-/// False where the path ends; `vertex_` stays then.
-bool PathTracer::scatter_in_medium(const MediumPassage& passage) {
+/// Where the path ends, `vertex_` stays.
+void PathTracer::scatter_in_medium(const MediumPassage& passage, const PhaseSample& sample) {
     const Vec3f direction(ray_.direction);
-    const std::optional<PhaseSample> sample = passage.medium.sample(-direction, random3(PathDimension::Scatter));
-    if (!sample) return false;
-    throughput_ *= sample->weight;
-    if (settings_.feature_passes) features_.meet_medium(passage.weight * sample->weight, light_.sample);
+    throughput_ *= sample.weight;
+    if (settings_.feature_passes) features_.meet_medium(passage.weight * sample.weight, light_.sample);
     if (bounces_.count() == 0) first_shares_ = kMediumFirst;
-    bounces_.scatter_in_medium(sample->density);
+    bounces_.scatter_in_medium(sample.density);
     use_ = RayUse::Medium;
-    if (!survives_roulette()) return false;
+    if (!survives_roulette()) return;
     if (has_footprint_)
         differential_ =
-            widened(differential_.transferred(direction, *passage.t, -direction), sample->direction, kScatteredWidth);
+            widened(differential_.transferred(direction, *passage.t, -direction), sample.direction, kScatteredWidth);
     const Vec3d position = ray_.at(*passage.t);
-    departure_ = {lit_in(scene_, media_, position), sample->density};
+    departure_ = {lit_in(scene_, media_, position), sample.density};
     has_departed_ = scene_.has_blocked_lights();
     const float time = ray_.time;
     ray_ = Ray{};
     ray_.time = time;
     ray_.origin = position;
-    ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
+    ray_.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
     outside_of_ = kNowhere;
     ++vertex_;
-    return true;
 }
 
 void PathTracer::pass_boundary() {

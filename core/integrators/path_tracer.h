@@ -155,7 +155,7 @@ class PathTracer {
     /// True if a medium scattered the path's light before the ray's end.
     bool pass_media(double end);
     void add_scattered_light(const MediumSegment& segment);
-    bool scatter_in_medium(const MediumPassage& passage);
+    void scatter_in_medium(const MediumPassage& passage, const PhaseSample& sample);
     void pass_boundary();
     Vec3f random3(PathDimension use) const { return sampler_.get3(dimension(vertex_, use)); }
     float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }

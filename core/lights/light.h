@@ -156,6 +156,8 @@ class LightSet {
     PassedLights passed(const Ray& ray, double end, const LitPoint& likely, float random) const;
     /// Whether it matters what is likely.
     bool weighs_passed() const;
+    /// All lights with a place that shine on what is lit by `lit_by`, but for parts of rays; none where there are many.
+    PassedLights placed(LightSets lit_by) const;
     /// Density with which `sample` at `from` would have chosen the direction to an emitting surface point; 0 where that
     /// does not shine on `from`.
     float emitter_density(const LitPoint& from, const SurfacePoint& point) const;

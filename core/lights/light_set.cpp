@@ -340,6 +340,18 @@ PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely
     return result;
 }
 
+PassedLights LightSet::placed(LightSets lit_by) const {
+    const LightTree& tree = implementation_->tree;
+    PassedLights result;
+    if (tree.count() > PassedLights::kMost) return result;
+    for (uint32_t item = 0; item < tree.count(); ++item) {
+        const LightTree::Light light = tree.light(item);
+        if ((light.set & lit_by) != 0)
+            result.lights[result.count++] = {light.center, light.radius, light.intensity, 0.0, 0.0};
+    }
+    return result;
+}
+
 bool LightSet::weighs_passed() const {
     const Implementation& set = *implementation_;
     return !set.suns.empty() || set.world || set.tree.count() > PassedLights::kMost;

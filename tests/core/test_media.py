@@ -158,6 +158,23 @@ def test_light_scattered_once_is_its_integral(core, names, uneven, density):
     np.testing.assert_allclose(image.mean(), expected, rtol=0.03)  # noise
 
 
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("kind", ["POINT", "SPOT"])
+@pytest.mark.parametrize("density, g", [(0.3, 0.0), (0.8, 0.4)])
+def test_a_lamp_lights_a_medium_as_many_that_share_its_power(core, integrator, kind, density, g):
+    """Of many lamps none is known to a path while it is scattered."""
+    means = []
+    for count in (1, 12):
+        scene = core.SceneDescription()
+        add_box(core, scene, scattering(core, (0.9, 0.8, 0.5), density, g))
+        look_down(scene, half=0.05)
+        for i in range(count):
+            scene.add_lamp(str(i), kind, TOWARDS_AXIS, (10.0 / count,) * 3, spot_size=0.8)
+        settings = dict(samples=512, size=16, volume_bounces=3, integrator=integrator)
+        means.append(picture(core, scene, **settings).mean((0, 1)))
+    np.testing.assert_allclose(means[0], means[1], rtol=0.04)  # noise
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("clear", ["medium", "surface"])
