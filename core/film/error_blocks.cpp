@@ -18,6 +18,8 @@ constexpr double kMostGrowth = 2;
 constexpr double kNeighbors = 0.3;
 /// And its halves, beside a target error: brightness does not see every change of a colour.
 constexpr double kHalves = 0.2;
+/// A block of less than this share of a noise threshold is not noisy at all.
+constexpr double kCalm = 0.01;
 
 /// Blocks of `side` in `length` pixels.
 int blocks_in(int length, int side) {
@@ -157,7 +159,11 @@ void ErrorBlocks::add_rays(std::span<const WindowSamples> blocks, uint64_t rays)
 }
 
 double ErrorBlocks::numbers_of_all() const {
-    return (goal_.unit == Unit::Displayed ? 3.0 : 1.0) * width_ * height_;
+    if (goal_.unit == Unit::Displayed) return 3.0 * width_ * height_;
+    double noisy = 0;
+    for (size_t i = 0; i < blocks_.size(); ++i)
+        if (blocks_[i].squares > kCalm * kCalm * goal_.most * goal_.most * pixels(i)) noisy += pixels(i);
+    return noisy;
 }
 
 double ErrorBlocks::squares_of_all() const {
@@ -214,7 +220,7 @@ void ErrorBlocks::decide() {
 }
 
 double ErrorBlocks::error() const {
-    return std::sqrt(squares_of_all() / numbers_of_all());
+    return std::sqrt(squares_of_all() / std::max(numbers_of_all(), 1.0));
 }
 
 size_t ErrorBlocks::bytes() const {

@@ -4,9 +4,9 @@
 // A target error is that of the report: the root mean square over pixels and channels of the difference to the
 // converged picture, both clipped to [0, 1]. Every second sample belongs to a sequence of its own then, so that a
 // picture has two halves that know nothing of each other: as far as they differ, half of that the whole is off, evenly
-// spread samples included. A noise threshold is in Cycles' unit: the root mean square over pixels of the standard error
-// of their mean brightness (red + green + blue) over the root of that mean. Cycles estimates it from half of the
-// samples, here squares of them tell it.
+// spread samples included. A noise threshold is in Cycles' unit: the root mean square over pixels, of blocks that are
+// noisy at all, of the standard error of their mean brightness (red + green + blue) over the root of that mean. Cycles
+// estimates it from half of the samples, here squares of them tell it.
 //
 // After a round, `decide` divides what is missing: samples in proportion to the deviation of one, over the root of the
 // rays that one takes, make the least error for the number of rays (Neyman's allocation). To stop each block as soon as

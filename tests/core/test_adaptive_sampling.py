@@ -59,9 +59,17 @@ def test_the_noise_that_is_asked_for_is_reached(core):
     assert errors[1] < 0.5 * errors[0]
 
 
+def test_an_empty_background_does_not_count(core):
+    whole, part = (
+        rendered(core, samples=1024, noise_threshold=0.01, least_samples=8, **crop).pass_pixels("sample_count")
+        for crop in ({}, {"crop_width": 32, "crop_height": 48})
+    )
+    assert whole[:, :32].mean() == pytest.approx(part.mean(), rel=0.2)
+
+
 def test_samples_go_where_they_lower_the_error_most(core):
-    truth = picture(rendered(core, samples=2048, seed=5))
-    session = rendered(core, samples=4096, noise_threshold=0.01, least_samples=8)
+    truth = picture(rendered(core, samples=1024, seed=5))
+    session = rendered(core, samples=1024, noise_threshold=0.02, least_samples=8)
     alike = rendered(core, samples=round(float(session.pass_pixels("sample_count").mean())))
     errors = [np.sqrt(np.mean((picture(each) - truth) ** 2)) for each in (session, alike)]
     assert errors[0] < 0.8 * errors[1]
