@@ -8,10 +8,10 @@ namespace {
 
 using Unit = ErrorGoal::Unit;
 
-/// What is aimed at, as a share of a target error: an estimate is no bound.
-constexpr double kAim = 0.93;
+/// What is aimed at, as a share of a target error: an estimate is no bound, and misses what is bright and rare.
+constexpr double kAim = 0.8;
 /// Samples of a pixel in the first round.
-constexpr int kFirst = 8;
+constexpr int kFirstRound = 8;
 /// A round makes of each sample that many at most, so that the next one can be judged by more of them.
 constexpr double kMostGrowth = 2;
 /// How much of a block's deviation the blocks around it tell. More blurs the borders of what is noisy.
@@ -105,7 +105,8 @@ int ErrorBlocks::wanted(const Block& block, int most) const {
         const double step = goal_.unit == Unit::Displayed ? 2.0 : 1.0;
         return static_cast<int>(std::ceil(number / step) * step);
     };
-    const int at_once = block.samples == 0 ? kFirst : whole(std::max(kMostGrowth * block.samples, block.samples + 2.0));
+    const int at_once =
+        block.samples == 0 ? kFirstRound : whole(std::max(kMostGrowth * block.samples, block.samples + 2.0));
     return std::min({whole(std::min<double>(block.needed, most)), at_once, most});
 }
 
