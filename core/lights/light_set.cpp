@@ -3,6 +3,7 @@
 #include "lights/area_lamp.h"
 #include "lights/light.h"
 #include "lights/light_tree.h"
+#include "lights/mean_factor.h"
 #include "lights/point_lamp.h"
 #include "lights/sun.h"
 #include "lights/surface_light.h"
@@ -10,8 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <ranges>
 #include <variant>
 
@@ -23,39 +22,6 @@ constexpr double kEvenShare = 0.5;
 
 bool shines(const Lamp& lamp) {
     return is_finite(lamp.strength) && !is_black(lamp.strength);
-}
-
-/// Directions spread evenly over what a lamp shines on, around the -z axis of its frame.
-Vec3f spread_direction(const Lamp& lamp, size_t number, size_t count) {
-    double least_cosine = -1;
-    if (lamp.kind == LampKind::Spot) least_cosine = std::cos(std::min(lamp.spot_size / 2, std::numbers::pi));
-    if (lamp.kind == LampKind::Rectangle || lamp.kind == LampKind::Disk) least_cosine = 0;
-    const double share = (static_cast<double>(number) + 0.5) / static_cast<double>(count);
-    const double cosine = 1.0 - share * (1.0 - least_cosine), sine = std::sqrt(std::max(1.0 - cosine * cosine, 0.0));
-    const double angle =
-        2.0 * std::numbers::pi * std::numbers::phi * static_cast<double>(number);  // Fibonacci's lattice
-    const Affine3d& frame = lamp.to_world;
-    return Vec3f(frame.x.normalized() * (sine * std::cos(angle)) + frame.y.normalized() * (sine * std::sin(angle)) -
-                 frame.z.normalized() * cosine);
-}
-
-/// What a lamp's program makes of its light in the mean, for the choice of a light: a guess from some directions, one
-/// world unit away. Never 0, for a narrow beam may lie between them.
-double mean_factor(const Lamp& lamp, size_t number, const LampEmission& emission) {
-    if (!lamp.emission) return 1;
-    constexpr size_t kDirections = 128;
-    constexpr double kLeast = 1e-3, kMost = 1e12;
-    const bool is_sun = lamp.kind == LampKind::Sun;
-    double sum = 0;
-    for (size_t i = 0; i < kDirections; ++i) {
-        const Vec3f outgoing = is_sun ? -Vec3f(lamp.to_world.z.normalized()) : spread_direction(lamp, i, kDirections);
-        const Vec3d position = is_sun ? Vec3d(-outgoing) : lamp.to_world.translation;
-        const double distance = is_sun ? std::numeric_limits<double>::infinity() : 1.0;
-        const Color factor = emission({number, position, outgoing, distance});
-        sum += std::abs(double{factor.x} + double{factor.y} + double{factor.z}) / 3;
-    }
-    const double mean = sum / kDirections;
-    return std::isfinite(mean) ? std::clamp(mean, kLeast, kMost) : 1.0;
 }
 
 /// What all lamps have.
@@ -343,12 +309,9 @@ PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely
 PassedLights LightSet::placed(LightSets lit_by) const {
     const LightTree& tree = implementation_->tree;
     PassedLights result;
-    if (tree.count() > PassedLights::kMost) return result;
-    for (uint32_t item = 0; item < tree.count(); ++item) {
-        const LightTree::Light light = tree.light(item);
-        if ((light.set & lit_by) != 0)
+    for (uint32_t item = 0; tree.count() <= PassedLights::kMost && item < tree.count(); ++item)
+        if (const LightTree::Light light = tree.light(item); (light.set & lit_by) != 0)
             result.lights[result.count++] = {light.center, light.radius, light.intensity, 0.0, 0.0};
-    }
     return result;
 }
 
