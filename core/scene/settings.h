@@ -80,7 +80,7 @@ struct Settings {
     IntegratorKind integrator = IntegratorKind::Path;
     double occlusion_distance = 0;  ///< world units beyond which nothing occludes; 0: no limit
     // Of distribution ray tracing: rays from one surface point of a sample, and what for.
-    int glossy_rays = 4, light_rays = 4, hemisphere_rays = 16;
+    int glossy_rays = 4, light_rays = 4, hemisphere_rays = 4;
     IndirectLight indirect = IndirectLight::ColorBleeding;
     bool irradiance_cache = false;       ///< sample hemispheres at few points and interpolate
     float irradiance_error = 0.2f;       ///< that interpolation may make, relative (Ward and Heckbert 1992's a)

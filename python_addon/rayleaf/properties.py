@@ -171,7 +171,7 @@ class RayleafSceneSettings(LightPaths, bpy.types.PropertyGroup):
     hemisphere_rays: IntProperty(  # type: ignore
         name="Diffuse Rays",
         description="Rays from a matte surface into all directions, per sample. Raise it where indirect light is blotchy",
-        default=16,
+        default=4,
         min=1,
         max=4096,
     )
