@@ -19,6 +19,7 @@ from . import core_module
 
 _COLORS = ((0.5, 0.0, 0.25), (0.0, 1.0, 0.5), (2.0, 0.25, 0.0))  # what the triangles emit
 _SIDE = 10  # pixels along a triangle's base
+_PARTS = 8  # that each is cut into: Embree meets meshes that have more than a few triangles
 _TOLERANCE = 1e-5  # a weighted mean of equal samples, in single precision
 _ENOUGH_SECONDS = 20.0  # for a test that takes a fraction of one
 _MEMORY = "self_test.json"
@@ -39,9 +40,10 @@ def wrong_picture(core: ModuleType) -> str | None:
         one = program.constant(1.0, 1.0, 1.0, 1.0)
         program.operation("emission", [one, program.constant(*color, 1.0), one])
         materials.append(scene.add_material(f"triangle {number}", program))
-    corners = [(number + x, y, 0.0) for number in range(3) for x, y in ((0.0, 0.0), (1.0, 0.0), (0.5, 1.0))]
-    slots = np.arange(3, dtype=np.int32)
-    triangles = np.arange(9, dtype=np.int32).reshape(3, 3)
+    parts = [(number, part / _PARTS) for number in range(3) for part in range(_PARTS)]
+    corners = [(n + x, y, 0.0) for n, at in parts for x, y in ((at, 0.0), (at + 1.0 / _PARTS, 0.0), (0.5, 1.0))]
+    slots = np.repeat(np.arange(3, dtype=np.int32), _PARTS)
+    triangles = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
     shape = scene.add_mesh("triangles", np.array(corners, np.float32), triangles, material_slots=slots)
     scene.add_instance("triangles", shape, np.eye(4), scene.add_material_list(materials))
     above = np.eye(4)

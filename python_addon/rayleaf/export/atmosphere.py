@@ -4,6 +4,7 @@ single scattering by air and dust, absorption by ozone, with the constants that 
 Spectra have 21 wavelengths from 380 to 780 nm. Lengths are in metres.
 """
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -154,11 +155,11 @@ def sky_table(air: Air, width: int = 512, height: int = 128) -> NDArray[np.float
 def sun_disc(air: Air, diameter: float) -> tuple[Array, Array]:
     """The radiance at the lower and the upper edge of the sun, linear."""
     half = 0.5 * diameter
-    solid_angle = 2.0 * np.pi * (1.0 - np.cos(half))
+    solid_angle = 4.0 * math.pi * math.sin(0.5 * half) ** 2
     start = _EARTH + air.altitude
     found = []
     for elevation in (air.elevation - half, air.elevation + half):
-        depth = _depth(np.array(start**2), np.array(start * np.sin(max(elevation, 0.0))))
+        depth = _depth(np.array(start**2), np.array(start * math.sin(max(elevation, 0.0))))
         lost = _AIR * (depth[0] * air.air) + _DUST_EXTINCTION * _DUST_SCATTERING * depth[1] * air.dust
         found.append(_xyz(_IRRADIANCE * np.exp(-lost) / solid_angle) @ FROM_XYZ.T)
     return found[0], found[1]
