@@ -2,7 +2,8 @@
 for how long Blender does not answer.
 
 ./rayleaf bench view: each scene of blend_scenes in a view of 1280 x 720 pixels under Xvfb, which draws without a graphics
-card. `export` is the part of the first picture's time in which the scene is handed to the core. A stall is the longest time
+card. `export` is the part of the first picture's time in which the scene is handed to the core; `ours` is what a picture of
+the turning camera takes from the core's beginning to its first pixels, without drawing. A stall is the longest time
 between two calls of a timer that asks to be called all the time; that of Solid shading is Blender's own.
 """
 
@@ -21,10 +22,10 @@ QUICK_SCENES = ("bezier_sheet",)
 SCRIPT = """
 import json, math, os, sys, time, traceback
 import bpy, mathutils
-from rayleaf.viewport import viewport
+from rayleaf.viewport import viewport, worker
 
 report = sys.argv[-1]
-exports, pictures, stalls = [], [], []
+exports, pictures, stalls, own = [], [], [], []
 
 def watch(kind, name, note):
     plain = getattr(kind, name)
@@ -38,6 +39,19 @@ def drawn(view, _):
     if view._drawn is not None and (not pictures or pictures[-1][0] is not view._drawn):
         pictures.append((view._drawn, time.perf_counter()))
 
+render, publish = worker.Worker._render, worker.Worker._publish
+
+def rendered(self, request):
+    self.began = time.perf_counter()
+    render(self, request)
+
+def published(self, *arguments):
+    publish(self, *arguments)
+    if self.began is not None:
+        own.append(time.perf_counter() - self.began)
+    self.began = None
+
+worker.Worker._render, worker.Worker._publish = rendered, published
 watch(viewport.Viewport, "update", lambda _, seconds: exports.append(seconds))
 watch(viewport.Viewport, "draw", drawn)
 
@@ -97,8 +111,9 @@ def steps():
     yield 1.0
     yield from wait(2.0)
     result["stall_refining"] = longest(stalls)
-    del pictures[:]
+    del pictures[:], own[:]
     yield from wait(3.0, turn)
+    result["own"] = sorted(own)[len(own) // 2]
     result["stall_turning"] = longest(stalls)
     times = [when for _, when in pictures]
     result["pictures"] = len(times) / 3.0
@@ -145,7 +160,8 @@ def run(quick: bool = False) -> list[dict[str, Any]]:
     """Prints a line for each scene."""
     scenes = QUICK_SCENES if quick else sorted(path.stem for path in FILES.glob("*.blend"))
     print(
-        f"{'scene':<22}{'first, s':>10}{'export, s':>11}{'pictures/s':>12}{'stall, ms: solid':>18}{'refining':>10}{'turning':>9}"
+        f"{'scene':<22}{'first, s':>10}{'export, s':>11}{'pictures/s':>12}{'ours, ms':>10}"
+        f"{'stall, ms: solid':>18}{'refining':>10}{'turning':>9}"
     )
     rows = []
     for scene in scenes:
@@ -154,6 +170,7 @@ def run(quick: bool = False) -> list[dict[str, Any]]:
         stalls = [1000 * found[f"stall_{kind}"] for kind in ("solid", "refining", "turning")]
         print(
             f"{scene:<22}{found['first']:>10.2f}{found['export']:>11.2f}{found['pictures']:>12.1f}"
+            f"{1000 * found['own']:>10.0f}"
             f"{stalls[0]:>18.0f}{stalls[1]:>10.0f}{stalls[2]:>9.0f}",
             flush=True,
         )
