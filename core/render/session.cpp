@@ -184,6 +184,7 @@ const IrradianceCache* Session::filled_cache() {
 }
 
 void Session::render_group(const WindowGroup& group, const Frame& frame) {
+    if (cancel_.cancelled()) return;  // before memory is taken for paths
     const bool is_error_asked = error_ && frame.step == 1, shows_mattes = film_.has_mattes() && frame.step == 1;
     const Window whole = part(settings_);
     WindowGroup of_film = group;
