@@ -26,6 +26,16 @@ Covered covered(int pixel, int finer, int coarser) {
     return result;
 }
 
+/// Zeros, part by part: of a large picture they take longer than a cancelled render may.
+void make_room(std::vector<float>& pixels, size_t count, const CancelToken& cancel) {
+    constexpr size_t kPart = size_t{1} << 20;
+    pixels.reserve(count);
+    while (pixels.size() < count) {
+        cancel.throw_if_cancelled();
+        pixels.resize(std::min(count, pixels.size() + kPart));
+    }
+}
+
 }  // namespace
 
 Picture coarser_level(const Picture& level, const CancelToken& cancel) {
@@ -38,7 +48,7 @@ Picture coarser_level(const Picture& level, const CancelToken& cancel) {
     const auto channels = static_cast<size_t>(level.channels);
     const size_t row = static_cast<size_t>(level.width) * channels;
     const size_t coarser_row = static_cast<size_t>(result.width) * channels;
-    result.pixels.resize(coarser_row * static_cast<size_t>(result.height));
+    make_room(result.pixels, coarser_row * static_cast<size_t>(result.height), cancel);
     tbb::parallel_for(0, result.height, [&](int y) {
         cancel.throw_if_cancelled();
         const Covered down = covered(y, level.height, result.height);
