@@ -247,6 +247,13 @@ int add_image_file(SceneDescription& scene, const std::string& name, const std::
     return scene.textures()->add_file(name, path, image_colors(name, space, config), picture);
 }
 
+int add_packed_image(SceneDescription& scene, const std::string& name, const py::bytes& content,
+                     const std::string& space, const std::string& config) {
+    const std::string_view bytes = content;
+    const py::gil_scoped_release released;
+    return scene.textures()->add_packed(name, std::as_bytes(std::span(bytes)), image_colors(name, space, config));
+}
+
 int add_image_pixels(SceneDescription& scene, const std::string& name, const Array<float>& pixels,
                      const std::string& space, const std::string& config) {
     check_shape(name, "pixels", pixels, {-1, -1, -1});
@@ -328,6 +335,7 @@ void bind_scene(py::module_& module) {
              "motion"_a = py::none(), "windows"_a = py::none(), "shutter_curve"_a = py::none(),
              "rolling_shutter"_a = py::none())
         .def("add_image_file", &add_image_file, "name"_a, "path"_a, "color_space"_a, "config"_a = "", "picture"_a = 0)
+        .def("add_packed_image", &add_packed_image, "name"_a, "content"_a, "color_space"_a, "config"_a = "")
         .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a, "config"_a = "")
         .def_readwrite("texture_memory", &SceneDescription::texture_memory);
 }

@@ -9,9 +9,12 @@
 #include "textures/picture.h"
 #include "textures/texture_system.h"
 
+#include <algorithm>
 #include <atomic>
+#include <string_view>
 #include <vector>
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
@@ -74,16 +77,15 @@ oiio::TextureOpt options(TextureExtension extension, TextureInterpolation interp
 }
 
 /// Refuses files that hold no flat picture, or one so large that it cannot be meant: a header says any size.
-void check_spec(const std::string& name, const std::string& path, const oiio::ImageSpec& spec) {
-    const std::string argument = "image file '" + path + "'";
+void check_spec(const std::string& name, const std::string& source, const oiio::ImageSpec& spec) {
     const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels, " +
                              std::to_string(spec.nchannels) + " channels";
-    if (spec.deep || spec.depth > 1) throw InputError(name, argument, "deep or a volume", "a flat picture");
+    if (spec.deep || spec.depth > 1) throw InputError(name, source, "deep or a volume", "a flat picture");
     constexpr int kLargestSide = 1 << 17;
     constexpr double kMostPixels = 1u << 30;
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.width > kLargestSide ||
         spec.height > kLargestSide || static_cast<double>(spec.width) * spec.height > kMostPixels)
-        throw InputError(name, argument, size, "at least 1 x 1 and at most 2^30 pixels, 2^17 a side");
+        throw InputError(name, source, size, "at least 1 x 1 and at most 2^30 pixels, 2^17 a side");
 }
 
 Vec2f finite_coordinates(const Vec2f& v) {
@@ -172,16 +174,17 @@ ContentHash key_of_file(const std::string& path, const ImageColors& colors, int 
     return hasher.value();
 }
 
-Picture read_picture(const std::string& name, const std::string& path, int number) {
+/// Straight alpha is left as it is.
+oiio::ImageSpec reading_hints() {
     oiio::ImageSpec hints;
-    hints.attribute("oiio:UnassociatedAlpha", 1);  // leave straight alpha as the file has it
-    const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::open(path, &hints);
-    if (!input) throw InputError(name, "image file '" + path + "'", oiio::geterror(), "a readable image");
-    if (number != 0 && !input->seek_subimage(number, 0))
-        throw InputError(name, "image file '" + path + "'", "no picture " + std::to_string(number + 1),
-                         "a picture that the file has");
-    const oiio::ImageSpec& spec = input->spec();
-    check_spec(name, path, spec);
+    hints.attribute("oiio:UnassociatedAlpha", 1);
+    return hints;
+}
+
+/// `source` is what a message calls it.
+Picture read_picture(const std::string& name, const std::string& source, oiio::ImageInput& input, int number) {
+    const oiio::ImageSpec& spec = input.spec();
+    check_spec(name, source, spec);
     Picture picture;
     picture.width = spec.width;
     picture.height = spec.height;
@@ -190,9 +193,48 @@ Picture read_picture(const std::string& name, const std::string& path, int numbe
     picture.precise = spec.format.basesize() > 2;
     picture.pixels.resize(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) *
                           static_cast<size_t>(picture.channels));
-    if (!input->read_image(number, 0, 0, picture.channels, oiio::TypeDesc::FLOAT, picture.pixels.data()))
-        throw InputError(name, "image file '" + path + "'", input->geterror(), "a readable image");
+    if (!input.read_image(number, 0, 0, picture.channels, oiio::TypeDesc::FLOAT, picture.pixels.data()))
+        throw InputError(name, source, input.geterror(), "a readable image");
     return picture;
+}
+
+Picture read_file(const std::string& name, const std::string& path, int number) {
+    const std::string source = "image file '" + path + "'";
+    const oiio::ImageSpec hints = reading_hints();
+    const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::open(path, &hints);
+    if (!input) throw InputError(name, source, oiio::geterror(), "a readable image");
+    if (number != 0 && !input->seek_subimage(number, 0))
+        throw InputError(name, source, "no picture " + std::to_string(number + 1), "a picture that the file has");
+    return read_picture(name, source, *input, number);
+}
+
+/// The name that a file of such bytes could have, from which the library knows the format: it tells by names alone.
+const char* name_by_content(std::span<const std::byte> bytes) {
+    struct Format {
+        std::string_view begins, name;
+    };
+    using namespace std::string_view_literals;
+    constexpr Format kFormats[] = {
+        {"\x89PNG", "packed.png"}, {"\xff\xd8\xff", "packed.jpg"}, {"v/1\x01", "packed.exr"}, {"II*\0"sv, "packed.tif"},
+        {"MM\0*"sv, "packed.tif"}, {"#?RADIANCE", "packed.hdr"},   {"RIFF", "packed.webp"},   {"BM", "packed.bmp"}};
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const auto* found = std::find_if(std::begin(kFormats), std::end(kFormats),
+                                     [&](const Format& format) { return text.starts_with(format.begins); });
+    return found == std::end(kFormats) ? nullptr : found->name.data();
+}
+
+Picture read_packed(const std::string& name, std::span<const std::byte> bytes) {
+    const std::string source = "packed image";
+    const char* file = name_by_content(bytes);
+    if (!file)
+        throw InputError(name, source, "of an unknown format", "PNG, JPEG, OpenEXR, TIFF, Radiance, WebP or BMP");
+    oiio::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
+    oiio::Filesystem::IOProxy* proxy = &reader;
+    oiio::ImageSpec hints = reading_hints();
+    hints.attribute("oiio:ioproxy", oiio::TypeDesc::PTR, static_cast<const void*>(&proxy));  // 2.4 reads it here alone
+    const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::open(file, &hints, proxy);
+    if (!input) throw InputError(name, source, oiio::geterror(), "a readable image");
+    return read_picture(name, source, *input, 0);
 }
 
 /// `pixels` are rows bottom to top.
@@ -215,7 +257,15 @@ Picture turned_over(std::span<const float> pixels, int width, int height, int ch
 TextureId TextureStore::add_file(const std::string& name, const std::string& path, const ImageColors& colors,
                                  int picture) {
     return implementation_->add(name, colors, key_of_file(path, colors, picture),
-                                [&] { return read_picture(name, path, picture); });
+                                [&] { return read_file(name, path, picture); });
+}
+
+TextureId TextureStore::add_packed(const std::string& name, std::span<const std::byte> bytes,
+                                   const ImageColors& colors) {
+    ContentHasher hasher;
+    colors.add_to(hasher);
+    hasher.add(bytes);
+    return implementation_->add(name, colors, hasher.value(), [&] { return read_packed(name, bytes); });
 }
 
 TextureId TextureStore::add_pixels(const std::string& name, std::span<const float> pixels, int width, int height,

@@ -51,6 +51,8 @@ class TextureStore {
     /// An image file. Throws InputError that names `name` and the path if it is missing or cannot be read.
     /// `picture`: which one of a file that has several, like a movie.
     TextureId add_file(const std::string& name, const std::string& path, const ImageColors& colors, int picture = 0);
+    /// What an image file holds, as bytes in memory. Throws InputError that names `name` where they cannot be read.
+    TextureId add_packed(const std::string& name, std::span<const std::byte> bytes, const ImageColors& colors);
     /// Pixels as Blender holds them: `channels` floats each (1, 3 or 4), rows bottom to top, alpha straight.
     TextureId add_pixels(const std::string& name, std::span<const float> pixels, int width, int height, int channels,
                          const ImageColors& colors);

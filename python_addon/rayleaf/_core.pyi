@@ -621,6 +621,8 @@ class SceneDescription:
     ) -> int:
         """color_space: SRGB, LINEAR or NON_COLOR; or, by a configuration of OpenColorIO at the path `config`, one of its
         spaces. picture: of a movie, from 0 on. Returns a texture id for the operations image and environment."""
+    def add_packed_image(self, name: str, content: bytes, color_space: str, config: str | bytes = "") -> int:
+        """content: of a PNG, JPEG, OpenEXR, TIFF, Radiance, WebP or BMP file."""
     def add_image_pixels(self, name: str, pixels: Floats, color_space: str, config: str | bytes = "") -> int:
         """pixels (height, width, channels), rows bottom to top."""
     texture_memory: int

@@ -214,6 +214,10 @@ class SceneDescription:
         self.images.append(row)
         return len(self.images) - 1
 
+    def add_packed_image(self, name, content, color_space, config=""):
+        self.images.append(dict(name=name, content=content, color_space=color_space, config=config))
+        return len(self.images) - 1
+
     def add_image_pixels(self, name, pixels, color_space, config=""):
         self.images.append(dict(name=name, pixels=pixels, color_space=color_space, config=config))
         return len(self.images) - 1

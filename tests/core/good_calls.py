@@ -236,6 +236,9 @@ CALLS: dict[str, Call] = {
     "SceneDescription.add_image_file": method(
         scene, "add_image_file", name="a", path="nowhere", color_space="SRGB", config="", picture=0
     ),
+    "SceneDescription.add_packed_image": method(
+        scene, "add_packed_image", name="a", content=b"\x89PNG", color_space="SRGB", config=""
+    ),
     "SceneDescription.add_image_pixels": method(
         scene, "add_image_pixels", name="a", pixels=np.ones((2, 3, 4), np.float32), color_space="SRGB", config=""
     ),

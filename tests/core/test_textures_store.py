@@ -174,6 +174,12 @@ def test_a_file_that_is_no_image_is_named(store, tmp_path):
         store.add_file("Words", str(path), tests.ColorSpace.SRGB)
 
 
+@pytest.mark.parametrize("content", [b"", b"words", b"\x89PNG\r\n\x1a\n", b"BM", b"v/1\x01" + bytes(40)])
+def test_packed_bytes_that_are_no_image_are_named(content):
+    with pytest.raises(_core.InputError, match="Words.*packed image"):
+        _core.SceneDescription().add_packed_image("Words", content, "SRGB")
+
+
 @pytest.mark.parametrize("shape", [(0, 4, 3), (4, 4, 2), (4, 4)])
 def test_pixels_of_a_wrong_shape_are_rejected(store, shape):
     with pytest.raises(_core.InputError, match="Odd"):

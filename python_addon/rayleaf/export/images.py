@@ -126,6 +126,8 @@ class ImageLibrary:
             self._warn(image, "viewer images are not supported; rendered pink")
             return None
         space = self._color_space(image)
+        if image.packed_file is not None and image.source == "FILE" and not image.is_dirty:
+            return self._add_packed(image, path, space)
         if image.packed_file is not None or image.source == "GENERATED" or image.is_dirty:
             return self._add_pixels(image, path, space)
         if not os.path.isfile(path):
@@ -158,6 +160,13 @@ class ImageLibrary:
         if own and name in _COLOR_SPACES:
             return _COLOR_SPACES[name], ""
         return name, configuration
+
+    def _add_packed(self, image: Any, path: str, space: tuple[str, str]) -> int | None:
+        """By the file that is packed, which is far smaller than Blender's pixels; by these where the core cannot read it."""
+        try:
+            return self._send(self.scene.add_packed_image, image, image.packed_file.data, space)
+        except self._core.InputError:
+            return self._add_pixels(image, path, space)
 
     def _add_pixels(self, image: Any, path: str, space: tuple[str, str]) -> int | None:
         width, height = image.size
