@@ -65,7 +65,8 @@ Strands::Strands(StrandArrays arrays)
       info_(arrays.info),
       basis_(arrays.basis),
       form_(arrays.form),
-      spheres_per_segment_(arrays.spheres_per_segment) {
+      spheres_per_segment_(arrays.spheres_per_segment),
+      has_inside_(arrays.has_inside) {
     if (spheres_per_segment_ < 1 || spheres_per_segment_ > kMostSpheres)
         throw InputError(name(), "spheres_per_segment", std::to_string(spheres_per_segment_),
                          "1 to " + std::to_string(kMostSpheres));

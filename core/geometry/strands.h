@@ -58,7 +58,10 @@ struct StrandArrays {
     StrandBasis basis = StrandBasis::CatmullRom;
     StrandForm form = StrandForm::Round;
     int spheres_per_segment = 16;  ///< of the form Spheres
-    AttributeId active_uv = -1;    ///< the attribute that is the surface's `uv`; the first two channels count
+    /// Whether a ray that starts in a strand meets it where it leaves, in forms that are solid. Not so hair, as in
+    /// Cycles: its closures (shading/lobe_fibre.h) tell what comes out of a fibre, and roots may lie in one another.
+    bool has_inside = true;
+    AttributeId active_uv = -1;  ///< the attribute that is the surface's `uv`; the first two channels count
     std::vector<StrandAttribute> attributes;
     StrandInfoIds info;
     /// Of strands that deform, x,y,z and radius of each point at even times of the shutter, time by time; `points` and
@@ -83,6 +86,7 @@ class Strands final : public Shape {
 
     StrandForm form() const { return form_; }
     StrandBasis basis() const { return basis_; }
+    bool has_inside() const { return has_inside_; }
     int spheres_per_segment() const { return spheres_per_segment_; }
     uint32_t strand_count() const { return static_cast<uint32_t>(first_segment_.size()) - 1; }
     uint32_t strand_of(uint32_t segment) const { return strand_of_segment_[segment]; }
@@ -112,6 +116,7 @@ class Strands final : public Shape {
     StrandBasis basis_;
     StrandForm form_;
     int spheres_per_segment_ = 0;
+    bool has_inside_ = true;
     int active_uv_ = -1;  ///< index into attributes_
 
     void set_strands(const StrandArrays& arrays);

@@ -2,7 +2,6 @@
 
 #include "integrators/ambient_occlusion.h"
 #include "integrators/blocked_light.h"
-#include "integrators/fibre.h"
 #include "integrators/first_surface.h"
 #include "integrators/glass_path.h"
 #include "integrators/ray_passes.h"
@@ -198,7 +197,6 @@ void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
     way.scatterings = bounces_.count() + 1;
     std::optional<Ray> ray = shadow_ray(scene_, vertex.point, *light);
     if (!ray) return receive(Color(1.0f));
-    leave_fibre(scene_, vertex.point, vertex.closures, *ray);
     way.ray = *ray;
     way.kind = to_light(bounces_.kind_of_shadow_ray(), light->blockers);
     if (has_footprint_) way.differential = shadow_differential(vertex.differential, *light, kPathSiblings);
@@ -289,7 +287,6 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
     ray_ = Ray{};
     vertex.point.release(ray_, sample->direction);
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
-    if (sample->fibre) leave_fibre(scene_, vertex.point, vertex.closures, ray_);
     outside_of_ = kNowhere;
     if (!enters) return true;
     const GlassOutcome crossing =

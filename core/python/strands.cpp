@@ -40,7 +40,7 @@ std::shared_ptr<Strands> make_strands(const std::string& name, const Array<doubl
                                       const std::optional<Array<int32_t>>& material_slots, int spheres_per_segment,
                                       int uv, const StrandAttributes& attributes,
                                       const StrandAttributes& point_attributes, const std::map<std::string, int>& info,
-                                      const std::optional<Array<double>>& moved_points) {
+                                      const std::optional<Array<double>>& moved_points, bool has_inside) {
     check_shape(name, "points", points, {-1, 3});
     check_shape(name, "radii", radii, {-1});
     check_shape(name, "offsets", offsets, {-1});
@@ -62,6 +62,7 @@ std::shared_ptr<Strands> make_strands(const std::string& name, const Array<doubl
         arrays.moved_points = span_of(*moved_points);
     }
     arrays.spheres_per_segment = spheres_per_segment;
+    arrays.has_inside = has_inside;
     arrays.active_uv = uv;
     add_attributes(arrays, attributes, StrandDomain::Strand);
     add_attributes(arrays, point_attributes, StrandDomain::Point);
@@ -77,7 +78,7 @@ void bind_strands(py::module_& module) {
         .def(py::init(&make_strands), "name"_a, "points"_a, "radii"_a, "offsets"_a, "basis"_a = "CATMULL_ROM",
              "form"_a = "ROUND", "cyclic"_a = py::none(), "material_slots"_a = py::none(), "spheres_per_segment"_a = 16,
              "uv"_a = -1, "attributes"_a = StrandAttributes(), "point_attributes"_a = StrandAttributes(),
-             "info"_a = std::map<std::string, int>(), "moved_points"_a = py::none());
+             "info"_a = std::map<std::string, int>(), "moved_points"_a = py::none(), "has_inside"_a = true);
     module.def(
         "strand_tubes",
         [](const Strands& strands, int rings, int sides, const std::string& facets) {

@@ -49,6 +49,16 @@ float share_width(float density, int rays) {
     return shares > 1.0f / (kWidest * kWidest) ? 1.0f / std::sqrt(shares) : kWidest;
 }
 
+RayDifferential RayDifferential::round_footprint(const Vec3f& direction, const Vec3f& normal) const {
+    const auto across = [&](const Vec3f& dp) { return (dp - direction * dp.dot(direction)).length(); };
+    const float width = 0.5f * (across(dp_dx) + across(dp_dy));
+    RayDifferential result;
+    orthonormal_basis(normal, result.dp_dx, result.dp_dy);
+    result.dp_dx *= width;
+    result.dp_dy *= width;
+    return result;
+}
+
 RayBeam RayDifferential::beam(const Vec3f& direction, const RayWidening& widening) const {
     const auto side = [&](const Vec3f& dp, const Vec3f& dd) {
         const Vec3f across = dp - direction * dp.dot(direction);

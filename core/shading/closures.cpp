@@ -163,7 +163,7 @@ Closures::Evaluation evaluate_all(const Closures& closures, const Choice& choice
                                   const Vec3f& incoming, Side side) {
     Closures::Evaluation sum;
     for (int i = 0; i < closures.size(); ++i) {
-        const LobeValue lobe = evaluate_lobe(closures[i], outgoing, incoming, side);
+        const LobeValue lobe = closures.evaluate_one(i, outgoing, incoming, side);
         sum.value += lobe.value;
         sum.density += choice.probability[i] * lobe.density;
     }
@@ -177,6 +177,7 @@ Closures& Closures::operator=(const Closures& other) {
     emission = other.emission;
     transparency = other.transparency;
     holdout = other.holdout;
+    smooth_normal = other.smooth_normal;
     aovs = other.aovs;
     medium = other.medium;
     count_ = other.count_;
@@ -261,10 +262,18 @@ void Closures::join_most_alike(const Lobe& lobe) {
     if (second < kMaxLobes) lobes_[second] = lobe;
 }
 
+LobeValue Closures::evaluate_one(int i, const Vec3f& outgoing, const Vec3f& incoming, Side side) const {
+    const Lobe& lobe = lobes_[i];
+    LobeValue result = evaluate_lobe(lobe, outgoing, incoming, side);
+    if (lobe.normal != smooth_normal && is_shadowed_where_bent(lobe) && !is_black(smooth_normal))
+        result.value *= bump_shadow(smooth_normal, lobe.normal, incoming);
+    return result;
+}
+
 Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const {
     const Side side = side_of(outgoing, incoming, facet_normal);
     Color sum(0.0f);
-    for (int i = 0; i < count_; ++i) sum += evaluate_lobe(lobes_[i], outgoing, incoming, side).value;
+    for (int i = 0; i < count_; ++i) sum += evaluate_one(i, outgoing, incoming, side).value;
     return sum;
 }
 
@@ -272,7 +281,7 @@ Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec
     const Side side = side_of(outgoing, incoming, facet_normal);
     Color sum(0.0f);
     for (int i = 0; i < count_; ++i)
-        if (kind_of(lobes_[i], side) == kind) sum += evaluate_lobe(lobes_[i], outgoing, incoming, side).value;
+        if (kind_of(lobes_[i], side) == kind) sum += evaluate_one(i, outgoing, incoming, side).value;
     return sum;
 }
 
@@ -287,7 +296,7 @@ Closures::EvaluationByKind Closures::evaluate_by_kind(const Vec3f& outgoing, con
     const Choice choice(*this, outgoing);
     EvaluationByKind sum;
     for (int i = 0; i < count_; ++i) {
-        const LobeValue lobe = evaluate_lobe(lobes_[i], outgoing, incoming, side);
+        const LobeValue lobe = evaluate_one(i, outgoing, incoming, side);
         sum.values[static_cast<size_t>(kind_of(lobes_[i], side))] += lobe.value;
         sum.density += choice.probability[i] * lobe.density;
     }
@@ -345,12 +354,6 @@ std::optional<LobeSample> Closures::sample(const Vec3f& outgoing, const Vec3f& f
 bool Closures::has_smooth_lobes() const {
     for (int i = 0; i < count_; ++i)
         if (!is_singular(lobes_[i]) && lobes_[i].type != LobeType::Subsurface) return true;
-    return false;
-}
-
-bool Closures::has_fibre_lobes() const {
-    for (int i = 0; i < count_; ++i)
-        if (is_fibre(lobes_[i])) return true;
     return false;
 }
 

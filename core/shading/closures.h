@@ -97,6 +97,9 @@ struct Lobe {
     ThinFilm film;
 };
 
+struct LobeValue;
+enum class Side : uint8_t;
+
 /// A sampled direction.
 struct LobeSample {
     Vec3f direction{0, 0, 1};  ///< unit
@@ -121,6 +124,9 @@ class Closures {
     Color emission{0, 0, 0};      ///< radiance towards the viewer
     Color transparency{0, 0, 0};  ///< share of light that goes straight through
     float holdout = 0;            ///< share that shows the film's emptiness
+    /// The surface's own normal, unit, towards the viewer: diffuse lobes whose normal is another are darkened where it
+    /// faces away from the light (lobes.h). Zero: none is. `clear` leaves it.
+    Vec3f smooth_normal{0, 0, 0};
     /// Where the program writes its AOVs, by slot; empty: nowhere. Its caller sets it.
     std::span<Vec4f> aovs;
     MediumClosures medium;  ///< of a program of a volume; its emission is per world unit
@@ -155,8 +161,6 @@ class Closures {
     std::optional<LobeSample> sample(const Vec3f& outgoing, const Vec3f& facet_normal, const Vec3f& random) const;
     /// True if any lobe can be lit by sampled lights.
     bool has_smooth_lobes() const;
-    /// True if any lobe is one of hair, which sends light through the fibre.
-    bool has_fibre_lobes() const;
     /// Albedo (directional reflectance, approximate for microfacets) of the lobes of `kind`, for the colour passes.
     Color albedo(const Vec3f& outgoing, LobeKind kind) const;
 
@@ -172,6 +176,9 @@ class Closures {
         float density = 0;
     };
     EvaluationByKind evaluate_by_kind(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
+
+    /// Of a lobe that is not singular. For what the closures consist of (shading/lobes.h).
+    LobeValue evaluate_one(int i, const Vec3f& outgoing, const Vec3f& incoming, Side side) const;
 
   private:
     /// Room that costs nothing to make: the first `count_` are there.

@@ -67,6 +67,7 @@ void EvenClosures::copy(const ShadingInputs& inputs, Closures& result) const {
     const size_t behind = is_backfacing(inputs) ? 1 : 0, after_diffuse = inputs.path.diffuse_depth > 0 ? 1 : 0;
     result.take_turned(of[behind][after_diffuse],
                        clearing_normal(facing_facet_normal(inputs), inputs.outgoing, facing_normal(inputs)));
+    result.smooth_normal = facing_normal(inputs);
 }
 
 }  // namespace rayleaf

@@ -19,6 +19,29 @@ bool is_fibre(const Lobe& lobe) {
            lobe.type == LobeType::HairFibre;
 }
 
+bool is_shadowed_where_bent(const Lobe& lobe) {
+    switch (lobe.type) {
+        case LobeType::Diffuse:
+        case LobeType::Translucent:
+        case LobeType::Sheen:
+        case LobeType::Microfibres:
+        case LobeType::ToonDiffuse:
+        case LobeType::PrincipledDiffuse:
+        case LobeType::RetroReflection:
+        case LobeType::LambertExit:
+            return true;
+        default:
+            return false;
+    }
+}
+
+float bump_shadow(const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming) {
+    const float product = bent.dot(incoming) * smooth.dot(bent);
+    const float g = product != 0.0f ? smooth.dot(incoming) / product : 0.0f;
+    if (!(g > 0.0f)) return 0.0f;
+    return g < 1.0f ? g * (1.0f + g * (1.0f - g)) : 1.0f;
+}
+
 LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
     switch (lobe.type) {
         case LobeType::Reflection:

@@ -25,6 +25,13 @@ struct LobeDirection {
 
 bool is_singular(const Lobe& lobe);
 bool is_fibre(const Lobe& lobe);
+/// Whether a lobe of a bent normal is darkened by `bump_shadow`: those that are as wide as the hemisphere, but for
+/// velvet, as in Cycles.
+bool is_shadowed_where_bent(const Lobe& lobe);
+/// What is left of light from `incoming` that meets a bump: 1 where the bump's slope is in the light as the smooth
+/// surface would be, and smoothly down to 0 where the smooth surface is in its own shadow (M. J. Chiang, Y. K. Li, B.
+/// Burley: Taming the Shadow Terminator, 2019).
+float bump_shadow(const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming);
 /// 0 for singular lobes.
 LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side);
 /// `random` in [0,1)³. Empty where there is no such direction (total internal reflection, masked).

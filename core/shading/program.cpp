@@ -204,7 +204,7 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
     reads_pixels_ |= instruction.operation == Operation::wireframe;
     asks_surroundings_ |= is_probe(instruction.operation);
     if (instruction.operation == Operation::bump) {
-        textured_ = true;
+        textured_ = bends_ = true;
         if (operands[0] >= 0) differentiate(operands[0]);
     }
     const bool reads = family == OperationFamily::Input || family == OperationFamily::Texture;

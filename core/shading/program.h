@@ -109,6 +109,7 @@ class Program {
     using Inputs = std::span<const ShadingInputs* const>;
     using Results = std::span<Closures* const>;
     class Beside;
+    class RoundFootprints;
 
     Operands operands_of(const Instruction& instruction, const RegisterBank& registers, uint32_t point) const;
     std::span<const int32_t> ints_of(const Instruction& instruction) const;
@@ -144,6 +145,7 @@ class Program {
     bool reads_pixels_ = false;  ///< wireframe in pixels
     bool asks_surroundings_ = false;
     bool textured_ = false;                   ///< some instruction is differentiated, or reads an image
+    bool bends_ = false;                      ///< some instruction is a bump
     bool differentiates_attributes_ = false;  ///< and reads a named attribute
     bool closures_turn_alone_ = true;         ///< closures differ between points by normal, side and path alone
     /// Where they do, and nothing is read: what is added at any point (shading/even_closures.h). Else null.

@@ -230,6 +230,28 @@ void Program::look_up(const Instruction& instruction, std::span<const RegisterBa
     }
 }
 
+/// The hits with round footprints, by which bumps are: the steps of Cycles' (its compact differentials), which do not
+/// grow where a surface is seen at grazing.
+class Program::RoundFootprints {
+  public:
+    explicit RoundFootprints(Inputs inputs) : count_(inputs.size()) {
+        for (size_t i = 0; i < count_; ++i) {
+            auto* rounded = new (room_ + i * sizeof(ShadingInputs)) ShadingInputs(*inputs[i]);
+            if (rounded->point)
+                rounded->differential =
+                    rounded->differential.round_footprint(rounded->outgoing, rounded->point->facet_normal);
+            all_[i] = rounded;
+        }
+    }
+    Inputs inputs() const { return {all_.data(), count_}; }
+
+  private:
+    static_assert(std::is_trivially_destructible_v<ShadingInputs>);
+    size_t count_;
+    std::array<const ShadingInputs*, kMostPoints> all_;
+    alignas(ShadingInputs) std::byte room_[kMostPoints * sizeof(ShadingInputs)];
+};
+
 /// The hits' neighbours, made for the points there are.
 class Program::Beside {
   public:
@@ -312,7 +334,9 @@ void Program::execute(Inputs inputs, float* numbers, Results results) const {
     for (size_t i = 0; i < kPlaces; ++i)
         places[i] = bank(numbers + i * registers_.size() * 4 * inputs.size(), inputs.size());
     const bool any = std::any_of(inputs.begin(), inputs.end(), [](const auto* each) { return has_footprint(*each); });
-    run_textured(inputs, {places.data(), any ? kPlaces : 1}, results);
+    if (!bends_ || !any) return run_textured(inputs, {places.data(), any ? kPlaces : 1}, results);
+    const RoundFootprints rounded(inputs);
+    run_textured(rounded.inputs(), places, results);
 }
 
 void Program::find_even_closures() {
@@ -332,7 +356,10 @@ bool Program::copy_even_closures(Inputs inputs, Results results) const {
 void Program::evaluate(std::span<const ShadingInputs* const> inputs, std::span<Closures* const> results) const {
     RAYLEAF_ASSERT_LE(inputs.size(), kMostPoints);
     if (copy_even_closures(inputs, results)) return;
-    for (Closures* result : results) result->clear();
+    for (size_t i = 0; i < results.size(); ++i) {
+        results[i]->clear();
+        results[i]->smooth_normal = inputs[i]->point ? facing_normal(*inputs[i]) : Vec3f(0.0f);
+    }
     with_registers(inputs.size(), [&](float* numbers) { execute(inputs, numbers, results); });
     for (Closures* result : results) {
         result->emission = finite_and_positive(result->emission);

@@ -45,6 +45,7 @@ Color hemispherical_albedo(const Lobe& lobe, const Vec3f& outgoing) {
 }
 
 SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, const Vec3f& facet_normal) {
+    diffuse_.smooth_normal = glossy_.smooth_normal = closures.smooth_normal;
     for (int i = 0; i < closures.size(); ++i) {
         const Lobe& lobe = closures[i];
         if (lobe.type == LobeType::Subsurface)

@@ -59,6 +59,7 @@ struct StrandScene::Query {
 
     /// Takes a hit if it is the nearest so far.
     void offer(const FacetId& facet, double s, double along, Crossing crossing) {
+        if (crossing == Crossing::Leaves && !scene->strands_->has_inside()) return;
         const double t = t_of(along);
         if (!(t >= ray->t_min && t <= farthest)) return;
         if (found && t == farthest && best.facet < facet) return;

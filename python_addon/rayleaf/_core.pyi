@@ -314,7 +314,8 @@ class Strands:
     BSPLINE, BEZIER (3 points a segment and 1 more). form: ROUND, RIBBON, SPHERES, EMBREE_ROUND. attributes: id ->
     (strands, channels); point_attributes: id -> (n, channels); `uv` is the id of the active UV map. info: IS_STRAND,
     INTERCEPT, LENGTH, THICKNESS -> id of the attribute by which shading reads it. moved_points (steps, n, 4): points and
-    radii at even times of the shutter, of strands that deform.
+    radii at even times of the shutter, of strands that deform. has_inside: whether rays that start in a strand meet it where they
+    leave; hair has none.
     """
 
     def __init__(
@@ -333,6 +334,7 @@ class Strands:
         point_attributes: dict[int, Floats] = {},
         info: dict[str, int] = {},
         moved_points: Doubles | None = None,
+        has_inside: bool = True,
     ) -> None: ...
 
 def strand_tubes(strands: Strands, rings: int, sides: int, facets: str = "TRIANGLES") -> Any:

@@ -1,6 +1,7 @@
 """A call that holds for every function that the stub lists; core/bad_arguments.py spoils them."""
 
 import os
+import struct
 
 import numpy as np
 import pyopenvdb
@@ -38,6 +39,12 @@ from core.good_arguments import (
     swept,
 )
 from rayleaf import _core
+
+
+# A bitmap of one pixel, as a file holds it.
+ONE_PIXEL = (
+    struct.pack("<2sIHHIIiiHHIIiiII", b"BM", 58, 0, 0, 54, 40, 1, 1, 1, 24, 0, 4, 0, 0, 0, 0) + b"\x10\x20\x30\0"
+)
 
 
 def built():
@@ -237,7 +244,7 @@ CALLS: dict[str, Call] = {
         scene, "add_image_file", name="a", path="nowhere", color_space="SRGB", config="", picture=0
     ),
     "SceneDescription.add_packed_image": method(
-        scene, "add_packed_image", name="a", content=b"\x89PNG", color_space="SRGB", config=""
+        scene, "add_packed_image", name="a", content=ONE_PIXEL, color_space="SRGB", config=""
     ),
     "SceneDescription.add_image_pixels": method(
         scene, "add_image_pixels", name="a", pixels=np.ones((2, 3, 4), np.float32), color_space="SRGB", config=""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rayleaf import _core
-from shading_support import UP, program_with, scalar
+from shading_support import UP, closures, program_with, scalar
 
 STEP = 1e-3
 
@@ -114,3 +114,37 @@ def test_lobes_of_absurd_numbers_are_finite(number):
         random = np.random.default_rng(3).random((200, 3)).astype(np.float32)
         sampled = closures.sample(outgoing=UP, facet_normal=UP, random=random)
         assert np.isfinite(np.asarray(sampled["weight"])[np.asarray(sampled["valid"])]).all()
+
+
+@pytest.mark.parametrize("tilt", (0.2, 0.5, 0.75))
+def test_a_bump_is_in_the_shadow_of_the_smooth_surface(tilt):
+    """Chiang, Li, Burley (2019): Lambert's law of the bumped normal, times -g^3 + g^2 + g, where g compares the cosines."""
+    bent, outgoing = np.float32((np.sin(tilt), 0, np.cos(tilt))), np.float32((0, 0, 1))
+    lobes = closures(program_with("diffuse", [1.0, (1.0, 1.0, 1.0), 0.0, tuple(map(float, bent))]), outgoing)
+    angles = np.linspace(-1.5, 1.5, 61)
+    incoming = np.stack([np.sin(angles), 0 * angles, np.cos(angles)], 1).astype(np.float32)
+    lambert = np.maximum(incoming @ bent, 0.0)
+    with np.errstate(divide="ignore"):
+        g = np.clip(np.where(lambert > 0, incoming[:, 2] / (lambert * bent[2]), 0.0), 0.0, 1.0)
+    expected = lambert / np.pi * (g + g**2 - g**3)
+    assert (g < 0.5).any() and (g == 1.0).any()
+    np.testing.assert_allclose(lobes.evaluate(outgoing, incoming, UP)[:, 0], expected, rtol=1e-4, atol=1e-6)
+
+
+def test_a_bump_does_not_fade_where_the_surface_is_seen_at_grazing():
+    """Its steps are as wide as the ray, not as its footprint, which is long there."""
+    width, cosine = 0.5, 0.2
+    program = _core.Program("Bump")
+    height = program.operation(
+        "math", [slope(program, program.operation("position")), scalar(program, 0.0)], text="SINE"
+    )
+    result = program.operation("bump", [height, scalar(program, 0.3), scalar(program, 1.0)], [0])
+
+    def seen(outgoing, dp_dx):
+        rows = [np.float32([row]) for row in ((0.4, 0.3, 0), UP, outgoing, dp_dx, (0, width, 0))]
+        points = _core.shading.surface_points(rows[0], rows[1], rows[2], dp_dx=rows[3], dp_dy=rows[4])
+        return points.values(program, result)[0, :3]
+
+    from_above, aslant = seen(UP, (width, 0, 0)), seen((np.sqrt(1 - cosine**2), 0, cosine), (width / cosine, 0, 0))
+    assert from_above[2] < 0.998
+    np.testing.assert_allclose(aslant, from_above, atol=1e-5)

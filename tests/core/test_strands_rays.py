@@ -77,6 +77,26 @@ def test_a_ray_along_a_straight_strand_meets_its_round_ends():
     assert np.allclose(hits["t"], [2 - reach, 0.5 + reach], atol=1e-9)
 
 
+def test_a_ray_that_starts_in_hair_meets_other_hair_alone():
+    """At the roots, strands lie in one another: the one that the ray starts in is not there, whatever pieces it has."""
+    bent = [[0, 0, 0], [0.3, 0.1, 0], [0.7, -0.1, 0], [1, 0, 0]]
+    points = np.concatenate([bent, np.add(bent, (0, 0, 0.15)), np.add(bent, (0, 0, 1.0))])
+    radii, offsets = np.full(12, 0.1, np.float32), np.array([0, 4, 8, 12], np.int32)
+    random = np.random.default_rng(5)
+    directions = random.normal(size=(500, 3)) * (1.0, 0.3, 0.3)
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    inside = np.tile([0.5, 0.0, 0.0], (500, 1))
+    solid, hair = (
+        tracer(_core.Strands("hair", points, radii, offsets, has_inside=inside_too)).closest_hits(inside, directions)
+        for inside_too in (True, False)
+    )
+    facing = np.einsum("ij,ij->i", hair["facet_normal"], directions)
+    met = hair["t"] < np.inf
+    assert (solid["t"] < np.inf).all() and 50 < met.sum() < 450
+    assert (facing[met] < 0).all()
+    assert (hair["t"] >= solid["t"]).all()
+
+
 def test_a_ribbon_is_cut_straight_at_its_ends_and_faces_the_ray():
     scene = tracer(strand([[0, 0, 0], [1, 0, 0]], 0.1, basis="LINEAR", form="RIBBON"))
     origins = [[-0.05, 0, 2], [0.05, 0.09, 2], [0.05, 0.11, 2], [0.95, -0.09, 2], [1.05, 0, 2]]

@@ -85,6 +85,7 @@ def add_strands(
         point_attributes=by_id(arrays.point_attributes),
         info={key: scene.attribute(value) for key, value in STRAND_INFO.items() if value in wanted},
         moved_points=arrays.moved_points,
+        has_inside=False,
     )
     return int(scene.add_shape(settings.of_strands(core, strands)))
 
