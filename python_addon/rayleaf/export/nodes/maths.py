@@ -4,7 +4,7 @@ from ...names import text_of
 from ...versions import transforms_normals
 from ..mesh_derived import TANGENT_OF
 from .compiler import NodeView, value_node
-from .curves import curve_table
+from .curves import number_curve, vector_curves
 from .emitter import UNCONNECTED, Register
 
 # Vector Math operations by the inputs they read.
@@ -149,18 +149,16 @@ def normal(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeVectorCurve")
 def vector_curve(view: NodeView, output: str) -> Register:
     """Vector Curves, one per component."""
-    emitter, vector = view.emitter, view.input("Vector")
-    curves = view.node.mapping.curves
-    parts = [curve_table(view, emitter.component(vector, axis), curves[axis], axis) for axis in range(3)]
-    result = emitter.operation("combine", parts)
-    return emitter.operation("mix", [view.input("Fac", "Factor"), vector, result], [1, 0], text="MIX")
+    vector = view.input("Vector")
+    result = vector_curves(view, vector)
+    return view.emitter.operation("mix", [view.input("Fac", "Factor"), vector, result], [1, 0], text="MIX")
 
 
 @value_node("ShaderNodeFloatCurve")
 def float_curve(view: NodeView, output: str) -> Register:
     """Float Curve."""
     value = view.input("Value")
-    result = curve_table(view, value, view.node.mapping.curves[0], 0)
+    result = number_curve(view, value)
     return view.emitter.operation("mix", [view.input("Factor", "Fac"), value, result], [1, 0], text="MIX")
 
 
