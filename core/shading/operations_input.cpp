@@ -47,6 +47,14 @@ Vec3f object_normal(const ShadingInputs& inputs) {
     return Vec3f(normalized_or(Vec3d(map.x.dot(world), map.y.dot(world), map.z.dot(world)), world));
 }
 
+/// A patch's parameters; of a triangle the weights of its first two vertices, as Blender counts them.
+Vec3f parametric(const ShadingInputs& inputs) {
+    if (inputs.point == nullptr) return Vec3f(0.0f);
+    const LocalHit& hit = inputs.point->local;
+    const bool is_triangle = hit.subpatch == RayAnchor::kNone;
+    return is_triangle ? Vec3f(1.0f - hit.u - hit.v, hit.u, 0.0f) : Vec3f(hit.u, hit.v, 0.0f);
+}
+
 Vec3f generated(const ShadingInputs& inputs) {
     const Vec3d position = object_position(inputs);
     if (inputs.point == nullptr || inputs.point->shape == nullptr) return Vec3f(position);
@@ -211,8 +219,7 @@ Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands
         case Operation::incoming:
             return extended(inputs.outgoing);
         case Operation::parametric:
-            if (inputs.point == nullptr) return extended(Vec3f(0.0f));
-            return Vec4f(inputs.point->local.u, inputs.point->local.v, 0.0f, 1.0f);
+            return extended(parametric(inputs));
         case Operation::backfacing:
             return spread(is_backfacing(inputs) ? 1.0f : 0.0f);
         case Operation::generated:
