@@ -6,9 +6,9 @@ from pathlib import Path
 import both_engines
 import bpy
 import scenes
+from oracle_case import described_nodes
 from grids_oracle_cases import CASES
 
-report = globals()["report"]  # given by the test
 SIZE, SAMPLES = 24, 128
 
 
@@ -94,10 +94,23 @@ def build(case, folder):
     return scene
 
 
+# What clouds are made of and read.
+_KINDS = ("VolumeAbsorption", "VolumeScatter", "VolumePrincipled", "VolumeInfo", "Attribute", "ValToRGB", "Emission")
+
+
+def compared_nodes():
+    """By case: the nodes of the cloud as they are compared."""
+    scenes.empty_file()
+    kinds = [f"ShaderNode{kind}" for kind in _KINDS]
+    with_material = {name: case for name, case in CASES.items() if case.material}
+    return {name: described_nodes(cloud_material(case).node_tree, kinds) for name, case in with_material.items()}
+
+
 if __name__ == "__main__":
+    report = globals()["report"]  # given by the test
     files, results, result = Path(sys.argv[1]), Path(sys.argv[2]), {}
     for case_name in sys.argv[3:] or list(CASES):
         built = build(CASES[case_name], files)
         pictures = {e: both_engines.picture(built, e, results / "picture.exr") for e in ("CYCLES", "RAYLEAF")}
         result[case_name] = {e: both_engines.means(each[..., :3], SIZE // 3) for e, each in pictures.items()}
-    report(result=result)
+    report(result=result, nodes=compared_nodes())

@@ -7,8 +7,8 @@ from pathlib import Path
 import both_engines
 import bpy
 import scenes
+from oracle_case import described_nodes
 
-report = globals()["report"]  # given by the test
 SIZE, SAMPLES = 12, 400
 LAMPS = {
     "point": dict(type="POINT", energy=100, shadow_soft_size=0.0),
@@ -123,11 +123,27 @@ def picture(scene, engine, path):
     return both_engines.color(both_engines.channels(scene, engine, path))
 
 
+# Nodes that bring an answer to the emission, which is compared where there are several.
+_KINDS = ("TexIES", "LightFalloff", "Blackbody", "TexCoord", "NewGeometry", "AddShader", "MixShader", "Emission")
+
+
+def compared_nodes():
+    """By case: the nodes as they are compared."""
+    build()
+    kinds, found = [f"ShaderNode{kind}" for kind in _KINDS], {}
+    for case, described_lamp in cases().items():
+        thing = add_lamp(*described_lamp)
+        found[case] = described_nodes(thing.data.node_tree, kinds)
+        bpy.data.objects.remove(thing)
+    return found
+
+
 if __name__ == "__main__":
+    report = globals()["report"]  # given by the test
     scene_of_all, folder, pictures = build(), Path(sys.argv[1]), {}
     for case, described_lamp in cases().items():
         thing = add_lamp(*described_lamp)
         engines = ("CYCLES", "RAYLEAF")
         pictures[case] = [picture(scene_of_all, e, folder / "picture.exr").ravel().tolist() for e in engines]
         bpy.data.objects.remove(thing)
-    report(pictures=pictures, version=bpy.app.version)
+    report(pictures=pictures, version=bpy.app.version, nodes=compared_nodes())

@@ -9,11 +9,11 @@ An input named "x", "y", "z" or "p" is linked to the square's coordinate: x, y i
 
 import math
 import sys
-from typing import Any, Callable
+from typing import Any
 
 import bpy
 import numpy as np
-from oracle_case import Case
+from oracle_case import Case, described
 from rayleaf import _core
 from rayleaf.export.images import ImageLibrary
 from rayleaf.export.nodes.compiler import Compiler
@@ -21,19 +21,12 @@ from rayleaf.export.nodes.resources import Resources
 from rayleaf.export.nodes.emitter import Emitter
 from rayleaf.messages import Messages, Subject
 
-report: Callable[..., None] = globals()["report"]  # given by the test
-
 PIXELS = 24  # a square's side on the picture
 OFFSET = 4.0  # added to results, for the picture to hold negative ones
 
 
-def socket(sockets: Any, name: str) -> Any:
-    """A socket by identifier, else by name."""
-    return next((s for s in sockets if s.identifier == name), None) or sockets[name]
-
-
-def build_material(case: Case, center: tuple[float, float]) -> Any:
-    """A material that shines by the case's output, plus the offset."""
+def build_material(case: Case, center: tuple[float, float]) -> tuple[Any, Any]:
+    """A material that shines by the case's output, plus the offset; and that output."""
     material = bpy.data.materials.new(case.name[:60])
     material.use_nodes = True
     tree = material.node_tree
@@ -62,23 +55,14 @@ def build_material(case: Case, center: tuple[float, float]) -> Any:
     tree.links.new(turned.outputs[0], unit.inputs[0])
     sources["direction"] = unit.outputs[0]
 
-    node = tree.nodes.new(case.node)
-    for name, value in case.settings.items():
-        setattr(node, name, value)
-    for name, value in case.inputs.items():
-        target = socket(node.inputs, name)
-        if isinstance(value, str):
-            tree.links.new(sources[value], target)
-        else:
-            target.default_value = value
-    result = socket(node.outputs, case.output) if case.output else node.outputs[0]
+    result = case.add(tree, sources)
     shifted = tree.nodes.new("ShaderNodeVectorMath")
     tree.links.new(result, shifted.inputs[0])
     shifted.inputs[1].default_value = (OFFSET, OFFSET, OFFSET)
     emission, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(shifted.outputs[0], emission.inputs["Color"])
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
-    return material
+    return material, result
 
 
 def render(path: str, override: Any) -> Any:
@@ -150,12 +134,16 @@ def core_picture(material: Any, positions: Any) -> Any:
     return points.results(emitter.program)["emission"].astype(np.float64) - OFFSET
 
 
-def make_image(color_space: str) -> Any:
-    """A small picture with alpha 1."""
-    image = bpy.data.images.new(color_space, 8, 4, alpha=False)
+def make_image(color_space: str, alpha: bool = False) -> Any:
+    """A small picture, of alpha 1 unless it has some of its own."""
+    name = f"{color_space}, alpha" if alpha else color_space
+    if name in bpy.data.images:
+        return bpy.data.images[name]
+    image = bpy.data.images.new(name, 8, 4, alpha=alpha)
     image.colorspace_settings.name = color_space
     values = np.random.default_rng(5).random((4, 8, 4)).astype(np.float32)
-    values[..., 3] = 1
+    if not alpha:
+        values[..., 3] = 1
     image.pixels.foreach_set(values.ravel())
     image.update()
     return image
@@ -181,8 +169,13 @@ def cases() -> list[Case]:
     return [case for case in all_cases(Case, make_image) if hasattr(bpy.types, case.node)]
 
 
-def main(folder: str) -> None:
-    """Render, compute, and report the differences by case."""
+def compared_nodes() -> dict[str, list[dict[str, Any]]]:
+    """By case: the node as it is compared."""
+    return {case.name: [described(build_material(case, (0.0, 0.0))[1])] for case in cases()}
+
+
+def main(folder: str) -> dict[str, Any]:
+    """Render, compute; the differences by case."""
     everything = cases()
     columns = math.ceil(math.sqrt(len(everything)))
     rows = math.ceil(len(everything) / columns)
@@ -190,7 +183,7 @@ def main(folder: str) -> None:
     materials = []
     for i, case in enumerate(everything):
         x, y = i % columns, i // columns
-        materials.append(build_material(case, (x + 0.5, y + 0.5)))
+        materials.append(build_material(case, (x + 0.5, y + 0.5))[0])
         add_square(x, y, materials[-1])
     positions = render(f"{folder}/positions.exr", position_material())
     picture = render(f"{folder}/cases.exr", None) - OFFSET
@@ -205,7 +198,9 @@ def main(folder: str) -> None:
         difference = np.abs(found - expected) / np.maximum(1.0, np.abs(expected))
         differences[case.name] = np.sort(difference.max(axis=1)).tolist()
         ranges[case.name] = [float(expected.min()), float(expected.max())]
-    report(differences=differences, ranges=ranges, version=bpy.app.version)
+    return {"differences": differences, "ranges": ranges}
 
 
-main(sys.argv[1])
+if __name__ == "__main__":
+    report = globals()["report"]  # given by the test
+    report(**main(sys.argv[1]), version=bpy.app.version, nodes=compared_nodes())

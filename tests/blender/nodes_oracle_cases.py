@@ -4,6 +4,7 @@ from typing import Any, Callable
 
 import bpy
 
+from nodes_oracle_curves import curve_cases
 from nodes_oracle_patterns import pattern_cases
 
 _MATH = {
@@ -43,10 +44,17 @@ def _arithmetic(case: Callable[..., Any]) -> list[Any]:
             found.append(case("ShaderNodeVectorRotate", {"rotation_type": name, "invert": invert}, inputs))
     for name in ("MINMAX", "RANGE"):
         found.append(case("ShaderNodeClamp", {"clamp_type": name}, {"Value": "x", "Min": 0.5, "Max": -0.5}))
+        found.append(case("ShaderNodeClamp", {"clamp_type": name}, {"Value": "x", "Min": -0.6, "Max": 0.9}))
     for name in ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP"):
         for clamp in (False, True):
             inputs = {"Value": "x", "From Min": -1.0, "From Max": 1.2, "To Min": 0.8, "To Max": -0.4}
             found.append(case("ShaderNodeMapRange", {"interpolation_type": name, "clamp": clamp}, inputs, "Result"))
+            inputs = {"Vector": "p", "From_Min_FLOAT3": (-1.0, 0.2, -0.5), "From_Max_FLOAT3": (1.2, 1.5, 1.0)}
+            inputs |= {"To_Min_FLOAT3": (0.8, -0.3, 0.0), "To_Max_FLOAT3": (-0.4, 0.9, 2.0), "Steps_FLOAT3": (3.0, 2.0, 5.0)}
+            settings = {"data_type": "FLOAT_VECTOR", "interpolation_type": name, "clamp": clamp}
+            found.append(case("ShaderNodeMapRange", settings, inputs, "Vector"))
+    inputs = {"Value": "x", "From Min": -1.0, "From Max": 1.2, "Steps": 2.7}
+    found.append(case("ShaderNodeMapRange", {"interpolation_type": "STEPPED"}, inputs, "Result"))
     for name in ("POINT", "TEXTURE", "VECTOR", "NORMAL"):
         inputs = {"Vector": "p", "Rotation": (0.3, -0.8, 1.9), "Scale": (1.3, 0.7, -0.5)}
         if name in ("POINT", "TEXTURE"):
@@ -77,23 +85,47 @@ def _colors(case: Callable[..., Any]) -> list[Any]:
     return found
 
 
+def _mixes(case: Callable[..., Any]) -> list[Any]:
+    found, node = [], "ShaderNodeMix"
+    for name in _BLENDS.split():
+        for fixed in ({"B_Color": (0.2, 0.7, 0.4, 1)}, {"A_Color": (0.9, 0.3, 0.1, 1)}):
+            inputs = {"Factor_Float": 0.6, "A_Color": "p", "B_Color": "p", **fixed}
+            found.append(case(node, {"data_type": "RGBA", "blend_type": name}, inputs, "Result_Color"))
+    for clamp_factor in (False, True):
+        clamped = {"clamp_factor": clamp_factor}
+        for clamp_result in (False, True):
+            settings = {"data_type": "RGBA", **clamped, "clamp_result": clamp_result}
+            found.append(case(node, settings, {"Factor_Float": "x", "A_Color": "p"}, "Result_Color"))
+        numbers = {"Factor_Float": "x", "A_Float": "y", "B_Float": 0.7}
+        found.append(case(node, {"data_type": "FLOAT", **clamped}, numbers, "Result_Float"))
+        settings = {"data_type": "VECTOR", **clamped}
+        vectors = {"A_Vector": "p", "B_Vector": (0.2, 0.7, -0.4)}
+        found.append(case(node, settings, {**vectors, "Factor_Float": "x"}, "Result_Vector"))
+        uneven = {**settings, "factor_mode": "NON_UNIFORM"}
+        found.append(case(node, uneven, {**vectors, "Factor_Vector": (0.3, 1.4, -0.5)}, "Result_Vector"))
+    return found
+
+
 def _textures(case: Callable[..., Any], make_image: Callable[[str], Any]) -> list[Any]:
     found = []
     # Cycles interpolates sRGB numbers and decodes the result; the core decodes first. So sRGB is compared at pixels only.
-    for space, interpolations in (("sRGB", ("Closest",)), ("Non-Color", ("Linear", "Closest", "Cubic"))):
+    for space, interpolations in (("sRGB", ("Closest",)), ("Non-Color", ("Linear", "Closest", "Cubic", "Smart"))):
         image = make_image(space)
         for interpolation in interpolations:
             for extension in ("REPEAT", "EXTEND", "CLIP"):
                 settings = {"image": image, "interpolation": interpolation, "extension": extension}
                 found.append(case("ShaderNodeTexImage", settings, {"Vector": "p"}, "Color"))
     for projection in ("EQUIRECTANGULAR", "MIRROR_BALL"):
-        settings = {"image": make_image("Non-Color"), "interpolation": "Linear", "projection": projection}
-        found.append(case("ShaderNodeTexEnvironment", settings, {"Vector": "p"}))
+        for interpolation in ("Linear", "Closest", "Cubic", "Smart"):
+            settings = {"projection": projection, "interpolation": interpolation, "image": make_image("Non-Color")}
+            found.append(case("ShaderNodeTexEnvironment", settings, {"Vector": "p"}))
     for space in ("OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
         inputs = {"Color": (0.3, 0.8, 0.9, 1), "Strength": 0.7}
         found.append(case("ShaderNodeNormalMap", {"space": space}, inputs))
     found.append(case("ShaderNodeFresnel", {}, {"IOR": "x"}))
     found += [case("ShaderNodeLayerWeight", {}, {"Blend": "x"}, output) for output in ("Fresnel", "Facing")]
+    settings = {"image": make_image("Non-Color", alpha=True), "interpolation": "Linear"}
+    found += [case("ShaderNodeTexImage", settings, {"Vector": "p"}, output) for output in ("Color", "Alpha")]
     return found
 
 
@@ -121,4 +153,5 @@ def _skies(case: Callable[..., Any]) -> list[Any]:
 
 def all_cases(case: Callable[..., Any], make_image: Callable[[str], Any]) -> list[Any]:
     """Every case; `case` makes one, `make_image` a small picture of a colour space."""
-    return _arithmetic(case) + _colors(case) + _textures(case, make_image) + _skies(case) + pattern_cases(case)
+    own = _arithmetic(case) + _colors(case) + _mixes(case) + _textures(case, make_image) + _skies(case)
+    return own + pattern_cases(case) + curve_cases(case)

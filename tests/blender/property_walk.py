@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Callable
 
+from oracle_case import put
+
 
 @dataclass(frozen=True)
 class Change:
@@ -34,12 +36,9 @@ def property_changes(thing, base, pointers):
 
 def setter(path, value):
     """A function that sets a property, by its path from the thing."""
-    *way, name = path.split(".")
 
     def apply(thing):
-        for step in way:
-            thing = getattr(thing, step)
-        setattr(thing, name, value)
+        put(thing, path, value)
         return True
 
     return apply

@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 import plain_exr
 import scenes
+from oracle_case import described_nodes
 
-report = globals()["report"]  # given by the test
 # Names of Blender 3 and of 5.
 NISHITA, DUST = ("NISHITA", "dust_density") if bpy.app.version < (5, 0, 0) else ("SINGLE_SCATTERING", "aerosol_density")
 SUNS = (
@@ -26,8 +26,8 @@ def look(scene, engine, path):
     return np.stack([channels[f"ViewLayer.Combined.{letter}"] for letter in "RGB"], -1).astype(np.float64)
 
 
-def main(folder):
-    """Render both and report each sun's differences, relative to each pixel's brightest channel."""
+def build():
+    """A world with a sky, and a camera; the scene and the sky's node."""
     scene = scenes.empty_scene()
     scene.render.resolution_x = scene.render.resolution_y = 40
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
@@ -41,17 +41,40 @@ def main(folder):
     sky = tree.nodes.new("ShaderNodeTexSky")
     sky.sky_type = NISHITA
     tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs["Color"])
+    return scene, sky
+
+
+def turn_to(scene, sky, sun):
+    """Set a sun, and look at it."""
+    for name, value in sun.items():
+        setattr(sky, name, value)
+    scene.camera.data.angle = 2.0 * sun["sun_size"]
+    scene.camera.rotation_euler = (0.5 * math.pi + sun["sun_elevation"], 0.0, -sun["sun_rotation"])
+
+
+def compared_nodes():
+    """By case: the nodes as they are compared."""
+    scene, sky = build()
+    found = {}
+    for number, sun in enumerate(SUNS):
+        turn_to(scene, sky, sun)
+        found[f"sun {number + 1}"] = described_nodes(sky.id_data, ("ShaderNodeTexSky", "ShaderNodeBackground"))
+    return found
+
+
+def main(folder):
+    """Render both; each sun's differences, relative to each pixel's brightest channel."""
+    scene, sky = build()
     found = []
     for sun in SUNS:
-        for name, value in sun.items():
-            setattr(sky, name, value)
-        scene.camera.data.angle = 2.0 * sun["sun_size"]
-        scene.camera.rotation_euler = (0.5 * math.pi + sun["sun_elevation"], 0.0, -sun["sun_rotation"])
+        turn_to(scene, sky, sun)
         cycles, rayleaf = (look(scene, engine, folder / f"{engine}.exr") for engine in ("CYCLES", "RAYLEAF"))
         difference = np.abs(rayleaf - cycles) / np.maximum(cycles.max(axis=-1, keepdims=True), 1.0)
         inside = cycles[..., 0] > 100.0
         found.append([np.sort(difference.max(axis=-1).ravel()).tolist(), float(inside.mean())])
-    report(found=found, version=bpy.app.version[0])
+    return found
 
 
-main(Path(sys.argv[1]))
+if __name__ == "__main__":
+    report = globals()["report"]  # given by the test
+    report(found=main(Path(sys.argv[1])), version=bpy.app.version[0], nodes=compared_nodes())

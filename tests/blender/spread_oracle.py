@@ -13,9 +13,8 @@ import both_engines
 import bpy
 import numpy as np
 import scenes
-from oracle_case import Case
+from oracle_case import Case, described
 
-report = globals()["report"]  # given by the test
 PIXELS, SAMPLES = 12, 64
 RADIUS = (0.3, 0.15, 0.08)
 # Names of Blender 3 and of 4.
@@ -76,18 +75,11 @@ def hair_cases():
 
 
 def build_material(case):
-    """A material of a case's node."""
-    material = bpy.data.materials.new(case.name[:60])
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    node, output = tree.nodes.new(case.node), tree.nodes.new("ShaderNodeOutputMaterial")
-    for name, value in case.settings.items():
-        setattr(node, name, value)
-    for name, value in case.inputs.items():
-        node.inputs[name].default_value = value
-    tree.links.new(node.outputs[0], output.inputs["Surface"])
-    return material
+    """A material of a case's node, and the output that is compared."""
+    material, tree, output = scenes.material(case.name[:60])
+    result = case.add(tree, {})
+    tree.links.new(result, output.inputs["Surface"])
+    return material, result
 
 
 def body(x, y, material):
@@ -139,14 +131,25 @@ def set_up(columns, rows, distribution):
     return scene
 
 
+# What is lit, and the cases.
+KINDS = {"subsurface": (body, subsurface_cases), "hair": (tuft, hair_cases)}
+
+
+def compared_nodes(kinds=tuple(KINDS)):
+    """By case: the node as it is compared."""
+    cases = [case for kind in kinds for case in KINDS[kind][1]()]
+    return {case.name: [described(build_material(case)[1])] for case in cases}
+
+
 def main(kind, integrator, folder):
-    """Render both, each twice, and report means by case."""
-    cases, add = (subsurface_cases(), body) if kind == "subsurface" else (hair_cases(), tuft)
+    """Render both, each twice; means by case."""
+    add, make_cases = KINDS[kind]
+    cases = make_cases()
     columns = math.ceil(math.sqrt(len(cases)))
     rows = math.ceil(len(cases) / columns)
     scene = set_up(columns, rows, integrator == "distribution")
     for i, case in enumerate(cases):
-        add(i % columns + 0.5, i // columns + 0.5, build_material(case))
+        add(i % columns + 0.5, i // columns + 0.5, build_material(case)[0])
     pictures = {}
     for engine in ("CYCLES", "RAYLEAF"):
         for seed in (1, 2):
@@ -159,7 +162,10 @@ def main(kind, integrator, folder):
         found[case.name] = {
             f"{engine} {seed}": each[part].mean(axis=(0, 1)).tolist() for (engine, seed), each in pictures.items()
         }
-    report(found=found, version=bpy.app.version)
+    return found
 
 
-main(sys.argv[1], sys.argv[2], Path(sys.argv[3]))
+if __name__ == "__main__":
+    report = globals()["report"]  # given by the test
+    found_means = main(sys.argv[1], sys.argv[2], Path(sys.argv[3]))
+    report(found=found_means, version=bpy.app.version, nodes=compared_nodes([sys.argv[1]]))

@@ -12,9 +12,9 @@ import both_engines
 import bpy
 import numpy as np
 import scenes
+from oracle_case import described
 from surface_oracle_cases import CASES
 
-report = globals()["report"]  # given by the test
 PIXELS, OFFSET = 48, 4.0
 # Pixels that are compared: so far from a square's middle, of its side. The balls reach to 0.36 at least.
 INSIDE = 0.27
@@ -44,36 +44,37 @@ def sources(tree):
 
 
 def build_material(case):
-    """A material of a case's node; values shine with an offset that keeps them positive."""
+    """A material of a case's node, values shine with an offset that keeps them positive; and the output that is compared."""
     material = bpy.data.materials.new(case.name[:60])
     material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
-    named = sources(tree)
-    node = tree.nodes.new(case.node)
-    for name, value in case.settings.items():
-        setattr(node, name, bpy.data.images[value] if name == "image" else value)
-    for name, value in case.inputs.items():
-        if isinstance(value, str):
-            tree.links.new(named[value], node.inputs[name])
-        else:
-            node.inputs[name].default_value = value
-    result = node.outputs[case.output] if case.output else node.outputs[0]
+    result = case.add(tree, sources(tree))
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     if case.node in DISPLACING:  # bump only, which is what a new material has
         tree.links.new(result, output.inputs["Displacement"])
         shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
         tree.links.new(shader.outputs[0], output.inputs["Surface"])
-        return material
+        return material, result
     if result.type == "SHADER":
         tree.links.new(result, output.inputs["Surface"])
-        return material
+        return material, result
     shifted, emission = tree.nodes.new("ShaderNodeVectorMath"), tree.nodes.new("ShaderNodeEmission")
     tree.links.new(result, shifted.inputs[0])
     shifted.inputs[1].default_value = (OFFSET, OFFSET, OFFSET)
     tree.links.new(shifted.outputs[0], emission.inputs["Color"])
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
-    return material
+    return material, result
+
+
+def paint(mesh):
+    """Two color attributes, of points and of corners; the first is the active one."""
+    for name, domain, shift in (("Paint", "POINT", 0.0), ("Other paint", "CORNER", 1.0)):
+        layer = mesh.color_attributes.new(name, "FLOAT_COLOR", domain)
+        angle = np.arange(len(layer.data)) * (0.01 + 0.02 * shift) + shift
+        values = np.stack([0.5 + 0.4 * np.sin(angle * k + shift) for k in (1, 2, 3, 4)], -1)
+        layer.data.foreach_set("color", values.astype(np.float32).ravel())
+    mesh.color_attributes.active_color_index = mesh.color_attributes.render_color_index = 0
 
 
 def ball(x, y, index, material):
@@ -89,6 +90,7 @@ def ball(x, y, index, material):
     first = item.data.uv_layers[0]
     for target, source in zip(other.data, first.data):
         target.uv = (source.uv[1] * 2 - source.uv[0] * 0.3, source.uv[0])
+    paint(item.data)
     item.data.materials.append(material)
 
 
@@ -124,14 +126,21 @@ def make_image():
     image.update()
 
 
+def compared_nodes():
+    """By case: the node as it is compared."""
+    set_up(1, 1)
+    make_image()
+    return {case.name: [described(build_material(case)[1])] for case in CASES}
+
+
 def main(folder):
-    """Render both, and report the differences by case."""
+    """Render both; the differences by case."""
     columns = math.ceil(math.sqrt(len(CASES)))
     rows = math.ceil(len(CASES) / columns)
     scene = set_up(columns, rows)
     make_image()
     for i, case in enumerate(CASES):
-        ball(i % columns + 0.5, i // columns + 0.5, i, build_material(case))
+        ball(i % columns + 0.5, i // columns + 0.5, i, build_material(case)[0])
     # What shines would light the rest, by chance.
     pictures = {engine: 0.0 for engine in ("CYCLES", "RAYLEAF")}
     for lit in (False, True):
@@ -152,7 +161,9 @@ def main(folder):
         difference = np.abs(found - expected) / np.maximum(1.0, np.abs(expected))
         differences[case.name] = np.sort(difference.max(axis=1)).tolist()
         ranges[case.name] = [float(expected[:, :3].min()), float(expected[:, :3].max())]
-    report(differences=differences, ranges=ranges)
+    return {"differences": differences, "ranges": ranges}
 
 
-main(Path(sys.argv[1]))
+if __name__ == "__main__":
+    report = globals()["report"]  # given by the test
+    report(**main(Path(sys.argv[1])), nodes=compared_nodes())

@@ -10,7 +10,8 @@ from oracle_case import Case
 def _coordinates() -> list[Case]:
     names = "Generated Normal UV Object Camera Window Reflection".split()
     found = [Case("ShaderNodeTexCoord", output=name) for name in names]
-    names = "Position Normal Tangent Incoming Backfacing".split() + ["True Normal", "Pointiness", "Random Per Island"]
+    names = "Position Normal Tangent Incoming Parametric Backfacing".split()
+    names += ["True Normal", "Pointiness", "Random Per Island"]
     found += [Case("ShaderNodeNewGeometry", output=name) for name in names]
     found += [Case("ShaderNodeTangent", {"direction_type": "RADIAL", "axis": axis}) for axis in "XYZ"]
     found += [Case("ShaderNodeTangent", {"direction_type": "UV_MAP", "uv_map": name}) for name in ("", "Other")]
@@ -18,11 +19,18 @@ def _coordinates() -> list[Case]:
         for start, end in permutations(("WORLD", "OBJECT", "CAMERA"), 2):
             settings = {"vector_type": kind, "convert_from": start, "convert_to": end}
             found.append(Case("ShaderNodeVectorTransform", settings, {"Vector": "object"}))
-    for name in ("Location", "Color", "Alpha", "Object Index", "Material Index"):
+    for name in ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"):
         found.append(Case("ShaderNodeObjectInfo", output=name))
     for name, output in (("weight", "Fac"), ("tint", "Color"), ("missing", "Color"), ("location", "Vector")):
         settings = {"attribute_type": "OBJECT", "attribute_name": name}
         found.append(Case("ShaderNodeAttribute", settings, output=output))
+    for name in ("Color", "Vector", "Fac", "Alpha"):
+        found.append(Case("ShaderNodeAttribute", {"attribute_name": "Paint"}, output=name))
+    found.append(Case("ShaderNodeAttribute", {"attribute_type": "OBJECT", "attribute_name": "tint"}, output="Alpha"))
+    for layer in ("", "Paint", "Other paint"):
+        found += [Case("ShaderNodeVertexColor", {"layer_name": layer}, output=name) for name in ("Color", "Alpha")]
+    found += [Case("ShaderNodeUVMap", {"uv_map": name}) for name in ("", "Other", "missing")]
+    found += [Case("ShaderNodeCameraData", output=f"View {name}") for name in ("Vector", "Z Depth", "Distance")]
     names = ("Index", "Random", "Age", "Lifetime", "Location", "Size", "Velocity", "Angular Velocity")
     found += [Case("ShaderNodeParticleInfo", output=name) for name in names]
     found.append(Case("ShaderNodeWireframe", {}, {"Size": 0.05}))
@@ -39,11 +47,15 @@ def _bumps() -> list[Case]:
         found.append(Case("ShaderNodeBump", {"invert": invert}, inputs))
     found.append(Case("ShaderNodeBump", {}, {"Height": "height", "Distance": 0.2, "Normal": "bumped"}))
     found.append(Case("ShaderNodeBump", {}, {"Height": 0.7}))
-    for name in ("Diffuse", "Glossy", "Velvet", "Sheen", "Toon"):
+    for name in ("Diffuse", "Glossy", "Velvet", "Sheen", "Toon", "Principled"):
         found.append(Case(f"ShaderNodeBsdf{name}", {}, {"Normal": "bumped"}))
+    # The highlight is narrow across the way in which the two bumps differ least.
+    inputs = {"Anisotropy": 0.5, "Rotation": 0.25, "Normal": "bumped"}
+    found.append(Case("ShaderNodeBsdfAnisotropic", {}, inputs))
     found += [
         Case("ShaderNodeFresnel", {}, {"Normal": "bumped"}),
-        Case("ShaderNodeLayerWeight", {}, {"Normal": "bumped"}),
+        *(Case("ShaderNodeLayerWeight", {}, {"Normal": "bumped"}, output) for output in ("Fresnel", "Facing")),
+        *(Case("ShaderNodeLayerWeight", {}, {"Blend": 0.3}, output) for output in ("Fresnel", "Facing")),
     ]
     for space in ("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
         inputs = {"Color": (0.3, 0.6, 0.9, 1), "Strength": 0.7}
@@ -57,7 +69,12 @@ def _displacements() -> list[Case]:
     for space in ("OBJECT", "WORLD"):
         for inputs in ({"Height": "height", "Scale": 0.3}, {"Height": "height", "Midlevel": 0.2, "Scale": -0.2}):
             found.append(Case("ShaderNodeDisplacement", {"space": space}, inputs))
-        found.append(Case("ShaderNodeVectorDisplacement", {"space": space}, {"Vector": "object", "Scale": 0.2}))
+    inputs = {"Height": "height", "Scale": 0.3, "Normal": "bumped"}
+    found.append(Case("ShaderNodeDisplacement", {"space": "WORLD"}, inputs))
+    for space in ("OBJECT", "WORLD", "TANGENT"):
+        inputs = {"Vector": "object", "Scale": 0.2}
+        found.append(Case("ShaderNodeVectorDisplacement", {"space": space}, inputs))
+        found.append(Case("ShaderNodeVectorDisplacement", {"space": space}, {**inputs, "Midlevel": 0.3}))
     return found
 
 

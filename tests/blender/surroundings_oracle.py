@@ -6,6 +6,7 @@ from pathlib import Path
 import both_engines
 import bpy
 import scenes
+from oracle_case import described_nodes
 
 SIZE, SAMPLES = 48, 32
 # Node, its properties, its inputs; linked: what a wave bends the normal by.
@@ -71,7 +72,15 @@ def build():
     return scene
 
 
+def compared_nodes():
+    """By case: the node as it is compared."""
+    scenes.empty_file()
+    kinds = ("ShaderNodeAmbientOcclusion", "ShaderNodeBevel")
+    return {case: described_nodes(glow(*described).node_tree, kinds) for case, described in CASES.items()}
+
+
 if __name__ == "__main__":
+    report = globals()["report"]  # given by the test
     scene_of_all, folder, found = build(), Path(sys.argv[1]), {}
     things = [item for item in scene_of_all.objects if item.type == "MESH"]
     for case, described in CASES.items():
@@ -83,4 +92,4 @@ if __name__ == "__main__":
         for engine in ("CYCLES", "RAYLEAF"):
             path = folder / f"{engine} {case}.exr"
             found[case][engine] = both_engines.means(both_engines.picture(scene_of_all, engine, path)[..., :3], 8)
-    report(found=found)
+    report(found=found, nodes=compared_nodes())

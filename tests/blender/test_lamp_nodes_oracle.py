@@ -3,6 +3,10 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
+from measured_nodes import keep_comparison
+
+pytestmark = pytest.mark.nodes
 
 HERE = Path(__file__).resolve().parent
 
@@ -22,6 +26,8 @@ def test_lamps_with_nodes_shine_as_in_cycles(run_blender, tmp_path):
             # Another curve between the horizontal angles, which lie up to 120 degrees apart. Up to 4.5 Cycles blends in angles
             # beyond the file's, in which it takes nothing to shine: up to an eighth too bright, even where all are alike.
             pixels, all_of_them = (0.13, 0.1) if version < (5, 0) else (0.06, 0.02)
+        median = np.median(np.abs(got - expected)) / expected.max()
+        keep_comparison("lamps", name, run["nodes"][name], largest, median, pixels)
         if largest > pixels or abs(mean) > all_of_them:
             wrong.append(f"{name}: pixels by {largest:.4f}, mean by {mean:.4f}")
     assert not wrong, "\n".join(wrong)

@@ -8,56 +8,20 @@ core = recording_core.install()
 """
 
 NODES = """
-from rayleaf.export.nodes import compiler, load_nodes
-from rayleaf.export.nodes.displacement import compile_displacement
-from rayleaf.export.nodes.emitter import Emitter
-from rayleaf.messages import Messages, Subject
+from compiled_nodes import compiled, node as made, supported_kinds
 
-load_nodes()
 images = [bpy.data.images.new(name, 4, 4) for name in "AB"]
 place = scenes.add(None, "Place")
 place.location = (1, 2, 3)
 bpy.context.view_layer.update()
-distribution, other_text = (bpy.data.texts.new(name) for name in "CD")
-distribution.write("TILT=NONE 1 1 1 2 1 1 2 0 0 0 1 1 1 0 90 0 100 50".replace("NONE ", "NONE" + chr(10)))
-DISPLACING = {"ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"}
-
-class Images:
-    tables = []
-
-    def texture(self, image, user, frame):
-        return images.index(image)
-
-    def computed(self, name, key, make):
-        if key not in Images.tables:
-            Images.tables.append(key)
-        return 10 + Images.tables.index(key)
-
-def made(kind):
-    walk.keep_two(bpy.data.node_groups, bpy.data.node_groups.new("Tree", "ShaderNodeTree"))
-    node = walk.KEPT[-1].nodes.new(kind)
-    if hasattr(node, "image"):
-        node.image = images[0]
-    if hasattr(node, "ies"):
-        node.ies = distribution
-    return node
+other_text = bpy.data.texts.new("D")
 
 def look(node):
     "What each output of the node sends, and what is said of it."
-    tree, told = node.id_data, []
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    for socket in [each for each in node.outputs if each.enabled]:
-        displaces = node.bl_idname in DISPLACING
-        fills = node.bl_idname in compiler.VOLUME_NODES and node.bl_idname not in compiler.CLOSURE_NODES
-        tree.links.new(socket, output.inputs["Displacement" if displaces else "Volume" if fills else "Surface"])
-        messages, emitter, names = Messages(), Emitter(core, "Material"), []
-        resources = compiler.Resources(lambda name: names.append(name) or 3, Images(), 1)
-        compiled = compiler.Compiler(emitter, Subject("Material", "Material"), resources, messages)
-        compile_closures = compiled.compile_volume if fills else compiled.compile_tree
-        registers = compile_displacement(compiled, tree) if displaces else compile_closures(tree)
-        program = (emitter.program.lines, emitter.program.registers)
-        told.append((program, registers, names, sorted(resources.wanted_attributes), messages.texts))
-    return told
+    return [
+        ((each.emitter.program.lines, each.emitter.program.registers), each.registers, each.names, each.wanted, each.texts)
+        for each in compiled(core, node)
+    ]
 
 def ramp(node):
     node.color_ramp.elements[0].color = (1, 0.5, 0.25, 0.5)
@@ -109,9 +73,7 @@ def unnoticed(kind):
         found = names if found is None else found & names
     return sorted(found)
 
-mixing = {"ShaderNodeMixShader", "ShaderNodeAddShader"}
-every = set(compiler.VALUE_NODES) | set(compiler.CLOSURE_NODES) | set(compiler.VOLUME_NODES) | mixing | DISPLACING
-kinds = sorted(kind for kind in every if hasattr(bpy.types, kind))  # old ones leave Blender
+kinds = supported_kinds()
 """
 
 _OF_HUANG = ("Aspect Ratio", "R lobe", "TT lobe", "TRT lobe")

@@ -2,6 +2,11 @@
 
 from pathlib import Path
 
+import pytest
+from measured_nodes import keep_comparison
+
+pytestmark = pytest.mark.nodes
+
 # Relative where values exceed 1. Samples lie up to a hundredth of a pixel apart.
 CLOSE = 5e-3
 # Bumps are differences over a pixel in both engines, in directions and of a length of their own. Highlights are steep.
@@ -25,6 +30,8 @@ def test_nodes_and_shaders_on_surfaces_give_what_cycles_gives(run_blender, tmp_p
             word in name for word in ("Bump", "bumped", "Displacement", "Anisotrop", "Other", "Coat IOR", "MICROFIBER")
         )
         beside = any(word in name for word in ("BsdfGlass", "BECKMANN"))
-        if allowed > (ROUGHLY if rough else BESIDE if beside else CLOSE):
-            wrong[name] = {"median": ordered[len(ordered) // 2], "95 %": allowed, "range": run.report["ranges"][name]}
+        bound, median = ROUGHLY if rough else BESIDE if beside else CLOSE, ordered[len(ordered) // 2]
+        keep_comparison("surfaces", name, run.report["nodes"][name], allowed, median, bound)
+        if allowed > bound:
+            wrong[name] = {"median": median, "95 %": allowed, "range": run.report["ranges"][name]}
     assert wrong == {}

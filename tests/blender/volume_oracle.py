@@ -6,9 +6,9 @@ from pathlib import Path
 import both_engines
 import bpy
 import scenes
+from oracle_case import described_nodes
 from volume_oracle_cases import CASES
 
-report = globals()["report"]  # given by the test
 SIZE, SAMPLES = 24, 256
 ENGINES = {"CYCLES": {}, "RAYLEAF": {"integrator": "PATH"}, "DISTRIBUTION": {"integrator": "DISTRIBUTION"}}
 # Distribution ray tracing has one diffuse bounce at most: these have none to speak of.
@@ -113,7 +113,23 @@ def set_up(scene, settings):
     scene.cycles.volume_step_rate, scene.cycles.volume_preview_step_rate = 0.1, 0.1
 
 
+# What volumes are made of.
+KINDS = [f"ShaderNode{kind}" for kind in ("VolumeAbsorption", "VolumeScatter", "VolumePrincipled", "Emission", "AddShader")]
+KINDS.append("ShaderNodeMixShader")
+
+
+def compared_nodes():
+    """By case: the nodes of its volumes as they are compared."""
+    found = {}
+    for name, case in CASES.items():
+        scene = build(case)
+        owners = [scene.world, *bpy.data.materials]
+        found[name] = [node for owner in owners for node in described_nodes(owner.node_tree, KINDS)]
+    return found
+
+
 if __name__ == "__main__":
+    report = globals()["report"]  # given by the test
     folder, result = Path(sys.argv[1]), {}
     wanted = sys.argv[2:] or list(CASES)
     for case_name in wanted:
@@ -128,4 +144,4 @@ if __name__ == "__main__":
             chosen = "CYCLES" if engine_name == "CYCLES" else "RAYLEAF"
             picture = both_engines.picture(scene_of_case, chosen, folder / "picture.exr")
             result[case_name][engine_name] = both_engines.means(picture[..., :3], SIZE // 3)
-    report(result=result)
+    report(result=result, nodes=compared_nodes())
