@@ -146,7 +146,8 @@ def hair_info(view: NodeView, output: str) -> Register:
         across = emitter.operation("vector_math", [incoming, along], text="SUBTRACT")
         return emitter.operation("vector_math", [across], text="NORMALIZE")
     name = STRAND_RANDOM if output == "Random" else STRAND_INFO[output.upper().replace(" ", "_")]
-    return emitter.operation("attribute", ints=[view.resources.attribute(name)])
+    value = emitter.operation("attribute", ints=[view.resources.attribute(name)])
+    return emitter.component(value, 0)
 
 
 # Outputs of Light Path for what Rayleaf's rays never do: pass portals.
