@@ -216,7 +216,7 @@ class Compiler:
         if not all(map(math.isfinite, numbers)):
             self.warn(socket.node, f"its input {name_of(socket)} is not a finite number; taken as 0")
             return self.emitter.scalar(0.0)
-        return self.emitter.constant(*numbers)
+        return self.emitter.constant(*numbers, *[0.0] * (3 - len(numbers)))  # since 5.0 some vectors have two numbers
 
     def _stand_in(self, socket: Any, path: Path, why: str) -> Register:
         """For an output that cannot be computed: an input of its type, else something neutral."""
