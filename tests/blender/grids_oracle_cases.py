@@ -39,6 +39,8 @@ CASES = {
     ),
     "volume info": Cloud({"Density": ("Info", "Density"), "Color": ("Info", "Color")}, shader="VolumeScatter"),
     "a ramp over the density": Cloud({"Density": ("Ramp", "Color"), "Density Attribute": ""}),
+    "flames by volume info": Cloud({"Strength": ("Info", "Flame"), "Color": (0.9, 0.4, 0.1, 1)}, shader="Emission"),
+    "heat by volume info": Cloud({**FIRE, "Temperature": ("Info", "Temperature"), "Temperature Attribute": ""}),
     "emission alone": Cloud({"Strength": ("Info", "Density"), "Color": (0.3, 0.5, 0.9, 1)}, shader="Emission"),
     "without a material": Cloud({}, material=False),
     "made by a modifier": Cloud(SMOKE, made=True),

@@ -35,13 +35,29 @@ def ies_text(name):
     return text
 
 
+def distribute(node, name, is_file):
+    """Give a node a distribution, as a text or as a file beside the pictures."""
+    text = ies_text(name)
+    if not is_file:
+        node.ies = text
+        return
+    path = Path(bpy.app.tempdir) / f"{name}.ies"
+    path.write_text(text.as_string())
+    node.mode, node.filepath = "EXTERNAL", str(path)
+
+
 def tint(tree, *wanted):
     """The emission of a lamp by what a case names."""
     kind, name = wanted
     emission = tree.nodes.new("ShaderNodeEmission")
-    if kind == "IES":
+    if kind in ("IES", "IES file", "IES turned"):
         node = tree.nodes.new("ShaderNodeTexIES")
-        node.ies = ies_text(name)
+        distribute(node, name, kind == "IES file")
+        if kind == "IES turned":
+            geometry, turned = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeVectorRotate")
+            turned.inputs["Angle"].default_value = 0.6
+            tree.links.new(geometry.outputs["Normal"], turned.inputs["Vector"])
+            tree.links.new(turned.outputs[0], node.inputs["Vector"])
         node.inputs["Strength"].default_value = 0.5
         tree.links.new(node.outputs[0], emission.inputs["Strength"])
     elif kind == "falloff":
@@ -75,6 +91,8 @@ def several(tree):
 def cases():
     """Name -> lamp, and what makes its emission."""
     found = {f"{lamp}, IES {name}": (lamp, "IES", name) for lamp, name in itertools.product(("point", "spot"), IES)}
+    found["point, IES file"] = ("point", "IES file", "half")
+    found["point, IES turned"] = ("point", "IES turned", "half")
     found["sun, IES"] = ("sun", "IES", "half")
     found["rectangle, IES"] = ("rectangle", "IES", "half")
     for lamp in LAMPS:

@@ -10,7 +10,7 @@ from oracle_case import modes, put
 from property_walk import accepts
 from rayleaf import _core
 
-ORACLES = ("nodes", "surface", "spread", "surroundings", "lamp_nodes", "sky", "volume", "grids")
+ORACLES = ("nodes", "surface", "spread", "surroundings", "lamp_nodes", "light_path", "sky", "volume", "grids", "smoke")
 # What belongs to trees and computes nothing; a renderer reads what it connects.
 _ORGANISE = {
     *("NodeFrame", "NodeReroute", "NodeGroupInput", "NodeGroupOutput", "ShaderNodeGroup"),
@@ -67,10 +67,12 @@ def described(kind):
             for value in values:
                 node = compiled_nodes.node(kind)
                 put(node, path, value)
-                inputs |= enabled(node.inputs)
-                outputs |= enabled(node.outputs)
-                if more := [text for text in told(node) if text not in row["told"]]:
+                more = [text for text in told(node) if text not in row["told"]]
+                if more:
                     row["told_of"][f"{path}={value}"] = more
+                else:
+                    inputs |= enabled(node.inputs)
+                    outputs |= enabled(node.outputs)
     return {**row, "inputs": sorted(inputs), "outputs": sorted(outputs)}
 
 

@@ -50,7 +50,11 @@ def _arithmetic(case: Callable[..., Any]) -> list[Any]:
             inputs = {"Value": "x", "From Min": -1.0, "From Max": 1.2, "To Min": 0.8, "To Max": -0.4}
             found.append(case("ShaderNodeMapRange", {"interpolation_type": name, "clamp": clamp}, inputs, "Result"))
             inputs = {"Vector": "p", "From_Min_FLOAT3": (-1.0, 0.2, -0.5), "From_Max_FLOAT3": (1.2, 1.5, 1.0)}
-            inputs |= {"To_Min_FLOAT3": (0.8, -0.3, 0.0), "To_Max_FLOAT3": (-0.4, 0.9, 2.0), "Steps_FLOAT3": (3.0, 2.0, 5.0)}
+            inputs |= {
+                "To_Min_FLOAT3": (0.8, -0.3, 0.0),
+                "To_Max_FLOAT3": (-0.4, 0.9, 2.0),
+                "Steps_FLOAT3": (3.0, 2.0, 5.0),
+            }
             settings = {"data_type": "FLOAT_VECTOR", "interpolation_type": name, "clamp": clamp}
             found.append(case("ShaderNodeMapRange", settings, inputs, "Vector"))
     inputs = {"Value": "x", "From Min": -1.0, "From Max": 1.2, "Steps": 2.7}

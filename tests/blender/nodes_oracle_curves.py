@@ -63,14 +63,18 @@ def _curves(case: Make) -> list[Any]:
 def _ramps(case: Make) -> list[Any]:
     node, linked = "ShaderNodeValToRGB", {"Fac": "x"}
     modes = [{"color_ramp.interpolation": name} for name in _INTERPOLATIONS]
-    modes += [{"color_ramp.color_mode": mode, "color_ramp.hue_interpolation": hue} for mode in ("HSV", "HSL") for hue in _HUES]
+    modes += [
+        {"color_ramp.color_mode": mode, "color_ramp.hue_interpolation": hue} for mode in ("HSV", "HSL") for hue in _HUES
+    ]
     found = [case(node, settings, linked, output, shape=colored) for settings in modes for output in ("Color", "Alpha")]
     return found
 
 
 def _values(case: Make) -> list[Any]:
     found = [case(f"ShaderNode{kind}", shape=valued) for kind in ("RGB", "Value")]
-    return found + [case("ShaderNodeNormal", {}, {"Normal": "p"}, output, shape=directed) for output in ("Normal", "Dot")]
+    return found + [
+        case("ShaderNodeNormal", {}, {"Normal": "p"}, output, shape=directed) for output in ("Normal", "Dot")
+    ]
 
 
 def _parts(case: Make) -> list[Any]:
@@ -79,7 +83,9 @@ def _parts(case: Make) -> list[Any]:
     for kind, source, outputs in (("RGB", "Image", "RGB"), ("HSV", "Color", "HSV"), ("XYZ", "Vector", "XYZ")):
         found += [case(f"ShaderNodeSeparate{kind}", {}, {source: "direction"}, output) for output in outputs]
         found.append(case(f"ShaderNodeCombine{kind}", {}, dict(zip(outputs, ("x", "y", 0.6)))))
-    found += [case("ShaderNodeSeparateColor", {"mode": "RGB"}, {"Color": "direction"}, o) for o in ("Red", "Green", "Blue")]
+    found += [
+        case("ShaderNodeSeparateColor", {"mode": "RGB"}, {"Color": "direction"}, o) for o in ("Red", "Green", "Blue")
+    ]
     found.append(case("ShaderNodeCombineColor", {"mode": "RGB"}, {"Red": "x", "Green": "y", "Blue": 0.6}))
     return found
 

@@ -41,6 +41,7 @@ def build():
     sky = tree.nodes.new("ShaderNodeTexSky")
     sky.sky_type = NISHITA
     tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs["Color"])
+    tree.nodes["Background"].inputs["Strength"].default_value = 0.7
     return scene, sky
 
 

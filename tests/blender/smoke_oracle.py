@@ -7,8 +7,8 @@ from pathlib import Path
 import both_engines
 import bpy
 import scenes
+from oracle_case import described_nodes
 
-report = globals()["report"]  # given by the test
 SIZE, SAMPLES, FRAMES = 24, 384, 9
 SMOKE = {"Density": 6.0, "Color": (0.9, 0.9, 0.9, 1), "Color Attribute": "color"}
 FIRE = {"Density": 3.0, "Blackbody Intensity": 1.0, "Temperature": 1200.0, "Temperature Attribute": "flame"}
@@ -18,6 +18,16 @@ CASES = {
     "fire": (FIRE, {}),
     "fine smoke in a box that adapts": (SMOKE, {"use_adaptive_domain": True, "use_noise": True}),
 }
+
+
+def smoke_material(principled):
+    """What fills the box."""
+    material, tree, output = scenes.material("smoke")
+    shader = tree.nodes.new("ShaderNodeVolumePrincipled")
+    tree.links.new(shader.outputs[0], output.inputs["Volume"])
+    for name, value in principled.items():
+        shader.inputs[name].default_value = value
+    return material
 
 
 def simulate(folder, principled, settings):
@@ -39,13 +49,7 @@ def simulate(folder, principled, settings):
     domain.cache_directory, domain.cache_frame_end = str(folder), FRAMES
     for name, value in settings.items():
         setattr(domain, name, value)
-    material, tree, _ = scenes.material("smoke")
-    tree.nodes.clear()
-    shader, output = tree.nodes.new("ShaderNodeVolumePrincipled"), tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(shader.outputs[0], output.inputs["Volume"])
-    for name, value in principled.items():
-        shader.inputs[name].default_value = value
-    box.data.materials.append(material)
+    box.data.materials.append(smoke_material(principled))
     for frame in range(1, FRAMES + 1):
         bpy.context.scene.frame_set(frame)
 
@@ -74,7 +78,14 @@ def build(folder, principled, settings):
     return scene
 
 
+def compared_nodes():
+    """By case: the node as it is compared."""
+    kinds = ("ShaderNodeVolumePrincipled",)
+    return {name: described_nodes(smoke_material(inputs).node_tree, kinds) for name, (inputs, _) in CASES.items()}
+
+
 if __name__ == "__main__":
+    report = globals()["report"]  # given by the test
     os.chdir(sys.argv[1])  # simulations leave a file of noise wherever they run
     result = {}
     for number, (case_name, case) in enumerate(CASES.items()):
@@ -83,4 +94,4 @@ if __name__ == "__main__":
         built = build(cache, *case)
         pictures = {e: both_engines.picture(built, e, cache / "picture.exr") for e in ("CYCLES", "RAYLEAF")}
         result[case_name] = {e: both_engines.means(each[..., :3], SIZE // 3) for e, each in pictures.items()}
-    report(result=result)
+    report(result=result, nodes=compared_nodes())

@@ -1,7 +1,7 @@
 """Runs inside Blender: Cycles and Rayleaf render the same bodies that light goes through, or the same tufts of hair, each
 with a material of its own; reports each one's mean colour, converged, and what the noise of both leaves open.
 
-Subsurface: bodies of flat faces, so that both have the same geometry. Hair: straight strands of even width, thick enough
+Subsurface and shaders: bodies of flat faces, so that both have the same geometry. Hair: straight strands of even width, thick enough
 to see.
 """
 
@@ -13,72 +13,37 @@ import both_engines
 import bpy
 import numpy as np
 import scenes
-from oracle_case import Case, described
+from oracle_case import described
+from spread_oracle_cases import hair_cases, shader_cases, subsurface_cases
 
-PIXELS, SAMPLES = 12, 64
-RADIUS = (0.3, 0.15, 0.08)
-# Names of Blender 3 and of 4.
-FIXED, PHYSICAL = (
-    ("RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK")
-    if bpy.app.version < (4, 0, 0)
-    else ("RANDOM_WALK", "RANDOM_WALK_SKIN")
-    if bpy.app.version < (5, 2, 0)
-    else ("RANDOM_WALK_LEGACY", "RANDOM_WALK_SKIN")
-)
+PIXELS = 12
+SAMPLES = {"subsurface": 128, "hair": 64, "shaders": 256}
 
 
-def subsurface_cases():
-    """The node and the Principled shader, by method, index, anisotropy and share."""
-    color = {"Color": (0.8, 0.5, 0.3, 1), "Radius": RADIUS}
-    node = "ShaderNodeSubsurfaceScattering"
-    found = []
-    for falloff in (FIXED, PHYSICAL):
-        for more in ({}, {"Scale": 4.0}, {"Anisotropy": 0.8}, {"Radius": (0.3, 0.0, 0.08)}):
-            found.append(Case(node, {"falloff": falloff}, {**color, **more}))
-    found.append(Case(node, {"falloff": PHYSICAL}, {**color, "IOR": 2.5}))
-    found.append(Case(node, {"falloff": PHYSICAL}, {**color, "Color": (1.0, 0.02, 0.0, 1)}))
-    node = "ShaderNodeBsdfPrincipled"
-    both = {"Base Color": (0.8, 0.5, 0.3, 1), "Subsurface Radius": RADIUS}
-    both |= {"Subsurface Color": (0.3, 0.7, 0.8, 1)} if bpy.app.version < (4, 0, 0) else {"Subsurface Scale": 1.0}
-    share = scenes.SUBSURFACE
-    for method in (FIXED, PHYSICAL):
-        for more in ({share: 1.0}, {share: 0.3, "Roughness": 1.0}, {share: 1.0, "Metallic": 0.5}):
-            found.append(Case(node, {"subsurface_method": method}, {**both, **more}))
-    return found
-
-
-def hair_cases():
-    """Both components of the node, and the principled one by all its colours."""
-    found = []
-    for component in ("Reflection", "Transmission"):
-        for more in ({}, {"Offset": 0.4}, {"RoughnessU": 0.4, "RoughnessV": 0.5}):
-            inputs = {"Color": (0.8, 0.5, 0.3, 1), **more}
-            found.append(Case("ShaderNodeBsdfHair", {"component": component}, inputs))
-    node = "ShaderNodeBsdfHairPrincipled"
-    color = {"Color": (0.5, 0.2, 0.08, 1)}
-    for more in (
-        {},
-        {"Roughness": 0.1, "Radial Roughness": 0.2},
-        {"Roughness": 0.8, "Radial Roughness": 0.9},
-        {"Coat": 0.7},
-        {"IOR": 1.2},
-        {"Offset": 0.3},
-    ):
-        found.append(Case(node, {"parametrization": "COLOR"}, {**color, **more}))
-    for more in (
-        {"Melanin": 0.3, "Melanin Redness": 0.5},
-        {"Melanin": 0.6, "Melanin Redness": 0.0, "Tint": (1, 0.5, 0.4, 1)},
-    ):
-        found.append(Case(node, {"parametrization": "MELANIN"}, more))
-    absorbed = {"Absorption Coefficient": (0.1, 0.5, 2.0)}
-    return found + [Case(node, {"parametrization": "ABSORPTION"}, absorbed)]
+def sources(tree):
+    """What cases link to by name: a normal that leans to a side, and a direction across strands."""
+    geometry, lean, unit, across = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("NewGeometry", "VectorMath", "VectorMath", "CombineXYZ")
+    )
+    lean.inputs[1].default_value, unit.operation = (0.5, 0.2, 0.0), "NORMALIZE"
+    tree.links.new(geometry.outputs["Normal"], lean.inputs[0])
+    tree.links.new(lean.outputs[0], unit.inputs[0])
+    for value, each in zip((0.6, 0.3, 0.7), across.inputs):
+        each.default_value = value
+    return {"leaning": unit.outputs[0], "across": across.outputs[0]}
 
 
 def build_material(case):
-    """A material of a case's node, and the output that is compared."""
+    """A material of a case's node, a value shines; and the output that is compared."""
     material, tree, output = scenes.material(case.name[:60])
-    result = case.add(tree, {})
-    tree.links.new(result, output.inputs["Surface"])
+    result = shown = case.add(tree, sources(tree))
+    if result.type != "SHADER":
+        emission, shift = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeVectorMath")
+        shift.inputs[1].default_value = (1.0, 1.0, 1.0)
+        tree.links.new(result, shift.inputs[0])
+        tree.links.new(shift.outputs[0], emission.inputs["Color"])
+        shown = emission.outputs[0]
+    tree.links.new(shown, output.inputs["Surface"])
     return material, result
 
 
@@ -103,7 +68,7 @@ def tuft(x, y, material):
     skin.show_instancer_for_render = False
 
 
-def set_up(columns, rows, distribution):
+def set_up(columns, rows, samples, distribution):
     """An orthographic camera over unit squares, two suns, a dim world."""
     scenes.empty_file()
     scene = bpy.context.scene
@@ -117,7 +82,7 @@ def set_up(columns, rows, distribution):
         sun.data.angle, sun.data.energy, sun.rotation_euler = 0.1, power, turn
         scene.collection.objects.link(sun)
     scene.render.film_transparent = True
-    both_engines.sample_plainly(scene, SAMPLES)
+    both_engines.sample_plainly(scene, samples)
     scene.cycles_curves.shape, scene.rayleaf.strand_shape = "THICK", "ROUND"
     # Distribution ray tracing follows one diffuse bounce.
     limits = {"diffuse_bounces": 1 if distribution else 4, "glossy_bounces": 12, "transmission_bounces": 12}
@@ -126,13 +91,13 @@ def set_up(columns, rows, distribution):
     if distribution:
         own = scene.rayleaf
         own.integrator, own.hemisphere_rays, own.light_rays = "DISTRIBUTION", 4, 2
-        scene.cycles.samples = 4 * SAMPLES
+        scene.cycles.samples = 4 * samples
     scenes.write_layers()
     return scene
 
 
 # What is lit, and the cases.
-KINDS = {"subsurface": (body, subsurface_cases), "hair": (tuft, hair_cases)}
+KINDS = {"subsurface": (body, subsurface_cases), "hair": (tuft, hair_cases), "shaders": (body, shader_cases)}
 
 
 def compared_nodes(kinds=tuple(KINDS)):
@@ -147,7 +112,7 @@ def main(kind, integrator, folder):
     cases = make_cases()
     columns = math.ceil(math.sqrt(len(cases)))
     rows = math.ceil(len(cases) / columns)
-    scene = set_up(columns, rows, integrator == "distribution")
+    scene = set_up(columns, rows, SAMPLES[kind], integrator == "distribution")
     for i, case in enumerate(cases):
         add(i % columns + 0.5, i // columns + 0.5, build_material(case)[0])
     pictures = {}

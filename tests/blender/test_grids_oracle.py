@@ -26,6 +26,7 @@ def write_cloud(path, size, **more):
         path,
         make_grid("density", lambda x, y, z: ball(x, y, z, **more), size),
         make_grid("color", lambda x, y, z: np.stack([0.5 + 0.4 * x, 0.5 + 0.0 * x, 0.5 + 0.4 * y], -1), size),
+        make_grid("flame", lambda x, y, z: 0.5 * ball(x, z, y, **more), size),
         make_grid("temperature", lambda x, y, z: np.where(inside & (z > 0), 1500.0, 0.0), size),
     )
 

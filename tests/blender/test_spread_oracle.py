@@ -11,12 +11,33 @@ pytestmark = pytest.mark.nodes
 SCRIPT = Path(__file__).parent / "spread_oracle.py"
 # Of what is covered, a share of Cycles' brightest channel; and of the mean of all cases. Bodies are the same in both. Strands
 # are not: Rayleaf's have round ends, which cover a twentieth more here, and are lit and seen by the others.
-ALLOWED = {"subsurface": (0.01, 0.02), "hair": (0.07, 0.03)}
+ALLOWED = {"subsurface": (0.01, 0.02), "hair": (0.07, 0.03), "shaders": (0.02, 0.02)}
 # Strands that mirror light along themselves to each other, where the ends count most: 0.11 less in 3.4, 0.12 in 5.2, both
 # converged; without bounces 0.003.
 ALONG_THE_STRANDS = 0.13
 # With one diffuse bounce the Principled shader is up to 0.03 dimmer than in Cycles, converged; path traced up to 0.02.
 ONE_BOUNCE = 0.03
+# The same of strands whose tangent is another than the way they grow: without bounces 0.01.
+ACROSS_THE_STRANDS = 0.25
+# Where Rayleaf is another than Cycles, by the words of a case, and by how much at most.
+OTHERWISE = {
+    # Rendered as Beckmann's.
+    ("ASHIKHMIN_SHIRLEY",): 0.2,
+    # 3.4 follows light from facet to facet; Rayleaf, like Cycles since 4.0, scales what one facet scatters.
+    ("BsdfGlass", "MULTI_GGX"): 0.5,
+    ("BsdfPrincipled", "MULTI_GGX", "Transmission"): 0.4,
+    ("MULTI_GGX",): 0.08,
+    # 3.4: up to a tenth brighter in the brightest channel, converged; why is not known.
+    ("BsdfPrincipled", "'GGX'", "Transmission"): 0.07,
+    # Cycles darkens diffuse light that comes at a grazing angle to the surface's own normal (Conty et al. 2019).
+    ("SubsurfaceScattering", "leaning"): 0.2,
+    ("BsdfDiffuse", "leaning"): 0.06,
+    ("BsdfToon", "leaning"): 0.06,
+    ("BsdfPrincipled", "leaning"): 0.06,
+    # Some light is lost where a bent normal sends it to the other side.
+    ("BsdfGlass", "leaning"): 0.13,
+    ("BsdfRefraction", "leaning"): 0.03,
+}
 # Since 4.0 Cycles' walks that go far beyond a body's size bring up to 0.04 more of the strongest channel than 3.4's, which
 # ours are; why is not known.
 FARTHER_WALKS = 0.04
@@ -24,24 +45,40 @@ FARTHER_WALKS = 0.04
 DIMMER_WALKS = 0.19
 
 
-def differences(found):
-    """By case: the difference of both engines' means, and what two seeds of each differ by."""
+def otherwise(name):
+    """How far a case may be off that is known to be another; None for all others."""
+    return next((most for words, most in OTHERWISE.items() if all(word in name for word in words)), None)
+
+
+def of_covered(mean):
+    """The colour of what is covered."""
+    return np.array(mean[:3]) / mean[3]
+
+
+def differences(found, value=of_covered, least=0.0):
+    """By case: the difference of both engines' means, and what two seeds of each differ by; shares of Cycles' largest channel,
+    or of `least`."""
     result = {}
     for name, means in found.items():
         cycles, rayleaf = (
-            np.array([np.array(means[f"{engine} {seed}"][:3]) / means[f"{engine} {seed}"][3] for seed in (1, 2)])
-            for engine in ("CYCLES", "RAYLEAF")
+            np.array([value(means[f"{engine} {seed}"]) for seed in (1, 2)]) for engine in ("CYCLES", "RAYLEAF")
         )
-        whole = cycles.mean(axis=0).max()
+        whole = max(cycles.mean(axis=0).max(), least)
         noise = (np.abs(cycles[0] - cycles[1]) + np.abs(rayleaf[0] - rayleaf[1])).max() / whole
         result[name] = ((rayleaf.mean(axis=0) - cycles.mean(axis=0)) / whole, noise)
     return result
 
 
-@pytest.mark.parametrize("kind, integrator", [("subsurface", "path"), ("subsurface", "distribution"), ("hair", "path")])
+KINDS = [("subsurface", "path"), ("subsurface", "distribution"), ("hair", "path"), ("shaders", "path")]
+
+
+@pytest.mark.parametrize("kind, integrator", KINDS)
 def test_bodies_and_hair_have_the_colours_that_cycles_gives_them(run_blender, tmp_path, kind, integrator):
     run = run_blender(SCRIPT, kind, integrator, tmp_path)
-    found = differences(run.report["found"])
+    means = run.report["found"]
+    # Some shaders let the background through: colours and alpha as they are.
+    cover = max(mean[3] for each in means.values() for mean in each.values())
+    found = differences(means, np.array, cover) if kind == "shaders" else differences(means)
     assert len(found) > 10
     each, mean = ALLOWED[kind]
     version = tuple(run.report["version"])
@@ -60,7 +97,11 @@ def test_bodies_and_hair_have_the_colours_that_cycles_gives_them(run_blender, tm
     def allowed(name):
         if is_dim(name):
             return DIMMER_WALKS
-        return ALONG_THE_STRANDS if "'Reflection'" in name and "'Offset'" in name else each
+        if "'Reflection'" in name and "'Offset'" in name:
+            return ALONG_THE_STRANDS
+        if "'Reflection'" in name and "'across'" in name:
+            return ACROSS_THE_STRANDS
+        return otherwise(name) or each
 
     wrong = {}
     for name, (d, noise) in found.items():
@@ -69,5 +110,6 @@ def test_bodies_and_hair_have_the_colours_that_cycles_gives_them(run_blender, tm
         if largest > bound:
             wrong[name] = (d.tolist(), noise)
     assert wrong == {}
-    assert np.abs(np.mean([d for d, _ in found.values()], axis=0)).max() < mean
+    alike = [d for name, (d, _) in found.items() if otherwise(name) is None]
+    assert np.abs(np.mean(alike, axis=0)).max() < mean
     assert np.median([noise for _, noise in found.values()]) < 0.15

@@ -114,7 +114,9 @@ def set_up(scene, settings):
 
 
 # What volumes are made of.
-KINDS = [f"ShaderNode{kind}" for kind in ("VolumeAbsorption", "VolumeScatter", "VolumePrincipled", "Emission", "AddShader")]
+KINDS = [
+    f"ShaderNode{kind}" for kind in ("VolumeAbsorption", "VolumeScatter", "VolumePrincipled", "Emission", "AddShader")
+]
 KINDS.append("ShaderNodeMixShader")
 
 
