@@ -25,6 +25,7 @@ from . import (
     frame_table,
     gallery,
     machine,
+    node_table,
     page,
     plots,
     points,
@@ -161,6 +162,12 @@ def stability_part(root: Path, folder: Path, quick: bool) -> Part:
     return Part(stability.section(lines, summary), {"stability": {"summary": summary, "checks": lines}})
 
 
+def nodes_part(root: Path, folder: Path, blender: str, quick: bool) -> Part:
+    """What the oracles of nodes measure."""
+    lines, summary = node_table.measure(root, folder, blender, quick)
+    return Part(node_table.section(lines, summary), {"nodes": {"summary": summary, "cases": lines}})
+
+
 def frames_part(options: argparse.Namespace, extent: Extent, scenes: FrameScenes, name: str) -> Part:
     """One scene's lines of the first table; that stands above all parts."""
     by = ruler(options.blender, extent.frames, options.output / "converged", lambda line: None, options.again)
@@ -266,6 +273,7 @@ class Report:
             "seconds": {title: part.seconds for title, part in self.parts.items()},
             "benchmarks": self.figures("benchmarks"),
             "stability": self.figures("stability"),
+            "nodes": self.figures("nodes"),
             "frames": frames,
             "scenes": scenes,
         }
@@ -309,7 +317,7 @@ def planned_frames(options: argparse.Namespace, extent: Extent) -> list[Planned]
 
 def planned_parts(options: argparse.Namespace, extent: Extent) -> list[Planned]:
     """The scenes; without files, also what is about Rayleaf and not about a file: the sources' pictures, outlines,
-    benchmarks, stability."""
+    benchmarks, stability, nodes."""
     blender, scenes, folder = options.blender, options.root / "blend_scenes", options.output
     files = options.file or sorted(scenes.glob("*.blend"))
     found = planned_frames(options, extent)
@@ -327,6 +335,7 @@ def planned_parts(options: argparse.Namespace, extent: Extent) -> list[Planned]:
         make = partial(benchmark_part, options.root, case, folder, extent.bench_size)
         found.append(Planned(f"Benchmark {case}", make))
     found.append(Planned("Stability", partial(stability_part, options.root, folder, options.quick)))
+    found.append(Planned("Nodes", partial(nodes_part, options.root, folder, blender, options.quick)))
     return found
 
 
