@@ -2,6 +2,7 @@
 comparisons of nodes that the oracles make."""
 
 import importlib
+from dataclasses import dataclass
 
 import bpy
 import compiled_nodes
@@ -54,25 +55,49 @@ def enabled(sockets):
     return {each.identifier for each in sockets if each.enabled and not each.is_unavailable}
 
 
+@dataclass
+class State:
+    """A node with one of its choices made."""
+
+    told: list
+    inputs: set
+    outputs: set
+
+    @classmethod
+    def of(cls, kind, path="", value=None):
+        """What a fresh node is then."""
+        node = compiled_nodes.node(kind)
+        if path:
+            put(node, path, value)
+        return cls(told(node), enabled(node.inputs), enabled(node.outputs))
+
+
+def walk_modes(row, node):
+    """Each choice in turn: what is told of it alone, and the sockets it has if nothing is."""
+    inputs, outputs = set(), set()
+    for path in modes(node):
+        values = choices(compiled_nodes.node(row["node"]), path)
+        row["modes"][path] = values
+        states = {str(value): State.of(row["node"], path, value) for value in values}
+        always = set.intersection(*(set(state.told) for state in states.values()))
+        for value, state in states.items():
+            if named := [text for text in state.told if text not in always]:
+                row["told_of"][f"{path}={value}"] = named
+            else:
+                inputs |= state.inputs
+                outputs |= state.outputs
+    return inputs, outputs
+
+
 def described(kind):
     """One node."""
-    node = compiled_nodes.node(kind)
+    node, state = compiled_nodes.node(kind), State.of(kind)
     is_supported = kind in compiled_nodes.supported_kinds()
     use = "supported" if is_supported else "organises" if kind in _ORGANISE else "left out"
-    row = {"node": kind, "label": node.bl_label, "use": use, "told": told(node), "modes": {}, "told_of": {}}
-    inputs, outputs = enabled(node.inputs), enabled(node.outputs)
-    if is_supported:
-        for path in modes(node):
-            row["modes"][path] = values = choices(node, path)
-            for value in values:
-                node = compiled_nodes.node(kind)
-                put(node, path, value)
-                more = [text for text in told(node) if text not in row["told"]]
-                if more:
-                    row["told_of"][f"{path}={value}"] = more
-                else:
-                    inputs |= enabled(node.inputs)
-                    outputs |= enabled(node.outputs)
+    row = {"node": kind, "label": node.bl_label, "use": use, "told": state.told, "modes": {}, "told_of": {}}
+    inputs, outputs = walk_modes(row, node) if is_supported else (set(), set())
+    if not row["modes"]:
+        inputs, outputs = state.inputs, state.outputs
     return {**row, "inputs": sorted(inputs), "outputs": sorted(outputs)}
 
 

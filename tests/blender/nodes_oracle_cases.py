@@ -6,20 +6,23 @@ import bpy
 
 from nodes_oracle_curves import curve_cases
 from nodes_oracle_patterns import pattern_cases
+from oracle_case import choices
 
+# What a version of Blender does not have is left out.
 _MATH = {
     1: "SQRT INVERSE_SQRT ABSOLUTE EXPONENT SIGN ROUND FLOOR CEIL TRUNC FRACT SINE COSINE TANGENT ARCSINE ARCCOSINE"
     " ARCTANGENT SINH COSH TANH RADIANS DEGREES",
-    2: "ADD SUBTRACT MULTIPLY DIVIDE POWER LOGARITHM MINIMUM MAXIMUM LESS_THAN GREATER_THAN MODULO SNAP PINGPONG ARCTAN2",
+    2: "ADD SUBTRACT MULTIPLY DIVIDE POWER LOGARITHM MINIMUM MAXIMUM LESS_THAN GREATER_THAN MODULO"
+    " FLOORED_MODULO SNAP PINGPONG ARCTAN2",
     3: "MULTIPLY_ADD COMPARE SMOOTH_MIN SMOOTH_MAX WRAP",
 }
 _VECTOR_MATH = (
     "ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT PROJECT REFLECT REFRACT FACEFORWARD SCALE NORMALIZE ABSOLUTE"
-    " MINIMUM MAXIMUM FLOOR CEIL FRACTION MODULO WRAP SNAP SINE COSINE TANGENT"
+    " MINIMUM MAXIMUM FLOOR CEIL FRACTION MODULO WRAP SNAP SINE COSINE TANGENT SIGN POWER ROUND"
 )
 _BLENDS = (
     "MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT DIFFERENCE SUBTRACT DIVIDE HUE"
-    " SATURATION COLOR VALUE"
+    " SATURATION COLOR VALUE EXCLUSION"
 )
 
 
@@ -28,9 +31,11 @@ def _arithmetic(case: Callable[..., Any]) -> list[Any]:
     for count, names in _MATH.items():
         for name in names.split():
             inputs = dict(zip(("Value", "Value_001", "Value_002"), ("x", "y", 0.7)[:count]))
+            if name not in choices("ShaderNodeMath", "operation"):
+                continue
             found.append(case("ShaderNodeMath", {"operation": name}, inputs))
     found.append(case("ShaderNodeMath", {"operation": "ADD", "use_clamp": True}, {"Value": "x", "Value_001": "y"}))
-    for name in _VECTOR_MATH.split():
+    for name in [name for name in _VECTOR_MATH.split() if name in choices("ShaderNodeVectorMath", "operation")]:
         inputs = {"Vector": "p", "Vector_001": (0.6, -0.7, 0.9), "Vector_002": (0.2, 0.4, -0.3), "Scale": 0.8}
         found.append(case("ShaderNodeVectorMath", {"operation": name}, inputs, "Vector"))
     for name in ("DOT_PRODUCT", "DISTANCE", "LENGTH"):
@@ -69,7 +74,7 @@ def _arithmetic(case: Callable[..., Any]) -> list[Any]:
 
 def _colors(case: Callable[..., Any]) -> list[Any]:
     found = []
-    for name in _BLENDS.split():
+    for name in [name for name in _BLENDS.split() if name in choices("ShaderNodeMixRGB", "blend_type")]:
         for fixed in ({"Color2": (0.2, 0.7, 0.4, 1)}, {"Color1": (0.9, 0.3, 0.1, 1)}):
             inputs = {"Fac": 0.6, "Color1": "p", "Color2": "p", **fixed}
             found.append(case("ShaderNodeMixRGB", {"blend_type": name}, inputs))
@@ -91,7 +96,7 @@ def _colors(case: Callable[..., Any]) -> list[Any]:
 
 def _mixes(case: Callable[..., Any]) -> list[Any]:
     found, node = [], "ShaderNodeMix"
-    for name in _BLENDS.split():
+    for name in [name for name in _BLENDS.split() if name in choices(node, "blend_type")]:
         for fixed in ({"B_Color": (0.2, 0.7, 0.4, 1)}, {"A_Color": (0.9, 0.3, 0.1, 1)}):
             inputs = {"Factor_Float": 0.6, "A_Color": "p", "B_Color": "p", **fixed}
             found.append(case(node, {"data_type": "RGBA", "blend_type": name}, inputs, "Result_Color"))
@@ -116,7 +121,7 @@ def _textures(case: Callable[..., Any], make_image: Callable[[str], Any]) -> lis
     for space, interpolations in (("sRGB", ("Closest",)), ("Non-Color", ("Linear", "Closest", "Cubic", "Smart"))):
         image = make_image(space)
         for interpolation in interpolations:
-            for extension in ("REPEAT", "EXTEND", "CLIP"):
+            for extension in choices("ShaderNodeTexImage", "extension"):
                 settings = {"image": image, "interpolation": interpolation, "extension": extension}
                 found.append(case("ShaderNodeTexImage", settings, {"Vector": "p"}, "Color"))
     for projection in ("EQUIRECTANGULAR", "MIRROR_BALL"):

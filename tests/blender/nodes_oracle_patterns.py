@@ -4,6 +4,7 @@ from itertools import product
 from typing import Any, Callable
 
 import bpy
+from oracle_case import choices
 
 Make = Callable[..., Any]
 _DIMENSIONS = ("1D", "2D", "3D", "4D")
@@ -26,6 +27,18 @@ def _noise(case: Make) -> list[Any]:
         for output in ("Value", "Color"):
             found.append(case("ShaderNodeTexWhiteNoise", {"noise_dimensions": dimensions}, inputs, output))
     found.append(case("ShaderNodeTexNoise", {}, {"Vector": "p", "Scale": 3.0}, "Fac"))
+    return found
+
+
+def _fractal_noise(case: Make) -> list[Any]:
+    """Since 4.1, where Musgrave's textures became types of noise."""
+    found = []
+    for kind, dimensions in product(choices("ShaderNodeTexNoise", "noise_type"), _DIMENSIONS):
+        settings = {"noise_type": kind, "noise_dimensions": dimensions}
+        inputs = {"Scale": 1.3, "Detail": 2.6, "Roughness": 0.7, "Lacunarity": 2.3, **_coordinates(dimensions)}
+        inputs |= {"Offset": 0.7, "Gain": 1.7} if kind not in ("MULTIFRACTAL", "FBM") else {}
+        found.append(case("ShaderNodeTexNoise", settings, inputs, "Color"))
+        found.append(case("ShaderNodeTexNoise", {**settings, "normalize": False}, inputs, "Fac"))
     return found
 
 
@@ -141,4 +154,13 @@ def _gabor(case: Make) -> list[Any]:
 def pattern_cases(case: Make) -> list[Any]:
     """Every texture that is computed from its coordinate."""
     octaves = _voronoi_octaves(case) if bpy.app.version >= (4, 0, 0) else []
-    return _noise(case) + _musgrave(case) + _voronoi(case) + octaves + _gabor(case) + _waves(case) + _regular(case)
+    return (
+        _noise(case)
+        + _fractal_noise(case)
+        + _musgrave(case)
+        + _voronoi(case)
+        + octaves
+        + _gabor(case)
+        + _waves(case)
+        + _regular(case)
+    )

@@ -55,6 +55,12 @@ def socket(sockets: Any, name: Any) -> Any:
     return next((s for s in sockets if s.identifier == name), None) or sockets[name]
 
 
+def choices(kind: str, name: str) -> list[str]:
+    """What a node's choice may be in this Blender; nothing where it has no such node or choice."""
+    prop = getattr(bpy.types, kind).bl_rna.properties.get(name) if hasattr(bpy.types, kind) else None
+    return [item.identifier for item in prop.enum_items] if prop else []
+
+
 def _switches(thing: Any, shared: Any = ()) -> dict[str, Any]:
     return {
         prop.identifier: getattr(thing, prop.identifier)

@@ -49,9 +49,9 @@ def _bumps() -> list[Case]:
     found.append(Case("ShaderNodeBump", {}, {"Height": 0.7}))
     for name in ("Diffuse", "Glossy", "Velvet", "Sheen", "Toon", "Principled"):
         found.append(Case(f"ShaderNodeBsdf{name}", {}, {"Normal": "bumped"}))
-    # The highlight is narrow across the way in which the two bumps differ least.
-    inputs = {"Anisotropy": 0.5, "Rotation": 0.25, "Normal": "bumped"}
-    found.append(Case("ShaderNodeBsdfAnisotropic", {}, inputs))
+    # Wide highlights: narrow ones show how the two bumps differ.
+    inputs = {"Roughness": 0.8, "Anisotropy": 0.3, "Rotation": 0.25, "Normal": "bumped"}
+    found.append(Case("ShaderNodeBsdfAnisotropic", {"distribution": "GGX"}, inputs))
     found += [
         Case("ShaderNodeFresnel", {}, {"Normal": "bumped"}),
         *(Case("ShaderNodeLayerWeight", {}, {"Normal": "bumped"}, output) for output in ("Fresnel", "Facing")),
@@ -189,6 +189,8 @@ def _since_4_2() -> list[Case]:
         for distribution in ("GGX", "BECKMANN", "MULTI_GGX"):
             found += _metals(distribution, {"Roughness": 0.6})
         found += _metals("GGX", {"Roughness": 0.5, "Anisotropy": 0.8, "Rotation": 0.1})
+        found += _metals("GGX", {"Roughness": 0.8, "Normal": "bumped"})
+        found += _metals("GGX", {"Roughness": 0.6, "Anisotropy": 0.5, "Tangent": "radial"})
     return found
 
 

@@ -11,6 +11,8 @@ SCRIPT = Path(__file__).parent / "node_inventory.py"
 # What no comparison has: node -> modes, "input NAME" and "output NAME", each with the reason.
 NOT_COMPARED = {
     "ShaderNodeMixRGB": {"use_alpha=True": "of the compositor's node, which shares the definition"},
+    "ShaderNodeBump": {"input Filter Width": "named by a message where it is another than at first"},
+    "ShaderNodeSubsurfaceScattering": {"input Roughness": "named by a message where it is another than at first"},
     "ShaderNodeBsdfPrincipled": {"subsurface_method=BURLEY": "named by a message where there is subsurface scattering"},
 }
 

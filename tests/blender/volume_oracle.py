@@ -115,7 +115,8 @@ def set_up(scene, settings):
 
 # What volumes are made of.
 KINDS = [
-    f"ShaderNode{kind}" for kind in ("VolumeAbsorption", "VolumeScatter", "VolumePrincipled", "Emission", "AddShader")
+    f"ShaderNode{kind}"
+    for kind in ("VolumeAbsorption", "VolumeScatter", "VolumeCoefficients", "VolumePrincipled", "Emission", "AddShader")
 ]
 KINDS.append("ShaderNodeMixShader")
 

@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+import bpy
+
 
 @dataclass
 class Volume:
@@ -25,6 +27,16 @@ PRINCIPLED = {"Color": (0.7, 0.5, 0.3, 1), "Density": 1.1, "Anisotropy": 0.3, "A
 GLOW = {"Emission Strength": 0.4, "Emission Color": (0.2, 0.5, 0.9, 1)}
 FIRE = {"Blackbody Intensity": 0.9, "Blackbody Tint": (1, 0.8, 0.7, 1), "Temperature": 1900.0, "Density": 0.3}
 
+COEFFICIENTS = {
+    **{"Absorption Coefficients": (0.3, 0.6, 0.1), "Scatter Coefficients": (0.4, 0.5, 0.8), "Anisotropy": 0.3},
+    "Emission Coefficients": (0.05, 0.02, 0.1),
+}
+SINCE_4_5 = (
+    {"coefficients": Volume(None, ("VolumeCoefficients", COEFFICIENTS))}
+    if hasattr(bpy.types, "ShaderNodeVolumeCoefficients")
+    else {}
+)
+
 CASES = {
     "tinted glass": Volume(GLASS, TINT),
     "a ball of tinted glass": Volume(GLASS, TINT, shape="ball"),
@@ -39,6 +51,7 @@ CASES = {
     "principled": Volume(None, ("VolumePrincipled", PRINCIPLED)),
     "principled, glowing": Volume(None, ("VolumePrincipled", {**PRINCIPLED, **GLOW})),
     "principled, burning": Volume(None, ("VolumePrincipled", FIRE)),
+    **SINCE_4_5,
     "a mixture": Volume(None, ("MixShader", {0: 0.3, 1: TINT, 2: FOG})),
     "a glowing mixture": Volume(
         None, ("MixShader", {0: 0.3, 1: ("VolumePrincipled", {**PRINCIPLED, **GLOW}), 2: TINT})
