@@ -26,6 +26,8 @@ def glossy(view: NodeView, weight: Register) -> None:
         anisotropy = view.input("Anisotropy")
         if may_be_other_than(view, anisotropy, 0.0):
             operands += [anisotropy, view.input("Rotation"), tangent_of(view)]
+    if view.node.distribution == "ASHIKHMIN_SHIRLEY":
+        view.warn("Ashikhmin-Shirley is rendered as Beckmann")
     view.emitter.operation("glossy", operands, text=view.node.distribution)
 
 
