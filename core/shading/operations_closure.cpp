@@ -309,6 +309,9 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
         case Operation::metal:
             add_microfacets(operation, static_cast<MicrofacetVariant>(variant), operands, ints, inputs, closures);
             return;
+        case Operation::smooth_normal:
+            closures.smooth_normal = scattering_normal(operands, 1, inputs);
+            return;
         case Operation::transparent:
             closures.transparency += weight * operands.vector(1);
             return;

@@ -37,7 +37,9 @@ def bend_normal(compiler: Compiler, tree: Any) -> None:
         offset = emitter.operation("transform", [in_object], [_OBJECT, _WORLD], text="VECTOR")
     height = emitter.operation("vector_math", [offset, emitter.operation("normal")], text="DOT_PRODUCT")
     one = emitter.scalar(1.0)
-    compiler.bend_normal(emitter.operation("bump", [height, one, one]))
+    normal = emitter.operation("bump", [height, one, one])
+    emitter.operation("smooth_normal", [one, normal])
+    compiler.bend_normal(normal)
 
 
 def _source(compiler: Compiler, socket: Any) -> tuple[Any, Path] | None:
