@@ -279,6 +279,11 @@ def transforms_normals() -> bool:
     return bpy.app.version >= (4, 0, 0)
 
 
+def follows_light_between_facets() -> bool:
+    """Whether Cycles' Multiscatter GGX follows light from facet to facet; since 4.0 it scales what one facet scatters."""
+    return bpy.app.version < (4, 0, 0)
+
+
 def voronoi_hash() -> str:
     """What chooses the points of Voronoi's cells."""
     return "JENKINS" if bpy.app.version < (5, 0, 0) else "PCG"

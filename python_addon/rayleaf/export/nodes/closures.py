@@ -1,6 +1,6 @@
 """Shader nodes: what they add to a point's closures, with a weight."""
 
-from ...versions import rough_diffuse_keeps_energy, toon_ends_at_right_angles
+from ...versions import follows_light_between_facets, rough_diffuse_keeps_energy, toon_ends_at_right_angles
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
 
@@ -85,7 +85,14 @@ def thin_film(view: NodeView) -> list[Register]:
     return [thickness, view.input("Thin Film IOR")] if may_be_other_than(view, thickness, 0.0) else []
 
 
+def tell_of_facets(view: NodeView) -> None:
+    """Of glass, whose light Cycles may follow from facet to facet."""
+    if view.node.distribution == "MULTI_GGX" and follows_light_between_facets():
+        view.warn("Multiscatter GGX: what one facet scatters is scaled; rough glass looks other than in Cycles")
+
+
 def _dielectric(view: NodeView, weight: Register, operation: str) -> None:
+    tell_of_facets(view)
     operands = [weight, view.input("Color"), view.input("Roughness"), view.input("IOR"), view.normal("Normal")]
     view.emitter.operation(operation, operands + thin_film(view), text=view.node.distribution)
 

@@ -1,7 +1,7 @@
 """The Principled node: Disney's model up to Blender 3.6, one of layers since 4.0. The node's sockets say which it is."""
 
 from ...versions import thin_films_are_newer
-from .closures import may_be_other_than, tangent_of, thin_film
+from .closures import may_be_other_than, tangent_of, tell_of_facets, thin_film
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
 from .spread import method_of
@@ -47,6 +47,8 @@ def _subsurface(view: NodeView, has_layers: bool) -> tuple[list[Register], list[
 
 
 def _of_disney(view: NodeView) -> list[Register]:
+    if may_be_other_than(view, view.input("Transmission"), 0.0):
+        tell_of_facets(view)
     anisotropic, tangent = _anisotropy(view)
     return [
         *(view.input(name) for name in ("Base Color", "Metallic", "Specular", "Specular Tint", "Roughness")),
