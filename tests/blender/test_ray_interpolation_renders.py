@@ -139,8 +139,9 @@ report(taken=taken)
     # The second buys the few cells that only both frames' rays together pay for.
     assert first > 0 and second < 0.25 * first
     # The least is what one thread takes. Two take some samples twice: at the same time, or because one makes room in
-    # the table, and does not get to run for a while, so that samples of the other are not kept.
-    assert still > 0.9 * first
+    # the table, and does not get to run for a while, so that samples of the other are not kept: on a busy machine a
+    # tenth and more. A still that kept anything would take less than a quarter, as the second frame.
+    assert still > 0.5 * first
 
 
 def test_frames_of_an_animation_look_as_they_do_alone_within_the_error(run_blender, tmp_path):
