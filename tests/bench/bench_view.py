@@ -3,7 +3,8 @@ for how long Blender does not answer.
 
 ./rayleaf bench view: each scene of blend_scenes in a view of 1280 x 720 pixels under Xvfb, which draws without a graphics
 card. `export` is the part of the first picture's time in which the scene is handed to the core; `ours` is what a picture of
-the turning camera takes from the core's beginning to its first pixels, without drawing. A stall is the longest time
+the turning camera takes from the core's beginning to its first pixels, without drawing; `held` is the longest of the calls in
+which Blender waits for the engine meanwhile, drawing by the graphics library included. A stall is the longest time
 between two calls of a timer that asks to be called all the time; that of Solid shading is Blender's own.
 """
 
@@ -25,7 +26,7 @@ import bpy, mathutils
 from rayleaf.viewport import viewport, worker
 
 report = sys.argv[-1]
-exports, pictures, stalls, own = [], [], [], []
+exports, pictures, stalls, own, held = [], [], [], [], []
 
 def watch(kind, name, note):
     plain = getattr(kind, name)
@@ -35,7 +36,8 @@ def watch(kind, name, note):
         note(self, time.perf_counter() - began)
     setattr(kind, name, watched)
 
-def drawn(view, _):
+def drawn(view, seconds):
+    held.append(seconds)
     if view._drawn is not None and (not pictures or pictures[-1][0] is not view._drawn):
         pictures.append((view._drawn, time.perf_counter()))
 
@@ -52,7 +54,11 @@ def published(self, *arguments):
     self.began = None
 
 worker.Worker._render, worker.Worker._publish = rendered, published
-watch(viewport.Viewport, "update", lambda _, seconds: exports.append(seconds))
+def updated(_, seconds):
+    exports.append(seconds)
+    held.append(seconds)
+
+watch(viewport.Viewport, "update", updated)
 watch(viewport.Viewport, "draw", drawn)
 
 def space():
@@ -111,8 +117,9 @@ def steps():
     yield 1.0
     yield from wait(2.0)
     result["stall_refining"] = longest(stalls)
-    del pictures[:], own[:]
+    del pictures[:], own[:], held[:]
     yield from wait(3.0, turn)
+    result["held"] = max(held)
     result["own"] = sorted(own)[len(own) // 2]
     result["stall_turning"] = longest(stalls)
     times = [when for _, when in pictures]
@@ -160,7 +167,7 @@ def run(quick: bool = False) -> list[dict[str, Any]]:
     """Prints a line for each scene."""
     scenes = QUICK_SCENES if quick else sorted(path.stem for path in FILES.glob("*.blend"))
     print(
-        f"{'scene':<22}{'first, s':>10}{'export, s':>11}{'pictures/s':>12}{'ours, ms':>10}"
+        f"{'scene':<22}{'first, s':>10}{'export, s':>11}{'pictures/s':>12}{'ours, ms':>10}{'held, ms':>10}"
         f"{'stall, ms: solid':>18}{'refining':>10}{'turning':>9}"
     )
     rows = []
@@ -170,7 +177,7 @@ def run(quick: bool = False) -> list[dict[str, Any]]:
         stalls = [1000 * found[f"stall_{kind}"] for kind in ("solid", "refining", "turning")]
         print(
             f"{scene:<22}{found['first']:>10.2f}{found['export']:>11.2f}{found['pictures']:>12.1f}"
-            f"{1000 * found['own']:>10.0f}"
+            f"{1000 * found['own']:>10.0f}{1000 * found['held']:>10.0f}"
             f"{stalls[0]:>18.0f}{stalls[1]:>10.0f}{stalls[2]:>9.0f}",
             flush=True,
         )

@@ -12,7 +12,7 @@ import numpy as np
 # Pixels along a side of the blocks that are shown first; blocks of half the size follow. Where they take longer than
 # the first, or less than the second of these seconds, the next view begins with coarser ones, or finer.
 _BLOCKS, _COARSEST_BLOCKS = 8, 32
-_SLOW_BLOCKS, _FAST_BLOCKS = 0.1, 0.02
+_SLOW_BLOCKS, _FAST_BLOCKS = 0.07, 0.015
 # Of a draft, which is shown until a view's first scene is built.
 _DRAFT_BLOCKS = (16, 8)
 # Samples are taken in rounds of at most about so many seconds, so that the picture is seen to get better.
