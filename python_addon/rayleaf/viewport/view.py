@@ -120,12 +120,3 @@ def denoising_of(scene: Any, shown: Pass) -> Denoising | None:
     """How a view's picture is denoised; None if it is not."""
     wanted = scene.rayleaf.use_preview_denoising and shown.identifier == "combined"
     return Denoising.of(scene) if wanted else None
-
-
-def as_picture(pixels: Any) -> Any:
-    """Of (height, width, channels): one channel as grey, three without transparency."""
-    channels = pixels.shape[2]
-    if channels == 4:
-        return pixels
-    colors = np.repeat(pixels, 3, axis=2) if channels == 1 else pixels
-    return np.concatenate([colors, np.ones_like(colors[..., :1])], axis=2)

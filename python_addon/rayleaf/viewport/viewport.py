@@ -6,7 +6,6 @@ from types import ModuleType
 from typing import Any
 
 import gpu
-import numpy as np
 from gpu_extras.presets import draw_texture_2d
 
 from .. import kept_messages, passes
@@ -17,8 +16,6 @@ from . import render_pass, view
 from .sync import SceneSync
 from .worker import Picture, Request, Worker, same_camera
 
-# Textures hold half floats.
-_LARGEST_HALF = 65504.0
 
 _OPEN: "weakref.WeakSet[Viewport]" = weakref.WeakSet()
 
@@ -141,6 +138,5 @@ class Viewport:
 
 def _texture_of(picture: Picture) -> Any:
     height, width = picture.pixels.shape[:2]
-    values = np.clip(view.as_picture(picture.pixels), -_LARGEST_HALF, _LARGEST_HALF).astype(np.float32)
-    buffer = gpu.types.Buffer("FLOAT", height * width * 4, values.ravel())
+    buffer = gpu.types.Buffer("FLOAT", height * width * 4, picture.texels)
     return gpu.types.GPUTexture((width, height), format="RGBA16F", data=buffer)

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+# Textures hold half floats.
+_LARGEST_HALF = 65504.0
 # Pixels along a side of the blocks that are shown first; blocks of half the size follow. Where they take longer than
 # the first, or less than the second of these seconds, the next view begins with coarser ones, or finer.
 _BLOCKS, _COARSEST_BLOCKS = 8, 32
@@ -50,6 +52,7 @@ class Picture:
     pixels: Any  # (height, width, channels), linear light, rows bottom to top
     samples: int  # 0: blocks
     settings: dict[str, Any]  # with which it was rendered
+    texels: Any  # as a texture takes them, made here: Blender does not wait for that
     interpolated: float | None = None  # share of the rays that asked a ray cache; None: none did
     problem: str = ""  # what is wrong with it
 
@@ -58,6 +61,19 @@ class Picture:
         across, up = width / self.settings["width"], height / self.settings["height"]
         x, y, wide, high = (self.settings[f"crop_{name}"] for name in ("x", "y", "width", "height"))
         return (x * across, y * up), wide * across, high * up
+
+
+def texels(pixels: Any) -> Any:
+    """What a texture is made of: red, green, blue and alpha in a row, within the range of half floats. Of (height, width,
+    channels): one channel as grey, three without transparency."""
+    channels = pixels.shape[2]
+    if channels != 4:
+        colors = np.repeat(pixels, 3, axis=2) if channels == 1 else pixels
+        pixels = np.concatenate([colors, np.ones_like(colors[..., :1])], axis=2)
+    found = np.array(pixels, np.float32).ravel()
+    np.minimum(found, np.float32(_LARGEST_HALF), out=found)
+    np.maximum(found, np.float32(-_LARGEST_HALF), out=found)
+    return found
 
 
 def interpolated_share(statistics: dict[str, Any]) -> float | None:
@@ -264,7 +280,8 @@ class Worker:
             except self._core.InputError as error:
                 problem = str(error)
         share = interpolated_share(session.statistics()) if samples else None
+        picture = Picture(pixels, samples, settings, texels(pixels), share, problem)
         with self._condition:
-            self._picture, self._is_new = Picture(pixels, samples, settings, share, problem), False
+            self._picture, self._is_new = picture, False
             self._gave_up = False
         self._redraw()
