@@ -1,16 +1,13 @@
 """The nodes part of the report: each shader node of the running Blender, and how far it is from Cycles, by what the oracles of
 tests/blender measured."""
 
-import json
 import os
-import subprocess
-import sys
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from . import page
+from . import page, test_runs
 
 _VARIABLE = "RAYLEAF_NODES"  # names the file that tests/blender/measured_nodes.py adds to
 _QUICK = ("test_compared_nodes.py", "test_nodes_oracle.py")
@@ -86,19 +83,12 @@ def nodes(lines: Iterable[dict[str, Any]]) -> list[Node]:
 
 def measure(root: Path, folder: Path, blender: str, quick: bool) -> tuple[list[dict[str, Any]], str]:
     """Runs the oracles; their lines, and pytest's last line."""
-    path = folder / "nodes.jsonl"
-    path.unlink(missing_ok=True)
     tests = root / "tests" / "blender"
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(root), "-c"]
-    command += [str(root / "pyproject.toml"), "-m", "nodes"]
-    command += [str(tests / name) for name in _QUICK] if quick else [str(tests)]
-    environment = {**os.environ, _VARIABLE: str(path.resolve()), "BLENDER": blender}
-    if scripts := environment.pop("BLENDER_USER_SCRIPTS", ""):
+    selection = ["-m", "nodes", *([str(tests / name) for name in _QUICK] if quick else [str(tests)])]
+    environment = {"BLENDER": blender}
+    if scripts := os.environ.get("BLENDER_USER_SCRIPTS"):
         environment["RAYLEAF_BLENDER_SCRIPTS"] = scripts
-    done = subprocess.run(command, capture_output=True, text=True, cwd=root, env=environment, check=False)
-    summary = (done.stdout.strip().splitlines() or ["no tests were run"])[-1]
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    return [json.loads(line) for line in lines], summary
+    return test_runs.figures(root, selection, _VARIABLE, folder / "nodes.jsonl", environment)
 
 
 def _modes(node: Node) -> str:

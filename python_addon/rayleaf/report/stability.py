@@ -1,17 +1,13 @@
 """The stability part of the report: what the tests of tests/stability measured, against the bounds they must keep."""
 
-import json
-import os
 import re
-import subprocess
-import sys
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import page, plots
+from . import page, plots, test_runs
 
 _VARIABLE = "RAYLEAF_STABILITY"  # names the file that tests/stability/measured.py adds to
 
@@ -57,16 +53,9 @@ def families(lines: Iterable[dict[str, Any]]) -> list[Family]:
 
 def measure(root: Path, folder: Path, quick: bool) -> tuple[list[dict[str, Any]], str]:
     """Runs the tests; their lines, and pytest's last line."""
-    path = folder / "stability.jsonl"
-    path.unlink(missing_ok=True)
     tests = root / "tests" / "stability"
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", str(root), "-c"]
-    command += [str(root / "pyproject.toml"), str(tests / "test_closed_forms.py" if quick else tests)]
-    environment = {**os.environ, _VARIABLE: str(path.resolve())}
-    done = subprocess.run(command, capture_output=True, text=True, cwd=root, env=environment, check=False)
-    summary = (done.stdout.strip().splitlines() or ["no tests were run"])[-1]
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    return [json.loads(line) for line in lines], summary
+    selection = tests / "test_closed_forms.py" if quick else tests
+    return test_runs.figures(root, [str(selection)], _VARIABLE, folder / "stability.jsonl")
 
 
 Curves = dict[str, list[tuple[float, float]]]

@@ -16,7 +16,6 @@ from . import render_pass, view
 from .sync import SceneSync
 from .worker import Picture, Request, Worker, same_camera
 
-
 _OPEN: "weakref.WeakSet[Viewport]" = weakref.WeakSet()
 
 
