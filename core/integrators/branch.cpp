@@ -18,7 +18,7 @@ Branch Branch::scattered(const Scene& scene, const Vertex& from, const Closures&
     from.point.release(child.ray, sample.direction);
     child.ray.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
     child.departure = {};
-    child.departure.from = scene.lit(from.point);
+    child.departure.from = lit(scene, from);
     child.has_departed = scene.has_blocked_lights();
     child.bounces.scatter(sample);
     child.throughput *= sample.weight / static_cast<float>(count);

@@ -14,8 +14,8 @@ namespace rayleaf {
 enum CameraDimension : uint32_t { kFilterDimension = 0, kLensDimension = 1, kTimeDimension = 2 };
 
 enum class PathDimension : uint32_t {
-    Light = 0,         ///< which light, and where on it: three numbers
-    Scatter = 1,       ///< which lobe, and the direction: three numbers
+    Light = 0,         ///< which light, and where on it
+    Scatter = 1,       ///< which lobe, and the direction; three numbers where they are needed
     Transparency = 2,  ///< straight on or scattered
     Roulette = 3,
     Occlusion = 4,     ///< the pass
@@ -23,7 +23,7 @@ enum class PathDimension : uint32_t {
     Walk = 6,          ///< path tracing: the tag of a walk below the surface
     Child = 6,         ///< the same: the tag of mirrors and refractions, with their number
     Medium = 8,        ///< the way through media to the vertex: how far, by which channel
-    MediumLight = 9,   ///< and where on which light that arrives on that way; three numbers
+    MediumLight = 9,   ///< and where on which light that arrives on that way
     MediumPlace = 10,  ///< and where it arrives
     MediumWalk = 11,   ///< seeds a sequence of numbers for media that vary
     ShadowWalk = 12,   ///< the same for the ray to the light

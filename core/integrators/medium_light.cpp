@@ -21,7 +21,7 @@ std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, cons
     const Vec3d position = segment.ray.at(place->t);
     const std::optional<LightSample> light =
         lights.sample(lit_in(segment.scene, segment.media, position),
-                      sampler.get3(dimension(vertex, PathDimension::MediumLight)), segment.ray.time);
+                      sampler.get2(dimension(vertex, PathDimension::MediumLight)), segment.ray.time);
     if (!light || !(light->visibility & in_world_of(shadow.kind, kVisibleVolume))) return std::nullopt;
     const Vec3f outgoing = segment.outgoing();
     const float density = place->medium.density(outgoing, light->direction);

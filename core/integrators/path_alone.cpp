@@ -32,7 +32,7 @@ bool PathTracer::shade_alone() {
     Vertex vertex;
     vertex.point = scene_.tracer().surface_point(ray_, *hit_);
     scene_.material(hit_->instance, hit_->local).surface->evaluate(approach(vertex), vertex.closures);
-    return shade(vertex, {random3(PathDimension::Light), random3(PathDimension::Scatter)});
+    return shade(vertex, {random2(PathDimension::Light), random2(PathDimension::Scatter)});
 }
 
 bool PathTracer::see_world_alone() {

@@ -22,8 +22,8 @@ bool PathTracer::pass_media(double end) {
     throughput_ *= passage.weight;
     if (!is_finite(throughput_) || is_black(throughput_)) return true;
     if (!passage.t) return false;
-    const std::optional<PhaseSample> sample =
-        scattered_direction(segment, passage, !bounces_.is_last_in_medium(), random3(PathDimension::Scatter));
+    const std::optional<PhaseSample> sample = scattered_direction(
+        segment, passage, !bounces_.is_last_in_medium(), sampler_.get3(dimension(vertex_, PathDimension::Scatter)));
     *passage.t += seen.from;
     if (sample) scatter_in_medium(passage, *sample);
     return true;

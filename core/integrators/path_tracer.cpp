@@ -41,8 +41,8 @@ Arrival PathTracer::arrive(const ClosestHit& found) {
 }
 
 void PathTracer::ask_numbers(SamplePairs& pairs) const {
-    pairs.add3(sampler_, dimension(vertex_, PathDimension::Light));
-    pairs.add3(sampler_, dimension(vertex_, PathDimension::Scatter));
+    pairs.add(sampler_, dimension(vertex_, PathDimension::Light));
+    pairs.add(sampler_, dimension(vertex_, PathDimension::Scatter));
 }
 
 ShadingInputs PathTracer::approach(Vertex& vertex) const {
@@ -175,9 +175,9 @@ void PathTracer::add_emission(const Vertex& vertex) {
         scene_.light_group(vertex.point.instance));
 }
 
-void PathTracer::add_direct_light(const Vertex& vertex, const Vec3f& random) {
+void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    std::optional<LightSample> light = scene_.lights().sample(scene_.lit(vertex.point), random, vertex.point.time);
+    std::optional<LightSample> light = scene_.lights().sample(lit(scene_, vertex), random, vertex.point.time);
     if (!light) return;
     if (bounces_.is_in_footage()) *light = seen_in_footage(*light);
     const bool first = bounces_.count() == 0;
@@ -245,7 +245,7 @@ float PathTracer::straight_probability(const Closures& closures) const {
     return straight / (straight + scattered);
 }
 
-bool PathTracer::leave(const Vertex& vertex, const Vec3f& random) {
+bool PathTracer::leave(const Vertex& vertex, const Vec2f& random) {
     const float straight = straight_probability(vertex.closures);
     if (straight >= 1.0f || (straight > 0.0f && this->random(PathDimension::Transparency) < straight))
         return pass_through(vertex, straight);
@@ -267,9 +267,12 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     return true;
 }
 
-bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
+bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random) {
     const Vec3f& facet = vertex.point.facet_normal;
-    const std::optional<LobeSample> sample = vertex.closures.sample(vertex.outgoing, facet, random);
+    const uint32_t third = Sampler::joined(dimension(vertex_, PathDimension::Scatter));
+    const float z = vertex.closures.needs_third_number() ? sampler_.get1(third) : 0.0f;
+    const std::optional<LobeSample> sample =
+        vertex.closures.sample(vertex.outgoing, facet, Vec3f(random.x, random.y, z));
     if (!sample) return false;
     if (sample->subsurface) return scatter_below(vertex, *sample);
     if (bounces_.count() == 0 && settings_.light_passes)
@@ -281,7 +284,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec3f& random) {
     const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
     if (has_footprint_)
         differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
-    departure_ = {scene_.lit(vertex.point), sample->singular ? 0.0f : sample->density};
+    departure_ = {lit(scene_, vertex), sample->singular ? 0.0f : sample->density};
     has_departed_ = scene_.has_blocked_lights();
     leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
     ray_ = Ray{};
@@ -307,15 +310,16 @@ bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry) {
     throughput_ *= exit->throughput;
     if (!(max_component(throughput_) > 0.0f) || !is_finite(throughput_)) return false;
     ++vertex_;
-    add_direct_light(exit->vertex, random3(PathDimension::Light));
-    return scatter(exit->vertex, random3(PathDimension::Scatter));
+    add_direct_light(exit->vertex, random2(PathDimension::Light));
+    return scatter(exit->vertex, random2(PathDimension::Scatter));
 }
 
 bool PathTracer::survives_roulette() {
     const float largest = max_component(throughput_);
     if (!(largest > 0.0f) || !is_finite(throughput_)) return false;
     if (bounces_.count() <= settings_.roulette_start) return true;
-    const float survival = std::clamp(largest, kLeastSurvival, 1.0f);
+    // By the root: what survives by the throughput itself is so bright that clamping takes it away.
+    const float survival = std::clamp(std::sqrt(largest), kLeastSurvival, 1.0f);
     if (random(PathDimension::Roulette) >= survival) return false;
     throughput_ /= survival;
     return true;

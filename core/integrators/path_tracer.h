@@ -26,7 +26,7 @@ struct LightRay : FreeWay {
 
 /// The random numbers of a vertex that nearly each one needs.
 struct VertexNumbers {
-    Vec3f light, scatter;  ///< PathDimension's
+    Vec2f light, scatter;  ///< PathDimension's
 };
 
 /// How the ray under way came about: what light sampling would have done instead.
@@ -102,10 +102,10 @@ class PathTracer {
     ShadingInputs approach(Vertex& vertex) const;
     /// Asks for the random numbers of the vertex: kPairsOfVertex of them.
     void ask_numbers(SamplePairs& pairs) const;
-    static constexpr size_t kPairsOfVertex = 4;
+    static constexpr size_t kPairsOfVertex = 2;
     /// The numbers that were requested; `first` is the first pair.
     static VertexNumbers numbers(const SamplePairs& pairs, size_t first) {
-        return {pairs.triple(first), pairs.triple(first + 2)};
+        return {pairs.pair(first), pairs.pair(first + 1)};
     }
     /// True if the path goes on from a vertex whose closures are known; a ray to a light may be wanted either way.
     bool shade(Vertex& vertex, const VertexNumbers& numbers);
@@ -157,7 +157,7 @@ class PathTracer {
     void add_scattered_light(const MediumSegment& segment);
     void scatter_in_medium(const MediumPassage& passage, const PhaseSample& sample);
     void pass_boundary();
-    Vec3f random3(PathDimension use) const { return sampler_.get3(dimension(vertex_, use)); }
+    Vec2f random2(PathDimension use) const { return sampler_.get2(dimension(vertex_, use)); }
     float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
 
     /// Whether a surface that scatters no more can still matter.
@@ -183,7 +183,7 @@ class PathTracer {
     /// Whether the world's program must be asked what the world shows.
     bool leave_scene();
     void add_emission(const Vertex& vertex);
-    void add_direct_light(const Vertex& vertex, const Vec3f& random);
+    void add_direct_light(const Vertex& vertex, const Vec2f& random);
     void record_surface(const Vertex& vertex);
     /// Where programs write their AOVs at the vertex; empty where none are wanted.
     std::span<Vec4f> aovs() const {
@@ -192,9 +192,9 @@ class PathTracer {
     }
 
     /// True if the path goes on past the surface.
-    bool leave(const Vertex& vertex, const Vec3f& random);
+    bool leave(const Vertex& vertex, const Vec2f& random);
     bool pass_through(const Vertex& vertex, float probability);
-    bool scatter(const Vertex& vertex, const Vec3f& random);
+    bool scatter(const Vertex& vertex, const Vec2f& random);
     /// Light that enters the body at the vertex: lit and scattered on where it leaves.
     bool scatter_below(const Vertex& vertex, const LobeSample& entry);
     bool survives_roulette();

@@ -34,6 +34,13 @@ struct LitLobes {
     ByKind shares;         ///< filled where asked for
 };
 
+/// The vertex as a light that is chosen for it sees it.
+inline LitPoint lit(const Scene& scene, const Vertex& vertex) {
+    LitPoint point = scene.lit(vertex.point);
+    point.normal = vertex.closures.lit_side();
+    return point;
+}
+
 /// Whether the lobes of all kinds are lit; rays of the camera may not see the light itself.
 bool lights_all_kinds(const LightSample& light);
 /// By the lobes of `closures`, which are all or some of those of the vertex.

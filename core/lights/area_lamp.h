@@ -6,6 +6,7 @@
 
 #include "lights/lamp_sample.h"
 #include "lights/light.h"
+#include "lights/light_tree.h"
 #include "lights/lit_cone.h"
 
 namespace rayleaf {
@@ -20,6 +21,7 @@ class AreaLamp {
     bool has_size() const { return area_ > 0; }
     Box3d bounds() const;
     double intensity() const;  ///< along the normal, W/sr, as one number
+    LightCone cone() const { return {Vec3f(normal_), 1.0f, true, false}; }
     /// False where no light of the lamp arrives.
     bool reaches(const Vec3d& position) const { return lit().holds(position); }
     LitCone lit() const { return {center_, normal_, 0.0}; }

@@ -149,8 +149,10 @@ class LightSet {
     LightSet& operator=(const LightSet&) = delete;
 
     bool empty() const;  ///< nothing to sample
-    /// A light for a point; `random` in [0,1)³, z chooses the light; `time` of the shutter.
-    std::optional<LightSample> sample(const LitPoint& at, const Vec3f& random, float time = kMiddleTime) const;
+    /// A light for a point; `random` in [0,1)²; `time` of the shutter. x chooses the light, and what the choice leaves
+    /// of it is used again with y for the place on it: so the places on each light are stratified as the pair is,
+    /// 2^-24 over the light's probability apart.
+    std::optional<LightSample> sample(const LitPoint& at, const Vec2f& random, float time = kMiddleTime) const;
     /// The lights that the first `end` of a ray passes. `likely`: a point of it by which one is chosen, by `random` in
     /// [0,1), where there are many, and by which those that have no place are weighed.
     PassedLights passed(const Ray& ray, double end, const LitPoint& likely, float random) const;

@@ -49,6 +49,14 @@ LightLinking checked_light_linking(const std::string& owner, const std::array<in
 struct LitPoint {
     Vec3d position{0, 0, 0};  ///< world
     LightSets lit_by = kAllLightSets;
+    /// Of a surface that scatters what comes from one side alone: the unit normal on that side. Lights beyond are
+    /// chosen seldom. Zero: light counts wherever it comes from.
+    Vec3f normal{0, 0, 0};
 };
+
+/// At the point, where nothing is known of the directions of its light.
+inline double mean_cosine(const LitPoint& at) {
+    return at.normal == Vec3f(0.0f) ? 1.0 : 0.5;
+}
 
 }  // namespace rayleaf

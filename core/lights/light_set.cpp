@@ -2,6 +2,7 @@
 // among those by the tree.
 #include "lights/area_lamp.h"
 #include "lights/light.h"
+#include "lights/light_groups.h"
 #include "lights/light_tree.h"
 #include "lights/mean_factor.h"
 #include "lights/point_lamp.h"
@@ -11,14 +12,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <variant>
 
 namespace rayleaf {
 namespace {
 
-/// The share of the probability that suns, world and placed lights have alike: the tree's irradiance is a rough guess.
-constexpr double kEvenShare = 0.5;
+/// What a choice leaves of a random number, as a float in [0,1) again.
+float below_one(double left_over) {
+    return static_cast<float>(std::clamp(left_over, 0.0, 1.0 - 0x1p-24));
+}
 
 bool shines(const Lamp& lamp) {
     return is_finite(lamp.strength) && !is_black(lamp.strength);
@@ -61,8 +63,7 @@ struct LightSet::Implementation {
     LampEmission lamp_emission;
     std::shared_ptr<const WorldLight> world;
     LightTree tree{{}};
-    double suns_and_world = 0;  ///< sum of irradiances
-    bool has_links = false;     ///< some light does not shine on all, or has no shadows of some
+    bool has_links = false;  ///< some light does not shine on all, or has no shadows of some
     std::vector<uint32_t> emitters_with_blockers;
 
     Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, Emissions emissions)
@@ -81,20 +82,15 @@ struct LightSet::Implementation {
             return std::visit([&](const auto& lamp) { return lamp.reaches(position); }, lamps[item].shape);
         };
     }
-    /// The groups of which light shines on a point: each sun, the world, all lights that have a place.
-    struct Groups {
-        size_t count;
-        bool has_tree;
-        double of_tree, total;  ///< irradiances
-
-        double probability(double irradiance) const {
-            const double even = 1.0 / static_cast<double>(count);
-            if (!(total > 0) || !std::isfinite(total)) return even;
-            return kEvenShare * even + (1.0 - kEvenShare) * irradiance / total;
-        }
-        double tree_probability() const { return probability(of_tree); }
-    };
-    Groups groups(const LitPoint& at) const;
+    LightGroups groups(const LitPoint& at) const;
+    static LightGroups::Weight weight(const DistantLamp& lamp, const LitPoint& at) {
+        const double cosine = lamp.sun.cosine(at.normal);
+        return {cosine, lamp.irradiance() * cosine};
+    }
+    LightGroups::Weight world_weight(const LitPoint& at) const {
+        const double cosine = mean_cosine(at);
+        return {0.5 * (1.0 + cosine), world->irradiance() * cosine};
+    }
     bool shines_on(const LitPoint& at, const LampTraits& lamp) const {
         return !has_links || (lamp.link.set() & at.lit_by) != 0;
     }
@@ -112,23 +108,18 @@ struct LightSet::Implementation {
     }
     std::optional<LightSample> chosen_of(const LampTraits& lamp, LampSample sample, const Vec3d& position,
                                          double probability) const;
-    std::optional<LightSample> sample_tree(const LitPoint& at, const Vec2f& random, const InTree& in_tree,
-                                           float time) const;
+    std::optional<LightSample> sample_tree(const LitPoint& at, float random_y, const InTree& in_tree, float time) const;
 };
 
-LightSet::Implementation::Groups LightSet::Implementation::groups(const LitPoint& at) const {
-    Groups result{suns.size() + (world ? 1 : 0), tree.shines_on(at), tree.irradiance(at), suns_and_world};
-    if (has_links) {
-        const auto linked = [&](const DistantLamp& lamp) { return shines_on(at, lamp.traits); };
-        result.count = world ? 1 : 0;
-        result.total = world ? world->irradiance() : 0.0;
-        for (const DistantLamp& lamp : suns | std::views::filter(linked)) {
-            ++result.count;
-            result.total += lamp.irradiance();
-        }
-    }
-    result.count += result.has_tree ? 1 : 0;
-    result.total += result.of_tree;
+LightGroups LightSet::Implementation::groups(const LitPoint& at) const {
+    LightGroups result;
+    for (const DistantLamp& lamp : suns)
+        if (shines_on(at, lamp.traits)) result.add(weight(lamp, at));
+    if (world) result.add(world_weight(at));
+    result.has_tree = tree.shines_on(at);
+    if (!result.has_tree) return result;
+    result.of_tree = {tree.cosine(at), tree.irradiance(at)};
+    result.add(result.of_tree);
     return result;
 }
 
@@ -144,7 +135,6 @@ void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
     switch (lamp.kind) {
         case LampKind::Sun:
             suns.push_back({Sun(lamp), traits});
-            suns_and_world += suns.back().irradiance();
             return;
         case LampKind::Rectangle:
         case LampKind::Disk:
@@ -164,7 +154,8 @@ void LightSet::Implementation::build_tree(const CancelToken& cancel) {
     for (const PlacedLamp& lamp : lamps)
         std::visit(
             [&](const auto& shape) {
-                items.push_back({shape.bounds(), shape.intensity() * lamp.traits.factor, lamp.traits.link.set()});
+                items.push_back(
+                    {shape.bounds(), shape.intensity() * lamp.traits.factor, lamp.traits.link.set(), shape.cone()});
             },
             lamp.shape);
     std::vector<LightTreeItem> with_size;
@@ -186,7 +177,6 @@ LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingIns
         if (emitter.link.blockers >= 0) set.emitters_with_blockers.push_back(emitter.instance);
     }
     if (world_light && !world_light->is_uniform()) set.world = std::move(world_light);
-    if (set.world) set.suns_and_world += set.world->irradiance();
     set.build_tree(cancel);
 }
 
@@ -227,16 +217,17 @@ std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits&
     std::optional<LightSample> light = chosen(sample, position, probability, lamp.visibility, lamp.casts_shadow);
     if (!light) return light;
     light->lamp_group = lamp.light_group;
-    light->blockers = lamp.link.blockers;
+    light->blockers = static_cast<int>(lamp.link.blockers);
     return light;
 }
 
-std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint& at, const Vec2f& random,
+std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint& at, float random_y,
                                                                  const InTree& in_tree, float time) const {
     const Vec3d& position = at.position;
     const std::optional<LightTree::Choice> item = tree.choose(at, in_tree.choice, reaches(position));
     if (!item) return std::nullopt;
     const double probability = item->probability * in_tree.probability;
+    const Vec2f random(below_one(item->left_over), random_y);
     if (item->item < lamps.size()) {
         const PlacedLamp& lamp = lamps[item->item];
         const auto sample = std::visit([&](const auto& shape) { return shape.sample(position, random); }, lamp.shape);
@@ -249,29 +240,32 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint&
     std::optional<LightSample> light = chosen(*sample, position, probability, surfaces.visibility(surface), true);
     if (!light) return light;
     light->instance = static_cast<int>(surfaces.instance(surface));
-    light->blockers = surfaces.link(surface).blockers;
+    light->blockers = static_cast<int>(surfaces.link(surface).blockers);
     return light;
 }
 
-std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec3f& random, float time) const {
+std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& random, float time) const {
     const Implementation& set = *implementation_;
-    const Implementation::Groups groups = set.groups(at);
-    if (groups.count == 0) return std::nullopt;
+    const LightGroups groups = set.groups(at);
+    if (!(groups.total.cosine > 0.0)) return std::nullopt;
     const Vec3d& position = at.position;
-    const Vec2f within(random.x, random.y);
-    double choice = random.z;
+    double choice = random.x;
+    const auto within = [&](double probability) { return Vec2f(below_one(choice / probability), random.y); };
+    const auto sample_sun = [&](const DistantLamp& sun, double probability) {
+        return set.chosen_of(sun.traits, sun.sun.sample(within(probability)), position, probability);
+    };
     const DistantLamp* last = nullptr;
     for (const DistantLamp& lamp : set.suns) {
         if (!set.shines_on(at, lamp.traits)) continue;
-        const double probability = groups.probability(lamp.irradiance());
-        if (choice < probability) return set.chosen_of(lamp.traits, lamp.sun.sample(within), position, probability);
+        const double probability = groups.probability(set.weight(lamp, at));
+        if (choice < probability) return sample_sun(lamp, probability);
         choice -= probability;
         last = &lamp;
     }
     if (set.world) {
-        const double probability = groups.probability(set.world->irradiance());
+        const double probability = groups.probability(set.world_weight(at));
         if (choice < probability || !groups.has_tree) {
-            LampSample sample = set.world->sample(within);
+            LampSample sample = set.world->sample(within(probability));
             sample.radiance = set.world_emission(Vec3f(sample.direction));
             std::optional<LightSample> light = chosen(
                 sample, position, probability, static_cast<uint16_t>(seen_by(set.world_visibility | kOfFootage)), true);
@@ -280,10 +274,12 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec3f& ran
         }
         choice -= probability;
     }
-    if (!groups.has_tree)  // rounding may leave `choice` just past the last sun
-        return set.chosen_of(last->traits, last->sun.sample(within), position, groups.probability(last->irradiance()));
+    if (!groups.has_tree) {  // rounding may leave `choice` just past the last sun
+        if (!last) return std::nullopt;
+        return sample_sun(*last, groups.probability(set.weight(*last, at)));
+    }
     const double probability = groups.tree_probability();
-    return set.sample_tree(at, within, {std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53), probability}, time);
+    return set.sample_tree(at, random.y, {std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53), probability}, time);
 }
 
 PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely, float random) const {
@@ -333,7 +329,7 @@ float LightSet::emitter_density(const LitPoint& from, const SurfacePoint& point)
 float LightSet::world_density(const Vec3f& direction, const LitPoint& from) const {
     const Implementation& set = *implementation_;
     if (!set.world) return 0.0f;
-    const double choice = set.groups(from).probability(set.world->irradiance());
+    const double choice = set.groups(from).probability(set.world_weight(from));
     return static_cast<float>(choice * set.world->density(direction));
 }
 
@@ -358,7 +354,7 @@ void LightSet::lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind,
     for (const DistantLamp& lamp : set.suns) {
         if (!(lamp.traits.visibility & kind) || !set.shines_on(from, lamp.traits)) continue;
         if (const auto hit = lamp.sun.hit(ray))
-            report(lamp.traits, *hit, set.groups(from).probability(lamp.irradiance()));
+            report(lamp.traits, *hit, set.groups(from).probability(set.weight(lamp, from)));
     }
 }
 

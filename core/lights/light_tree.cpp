@@ -1,9 +1,79 @@
 #include "lights/light_tree.h"
 
+#include "lights/cosines.h"
+
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 
 namespace rayleaf {
+
+/// Of all those lights.
+LightTree::Cone LightTree::common_cone(const std::vector<LightTreeItem>& items, std::span<const uint32_t> of) {
+    Cone result;
+    Vec3d sum(0.0);
+    bool all_have_axes = true;
+    for (const uint32_t item : of) {
+        const LightCone& cone = items[item].cone;
+        result.ahead |= cone.ahead;
+        result.back |= cone.back;
+        result.body.extendBy(cone.body);
+        all_have_axes &= cone.axis != Vec3f(0.0f);
+        sum += Vec3d(cone.axis) * items[item].intensity;
+    }
+    const double length = sum.length();
+    if (!all_have_axes || !(length > 0.0)) return result;
+    result.axis = Vec3f(sum / length);
+    double widest = 0.0;
+    for (const uint32_t item : of) {
+        const LightCone& cone = items[item].cone;
+        const float between = std::clamp(result.axis.dot(cone.axis), -1.0f, 1.0f);
+        widest = std::max(widest, std::acos(double{between}) + std::acos(double{std::clamp(cone.cosine, -1.0f, 1.0f)}));
+    }
+    result.cosine = static_cast<float>(std::cos(std::min(widest, std::numbers::pi)));
+    return result;
+}
+
+/// The cosine between the light's normals and the way to a point, against `direction`, at best; `seen` as in cosines.h.
+double LightTree::Cone::at(const LitPoint& point, const Vec3d& direction, double seen) const {
+    if (axis == Vec3f(0.0f)) return 1.0;
+    const double along = -direction.dot(Vec3d(axis));
+    const auto side = [&](double cosine_of_axis) {
+        return narrowed(narrowed(cosine_of_axis, seen), static_cast<double>(cosine));
+    };
+    const bool within = body.intersects(point.position);
+    double best = kLeastCosine;
+    if (ahead || within) best = std::max(best, side(along));
+    if (back || within) best = std::max(best, side(-along));
+    return best;
+}
+
+namespace {
+
+/// Of the half angle under which a sphere is seen from a point outside.
+double seen_cosine(double radius_squared, double distance_squared) {
+    return std::sqrt(1.0 - radius_squared / distance_squared);
+}
+
+}  // namespace
+
+/// At best, of the light's normals and of the point's; 1 where the point is in the node's sphere.
+double LightTree::cosines(const Node& node, const LitPoint& at, const Vec3d& offset, double distance_squared) {
+    if (!(distance_squared > node.radius_squared)) return 1.0;
+    const Vec3d direction = offset / std::sqrt(distance_squared);
+    const double seen = seen_cosine(node.radius_squared, distance_squared);
+    return cosine_at_surface(at.normal, direction, seen) * node.cone.at(at, direction, seen);
+}
+
+double LightTree::cosine(const LitPoint& at) const {
+    if (nodes_.empty()) return 0.0;
+    const Node& node = nodes_.front();
+    const Vec3d offset = node.center - at.position;
+    const double distance_squared = offset.length2();
+    if (!(distance_squared > node.radius_squared)) return mean_cosine(at);
+    return cosine_at_surface(at.normal, offset / std::sqrt(distance_squared),
+                             seen_cosine(node.radius_squared, distance_squared));
+}
 
 LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel) : leaf_of_item_(items.size()) {
     if (items.empty()) return;
@@ -28,6 +98,7 @@ void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint3
     nodes_[node].center = box.center();
     nodes_[node].radius_squared = 0.25 * box.size().length2();
     nodes_[node].intensity = intensity;
+    nodes_[node].cone = common_cone(items, {order.data() + begin, end - begin});
     if (end - begin == 1) {
         nodes_[node].item = order[begin];
         leaf_of_item_[order[begin]] = node;
@@ -58,8 +129,18 @@ void LightTree::gather_sets(const std::vector<LightTreeItem>& items) {
 }
 
 double LightTree::irradiance(const LitPoint& at) const {
-    if (nodes_.empty()) return 0;
-    return importance(0, at, [](uint32_t) { return true; });
+    return nodes_.empty() ? 0.0 : irradiance(0, at, 0);
+}
+
+/// Of a node around the point, by its children.
+double LightTree::irradiance(size_t index, const LitPoint& at, int depth) const {
+    constexpr int kDeepest = 3;
+    const auto reaches_all = [](uint32_t) { return true; };
+    const Node& node = nodes_[index];
+    const bool around = (node.center - at.position).length2() <= node.radius_squared;
+    if (!around) return importance(index, at, reaches_all);
+    if (node.left == 0 || depth == kDeepest) return importance(index, at, reaches_all) * mean_cosine(at);
+    return irradiance(node.left, at, depth + 1) + irradiance(size_t{node.left} + 1, at, depth + 1);
 }
 
 LightTree::Light LightTree::light(uint32_t item) const {

@@ -1,9 +1,11 @@
 // Choice of one of many lights: a binary tree whose nodes know the power and the place of the lights below them.
 //
 // A reduced light tree (A. Conty Estevez, C. Kulla: Importance Sampling of Many Lights with Adaptive Tree Splitting,
-// HPG 2018, section 4): at each node the side is chosen in proportion to intensity over squared distance. Without the
-// orientation cones; instead a single light may say that its light does not arrive. One light costs O(log n), and the
-// choice is a pure function of the position and the random number.
+// HPG 2018, section 4): at each node the side is chosen in proportion to intensity over squared distance, times
+// the cosines at the lights (their orientation cones) and at the point. Without the
+// part of the paper that splits nodes. A single light may say that its light does not arrive. Cosines are bounds for a
+// node's sphere; none counts as less than kLeastCosine (lights/cosines.h). One light costs
+// O(log n), and the choice is a pure function of the point and the random number.
 #pragma once
 
 #include "base/cancel.h"
@@ -14,15 +16,26 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace rayleaf {
+
+/// Where a light shines, by the cosine to its normals, which lie in a cone.
+struct LightCone {
+    Vec3f axis{0, 0, 0};  ///< unit; zero: it shines alike in all directions
+    float cosine = 1;     ///< of the angle between the axis and a normal, at most
+    /// Whether it shines to the side of the normals, and to the other, outside `body`.
+    bool ahead = true, back = true;
+    Box3d body = {};  ///< around an object from within which both sides may be seen; world; empty: there is none
+};
 
 /// A light as the tree sees it.
 struct LightTreeItem {
     Box3d bounds;                  ///< world
     double intensity = 0;          ///< W/sr at best, positive
     LightSets set = kLightsOfAll;  ///< LightLink::set
+    LightCone cone = {};
 };
 
 class LightTree {
@@ -33,12 +46,15 @@ class LightTree {
     bool empty() const { return nodes_.empty(); }
     /// A rough estimate of the irradiance of all lights at a point: the weight of the tree against suns and the world.
     double irradiance(const LitPoint& at) const;
+    /// The cosine at the point, at best.
+    double cosine(const LitPoint& at) const;
     /// Whether any light shines on a point, by their links alone.
     bool shines_on(const LitPoint& at) const { return !nodes_.empty() && is_linked(0, at.lit_by); }
 
     struct Choice {
         uint32_t item = 0;
         double probability = 0;
+        double left_over = 0;  ///< of the random number: again in [0,1)
     };
     /// `random` in [0,1). Empty where no light arrives. `reaches(item)` is asked of single lights only.
     template <typename Reaches>
@@ -65,10 +81,19 @@ class LightTree {
     size_t bytes() const;
 
   private:
+    struct Cone {
+        Vec3f axis{0, 0, 0};
+        float cosine = 1;
+        bool ahead = false, back = false;
+        Box3d body;
+
+        double at(const LitPoint& point, const Vec3d& direction, double seen) const;
+    };
     struct Node {
         Vec3d center;
         double radius_squared = 0;  ///< of the sphere about the box
         double intensity = 0;
+        Cone cone;
         uint32_t parent = 0;
         uint32_t left = 0;  ///< the right child follows its left sibling; 0: a leaf
         uint32_t item = 0;  ///< of a leaf
@@ -78,6 +103,8 @@ class LightTree {
     std::vector<LightSets> sets_;  ///< per node, of all its lights; empty where all shine on all
 
     bool is_linked(size_t node, LightSets lit_by) const { return sets_.empty() || (sets_[node] & lit_by) != 0; }
+    double irradiance(size_t index, const LitPoint& at, int depth) const;
+    static Cone common_cone(const std::vector<LightTreeItem>& items, std::span<const uint32_t> of);
     void gather_sets(const std::vector<LightTreeItem>& items);
     void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
                uint32_t node, const CancelToken& cancel);
@@ -87,9 +114,12 @@ class LightTree {
         const Node& node = nodes_[index];
         if (!is_linked(index, at.lit_by) || (node.left == 0 && !reaches(node.item))) return 0.0;
         // Inside a node the distance says nothing; half its radius is as good a guess as any.
-        const double distance_squared = (node.center - at.position).length2();
-        return node.intensity / std::max({distance_squared, 0.25 * node.radius_squared, kNearest});
+        const Vec3d offset = node.center - at.position;
+        const double distance_squared = offset.length2();
+        return node.intensity * cosines(node, at, offset, distance_squared) /
+               std::max({distance_squared, 0.25 * node.radius_squared, kNearest});
     }
+    static double cosines(const Node& node, const LitPoint& at, const Vec3d& offset, double distance_squared);
     /// Probability of the left child.
     template <typename Reaches>
     double left_share(const Node& node, const LitPoint& at, const Reaches& reaches) const {
@@ -133,6 +163,7 @@ std::optional<LightTree::Choice> LightTree::choose(const LitPoint& at, double ra
     if (!(choice.probability > 0) || !is_linked(static_cast<size_t>(node - nodes_.data()), at.lit_by))
         return std::nullopt;
     choice.item = node->item;
+    choice.left_over = random;
     return choice;
 }
 

@@ -8,6 +8,7 @@
 
 #include "lights/lamp_sample.h"
 #include "lights/light.h"
+#include "lights/light_tree.h"
 #include "lights/lit_cone.h"
 
 namespace rayleaf {
@@ -25,6 +26,7 @@ class PointLamp {
     Box3d bounds() const;
     /// Intensity, W/sr, as one number; for the choice of a light.
     double intensity() const { return max_abs(intensity_); }
+    static LightCone cone() { return {}; }
     /// False where no light of the lamp arrives.
     bool reaches(const Vec3d& position) const { return lit_.holds(position); }
     const LitCone& lit() const { return lit_; }

@@ -4,6 +4,7 @@
 // over the solid angle of its disk.
 #pragma once
 
+#include "lights/cosines.h"
 #include "lights/lamp_sample.h"
 #include "lights/light.h"
 
@@ -20,6 +21,8 @@ class Sun {
     bool has_size() const { return solid_angle_ > 0; }
     /// W/m² as one number; for the choice of a light.
     double irradiance() const { return max_abs(irradiance_); }
+    /// As cosine_at_surface.
+    double cosine(const Vec3f& normal) const { return cosine_at_surface(normal, towards_, 1.0 - one_minus_cosine_); }
 
   private:
     Vec3d towards_;  ///< unit, from the scene to the sun

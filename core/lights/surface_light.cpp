@@ -1,6 +1,7 @@
 #include "lights/surface_light.h"
 
 #include <algorithm>
+#include <array>
 
 #include <tbb/parallel_for.h>
 
@@ -27,15 +28,61 @@ constexpr Vec2f kLightProbes[] = {Vec2f(0.2f, 0.2f), Vec2f(0.6f, 0.2f), Vec2f(0.
 /// An element whose probes saw less than this share of the mean is still sampled as often as one with that share.
 constexpr double kSmallestShare = 0.05;
 
+/// Of more elements, none asks what its sides see: it would take longer than it saves.
+constexpr size_t kMostThatLook = 1 << 12;
+
 /// When a moving element is looked at, to guess where it is near; and one at rest.
 constexpr float kLookTimes[] = {0.0f, 0.25f, 0.5f, 0.75f, 1.0f}, kStillTimes[] = {kMiddleTime};
 
 struct Estimate {
     Box3d bounds;
     double area = 0, radiance = 0;  ///< world units², mean of the probes
+    LightCone cone;
 };
 
-Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_t instance, uint32_t element) {
+/// Whether a ray that leaves the surface meets the same object.
+bool is_shut_in(const Tracer& tracer, const SurfacePoint& point, const Vec3f& direction) {
+    Ray ray;
+    point.release(ray, direction);
+    ray.direction = Vec3d(direction);
+    const std::optional<Hit> hit = tracer.closest_hit(ray, kVisibleDiffuse);
+    return hit && hit->instance == point.instance;
+}
+
+/// The normals at an element's probes as a cone. A side on which all probes are shut in, the inside of a ball, is seen
+/// from within the object alone.
+class ConeOfProbes {
+  public:
+    void add(const Tracer& tracer, const SurfacePoint& point, const Vec3d& normal, bool looks) {
+        normals_[count_++] = normal;
+        sum_ += normal;
+        ahead_ = ahead_ && looks && is_shut_in(tracer, point, Vec3f(normal));
+        back_ = back_ && looks && is_shut_in(tracer, point, -Vec3f(normal));
+    }
+    /// `body`: of the whole object.
+    LightCone cone(const Box3d& body) const {
+        const double length = sum_.length();
+        if (!(length > 0.0)) return {};
+        LightCone result{Vec3f(sum_ / length)};
+        for (size_t i = 0; i < count_; ++i)
+            result.cosine = std::min(result.cosine, static_cast<float>(sum_.dot(normals_[i]) / length));
+        if (ahead_ == back_) return result;
+        result.ahead = back_;
+        result.back = ahead_;
+        result.body = body;
+        return result;
+    }
+
+  private:
+    std::array<Vec3d, std::size(kLightProbes)> normals_;
+    size_t count_ = 0;
+    Vec3d sum_{0, 0, 0};
+    bool ahead_ = true, back_ = true;  ///< shut in there
+};
+
+/// `looks`: whether a side that is shut in is told from others.
+Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_t instance, uint32_t element,
+                  bool looks) {
     const Shape& shape = *tracer.instance(instance).shape;
     const Affine3d local_to_world = tracer.local_to_world(instance, kMiddleTime);
     const bool moves = tracer.instance(instance).motion != nullptr || shape.deforms();
@@ -49,14 +96,17 @@ Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_
                 result.bounds.extendBy(tracer.local_to_world(instance, time).point(Vec3d(point.hit.position)));
             }
         }
+    ConeOfProbes cone;
     for (const Vec2f& probe : kLightProbes) {
         const ElementPoint point = shape.element_point(element, probe);
         const WorldElementPoint world = to_world(local_to_world, shape, point);
         const SurfacePoint surface = tracer.surface_point(instance, point.hit);
+        if (!moves) cone.add(tracer, surface, world.normal, looks);
         const Color color = emission(surface, surface.normal);
         result.area += world.area_factor / std::size(kLightProbes);
         if (is_finite(color)) result.radiance += std::max(0.0f, max_component(color)) / double(std::size(kLightProbes));
     }
+    result.cone = cone.cone(tracer.bounds(instance));
     return result;
 }
 
@@ -82,20 +132,23 @@ SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, cons
 
 std::vector<LightTreeItem> SurfaceLights::tree_items(const CancelToken& cancel) const {
     std::vector<Estimate> estimates(elements_.size());
+    const bool looks = elements_.size() <= kMostThatLook;
     tbb::parallel_for(size_t{0}, elements_.size(), [&](size_t i) {
         cancel.throw_if_cancelled();
-        estimates[i] = estimate(tracer_, emission_, elements_[i].instance, elements_[i].element);
+        estimates[i] = estimate(tracer_, emission_, elements_[i].instance, elements_[i].element, looks);
     });
     double radiance = 0;
     for (const Estimate& e : estimates) radiance += e.radiance / static_cast<double>(estimates.size());
     const double least = radiance > 0 ? radiance * kSmallestShare : 1.0;
     std::vector<LightTreeItem> items;
     items.reserve(estimates.size());
-    // Both sides shine; half a cosine is the mean over the directions of one. The smallest double keeps weights
+    // Without an axis half a cosine, the mean over the directions of a side. The smallest double keeps weights
     // positive.
     for (uint32_t i = 0; i < count(); ++i) {
         const Estimate& e = estimates[i];
-        items.push_back({e.bounds, std::max(1e-300, 0.5 * e.area * std::max(e.radiance, least)), link(i).set()});
+        const double cosine = e.cone.axis == Vec3f(0.0f) ? 0.5 : 1.0;
+        items.push_back(
+            {e.bounds, std::max(1e-300, cosine * e.area * std::max(e.radiance, least)), link(i).set(), e.cone});
     }
     return items;
 }

@@ -22,9 +22,15 @@ class LightProbe {
     }
 };
 
-Vec3d position_of(const Array<double>& array) {
-    check_shape("light probe", "position", array, {3});
+Vec3d vector_of(const char* argument, const Array<double>& array) {
+    check_shape("light probe", argument, array, {3});
     return {array.data()[0], array.data()[1], array.data()[2]};
+}
+
+LitPoint lit_point(const Array<double>& position, int64_t lit_by, const std::optional<Array<double>>& normal) {
+    LitPoint point{vector_of("position", position), checked_light_sets("light probe", lit_by)};
+    if (normal) point.normal = Vec3f(normalized_or(vector_of("normal", *normal), Vec3d(0.0)));
+    return point;
 }
 
 py::array_t<float> colors(py::ssize_t count) {
@@ -33,16 +39,17 @@ py::array_t<float> colors(py::ssize_t count) {
     return array;
 }
 
-py::dict sample(const LightProbe& probe, const Array<double>& position, const Array<float>& random, int64_t lit_by) {
-    check_shape("light probe", "random", random, {-1, 3});
-    const LitPoint at{position_of(position), checked_light_sets("light probe", lit_by)};
+py::dict sample(const LightProbe& probe, const Array<double>& position, const Array<float>& random, int64_t lit_by,
+                const std::optional<Array<double>>& normal) {
+    check_shape("light probe", "random", random, {-1, 2});
+    const LitPoint at = lit_point(position, lit_by, normal);
     const py::ssize_t count = random.shape(0);
     py::array_t<float> direction = colors(count), radiance = colors(count), density(count);
     py::array_t<double> distance(count);
     py::array_t<bool> delta(count);
     for (py::ssize_t i = 0; i < count; ++i) {
-        const float* r = random.data() + 3 * i;
-        const LightSample s = probe.scene().lights().sample(at, Vec3f(r[0], r[1], r[2])).value_or(LightSample{});
+        const float* r = random.data() + 2 * i;
+        const LightSample s = probe.scene().lights().sample(at, Vec2f(r[0], r[1])).value_or(LightSample{});
         for (int c = 0; c < 3; ++c) {
             direction.mutable_at(i, c) = s.direction[c];
             radiance.mutable_at(i, c) = s.radiance[c];
@@ -85,10 +92,10 @@ std::pair<Color, float> look_along(const Scene& scene, const Ray& ray, const Lit
     return {radiance, density};
 }
 
-py::tuple look(const LightProbe& probe, const Array<double>& position, const Array<double>& directions,
-               int64_t lit_by) {
+py::tuple look(const LightProbe& probe, const Array<double>& position, const Array<double>& directions, int64_t lit_by,
+               const std::optional<Array<double>>& normal) {
     check_shape("light probe", "directions", directions, {-1, 3});
-    const LitPoint at{position_of(position), checked_light_sets("light probe", lit_by)};
+    const LitPoint at = lit_point(position, lit_by, normal);
     const py::ssize_t count = directions.shape(0);
     py::array_t<float> radiance = colors(count), density(count);
     for (py::ssize_t i = 0; i < count; ++i) {
@@ -109,10 +116,10 @@ void bind_lights(py::module_& module) {
     using namespace py::literals;
     py::class_<LightProbe>(module, "LightProbe", "The lights of a scene, asked from a position.")
         .def(py::init<const std::shared_ptr<SceneDescription>&>(), py::arg("scene").none(false))
-        .def("sample", &sample, "position"_a, "random"_a, "lit_by"_a = kAnyLight,
-             "Light sampling for random numbers (n, 3): a dictionary of direction, distance, radiance, density, delta. "
-             "A sample that carries nothing has density 0.")
-        .def("look", &look, "position"_a, "directions"_a, "lit_by"_a = kAnyLight,
+        .def("sample", &sample, "position"_a, "random"_a, "lit_by"_a = kAnyLight, "normal"_a = py::none(),
+             "Light sampling for random numbers (n, 2): a dictionary of direction, distance, radiance, density, delta. "
+             "A sample that carries nothing has density 0. `normal`: of a surface there that is lit from that side.")
+        .def("look", &look, "position"_a, "directions"_a, "lit_by"_a = kAnyLight, "normal"_a = py::none(),
              "What shines from directions (n, 3): radiance (n, 3), and the density with which light sampling chooses "
              "the direction (n,).")
         .def(

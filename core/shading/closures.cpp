@@ -134,6 +134,11 @@ Lobe joined(const Lobe& a, const Lobe& b) {
     return result;
 }
 
+/// Whether sampled lights can light it.
+bool takes_light(const Lobe& lobe) {
+    return !is_singular(lobe) && lobe.type != LobeType::Subsurface;
+}
+
 Side side_of(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) {
     const bool same = (facet_normal.dot(outgoing) > 0.0f) == (facet_normal.dot(incoming) > 0.0f);
     return same ? Side::Reflected : Side::Transmitted;
@@ -312,12 +317,12 @@ std::optional<LobeSample> Closures::sample(const Vec3f& outgoing, const Vec3f& f
     const Choice choice(*this, outgoing);
     if (!choice.any) return std::nullopt;
     int chosen = 0;
-    float rest = random.z;
+    float rest = random.x;
     while (chosen + 1 < count_ && rest >= choice.probability[chosen]) rest -= choice.probability[chosen++];
     const float probability = choice.probability[chosen];
     if (!(probability > 0.0f)) return std::nullopt;
     constexpr float kBelowOne = 1.0f - 6e-8f;
-    const Vec3f reused(random.x, random.y, std::min(rest / probability, kBelowOne));
+    const Vec3f reused(std::min(rest / probability, kBelowOne), random.y, random.z);
 
     const Lobe& lobe = lobes_[chosen];
     const std::optional<LobeDirection> direction = sample_lobe(lobe, outgoing, reused);
@@ -351,10 +356,25 @@ std::optional<LobeSample> Closures::sample(const Vec3f& outgoing, const Vec3f& f
     return sample;
 }
 
+bool Closures::needs_third_number() const {
+    return std::any_of(lobes_, lobes_ + count_, [](const Lobe& lobe) {
+        return lobe.type == LobeType::HairFibre || (lobe.type == LobeType::Glass && !is_singular(lobe));
+    });
+}
+
+Vec3f Closures::lit_side() const {
+    Vec3f side(0.0f);
+    for (int i = 0; i < count_; ++i) {
+        const Lobe& lobe = lobes_[i];
+        if (!takes_light(lobe)) continue;
+        if (refracts(lobe) || is_fibre(lobe) || lobe.type == LobeType::Translucent) return Vec3f(0.0f);
+        if (side == Vec3f(0.0f)) side = lobe.normal;
+    }
+    return side;
+}
+
 bool Closures::has_smooth_lobes() const {
-    for (int i = 0; i < count_; ++i)
-        if (!is_singular(lobes_[i]) && lobes_[i].type != LobeType::Subsurface) return true;
-    return false;
+    return std::any_of(lobes_, lobes_ + count_, takes_light);
 }
 
 Color Closures::albedo(const Vec3f& outgoing, LobeKind kind) const {

@@ -157,8 +157,14 @@ class Closures {
     Color evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal, LobeKind kind) const;
     /// Density per solid angle with which `sample` gives `incoming`; singular lobes count 0.
     float density(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
-    /// A direction; `random` in [0,1)³, z chooses the lobe. Empty where the sample fails or carries nothing.
+    /// A direction; `random` in [0,1)³. x chooses the lobe, what the choice leaves of it and y the direction. z counts
+    /// where `needs_third_number` alone. Empty where the sample fails or carries nothing.
     std::optional<LobeSample> sample(const Vec3f& outgoing, const Vec3f& facet_normal, const Vec3f& random) const;
+    /// Whether `sample` chooses more than a lobe and a direction: between what rough glass does, or ways through hair.
+    bool needs_third_number() const;
+    /// The side from which sampled lights can light the lobes: the normal of one of them; zero where some are lit from
+    /// both sides, or none is.
+    Vec3f lit_side() const;
     /// True if any lobe can be lit by sampled lights.
     bool has_smooth_lobes() const;
     /// Albedo (directional reflectance, approximate for microfacets) of the lobes of `kind`, for the colour passes.

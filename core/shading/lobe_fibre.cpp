@@ -223,12 +223,13 @@ LobeValue evaluate_fibre(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& i
 std::optional<LobeDirection> sample_fibre(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
     const Fibre fibre(lobe, outgoing);
     int path = 0;
-    float rest = random.z;
+    float rest = random.x;
     while (path + 1 < kPaths && rest >= fibre.share[static_cast<size_t>(path)])
         rest -= fibre.share[static_cast<size_t>(path++)];
-    constexpr float kLeast = 1e-5f;
+    constexpr float kLeast = 1e-5f, kMost = 1.0f - 6e-8f;
     const float share = fibre.share[static_cast<size_t>(path)];
-    const float u = std::clamp(share > 0.0f ? rest / share : 0.5f, kLeast, 1.0f);
+    const float around = share > 0.0f ? std::min(rest / share, kMost) : 0.5f;
+    const float u = std::max(random.z, kLeast);
     // Of the residual the paths inside are sampled like one reflection (as it is evaluated).
     const float v = path == 0 ? lobe.roughness : variance_of(lobe, path);
     const float mean = 1.0f + v * std::log(u + (1.0f - u) * std::exp(-2.0f / v));
@@ -236,9 +237,8 @@ std::optional<LobeDirection> sample_fibre(const Lobe& lobe, const Vec3f& outgoin
     in.sine = std::clamp(in.sine, -1.0f, 1.0f);
     in.cosine = cosine_of(in.sine);
     in = tilted(in, -lobe.tilt, path);
-    const float turn =
-        fibre.turn_out +
-        (path < 3 ? fibre.deviation(path) + TrimmedLogistic(lobe.alpha_y).sample(random.x) : 2.0f * kPi * random.x);
+    const float turn = fibre.turn_out + (path < 3 ? fibre.deviation(path) + TrimmedLogistic(lobe.alpha_y).sample(around)
+                                                  : 2.0f * kPi * around);
     LobeDirection result{
         normalized_or(fibre.x * in.sine + (fibre.y * std::cos(turn) + fibre.z * std::sin(turn)) * in.cosine, outgoing)};
     result.through = path > 0;

@@ -135,7 +135,7 @@ LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const Vec3f& outgoing, cons
 }
 
 std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
-    if (is_singular(lobe)) return sample_singular(lobe, outgoing, random.z);
+    if (is_singular(lobe)) return sample_singular(lobe, outgoing, random.x);
     const LobeFrame frame(lobe);
     const Vec3f o = frame.to_local(outgoing);
     if (!(o.z > 0.0f)) return std::nullopt;

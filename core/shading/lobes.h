@@ -34,7 +34,8 @@ bool is_shadowed_where_bent(const Lobe& lobe);
 float bump_shadow(const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming);
 /// 0 for singular lobes.
 LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side);
-/// `random` in [0,1)³. Empty where there is no such direction (total internal reflection, masked).
+/// `random` in [0,1)³; z as in Closures::needs_third_number. Empty where there is no such direction (total internal
+/// reflection, masked).
 std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random);
 /// How often the lobe should be chosen, relative to others; positive wherever the lobe's value is.
 float choice_weight(const Lobe& lobe, const Vec3f& outgoing);

@@ -64,7 +64,7 @@ void SplitClosures::add_singular(const Lobe& lobe, const Vec3f& outgoing, const 
         const bool second = random == kRefract;
         const float share = second ? 1.0f - reflected : reflected;
         if (!(share > 0.0f)) continue;
-        const std::optional<LobeDirection> direction = sample_lobe(lobe, outgoing, Vec3f(0.0f, 0.0f, random));
+        const std::optional<LobeDirection> direction = sample_lobe(lobe, outgoing, Vec3f(random, 0.0f, 0.0f));
         if (!direction) continue;
         LobeSample sample;
         sample.direction = direction->direction;

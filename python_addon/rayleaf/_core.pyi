@@ -787,12 +787,16 @@ class LightProbe:
     """The lights of a scene, asked from a position."""
 
     def __init__(self, scene: SceneDescription) -> None: ...
-    def sample(self, position: Doubles, random: Floats, lit_by: int = 0x7FFFFFFFFFFFFFFF) -> dict[str, Any]:
-        """Light sampling for random numbers (n, 3): a dictionary of direction, distance, radiance, density, delta.
+    def sample(
+        self, position: Doubles, random: Floats, lit_by: int = 0x7FFFFFFFFFFFFFFF, normal: Doubles | None = None
+    ) -> dict[str, Any]:
+        """Light sampling for random numbers (n, 2): a dictionary of direction, distance, radiance, density, delta.
 
-        A sample that carries nothing has density 0.
+        A sample that carries nothing has density 0. `normal` (3,): of a surface there that is lit from that side.
         """
-    def look(self, position: Doubles, directions: Doubles, lit_by: int = 0x7FFFFFFFFFFFFFFF) -> tuple[Floats, Floats]:
+    def look(
+        self, position: Doubles, directions: Doubles, lit_by: int = 0x7FFFFFFFFFFFFFFF, normal: Doubles | None = None
+    ) -> tuple[Floats, Floats]:
         """What shines from directions (n, 3): radiance, and the density with which light sampling chooses them."""
     def count(self) -> int:
         """How many lights there are: each lamp, emitting element, and the world if it is sampled."""

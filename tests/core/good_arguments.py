@@ -20,6 +20,7 @@ PATCH_SPLINE = (PATCH, (2, False, False, False), (2, False, False, False), True,
 CURVE = np.array([[0.0, 0, 0, 1], [1, 0, 0, 1], [1, 1, 0, 2], [2, 1, 0, 1]])
 T = np.array([0.25, 0.5])
 NUMBERS = np.array([[0.25, 0.5], [0.75, 0.125]], np.float32)
+PAIRS = np.array([[0.25, 0.5], [0.75, 0.125]], np.float32)
 TRIPLES = np.array([[0.25, 0.5, 0.5], [0.75, 0.125, 0.5]], np.float32)
 UP, ROWS = (0.0, 0.0, 1.0), [(1.0, 0.0, 0.0)] * 4
 SURFACE_ROWS = [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)]

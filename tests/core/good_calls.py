@@ -18,12 +18,12 @@ from core.good_arguments import (
     HAIR,
     INSTANCES,
     NUMBERS,
+    PAIRS,
     PATCH,
     RAYS,
     SPLINES,
     T,
     TRIANGLE,
-    TRIPLES,
     chain,
     ctor,
     in_temporary,
@@ -273,10 +273,15 @@ CALLS: dict[str, Call] = {
     ),
     "LightProbe": later(_core.LightProbe, scene=scene),
     "LightProbe.sample": method(
-        lambda: _core.LightProbe(scene()), "sample", position=np.array(UP), random=TRIPLES, lit_by=1
+        lambda: _core.LightProbe(scene()), "sample", position=np.array(UP), random=PAIRS, lit_by=1, normal=np.array(UP)
     ),
     "LightProbe.look": method(
-        lambda: _core.LightProbe(scene()), "look", position=np.array(UP), directions=RAYS["directions"], lit_by=1
+        lambda: _core.LightProbe(scene()),
+        "look",
+        position=np.array(UP),
+        directions=RAYS["directions"],
+        lit_by=1,
+        normal=np.array(UP),
     ),
     "LightProbe.count": method(lambda: _core.LightProbe(scene()), "count"),
 }

@@ -132,7 +132,7 @@ def test_rays_to_a_light_with_a_size_share_what_it_covers(core, kind):
     probe = core.LightProbe(scene)
 
     def at(random):
-        sample = probe.sample(np.zeros(3), np.float32([[*random, 0.5]]))
+        sample = probe.sample(np.zeros(3), np.float32([random]))
         return np.float64(sample["direction"][0]), float(sample["density"][0])
 
     random = np.array([0.4, 0.6])

@@ -98,7 +98,7 @@ def light_alone_and_scattering_alone(core, scene, position):
     """Irradiance with its error, by light sampling and by cosine-weighted directions."""
     probe = core.LightProbe(scene)
     rng = np.random.default_rng(3)
-    light = probe.sample(position, (rng.random((20000, 3)) * (1 - 1e-6)).astype(np.float32))
+    light = probe.sample(position, (rng.random((20000, 2)) * (1 - 1e-6)).astype(np.float32))
     cosine = np.maximum(light["direction"][:, 2], 0)
     by_light = np.where(light["density"] > 0, light["radiance"][:, 0] * cosine / np.maximum(light["density"], 1e-30), 0)
     r = rng.random((60000, 2))

@@ -11,7 +11,7 @@ AREA_RADIANCE = POWER / 4  # times 1 / area
 
 
 def random_numbers(count, seed=1):
-    return np.random.default_rng(seed).random((count, 3)).astype(np.float32).clip(0, np.float32(1 - 2**-24))
+    return np.random.default_rng(seed).random((count, 2)).astype(np.float32).clip(0, np.float32(1 - 2**-24))
 
 
 def sphere_directions(count, seed=2):
@@ -355,7 +355,7 @@ def test_a_lamp_is_chosen_by_what_its_nodes_make_of_its_strength(core, kind):
     scene.add_lamp("weak", kind, matrix((-2, 0, 4)), (1, 1, 1), **away)
     strong = emission(core, strength=1000.0)
     scene.add_lamp("strong", kind, matrix((2, 0, 4)), (1, 1, 1), emission=strong, **away)
-    random = np.random.default_rng(3).random((2000, 3)).astype(np.float32)
+    random = np.random.default_rng(3).random((2000, 2)).astype(np.float32)
     chosen = core.LightProbe(scene).sample(np.array([0.0, 0, 0]), random)
     # Suns are chosen by their irradiance for half of all choices, and evenly for the others.
     least = 0.7 if kind == "SUN" else 0.95

@@ -95,7 +95,7 @@ def test_any_other_world_has_the_table_that_was_asked_for(core, color):
 def test_what_is_sampled_has_the_density_that_is_told_and_follows_the_light(core, color):
     world = World(core)
     probe = core.LightProbe(world.scene_of(color(world)))
-    random = np.random.default_rng(3).random((20_000, 3)).astype(np.float32).clip(0, np.float32(1 - 2**-24))
+    random = np.random.default_rng(3).random((20_000, 2)).astype(np.float32).clip(0, np.float32(1 - 2**-24))
     samples = probe.sample(np.zeros(3), random)
     radiance, density = probe.look(np.zeros(3), samples["direction"].astype(float))
     np.testing.assert_allclose(samples["density"], density, rtol=1e-3)
