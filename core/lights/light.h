@@ -76,7 +76,7 @@ struct LightSample {
     int lamp_group = -1;                ///< light group of the lamp; -1: none, or no lamp
     int instance = -1;                  ///< of an emitting surface; else -1
     uint16_t visibility = kVisibleAll;  ///< which kinds of rays see the light: other lobes are not lit by it
-    int blockers = -1;                  ///< whose shadows it has (LightLink)
+    int8_t blockers = -1;               ///< whose shadows it has (LightLink)
 };
 
 /// A light with a place, as a ray sees it that passes by.

@@ -217,7 +217,7 @@ std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits&
     std::optional<LightSample> light = chosen(sample, position, probability, lamp.visibility, lamp.casts_shadow);
     if (!light) return light;
     light->lamp_group = lamp.light_group;
-    light->blockers = static_cast<int>(lamp.link.blockers);
+    light->blockers = lamp.link.blockers;
     return light;
 }
 
@@ -240,7 +240,7 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint&
     std::optional<LightSample> light = chosen(*sample, position, probability, surfaces.visibility(surface), true);
     if (!light) return light;
     light->instance = static_cast<int>(surfaces.instance(surface));
-    light->blockers = static_cast<int>(surfaces.link(surface).blockers);
+    light->blockers = surfaces.link(surface).blockers;
     return light;
 }
 
