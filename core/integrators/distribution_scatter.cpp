@@ -89,10 +89,10 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
     if (scene_.lights().empty() || lobes.diffuse().size() + lobes.glossy().size() == 0) return;
     const int count = rays(branch, distribution_.light_rays);
     const uint32_t use = dimension(branch.vertex, PathDimension::Light);
+    const LitPoint at = lit(scene_, vertex);
     for (int i = 0; i < count; ++i) {
         const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
-        const std::optional<LightSample> light =
-            scene_.lights().sample(lit(scene_, vertex), sampler.get2(use), vertex.point.time);
+        const std::optional<LightSample> light = scene_.lights().sample(at, sampler.get2(use), vertex.point.time);
         if (!light) continue;
         const LitClasses lit = lit_by_classes(branch, vertex, lobes, *light, count);
         send_light(branch, vertex, *light, lit.value, lit.shares, count);

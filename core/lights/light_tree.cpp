@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <numbers>
 #include <numeric>
+#include <span>
 
 namespace rayleaf {
 
+namespace {
+
 /// Of all those lights.
-LightTree::Cone LightTree::common_cone(const std::vector<LightTreeItem>& items, std::span<const uint32_t> of) {
-    Cone result;
+LightCone common_cone(const std::vector<LightTreeItem>& items, std::span<const uint32_t> of) {
+    LightCone result{Vec3f(0.0f), 1.0f, false, false};
     Vec3d sum(0.0);
     bool all_have_axes = true;
     for (const uint32_t item : of) {
@@ -35,20 +38,18 @@ LightTree::Cone LightTree::common_cone(const std::vector<LightTreeItem>& items, 
 }
 
 /// The cosine between the light's normals and the way to a point, against `direction`, at best; `seen` as in cosines.h.
-double LightTree::Cone::at(const LitPoint& point, const Vec3d& direction, double seen) const {
-    if (axis == Vec3f(0.0f)) return 1.0;
-    const double along = -direction.dot(Vec3d(axis));
+double cosine_at_light(const LightCone& cone, const LitPoint& point, const Vec3d& direction, double seen) {
+    if (cone.axis == Vec3f(0.0f)) return 1.0;
+    const double along = -direction.dot(Vec3d(cone.axis));
     const auto side = [&](double cosine_of_axis) {
-        return narrowed(narrowed(cosine_of_axis, seen), static_cast<double>(cosine));
+        return narrowed(narrowed(cosine_of_axis, seen), static_cast<double>(cone.cosine));
     };
-    const bool within = body.intersects(point.position);
+    const bool within = cone.body.intersects(point.position);
     double best = kLeastCosine;
-    if (ahead || within) best = std::max(best, side(along));
-    if (back || within) best = std::max(best, side(-along));
+    if (cone.ahead || within) best = std::max(best, side(along));
+    if (cone.back || within) best = std::max(best, side(-along));
     return best;
 }
-
-namespace {
 
 /// Of the half angle under which a sphere is seen from a point outside.
 double seen_cosine(double radius_squared, double distance_squared) {
@@ -62,7 +63,7 @@ double LightTree::cosines(const Node& node, const LitPoint& at, const Vec3d& off
     if (!(distance_squared > node.radius_squared)) return 1.0;
     const Vec3d direction = offset / std::sqrt(distance_squared);
     const double seen = seen_cosine(node.radius_squared, distance_squared);
-    return cosine_at_surface(at.normal, direction, seen) * node.cone.at(at, direction, seen);
+    return cosine_at_surface(at.normal, direction, seen) * cosine_at_light(node.cone, at, direction, seen);
 }
 
 double LightTree::cosine(const LitPoint& at) const {

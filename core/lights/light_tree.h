@@ -16,7 +16,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace rayleaf {
@@ -81,19 +80,11 @@ class LightTree {
     size_t bytes() const;
 
   private:
-    struct Cone {
-        Vec3f axis{0, 0, 0};
-        float cosine = 1;
-        bool ahead = false, back = false;
-        Box3d body;
-
-        double at(const LitPoint& point, const Vec3d& direction, double seen) const;
-    };
     struct Node {
         Vec3d center;
         double radius_squared = 0;  ///< of the sphere about the box
         double intensity = 0;
-        Cone cone;
+        LightCone cone;
         uint32_t parent = 0;
         uint32_t left = 0;  ///< the right child follows its left sibling; 0: a leaf
         uint32_t item = 0;  ///< of a leaf
@@ -104,7 +95,6 @@ class LightTree {
 
     bool is_linked(size_t node, LightSets lit_by) const { return sets_.empty() || (sets_[node] & lit_by) != 0; }
     double irradiance(size_t index, const LitPoint& at, int depth) const;
-    static Cone common_cone(const std::vector<LightTreeItem>& items, std::span<const uint32_t> of);
     void gather_sets(const std::vector<LightTreeItem>& items);
     void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
                uint32_t node, const CancelToken& cancel);
