@@ -1,4 +1,5 @@
-// Cosines by which a light is chosen: of the angle at the light, or at the point that it shines on, at best.
+// Cosines by which a light is chosen: of the angle at the light, or at the point that it shines on, at best. In single
+// precision: they are weights of a choice, and whoever asks for a density computes the same ones again.
 #pragma once
 
 #include "base/vector.h"
@@ -10,20 +11,33 @@ namespace rayleaf {
 
 /// Cosines that are less count as this, so that no light that may arrive is never chosen: normals of curved surfaces
 /// and of bumps are estimates.
-constexpr double kLeastCosine = 0.05;
+constexpr float kLeastCosine = 0.05f;
 
-/// The cosine of an angle that is made smaller by another, down to none; both by their cosines.
-inline double narrowed(double cosine, double by) {
-    if (cosine >= by) return 1.0;
-    const double sines = (1.0 - cosine * cosine) * (1.0 - by * by);
-    return cosine * by + std::sqrt(std::max(0.0, sines));
+/// The half angle of a cone, 0 to pi.
+struct HalfAngle {
+    float cosine = 1, sine = 0;
+
+    static HalfAngle of_cosine(float cosine) { return {cosine, std::sqrt(std::max(0.0f, 1.0f - cosine * cosine))}; }
+    static HalfAngle of_sine(float sine) { return {std::sqrt(std::max(0.0f, 1.0f - sine * sine)), sine}; }
+    /// The sum of both, at most pi.
+    HalfAngle operator+(const HalfAngle& other) const {
+        const float sum = sine * other.cosine + cosine * other.sine;
+        if (sum < 0.0f) return {-1.0f, 0.0f};
+        return {cosine * other.cosine - sine * other.sine, sum};
+    }
+};
+
+/// The cosine of an angle that is made smaller by another, down to none.
+inline float narrowed(float cosine, const HalfAngle& by) {
+    if (cosine >= by.cosine) return 1.0f;
+    return cosine * by.cosine + std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) * by.sine;
 }
 
-/// At a point with unit `normal`, of light from a cone about unit `direction` whose half angle has the cosine `seen`; 1
-/// where the normal is zero, which stands for all directions.
-inline double cosine_at_surface(const Vec3f& normal, const Vec3d& direction, double seen) {
-    if (normal == Vec3f(0.0f)) return 1.0;
-    return std::max(kLeastCosine, narrowed(direction.dot(Vec3d(normal)), seen));
+/// At a point with unit `normal`, of light from a cone of half angle `seen` about unit `direction`; 1 where the normal
+/// is zero, which stands for all directions.
+inline float cosine_at_surface(const Vec3f& normal, const Vec3f& direction, const HalfAngle& seen) {
+    if (normal == Vec3f(0.0f)) return 1.0f;
+    return std::max(kLeastCosine, narrowed(direction.dot(normal), seen));
 }
 
 }  // namespace rayleaf

@@ -1,7 +1,5 @@
 #include "lights/light_tree.h"
 
-#include "lights/cosines.h"
-
 #include <algorithm>
 #include <numbers>
 #include <numeric>
@@ -37,34 +35,7 @@ LightCone common_cone(const std::vector<LightTreeItem>& items, std::span<const u
     return result;
 }
 
-/// The cosine between the light's normals and the way to a point, against `direction`, at best; `seen` as in cosines.h.
-double cosine_at_light(const LightCone& cone, const LitPoint& point, const Vec3d& direction, double seen) {
-    if (cone.axis == Vec3f(0.0f)) return 1.0;
-    const double along = -direction.dot(Vec3d(cone.axis));
-    const auto side = [&](double cosine_of_axis) {
-        return narrowed(narrowed(cosine_of_axis, seen), static_cast<double>(cone.cosine));
-    };
-    const bool within = cone.body.intersects(point.position);
-    double best = kLeastCosine;
-    if (cone.ahead || within) best = std::max(best, side(along));
-    if (cone.back || within) best = std::max(best, side(-along));
-    return best;
-}
-
-/// Of the half angle under which a sphere is seen from a point outside.
-double seen_cosine(double radius_squared, double distance_squared) {
-    return std::sqrt(1.0 - radius_squared / distance_squared);
-}
-
 }  // namespace
-
-/// At best, of the light's normals and of the point's; 1 where the point is in the node's sphere.
-double LightTree::cosines(const Node& node, const LitPoint& at, const Vec3d& offset, double distance_squared) {
-    if (!(distance_squared > node.radius_squared)) return 1.0;
-    const Vec3d direction = offset / std::sqrt(distance_squared);
-    const double seen = seen_cosine(node.radius_squared, distance_squared);
-    return cosine_at_surface(at.normal, direction, seen) * cosine_at_light(node.cone, at, direction, seen);
-}
 
 double LightTree::cosine(const LitPoint& at) const {
     if (nodes_.empty()) return 0.0;
@@ -72,8 +43,8 @@ double LightTree::cosine(const LitPoint& at) const {
     const Vec3d offset = node.center - at.position;
     const double distance_squared = offset.length2();
     if (!(distance_squared > node.radius_squared)) return mean_cosine(at);
-    return cosine_at_surface(at.normal, offset / std::sqrt(distance_squared),
-                             seen_cosine(node.radius_squared, distance_squared));
+    const double inverse = 1.0 / std::sqrt(distance_squared);
+    return cosine_at_surface(at.normal, Vec3f(offset * inverse), seen(node, inverse));
 }
 
 LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel) : leaf_of_item_(items.size()) {
@@ -98,8 +69,9 @@ void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint3
     }
     nodes_[node].center = box.center();
     nodes_[node].radius_squared = 0.25 * box.size().length2();
+    nodes_[node].radius = static_cast<float>(std::sqrt(nodes_[node].radius_squared));
     nodes_[node].intensity = intensity;
-    nodes_[node].cone = common_cone(items, {order.data() + begin, end - begin});
+    set_cone(nodes_[node], common_cone(items, {order.data() + begin, end - begin}));
     if (end - begin == 1) {
         nodes_[node].item = order[begin];
         leaf_of_item_[order[begin]] = node;
@@ -118,6 +90,15 @@ void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint3
     nodes_[left].parent = nodes_[left + 1].parent = node;
     build(items, order, begin, middle, left, cancel);
     build(items, order, middle, end, left + 1, cancel);
+}
+
+void LightTree::set_cone(Node& node, const LightCone& cone) {
+    node.axis = cone.axis;
+    node.spread = HalfAngle::of_cosine(std::clamp(cone.cosine, -1.0f, 1.0f));
+    node.ahead = cone.ahead;
+    if (cone.ahead && cone.back) return;
+    node.body = static_cast<int32_t>(bodies_.size());
+    bodies_.push_back(cone.body);
 }
 
 void LightTree::gather_sets(const std::vector<LightTreeItem>& items) {
@@ -152,7 +133,7 @@ LightTree::Light LightTree::light(uint32_t item) const {
 
 size_t LightTree::bytes() const {
     return nodes_.capacity() * sizeof(Node) + leaf_of_item_.capacity() * sizeof(uint32_t) +
-           sets_.capacity() * sizeof(LightSets);
+           bodies_.capacity() * sizeof(Box3d) + sets_.capacity() * sizeof(LightSets);
 }
 
 }  // namespace rayleaf

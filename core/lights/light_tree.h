@@ -10,9 +10,12 @@
 
 #include "base/cancel.h"
 #include "base/vector.h"
+#include "lights/cosines.h"
 #include "lights/light_linking.h"
 #include "rays/ray.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -84,17 +87,23 @@ class LightTree {
         Vec3d center;
         double radius_squared = 0;  ///< of the sphere about the box
         double intensity = 0;
-        LightCone cone;
+        float radius = 0;     ///< of the sphere
+        Vec3f axis{0, 0, 0};  ///< LightCone's
+        HalfAngle spread;     ///< between the axis and a normal, at most
+        int32_t body = -1;    ///< in `bodies_`, where one side alone is seen from outside; -1: both are
+        bool ahead = true;    ///< the side that is seen
         uint32_t parent = 0;
         uint32_t left = 0;  ///< the right child follows its left sibling; 0: a leaf
         uint32_t item = 0;  ///< of a leaf
     };
     std::vector<Node> nodes_;
     std::vector<uint32_t> leaf_of_item_;
+    std::vector<Box3d> bodies_;
     std::vector<LightSets> sets_;  ///< per node, of all its lights; empty where all shine on all
 
     bool is_linked(size_t node, LightSets lit_by) const { return sets_.empty() || (sets_[node] & lit_by) != 0; }
     double irradiance(size_t index, const LitPoint& at, int depth) const;
+    void set_cone(Node& node, const LightCone& cone);
     void gather_sets(const std::vector<LightTreeItem>& items);
     void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
                uint32_t node, const CancelToken& cancel);
@@ -106,10 +115,26 @@ class LightTree {
         // Inside a node the distance says nothing; half its radius is as good a guess as any.
         const Vec3d offset = node.center - at.position;
         const double distance_squared = offset.length2();
-        return node.intensity * cosines(node, at, offset, distance_squared) /
-               std::max({distance_squared, 0.25 * node.radius_squared, kNearest});
+        if (!(distance_squared > node.radius_squared))
+            return node.intensity / std::max({distance_squared, 0.25 * node.radius_squared, kNearest});
+        const double inverse = 1.0 / std::sqrt(distance_squared);
+        return node.intensity * cosines(node, at, offset, inverse) * std::min(inverse * inverse, 1.0 / kNearest);
     }
-    static double cosines(const Node& node, const LitPoint& at, const Vec3d& offset, double distance_squared);
+    /// The half angle under which a node's sphere is seen from a point outside.
+    static HalfAngle seen(const Node& node, double inverse_distance) {
+        return HalfAngle::of_sine(node.radius * static_cast<float>(inverse_distance));
+    }
+    /// At best, of the lights' normals and of the point's; from outside the node's sphere.
+    float cosines(const Node& node, const LitPoint& at, const Vec3d& offset, double inverse_distance) const {
+        const Vec3f direction(offset * inverse_distance);
+        const HalfAngle cone = seen(node, inverse_distance);
+        const float at_point = cosine_at_surface(at.normal, direction, cone);
+        if (node.axis == Vec3f(0.0f)) return at_point;
+        const float along = -direction.dot(node.axis);
+        const bool both = node.body < 0 || bodies_[static_cast<size_t>(node.body)].intersects(at.position);
+        const float at_light = narrowed(both ? std::abs(along) : node.ahead ? along : -along, cone + node.spread);
+        return at_point * std::max(kLeastCosine, at_light);
+    }
     /// Probability of the left child.
     template <typename Reaches>
     double left_share(const Node& node, const LitPoint& at, const Reaches& reaches) const {

@@ -7,6 +7,7 @@ Sun::Sun(const Lamp& lamp) : towards_(normalized_or(lamp.to_world.z, Vec3d(0, 0,
     const double half_sine = std::sin(0.5 * radius);
     one_minus_cosine_ = 2.0 * half_sine * half_sine;
     sine_squared_ = std::sin(radius) * std::sin(radius);
+    half_angle_ = {static_cast<float>(std::cos(radius)), static_cast<float>(std::sin(radius))};
     solid_angle_ = 2.0 * std::numbers::pi * one_minus_cosine_;
     if (solid_angle_ > kSmallestSolidAngle) radiance_ = Color(Vec3d(irradiance_) / solid_angle_);
     if (!(solid_angle_ > kSmallestSolidAngle) || !is_usable(radiance_)) solid_angle_ = 0;

@@ -22,7 +22,7 @@ class Sun {
     /// W/m² as one number; for the choice of a light.
     double irradiance() const { return max_abs(irradiance_); }
     /// As cosine_at_surface.
-    double cosine(const Vec3f& normal) const { return cosine_at_surface(normal, towards_, 1.0 - one_minus_cosine_); }
+    double cosine(const Vec3f& normal) const { return cosine_at_surface(normal, Vec3f(towards_), half_angle_); }
 
   private:
     Vec3d towards_;  ///< unit, from the scene to the sun
@@ -30,6 +30,7 @@ class Sun {
     Color radiance_{0, 0, 0};
     double one_minus_cosine_;  ///< of the disk's angular radius
     double sine_squared_;      ///< of the same
+    HalfAngle half_angle_;     ///< the same
     double solid_angle_;       ///< 0: a delta light
 };
 

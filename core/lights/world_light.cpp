@@ -8,6 +8,10 @@ namespace {
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 /// Share of samples that are uniform over the sphere, whatever the table says.
 constexpr double kUniformShare = 0.02;
+/// By how much a coarser table may raise the second moment of what a sample counts, as a factor.
+constexpr double kMostLoss = 1.01;
+/// Fewer rows are not worth joining.
+constexpr int kLeastHeight = 16;
 /// Radiance is looked up at this many places along each side of a cell.
 constexpr int kLookupsPerSide = 2;
 constexpr size_t kLookupsPerCell = kLookupsPerSide * kLookupsPerSide;
@@ -40,10 +44,31 @@ void cumulate(const double* weights, int count, float* cumulated) {
     cumulated[count] = 1.0f;
 }
 
-/// The cell of [0, 1) that `random` falls into, and how far into it.
-int find_cell(const float* cumulated, int count, float random, double& within) {
-    const float* above = std::upper_bound(cumulated + 1, cumulated + count, random);
-    const auto cell = static_cast<int>(above - cumulated) - 1;
+/// Where a search among `count` cells begins: [0, 1) is cut into so many even parts.
+int guides_of(int count) {
+    constexpr int kCellsPerGuide = 4;
+    return std::max(1, count / kCellsPerGuide);
+}
+
+/// Fills the first cell of each part.
+void fill_guide(const float* cumulated, int count, uint32_t* guide) {
+    const int parts = guides_of(count);
+    uint32_t cell = 0;
+    for (int i = 0; i < parts; ++i) {
+        const float begin = static_cast<float>(i) / static_cast<float>(parts);
+        while (cell + 1 < static_cast<uint32_t>(count) && cumulated[cell + 1] <= begin) ++cell;
+        guide[i] = cell;
+    }
+}
+
+/// The cell of [0, 1) that `random` falls into, and how far into it: two steps from its guide, in the mean over all
+/// numbers, however uneven the cells.
+int find_cell(const float* cumulated, const uint32_t* guide, int count, float random, double& within) {
+    const int parts = guides_of(count);
+    const int part = std::min(static_cast<int>(random * static_cast<float>(parts)), parts - 1);
+    auto cell = static_cast<int>(guide[part]);
+    while (cell > 0 && cumulated[cell] > random) --cell;  // the product was rounded up
+    while (cell + 1 < count && cumulated[cell + 1] <= random) ++cell;
     within =
         (static_cast<double>(random) - cumulated[cell]) / (static_cast<double>(cumulated[cell + 1]) - cumulated[cell]);
     return cell;
@@ -106,7 +131,7 @@ RowRadiance row_radiance(const WorldEmissions& world, const std::vector<Vec3f>& 
 
 }  // namespace
 
-WorldLight::WorldLight(const WorldEmissions& world, int width, const CancelToken& cancel)
+WorldLight::WorldLight(const WorldEmissions& world, int width, WorldShare share, const CancelToken& cancel)
     : width_(std::max(width, 2)), height_(std::max(width / 2, 1)) {
     std::vector<double> weights(static_cast<size_t>(width_) * height_), row_weights(height_), lows(height_),
         highs(height_);
@@ -126,25 +151,79 @@ WorldLight::WorldLight(const WorldEmissions& world, int width, const CancelToken
     });
     double total = 0;
     for (const double weight : row_weights) total += weight;
-    mean_ = total / (2.0 * width_);
     const double low = *std::min_element(lows.begin(), lows.end()),
                  high = *std::max_element(highs.begin(), highs.end());
     is_uniform_ = !(total > 0) || !std::isfinite(total) || low == high;
     if (is_uniform_) return;
 
-    rows_.resize(static_cast<size_t>(height_) + 1);
-    cells_.resize(static_cast<size_t>(height_) * (static_cast<size_t>(width_) + 1));
+    const double mean = total / (2.0 * width_), left_out = share == WorldShare::AboveMean ? mean : 0.0;
+    total = 0;
     for (int y = 0; y < height_; ++y) {
         const double area = heights_[y] - heights_[y + 1];
-        double* of_row = weights.data() + static_cast<size_t>(y) * width_;
-        row_weights[y] = 0;
         for (int x = 0; x < width_; ++x) {
-            of_row[x] += area * mean_ * kUniformShare;
-            row_weights[y] += of_row[x];
+            double& weight = weights[static_cast<size_t>(y) * width_ + x];
+            weight = std::max(0.0, weight - area * left_out) + area * mean * kUniformShare;
+            total += weight;
         }
-        cumulate(of_row, width_, cells_.data() + static_cast<size_t>(y) * (static_cast<size_t>(width_) + 1));
+    }
+    mean_ = total / (2.0 * width_);
+    coarsen(weights);
+    fill_tables(weights);
+}
+
+/// Joins cells, two by two each way, as long as that costs nearly nothing: a small table stays in the processor's
+/// caches.
+void WorldLight::coarsen(std::vector<double>& weights) {
+    double loss = 1.0;
+    while (width_ % 2 == 0 && height_ % 2 == 0 && height_ / 2 >= kLeastHeight) {
+        const int columns = width_ / 2, rows = height_ / 2;
+        std::vector<double> joined(static_cast<size_t>(columns) * static_cast<size_t>(rows));
+        double total = 0, squares = 0;  // of the weights; of the ratio to what they are sampled by, times the weight
+        for (int y = 0; y < rows; ++y) {
+            const double* const upper = weights.data() + size_t{2} * y * width_;
+            const double areas[2] = {heights_[2 * y] - heights_[2 * y + 1], heights_[2 * y + 1] - heights_[2 * y + 2]};
+            for (int x = 0; x < columns; ++x) {
+                double sum = 0, square = 0;
+                for (int i = 0; i < 2; ++i)
+                    for (int k = 0; k < 2; ++k) {
+                        const double weight = upper[i * width_ + 2 * x + k];
+                        sum += weight;
+                        square += weight * weight / areas[i];
+                    }
+                joined[static_cast<size_t>(y) * static_cast<size_t>(columns) + static_cast<size_t>(x)] = sum;
+                total += sum;
+                squares += square * 2.0 * (areas[0] + areas[1]) / sum;
+            }
+        }
+        loss *= squares / total;
+        if (!(loss <= kMostLoss)) return;
+        weights = std::move(joined);
+        width_ = columns;
+        height_ = rows;
+        for (int y = 0; y <= height_; ++y) heights_[y] = heights_[2 * y];
+        heights_.resize(static_cast<size_t>(height_) + 1);
+    }
+}
+
+void WorldLight::fill_tables(const std::vector<double>& weights) {
+    std::vector<double> row_weights(height_);
+    rows_.resize(static_cast<size_t>(height_) + 1);
+    cells_.resize(static_cast<size_t>(height_) * (static_cast<size_t>(width_) + 1));
+    row_guide_.resize(static_cast<size_t>(guides_of(height_)));
+    cell_guides_.resize(guide_of_row(height_));
+    for (int y = 0; y < height_; ++y) {
+        const double* const of_row = weights.data() + static_cast<size_t>(y) * width_;
+        for (int x = 0; x < width_; ++x) row_weights[y] += of_row[x];
+        float* const cells = cells_.data() + static_cast<size_t>(y) * (static_cast<size_t>(width_) + 1);
+        cumulate(of_row, width_, cells);
+        fill_guide(cells, width_, cell_guides_.data() + guide_of_row(y));
     }
     cumulate(row_weights.data(), height_, rows_.data());
+    fill_guide(rows_.data(), height_, row_guide_.data());
+}
+
+size_t WorldLight::guide_of_row(int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(guides_of(width_));
 }
 
 double WorldLight::cell_density(int x, int y) const {
@@ -156,8 +235,8 @@ double WorldLight::cell_density(int x, int y) const {
 
 LampSample WorldLight::sample(const Vec2f& random) const {
     double x_within = 0, y_within = 0;
-    const int y = find_cell(rows_.data(), height_, random.y, y_within);
-    const int x = find_cell(row(y), width_, random.x, x_within);
+    const int y = find_cell(rows_.data(), row_guide_.data(), height_, random.y, y_within);
+    const int x = find_cell(row(y), cell_guides_.data() + guide_of_row(y), width_, random.x, x_within);
     const double top = heights_[y], bottom = heights_[y + 1];
     LampSample sample;
     sample.direction = direction_of(kTwoPi * (x + x_within) / width_, top + (bottom - top) * y_within);
@@ -176,7 +255,8 @@ double WorldLight::density(const Vec3f& direction) const {
 }
 
 size_t WorldLight::bytes() const {
-    return (rows_.capacity() + cells_.capacity()) * sizeof(float) + heights_.capacity() * sizeof(double);
+    return (rows_.capacity() + cells_.capacity()) * sizeof(float) + heights_.capacity() * sizeof(double) +
+           (row_guide_.capacity() + cell_guides_.capacity()) * sizeof(uint32_t);
 }
 
 }  // namespace rayleaf

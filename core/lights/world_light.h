@@ -2,6 +2,10 @@
 //
 // Inside a cell the density is constant per solid angle (longitude and height are uniform there), so that the density
 // asked for a direction is exactly the one it is sampled with. A small share is uniform, for what the table missed.
+//
+// Where scattered rays find the world as well and both are weighed, light is better sampled where the world is brighter
+// than its mean, and the rest is left to them (O. Karlik et al.: MIS Compensation: Optimizing Sampling Techniques in
+// Multiple Importance Sampling, SIGGRAPH Asia 2019, the part on image-based lighting).
 #pragma once
 
 #include "base/content_hash.h"
@@ -10,6 +14,7 @@
 #include "lights/light.h"
 
 #include <compare>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -17,10 +22,17 @@
 
 namespace rayleaf {
 
+/// Which part of the world's light is sampled; of the rest, a small share.
+enum class WorldShare : uint8_t {
+    All,
+    AboveMean  ///< scattered rays find the rest
+};
+
 /// All that a world's table depends on.
 struct WorldLightKey {
     ContentHash world{};
     int width = 0;
+    WorldShare share = WorldShare::All;
     auto operator<=>(const WorldLightKey&) const = default;  // NOLINT(modernize-use-nullptr): it has no pointers
 };
 
@@ -29,15 +41,16 @@ using WorldEmissions = std::function<void(std::span<const Vec3f> directions, Col
 
 class WorldLight {
   public:
-    /// `width` cells around, half as many from pole to pole. Throws Cancelled soon after `cancel` says so.
-    WorldLight(const WorldEmissions& world, int width, const CancelToken& cancel);
+    /// At most `width` cells around, half as many from pole to pole: fewer where more would tell next to nothing.
+    /// Throws Cancelled soon after `cancel` says so.
+    WorldLight(const WorldEmissions& world, int width, WorldShare share, const CancelToken& cancel);
 
     /// True where the table found nothing, or the same everywhere: scattering alone samples such a world.
     bool is_uniform() const { return is_uniform_; }
     /// A direction with its density; the radiance is left to the caller.
     LampSample sample(const Vec2f& random) const;
     double density(const Vec3f& direction) const;
-    /// Irradiance of a point from the mean world, as one number; for the choice of a light.
+    /// Irradiance of a point from what is sampled of the mean world, as one number; for the choice of a light.
     double irradiance() const { return mean_ * std::numbers::pi; }
     size_t bytes() const;
 
@@ -46,10 +59,15 @@ class WorldLight {
     std::vector<double> heights_;  ///< z of the rows' borders, from 1 down to -1
     std::vector<float> rows_;      ///< cumulated, height + 1 of them
     std::vector<float> cells_;     ///< per row, width + 1 of them
+    /// By parts of [0, 1), the first row or cell there; of cells, row after row.
+    std::vector<uint32_t> row_guide_, cell_guides_;
     double mean_ = 0;
     bool is_uniform_ = true;
 
     const float* row(int y) const { return cells_.data() + static_cast<size_t>(y) * (static_cast<size_t>(width_) + 1); }
+    void coarsen(std::vector<double>& weights);
+    void fill_tables(const std::vector<double>& weights);
+    size_t guide_of_row(int y) const;
     double cell_density(int x, int y) const;
 };
 

@@ -251,9 +251,11 @@ void Scene::commit_lights(const SceneDescription& description, const Settings& s
     };
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
     std::shared_ptr<const WorldLight> table;
+    // Distribution ray tracing leaves all direct light of diffuse surfaces to sampling.
+    const WorldShare share = settings.integrator == IntegratorKind::Path ? WorldShare::AboveMean : WorldShare::All;
     if (sampled && description.world_resolution > 0)
         table = world_table(description, world_inputs(Vec3f(0, 0, 1), {}, sampled_light),
-                            settings.draft ? kDraftWorldWidth : description.world_resolution, cancel);
+                            settings.draft ? kDraftWorldWidth : description.world_resolution, share, cancel);
     world_light_group_ = description.world_light_group;
     world_visibility_ = description.world_visibility;
     world_lit_by_ = description.world_lit_by;

@@ -49,17 +49,18 @@ void emissions_of(const Program& world, const ShadingInputs& inputs, std::span<c
 }  // namespace
 
 std::shared_ptr<const WorldLight> world_table(const SceneDescription& description, const ShadingInputs& inputs,
-                                              int most, const CancelToken& cancel) {
+                                              int most, WorldShare share, const CancelToken& cancel) {
     WorldLightStore& store = description.parts->world_lights;
     WorldLightKey key = world_light_key(description, *inputs.camera);
     key.width = std::min(key.width, most);
+    key.share = share;
     store.next_user();
     std::shared_ptr<const WorldLight> table = store.find(key);
     if (table) return table;
     const auto emissions = [&](std::span<const Vec3f> directions, Color* radiances) {
         emissions_of(*description.world, inputs, directions, radiances);
     };
-    table = std::make_shared<const WorldLight>(emissions, key.width, cancel);
+    table = std::make_shared<const WorldLight>(emissions, key.width, share, cancel);
     store.keep(key, table);
     return table;
 }

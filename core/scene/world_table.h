@@ -13,6 +13,6 @@ namespace rayleaf {
 /// `inputs` are those of the world's program but for the direction; `most`: no wider than this. Throws Cancelled soon
 /// after `cancel` says so.
 std::shared_ptr<const WorldLight> world_table(const SceneDescription& description, const ShadingInputs& inputs,
-                                              int most, const CancelToken& cancel);
+                                              int most, WorldShare share, const CancelToken& cancel);
 
 }  // namespace rayleaf

@@ -1,4 +1,4 @@
-"""The table by which the world is sampled is as fine as the world may be, and what it samples adds up."""
+"""The table by which the world is sampled is as fine as the world needs, and what it samples adds up."""
 
 from typing import Any
 
@@ -49,7 +49,7 @@ class World:
         return self.scene
 
 
-AS_FINE_AS_THE_PICTURE = {
+OF_PICTURES = {
     "the picture": lambda w: w.seen(),
     "turned": lambda w: w.seen(w.mapped()),
     "turned back, all lengths the same": lambda w: w.seen(w.mapped(scale=(2, 2, 2, 1), text="TEXTURE")),
@@ -59,7 +59,7 @@ AS_FINE_AS_THE_PICTURE = {
         "mix", [w.path(), w.seen(), w.numbers(0.1)], ints=[0, 0], text="MIX"
     ),
 }
-ANY = {
+OTHERS = {
     "stretched": lambda w: w.seen(w.mapped(scale=(1, 1, 9, 1))),
     "moved": lambda w: w.seen(w.mapped(location=0.5)),
     "in a ball": lambda w: w.seen(projection=1),
@@ -80,30 +80,57 @@ def table_bytes(core, color: Any) -> int:
     return int(session.statistics()["memory"]["lights"])
 
 
-@pytest.mark.parametrize("color", AS_FINE_AS_THE_PICTURE.values(), ids=AS_FINE_AS_THE_PICTURE.keys())
-def test_a_world_of_pictures_has_a_table_twice_as_fine(core, color):
+@pytest.mark.parametrize("color", OF_PICTURES.values(), ids=OF_PICTURES.keys())
+def test_a_world_of_pictures_has_a_table_at_most_twice_as_fine(core, color):
     cells = 2 * PICTURE.shape[1] * PICTURE.shape[0] * 2
-    assert 4 * cells <= table_bytes(core, color) < 1.3 * 4 * cells
+    assert table_bytes(core, color) < 1.6 * 4 * cells, "sums for each cell, and a guide for every fourth"
 
 
-@pytest.mark.parametrize("color", ANY.values(), ids=ANY.keys())
-def test_any_other_world_has_the_table_that_was_asked_for(core, color):
-    assert table_bytes(core, color) >= 4 * WIDTH * WIDTH // 2
+def test_a_world_that_changes_slowly_has_a_small_table_and_one_with_a_small_sun_a_fine_one(core):
+    def with_a_sun(world):
+        towards_sun = world.numbers(0.9999 / np.sqrt(3))  # the mean of a unit vector's components, 0.8 degrees off
+        sun = world.program.operation("math", [world.direction, towards_sun], ints=[0], text="GREATER_THAN")
+        return world.program.operation("mix", [world.numbers(0.9), world.direction, sun], ints=[0, 0], text="ADD")
+
+    full = 4 * WIDTH * WIDTH // 2
+    assert table_bytes(core, lambda world: world.direction) < full / 20
+    assert table_bytes(core, with_a_sun) >= full / 5
 
 
-@pytest.mark.parametrize("color", [AS_FINE_AS_THE_PICTURE["turned"], ANY["beside noise"]], ids=["picture", "noise"])
-def test_what_is_sampled_has_the_density_that_is_told_and_follows_the_light(core, color):
+def probe_world(core, color):
+    """What is sampled of a world: its brightness there, the density, and the mean brightness of all directions."""
     world = World(core)
     probe = core.LightProbe(world.scene_of(color(world)))
     random = np.random.default_rng(3).random((20_000, 2)).astype(np.float32).clip(0, np.float32(1 - 2**-24))
     samples = probe.sample(np.zeros(3), random)
     radiance, density = probe.look(np.zeros(3), samples["direction"].astype(float))
-    np.testing.assert_allclose(samples["density"], density, rtol=1e-3)
-    brightness = radiance[:, :3].max(1)
-    # Equal where the density follows the light; over cells at the box's border the light falls by a factor of 200.
-    shares = brightness / density
-    assert shares.std() < 0.35 * shares.mean()
+    # Directions pass through floats: on a cell's border the neighbour may answer.
+    assert np.isclose(samples["density"], density, rtol=1e-3)[samples["density"] > 0].mean() > 0.999
     even = np.random.default_rng(4).normal(size=(100_000, 3))
     even /= np.linalg.norm(even, axis=1, keepdims=True)
-    all_around = probe.look(np.zeros(3), even)[0][:, :3].max(1).mean() * 4 * np.pi
-    assert shares.mean() == pytest.approx(all_around, rel=0.03)
+    mean = probe.look(np.zeros(3), even)[0][:, :3].max(1).mean()
+    return radiance[:, :3].max(1), density, mean
+
+
+# Not of worlds that show the camera something else than others, whose light is sampled.
+SEEN_ALIKE = {
+    name: color
+    for name, color in (OF_PICTURES | OTHERS).items()
+    if name not in ("for the camera alone", "by the window")
+}
+
+
+@pytest.mark.parametrize("color", SEEN_ALIKE.values(), ids=SEEN_ALIKE.keys())
+def test_what_is_sampled_follows_the_light_above_its_mean(core, color):
+    brightness, density, mean = probe_world(core, color)
+    wanted = np.maximum(brightness - mean, 0) + 0.02 * mean
+    # Equal where the density follows it; over cells at the box's border the light falls by a factor of 200.
+    shares = wanted / density
+    assert shares.std() < 0.35 * shares.mean()
+
+
+@pytest.mark.parametrize("color", [OF_PICTURES["turned"], OTHERS["beside noise"]], ids=["picture", "noise"])
+def test_what_is_sampled_adds_up_to_all_light(core, color):
+    brightness, density, mean = probe_world(core, color)
+    shares = brightness / density
+    assert shares.mean() == pytest.approx(mean * 4 * np.pi, abs=4 * shares.std() / np.sqrt(len(shares)))
