@@ -89,7 +89,7 @@ struct LightSet::Implementation {
     }
     LightGroups::Weight world_weight(const LitPoint& at) const {
         const double cosine = mean_cosine(at);
-        return {0.5 * (1.0 + cosine), world->irradiance() * cosine};
+        return {0.5 * (1.0 + cosine) * world->share(), world->irradiance() * cosine};
     }
     bool shines_on(const LitPoint& at, const LampTraits& lamp) const {
         return !has_links || (lamp.link.set() & at.lit_by) != 0;

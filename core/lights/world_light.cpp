@@ -167,6 +167,7 @@ WorldLight::WorldLight(const WorldEmissions& world, int width, WorldShare share,
         }
     }
     mean_ = total / (2.0 * width_);
+    share_ = mean_ / mean;
     coarsen(weights);
     fill_tables(weights);
 }

@@ -52,6 +52,8 @@ class WorldLight {
     double density(const Vec3f& direction) const;
     /// Irradiance of a point from what is sampled of the mean world, as one number; for the choice of a light.
     double irradiance() const { return mean_ * std::numbers::pi; }
+    /// Which part of the world's light is sampled; scattered rays are left to find the rest.
+    double share() const { return share_; }
     size_t bytes() const;
 
   private:
@@ -61,7 +63,7 @@ class WorldLight {
     std::vector<float> cells_;     ///< per row, width + 1 of them
     /// By parts of [0, 1), the first row or cell there; of cells, row after row.
     std::vector<uint32_t> row_guide_, cell_guides_;
-    double mean_ = 0;
+    double mean_ = 0, share_ = 1;
     bool is_uniform_ = true;
 
     const float* row(int y) const { return cells_.data() + static_cast<size_t>(y) * (static_cast<size_t>(width_) + 1); }
