@@ -1,11 +1,11 @@
 // Choice of one of many lights: a binary tree whose nodes know the power and the place of the lights below them.
 //
 // A reduced light tree (A. Conty Estevez, C. Kulla: Importance Sampling of Many Lights with Adaptive Tree Splitting,
-// HPG 2018, section 4): at each node the side is chosen in proportion to intensity over squared distance, times
-// the cosines at the lights (their orientation cones) and at the point. Without the
-// part of the paper that splits nodes. A single light may say that its light does not arrive. Cosines are bounds for a
-// node's sphere; none counts as less than kLeastCosine (lights/cosines.h). One light costs
-// O(log n), and the choice is a pure function of the point and the random number.
+// HPG 2018, section 4): at each node the side is chosen in proportion to intensity over squared distance, times the
+// cosines at the lights (their orientation cones) and at the point. Without the part of the paper that splits nodes. A
+// single light may say that its light does not arrive. Cosines are bounds for a node's sphere; none counts as less than
+// kLeastCosine (lights/cosines.h). One light costs O(log n), and the choice is a pure function of the point and the
+// random number.
 #pragma once
 
 #include "base/cancel.h"
