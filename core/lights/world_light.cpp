@@ -166,8 +166,8 @@ WorldLight::WorldLight(const WorldEmissions& world, int width, WorldShare share,
             total += weight;
         }
     }
-    mean_ = total / (2.0 * width_);
-    share_ = mean_ / mean;
+    share_ = std::min(1.0, total / (2.0 * width_ * mean));
+    mean_ = mean * share_;
     coarsen(weights);
     fill_tables(weights);
 }
