@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from rayleaf import part_render, parts
+from rayleaf import part_render, parts, statistics
 from rayleaf.names import name_of
 from rayleaf.versions import choose_file_format, compositor
 
@@ -126,16 +126,21 @@ def with_ending(output: Path, ending: str) -> Path:
 
 
 def rendered_layers(frame: int, statistics_path: Path, write_still: bool = False) -> list[dict[str, Any]]:
-    """Render one frame in Blender; what happened to each view layer. `write_still`: Blender writes the picture."""
+    """Render one frame in Blender; what happened to each view layer. `write_still`: Blender writes the picture.
+
+    Which layers a frame is made of Blender knows: compositor and sequencer may show other scenes, or none."""
     statistics_path.write_text("")
+    asked: set[tuple[str, str]] = set()
+    statistics.asked = asked
     bpy.context.scene.frame_set(frame)
     bpy.ops.render.render(write_still=write_still)
     layers = [json.loads(line) for line in statistics_path.read_text().splitlines()]
-    missing = {name_of(layer) for layer in bpy.context.scene.view_layers if layer.use} - {
-        layer["view_layer"] for layer in layers if layer["completed"]
-    }
+    missing = asked - {(layer["scene"], layer["view_layer"]) for layer in layers if layer["completed"]}
     if missing:
-        raise RuntimeError(f"frame {frame}: not rendered: {', '.join(sorted(missing))}; the messages above say why")
+        names = ", ".join(f"'{layer}' of scene '{scene}'" for scene, layer in sorted(missing))
+        raise RuntimeError(f"frame {frame}: not rendered: {names}; the messages above say why")
+    if part_render.task is not None and not asked:
+        raise RuntimeError(f"frame {frame}: its picture is made without Rayleaf, so that it has no parts")
     return layers
 
 
@@ -240,6 +245,8 @@ def rendered(options: argparse.Namespace, frame: int, output: Path, statistics_p
 
 def main() -> None:
     options = arguments()
+    if bpy.context.scene.render.engine != "RAYLEAF":  # Blender takes another where an engine is missing
+        raise RuntimeError("Blender does not know the engine RAYLEAF; the messages above say why")
     done = []
     with tempfile.TemporaryDirectory() as folder:
         statistics_path = Path(folder) / "statistics.json"

@@ -217,7 +217,7 @@ void ErrorBlocks::decide() {
     const std::vector<double> found = is_reached ? std::vector<double>(blocks_.size()) : worths();
     const double factor = is_reached ? 0.0 : samples_per_worth(found, room);
     for (size_t i = 0; i < blocks_.size(); ++i)
-        blocks_[i].needed = std::max<double>(found[i] * factor, goal_.least_samples);
+        blocks_[i].needed = std::max<double>(goal_.least_samples, found[i] * factor);
 }
 
 double ErrorBlocks::error() const {

@@ -46,19 +46,26 @@ void Film::refine(const Window& tile, std::span<const PixelValues> values, float
     }
 }
 
-void Film::divide_light() {
+void Film::hold_means() {
     const std::scoped_lock lock(mutex_);
-    for (const Pass pass : summed_) {
-        const PassRuleInfo info = rule(pass);
-        if (info.rule != PassRule::Divided) continue;
-        std::vector<float>& light = data_[static_cast<size_t>(pass)];
-        const std::vector<float>& color = data_[static_cast<size_t>(info.color)];
-        for (size_t i = 0; i < light.size(); i += 3) {
+    holds_means_ = true;
+}
+
+std::vector<float> Film::finished(Pass pass) const {
+    std::vector<float> values = data(pass);
+    if (!holds_means_) return values;
+    if (const PassRuleInfo info = rule(pass); info.rule == PassRule::Divided) {
+        const std::vector<float>& color = data(info.color);
+        for (size_t i = 0; i < values.size(); i += 3) {
             const Vec4f value =
-                divided({light[i], light[i + 1], light[i + 2], 0}, {color[i], color[i + 1], color[i + 2], 0});
-            std::copy_n(&value.x, 3, &light[i]);
+                divided({values[i], values[i + 1], values[i + 2], 0}, {color[i], color[i + 1], color[i + 2], 0});
+            std::copy_n(&value.x, 3, &values[i]);
         }
     }
+    const size_t channels = rayleaf::info(pass).channels.size();
+    if (const std::optional<size_t> share = share_of_light(pass))
+        for (size_t i = *share; i < values.size(); i += channels) values[i] = std::clamp(values[i], 0.0f, 1.0f);
+    return values;
 }
 
 void Film::add_mattes(const Window& tile, int samples, std::span<const PixelMattes> mattes) {
@@ -91,8 +98,8 @@ std::vector<float> Film::pixels(Pass pass) const {
     if (is_matte(pass)) return has(pass) ? mattes_->pixels(pass) : std::vector<float>();
     if (pass == Pass::shadow_catcher && has(pass)) return caught_share();
     if (pass == Pass::combined && has(pass) && has(Pass::footage))
-        return with_shadow(data(pass), caught_share(), data(Pass::footage));
-    return data(pass);
+        return with_shadow(finished(pass), caught_share(), data(Pass::footage));
+    return finished(pass);
 }
 
 std::vector<float> Film::caught_share() const {

@@ -33,8 +33,10 @@ class Film {
     void refine(const Window& tile, std::span<const PixelValues> values, float share);
     /// Adds so many samples of each pixel of a tile.
     void add_mattes(const Window& tile, int samples, std::span<const PixelMattes> mattes);
-    /// Divides light by its colour, pixel by pixel, once all samples are in that were put as means.
-    void divide_light();
+    /// From now on what is put and refined are plain means, of which more samples follow. What they come to is made of
+    /// them whenever a pass is read: quotients and limits of means, not means of those.
+    void hold_means();
+    bool holds_means() const { return holds_means_; }
     /// Stores values that each fill a block of pixels, clipped at the right and upper border. The tile is in units of
     /// blocks.
     void put_blocks(const Window& tile, std::span<const PixelValues> values, int size);
@@ -48,12 +50,15 @@ class Film {
     std::vector<Pass> passes_, summed_;
     std::array<std::vector<float>, kFirstMatte> data_;
     std::unique_ptr<Mattes> mattes_;  ///< null: none
+    bool holds_means_ = false;
     mutable std::mutex mutex_;
 
     /// `update(old, value)` for each channel of a rectangle's pixels.
     template <typename Update>
     void update(Pass pass, const Window& tile, std::span<const PixelValues> values, const Update& update);
     const std::vector<float>& data(Pass pass) const { return data_[static_cast<size_t>(pass)]; }
+    /// As the pass's rule has it.
+    std::vector<float> finished(Pass pass) const;
     std::vector<float> caught_share() const;
     float* at(Pass pass, int x, int y) {
         const size_t pixel = static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);

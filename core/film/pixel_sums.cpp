@@ -9,22 +9,26 @@ namespace {
 /// Sums of all passes in double precision.
 using RoundedSums = PerPass<Vec4d>;
 
-Vec4f value(Pass pass, const RoundedSums& sums, int count, bool more_follow) {
+Vec4f value(Pass pass, const RoundedSums& sums, int count, bool as_means) {
     const PassRuleInfo info = rule(pass);
     const Vec4d& sum = sums[pass];
     if (info.rule == PassRule::FirstSample) return Vec4f(sum);
     if (info.rule == PassRule::Count) return Vec4f(static_cast<float>(count));
-    if (info.rule == PassRule::Mean || more_follow) {
-        Vec4f mean(sum / std::max(count, 1));
-        // If a material transmits and scatters more light than arrives, alpha is only right as a mean of many samples.
-        if (pass == Pass::combined) mean.w = std::clamp(mean.w, 0.0f, 1.0f);
-        if (pass == Pass::mist) mean.x = std::clamp(mean.x, 0.0f, 1.0f);  // for the same reason
-        return mean;
+    if (info.rule == PassRule::Divided && !as_means) return divided(sum, sums[info.color]);
+    Vec4f mean(sum / std::max(count, 1));
+    if (const std::optional<size_t> share = share_of_light(pass); share && !as_means) {
+        float& limited = mean[static_cast<int>(*share)];
+        limited = std::clamp(limited, 0.0f, 1.0f);
     }
-    return divided(sum, sums[info.color]);
+    return mean;
 }
 
 }  // namespace
+
+std::optional<size_t> share_of_light(Pass pass) {
+    if (pass == Pass::combined) return 3;
+    return pass == Pass::mist ? std::optional<size_t>(0) : std::nullopt;
+}
 
 Vec4f divided(const Vec4d& light, const Vec4d& color) {
     constexpr double kLargest = std::numeric_limits<float>::max();
@@ -87,13 +91,13 @@ void PixelSums::clear(std::span<const Pass> passes) {
     for (const Pass pass : passes) sums_[pass].fill(ExactSum());
 }
 
-PixelValues PixelSums::values(std::span<const Pass> passes, int count, bool more_follow) const {
+PixelValues PixelSums::values(std::span<const Pass> passes, int count, bool as_means) const {
     RoundedSums rounded;
     for (const Pass pass : passes)
         for (size_t c = 0; c < 4; ++c)
             rounded[pass][static_cast<int>(c)] = c < info(pass).channels.size() ? sums_[pass][c].terms()[0] : 0.0;
     PixelValues values;
-    for (const Pass pass : passes) values[pass] = value(pass, rounded, count, more_follow);
+    for (const Pass pass : passes) values[pass] = value(pass, rounded, count, as_means);
     return values;
 }
 

@@ -5,6 +5,7 @@
 #include "film/pass.h"
 #include "film/pixel.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,10 @@ struct PassRuleInfo {
 };
 PassRuleInfo rule(Pass pass);
 
+/// The channel of a pass that is a share of the light. If a material transmits and scatters more light than arrives, it
+/// is only right as a mean of many samples, and so limited to 0 to 1 in the end.
+std::optional<size_t> share_of_light(Pass pass);
+
 /// A mean of light divided by that of a colour; 0 where there is no colour.
 Vec4f divided(const Vec4d& light, const Vec4d& color);
 
@@ -41,9 +46,9 @@ class PixelSums {
     void add(const PixelSample& sample, int number, std::span<const Pass> passes);
     void clear(std::span<const Pass> passes);
     ExactSum& sum(Pass pass, size_t channel) { return sums_[pass][channel]; }
-    /// The values of `count` samples, or of fewer if there are fewer. What is Divided is a mean still where
+    /// The values of `count` samples, or of fewer if there are fewer; `as_means`: neither divided nor limited yet, as
     /// more samples follow.
-    PixelValues values(std::span<const Pass> passes, int count, bool more_follow = false) const;
+    PixelValues values(std::span<const Pass> passes, int count, bool as_means = false) const;
 
   private:
     PerPass<std::array<ExactSum, 4>> sums_;

@@ -16,10 +16,10 @@ class TileSums {
   public:
     /// What is wanted of a tile's pixels beside their values.
     struct Wanted {
-        FilmSums* sums = nullptr;   ///< gets the sums of finished pixels; null: nobody
-        bool moments = false;       ///< what the error is estimated from
-        bool mattes = false;        ///< what each pixel shows
-        bool more_samples = false;  ///< follow, so that light is not divided yet
+        FilmSums* sums = nullptr;  ///< gets the sums of finished pixels; null: nobody
+        bool moments = false;      ///< what the error is estimated from
+        bool mattes = false;       ///< what each pixel shows
+        bool means = false;        ///< values are plain means (PixelSums::values)
     };
 
     /// `tile`: in the film.
@@ -60,7 +60,7 @@ class TileSums {
     }
     void finish_pixel() {
         const int number = static_cast<int>(values_.size());
-        values_.push_back(sums_.values(passes_, samples_.count, wanted_.more_samples));
+        values_.push_back(sums_.values(passes_, samples_.count, wanted_.means));
         if (wanted_.moments) moments_.push_back(std::exchange(pixel_moments_, {}));
         if (wanted_.mattes) mattes_.push_back(std::exchange(pixel_mattes_, {}));
         if (wanted_.sums) {

@@ -56,6 +56,7 @@ DisplacedSurface::DisplacedSurface(std::shared_ptr<const Shape> base, std::share
                                    const CancelToken& cancel)
     : Shape(ShapeKind::DisplacedSurface, base->name()), base_(std::move(base)), displacement_(std::move(displacement)) {
     object_bounds_ = base_->object_bounds();
+    texture_space_ = base_->texture_space();
     Box3d box = object_bounds_;
     const uint32_t count = base_->element_count();
     if (count > 0) {

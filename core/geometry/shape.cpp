@@ -25,6 +25,12 @@ std::vector<uint16_t> checked_material_slots(const std::string& shape, std::span
     return result;
 }
 
+void Shape::set_texture_space(const Box3d& box) {
+    if (!is_finite(box.min) || !is_finite(box.max) || box.isEmpty())
+        throw InputError(name_, "texture space", "not a box", "finite corners, the low one first");
+    texture_space_ = box;
+}
+
 void Shape::line_points(uint32_t element, float u, std::span<const float> v, PlacedPoint* points) const {
     for (size_t i = 0; i < v.size(); ++i) {
         points[i].hit = element_point(element, {u, v[i]}).hit;

@@ -98,9 +98,12 @@ class Shape {
     const LocalFrame& frame() const { return frame_; }
     /// Bounds in local space, at all times.
     const Box3f& bounds() const { return bounds_; }
-    /// Bounds in object space before normalization, in the middle of the shutter's time, for Blender's Generated
-    /// coordinates.
+    /// Bounds in object space before normalization, in the middle of the shutter's time.
     const Box3d& object_bounds() const { return object_bounds_; }
+    /// The box, in object space, in which Blender's Generated coordinates run from 0 to 1: the bounds, unless another
+    /// one is set, before anything is rendered.
+    const Box3d& texture_space() const { return texture_space_.isEmpty() ? object_bounds_ : texture_space_; }
+    void set_texture_space(const Box3d& box);
 
     /// The number of evenly spaced times of the shutter, from 0 to 1, at which the shape is given; its points go along
     /// lines in between. 1: it does not deform.
@@ -147,11 +150,16 @@ class Shape {
         hasher.add(static_cast<int>(kind_));
         for (int axis = 0; axis < 3; ++axis) hasher.add(frame_.center[axis]);
         hasher.add(frame_.scale);
+        for (int axis = 0; axis < 3; ++axis) {
+            hasher.add(texture_space_.min[axis]);
+            hasher.add(texture_space_.max[axis]);
+        }
     }
 
     LocalFrame frame_;
     Box3f bounds_;
     Box3d object_bounds_;
+    Box3d texture_space_;  ///< empty: the bounds
     size_t steps_ = 1;
 
   private:

@@ -34,7 +34,9 @@ class BlockedLights {
 
     void find_lamps() const {
         if (!scene_.lights().has_hittable_lamps_with_blockers()) return;
-        scene_.lights().lamp_hits(way_.ray, from_, way_.kind, [&](const LampHit& hit) {
+        PathState path = shadow_.state;
+        path.shadow = false;
+        scene_.lights().lamp_hits(way_.ray, from_, way_.kind, path, [&](const LampHit& hit) {
             if (hit.blockers < 0) return;
             Ray ray = way_.ray;
             ray.t_max = hit.t;

@@ -59,10 +59,22 @@ PathState Bounces::at(double length) const {
     return state;
 }
 
-PathState Bounces::of_shadow_ray() const {
+PathState Bounces::of_met_lamp() const {
     PathState state = state_;
     state.camera = state.diffuse = state.glossy = state.singular = state.reflection = state.transmission =
         state.volume = false;
+    state.depth = std::max(state.depth, 1);
+    return state;
+}
+
+PathState Bounces::of_sampled_light() const {
+    PathState state = of_met_lamp();
+    state.depth = state_.depth + 1;
+    return state;
+}
+
+PathState Bounces::of_shadow_ray() const {
+    PathState state = of_sampled_light();
     state.shadow = true;
     return state;
 }

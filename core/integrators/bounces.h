@@ -52,8 +52,11 @@ class Bounces {
     int transparent_left() const { return settings_.transparent_bounces - state_.transparent_depth; }
     /// The state at a hit `length` along the ray.
     PathState at(double length) const;
-    /// The state of a shadow ray that leaves the present vertex.
+    /// The state of a shadow ray that leaves the present vertex: one bounce further, as in Cycles.
     PathState of_shadow_ray() const;
+    /// With which a light is asked that is sampled there; and one that the ray under way meets, where that is the same.
+    PathState of_sampled_light() const;
+    PathState of_met_lamp() const;
 
   private:
     const PathSettings& settings_;

@@ -3,12 +3,12 @@
 namespace rayleaf {
 namespace {
 
-/// Scaled down so that no channel passes `limit`. Light that left the range of floats counts nothing: a single path of
-/// a pixel must not spoil the rest.
+/// Scaled down so that the mean of the channels' sizes does not pass `limit`, as in Cycles. Light that left the range
+/// of floats counts nothing: a single path of a pixel must not spoil the rest.
 Color clamped(const Color& light, float limit) {
     if (!is_finite(light)) return Color(0.0f);
-    const float largest = max_component(light);
-    return largest > limit ? light * (limit / largest) : light;
+    const float size = (std::abs(light.x) + std::abs(light.y) + std::abs(light.z)) / 3.0f;
+    return size > limit ? light * (limit / size) : light;
 }
 
 constexpr std::array kDirectPasses = {Pass::diffuse_direct, Pass::glossy_direct, Pass::transmission_direct};

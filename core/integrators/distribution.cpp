@@ -63,7 +63,7 @@ void DistributionTracer::arrive_alone(const ClosestHit& found) {
 const PixelSample& DistributionTracer::finish() {
     if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
     light_.sample[Pass::mist].x = 1.0f - light_.sample[Pass::mist].x;
-    light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
+    light_.finish(alpha_);
     return light_.sample;
 }
 
@@ -130,6 +130,7 @@ void DistributionTracer::shade(Vertex& vertex) {
     if (branch.bounces.count() == 0) record_surface(branch, vertex);
     if (settings_.feature_passes && branch.shows_features)
         branch.features.meet(scene_, vertex, hit_->t - branch.ray.t_min, light_.sample);
+    if (branch.bounces.count() == 0 && is_held_out(vertex.closures)) return;
     add_emission(branch, vertex);
     if (branch.bounces.is_spent()) return;
     if (branch.spread == Spread::One) return send_one_on(branch, *hit_, vertex);
@@ -149,7 +150,8 @@ void DistributionTracer::add_lamps(const Branch& branch, double t_max) {
     if (!scene_.lights().has_hittable_lamps() || branch.departure.sampling == LightSampling::Alone) return;
     Ray ray = branch.ray;
     ray.t_max = t_max;
-    scene_.lights().lamp_hits(ray, branch.departure.from, branch.bounces.ray_kind(), [&](const LampHit& hit) {
+    const PathState path = branch.bounces.of_met_lamp();
+    scene_.lights().lamp_hits(ray, branch.departure.from, branch.bounces.ray_kind(), path, [&](const LampHit& hit) {
         if (branch.bounces.count() > 0 && hit.blockers >= 0) return;
         add(branch, hit.radiance * branch.departure.weight(hit.density) * free_of_media(branch, hit.t), Pass::emission,
             hit.light_group);
@@ -161,7 +163,8 @@ void DistributionTracer::add_blocked_lights(const Branch& branch) {
     const FreeWay way = way_of(branch, branch.ray);
     FreeWay shadow = way;
     shadow.kind = kVisibleShadow;
-    shadow.state = branch.bounces.of_shadow_ray();
+    shadow.state = branch.bounces.of_met_lamp();
+    shadow.state.shadow = true;
     shadow.widening = settings_.widening(branch.importance(), false);
     find_blocked_lights(scene_, way, shadow, branch.departure.from, [&](const BlockedLight& light) {
         ++counts_[RayUse::Shadow];
@@ -206,7 +209,7 @@ void DistributionTracer::add_emission(const Branch& branch, const Vertex& vertex
 }
 
 void DistributionTracer::record_surface(const Branch& branch, const Vertex& vertex) {
-    if (settings_.film_transparent) alpha_ -= average(branch.throughput) * vertex.closures.holdout;
+    alpha_ -= average(branch.throughput) * vertex.closures.holdout;
     if (settings_.color_passes) light_.add_albedo(albedo_by_kind(vertex, branch.throughput));
     if (settings_.mattes) write_matte(scene_, vertex, branch.throughput, light_.sample);
     if (settings_.wants(Pass::mist)) write_mist(scene_, settings_, vertex, branch.throughput, light_.sample);

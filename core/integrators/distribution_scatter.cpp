@@ -90,9 +90,10 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
     const int count = rays(branch, distribution_.light_rays);
     const uint32_t use = dimension(branch.vertex, PathDimension::Light);
     const LitPoint at = lit(scene_, vertex);
+    const PathState path = branch.bounces.of_sampled_light();
     for (int i = 0; i < count; ++i) {
         const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
-        const std::optional<LightSample> light = scene_.lights().sample(at, sampler.get2(use), vertex.point.time);
+        const std::optional<LightSample> light = scene_.lights().sample(at, sampler.get2(use), vertex.point.time, path);
         if (!light) continue;
         const LitClasses lit = lit_by_classes(branch, vertex, lobes, *light, count);
         send_light(branch, vertex, *light, lit.value, lit.shares, count);
@@ -140,8 +141,9 @@ void DistributionTracer::scatter_glossy(const Branch& branch, const Vertex& vert
 
 void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& vertex) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    const std::optional<LightSample> light = scene_.lights().sample(
-        lit(scene_, vertex), branch.sampler.get2(dimension(branch.vertex, PathDimension::Light)), vertex.point.time);
+    const std::optional<LightSample> light =
+        scene_.lights().sample(lit(scene_, vertex), branch.sampler.get2(dimension(branch.vertex, PathDimension::Light)),
+                               vertex.point.time, branch.bounces.of_sampled_light());
     if (!light) return;
     const LitLobes lit = !lights_all_kinds(*light) ? lit_by_kind(vertex, vertex.closures, *light)
                                                    : lit_together(vertex, vertex.closures, *light);

@@ -16,6 +16,11 @@ inline bool is_opaque_enough(const Closures& closures) {
     return 1.0f - average(closures.transparency) >= kPassOpacity;
 }
 
+/// Whether the camera sees a hole there, whatever else the material has (as in Cycles).
+inline bool is_held_out(const Closures& closures) {
+    return closures.holdout >= 1.0f;
+}
+
 /// Writes Depth, Position, Normal, Vector, UV and the indices.
 void write_surface(const Scene& scene, const Vertex& vertex, PixelSample& sample);
 

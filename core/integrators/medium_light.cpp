@@ -19,9 +19,11 @@ std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, cons
     const std::optional<LitPlace> place = place_of_light(segment, throughput, passed, numbers, random);
     if (!place) return std::nullopt;
     const Vec3d position = segment.ray.at(place->t);
+    PathState path = shadow.state;
+    path.shadow = false;
     const std::optional<LightSample> light =
         lights.sample(lit_in(segment.scene, segment.media, position),
-                      sampler.get2(dimension(vertex, PathDimension::MediumLight)), segment.ray.time);
+                      sampler.get2(dimension(vertex, PathDimension::MediumLight)), segment.ray.time, path);
     if (!light || !(light->visibility & in_world_of(shadow.kind, kVisibleVolume))) return std::nullopt;
     const Vec3f outgoing = segment.outgoing();
     const float density = place->medium.density(outgoing, light->direction);

@@ -26,6 +26,22 @@ MajorantStep Majorants::at(double t) const {
     return sum;
 }
 
+namespace {
+
+/// The mean of the bound from `t` to an end that is finite.
+double mean_majorant(const Majorants& majorants, double t, double end) {
+    double sum = 0.0;
+    for (double from = t; from < end;) {
+        const MajorantStep step = majorants.at(from);
+        const double to = step.end > from ? std::min(step.end, end) : end;
+        if (step.majorant > 0.0f) sum += static_cast<double>(step.majorant) * (to - from);
+        from = to;
+    }
+    return sum / (end - t);
+}
+
+}  // namespace
+
 RoughDepth::RoughDepth(const Majorants& majorants, double end) : end_(end) {
     constexpr double kShareOfBound = 0.5;
     double t = 0.0;
@@ -33,7 +49,10 @@ RoughDepth::RoughDepth(const Majorants& majorants, double end) : end_(end) {
         const MajorantStep step = majorants.at(t);
         const bool is_last = count_ + 1 == kMost || !(step.end > t);
         const double border = is_last ? end : std::min(step.end, end);
-        const double extinction = kShareOfBound * static_cast<double>(step.majorant);
+        // The last piece stands for all that is left.
+        const bool is_many = is_last && step.end < end && std::isfinite(end);
+        const double majorant = is_many ? mean_majorant(majorants, t, end) : static_cast<double>(step.majorant);
+        const double extinction = kShareOfBound * majorant;
         pieces_[count_++] = {t, extinction, depth_};
         if (extinction > 0.0) depth_ += extinction * (border - t);
         t = border;

@@ -64,6 +64,7 @@ bool PathTracer::shade(Vertex& vertex, const VertexNumbers& numbers) {
     bounces_.simplify(vertex.closures);
     if (bounces_.count() == 0) record_surface(vertex);
     if (settings_.feature_passes) features_.meet(scene_, vertex, hit_->t - ray_.t_min, light_.sample);
+    if (bounces_.count() == 0 && is_held_out(vertex.closures)) return false;
     add_emission(vertex);
     if (bounces_.is_spent()) return false;
     if (!bounces_.is_last()) add_direct_light(vertex, numbers.light);
@@ -75,7 +76,7 @@ bool PathTracer::shade(Vertex& vertex, const VertexNumbers& numbers) {
 const PixelSample& PathTracer::finish() {
     if (settings_.surface_passes && !surface_recorded_) light_.sample[Pass::depth].x = kNoDepth;
     light_.sample[Pass::mist].x = 1.0f - light_.sample[Pass::mist].x;
-    light_.finish(settings_.film_transparent ? alpha_ : 1.0f);
+    light_.finish(alpha_);
     if (settings_.catches_shadows) divide_by_catchers();
     return light_.sample;
 }
@@ -112,7 +113,8 @@ void PathTracer::add_lamps(double t_max) {
     if (!scene_.lights().has_hittable_lamps()) return;
     Ray ray = ray_;
     ray.t_max = t_max;
-    scene_.lights().lamp_hits(ray, departure_.from, bounces_.ray_kind(), [this](const LampHit& hit) {
+    const PathState path = bounces_.of_met_lamp();
+    scene_.lights().lamp_hits(ray, departure_.from, bounces_.ray_kind(), path, [this](const LampHit& hit) {
         if (bounces_.count() > 0 && hit.blockers >= 0) return;
         add(hit.radiance * departure_.weight(hit.density) * free_of_media(hit.t), Pass::emission, hit.light_group);
     });
@@ -131,7 +133,8 @@ void PathTracer::add_blocked_lights() {
     way.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
     FreeWay shadow = way;
     shadow.kind = bounces_.kind_of_shadow_ray();
-    shadow.state = bounces_.of_shadow_ray();
+    shadow.state = bounces_.of_met_lamp();
+    shadow.state.shadow = true;
     find_blocked_lights(scene_, way, shadow, departure_.from, [this](const BlockedLight& light) {
         ++counts_[RayUse::Shadow];
         add(light.radiance * departure_.weight(light.density), Pass::emission, light.light_group);
@@ -177,7 +180,8 @@ void PathTracer::add_emission(const Vertex& vertex) {
 
 void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    std::optional<LightSample> light = scene_.lights().sample(lit(scene_, vertex), random, vertex.point.time);
+    std::optional<LightSample> light =
+        scene_.lights().sample(lit(scene_, vertex), random, vertex.point.time, bounces_.of_sampled_light());
     if (!light) return;
     if (bounces_.is_in_footage()) *light = seen_in_footage(*light);
     const bool first = bounces_.count() == 0;
@@ -222,7 +226,7 @@ void PathTracer::receive(const Color& free) {
 
 void PathTracer::record_surface(const Vertex& vertex) {
     const Closures& closures = vertex.closures;
-    if (settings_.film_transparent) alpha_ -= average(throughput_) * closures.holdout;
+    alpha_ -= average(throughput_) * closures.holdout;
     if (settings_.color_passes) light_.add_albedo(albedo_by_kind(vertex, throughput_));
     if (settings_.mattes) write_matte(scene_, vertex, throughput_, light_.sample);
     if (settings_.wants(Pass::mist)) write_mist(scene_, settings_, vertex, throughput_, light_.sample);

@@ -10,6 +10,7 @@
 #include "base/vector.h"
 #include "lights/light_linking.h"
 #include "rays/ray.h"
+#include "shading/inputs.h"
 #include "trace/tracer.h"
 
 #include <array>
@@ -59,7 +60,7 @@ struct LampPoint {
     size_t lamp = 0;          ///< place in the list of lamps
     Vec3d position{0, 0, 0};  ///< world; the sun: the direction to it
     Vec3f outgoing{0, 0, 1};  ///< unit, towards who sees it
-    double distance = 0;      ///< from there, world units; infinity for suns
+    PathState path;           ///< of who sees it; its length is that from there, infinity for suns
 };
 
 /// Light that arrives at a point from a sampled direction.
@@ -113,11 +114,20 @@ struct LampHit {
     int blockers = -1;     ///< the lamp's
 };
 
-/// Emitted radiance of a surface point towards `outgoing`, for emitters and the world; given by the scene.
-using SurfaceEmission = std::function<Color(const SurfacePoint&, const Vec3f& outgoing)>;
+/// What lights are asked with that are sampled: none of the kinds of rays, as in Cycles, one bounce beyond the path.
+inline PathState sampling_state() {
+    PathState state;
+    state.camera = false;
+    state.depth = 1;
+    return state;
+}
+
+/// Emitted radiance of a surface point towards `outgoing`, for emitters and the world; given by the scene. The path is
+/// that of who sees it, its length included.
+using SurfaceEmission = std::function<Color(const SurfacePoint&, const Vec3f& outgoing, const PathState&)>;
 /// The same of a surface that emits alike everywhere and in all directions; null: it may not.
 using EvenEmission = std::function<const Color*(uint32_t instance, const LocalHit&)>;
-using WorldEmission = std::function<Color(const Vec3f& direction)>;
+using WorldEmission = std::function<Color(const Vec3f& direction, const PathState&)>;
 /// Factor on the strength of a lamp with a program.
 using LampEmission = std::function<Color(const LampPoint&)>;
 
@@ -151,8 +161,9 @@ class LightSet {
     bool empty() const;  ///< nothing to sample
     /// A light for a point; `random` in [0,1)²; `time` of the shutter. x chooses the light, and what the choice leaves
     /// of it is used again with y for the place on it: so the places on each light are stratified as the pair is,
-    /// 2^-24 over the light's probability apart.
-    std::optional<LightSample> sample(const LitPoint& at, const Vec2f& random, float time = kMiddleTime) const;
+    /// 2^-24 over the light's probability apart. `path`: with which programs of lights are asked, but for its length.
+    std::optional<LightSample> sample(const LitPoint& at, const Vec2f& random, float time = kMiddleTime,
+                                      const PathState& path = sampling_state()) const;
     /// The lights that the first `end` of a ray passes. `likely`: a point of it by which one is chosen, by `random` in
     /// [0,1), where there are many, and by which those that have no place are weighed.
     PassedLights passed(const Ray& ray, double end, const LitPoint& likely, float random) const;
@@ -167,8 +178,8 @@ class LightSet {
     float world_density(const Vec3f& direction, const LitPoint& from) const;
     /// Calls `add` for each lamp with a size that the ray meets in (t_min, t_max), in no order: they add up. Suns are
     /// met by rays with infinite t_max only. `from` is where `sample` stood for the densities, usually near the origin;
-    /// lamps that do not shine on it are left out.
-    void lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind,
+    /// lamps that do not shine on it are left out. `path`: as for `sample`; its length counts from there.
+    void lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind, const PathState& path,
                    const std::function<void(const LampHit&)>& add) const;
     bool has_hittable_lamps() const;  ///< false: lamp_hits never finds any
     /// Whether any light shines on some objects alone, or has the shadows of some alone.

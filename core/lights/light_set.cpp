@@ -1,6 +1,7 @@
 // All lights of a scene, and the choice of one: first among each sun, the world, and all lights that have a place; then
 // among those by the tree.
 #include "lights/area_lamp.h"
+#include "lights/chosen_light.h"
 #include "lights/light.h"
 #include "lights/light_groups.h"
 #include "lights/light_tree.h"
@@ -99,16 +100,16 @@ struct LightSet::Implementation {
         double choice;       ///< what is left of its random number
         double probability;  ///< of the tree
     };
-    /// What the lamp's program makes of light along `direction`, from who sees it.
-    Color shaded(const LampTraits& lamp, const Color& radiance, const Vec3d& from, const Vec3d& direction,
-                 double distance) const {
-        if (!lamp.has_program) return radiance;
-        const Vec3d position = std::isfinite(distance) ? from + direction * distance : direction;
-        return radiance * lamp_emission({lamp.number, position, -Vec3f(direction), distance});
+    /// What the lamp's program makes of light from a place of it, of suns a direction, along `direction` to who sees
+    /// it at a distance.
+    Color shaded(const LampTraits& lamp, const Color& radiance, const Vec3d& place, const Vec3d& direction,
+                 double distance, const PathState& path) const {
+        return radiance * lamp_emission({lamp.number, place, -Vec3f(direction), of_length(path, distance)});
     }
     std::optional<LightSample> chosen_of(const LampTraits& lamp, LampSample sample, const Vec3d& position,
-                                         double probability) const;
-    std::optional<LightSample> sample_tree(const LitPoint& at, float random_y, const InTree& in_tree, float time) const;
+                                         double probability, const PathState& path) const;
+    std::optional<LightSample> sample_tree(const LitPoint& at, float random_y, const InTree& in_tree, float time,
+                                           const PathState& path) const;
 };
 
 LightGroups LightSet::Implementation::groups(const LitPoint& at) const {
@@ -187,33 +188,14 @@ bool LightSet::empty() const {
     return set.suns.empty() && !set.world && set.tree.empty();
 }
 
-namespace {
-
-/// The choice of this light taken into account; empty where nothing that floats can hold arrives.
-std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position, double probability,
-                                  uint16_t visibility, bool casts_shadow) {
-    LightSample sample;
-    sample.direction = Vec3f(from.direction);
-    sample.distance = from.distance;
-    if (std::isfinite(from.distance))
-        sample.target = from.target ? *from.target : position + from.direction * from.distance;
-    sample.target_anchor = from.target_anchor;
-    sample.radiance = from.radiance;
-    sample.density = static_cast<float>(std::min(from.density * probability, kLargestDensity));
-    sample.delta = from.delta;
-    sample.casts_shadow = casts_shadow;
-    sample.visibility = visibility;
-    if (!is_usable(sample.radiance) || is_black(sample.radiance) || !(sample.density > 0) ||
-        !is_finite(sample.direction))
-        return std::nullopt;
-    return sample;
-}
-
-}  // namespace
-
 std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits& lamp, LampSample sample,
-                                                               const Vec3d& position, double probability) const {
-    sample.radiance = shaded(lamp, sample.radiance, position, sample.direction, sample.distance);
+                                                               const Vec3d& position, double probability,
+                                                               const PathState& path) const {
+    if (lamp.has_program) {
+        const bool is_far = !std::isfinite(sample.distance);
+        const Vec3d place = is_far ? sample.direction : position + sample.direction * sample.distance;
+        sample.radiance = shaded(lamp, sample.radiance, place, sample.direction, sample.distance, path);
+    }
     std::optional<LightSample> light = chosen(sample, position, probability, lamp.visibility, lamp.casts_shadow);
     if (!light) return light;
     light->lamp_group = lamp.light_group;
@@ -222,7 +204,8 @@ std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits&
 }
 
 std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint& at, float random_y,
-                                                                 const InTree& in_tree, float time) const {
+                                                                 const InTree& in_tree, float time,
+                                                                 const PathState& path) const {
     const Vec3d& position = at.position;
     const std::optional<LightTree::Choice> item = tree.choose(at, in_tree.choice, reaches(position));
     if (!item) return std::nullopt;
@@ -232,10 +215,10 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint&
         const PlacedLamp& lamp = lamps[item->item];
         const auto sample = std::visit([&](const auto& shape) { return shape.sample(position, random); }, lamp.shape);
         if (!sample) return std::nullopt;
-        return chosen_of(lamp.traits, *sample, position, probability);
+        return chosen_of(lamp.traits, *sample, position, probability, path);
     }
     const auto surface = static_cast<uint32_t>(item->item - lamps.size());
-    const auto sample = surfaces.sample(surface, position, random, time);
+    const auto sample = surfaces.sample(surface, position, random, time, path);
     if (!sample) return std::nullopt;
     std::optional<LightSample> light = chosen(*sample, position, probability, surfaces.visibility(surface), true);
     if (!light) return light;
@@ -244,7 +227,8 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint&
     return light;
 }
 
-std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& random, float time) const {
+std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& random, float time,
+                                            const PathState& path) const {
     const Implementation& set = *implementation_;
     const LightGroups groups = set.groups(at);
     if (!(groups.total.cosine > 0.0)) return std::nullopt;
@@ -252,7 +236,7 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& ran
     double choice = random.x;
     const auto within = [&](double probability) { return Vec2f(below_one(choice / probability), random.y); };
     const auto sample_sun = [&](const DistantLamp& sun, double probability) {
-        return set.chosen_of(sun.traits, sun.sun.sample(within(probability)), position, probability);
+        return set.chosen_of(sun.traits, sun.sun.sample(within(probability)), position, probability, path);
     };
     const DistantLamp* last = nullptr;
     for (const DistantLamp& lamp : set.suns) {
@@ -266,7 +250,7 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& ran
         const double probability = groups.probability(set.world_weight(at));
         if (choice < probability || !groups.has_tree) {
             LampSample sample = set.world->sample(within(probability));
-            sample.radiance = set.world_emission(Vec3f(sample.direction));
+            sample.radiance = set.world_emission(Vec3f(sample.direction), path);
             std::optional<LightSample> light = chosen(
                 sample, position, probability, static_cast<uint16_t>(seen_by(set.world_visibility | kOfFootage)), true);
             if (light) light->world = true;
@@ -279,7 +263,8 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& ran
         return sample_sun(*last, groups.probability(set.weight(*last, at)));
     }
     const double probability = groups.tree_probability();
-    return set.sample_tree(at, random.y, {std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53), probability}, time);
+    return set.sample_tree(at, random.y, {std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53), probability}, time,
+                           path);
 }
 
 PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely, float random) const {
@@ -333,11 +318,18 @@ float LightSet::world_density(const Vec3f& direction, const LitPoint& from) cons
     return static_cast<float>(choice * set.world->density(direction));
 }
 
-void LightSet::lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind,
+void LightSet::lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind, const PathState& path,
                          const std::function<void(const LampHit&)>& add) const {
     const Implementation& set = *implementation_;
     const auto report = [&](const LampTraits& lamp, const LampIntersection& hit, double choice) {
-        const Color radiance = set.shaded(lamp, hit.radiance, ray.origin, ray.direction, hit.t);
+        Color radiance = hit.radiance;
+        if (lamp.has_program) {
+            const bool is_far = !std::isfinite(hit.t);
+            const Vec3d place = is_far ? ray.direction : ray.at(hit.t);
+            // As for one that is sampled, however the ray came here through what is transparent.
+            const double distance = is_far ? hit.t : (place - from.position).length();
+            radiance = set.shaded(lamp, radiance, place, ray.direction, distance, path);
+        }
         add({hit.t, radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity)), lamp.light_group,
              lamp.link.blockers});
     };

@@ -1,5 +1,7 @@
 #include "lights/mean_factor.h"
 
+#include "lights/chosen_light.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,7 +36,7 @@ double mean_factor(const Lamp& lamp, size_t number, const LampEmission& emission
         const Vec3f outgoing = is_sun ? -Vec3f(lamp.to_world.z.normalized()) : spread_direction(lamp, i, kDirections);
         const Vec3d position = is_sun ? Vec3d(-outgoing) : lamp.to_world.translation;
         const double distance = is_sun ? std::numeric_limits<double>::infinity() : 1.0;
-        const Color factor = emission({number, position, outgoing, distance});
+        const Color factor = emission({number, position, outgoing, of_length(sampling_state(), distance)});
         sum += std::abs(double{factor.x} + double{factor.y} + double{factor.z}) / 3;
     }
     const double mean = sum / kDirections;

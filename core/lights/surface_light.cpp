@@ -1,5 +1,7 @@
 #include "lights/surface_light.h"
 
+#include "lights/chosen_light.h"
+
 #include <algorithm>
 #include <array>
 
@@ -89,6 +91,7 @@ Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_
     const std::span<const float> times =
         moves ? std::span<const float>(kLookTimes) : std::span<const float>(kStillTimes);
     Estimate result;
+    const PathState path = of_length(sampling_state(), 1.0);  // from wherever it is seen
     for (const float v : {0.0f, 0.5f, 1.0f})
         for (const float u : {0.0f, 0.5f, 1.0f}) {
             for (const float time : times) {
@@ -102,7 +105,7 @@ Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_
         const WorldElementPoint world = to_world(local_to_world, shape, point);
         const SurfacePoint surface = tracer.surface_point(instance, point.hit);
         if (!moves) cone.add(tracer, surface, world.normal, looks);
-        const Color color = emission(surface, surface.normal);
+        const Color color = emission(surface, surface.normal, path);
         result.area += world.area_factor / std::size(kLightProbes);
         if (is_finite(color)) result.radiance += std::max(0.0f, max_component(color)) / double(std::size(kLightProbes));
     }
@@ -153,8 +156,8 @@ std::vector<LightTreeItem> SurfaceLights::tree_items(const CancelToken& cancel) 
     return items;
 }
 
-std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, const Vec2f& random,
-                                                float time) const {
+std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, const Vec2f& random, float time,
+                                                const PathState& path) const {
     const auto [instance, element] = elements_[item];
     const Shape& shape = *tracer_.instance(instance).shape;
     const Affine3d local_to_world = tracer_.local_to_world(instance, time);
@@ -176,7 +179,11 @@ std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& posi
     sample.target = point.ray_origin(outgoing);  // off the facet, on the side that looks here
     sample.target_anchor = point.anchor();
     sample.density = std::min(density, kLargestDensity);
-    sample.radiance = even ? *even : emission_(point, outgoing);
+    if (even) {
+        sample.radiance = *even;
+        return sample;
+    }
+    sample.radiance = emission_(point, outgoing, of_length(path, distance));
     return sample;
 }
 

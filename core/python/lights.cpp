@@ -74,7 +74,7 @@ std::pair<Color, float> look_along(const Scene& scene, const Ray& ray, const Lit
     const std::optional<Hit> hit = scene.tracer().closest_hit(ray, kVisibleDiffuse);
     Ray way = ray;
     if (hit) way.t_max = hit->t;
-    scene.lights().lamp_hits(way, from, kVisibleDiffuse, [&](const LampHit& lamp) {
+    scene.lights().lamp_hits(way, from, kVisibleDiffuse, sampling_state(), [&](const LampHit& lamp) {
         radiance += lamp.radiance;
         density += lamp.density;
     });

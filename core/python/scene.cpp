@@ -309,6 +309,14 @@ void bind_scene(py::module_& module) {
             py::arg("other").none(false))
         .def("shape", &shape_of, "index"_a)
         .def(
+            "set_texture_space",
+            [](const SceneDescription& scene, int index, const std::array<double, 3>& low,
+               const std::array<double, 3>& high) {
+                shape_of(scene, index)
+                    ->set_texture_space({Vec3d(low[0], low[1], low[2]), Vec3d(high[0], high[1], high[2])});
+            },
+            "shape"_a, "low"_a, "high"_a)
+        .def(
             "replace_shape",
             [](SceneDescription& scene, int index, const std::shared_ptr<Shape>& shape) {
                 replace_shape(scene, index, shape);

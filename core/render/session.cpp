@@ -117,6 +117,7 @@ bool Session::build() {
 bool Session::render_blocks(int size) {
     return run([this, size] {
         if (!scene_) build_scene();
+        film_.hold_means();
         render_tiles({0, 1}, size);
     });
 }
@@ -126,6 +127,7 @@ bool Session::render_more(int count) {
     const bool finished = run([this, count, start] {
         if (!scene_) build_scene();
         finished_paths_ = 0;
+        film_.hold_means();
         render_round(count);
         gather_statistics(build_seconds_, seconds_since(start));
     });
@@ -150,8 +152,9 @@ void Session::render_tiles(const SampleRange& samples, int step) {
     std::vector<WindowGroup> groups;
     for (const Window& each : tiles_of(whole, settings_.tile_size)) groups.push_back({{each, samples, samples_taken_}});
     if (samples_taken_ == 0 && step == 1)
-        planned_paths_ = static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height()) *
-                         static_cast<uint64_t>(more_samples_follow_ ? sample_range(settings_).count : samples.count);
+        planned_paths_ =
+            static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height()) *
+            static_cast<uint64_t>(settings_.time_limit > 0.0 ? sample_range(settings_).count : samples.count);
     render_groups(groups, step);
 }
 
@@ -193,7 +196,7 @@ void Session::render_group(const WindowGroup& group, const Frame& frame) {
         each.window.x -= whole.x;
         each.window.y -= whole.y;
         sums.add_window(TileSums(each.window, each.samples, film_.summed_passes(),
-                                 {sums_.get(), is_error_asked, shows_mattes, more_samples_follow_}));
+                                 {sums_.get(), is_error_asked, shows_mattes, film_.holds_means()}));
     }
     RayCounts counts;
     // Which pixel caused a tessellation is known for single paths only.

@@ -102,7 +102,6 @@ class Session {
     int samples_taken_ = 0;                        ///< in rounds so far, where all pixels take all
     std::chrono::steady_clock::time_point began_;  ///< to build
     double build_seconds_ = 0;
-    bool more_samples_follow_ = false;  ///< light passes are divided after the last round
 
     /// In an arena of as many threads as are set; false if cancelled.
     bool run(const std::function<void()>& work);

@@ -9,7 +9,8 @@ namespace rayleaf {
 
 void Session::render_round(int count) {
     if (error_) {
-        std::vector<WindowGroup> groups = next_to_goal(std::numeric_limits<int>::max());
+        constexpr int kMostSamples = 1 << 24;
+        std::vector<WindowGroup> groups = next_to_goal(kMostSamples);
         for (WindowGroup& group : groups)
             for (WindowSamples& each : group) each.samples.count = count;
         render_groups(groups, 1);
@@ -23,15 +24,13 @@ void Session::render_round(int count) {
 
 void Session::render_rounds() {
     const int most = sample_range(settings_).count;
-    more_samples_follow_ = true;
+    film_.hold_means();
     if (error_) render_to_goal();
     while (!error_ && !cancel_.cancelled() && samples_taken_ < most) {
         const int count = std::min(next_round(seconds_left()), most - samples_taken_);
         if (count == 0) break;
         render_round(count);
     }
-    more_samples_follow_ = false;
-    film_.divide_light();
 }
 
 void Session::render_to_goal() {

@@ -234,11 +234,9 @@ std::vector<EmittingInstance> Scene::emitting_instances(const CancelToken& cance
 }
 
 void Scene::commit_lights(const SceneDescription& description, const Settings& settings, const CancelToken& cancel) {
-    PathState sampled_light;  // what lights show to those who sample them: not what they show to the camera
-    sampled_light.camera = false;
-    const auto emission = [this, sampled_light](const SurfacePoint& point, const Vec3f& outgoing) {
+    const auto emission = [this](const SurfacePoint& point, const Vec3f& outgoing, const PathState& path) {
         Closures closures;
-        shade(point, outgoing, {}, sampled_light, closures);
+        shade(point, outgoing, {}, path, closures);
         return closures.emission;
     };
     const auto even = [this](uint32_t instance, const LocalHit& hit) {
@@ -246,15 +244,15 @@ void Scene::commit_lights(const SceneDescription& description, const Settings& s
             even_emissions_[static_cast<size_t>(&material(instance, hit) - materials_.data())];
         return color ? &*color : nullptr;
     };
-    const auto world_emission = [this, sampled_light](const Vec3f& direction) {
-        return world(direction, {}, sampled_light);
+    const auto world_emission = [this](const Vec3f& direction, const PathState& path) {
+        return world(direction, {}, path);
     };
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
     std::shared_ptr<const WorldLight> table;
     // Distribution ray tracing leaves all direct light of diffuse surfaces to sampling.
     const WorldShare share = settings.integrator == IntegratorKind::Path ? WorldShare::AboveMean : WorldShare::All;
     if (sampled && description.world_resolution > 0)
-        table = world_table(description, world_inputs(Vec3f(0, 0, 1), {}, sampled_light),
+        table = world_table(description, world_inputs(Vec3f(0, 0, 1), {}, sampling_state()),
                             settings.draft ? kDraftWorldWidth : description.world_resolution, share, cancel);
     world_light_group_ = description.world_light_group;
     world_visibility_ = description.world_visibility;
@@ -290,8 +288,7 @@ Color Scene::lamp_emission(const LampPoint& lamp) const {
     inputs.camera = &camera_->info();
     inputs.textures = textures_.get();
     inputs.outgoing = lamp.outgoing;
-    inputs.path.camera = false;
-    inputs.path.ray_length = static_cast<float>(lamp.distance);
+    inputs.path = lamp.path;
     Closures closures;
     description.emission->evaluate(inputs, closures);
     return closures.emission;

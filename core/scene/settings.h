@@ -58,7 +58,7 @@ struct Settings {
     int max_bounces = 12, diffuse_bounces = 4, glossy_bounces = 4, transmission_bounces = 12, transparent_bounces = 8;
     int volume_bounces = 0;
     int roulette_start = 3;                       ///< bounces after which Russian roulette may end a path
-    float clamp_direct = 0, clamp_indirect = 10;  ///< largest component of one contribution; 0: no limit
+    float clamp_direct = 0, clamp_indirect = 10;  ///< largest mean of one contribution's channels; 0: no limit
     /// Surfaces that a path comes to by a scattering of a density below this, per solid angle, are as rough as if they
     /// were seen blurred: less noise, and softer caustics. 0: as they are. Off: no light over mirrors, or through
     /// glass, by rays from matte surfaces.

@@ -13,8 +13,6 @@ namespace {
 constexpr float kSingularAlphaProduct = 1e-7f;
 /// The narrower direction of a lobe that is not singular.
 constexpr float kLeastLobeAlpha = 1e-4f;
-/// An interface whose index differs less from 1 bends rays by less than a milliradian: clear, whatever its roughness.
-constexpr float kLeastIndexStep = 1e-3f;
 constexpr float kLeastIndex = 1e-5f, kLargestIndex = 1e5f;
 /// Nanometres; light does not interfere in thicker ones.
 constexpr float kThickestFilm = 1e6f;

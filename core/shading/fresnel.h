@@ -5,6 +5,9 @@
 
 namespace rayleaf {
 
+/// An interface whose index differs less from 1 bends rays by less than a milliradian: clear, whatever its roughness.
+constexpr float kLeastIndexStep = 1e-3f;
+
 /// Unpolarized reflectance of a dielectric. `ior` is the index beyond the surface over that on the viewer's side;
 /// `cosine` is of the angle between the ray and the normal, its sign does not count. 1 under total internal reflection.
 inline float dielectric_fresnel(float cosine, float ior) {

@@ -203,7 +203,13 @@ float ggx_mean_albedo(float alpha) {
     return interpolated(means, AxisPosition(std::sqrt(alpha), kNodes));
 }
 
+float even_alpha(float alpha_x, float alpha_y) {
+    const float x = std::min(alpha_x, 1.0f), y = std::min(alpha_y, 1.0f);
+    return x == y ? x : std::sqrt(0.5f * (x * x + y * y));
+}
+
 float ggx_glass_albedo(float alpha, float cosine, float ior, Masking masking) {
+    if (std::abs(ior - 1.0f) < kLeastIndexStep) return 1.0f;
     return glass_tables_of(masking).at(alpha, cosine, ior);
 }
 

@@ -15,11 +15,15 @@
 
 namespace rayleaf {
 
+/// The roughness of even facets that lose about as much energy as those of a lobe, which may be anisotropic: the root
+/// mean square.
+float even_alpha(float alpha_x, float alpha_y);
 /// Albedo of white isotropic GGX reflection of roughness `alpha` seen under `cosine`.
 float ggx_reflection_albedo(float alpha, float cosine, Masking masking = Masking::Separate);
 /// The same under light from everywhere, with joint masking.
 float ggx_mean_albedo(float alpha);
-/// Albedo of clear rough glass, reflection and refraction together; `ior` beyond over viewer's side.
+/// Albedo of clear rough glass, reflection and refraction together; `ior` beyond over viewer's side. 1 for an index so
+/// near to 1 that such a lobe is singular.
 float ggx_glass_albedo(float alpha, float cosine, float ior, Masking masking = Masking::Separate);
 /// How far the reflectance of facets of a dielectric, joint masking, has risen from that at normal incidence, 0, to 1:
 /// the mean over the facets that the viewer sees. An index below 1 counts as its inverse, as in Cycles.

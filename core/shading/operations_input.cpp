@@ -58,7 +58,7 @@ Vec3f parametric(const ShadingInputs& inputs) {
 Vec3f generated(const ShadingInputs& inputs) {
     const Vec3d position = object_position(inputs);
     if (inputs.point == nullptr || inputs.point->shape == nullptr) return Vec3f(position);
-    const Box3d& box = inputs.point->shape->object_bounds();
+    const Box3d& box = inputs.point->shape->texture_space();
     const Vec3d size = box.size();
     const auto share = [](double x, double low, double extent) { return extent > 0.0 ? (x - low) / extent : 0.5; };
     return Vec3f(Vec3d(share(position.x, box.min.x, size.x), share(position.y, box.min.y, size.y),

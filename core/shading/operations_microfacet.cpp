@@ -36,7 +36,8 @@ Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, const Shad
         lobe.tangent = rotated(operands.vector(6, inputs.point->dp_du), lobe.normal, operands.scalar(5) * 2.0f * kPi);
     }
     if (variant == MicrofacetVariant::MULTI_GGX) {
-        const float albedo = ggx_reflection_albedo(lobe.alpha_x, std::max(lobe.normal.dot(inputs.outgoing), 0.0f));
+        const float alpha = even_alpha(lobe.alpha_x, lobe.alpha_y);
+        const float albedo = ggx_reflection_albedo(alpha, std::max(lobe.normal.dot(inputs.outgoing), 0.0f));
         lobe.weight = lobe.weight * energy_compensation(color, albedo);
     }
     return lobe;
@@ -108,17 +109,18 @@ Lobe metal_lobe(MicrofacetVariant variant, const Operands& operands, std::span<c
         lobe.radius = metal_dip(lobe.fresnel_0, saturate(operands.vector(2)));
     }
     set_roughness(lobe, variant, operands.scalar(3));
-    if (variant == MicrofacetVariant::MULTI_GGX) {
-        const float albedo =
-            ggx_reflection_albedo(lobe.alpha_x, std::max(lobe.normal.dot(inputs.outgoing), 0.0f), Masking::Joint);
-        const Color again = repeated_fresnel(mean_reflectance(lobe), ggx_mean_albedo(lobe.alpha_x));
-        lobe.weight = lobe.weight * energy_compensation(again, albedo);
-    }
     if (const float anisotropy = saturate(operands.scalar(5)); anisotropy != 0.0f) {
         const float aspect = std::sqrt(1.0f - 0.9f * anisotropy);
         lobe.alpha_x /= aspect;
         lobe.alpha_y *= aspect;
         lobe.tangent = rotated(operands.vector(7, inputs.point->dp_du), lobe.normal, operands.scalar(6) * 2.0f * kPi);
+    }
+    if (variant == MicrofacetVariant::MULTI_GGX) {
+        const float alpha = even_alpha(lobe.alpha_x, lobe.alpha_y);
+        const float albedo =
+            ggx_reflection_albedo(alpha, std::max(lobe.normal.dot(inputs.outgoing), 0.0f), Masking::Joint);
+        const Color again = repeated_fresnel(mean_reflectance(lobe), ggx_mean_albedo(alpha));
+        lobe.weight = lobe.weight * energy_compensation(again, albedo);
     }
     lobe.film = {operands.scalar(8), operands.scalar(9, lobe.film.ior)};
     return lobe;

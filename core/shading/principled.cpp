@@ -77,7 +77,8 @@ void add_specular(const Parameters& p, const Color& weight, Closures& closures) 
         mixed(Color(1.0f), tint(p.base_color, Color(0.3f, 0.6f, 0.1f)), p.specular_tint) * (0.08f * p.specular);
     lobe.fresnel_0 = mixed(dielectric, p.base_color, p.metallic);
     if (p.multiple_scattering) {
-        const float albedo = ggx_reflection_albedo(saturate(alpha), std::max(p.normal.dot(p.outgoing), 0.0f));
+        const float even = even_alpha(lobe.alpha_x, lobe.alpha_y);
+        const float albedo = ggx_reflection_albedo(even, std::max(p.normal.dot(p.outgoing), 0.0f));
         lobe.weight = lobe.weight * energy_compensation(lobe.fresnel_0, albedo);
     }
     closures.add(lobe);

@@ -81,10 +81,10 @@ Color add_coat(const PrincipledLayers& p, Color weight, Closures& closures) {
     return weight * blended(Color(1.0f), power(p.coat_tint, 1.0f / inside), p.coat);
 }
 
-/// The factor that gives back what facets lose, and the share of it that a layer below counts.
-std::pair<Color, Color> multiple_scattering(const PrincipledLayers& p, const Color& mean_fresnel) {
+/// The factor that gives back what a lobe's facets lose, and the share of it that a layer below counts.
+std::pair<Color, Color> multiple_scattering(const PrincipledLayers& p, const Lobe& lobe, const Color& mean_fresnel) {
     if (!p.multiple_scattering) return {Color(1.0f), Color(1.0f)};
-    const float alpha = p.roughness * p.roughness, cosine = cosine_to_viewer(p, p.normal);
+    const float alpha = even_alpha(lobe.alpha_x, lobe.alpha_y), cosine = cosine_to_viewer(p, p.normal);
     const float albedo = ggx_reflection_albedo(alpha, cosine, Masking::Joint);
     const Color again = repeated_fresnel(mean_fresnel, ggx_mean_albedo(alpha));
     const Color factor = energy_compensation(again, albedo);
@@ -97,7 +97,7 @@ void add_metal(const PrincipledLayers& p, const Color& weight, Closures& closure
     lobe.fresnel_0 = at_most_one(p.base_color);
     lobe.radius = metal_dip(lobe.fresnel_0, at_most_one(p.specular_tint));
     if (p.film_on_metal) lobe.film = p.film;
-    lobe.weight = lobe.weight * multiple_scattering(p, mean_metal_fresnel(lobe.fresnel_0, lobe.radius)).first;
+    lobe.weight = lobe.weight * multiple_scattering(p, lobe, mean_metal_fresnel(lobe.fresnel_0, lobe.radius)).first;
     closures.add(lobe);
 }
 
@@ -142,7 +142,7 @@ Color add_reflection(const PrincipledLayers& p, const Color& weight, Closures& c
     lobe.fresnel_0 = p.specular_tint * fresnel_0;
     lobe.film = p.film;
     const auto [factor, counted] =
-        multiple_scattering(p, blended(lobe.fresnel_0, Color(1.0f), mean_fresnel_rise(lobe.ior)));
+        multiple_scattering(p, lobe, blended(lobe.fresnel_0, Color(1.0f), mean_fresnel_rise(lobe.ior)));
     lobe.weight = weight * factor;
     closures.add(lobe);
     if (p.film.thickness > 0.0f)

@@ -92,6 +92,30 @@ Vec2f finite_coordinates(const Vec2f& v) {
     return {finite_or_zero(v.x), finite_or_zero(v.y)};
 }
 
+/// Coordinates that look up the same. Beyond a picture that does not repeat it is the same everywhere; OpenImageIO
+/// counts pixels in integers, which end.
+Vec2f near_coordinates(const Vec2f& v, TextureExtension extension) {
+    constexpr float kBefore = -1.0f, kBehind = 2.0f;
+    const auto near = [=](float x) { return std::clamp(x, kBefore, kBehind); };
+    if (extension == TextureExtension::Panorama) return {v.x, near(v.y)};
+    if (extension != TextureExtension::Extend && extension != TextureExtension::Clip) return v;
+    return {near(v.x), near(v.y)};
+}
+
+/// The share of a footprint, or of the pixels that are interpolated, that lies in the picture along one axis.
+float covered_share(float x, float footprint, int pixels) {
+    const float half = std::max(0.5f / static_cast<float>(pixels), 0.5f * footprint);
+    const float below = (x + half) / (2.0f * half), above = (1.0f - x + half) / (2.0f * half);
+    return std::clamp(below, 0.0f, 1.0f) * std::clamp(above, 0.0f, 1.0f);
+}
+float covered_share(const ConvertedTexture& texture, const Vec2f& p, const Vec2f& dx, const Vec2f& dy,
+                    TextureInterpolation interpolation) {
+    if (interpolation == TextureInterpolation::Closest)
+        return p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 1.0f ? 1.0f : 0.0f;
+    return covered_share(p.x, std::abs(dx.x) + std::abs(dy.x), texture.width()) *
+           covered_share(p.y, std::abs(dx.y) + std::abs(dy.y), texture.height());
+}
+
 }  // namespace
 
 struct TextureStore::Implementation {
@@ -316,8 +340,13 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
                            TextureExtension extension, TextureInterpolation interpolation) const {
     if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return Vec4f(0.0f, 0.0f, 0.0f, 0.0f);
     const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
-    const Vec2f p = finite_coordinates(uv), dx = finite_coordinates(duv_dx), dy = finite_coordinates(duv_dy);
-    oiio::TextureOpt lookup_options = options(extension, interpolation);
+    const Vec2f p = near_coordinates(finite_coordinates(uv), extension), dx = finite_coordinates(duv_dx),
+                dy = finite_coordinates(duv_dy);
+    // Without a channel that says how much of a pixel is there, the border pixels go on, and are faded by hand.
+    const bool is_faded = texture.channels() < 4 && extension == TextureExtension::Clip;
+    const float covered = is_faded ? covered_share(texture, p, dx, dy, interpolation) : 1.0f;
+    if (!(covered > 0.0f)) return Vec4f(0.0f);
+    oiio::TextureOpt lookup_options = options(is_faded ? TextureExtension::Extend : extension, interpolation);
     // A point needs no level of the pyramid to be found.
     if (dx == Vec2f(0.0f) && dy == Vec2f(0.0f)) lookup_options.mipmode = oiio::TextureOpt::MipModeNoMIP;
     texture.convert();
@@ -326,10 +355,7 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
     // OpenImageIO's t runs down the picture.
     texture_system().texture(static_cast<oiio::TextureSystem::TextureHandle*>(texture.handle()), nullptr,
                              lookup_options, p.x, 1.0f - p.y, dx.x, -dx.y, dy.x, -dy.y, texture.channels(), value);
-    if (texture.channels() < 4) {
-        const bool inside = p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 1.0f;
-        value[3] = extension != TextureExtension::Clip || inside ? 1.0f : 0.0f;
-    }
+    if (texture.channels() < 4) value[3] = covered;
     if (texture.channels() == 1) value[1] = value[2] = value[0];
     if (texture.associated() && value[3] > 0.0f)
         for (int c = 0; c < 3; ++c) value[c] /= value[3];

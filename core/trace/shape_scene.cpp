@@ -75,6 +75,10 @@ void fill(const PacketQuery& packet, bool has_times, int* valid, RTCRay16& out) 
 
 }  // namespace
 
+Coherence ShapeScene::coherence(const PacketQuery& packet) const {
+    return kind_ == FacetKind::Triangles ? Coherence::Incoherent : packet.coherence;
+}
+
 void ShapeScene::find_closest(PacketQuery& packet) const {
     packet.found = 0;
     RTCRayHit16 result;
@@ -83,7 +87,7 @@ void ShapeScene::find_closest(PacketQuery& packet) const {
     std::fill_n(result.hit.geomID, kPacketSize, RTC_INVALID_GEOMETRY_ID);
     std::fill_n(result.hit.primID, kPacketSize, RTC_INVALID_GEOMETRY_ID);
     std::fill_n(result.hit.instID[0], kPacketSize, RTC_INVALID_GEOMETRY_ID);
-    embree_closest16(valid, scene_.get(), packet.context, packet.coherence, result);
+    embree_closest16(valid, scene_.get(), packet.context, coherence(packet), result);
 }
 
 void ShapeScene::find_any(PacketQuery& packet) const {
@@ -91,7 +95,7 @@ void ShapeScene::find_any(PacketQuery& packet) const {
     RTCRay16 result;
     alignas(64) int valid[kPacketSize];
     fill(packet, deforms_, valid, result);
-    embree_any16(valid, scene_.get(), packet.context, packet.coherence, result);
+    embree_any16(valid, scene_.get(), packet.context, coherence(packet), result);
 }
 
 }  // namespace rayleaf

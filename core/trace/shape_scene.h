@@ -221,6 +221,9 @@ class ShapeScene {
     RTCScene embree_scene() const { return scene_.get(); }
     const GeometryCache* geometry_cache() const { return geometry_cache_; }
     uint32_t first_subpatch() const { return first_subpatch_; }
+    /// As Embree is asked: its kernels for coherent packets round edges of triangles otherwise than those of single
+    /// rays, and may name another facet.
+    Coherence coherence(const PacketQuery& packet) const;
     /// Before a query of grids.
     virtual void prepare(ShapeQuery&) const {}
 

@@ -42,7 +42,6 @@ struct At {
     double phi_second() const { return dx * dx + dy * dy - dr * dr + x * ddx + y * ddy - r * ddr; }
     double across_first() const { return x * dx + y * dy; }
     double across_second() const { return dx * dx + dy * dy + x * ddx + y * ddy; }
-    double speed() const { return std::sqrt(dx * dx + dy * dy); }
 };
 
 /// x² + y² - r² in Bernstein form of degree 6; without r where `radius` is 0.
@@ -122,8 +121,14 @@ double rising_zero(const Evaluate& evaluate, double low, double high, double sta
     return s;
 }
 
-double step_of(const At& at, double radius) {
-    const double speed = at.speed() + std::abs(at.dz);
+/// The smallest step of the parameter that matters: nowhere on the piece does it move or change a ball by more than a
+/// share of the radius. Not by the speed at one place: at a cusp the axis stands still.
+double step_of(const StrandSegment& piece, double radius) {
+    double speed = 0.0;
+    for (size_t i = 0; i < 3; ++i) {
+        const StrandPoint d = piece.points[i + 1] - piece.points[i];
+        speed = std::max(speed, 3.0 * (std::abs(d.x) + std::abs(d.y) + std::abs(d.z) + std::abs(d.w)));
+    }
     return speed > 0.0 ? kStepShare * radius / speed : 1.0;
 }
 
@@ -133,10 +138,10 @@ struct Ends {
 };
 
 /// Where the axis comes nearest to the ray, radius counted (`Kind` of phi).
-double nearest_parameter(const StrandSegment& piece, const Ends& ends, double radius) {
+double nearest_parameter(const StrandSegment& piece, const Ends& ends, double step) {
     const auto evaluate = [&](double s) {
         const At at(piece, s);
-        return Slope{at.phi_first(), at.phi_second(), step_of(at, radius), true};
+        return Slope{at.phi_first(), at.phi_second(), step, true};
     };
     const auto& [first, last] = ends;
     if (first.phi_first() >= 0.0) return 0.0;
@@ -149,13 +154,13 @@ double nearest_parameter(const StrandSegment& piece, const Ends& ends, double ra
 /// The least of  side z - sqrt(inside)  over [0,1]: where its derivative times the root changes sign. Outside the balls
 /// the root counts as zero, and the sign is that of the way back to them.
 double extreme_parameter(const StrandSegment& piece, const Ends& ends, double side, double nearest,
-                         const At& at_nearest, double radius) {
+                         const At& at_nearest, double step) {
     const auto slope_of = [&](const At& at) {
         const double inside = at.inside(), root = inside > 0.0 ? std::sqrt(inside) : 0.0;
         const double value = side * at.dz * root + at.phi_first();
         const double bend = root > 0.0 ? side * (at.ddz * root - at.dz * at.phi_first() / root) : 0.0;
         const double own = at.phi_second();
-        return Slope{value, own + bend, step_of(at, radius), std::abs(bend) <= own};
+        return Slope{value, own + bend, step, std::abs(bend) <= own};
     };
     if (slope_of(ends.first).value >= 0.0) return 0.0;
     if (slope_of(ends.last).value <= 0.0) return 1.0;
@@ -168,11 +173,11 @@ double extreme_parameter(const StrandSegment& piece, const Ends& ends, double si
 /// The span of a piece that has one nearest place at most.
 std::optional<StrandSpan> simple_span(const StrandSegment& piece, double radius, double needs_leave_before) {
     const Ends ends{At(piece, 0.0), At(piece, 1.0)};
-    const double nearest = nearest_parameter(piece, ends, radius);
+    const double step = step_of(piece, radius), nearest = nearest_parameter(piece, ends, step);
     const At at_nearest(piece, nearest);
     if (!(at_nearest.inside() > 0.0)) return std::nullopt;
     const auto end_of = [&](double side, double& s) {
-        s = extreme_parameter(piece, ends, side, nearest, at_nearest, radius);
+        s = extreme_parameter(piece, ends, side, nearest, at_nearest, step);
         const At at(piece, s);
         return at.z - side * std::sqrt(std::max(at.inside(), 0.0));
     };
@@ -233,9 +238,10 @@ void add_ribbon(const StrandSegment& piece, double begin, double size, int depth
         add_ribbon(right, begin + 0.5 * size, 0.5 * size, depth + 1, result);
         return;
     }
+    const double step = step_of(piece, radius);
     const auto evaluate = [&](double s) {
         const At at(piece, s);
-        return Slope{at.across_first(), at.across_second(), step_of(at, radius), true};
+        return Slope{at.across_first(), at.across_second(), step, true};
     };
     const std::array<StrandPoint, 4>& p = piece.points;
     double s = 0.0;

@@ -3,11 +3,15 @@
 import glob
 import hashlib
 import json
+import re
+import zipfile
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 MARKERS = "done"
+_ADDON = Path(__file__).resolve().parents[1] / "rayleaf"
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,11 @@ class Task:
         words += [f"samples-{self.samples}"] if self.samples else []
         return "_".join([*words, *(["merged"] if self.merges else [])]).replace("/", "-of-")
 
+    @property
+    def part(self) -> str:
+        """What `rayleaf render` calls the file of a part (rayleaf/parts.py)."""
+        return f"tile-{self.tile or '1/1'}_samples-{self.samples or '1/1'}.npz".replace("/", "-of-")
+
     def options(self) -> list[str]:
         """Of `rayleaf render`."""
         cut = (["--tile", self.tile] if self.tile else []) + (["--sample-range", self.samples] if self.samples else [])
@@ -38,6 +47,7 @@ class Plan:
 
     file: str  # the .blend
     content: str  # a hash of it
+    version: str  # of Rayleaf
     output: str  # path of the pictures, without frame number and ending
     frames: list[int]
     tiles: int
@@ -74,16 +84,26 @@ class Plan:
         return Path(f"{self.output}.farm")
 
     def marker(self, task: Task) -> Path:
-        """A file that is there once a task has been finished, for this content of the file."""
+        """A file that is there once pictures have been finished, for this content of the file."""
         return self.folder / MARKERS / self.content[:16] / task.name
+
+    def makes_pictures(self, task: Task) -> bool:
+        """True if a task renders a frame whole, or merges it."""
+        return task.merges or not self.is_cut
 
     def is_finished(self, task: Task) -> bool:
         """Parts are not needed any more once their frame is merged."""
-        merged = Task(task.frame, merges=True)
-        is_merged = self.is_cut and self.marker(merged).exists() and self._has_pictures(task.frame)
-        if task.merges or not self.is_cut:
-            return is_merged or (not self.is_cut and self.marker(task).exists() and self._has_pictures(task.frame))
-        return is_merged or (self.marker(task).exists() and Path(f"{self.picture(task.frame)}.parts").is_dir())
+        last = task if self.makes_pictures(task) else Task(task.frame, merges=True)
+        if self.marker(last).exists() and self._has_pictures(task.frame):
+            return True
+        return not self.makes_pictures(task) and self.rendered_by(task) == self.version
+
+    def rendered_by(self, part: Task) -> str:
+        """The version of Rayleaf that rendered a part that is there, of this content of the file; empty: none is."""
+        source = header_of(Path(f"{self.picture(part.frame)}.parts") / part.part).get("source")
+        if not isinstance(source, dict) or source.get("blend") != self.content or source.get("frame") != part.frame:
+            return ""
+        return str(source.get("version", ""))
 
     def _has_pictures(self, frame: int) -> bool:
         """The PNG, of stereoscopic frames one a view, and the EXR."""
@@ -99,6 +119,23 @@ class Plan:
 def read(path: Path) -> Plan:
     """What was submitted."""
     return Plan(**json.loads(path.read_text()))
+
+
+def header_of(path: Path) -> dict[str, Any]:
+    """What a part's file says of itself, as rayleaf/parts.py reads it, without NumPy; empty if it is none."""
+    try:
+        with zipfile.ZipFile(path) as file:
+            array = file.read("header.npy")  # ten bytes, the last two the length of a text; that text; the values
+        return dict(json.loads(array[10 + int.from_bytes(array[8:10], "little") :]))
+    except Exception:  # whatever a foreign file makes zip and JSON raise
+        return {}
+
+
+def version_of_checkout() -> str:
+    """Of the Rayleaf that renders here."""
+    found = re.search(r'^__version__ = "(.+)"$', (_ADDON / "__init__.py").read_text(), re.MULTILINE)
+    assert found
+    return found[1]
 
 
 def content_of(file: Path) -> str:

@@ -19,8 +19,10 @@ def say(text: str) -> None:
 
 
 def missing_parts(plan: plans.Plan, frame: int) -> list[str]:
-    """Of a frame, those that have not been finished."""
-    return [part.name for part in plan.parts() if part.frame == frame and not plan.is_finished(part)]
+    """Of a frame, those that have not been finished, and which other version has rendered them."""
+    missing = [part for part in plan.parts() if part.frame == frame and not plan.is_finished(part)]
+    versions = {part.name: plan.rendered_by(part) for part in missing}
+    return [f"{name} (but by Rayleaf {version})" if version else name for name, version in versions.items()]
 
 
 def run(rayleaf: str, plan: plans.Plan, task: plans.Task) -> int:
@@ -28,11 +30,14 @@ def run(rayleaf: str, plan: plans.Plan, task: plans.Task) -> int:
     if plans.content_of(Path(plan.file)) != plan.content:
         say(f"{plan.file} has changed since it was submitted: submit it again")
         return 2
+    if (version := plans.version_of_checkout()) != plan.version:
+        say(f"{plan.file} was submitted to Rayleaf {plan.version}, and this is {version}: submit it again")
+        return 2
     marker = plan.marker(task)
     marker.unlink(missing_ok=True)
     command = [rayleaf, "render", plan.file, "-o", str(plan.picture(task.frame)), *task.options()]
     code = subprocess.run(command, stdin=subprocess.DEVNULL).returncode
-    if code == 0:
+    if code == 0 and plan.makes_pictures(task):
         marker.parent.mkdir(parents=True, exist_ok=True)
         marker.touch()
     return code

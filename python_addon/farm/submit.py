@@ -40,7 +40,8 @@ def plan_of(options: argparse.Namespace) -> plans.Plan:
     ranges = min(least, -(-most // options.samples_per_job)) if options.samples_per_job else 1
     frames = list(range(options.start, options.end + 1, options.known["step"]))
     content = plans.content_of(options.file)
-    return plans.Plan(str(options.file), content, options.output, frames, options.tiles, ranges)
+    version = plans.version_of_checkout()
+    return plans.Plan(str(options.file), content, version, options.output, frames, options.tiles, ranges)
 
 
 def slurm(*command: str) -> str:

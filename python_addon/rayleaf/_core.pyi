@@ -488,6 +488,9 @@ class SceneDescription:
         """Whether both are known to look alike, cameras aside: the same shapes, equal values of all else."""
     def shape(self, index: int) -> Any:
         """What `add_…` made, to be given to other scenes."""
+    def set_texture_space(self, shape: int, low: Sequence[float], high: Sequence[float]) -> None:
+        """Corners in object space between which Generated coordinates run from 0 to 1; else the shape's bounds. Before
+        anything is rendered."""
     def replace_shape(self, index: int, shape: Any) -> None: ...
     def replace_material(
         self,

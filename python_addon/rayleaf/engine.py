@@ -1,15 +1,46 @@
 """Blender's RenderEngine: each method hands on."""
 
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import bpy
 
-from . import core_module, enabling, failures, passes
-
+from . import core_module, enabling, failures, passes, statistics
+from .names import name_of
 
 _VIEWPORTS: dict[int, Any] = {}  # by the id of Blender's engine object
+_renders = 0  # final ones that are under way, for which views wait
+_LOCK = threading.Lock()  # for both: renders have threads of their own
+
+
+@contextmanager
+def _views_waiting() -> Iterator[None]:
+    """Meanwhile all views wait, those too that are opened."""
+    global _renders
+    with _LOCK:
+        _renders += 1
+        for viewport in list(_VIEWPORTS.values()):
+            viewport.pause()
+    try:
+        yield
+    finally:
+        with _LOCK:
+            _renders -= 1
+            for viewport in [] if _renders else list(_VIEWPORTS.values()):
+                viewport.resume()
+
+
+def _open_view(engine: Any) -> None:
+    from .viewport.viewport import Viewport
+
+    viewport = Viewport(engine, core_module.load())
+    with _LOCK:
+        _VIEWPORTS[id(engine)] = viewport
+        if _renders:
+            viewport.pause()
 
 
 class RayleafRenderEngine(bpy.types.RenderEngine):
@@ -43,9 +74,7 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
             if enabling.problem is not None:
                 raise core_module.CoreError(enabling.problem)
             if id(self) not in _VIEWPORTS:
-                from .viewport.viewport import Viewport
-
-                _VIEWPORTS[id(self)] = Viewport(self, core_module.load())
+                _open_view(self)
             work(_VIEWPORTS[id(self)])
         except Exception as error:
             failures.report_in_view(self, error)
@@ -53,6 +82,8 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
     def render(self, depsgraph: Any) -> None:
         """Render one view layer of one frame. The core is loaded here first. Whatever goes wrong ends this render alone."""
         try:
+            if not self.is_preview:
+                statistics.note_asked(name_of(depsgraph.scene), name_of(depsgraph.view_layer))
             if enabling.problem is not None:
                 raise core_module.CoreError(enabling.problem)
             core = core_module.load()
@@ -66,14 +97,8 @@ class RayleafRenderEngine(bpy.types.RenderEngine):
 
             ray_caches = KEPT.for_frame(core, depsgraph.scene_eval, self.is_animation)
             parts = KEPT.parts(core, depsgraph.scene_eval, self.is_animation)
-            viewports = sys.modules.get(f"{__package__}.viewport.viewport")  # loaded by the first view
-            if viewports is not None:
-                viewports.pause_all()
-            try:
+            with _views_waiting():
                 renderer()(self, depsgraph, core, ray_caches, parts).run()
-            finally:
-                if viewports is not None:
-                    viewports.resume_all()
         except Exception as error:
             failures.report(self, error)
 

@@ -146,16 +146,22 @@ class Parts:
     def __init__(self, folder: Path, source: Source) -> None:
         """Those in a folder that are of this source and make up a frame. Raises PartError."""
         by_cut: dict[tuple[int, int], set[str]] = defaultdict(set)
+        foreign: dict[str, str] = {}  # of other versions, by name
         for path in sorted(folder.glob("*.npz")):
             header = header_of(path)
-            if header.get("source") == asdict(source):
+            of = header.get("source")
+            if of == asdict(source):
                 by_cut[header["cut"]["tile"]["count"], header["cut"]["samples"]["count"]].add(path.name)
+            elif isinstance(of, dict) and of | {"version": source.version} == asdict(source):
+                foreign[path.name] = str(of.get("version"))
+        told = f"; this is Rayleaf {source.version}, others rendered " if foreign else ""
+        told += ", ".join(f"{name} ({version})" for name, version in foreign.items())
         if not by_cut:
-            raise PartError(f"there is no part of frame {source.frame} of this file in {folder}")
+            raise PartError(f"there is no part of frame {source.frame} of this file in {folder}{told}")
         missing = {count: self._names(*count) - found for count, found in by_cut.items()}
         best = min(missing, key=lambda count: len(missing[count]))
         if missing[best]:
-            raise PartError(f"frame {source.frame}: missing in {folder}: {', '.join(sorted(missing[best]))}")
+            raise PartError(f"frame {source.frame}: missing in {folder}: {', '.join(sorted(missing[best]))}{told}")
         self.paths = [folder / name for name in sorted(self._names(*best))]
 
     @staticmethod

@@ -185,11 +185,13 @@ class Slots:
     @classmethod
     def of(cls, view_layer: Any) -> "Slots":
         """Those that a view layer asks for."""
+        from .versions import pass_name
+
         groups: dict[str, int] = {}
         outputs: dict[str, tuple[int, bool]] = {}
         entries: list[Pass] = []
         left_out: list[str] = []
-        taken = {entry.name for entry in (*table(), *mattes(view_layer))}
+        taken = {pass_name(entry.name) for entry in table()} | {entry.name for entry in (NOISY, *mattes(view_layer))}
 
         def add(name: str, channels: str, what: str) -> int | None:
             if name in taken:

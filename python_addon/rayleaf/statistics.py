@@ -9,6 +9,15 @@ from typing import Any
 # Names a file to which each rendered view layer adds one line: a JSON object.
 STATISTICS_VARIABLE = "RAYLEAF_STATS"
 
+# The scenes and view layers, by name, that Blender has asked for; None: nobody wants to know.
+asked: set[tuple[str, str]] | None = None
+
+
+def note_asked(scene: str, view_layer: str) -> None:
+    """Blender wants a view layer rendered."""
+    if asked is not None:
+        asked.add((scene, view_layer))
+
 
 def publish(record: dict[str, Any]) -> None:
     """Keep a render's record, and write it where the user asked for it."""

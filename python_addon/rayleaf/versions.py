@@ -61,8 +61,9 @@ def uv_map(layer: Any, corners: int) -> Floats:
 
 
 def absolute_path(path: str, block: Any) -> str:
-    """Of a path that a data block holds."""
-    return str(bpy.path.abspath(path, library=block.library))
+    """Of a path that a data block holds, by slashes of either kind."""
+    is_share = path.startswith("\\\\")  # of Windows
+    return str(bpy.path.abspath(path if is_share else path.replace("\\", "/"), library=block.library))
 
 
 def creases(mesh: Any) -> tuple[Floats | None, Floats | None]:
@@ -332,3 +333,13 @@ def reads_geometry(node: Any) -> bool:
 def closed_twist() -> str:
     """What a closed curve's minimum twist does where it does not meet itself: until 3.4 it jumps, then it is spread."""
     return "JUMP" if bpy.app.version < (3, 5, 0) else "SPREAD"
+
+
+def world_of(scene: Any, view_layer: Any) -> Any:
+    """The world that a view layer shows, None without one. Since 5.0 it may have one of its own."""
+    return getattr(view_layer, "world_override", None) or scene.world
+
+
+def passes_unlinked_on() -> bool:
+    """Whether what passes on an input that nothing is linked to counts as a link. Since 5.0 trees are made plain first."""
+    return bpy.app.version < (5, 0, 0)

@@ -130,6 +130,9 @@ class SceneDescription:
         self.surfaces.append(dict(name=name, splines=splines, moved_splines=moved_splines))
         return self._shape("surface", self.surfaces[-1])
 
+    def set_texture_space(self, shape, low, high):
+        pass
+
     def shape(self, index):
         return self.shapes[index]
 

@@ -163,3 +163,21 @@ report(sockets=[s.name for s in node.outputs if s.enabled], passes=[entry.name f
     sockets = run.report["sockets"]
     assert "Image" in sockets
     assert set(run.report["passes"]) - {"Combined"} <= set(sockets)
+
+
+def test_a_shader_output_with_the_name_of_another_pass_is_left_out_and_the_rest_rendered(run_blender):
+    script = """
+import bpy
+from rayleaf import passes, versions
+scene = bpy.context.scene
+scene.render.engine = "RAYLEAF"
+scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 16, 16, 100
+scene.rayleaf.samples, scene.rayleaf.use_denoising = 1, True
+layer = bpy.context.view_layer
+layer.use_pass_diffuse_direct = True
+for name in (versions.pass_name("DiffDir"), "Noisy Image", "Own"):
+    layer.aovs.add().name = name
+bpy.ops.render.render()  # which fails where Blender is given two passes of one name
+report(outputs=list(passes.Slots.of(layer).aovs), left_out=len(passes.Slots.of(layer).left_out))
+"""
+    assert run_blender(script).report == {"outputs": ["Own"], "left_out": 2}

@@ -175,7 +175,7 @@ shader.inputs["Strength"].default_value = nan
             "scenes.make_panoramic(scene.camera.data, 'EQUIANGULAR_CUBEMAP_FACE')",
             "Odd",
         ),
-        ("scene.camera.name = 'Odd'; scene.camera.data.clip_start = scene.camera.data.clip_end = 1", "camera"),
+        ("scene.camera.name = 'Odd'; scene.camera.data.clip_start = scene.camera.data.clip_end = 1", "Camera 'Odd'"),
         ("scene.camera = None", "camera"),
         ("render.resolution_x, render.resolution_percentage = 4, 1", "small"),
     ],

@@ -228,7 +228,7 @@ report(names=sorted(by_vertex), by_vertex=by_vertex, uv=names[mesh["uv"]], linea
     assert values["\nactive uv"] == {"0": [0, 0], "1": [1, 0], "2": [1, 1], "3": [0, 1]}
     assert values["Second"] == {str(n): [n, -n] for n in range(4)}
     assert values["Point"]["3"] == [3, 2, 3, 0.5]
-    assert values["Face"]["2"] == [7]
+    assert values["Face"]["2"] == [7, 7, 7]
     assert np.allclose(values["Corner"]["0"], run["linear"], atol=1e-4)
 
 

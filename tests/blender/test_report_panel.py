@@ -6,6 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+from test_window import TOOLS, window  # noqa: F401: a fixture
+
 MEASURE = """
 import bpy
 
@@ -34,6 +37,39 @@ def test_the_button_lists_error_and_time_and_apply_sets_the_fastest_within_the_w
     assert f"{samples} sample" in name and (mode == "OFF" or "interpolation" in name)
     assert not run.report["none"], "nothing is closer than the noise of the reference, so nothing can be applied"
     assert run.report["state"] == f"{len(found)} settings measured"
+
+
+QUIT = """
+from rayleaf.report import panel
+
+made = []
+
+class Noted(panel._Run):
+    def __init__(self, width):
+        super().__init__(width)
+        made.append(self)
+
+panel._Run = Noted
+
+def steps():
+    yield 0.5
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        bpy.ops.rayleaf.measure_settings("INVOKE_DEFAULT")
+    yield 0.5
+    report(folder=made[0]._folder.name, process=made[0]._process.pid, running=made[0].is_running(),
+           again=bpy.ops.rayleaf.measure_settings.poll())
+    bpy.ops.wm.quit_blender()
+    yield 20
+
+drive(steps())
+"""
+
+
+@pytest.mark.skipif(bool(TOOLS), reason=f"not installed: {', '.join(TOOLS)}")
+def test_blenders_end_stops_a_measurement_and_only_one_runs(window):  # noqa: F811
+    run = window(QUIT, size="640x480").report
+    assert run["running"] and not run["again"]
+    assert not Path(run["folder"]).exists() and not Path(f"/proc/{run['process']}").exists()
 
 
 MAKE = """

@@ -15,8 +15,8 @@ area = next(area for area in bpy.context.screen.areas if area.type == "VIEW_3D")
 space = area.spaces[0]
 
 def viewports():
-    from rayleaf.viewport import viewport
-    return list(viewport._OPEN)
+    from rayleaf import engine
+    return list(engine._VIEWPORTS.values())
 
 def shown():
     "The finished picture of the view, or None."

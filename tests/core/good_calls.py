@@ -239,6 +239,9 @@ CALLS: dict[str, Call] = {
         scene, "set_world", world=program(), medium=program(), light_group=1, visibility=31, lit_by=1
     ),
     "SceneDescription.matte_attributes": method(scene, "matte_attributes", kind="OBJECT", layer="CryptoObject"),
+    "SceneDescription.set_texture_space": method(
+        scene, "set_texture_space", shape=0, low=(0.0, 0.0, 0.0), high=(1.0, 2.0, 3.0)
+    ),
     "SceneDescription.set_camera": method(scene, "set_camera", **CAMERA),
     "SceneDescription.add_image_file": method(
         scene, "add_image_file", name="a", path="nowhere", color_space="SRGB", config="", picture=0

@@ -25,9 +25,18 @@ def test_a_holdout_is_black_and_empties_the_film(core):
     scene.add_instance("hole", quad(scene, "hole", 20), matrix(), material(core, scene, ("holdout", 1.0)))
     scene.set_world(background(core, strength=1.0))
     look_down(scene)
-    assert np.all(render(core, scene, film_transparent=True).pass_pixels("combined") == 0.0)
-    solid = render(core, scene).pass_pixels("combined")
-    assert np.all(solid[..., :3] == 0.0) and np.all(solid[..., 3] == 1.0)
+    for transparent in (True, False):  # as in Cycles, over an opaque film too
+        assert np.all(render(core, scene, film_transparent=transparent).pass_pixels("combined") == 0.0)
+
+
+@pytest.mark.parametrize("integrator", ["PATH", "DISTRIBUTION"])
+def test_nothing_is_seen_of_what_is_added_to_a_holdout(core, integrator):
+    scene = core.SceneDescription()
+    surface = material(core, scene, ("holdout", 1.0), ("diffuse", 1.0, 0.8), ("emission", 1.0, 1.0, 1.0))
+    scene.add_instance("hole", quad(scene, "hole", 20), matrix(), surface)
+    scene.set_world(background(core, strength=1.0))
+    look_down(scene)
+    assert np.all(render(core, scene, integrator=integrator).pass_pixels("combined") == 0.0)
 
 
 def test_the_passes_recombine_to_the_picture(core):

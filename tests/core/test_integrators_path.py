@@ -209,6 +209,15 @@ def test_clamping_limits_each_contribution_of_its_kind(core):
     assert 1.5 * 0.99 < indirect.mean() < 1.5 * 1.01 + 0.02
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_clamping_goes_by_the_mean_of_the_channels(core, sign):
+    """As in Cycles: of light that is taken away as well."""
+    scene = lit_plane(core)
+    scene.add_lamp("lamp", "POINT", matrix((0, 0, 2)), strength=(sign * 9000, sign * 900, 0))
+    image = picture(core, scene, samples=4, clamp_direct=1.0).mean((0, 1))[:3]
+    np.testing.assert_allclose(image, sign * np.array([3 / 1.1, 0.3 / 1.1, 0.0]), rtol=1e-4, atol=1e-6)
+
+
 @pytest.mark.parametrize("panes", [1, 3])
 def test_shadow_rays_take_the_colour_of_transparent_panes_up_to_the_limit(core, panes):
     def scene_with(count, radius=0.1):

@@ -1,9 +1,12 @@
 """Pictures that are looked at while they get better: blocks, then sample after sample."""
 
+import threading
+import time
+
 import numpy as np
 import pytest
 import scenes
-from path_scenes import varied_scene
+from path_scenes import material, varied_scene
 
 PASSES = ["combined", "normal", "object_index"]
 
@@ -87,3 +90,58 @@ def test_a_cancelled_round_says_so(core):
     session = session_of(core)
     session.cancel()
     assert not session.render_more(1) and not session.render_blocks(2)
+
+
+LIGHT = ["combined", "diffuse_direct", "diffuse_color"]
+
+
+def lit_edge(core):
+    """A matte square that covers a part of its border's pixels, under a lamp."""
+    scene = core.SceneDescription()
+    square = scenes.quad(scene, "square", 0.5)
+    scene.add_instance("square", square, scenes.matrix(), material(core, scene, ("diffuse", 1.0, 0.25)))
+    scene.add_lamp("lamp", "POINT", scenes.matrix((0, 0, 3)), strength=(100,) * 3, radius=0.5, visibility=62)
+    scenes.look_down(scene, half=0.7)
+    return scene
+
+
+@pytest.mark.parametrize("count", [1, 4, 64])
+def test_light_without_colour_is_a_quotient_of_means(core, count):
+    """However many samples a round has: also of pixels that a surface covers in part."""
+    session = core.Session(lit_edge(core), core.Settings(width=9, height=9, passes=LIGHT))
+    for _ in range(64 // count):
+        assert session.render_more(count)
+    combined, light, color = (session.pass_pixels(name)[..., :3] for name in LIGHT)
+    assert 0.0 < color.mean() < 0.2
+    np.testing.assert_allclose(light * color, combined, rtol=1e-5, atol=1e-7)
+
+
+@pytest.mark.parametrize("limit", [{"time_limit": 100.0}, {"noise_threshold": 1e-4}])
+def test_a_cancelled_picture_in_rounds_has_finished_passes(core, limit):
+    scene = lit_edge(core)
+    session = core.Session(scene, core.Settings(width=32, height=32, samples=1 << 20, passes=LIGHT, **limit))
+    thread = threading.Thread(target=session.render)
+    thread.start()
+    deadline = time.monotonic() + 20.0
+    while not session.pass_pixels("combined").all() and time.monotonic() < deadline:
+        time.sleep(0.05)
+        if session.pass_pixels("diffuse_color").max() > 0.0:
+            break
+    session.cancel()
+    thread.join()
+    combined, light, color = (session.pass_pixels(name)[..., :3] for name in LIGHT)
+    assert color.max() > 0.0
+    np.testing.assert_allclose(light * color, combined, rtol=1e-4, atol=1e-6)
+
+
+@pytest.mark.parametrize("rounds", [(64,), (1,) * 64, (8,) * 8])
+def test_alpha_is_limited_as_a_mean(core, rounds):
+    """Of a surface that lets all light through and scatters more: samples of alpha lie beyond 0 and 1."""
+    scene = core.SceneDescription()
+    surface = material(core, scene, ("transparent", 1.0, 1.0), ("diffuse", 1.0, 0.8))
+    scene.add_instance("veil", scenes.quad(scene, "veil", 20), scenes.matrix(), surface)
+    scenes.look_down(scene, half=0.05)
+    session = core.Session(scene, core.Settings(width=16, height=16, film_transparent=True))
+    for count in rounds:
+        assert session.render_more(count)
+    assert session.pass_pixels("combined")[..., 3].mean() < 0.03

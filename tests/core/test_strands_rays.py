@@ -182,3 +182,16 @@ def test_packets_find_the_very_hits_of_single_rays_on_all_instruction_sets(name,
         np.testing.assert_array_equal(
             _core.trace.occluded_in_packets(scene, starts, towards, reach, coherent), shadows, err_msg=target
         )
+
+
+@pytest.mark.parametrize("height", [0.0, 0.2, 0.315])
+def test_coincident_points_are_a_ball_of_the_largest_radius(height):
+    """Where the axis stands still, the radius changes: the nearest ball decides, not a place near it."""
+    radii = np.array([0.1, 0.5, 0.4, 0.1])
+    places = np.linspace(0.0, 1.0, 100_001)
+    weights = [(1 - places) ** 3, 3 * (1 - places) ** 2 * places, 3 * (1 - places) * places**2, places**3]
+    largest = sum(weight * radius for weight, radius in zip(weights, radii)).max()
+    strands = _core.Strands("ball", np.zeros((4, 3)), radii.astype(np.float32), np.int32([0, 4]), basis="BEZIER")
+    scene = _core.trace.Tracer([(strands, np.eye(4), 31)])
+    found = scene.closest_hits([[0.0, height, -2.0]], [[0.0, 0.0, 1.0]])["t"][0]
+    assert found == pytest.approx(2.0 - np.sqrt(largest**2 - height**2), abs=2e-7)

@@ -284,3 +284,26 @@ def test_an_image_is_converted_once_for_scenes_that_are_made_at_the_same_time(tm
             )
     (folder,) = tmp_path.iterdir()
     assert len(list(folder.iterdir())) == len(pictures)
+
+
+@pytest.mark.parametrize("width", [0.0, 0.1])
+@pytest.mark.parametrize("channels", [1, 3])
+def test_clipped_borders_fade_with_and_without_alpha_alike(store, channels, width):
+    """A white picture: where half of a footprint is outside, alpha is a half, and the colour is white still."""
+    plain = store.add_pixels("plain", np.ones((8, 8, channels), np.float32), tests.ColorSpace.LINEAR)
+    opaque = store.add_pixels("opaque", np.ones((8, 8, 4), np.float32), tests.ColorSpace.LINEAR)
+    places = np.float32([[u, 0.5] for u in (-0.5, -0.04, 0.0, 0.001, 0.03, 0.3, 0.5, 0.99, 1.03, 1.5)])
+    found, expected = (look(store, each, places, CLIP, width=width) for each in (plain, opaque))
+    inside = expected[:, 3] > 0.02
+    np.testing.assert_allclose(found[inside, :3], 1.0, atol=1e-3)
+    # Footprints are filtered by Gaussian weights there, and by even ones here.
+    np.testing.assert_allclose(found[:, 3], expected[:, 3], atol=0.01 if width == 0.0 else 0.15)
+    assert np.all(found[expected[:, 3] == 0.0] == 0.0)
+
+
+@pytest.mark.parametrize("extension", [EXTEND, CLIP])
+@pytest.mark.parametrize("u", [1e7, 2.0**31, 1e38, -1e38])
+def test_far_outside_is_as_a_little_outside(store, extension, u):
+    texture = store.add_pixels("image", picture(4, 8, 4), tests.ColorSpace.LINEAR)
+    near = look(store, texture, [(1.9 if u > 0 else -0.9, 0.3)], extension)
+    np.testing.assert_array_equal(look(store, texture, [(u, 0.3)], extension), near)

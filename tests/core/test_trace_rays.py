@@ -214,3 +214,25 @@ def test_a_near_eye_makes_finer_facets_than_a_far_one():
     directions = shapes.random_directions(np.random.default_rng(31), 2000)
     hits = far.closest_hits(np.zeros((2000, 3)), directions)
     assert np.abs(hits["facet_position"] - hits["position"]).max() < 1e-4  # kCoarsestTolerance; local units are world's
+
+
+@pytest.mark.parametrize("coherent", [False, True])
+def test_packets_aimed_at_edges_of_a_mesh_find_what_single_rays_find(coherent):
+    """Rays from the middle of a mesh to its edges, of which two facets are equally near."""
+    columns, rows, random = 48, 32, np.random.default_rng(0)
+    theta, phi = np.meshgrid(np.arange(1, rows) * np.pi / rows, np.arange(columns) * 2 * np.pi / columns, indexing="ij")
+    radius = 1 + 0.1 * np.sin(4 * theta) * np.cos(3 * phi)
+    ring = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], 2) * radius[..., None]
+    ring = ring.astype(np.float32).astype(float)
+    to_world = shapes.moved(0.5, 2.0)
+    i, j = np.sort(random.integers(0, rows - 2, 20_000)), random.integers(0, columns, 20_000)
+    share = random.random((20_000, 1))
+    local = ring[i, j] * share + ring[i + 1, j] * (1 - share)
+    middle = to_world[:3, 3]
+    directions = shapes.unit(local @ to_world[:3, :3].T)
+    origins = np.tile(middle, (len(directions), 1))
+    tracer = shapes.trace.Tracer([(shapes.lumpy_mesh(), to_world, 31)])
+    alone = tracer.closest_hits(origins, directions)
+    together = shapes.trace.closest_in_packets(tracer, origins, directions, coherent)
+    for name in ("t", "instance", "primitive"):
+        np.testing.assert_array_equal(together[name], alone[name])

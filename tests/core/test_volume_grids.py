@@ -204,3 +204,39 @@ def test_grids_of_other_channels_are_refused(core, channels):
 def test_grids_without_a_place_are_refused(core, bad):
     with pytest.raises(core.InputError, match="density"):
         core.VoxelGrid("volume", "density", np.ones((2, 2, 2, 1), np.float32), placed((bad, 1.0, 1.0)))
+
+
+def test_smoke_beyond_many_cells_scatters_the_sun(core):
+    """A grid has up to 64 cells a side, and two that overlap have twice as many borders along a ray."""
+
+    def far_smoke(has_another):
+        scene = core.SceneDescription()
+        for name, shift, density in (("smoke", 0.0, 3.0), ("nothing", np.array([0.017, 0.011, 0.007]), 0.0)):
+            if name == "nothing" and not has_another:
+                continue
+            values = np.zeros((64, 64, 64, 1), np.float32)
+            values[58:63, 58:63, 58:63] = density
+            values[0, 0, 0] = values[63, 63, 63] = 1e-6
+            to_object = np.diag([2 / 64, 2 / 64, 2 / 64, 1.0])
+            to_object[:3, 3] = shift - 1 + 1 / 64
+            attribute = scene.attribute(name)
+            grid = core.VoxelGrid(name, "density", values, to_object, least=0.0)
+            program = core.Program(name)
+            white, albedo = program.constant(1, 1, 1, 1), program.constant(0.8, 0.8, 0.8, 1)
+            read = program.operation("attribute", [], [attribute])
+            program.operation("volume_scatter", [white, albedo, read, program.constant(0, 0, 0, 0)])
+            filled = scene.add_material_list([scene.add_material(name, None, medium=program)])
+            scene.add_instance(name, scene.add_shape(core.volume(name, {attribute: grid})), np.eye(4), filled)
+        sun = np.eye(4)
+        sun[:3, 2] = np.array([1, 0.2, 0.5]) / np.linalg.norm([1, 0.2, 0.5])
+        scene.add_lamp("sun", "SUN", sun, strength=(3,) * 3)
+        back = -np.ones(3) / np.sqrt(3)
+        right = np.cross((0, 0, 1.0), back) / np.linalg.norm(np.cross((0, 0, 1.0), back))
+        camera = np.eye(4)
+        camera[:3, :4] = np.stack([right, np.cross(back, right), back, np.full(3, -3.0)], axis=1)
+        scene.set_camera("PERSPECTIVE", camera, (-0.03, -0.03), (0.03, 0.03), 0.01, 100)
+        return picture(core, scene, samples=256, max_bounces=1).mean()
+
+    alone = far_smoke(False)
+    assert alone > 0.005
+    assert far_smoke(True) == pytest.approx(alone, rel=0.05)

@@ -59,7 +59,6 @@ MEET_BLENDER = {
     ),
     *(
         "export/images.py",
-        "export/nodes/lamps.py",
         "report/panel.py",
         "report/render_points.py",
         "report/render_silhouettes.py",

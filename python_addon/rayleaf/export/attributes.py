@@ -61,6 +61,11 @@ def flat_values(attributes: Any, name: str, domain: str) -> Floats | None:
     return _flat(attribute) if attribute is not None and attribute.domain == domain else None
 
 
+def for_shading(values: Floats | None) -> Floats | None:
+    """What shaders see of an attribute's values: a single number as a grey."""
+    return np.repeat(values, 3, axis=1) if values is not None and values.shape[1] == 1 else values
+
+
 @dataclass
 class Corners:
     """Corners of faces, (m, k) each: what attributes may be stored on there."""
@@ -72,7 +77,7 @@ class Corners:
 
 def _generic(attribute: Any, corners: Corners) -> Floats | None:
     """(m, k, channels) of an attribute, whatever it is stored on; None for kinds that shading cannot use."""
-    values = _flat(attribute)
+    values = for_shading(_flat(attribute))
     where = {"POINT": corners.vertices, "CORNER": corners.loops, "FACE": corners.polygons}.get(attribute.domain)
     return None if where is None or values is None else np.ascontiguousarray(values[where])
 

@@ -15,6 +15,7 @@ from . import ExportError
 # Least f-number; below it the aperture would be infinite.
 _LEAST_FSTOP = 1e-5
 _MILLIMETRE = 1e-3
+_LEAST_FOCUS_DISTANCE = 1e-5  # as in Cycles; at 0 there would be no directions
 
 
 @dataclass(frozen=True)
@@ -99,13 +100,13 @@ def focus_distance(camera_object: Any, matrix: NDArray[np.float64]) -> float:
     """Along the view axis: to the focus object or its bone, else as set. World units."""
     dof = camera_object.data.dof
     if dof.focus_object is None:
-        return float(dof.focus_distance)
+        return max(float(dof.focus_distance), _LEAST_FOCUS_DISTANCE)
     target = dof.focus_object.matrix_world.copy()
     pose = dof.focus_object.pose
     if pose is not None and dof.focus_subtarget in pose.bones:
         target = target @ pose.bones[dof.focus_subtarget].matrix
     axis = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
-    return float(abs(axis @ (matrix[:3, 3] - np.array(target.translation))))
+    return max(float(abs(axis @ (matrix[:3, 3] - np.array(target.translation)))), _LEAST_FOCUS_DISTANCE)
 
 
 def aperture_radius(camera: Any) -> float:

@@ -90,7 +90,8 @@ def _reason_by_settings(curve_object: Any, curve: Any) -> str | None:
         return reason
     if curve.dimensions == "3D" and curve.twist_mode != "MINIMUM" and curve.twist_smooth > 0.0:
         return "smoothed twist, which depends on the resolution"
-    if curve.bevel_mode == "OBJECT" and (_deformed(curve.bevel_object) or curve.bevel_object.data.offset != 0.0):
+    bevel = curve.bevel_object if curve.bevel_mode == "OBJECT" else None
+    if bevel is not None and (_deformed(bevel) or bevel.data.offset != 0.0):
         return "bevel object with a modifier, absolute shape keys or an offset"
     taper = curve.taper_object
     if taper is not None and taper.type == "CURVE" and (_deformed(taper) or not _is_thread(taper.data)):
@@ -189,7 +190,7 @@ def _describe(core: ModuleType, curve_object: Any, curve: Any, table: SplineTabl
             _radius_without_taper(table, curve.taper_radius_mode)
     own_profile = curve.bevel_mode == "OBJECT"
     fill = _FILLS.get(curve.fill_mode, curve.fill_mode)
-    profile = _profile(core, curve.bevel_object) if own_profile else None
+    profile = None if curve.bevel_object is None or not own_profile else _profile(core, curve.bevel_object)
     if curve.bevel_mode == "PROFILE" and curve.bevel_depth != 0.0:
         profile = curve_profiles.profile_splines(core, curve, fill)
         if profile is None:

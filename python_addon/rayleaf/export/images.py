@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
 from . import CancelCheck
@@ -48,6 +49,20 @@ def shown_frame(user: Any, frame: int) -> int:
     if user.use_cyclic:
         shown = (shown - 1) % length + 1
     return min(max(shown, 0), length) + int(user.frame_offset)
+
+
+def _of_tile(path: str, number: int) -> str:
+    """The file of a UDIM tile, by either of Blender's tokens."""
+    row, column = divmod(number - 1001, 10)
+    return path.replace("<UDIM>", str(number)).replace("<UVTILE>", f"u{column + 1}_v{row + 1}")
+
+
+def _packed_tile(image: Any, path: str) -> bytes | None:
+    """What a tile's file holds, where the tiles are packed."""
+    packed = image.packed_files if image.source == "TILED" else ()
+    found = (each for each in packed if versions.absolute_path(each.filepath, image) == path)
+    tile = next(found, None)
+    return None if tile is None or tile.packed_file is None else tile.packed_file.data
 
 
 class ImageLibrary:
@@ -102,7 +117,7 @@ class ImageLibrary:
         self.asked += 1
         found = []
         for tile in list(image.tiles)[:_MOST_TILES]:
-            path = str(bpy.path.abspath(image.filepath, library=image.library)).replace("<UDIM>", str(tile.number))
+            path = _of_tile(versions.absolute_path(image.filepath, image), tile.number)
             texture = self._texture_at(image, path)
             if texture is not None:
                 found += [tile.number, texture]
@@ -115,10 +130,10 @@ class ImageLibrary:
     def _path(self, image: Any, user: Any, frame: int) -> str:
         if image.source == "SEQUENCE" and user is not None:
             user.frame_current = shown_frame(user, frame)
-            return str(bpy.path.abspath(image.filepath_from_user(image_user=user), library=image.library))
-        path = str(bpy.path.abspath(image.filepath, library=image.library))
+            return versions.absolute_path(image.filepath_from_user(image_user=user), image)
+        path = versions.absolute_path(image.filepath, image)
         if image.source == "TILED":
-            path = path.replace("<UDIM>", str(image.tiles[0].number) if image.tiles else "1001")
+            path = _of_tile(path, image.tiles[0].number if image.tiles else 1001)
         return path
 
     def _add(self, image: Any, path: str, picture: int) -> int | None:
@@ -128,6 +143,9 @@ class ImageLibrary:
         space = self._color_space(image)
         if image.packed_file is not None and image.source == "FILE" and not image.is_dirty:
             return self._add_packed(image, path, space)
+        tile = _packed_tile(image, path)
+        if tile is not None:
+            return self._send(self.scene.add_packed_image, image, tile, space)
         if image.packed_file is not None or image.source == "GENERATED" or image.is_dirty:
             return self._add_pixels(image, path, space)
         if not os.path.isfile(path):

@@ -48,6 +48,8 @@ class Group:
     in_footage: bool = False  # what makes them is a shadow catcher
     volume: bool = False  # the data is a Volume, or the mesh of a simulation's domain
     maker: Any = None  # what makes them, where lights are linked
+    shown: int = ~0  # visibility bits that what makes them leaves
+    held_out: bool = False  # what makes them is a holdout
 
     @property
     def data(self) -> Any:
@@ -144,8 +146,9 @@ class _Collector:
         self._exact = _ExactForms(core, depsgraph, motions)
         self._depsgraph, self._motions = depsgraph, motions
         self._space, self._linked = space, linked
-        self._known: dict[tuple[int, int, bool, int], Group | None] = {}
+        self._known: dict[tuple[int, int, bool, int, int, bool], Group | None] = {}
         self._has_catchers = has_shadow_catchers(depsgraph)
+        self._makers: dict[int, tuple[int, bool]] = {}
         self._hair: dict[int, list[Group]] = {}
         self._matrices, self._randoms = array("f"), array("d")
         self._result = Instances(np.empty((0, 4, 4)), np.empty(0, np.float32))
@@ -179,6 +182,7 @@ class _Collector:
             0 if data is None else data.as_pointer(),
             in_footage,
             0 if maker is None else maker.as_pointer(),
+            *self._left_by(instance.parent if owner is not None else None),
         )
         try:
             group = self._known[key]
@@ -188,6 +192,7 @@ class _Collector:
         if group is not None:
             group.members.append(place)
             group.in_footage, group.maker = in_footage, maker
+            group.shown, group.held_out = key[-2:]
             group.instanced |= owner is not None
             system = None if owner is None else instance.particle_system
             if system is not None:
@@ -197,6 +202,16 @@ class _Collector:
         elif item.type == "LIGHT":
             self._result.lamps.append((settings, place))
             self._result.instanced_lamps |= owner is not None
+
+    def _left_by(self, maker: Any) -> tuple[int, bool]:
+        """The visibility bits that an object leaves to what it makes, and whether it cuts that out of the picture."""
+        if maker is None:
+            return ~0, False
+        pointer = maker.as_pointer()
+        if pointer not in self._makers:
+            layer = self._depsgraph.view_layer
+            self._makers[pointer] = visibility(maker, layer) | IN_FOOTAGE, is_holdout(maker, layer)
+        return self._makers[pointer]
 
     def _is_hidden(self, instance: Any) -> bool:
         """Whether a 3-D view hides what others show, as local view does."""
@@ -238,7 +253,7 @@ class _Collector:
             own = data is None or is_own_data(settings, data)
             smokes = own and settings.type == "MESH" and gas_domain(settings) is not None
             return Group(settings, data, exact=False, from_owner=own, members=[], volume=smokes)
-        if kind in WITH_EXACT_FORM and self._exact.has(settings):
+        if kind in WITH_EXACT_FORM and settings.type == kind and self._exact.has(settings):
             return Group(settings, data, exact=True, from_owner=True, members=[])
         if kind == "VOLUME":
             return Group(settings, data, exact=False, from_owner=settings.type == kind, members=[], volume=True)

@@ -18,23 +18,21 @@ from . import (
     curves,
     instance_values,
     instances,
-    lights,
     ray_interpolation,
     unsupported,
-    world,
 )
 from .images import ImageLibrary
 from .kept import KeptExport, KeptShape
 from .light_linking import LightLinks
+from .lights import LightExporter
 from .instances import Group, Instances
 from .motion import Motions
 from .materials import MaterialLibrary, VolumeMaterial, slots_of
 from .nodes.resources import Resources
 from .shapes import ExportReport, ShapeExporter
 from .subdivision import Cages
+from .texture_space import texture_space
 
-# Width of the table by which a world made of nodes is importance sampled; a plain colour needs none.
-_WORLD_TABLE_WIDTH = 1024
 _BYTES_PER_MEGABYTE = 1 << 20
 # Instances sent between two questions whether to stop: some 100 ms.
 _INSTANCE_CHUNK = 100_000
@@ -58,6 +56,11 @@ def _subject_of(problem: str) -> Subject | None:
     return Subject("Object", found[1]) if found else None
 
 
+def _without_subject(problem: str) -> str:
+    """A message of the core's without what it is about."""
+    return _CORE_MESSAGE.sub("", problem, count=1)
+
+
 def _asset_of(owner: Any) -> str:
     """What Cryptomatte calls an asset: the topmost parent."""
     while owner.parent is not None:
@@ -65,7 +68,7 @@ def _asset_of(owner: Any) -> str:
     return name_of(owner)
 
 
-class SceneExporter(ShapeExporter):
+class SceneExporter(ShapeExporter, LightExporter):
     """Exports one view layer once."""
 
     def __init__(
@@ -188,7 +191,11 @@ class SceneExporter(ShapeExporter):
         if camera_object is None:
             raise ExportError(f"Scene '{name_of(self._blender_scene)}' has no camera")
         seen_from = camera.eye_of(camera_object.evaluated_get(self._depsgraph)) if eye is None else eye()
-        self.scene.set_camera(**camera.describe(self._core, seen_from, frame), **motions.camera)
+        arguments = camera.describe(self._core, seen_from, frame)
+        try:
+            self.scene.set_camera(**arguments, **motions.camera)
+        except self._core.InputError as error:  # it calls every camera by one name
+            raise ExportError(f"Camera '{name_of(camera_object)}': {_without_subject(str(error))}") from error
 
     def _slots(self, group: Group) -> list[Any]:
         """The materials of a group, None for empty slots."""
@@ -201,60 +208,14 @@ class SceneExporter(ShapeExporter):
         if group.volume:
             volume = self._volume_material(group)
             return -1 if volume is None else volume.material_list
-        return self.materials.slot_list(self._slots(group), instances.is_holdout(group.owner, self._view_layer))
+        is_holdout = group.held_out or instances.is_holdout(group.owner, self._view_layer)
+        return self.materials.slot_list(self._slots(group), is_holdout)
 
     def _volume_material(self, group: Group) -> VolumeMaterial | None:
         return self.materials.volume(self._slots(group))
 
     def _is_displaced(self, group: Group) -> bool:
         return any(slot is not None and self.materials.displaces(slot) for slot in self._slots(group))
-
-    def export_world(self) -> None:
-        """The world's program."""
-        blender_world = self._blender_scene.world
-        if blender_world is None or not self._view_layer.use_sky:
-            self.scene.set_world(None)
-            return
-        try:
-            arguments = (self._core, blender_world, self._resources, self._messages)
-            program, medium = world.compile_world(*arguments), world.compile_medium(*arguments)
-            width = _WORLD_TABLE_WIDTH if world.uses_nodes(blender_world) else 0
-            self.scene.set_world(
-                program,
-                sampling_resolution=width,
-                medium=medium,
-                light_group=self._light_group(blender_world),
-                visibility=world.visibility(blender_world),
-                lit_by=self.links.lit_by_of_world,
-            )
-        except self._core.InputError as error:
-            subject = Subject("World", name_of(blender_world))
-            self._messages.warn(f"{subject}: {error}; rendered black", subject)
-
-    def _light_group(self, owner: Any) -> int:
-        """The slot of the group that an object or world shines in; -1 for none."""
-        return self._named.light_groups.get(getattr(owner, "lightgroup", ""), -1)
-
-    def _export_lamps(self, listed: Instances) -> None:
-        for lamp_object, place in listed.lamps:
-            self._check_cancel()
-            self.export_lamp(lamp_object, listed.matrices[place])
-        self.lamps = None if listed.instanced_lamps else [lamp_object.original for lamp_object, _ in listed.lamps]
-
-    def export_lamp(self, lamp_object: Any, matrix: Any) -> None:
-        """An evaluated lamp object at its place."""
-        if lights.is_portal(lamp_object.data):
-            subject = Subject("Light", name_of(lamp_object))
-            self._messages.note(f"{subject}: a portal does not shine; the world's light is found without", subject)
-            return
-        visibility = instances.visibility(lamp_object, self._view_layer)
-        try:
-            arguments = (self._core, lamp_object, matrix, visibility, self._resources, self._messages)
-            links = dict(light_group=self._light_group(lamp_object), link=self.links.light(lamp_object))
-            self.scene.add_lamp(**links, **lights.describe(*arguments))
-            self.report.lamps += 1
-        except self._core.InputError as error:
-            self._leave_out(name_of(lamp_object), str(error))
 
     def _export_shapes(self, listed: Instances) -> list[int | None]:
         """The shape of each group; groups with the same data share one."""
@@ -286,6 +247,9 @@ class SceneExporter(ShapeExporter):
             self._shapes[key] = kept
             return int(self.scene.add_shape(kept.shape))
         index = self._export_shape(group, wanted, judged)
+        space = texture_space(group.owner.original.data if group.given is None else group.given)
+        if index is not None and space is not None:
+            self.scene.set_texture_space(index, *space)
         if index is not None and group.hair is None:  # hair depends on settings that are no data block's of these
             self._shapes[key] = KeptShape(self.scene.shape(index), sources, wanted)
         return index
@@ -327,7 +291,7 @@ class SceneExporter(ShapeExporter):
             spread([shape for _, shape, _ in chosen]),
             spread([materials for _, _, materials in chosen]),
             spread([group.owner.pass_index for group, _, _ in chosen]),
-            spread([instances.visibility(group.owner, self._view_layer, group.in_footage) for group, _, _ in chosen]),
+            spread([self._visibility(group) for group, _, _ in chosen]),
             spread([self._ray_interpolation(group.owner) for group, _, _ in chosen]),
             spread([self._light_group(group.owner) for group, _, _ in chosen]),
         )
@@ -366,6 +330,9 @@ class SceneExporter(ShapeExporter):
             for problem in problems:
                 self.rows = None  # those that follow have moved up
                 self._messages.warn(f"{problem}; left out", _subject_of(problem))
+
+    def _visibility(self, group: Group) -> int:
+        return group.shown & instances.visibility(group.owner, self._view_layer, group.in_footage)
 
     def _note_rows(self, groups: list[Group], counts: list[int]) -> None:
         rows: dict[int, int] = {}

@@ -1,6 +1,6 @@
 """Shapes of the core from what objects are made of: splines, hair, cages, meshes."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Any
 
@@ -137,6 +137,15 @@ class ShapeExporter:
         return shape
 
     def _export_mesh(self, group: Group, wanted: frozenset[str]) -> int | None:
+        if group.given is None or not group.from_owner or not group.given.is_editmode:
+            return self._export_faces(group, wanted)
+        # Of a mesh in Edit Mode no faces and no layers can be read, of its copy all.
+        try:
+            return self._export_faces(replace(group, given=group.owner.to_mesh()), wanted)
+        finally:
+            group.owner.to_mesh_clear()
+
+    def _export_faces(self, group: Group, wanted: frozenset[str]) -> int | None:
         if group.from_owner and subdivision.last_subdivision(group.owner, self._depsgraph) is not None:
             shape = self._export_cage(group, wanted)
             if shape is not None:
@@ -191,5 +200,5 @@ class ShapeExporter:
 
     def _leave_out(self, name: str, reason: str) -> None:
         self.report.left_out[name] = reason
-        text = reason if name in reason else f"Object '{name}': {reason}"
+        text = reason if f"'{name}'" in reason else f"Object '{name}': {reason}"
         self._messages.warn(f"{text}; left out", Subject("Object", name))

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..names import find, name_of
-from .attributes import ACTIVE_COLOR, ACTIVE_UV, STRAND_INFO, STRAND_RANDOM, active_color, active_uv, flat_values
+from .attributes import ACTIVE_COLOR, ACTIVE_UV, STRAND_INFO, STRAND_RANDOM
+from .attributes import active_color, active_uv, flat_values, for_shading
 from .curve_bases import CURVE_TYPES, hair_as_bezier
 from .random_numbers import random_of_index
 from .strand_arrays import StrandArrays
@@ -227,10 +228,10 @@ def _take_attribute(arrays: StrandArrays, data: Any, name: str) -> None:
         pairs = [name_of(item) for item in data.attributes if item.data_type == "FLOAT2" and item.domain == "CURVE"]
         values = flat_values(data.attributes, pairs[0], "CURVE") if pairs else None
     else:
-        values = flat_values(data.attributes, name, "CURVE")
+        values = for_shading(flat_values(data.attributes, name, "CURVE"))
     if values is not None:
         arrays.attributes[name] = values
         return
-    values = flat_values(data.attributes, name, "POINT")
+    values = for_shading(flat_values(data.attributes, name, "POINT"))
     if values is not None:
         arrays.point_attributes[name] = values

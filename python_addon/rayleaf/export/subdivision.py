@@ -17,6 +17,7 @@ Ints = NDArray[np.int32]
 
 # From Blender's creases, 0 to 1, to OpenSubdiv's sharpness (BKE_subdiv_crease_to_sharpness).
 _FULL_SHARPNESS = 10.0
+_ANY_LEVELS = 100  # more than any modifier's
 # Evaluating the modifiers once more than Blender does would disturb what these keep from frame to frame.
 _STATEFUL = {
     *("CLOTH", "COLLISION", "DYNAMIC_PAINT", "EXPLODE", "FLUID", "PARTICLE_INSTANCE", "PARTICLE_SYSTEM"),
@@ -45,6 +46,15 @@ def _in_use(mesh_object: Any, depsgraph: Any) -> list[Any]:
     return [modifier for modifier in mesh_object.modifiers if getattr(modifier, _switch(depsgraph))]
 
 
+def _most_levels(depsgraph: Any) -> int:
+    """To which Simplify limits every subdivision."""
+    render = depsgraph.scene.render
+    if not render.use_simplify:
+        return _ANY_LEVELS
+    is_final = depsgraph.mode == "RENDER"
+    return int(render.simplify_subdivision_render if is_final else render.simplify_subdivision)
+
+
 def last_subdivision(mesh_object: Any, depsgraph: Any) -> Any:
     """The Subdivision Surface modifier that ends an object's stack and does something, or None."""
     modifiers = _in_use(mesh_object, depsgraph) if mesh_object.type == "MESH" else []
@@ -52,7 +62,7 @@ def last_subdivision(mesh_object: Any, depsgraph: Any) -> Any:
     if last is None or last.type != "SUBSURF":
         return None
     levels = last.render_levels if depsgraph.mode == "RENDER" else last.levels
-    return last if levels > 0 else None
+    return last if min(levels, _most_levels(depsgraph)) > 0 else None
 
 
 def fallback_reason(mesh_object: Any, depsgraph: Any, settings: Any) -> str | None:

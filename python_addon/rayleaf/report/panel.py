@@ -129,9 +129,16 @@ class RAYLEAF_OT_measure_settings(bpy.types.Operator):
 
     _run: _Run
     _timer: Any = None
+    _is_running = False  # of the class: one at a time
+
+    @classmethod
+    def poll(cls, _context: Any) -> bool:
+        cls.poll_message_set("One measurement is under way")
+        return not RAYLEAF_OT_measure_settings._is_running
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
         self._run = _Run(self.width)
+        RAYLEAF_OT_measure_settings._is_running = True
         self._timer = context.window_manager.event_timer_add(_POLL_SECONDS, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -145,8 +152,7 @@ class RAYLEAF_OT_measure_settings(bpy.types.Operator):
     def modal(self, context: Any, event: Any) -> set[str]:
         measurement = context.window_manager.rayleaf_measurement
         if event.type == "ESC":
-            measurement.state = "Stopped"
-            self._close(context)
+            self.cancel(context)
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
@@ -155,6 +161,11 @@ class RAYLEAF_OT_measure_settings(bpy.types.Operator):
             _redraw(context)
             return {"RUNNING_MODAL"}
         return self._finish(context)
+
+    def cancel(self, context: Any) -> None:
+        """Blender opens another file, or ends."""
+        context.window_manager.rayleaf_measurement.state = "Stopped"
+        self._close(context)
 
     def _finish(self, context: Any) -> set[str]:
         try:
@@ -168,6 +179,7 @@ class RAYLEAF_OT_measure_settings(bpy.types.Operator):
         return {"FINISHED"}
 
     def _close(self, context: Any) -> None:
+        RAYLEAF_OT_measure_settings._is_running = False
         self._run.close()
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)

@@ -14,6 +14,11 @@ def _is_only_reshaded(update: Any) -> bool:
     return bool(update.is_updated_shading and not (update.is_updated_geometry or update.is_updated_transform))
 
 
+def is_driven(block: Any) -> bool:
+    """Whether properties of a data block follow others: Blender does not say which of them have changed."""
+    return block.animation_data is not None and len(block.animation_data.drivers) > 0
+
+
 @dataclass
 class Changes:
     """Data blocks that have changed, by the pointers of their originals."""
@@ -63,6 +68,8 @@ class Changes:
             return
         if block.type == "LIGHT":
             self.lamps = True
+            if is_driven(block):  # it may be hidden now
+                self.is_simple = False
             if update.is_updated_shading:
                 self.reshaded[pointer] = block
         elif _is_only_reshaded(update):

@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from ..export.camera import Frame
+from ..export.instance_values import PROPERTY_OF
 from ..export.kept import KeptExport
 from ..export.light_linking import LightLinks
 from ..export.scene import SceneExporter
 from ..messages import Messages
 from ..names import name_of
 from . import undo
-from .changes import Changes
+from .changes import Changes, is_driven
 from .values import look_of, values_of
 
 # Textures that edits have added stay, with those that they replace, until so many make it worth to begin anew.
@@ -110,11 +111,19 @@ def _edit(exporter: SceneExporter, depsgraph: Any, changes: Changes) -> bool:
     shown = any(exporter.materials.index_of(pointer) is not None for pointer in changes.materials)
     if not (rows or shown or changes.world or changes.lamps):
         return True
-    before = exporter.scene
+    before, carried = exporter.scene, exporter.wanted_attributes
     exporter.edit(before.copy(), depsgraph)
-    if not _replace_materials(exporter, depsgraph, changes):
+    done = _replace_materials(exporter, depsgraph, changes)
+    if done:
+        _replace_lights(exporter, depsgraph, changes)
+        # Programs that are made now add to what is wanted; shapes and instances carry what was wanted before.
+        done = exporter.wanted_attributes <= carried and _place(exporter, depsgraph, rows)
+    if not done:
         exporter.edit(before, depsgraph)
-        return False
+    return done
+
+
+def _replace_lights(exporter: SceneExporter, depsgraph: Any, changes: Changes) -> None:
     if changes.world:
         exporter.export_world()
     if changes.lamps:
@@ -122,19 +131,23 @@ def _edit(exporter: SceneExporter, depsgraph: Any, changes: Changes) -> bool:
         for lamp in exporter.lamps or ():
             evaluated = lamp.evaluated_get(depsgraph)
             exporter.export_lamp(evaluated, np.array(evaluated.matrix_world, np.float64))
-    if rows:
-        matrices = [np.array(block.evaluated_get(depsgraph).matrix_world, np.float64) for block in rows.values()]
-        try:
-            exporter.scene.place_instances(np.array(list(rows), np.int32), np.array(matrices))
-        except ValueError:  # the core's InputError: a whole export says which is left out
-            exporter.edit(before, depsgraph)
-            return False
+
+
+def _place(exporter: SceneExporter, depsgraph: Any, rows: dict[int, Any]) -> bool:
+    if not rows:
+        return True
+    matrices = [np.array(block.evaluated_get(depsgraph).matrix_world, np.float64) for block in rows.values()]
+    try:
+        exporter.scene.place_instances(np.array(list(rows), np.int32), np.array(matrices))
+    except ValueError:  # the core's InputError: a whole export says which is left out
+        return False
     return True
 
 
 def _rows_of(exporter: SceneExporter, changes: Changes) -> dict[int, Any] | None:
     """The objects that have moved, by instance; None where more depends on where they are."""
     rows = {}
+    reads_objects = any(name.startswith(PROPERTY_OF) for name in exporter.wanted_attributes)  # as where they are
     for pointer, block in changes.moved.items():
         if block.is_instancer or block.instance_type != "NONE" or len(block.particle_systems) > 0:
             return None
@@ -142,7 +155,7 @@ def _rows_of(exporter: SceneExporter, changes: Changes) -> dict[int, Any] | None
             return None
         if block.type in ("EMPTY", "ARMATURE", "LATTICE", "SPEAKER"):
             continue
-        if exporter.rows is None or pointer not in exporter.rows:
+        if reads_objects or is_driven(block) or exporter.rows is None or pointer not in exporter.rows:
             return None
         rows[exporter.rows[pointer]] = block
     return rows
@@ -161,7 +174,7 @@ def _replace_materials(exporter: SceneExporter, depsgraph: Any, changes: Changes
             compiled = library.compile(block.evaluated_get(depsgraph))
         except (ValueError, RecursionError):
             return False
-        if not compiled.wanted <= exporter.wanted_attributes or former.displaces or compiled.displaces:
+        if former.displaces or compiled.displaces:
             return False
         exporter.scene.replace_material(index, *compiled.arguments)
         library.compiled[pointer] = compiled

@@ -8,7 +8,7 @@ from typing import Any
 import gpu
 from gpu_extras.presets import draw_texture_2d
 
-from .. import kept_messages, passes
+from .. import failures, kept_messages, passes
 from ..export import ExportError
 from ..export.instances import has_shadow_catchers
 from ..messages import Messages
@@ -16,19 +16,9 @@ from . import render_pass, view
 from .sync import SceneSync
 from .worker import Picture, Request, Worker, same_camera
 
-_OPEN: "weakref.WeakSet[Viewport]" = weakref.WeakSet()
 
-
-def pause_all() -> None:
-    """Have all views wait, for a final render."""
-    for viewport in list(_OPEN):
-        viewport.pause()
-
-
-def resume_all() -> None:
-    """Have them go on."""
-    for viewport in list(_OPEN):
-        viewport.resume()
+def _wants_uv(context: Any) -> bool:
+    return render_pass.entry_of(context.space_data).identifier == "uv"
 
 
 class Viewport:
@@ -45,11 +35,10 @@ class Viewport:
         self._worker = Worker(core, self._redraw)
         self._problem = ""
         self._has_catchers = False  # the scene, of shadows
-        _OPEN.add(self)
+        self._has_uv = False  # what was exported
 
     def close(self) -> None:
         """Stop rendering."""
-        _OPEN.discard(self)
         self._worker.close()
 
     def pause(self) -> None:
@@ -61,19 +50,22 @@ class Viewport:
         self._worker.resume(self._request)
 
     def update(self, context: Any, depsgraph: Any) -> None:
-        """The scene has changed: export it."""
+        """The scene has changed: export it. Where that fails nothing is shown but why: the picture is no longer true."""
         try:
-            camera = view.camera_of(context, depsgraph)
-            shows_uv = render_pass.entry_of(context.space_data).identifier == "uv"
-            frame = view.frame_of(context)
-            self._scene = self.sync.update(depsgraph, frame, camera, shows_uv, context.space_data)
+            camera, frame, self._has_uv = view.camera_of(context, depsgraph), view.frame_of(context), _wants_uv(context)
+            self._scene = self.sync.update(depsgraph, frame, camera, self._has_uv, context.space_data)
             self._problem, self._has_catchers = "", has_shadow_catchers(depsgraph)
         except (ExportError, self._core.InputError) as error:
             self._scene, self._problem = None, str(error)
+        except Exception as error:
+            self._scene, self._problem = None, failures.told(error)
+            raise
         self._ask(context, depsgraph)
 
     def draw(self, context: Any, depsgraph: Any) -> None:
         """Draw what there is; ask for another picture where the view has changed."""
+        if _wants_uv(context) and not self._has_uv:  # another pass is no change of the scene
+            self.update(context, depsgraph)
         self._ask(context, depsgraph)
         self._tell()
         if self._scene is None:

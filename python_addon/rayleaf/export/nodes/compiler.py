@@ -9,7 +9,7 @@ from ... import versions
 from ...messages import Messages, Subject
 from ...names import name_of
 from .emitter import UNCONNECTED, Emitter, Register
-from .graph import Path, Shader, by_identifier, group_output, key_of
+from .graph import Links, Path, Shader, is_group, key_of, output_of
 from .resources import Resources
 
 _OF_BOTH = {"ShaderNodeEmission"}  # surfaces and volumes
@@ -43,7 +43,7 @@ class NodeView:
     def linked(self, *names: str) -> Register:
         """A linked input's value; unconnected where nothing is linked."""
         socket = self.socket(*names)
-        if socket is None or self.compiler.link(socket) is None:
+        if socket is None or self.compiler.links.feeding(socket, self._path) is None:
             return UNCONNECTED
         return self.compiler.input(socket, self._path)
 
@@ -122,7 +122,7 @@ class Compiler:
         self.bent_normal: Register = UNCONNECTED
         # What functions raise where a node is in a mode that they, or the core, do not know.
         self._unknown = (emitter.rejected, LookupError, ValueError, AttributeError)
-        self._links: dict[int, dict[int, Any]] = {}  # by the pointer of the tree, then of the input
+        self.links = Links(self.warn)
         self._done: dict[Any, Register] = {}
         self._open: set[Any] = set()
 
@@ -136,42 +136,11 @@ class Compiler:
         self.bent_normal = normal
         self._done.clear()
 
-    # --- the graph ---------------------------------------------------------------------------------------------------
-
-    def link(self, socket: Any) -> Any:
-        """The link into an input, None if nothing valid is linked."""
-        tree = socket.id_data
-        key = tree.as_pointer()
-        if key not in self._links:
-            self._links[key] = {link.to_socket.as_pointer(): link for link in tree.links if not link.is_muted}
-        return self._links[key].get(socket.as_pointer())
-
-    def forward(self, socket: Any, path: Path) -> tuple[Any, Path] | None:
-        """The input that an output merely passes on (reroutes, muted nodes, groups and their borders), with its path.
-
-        None for outputs of nodes that compute; the input is None where nothing is passed on.
-        """
-        node = socket.node
-        if node.bl_idname == "NodeReroute":
-            return node.inputs[0], path
-        if node.mute:
-            inner = next((link.from_socket for link in node.internal_links if link.to_socket == socket), None)
-            return inner, path
-        if node.bl_idname == "ShaderNodeGroup":
-            if node.node_tree is None:
-                self.warn(node, "its node group is missing")
-                return None, path
-            output = group_output(node.node_tree)
-            return (by_identifier(output.inputs, socket) if output else None), (*path, node)
-        if node.bl_idname == "NodeGroupInput" and path:
-            return by_identifier(path[-1].inputs, socket), path[:-1]
-        return None
-
     # --- values ------------------------------------------------------------------------------------------------------
 
     def input(self, socket: Any, path: Path) -> Register:
         """The value that arrives at an input, converted to its type."""
-        link = self.link(socket)
+        link = self.links.feeding(socket, path)
         if link is None:
             return self._default(socket)
         return self._convert(self.output(link.from_socket, path), link.from_socket.type, socket.type)
@@ -193,12 +162,9 @@ class Compiler:
         return self._done[key]
 
     def _compute(self, socket: Any, path: Path) -> Register:
-        forward = self.forward(socket, path)
+        forward = self.links.forward(socket, path)
         if forward is not None:
-            source, source_path = forward
-            if source is None:
-                return self._neutral(socket)
-            return self._convert(self.input(source, source_path), source.type, socket.type)
+            return self._passed_on(socket, *forward)
         node = socket.node
         function = VALUE_NODES.get(node.bl_idname)
         if function is None:
@@ -207,6 +173,14 @@ class Compiler:
             return function(NodeView(self, node, path), socket.identifier)
         except self._unknown as error:
             return self._stand_in(socket, path, f"a mode of it is not supported ({error})")
+
+    def _passed_on(self, socket: Any, source: Any, path: Path) -> Register:
+        """The value of an output that passes on an input, or none."""
+        if source is None:
+            return self.emitter.scalar(0.0) if is_group(socket.node) else self._neutral(socket)
+        if socket.node.mute and self.links.feeding(source, path) is None:
+            return self.emitter.scalar(0.0)
+        return self._convert(self.input(source, path), source.type, socket.type)
 
     def _default(self, socket: Any) -> Register:
         value = getattr(socket, "default_value", None)
@@ -233,7 +207,7 @@ class Compiler:
         inputs = [each for each in node.inputs if each.type == socket.type and each.enabled]
         if socket.type == "VALUE" and node.bl_idname.startswith("ShaderNodeTex"):
             return None  # a scale or a detail
-        linked = next((each for each in inputs if self.link(each) is not None), None)
+        linked = next((each for each in inputs if self.links.into(each) is not None), None)
         written = (each for each in inputs if each.type in ("RGBA", "VECTOR") and not each.hide_value)
         return next(written, None) if linked is None else linked
 
@@ -267,7 +241,7 @@ class Compiler:
         return self._compile_input(tree, "Volume")
 
     def _compile_input(self, tree: Any, name: str) -> bool:
-        output = tree.get_output_node("CYCLES")
+        output = output_of(tree)
         socket = None if output is None else output.inputs.get(name)
         source = None if socket is None else self._shader_source(socket, ())
         if source is not None:
@@ -283,18 +257,18 @@ class Compiler:
                 slot, is_color = self.resources.aovs[name]
                 value = NodeView(self, node, path).input("Color" if is_color else "Value")
                 self.emitter.operation("aov", [value], [slot])
-            elif node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
+            elif is_group(node) and node.node_tree is not None:
                 self._write_aovs(node.node_tree, (*path, node))
 
     def _shader_source(self, socket: Any, path: Path) -> tuple[Any, Path] | None:
         """The output that feeds a shader input, past everything that merely passes it on."""
         seen = set()
         while True:
-            link = self.link(socket)
+            link = self.links.into(socket)
             if link is None:
                 return None
             source = link.from_socket
-            forward = self.forward(source, path)
+            forward = self.links.forward(source, path)
             if forward is None or source.type != "SHADER":
                 return source, path
             key = key_of(source, path)

@@ -4,7 +4,7 @@ from typing import Any
 
 from .compiler import Compiler, NodeView
 from .emitter import UNCONNECTED, Register
-from .graph import Path
+from .graph import Path, output_of
 
 _WORLD, _OBJECT = 0, 1  # spaces of the operation `transform`
 
@@ -12,7 +12,7 @@ _WORLD, _OBJECT = 0, 1  # spaces of the operation `transform`
 def compile_displacement(compiler: Compiler, tree: Any) -> tuple[Register, Register] | None:
     """Write what a tree's output displaces by; the registers of the vector in object space and of the one in world
     space, -1 for none. None where nothing is displaced."""
-    output = tree.get_output_node("CYCLES")
+    output = output_of(tree)
     found = None if output is None else _source(compiler, output.inputs.get("Displacement"))
     if found is None:
         return None
@@ -46,10 +46,10 @@ def _source(compiler: Compiler, socket: Any) -> tuple[Any, Path] | None:
     """The output that feeds an input, past everything that merely passes it on."""
     path: Path = ()
     for _ in range(1000):  # nodes may form a loop
-        link = None if socket is None else compiler.link(socket)
+        link = None if socket is None else compiler.links.into(socket)
         if link is None:
             return None
-        forward = compiler.forward(link.from_socket, path)
+        forward = compiler.links.forward(link.from_socket, path)
         if forward is None:
             return link.from_socket, path
         socket, path = forward

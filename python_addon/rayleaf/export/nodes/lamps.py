@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +10,7 @@ from ...names import name_of, text_of
 from .. import ies
 from .compiler import Compiler, NodeView, value_node
 from .emitter import UNCONNECTED, Emitter, Register
+from .graph import output_of
 
 _WORLD, _OBJECT = 0, 1  # spaces of the operation `transform`
 # More than any manufacturer's.
@@ -23,7 +23,7 @@ def _text_of(node: Any) -> str:
         if node.ies is None:
             raise ies.IesError("no text is chosen")
         return str(node.ies.as_string())
-    path = bpy.path.abspath(text_of(node, "filepath"))
+    path = versions.absolute_path(text_of(node, "filepath"), node.id_data)
     with open(path, encoding="latin-1") as file:
         return file.read(_LARGEST_FILE)
 
@@ -53,12 +53,12 @@ def ies_texture(view: NodeView, output: str) -> Register:
 
 def constant_emission(compiler: Compiler, tree: Any) -> NDArray[np.float64] | None:
     """Colour times strength where a tree is one Emission node without links; None for other trees."""
-    output = tree.get_output_node("CYCLES")
-    link = None if output is None else compiler.link(output.inputs["Surface"])
+    output = output_of(tree)
+    link = None if output is None else compiler.links.into(output.inputs["Surface"])
     node = None if link is None else link.from_node
     if node is None or node.mute or node.bl_idname != "ShaderNodeEmission":
         return None
-    if any(compiler.link(socket) is not None for socket in node.inputs):
+    if any(compiler.links.into(socket) is not None for socket in node.inputs):
         return None
     color, strength = (next(s for s in node.inputs if name_of(s) == name) for name in ("Color", "Strength"))
     return np.array(color.default_value[:3]) * strength.default_value

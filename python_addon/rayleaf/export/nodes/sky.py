@@ -163,7 +163,7 @@ def _with_sun(view: NodeView, found: _Sky, air: Air, rotation: float, shade: Reg
     """With the disc over the sky, darker towards its edge, and redder towards the horizon."""
     emitter, diameter, e = view.emitter, view.node.sun_size, air.elevation
     half = 0.5 * diameter
-    if e + half <= 0.0:
+    if e + half <= 0.0 or half <= 0.0:
         return shade
     low, high = sun_disc(air, diameter)
     sun = (math.cos(e) * math.sin(rotation), math.cos(e) * math.cos(rotation), math.sin(e))

@@ -11,7 +11,7 @@ _PLANES = {"FLAT": 0, "SPHERE": 1, "TUBE": 2}
 _PROJECTIONS = {"EQUIRECTANGULAR": 0, "MIRROR_BALL": 1}
 # Added to an interpolation: colours come multiplied by alpha.
 _MULTIPLIED = 4
-# What stands for an image that cannot be read.
+# What stands for an image that is missing or cannot be read.
 _PINK = (1.0, 0.0, 1.0, 1.0)
 
 
@@ -46,11 +46,9 @@ def _reading(node: Any) -> int:
 
 @value_node("ShaderNodeTexImage")
 def image(view: NodeView, output: str) -> Register:
-    """Image Texture. Without an image it is black, as in Blender; an image that cannot be read is pink."""
+    """Image Texture. Without an image that can be read it is pink, as in Blender."""
     name_hidden_mapping(view)
     node, emitter = view.node, view.emitter
-    if node.image is None:
-        return emitter.scalar(0.0) if output == "Alpha" else emitter.constant(0, 0, 0)
     texture = _texture(view)
     if texture is None:
         return emitter.scalar(1.0) if output == "Alpha" else emitter.constant(*_PINK)
@@ -92,8 +90,6 @@ def environment(view: NodeView, output: str) -> Register:
     """Environment Texture."""
     name_hidden_mapping(view)
     node, emitter = view.node, view.emitter
-    if node.image is None:
-        return emitter.constant(0, 0, 0)
     texture = _texture(view)
     if texture is None:
         return emitter.constant(*_PINK)
