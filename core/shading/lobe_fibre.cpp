@@ -210,11 +210,7 @@ LobeValue evaluate_fibre(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& i
     const TrimmedLogistic around(lobe.alpha_y);
     LobeValue sum;
     for (int path = 0; path < kPaths; ++path) {
-        // Cycles leaves out what the tilt does to solid angles: then what is sampled is not what is evaluated.
-        constexpr float kLeastCosine = 1e-3f;
-        const SineCosine turned = tilted(in, lobe.tilt, path);
-        const float along = longitudinal(turned, fibre.out, variance_of(lobe, path)) * turned.cosine /
-                            std::max(in.cosine, kLeastCosine);
+        const float along = longitudinal(tilted(in, lobe.tilt, path), fibre.out, variance_of(lobe, path));
         const float density = along * (path < 3 ? around.density(wrapped(turn - fibre.deviation(path))) : 0.5f / kPi);
         const auto i = static_cast<size_t>(path);
         sum.value += fibre.attenuation[i] * density;

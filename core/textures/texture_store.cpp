@@ -95,7 +95,7 @@ Vec2f finite_coordinates(const Vec2f& v) {
 /// Coordinates that look up the same. Beyond a picture that does not repeat it is the same everywhere; OpenImageIO
 /// counts pixels in integers, which end.
 Vec2f near_coordinates(const Vec2f& v, TextureExtension extension) {
-    constexpr float kBefore = -1.0f, kBehind = 2.0f;
+    constexpr float kBefore = -16.0f, kBehind = 17.0f;
     const auto near = [=](float x) { return std::clamp(x, kBefore, kBehind); };
     if (extension == TextureExtension::Panorama) return {v.x, near(v.y)};
     if (extension != TextureExtension::Extend && extension != TextureExtension::Clip) return v;

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import versions
 from ..export.camera import Frame
 from ..export.instance_values import PROPERTY_OF
 from ..export.kept import KeptExport
@@ -34,7 +35,9 @@ def _circumstances(depsgraph: Any) -> tuple[Any, ...]:
     outputs = tuple(name_of(output) for output in layer.aovs)
     own = values_of(scene.rayleaf)
     frame = (scene.frame_current, scene.frame_subframe)
-    return (undo.count(), scene.as_pointer(), name_of(layer), simplify, outputs, own, frame)
+    world = versions.world_of(scene, layer)
+    of_layer = 0 if world is None else world.as_pointer()
+    return (undo.count(), scene.as_pointer(), name_of(layer), simplify, outputs, own, frame, of_layer)
 
 
 @dataclass(frozen=True)
