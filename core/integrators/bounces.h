@@ -54,7 +54,8 @@ class Bounces {
     PathState at(double length) const;
     /// The state of a shadow ray that leaves the present vertex: one bounce further, as in Cycles.
     PathState of_shadow_ray() const;
-    /// With which a light is asked that is sampled there; and one that the ray under way meets, where that is the same.
+    /// The state with which the program of a light is evaluated: of a light sampled at the present vertex, and of a
+    /// lamp that the ray under way meets. A lamp gets the same state either way.
     PathState of_sampled_light() const;
     PathState of_met_lamp() const;
 

@@ -3,8 +3,6 @@
 #include "integrators/medium_light.h"
 
 namespace rayleaf {
-namespace {}  // namespace
-
 Color DistributionTracer::free_of_media(const Branch& branch, double t) const {
     if (branch.media.empty()) return Color(1.0f);
     RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::ShadowWalk));

@@ -29,7 +29,7 @@ inline std::optional<LightSample> chosen(const LampSample& from, const Vec3d& po
     return sample;
 }
 
-/// A path whose last ray is so long.
+/// The state of a path with this ray length.
 inline PathState of_length(PathState path, double length) {
     path.ray_length = static_cast<float>(length);
     return path;

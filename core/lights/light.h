@@ -114,7 +114,8 @@ struct LampHit {
     int blockers = -1;     ///< the lamp's
 };
 
-/// What lights are asked with that are sampled: none of the kinds of rays, as in Cycles, one bounce beyond the path.
+/// The state with which the program of a sampled light is evaluated: of no kind of ray, as in Cycles, and at depth 1,
+/// one bounce beyond what the camera sees.
 inline PathState sampling_state() {
     PathState state;
     state.camera = false;
@@ -161,7 +162,7 @@ class LightSet {
     bool empty() const;  ///< nothing to sample
     /// A light for a point; `random` in [0,1)²; `time` of the shutter. x chooses the light, and what the choice leaves
     /// of it is used again with y for the place on it: so the places on each light are stratified as the pair is,
-    /// 2^-24 over the light's probability apart. `path`: with which programs of lights are asked, but for its length.
+    /// 2^-24 over the light's probability apart. `path`: the state for programs of lights; its ray length is filled in.
     std::optional<LightSample> sample(const LitPoint& at, const Vec2f& random, float time = kMiddleTime,
                                       const PathState& path = sampling_state()) const;
     /// The lights that the first `end` of a ray passes. `likely`: a point of it by which one is chosen, by `random` in

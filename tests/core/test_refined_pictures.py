@@ -145,3 +145,17 @@ def test_alpha_is_limited_as_a_mean(core, rounds):
     for count in rounds:
         assert session.render_more(count)
     assert session.pass_pixels("combined")[..., 3].mean() < 0.03
+
+
+@pytest.mark.parametrize("target", [1e-7, 1e-9])
+def test_a_view_that_never_reaches_its_error_goes_on(core, target):
+    """However small the target: it may take more samples than integers hold."""
+
+    def samples(error):
+        settings = core.Settings(width=16, height=16, target_error=error, passes=["combined", "sample_count"])
+        session = core.Session(varied_scene(core), settings)
+        for _ in range(4):
+            assert session.render_more(8)
+        return session.pass_pixels("sample_count")
+
+    np.testing.assert_array_equal(samples(target), samples(1e-5))
