@@ -15,24 +15,26 @@ Arrival PathTracer::arrive_alone() {
 }
 
 void PathTracer::follow(Arrival arrival) {
+    std::vector<LightRay> light_rays;
     for (;; arrival = arrive_alone()) {
+        light_rays.clear();
         if (arrival == Arrival::AtSurface && meets_catcher()) {
             PathTracer alone = split();
             alone.follow(arrival);
             take_footage(alone.finish());
         }
-        const bool goes_on = arrival == Arrival::GoesOn || (arrival == Arrival::AtSurface && shade_alone()) ||
+        const bool goes_on = arrival == Arrival::GoesOn || (arrival == Arrival::AtSurface && shade_alone(light_rays)) ||
                              (arrival == Arrival::InWorld && see_world_alone());
-        if (light_ray_) receive(free_share(scene_, *light_ray_));
+        for (const LightRay& light : light_rays) receive(light, free_share(scene_, light));
         if (!goes_on) return;
     }
 }
 
-bool PathTracer::shade_alone() {
+bool PathTracer::shade_alone(std::vector<LightRay>& light_rays) {
     Vertex vertex;
     vertex.point = scene_.tracer().surface_point(ray_, *hit_);
     scene_.material(hit_->instance, hit_->local).surface->evaluate(approach(vertex), vertex.closures);
-    return shade(vertex, {random2(PathDimension::Light), random2(PathDimension::Scatter)});
+    return shade(vertex, {random2(PathDimension::Light), random2(PathDimension::Scatter)}, light_rays);
 }
 
 bool PathTracer::see_world_alone() {

@@ -8,15 +8,15 @@
 namespace rayleaf {
 namespace {
 
-template <typename Visit>
-void for_each_part(std::span<const uint32_t> paths, size_t most, const Visit& visit) {
-    for (size_t first = 0; first < paths.size(); first += most)
-        visit(paths.subspan(first, std::min(most, paths.size() - first)));
+template <typename T, typename Visit>
+void for_each_part(std::span<T> all, size_t most, const Visit& visit) {
+    for (size_t first = 0; first < all.size(); first += most)
+        visit(all.subspan(first, std::min(most, all.size() - first)));
 }
 
-template <typename Visit>
-void for_each_packet(std::span<const uint32_t> paths, const Visit& visit) {
-    for_each_part(paths, kPacketSize, visit);
+template <typename T, typename Visit>
+void for_each_packet(std::span<T> all, const Visit& visit) {
+    for_each_part(all, kPacketSize, visit);
 }
 
 }  // namespace
@@ -41,6 +41,7 @@ void PathStream::trace_all() {
     while (!active_.empty()) {
         trace_active(coherence);
         see_world();
+        light_rays_.clear();
         bins_.for_each([this](const Program& program, std::span<const uint32_t> paths) { shade(program, paths); });
         keep_those_that_go_on();
         trace_light_rays(coherence);
@@ -55,7 +56,7 @@ void PathStream::trace_active(Coherence coherence) {
     goes_on_.assign(paths_.size(), 0);
     std::array<RayQuery, kPacketSize> queries;
     std::array<ClosestHit, kPacketSize> found;
-    for_each_packet(active_, [&](std::span<const uint32_t> paths) {
+    for_each_packet(std::span<const uint32_t>(active_), [&](std::span<const uint32_t> paths) {
         cancel_.throw_if_cancelled();
         for (size_t i = 0; i < paths.size(); ++i) queries[i] = paths_[paths[i]].next_ray();
         scene_.tracer().closest({queries.data(), paths.size()}, coherence, found.data());
@@ -91,7 +92,7 @@ void PathStream::see_world() {
     std::array<ShadingInputs, kMostPoints> inputs;
     std::array<const ShadingInputs*, kMostPoints> of_point;
     std::array<Closures*, kMostPoints> closures;
-    for_each_part(in_world_, kMostPoints, [&](std::span<const uint32_t> paths) {
+    for_each_part(std::span<const uint32_t>(in_world_), kMostPoints, [&](std::span<const uint32_t> paths) {
         for (size_t i = 0; i < paths.size(); ++i) {
             closures[i] = &vertices_[i].closures;
             inputs[i] = paths_[paths[i]].look_at_world(*closures[i]);
@@ -130,53 +131,45 @@ void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
         pairs.compute();
         for (size_t i = 0; i < paths.size(); ++i) {
             const VertexNumbers numbers = PathTracer::numbers(pairs, i * PathTracer::kPairsOfVertex);
-            goes_on_[paths[i]] = paths_[paths[i]].shade(vertices_[i], numbers) ? 1 : 0;
+            const size_t wanted = light_rays_.size();
+            goes_on_[paths[i]] = paths_[paths[i]].shade(vertices_[i], numbers, light_rays_) ? 1 : 0;
+            for (size_t k = wanted; k < light_rays_.size(); ++k) light_rays_[k].path = paths[i];
         }
     }
 }
 
-/// In the order of the paths, so that rays that run alike stay together.
 void PathStream::keep_those_that_go_on() {
-    light_rays_.clear();
-    size_t kept = 0;
-    for (const uint32_t path : active_) {
-        if (paths_[path].light_ray()) light_rays_.push_back(path);
-        if (goes_on_[path] != 0) active_[kept++] = path;
-    }
-    active_.resize(kept);
+    std::erase_if(active_, [this](uint32_t path) { return goes_on_[path] == 0; });
 }
 
 void PathStream::trace_light_rays(Coherence coherence) {
-    for_each_packet(light_rays_, [&](std::span<const uint32_t> paths) { trace_light_packet(paths, coherence); });
+    for_each_packet(std::span(light_rays_), [&](std::span<LightRay> lights) { trace_light_packet(lights, coherence); });
 }
 
-void PathStream::trace_light_packet(std::span<const uint32_t> paths, Coherence coherence) {
+void PathStream::trace_light_packet(std::span<LightRay> lights, Coherence coherence) {
     std::array<RayQuery, kPacketSize> queries;
-    for (size_t i = 0; i < paths.size(); ++i) {
-        LightRay& light = *paths_[paths[i]].light_ray();
+    for (size_t i = 0; i < lights.size(); ++i) {
+        LightRay& light = lights[i];
         if (scene_.needs_footprints()) light.ray = with_width(light.ray, light.differential, light.widening);
         queries[i] = {&light.ray, light.kind, nullptr};
     }
-    const std::span<const RayQuery> rays(queries.data(), paths.size());
+    const std::span<const RayQuery> rays(queries.data(), lights.size());
     if (scene_.has_media()) {
-        for (const uint32_t path : paths) paths_[path].receive(free_share(scene_, *paths_[path].light_ray()));
+        for (const LightRay& light : lights) paths_[light.path].receive(light, free_share(scene_, light));
         return;
     }
     if (scene_.has_transparency()) {
         std::array<ClosestHit, kPacketSize> nearest;
         scene_.tracer().closest(rays, coherence, nearest.data());
-        for (size_t i = 0; i < paths.size(); ++i) {
-            PathTracer& path = paths_[paths[i]];
-            path.receive(light_through(*path.light_ray(), nearest[i]));
-        }
+        for (size_t i = 0; i < lights.size(); ++i)
+            paths_[lights[i].path].receive(lights[i], light_through(lights[i], nearest[i]));
         return;
     }
     const uint32_t hidden = scene_.tracer().occluded(rays, coherence);
-    for (size_t i = 0; i < paths.size(); ++i) {
-        PathTracer& path = paths_[paths[i]];
-        const LightRay& light = *path.light_ray();
-        const bool is_hidden = (hidden >> i & 1u) != 0;
-        path.receive(is_hidden ? Color(0.0f) : through_volumes(scene_, light.ray, light.kind).transmittance);
+    for (size_t i = 0; i < lights.size(); ++i) {
+        if ((hidden >> i & 1u) != 0) continue;
+        const LightRay& light = lights[i];
+        paths_[light.path].receive(light, through_volumes(scene_, light.ray, light.kind).transmittance);
     }
 }
 

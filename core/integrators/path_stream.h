@@ -42,7 +42,7 @@ class PathStream {
     std::vector<PathTracer> paths_;
     std::vector<SampleExtras> extras_;  ///< by path, where the settings ask for some
     std::vector<uint32_t> active_;      ///< paths that go on
-    std::vector<uint32_t> light_rays_;  ///< paths that wait for light
+    std::vector<LightRay> light_rays_;  ///< that the paths wait for
     MaterialBins bins_;                 ///< paths that met a surface
     std::vector<uint32_t> in_world_;    ///< paths that ask what the world shows
     std::vector<uint8_t> goes_on_;      ///< by path
@@ -61,7 +61,7 @@ class PathStream {
     void shade(const Program& program, std::span<const uint32_t> paths);
     void keep_those_that_go_on();
     void trace_light_rays(Coherence coherence);
-    void trace_light_packet(std::span<const uint32_t> paths, Coherence coherence);
+    void trace_light_packet(std::span<LightRay> lights, Coherence coherence);
     Color light_through(const LightRay& light, const ClosestHit& nearest) const;
 };
 

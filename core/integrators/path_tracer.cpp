@@ -16,6 +16,18 @@ namespace {
 /// The least probability of going on: bounds what a surviving path is multiplied by.
 constexpr float kLeastSurvival = 0.05f;
 
+/// Lights that are sampled where the camera looks, if there are several. Which light is chosen makes noise, and one
+/// more costs little beside the rest of the path. Further along it is not worth it.
+constexpr int kFirstLightRays = 2;
+
+/// The numbers of sample `index` of `count` made of a pair: x in the part of the unit interval that is its own, so that
+/// lights are chosen evenly.
+Vec2f numbers_of_part(const Vec2f& pair, int index, int count) {
+    const float part = 1.0f / static_cast<float>(count);
+    const float y = pair.y + static_cast<float>(index) * part;
+    return {std::min((pair.x + static_cast<float>(index)) * part, 1.0f - 0x1p-24f), y < 1.0f ? y : y - 1.0f};
+}
+
 }  // namespace
 
 RayQuery PathTracer::next_ray() {
@@ -60,15 +72,15 @@ ShadingInputs PathTracer::approach(Vertex& vertex) const {
     return inputs;
 }
 
-bool PathTracer::shade(Vertex& vertex, const VertexNumbers& numbers) {
+bool PathTracer::shade(Vertex& vertex, const VertexNumbers& numbers, std::vector<LightRay>& light_rays) {
     bounces_.simplify(vertex.closures);
     if (bounces_.count() == 0) record_surface(vertex);
     if (settings_.feature_passes) features_.meet(scene_, vertex, hit_->t - ray_.t_min, light_.sample);
     if (bounces_.count() == 0 && is_held_out(vertex.closures)) return false;
     add_emission(vertex);
     if (bounces_.is_spent()) return false;
-    if (!bounces_.is_last()) add_direct_light(vertex, numbers.light);
-    const bool goes_on = leave(vertex, numbers.scatter);
+    if (!bounces_.is_last()) add_direct_light(vertex, numbers.light, light_rays);
+    const bool goes_on = leave(vertex, numbers.scatter, light_rays);
     ++vertex_;
     return goes_on;
 }
@@ -178,50 +190,69 @@ void PathTracer::add_emission(const Vertex& vertex) {
         scene_.light_group(vertex.point.instance));
 }
 
-void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random) {
+int PathTracer::light_rays() const {
+    return bounces_.count() == 0 && scene_.lights().holds_several() ? kFirstLightRays : 1;
+}
+
+void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    std::optional<LightSample> light =
-        scene_.lights().sample(lit(scene_, vertex), random, vertex.point.time, bounces_.of_sampled_light());
-    if (!light) return;
-    if (bounces_.is_in_footage()) *light = seen_in_footage(*light);
+    const LitPoint at = lit(scene_, vertex);
+    const PathState state = bounces_.of_sampled_light();
+    const int count = this->light_rays();
+    for (int i = 0; i < count; ++i) {
+        const Vec2f numbers = numbers_of_part(random, i, count);
+        const std::optional<LightSample> light = scene_.lights().sample(at, numbers, vertex.point.time, state);
+        if (!light) continue;
+        const LightSample& seen = bounces_.is_in_footage() ? seen_in_footage(*light) : *light;
+        add_sampled_light(vertex, seen, {i, count}, light_rays);
+    }
+}
+
+void PathTracer::add_sampled_light(const Vertex& vertex, const LightSample& light, const Sibling& sibling,
+                                   std::vector<LightRay>& light_rays) {
     const bool first = bounces_.count() == 0;
-    const LitLobes lit = (first && settings_.light_passes) || !lights_all_kinds(*light)
-                             ? lit_by_kind(vertex, vertex.closures, *light)
-                             : lit_together(vertex, vertex.closures, *light);
+    const LitLobes lit = (first && settings_.light_passes) || !lights_all_kinds(light)
+                             ? lit_by_kind(vertex, vertex.closures, light)
+                             : lit_together(vertex, vertex.closures, light);
     if (is_black(lit.value)) return;
-    const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
-    const Color arriving = throughput_ * lit.value * (light->radiance / light->density) * weight;
+    const auto count = static_cast<float>(sibling.count);
+    const float weight = light.delta ? 1.0f : power_heuristic(count * light.density, lit.density);
+    const float share = 1.0f / count;
+    const Color arriving = throughput_ * lit.value * (light.radiance / light.density) * (weight * share);
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
-    LightRay& way = light_ray_.emplace();
+    LightRay& way = light_rays.emplace_back();
     way.arriving = arriving;
+    way.share = share;
     way.shares = lit.shares;
     way.first = first;
-    way.group = scene_.light_group(*light);
+    way.group = scene_.light_group(light);
     way.scatterings = bounces_.count() + 1;
-    std::optional<Ray> ray = shadow_ray(scene_, vertex.point, *light);
-    if (!ray) return receive(Color(1.0f));
+    std::optional<Ray> ray = shadow_ray(scene_, vertex.point, light);
+    if (!ray) {
+        receive(way, Color(1.0f));
+        light_rays.pop_back();
+        return;
+    }
     way.ray = *ray;
-    way.kind = to_light(bounces_.kind_of_shadow_ray(), light->blockers);
-    if (has_footprint_) way.differential = shadow_differential(vertex.differential, *light, kPathSiblings);
+    way.kind = to_light(bounces_.kind_of_shadow_ray(), light.blockers);
+    if (has_footprint_) way.differential = shadow_differential(vertex.differential, light, kPathSiblings);
     way.state = bounces_.of_shadow_ray();
     way.transparent_left = bounces_.transparent_left();
     way.widening = settings_.widening(importance(), false);
     if (!scene_.has_media()) return;
     way.media = media_;
-    way.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
+    const uint32_t walk = dimension(vertex_, PathDimension::ShadowWalk);
+    way.random = RandomStream(sampler_, walk ^ (static_cast<uint32_t>(sibling.index) << 24));
     leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(ray->direction), way.media);
 }
 
-void PathTracer::receive(const Color& free) {
-    const LightRay& from = *light_ray_;
-    if (!is_black(free)) {
-        if (from.first)
-            light_.add_first(from.arriving * free, from.shares, from.group);
-        else
-            light_.add_scattered(from.arriving * free, from.scatterings, first_shares_, from.group);
-    }
-    light_ray_.reset();
+void PathTracer::receive(const LightRay& from, const Color& free) {
+    if (is_black(free)) return;
+    if (from.first)
+        light_.add_first(from.arriving * free, from.shares, from.group, from.share);
+    else
+        light_.add_scattered(from.arriving * free, from.scatterings, first_shares_, from.group, from.share);
 }
 
 void PathTracer::record_surface(const Vertex& vertex) {
@@ -249,13 +280,13 @@ float PathTracer::straight_probability(const Closures& closures) const {
     return straight / (straight + scattered);
 }
 
-bool PathTracer::leave(const Vertex& vertex, const Vec2f& random) {
+bool PathTracer::leave(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
     const float straight = straight_probability(vertex.closures);
     if (straight >= 1.0f || (straight > 0.0f && this->random(PathDimension::Transparency) < straight))
         return pass_through(vertex, straight);
     if (bounces_.is_last() || vertex.closures.size() == 0) return false;
     throughput_ /= 1.0f - straight;
-    return scatter(vertex, random);
+    return scatter(vertex, random, light_rays);
 }
 
 bool PathTracer::pass_through(const Vertex& vertex, float probability) {
@@ -271,14 +302,15 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     return true;
 }
 
-bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random) {
+bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
+    const auto light_rays_here = static_cast<float>(this->light_rays());
     const Vec3f& facet = vertex.point.facet_normal;
     const uint32_t third = Sampler::joined(dimension(vertex_, PathDimension::Scatter));
     const float z = vertex.closures.needs_third_number() ? sampler_.get1(third) : 0.0f;
     const std::optional<LobeSample> sample =
         vertex.closures.sample(vertex.outgoing, facet, Vec3f(random.x, random.y, z));
     if (!sample) return false;
-    if (sample->subsurface) return scatter_below(vertex, *sample);
+    if (sample->subsurface) return scatter_below(vertex, *sample, light_rays);
     if (bounces_.count() == 0 && settings_.light_passes)
         first_shares_ = shares_of_scattering(vertex, vertex.closures, *sample);
     throughput_ *= sample->weight;
@@ -288,7 +320,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random) {
     const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
     if (has_footprint_)
         differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
-    departure_ = {lit(scene_, vertex), sample->singular ? 0.0f : sample->density};
+    departure_ = {lit(scene_, vertex), sample->singular ? 0.0f : sample->density, light_rays_here};
     has_departed_ = scene_.has_blocked_lights();
     leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
     ray_ = Ray{};
@@ -305,17 +337,15 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random) {
     return crossing != GlassOutcome::Ended;
 }
 
-bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry) {
-    // Of the point where light enters: there is room for one.
-    if (light_ray_) receive(free_share(scene_, *light_ray_));
+bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry, std::vector<LightRay>& light_rays) {
     const std::optional<SubsurfaceVertex> exit =
         leave_below(scene_, {vertex, entry, bounces_.at(0), sampler_, dimension(vertex_, PathDimension::Walk)});
     if (!exit) return false;
     throughput_ *= exit->throughput;
     if (!(max_component(throughput_) > 0.0f) || !is_finite(throughput_)) return false;
     ++vertex_;
-    add_direct_light(exit->vertex, random2(PathDimension::Light));
-    return scatter(exit->vertex, random2(PathDimension::Scatter));
+    add_direct_light(exit->vertex, random2(PathDimension::Light), light_rays);
+    return scatter(exit->vertex, random2(PathDimension::Scatter), light_rays);
 }
 
 bool PathTracer::survives_roulette() {

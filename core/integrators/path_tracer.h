@@ -12,12 +12,15 @@
 #include "integrators/vertex.h"
 
 #include <optional>
+#include <vector>
 
 namespace rayleaf {
 
 /// A ray to a sampled light.
 struct LightRay : FreeWay {
+    uint32_t path = 0;        ///< its place in a stream
     Color arriving{0, 0, 0};  ///< light that reaches the camera if nothing blocks it
+    float share = 1;          ///< of a camera sample: several rays leave one vertex
     ByKind shares;            ///< where the vertex is the first: in the kinds of its lobes
     bool first = false;
     int group = -1;       ///< the light's slot
@@ -31,11 +34,12 @@ struct VertexNumbers {
 
 /// How the ray under way came about: what light sampling would have done instead.
 struct Departure {
-    LitPoint from;      ///< where lights were sampled
-    float density = 0;  ///< with which scattering chose the direction; 0: no light sampling could have
+    LitPoint from;         ///< where lights were sampled
+    float density = 0;     ///< with which scattering chose the direction; 0: no light sampling could have
+    float light_rays = 1;  ///< as many lights were sampled there
 
     float weight(float light_density) const {
-        return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_density) : 1.0f;
+        return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_rays * light_density) : 1.0f;
     }
 };
 
@@ -107,12 +111,11 @@ class PathTracer {
     static VertexNumbers numbers(const SamplePairs& pairs, size_t first) {
         return {pairs.pair(first), pairs.pair(first + 1)};
     }
-    /// True if the path goes on from a vertex whose closures are known; a ray to a light may be wanted either way.
-    bool shade(Vertex& vertex, const VertexNumbers& numbers);
-    /// The ray to a light that was chosen where the path arrived last, if any.
-    std::optional<LightRay>& light_ray() { return light_ray_; }
-    /// The share of that light that arrives; before the path arrives again.
-    void receive(const Color& free);
+    /// True if the path goes on from a vertex whose closures are known; rays to lights may be wanted either way, and
+    /// are appended to `light_rays`.
+    bool shade(Vertex& vertex, const VertexNumbers& numbers, std::vector<LightRay>& light_rays);
+    /// The share of the light of such a ray that arrives.
+    void receive(const LightRay& from, const Color& free);
     /// Valid as long as the path.
     const PixelSample& finish();
 
@@ -135,9 +138,8 @@ class PathTracer {
     bool surface_recorded_ = false;
     DenoisingFeatures features_;
     int vertex_ = 0;
-    RayUse use_ = RayUse::Camera;  ///< of the ray under way
-    std::optional<Hit> hit_;       ///< of the vertex
-    std::optional<LightRay> light_ray_;
+    RayUse use_ = RayUse::Camera;       ///< of the ray under way
+    std::optional<Hit> hit_;            ///< of the vertex
     std::optional<CaughtPath> caught_;  ///< once it has met a shadow catcher
     MediumStack media_;                 ///< that the ray under way starts in
     uint32_t outside_of_ = kNowhere;    ///< instance of glass that the ray under way has just left
@@ -149,7 +151,7 @@ class PathTracer {
     void take_hit(ClosestHit found);
     Arrival arrive_alone();
     void follow(Arrival arrival);
-    bool shade_alone();
+    bool shade_alone(std::vector<LightRay>& light_rays);
     bool see_world_alone();
     void pass_volumes();
     /// True if a medium scattered the path's light before the ray's end.
@@ -183,7 +185,15 @@ class PathTracer {
     /// Whether the world's program must be asked what the world shows.
     bool leave_scene();
     void add_emission(const Vertex& vertex);
-    void add_direct_light(const Vertex& vertex, const Vec2f& random);
+    /// How many lights are sampled at the present vertex.
+    int light_rays() const;
+    void add_direct_light(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
+    /// One of several sampled lights.
+    struct Sibling {
+        int index, count;
+    };
+    void add_sampled_light(const Vertex& vertex, const LightSample& light, const Sibling& sibling,
+                           std::vector<LightRay>& light_rays);
     void record_surface(const Vertex& vertex);
     /// Where programs write their AOVs at the vertex; empty where none are wanted.
     std::span<Vec4f> aovs() const {
@@ -192,11 +202,11 @@ class PathTracer {
     }
 
     /// True if the path goes on past the surface.
-    bool leave(const Vertex& vertex, const Vec2f& random);
+    bool leave(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
     bool pass_through(const Vertex& vertex, float probability);
-    bool scatter(const Vertex& vertex, const Vec2f& random);
+    bool scatter(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
     /// Light that enters the body at the vertex: lit and scattered on where it leaves.
-    bool scatter_below(const Vertex& vertex, const LobeSample& entry);
+    bool scatter_below(const Vertex& vertex, const LobeSample& entry, std::vector<LightRay>& light_rays);
     bool survives_roulette();
     float straight_probability(const Closures& closures) const;
     void catch_light();

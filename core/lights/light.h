@@ -159,7 +159,8 @@ class LightSet {
     LightSet(const LightSet&) = delete;
     LightSet& operator=(const LightSet&) = delete;
 
-    bool empty() const;  ///< nothing to sample
+    bool empty() const;          ///< nothing to sample
+    bool holds_several() const;  ///< lamps, suns, emitting instances, and a world that is sampled: more than one
     /// A light for a point; `random` in [0,1)²; `time` of the shutter. x chooses the light, and what the choice leaves
     /// of it is used again with y for the place on it: so the places on each light are stratified as the pair is,
     /// 2^-24 over the light's probability apart. `path`: the state for programs of lights; its ray length is filled in.

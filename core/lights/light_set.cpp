@@ -59,6 +59,7 @@ struct LightSet::Implementation {
     std::vector<uint32_t> lamps_with_size;  ///< those that rays can hit
     LightTree hittable{{}};                 ///< over those
     SurfaceLights surfaces;
+    size_t emitting_instances = 0;
     WorldEmission world_emission;
     uint8_t world_visibility;
     LampEmission lamp_emission;
@@ -173,6 +174,7 @@ LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingIns
     Implementation& set = *implementation_;
     for (size_t i = 0; i < lamps.size(); ++i)
         if (shines(lamps[i])) set.add(lamps[i], i);
+    set.emitting_instances = emitters.size();
     for (const EmittingInstance& emitter : emitters) {
         set.has_links |= emitter.link != LightLink();
         if (emitter.link.blockers >= 0) set.emitters_with_blockers.push_back(emitter.instance);
@@ -186,6 +188,11 @@ LightSet::~LightSet() = default;
 bool LightSet::empty() const {
     const Implementation& set = *implementation_;
     return set.suns.empty() && !set.world && set.tree.empty();
+}
+
+bool LightSet::holds_several() const {
+    const Implementation& set = *implementation_;
+    return set.lamps.size() + set.suns.size() + set.emitting_instances + (set.world ? 1 : 0) > 1;
 }
 
 std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits& lamp, LampSample sample,

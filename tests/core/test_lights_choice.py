@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from path_scenes import lit_plane, material, render
+from scenes import matrix, quad
 from test_lights_sampling import (
     LAMPS,
     NORMAL,
@@ -65,3 +67,42 @@ def test_of_a_ball_of_light_the_side_that_is_seen_is_chosen_nearly_always(core, 
         assert faces.mean() > 0.7, "patches cross the ball's horizon, so that some of its far side is chosen"
     else:
         assert not faces.any() and used.mean() > 0.99
+
+
+def plane_with_lamps(core, count):
+    """Lit evenly by lamps side by side; the first is behind a wall."""
+    scene = lit_plane(core)
+    black = material(core, scene, ("diffuse", 1.0, 0.0), name="black")
+    scene.add_instance("wall", quad(scene, "wall", 0.2), matrix((0.25, 0, 0.5)), black, visibility=16)
+    for i in range(count):
+        scene.add_lamp(f"lamp {i}", "POINT", matrix((0.5 - i, 0, 1)), (10, 10, 10))
+    return scene
+
+
+def test_where_there_are_several_lights_the_first_surface_is_lit_by_two_of_them(core):
+    scene = plane_with_lamps(core, 2)
+    session = render(core, scene, size=16, samples=1, max_bounces=0)
+    light = session.pass_pixels("combined")[6:10, 6:10, 0]
+    # By one of them, half the samples would be black.
+    assert light.min() > 0.5 * light.mean() and light.std() < 0.3 * light.mean()
+
+
+@pytest.mark.parametrize("lamps, per_path", [(1, 1), (2, 2), (3, 2)])
+def test_there_are_as_many_shadow_rays_as_lights_are_sampled(core, lamps, per_path):
+    rays = render(core, plane_with_lamps(core, lamps), size=4, samples=16, max_bounces=0).statistics()["rays"]
+    assert rays["shadow"] == per_path * rays["camera"] == per_path * 4 * 4 * 16
+
+
+def test_further_surfaces_are_lit_by_one_light(core):
+    scene = plane_with_lamps(core, 2)
+    ceiling = material(core, scene, ("diffuse", 1.0, 0.5), name="ceiling")
+    scene.add_instance("ceiling", quad(scene, "ceiling", 40.0), matrix((0, 0, 2)), ceiling, visibility=2)
+    rays = render(core, scene, size=4, samples=64, max_bounces=1).statistics()["rays"]
+    first = 2 * rays["camera"]
+    assert first < rays["shadow"] <= first + rays["camera"]
+
+
+def test_a_limit_on_light_is_that_of_the_sum_of_what_two_lights_give(core):
+    limit = 0.2
+    light = render(core, plane_with_lamps(core, 3), size=8, samples=1, max_bounces=0, clamp_direct=limit)
+    assert light.pass_pixels("combined")[..., 0].max() <= limit * (1 + 1e-5)
