@@ -1,8 +1,10 @@
 #include "trace/box_tree.h"
 
+#include "base/assert.h"
 #include "trace/embree.h"
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <vector>
 
@@ -24,19 +26,23 @@ struct Leaf : BuildPart {
     uint32_t items[BoxTree::kMostInLeaf];
 };
 
+/// What the callbacks share.
+struct Build {
+    const CancelToken& cancel;
+    std::atomic<uint32_t> nodes{0};
+};
+
 /// Ends a build: this kind of build calls back to say how far it is, but does not read the answer. Embree catches what
 /// is thrown in its callbacks.
-void throw_if_cancelled(void* token) {
-    static_cast<const CancelToken*>(token)->throw_if_cancelled();
-}
-
-bool goes_on(void* token, double /*share*/) {
-    throw_if_cancelled(token);
+bool goes_on(void* build, double /*share*/) {
+    static_cast<const Build*>(build)->cancel.throw_if_cancelled();
     return true;
 }
 
-void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void* token) {
-    throw_if_cancelled(token);
+void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void* user) {
+    Build& build = *static_cast<Build*>(user);
+    build.cancel.throw_if_cancelled();
+    build.nodes.fetch_add(1, std::memory_order_relaxed);  // read when all threads have ended
     auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(Node), alignof(Node))) Node;
     node->boxes = {};  // also of the children that there are not
     node->boxes.count = count;
@@ -69,9 +75,10 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* it
 
 /// Copies a tree, parents before children. Without `leaves`, each leaf has one item and gets its number.
 struct TreeCopy {
-    std::vector<BoxNode> nodes;
+    LargeArray<BoxNode> nodes;
     BoxLeaves* leaves;
     const CancelToken& cancel;
+    uint32_t count = 0;
 
     uint32_t add(const BuildPart& part) {
         return part.is_leaf ? BoxNode::kLeaf | add_leaf(static_cast<const Leaf&>(part))
@@ -85,8 +92,8 @@ struct TreeCopy {
     }
     uint32_t add_node(const Node& node) {
         cancel.throw_if_cancelled();
-        const auto number = static_cast<uint32_t>(nodes.size());
-        nodes.push_back(node.boxes);
+        const uint32_t number = count++;
+        nodes[number] = node.boxes;
         for (uint32_t i = 0; i < node.boxes.count; ++i) {
             const uint32_t child = add(*node.children[i]);
             nodes[number].child[i] = child;
@@ -95,7 +102,7 @@ struct TreeCopy {
     }
     /// A tree that is no more than a leaf.
     void add_root(const Leaf& leaf, const RTCBounds& box) {
-        nodes.push_back({});
+        nodes[0] = {};
         set_box(nodes[0], 0, box);
         nodes[0].child[0] = add(leaf);
         nodes[0].count = 1;
@@ -127,7 +134,8 @@ RTCBounds box_around(const std::vector<RTCBuildPrimitive>& items) {
     return {box.min.x, box.min.y, box.min.z, 0.0f, box.max.x, box.max.y, box.max.z, 0.0f};
 }
 
-std::vector<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToken& cancel, BoxLeaves* leaves) {
+LargeArray<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToken& cancel, uint32_t most_in_leaf,
+                          BoxLeaves* leaves) {
     if (leaves) leaves->first.assign(1, 0);
     if (items.empty()) return {};
     const RTCBounds box = box_around(items);
@@ -135,8 +143,8 @@ std::vector<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelTok
     RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.maxBranchingFactor = BoxNode::kMostChildren;
     arguments.maxDepth = BoxNode::kDeepest;
-    arguments.maxLeafSize = leaves ? BoxTree::kMostInLeaf : 1;
-    arguments.sahBlockSize = arguments.maxLeafSize;  // a leaf's items are tested together
+    arguments.maxLeafSize = most_in_leaf;
+    arguments.sahBlockSize = most_in_leaf;  // a leaf's items are tested together
     arguments.bvh = tree.get();
     arguments.primitives = items.data();
     arguments.primitiveCount = arguments.primitiveArrayCapacity = items.size();
@@ -145,18 +153,20 @@ std::vector<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelTok
     arguments.setNodeBounds = set_bounds;
     arguments.createLeaf = create_leaf;
     arguments.buildProgress = goes_on;
-    arguments.userPtr = const_cast<CancelToken*>(&cancel);
+    Build state{cancel};
+    arguments.userPtr = &state;
     const auto* root = static_cast<const BuildPart*>(rtcBuildBVH(&arguments));
     if (cancel.cancelled()) {
         rtcGetDeviceError(embree_device());  // it is not an error
         throw Cancelled();
     }
     throw_embree_error();
-    TreeCopy copy{{}, leaves, cancel};
+    TreeCopy copy{LargeArray<BoxNode>(std::max(state.nodes.load(), 1u)), leaves, cancel};
     if (root->is_leaf)
         copy.add_root(static_cast<const Leaf&>(*root), box);
     else
         copy.add(*root);
+    RAYLEAF_ASSERT_EQ(root->is_leaf ? 0 : copy.count, state.nodes.load());
     return std::move(copy.nodes);
 }
 
@@ -180,11 +190,11 @@ RTCBounds box_of_children(const BoxNode& node) {
 }  // namespace
 
 BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel)
-    : BoxTree(build(build_items(count, box_of, cancel), cancel, nullptr)) {}
+    : BoxTree(build(build_items(count, box_of, cancel), cancel, 1, nullptr)) {}
 
 BoxTree::BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel,
-                 BoxLeaves& leaves)
-    : BoxTree(build(build_items(count, box_of, cancel), cancel, &leaves)) {}
+                 uint32_t most_in_leaf, BoxLeaves& leaves)
+    : BoxTree(build(build_items(count, box_of, cancel), cancel, most_in_leaf, &leaves)) {}
 
 LargeArray<BoxBounds> BoxTree::moving_bounds(size_t steps, const std::function<Box3f(uint32_t, size_t)>& box_of) const {
     LargeArray<BoxBounds> all(nodes_.size() * steps);
@@ -205,10 +215,6 @@ LargeArray<BoxBounds> BoxTree::moving_bounds(size_t steps, const std::function<B
         }
     });
     return all;
-}
-
-BoxTree::BoxTree(const std::vector<BoxNode>& nodes) : nodes_(nodes.size()) {
-    std::copy(nodes.begin(), nodes.end(), nodes_.data());
 }
 
 void BoxTree::find_parents() {

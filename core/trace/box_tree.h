@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace rayleaf {
@@ -47,8 +48,9 @@ class BoxTree {
     /// Of `count` items; those with empty boxes are left out. Throws Cancelled if the token says so, std::runtime_error
     /// with Embree's word if the build fails.
     BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel);
-    /// The same with up to kMostInLeaf items in a leaf: rays meet leaves, by their number.
-    BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel, BoxLeaves& leaves);
+    /// The same with up to `most_in_leaf` items in a leaf, at most kMostInLeaf: rays meet leaves, by their number.
+    BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel,
+            uint32_t most_in_leaf, BoxLeaves& leaves);
 
     /// Renews the boxes of some items, of a tree with one item in a leaf. False where that cannot be, as an item was
     /// left out or now has to be: then it must be built anew.
@@ -66,7 +68,7 @@ class BoxTree {
     std::vector<uint32_t> node_of_item_, parent_;  ///< filled by the first refit
 
     void find_parents();
-    explicit BoxTree(const std::vector<BoxNode>& nodes);
+    explicit BoxTree(LargeArray<BoxNode> nodes) : nodes_(std::move(nodes)) {}
 };
 
 }  // namespace rayleaf

@@ -71,6 +71,7 @@ class StrandScene final : public ShapeScene {
         return deforms() ? mixed_capsules(leaf, time, room) : capsules_[leaf];
     }
     const Capsules& mixed_capsules(uint32_t leaf, float time, std::optional<Capsules>& room) const;
+    std::vector<uint32_t> items() const;
     void build_tree(const CancelToken& cancel);
     void set_capsule(Capsules& capsules, uint32_t lane, const Piece& piece, float time) const;
     StrandSpans spans(const Query& query, const Piece& piece, double needs_leave_before) const;

@@ -1,6 +1,8 @@
 """Which way closed splines of 2D curves run: Blender turns outlines and holes so that the bevel's outside is outside."""
 
+from functools import lru_cache
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +15,26 @@ Doubles = NDArray[np.float64]
 _MOST_SAMPLES = 4096
 
 
+@lru_cache(maxsize=64)
+def _bernstein(resolution: int) -> Doubles:
+    """(resolution, 4): the cubic basis at the begins of equal steps."""
+    t = np.arange(resolution) / resolution
+    s = 1.0 - t
+    return np.stack([s**3, 3 * s * s * t, 3 * s * t * t, t**3], axis=1)
+
+
+def _next(rows: NDArray[Any]) -> NDArray[Any]:
+    """For each row the one after it, for the last the first."""
+    return np.concatenate((rows[1:], rows[:1]))
+
+
 def _bezier_outline(points: Doubles, handles: Doubles, straight: NDArray[np.bool_], resolution: int) -> Doubles:
     """Samples of a closed spline; of a straight segment only its begin."""
-    t = (np.arange(resolution) / resolution)[None, :, None]
-    s = 1.0 - t
-    a, b = points[:, None, :2], handles[:, 1, None, :2]
-    c, d = np.roll(handles[:, 0, :2], -1, axis=0)[:, None], np.roll(points[:, :2], -1, axis=0)[:, None]
-    samples = s**3 * a + 3 * s * s * t * b + 3 * s * t * t * c + t**3 * d
+    begins = points[:, :2]
+    controls = np.stack([begins, handles[:, 1, :2], _next(handles[:, 0, :2]), _next(begins)], axis=1)
+    samples = _bernstein(resolution) @ controls
+    if not straight.any():
+        return np.asarray(samples.reshape(-1, 2))
     return np.asarray(samples[~straight[:, None] | (np.arange(resolution) == 0)])
 
 
@@ -53,7 +68,7 @@ def _turns_left(polygon: Doubles) -> bool:
 
 def _contains(polygon: Doubles, point: Doubles) -> bool:
     """Whether a point lies inside a polygon, by the edges that a ray to the right crosses."""
-    a, b = polygon, np.roll(polygon, -1, axis=0)
+    a, b = polygon, _next(polygon)
     crossing = (a[:, 1] > point[1]) != (b[:, 1] > point[1])
     a, b = a[crossing], b[crossing]
     x = a[:, 0] + (point[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
