@@ -21,7 +21,7 @@ constexpr float kLeastSurvival = 0.05f;
 constexpr int kFirstLightRays = 2;
 
 /// The numbers of sample `index` of `count` made of a pair: x in the part of the unit interval that is its own, so that
-/// lights are chosen evenly.
+/// lights are chosen evenly; y moved on by as large a part, so that two places on one light lie apart.
 Vec2f numbers_of_part(const Vec2f& pair, int index, int count) {
     const float part = 1.0f / static_cast<float>(count);
     const float y = pair.y + static_cast<float>(index) * part;
