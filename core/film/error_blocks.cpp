@@ -9,7 +9,7 @@ namespace {
 using Unit = ErrorGoal::Unit;
 
 /// What is aimed at, as a share of a target error: an estimate is no bound, and misses what is bright and rare.
-constexpr double kAim = 0.8;
+constexpr double kAim = 0.9;
 /// Samples of a pixel in the first round.
 constexpr int kFirstRound = 8;
 /// A round makes of each sample that many at most, so that the next one can be judged by more of them.

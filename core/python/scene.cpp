@@ -42,9 +42,19 @@ ColorSpace color_space(const std::string& object, const std::string& name) {
     throw InputError(object, "color space", "'" + name + "'", "SRGB, LINEAR or NON_COLOR");
 }
 
-ImageColors image_colors(const std::string& object, const std::string& space, const std::string& config) {
-    if (config.empty()) return color_space(object, space);
-    return std::make_shared<const ColorTransform>(object, config, space);
+/// Which names a space, a configuration, and what alpha is.
+struct ColorWords {
+    const std::string &space, &config, &alpha;
+};
+
+ImageColors image_colors(const std::string& object, const ColorWords& words) {
+    constexpr std::pair<const char*, ImageAlpha> kAlphas[] = {{"OPACITY", ImageAlpha::Opacity},
+                                                              {"MULTIPLIED", ImageAlpha::Multiplied},
+                                                              {"SEPARATE", ImageAlpha::Separate},
+                                                              {"IGNORED", ImageAlpha::Ignored}};
+    const ImageAlpha alpha = named(object, "alpha", words.alpha, kAlphas);
+    if (words.config.empty()) return {color_space(object, words.space), alpha};
+    return {std::make_shared<const ColorTransform>(object, words.config, words.space), alpha};
 }
 
 /// What a scene holds of a program, which may grow later, and while others render.
@@ -241,27 +251,29 @@ Panorama make_panorama(const std::string& kind, std::pair<double, double> longit
 
 // Converting a large image takes seconds; Python goes on meanwhile.
 int add_image_file(SceneDescription& scene, const std::string& name, const std::string& path, const std::string& space,
-                   const std::string& config, int picture) {
+                   const std::string& config, int picture, const std::string& alpha) {
     if (picture < 0) throw InputError(name, "picture", std::to_string(picture), "0 or more");
     const py::gil_scoped_release released;
-    return scene.textures()->add_file(name, path, image_colors(name, space, config), picture);
+    return scene.textures()->add_file(name, path, image_colors(name, {space, config, alpha}), picture);
 }
 
 int add_packed_image(SceneDescription& scene, const std::string& name, const py::bytes& content,
-                     const std::string& space, const std::string& config) {
+                     const std::string& space, const std::string& config, const std::string& alpha) {
     const std::string_view bytes = content;
     const py::gil_scoped_release released;
-    return scene.textures()->add_packed(name, std::as_bytes(std::span(bytes)), image_colors(name, space, config));
+    return scene.textures()->add_packed(name, std::as_bytes(std::span(bytes)),
+                                        image_colors(name, {space, config, alpha}));
 }
 
 int add_image_pixels(SceneDescription& scene, const std::string& name, const Array<float>& pixels,
-                     const std::string& space, const std::string& config) {
+                     const std::string& space, const std::string& config, const std::string& alpha) {
     check_shape(name, "pixels", pixels, {-1, -1, -1});
     const auto height = static_cast<int>(pixels.shape(0)), width = static_cast<int>(pixels.shape(1));
     const auto channels = static_cast<int>(pixels.shape(2));
     const std::span<const float> values = span_of(pixels);
     const py::gil_scoped_release released;
-    return scene.textures()->add_pixels(name, values, width, height, channels, image_colors(name, space, config));
+    return scene.textures()->add_pixels(name, values, width, height, channels,
+                                        image_colors(name, {space, config, alpha}));
 }
 
 }  // namespace
@@ -342,9 +354,12 @@ void bind_scene(py::module_& module) {
              "blade_rotation"_a = 0.0, "aperture_ratio"_a = 1.0, "dicing"_a = false, "panorama"_a = py::none(),
              "motion"_a = py::none(), "windows"_a = py::none(), "shutter_curve"_a = py::none(),
              "rolling_shutter"_a = py::none())
-        .def("add_image_file", &add_image_file, "name"_a, "path"_a, "color_space"_a, "config"_a = "", "picture"_a = 0)
-        .def("add_packed_image", &add_packed_image, "name"_a, "content"_a, "color_space"_a, "config"_a = "")
-        .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a, "config"_a = "")
+        .def("add_image_file", &add_image_file, "name"_a, "path"_a, "color_space"_a, "config"_a = "", "picture"_a = 0,
+             "alpha"_a = "OPACITY")
+        .def("add_packed_image", &add_packed_image, "name"_a, "content"_a, "color_space"_a, "config"_a = "",
+             "alpha"_a = "OPACITY")
+        .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a, "config"_a = "",
+             "alpha"_a = "OPACITY")
         .def_readwrite("texture_memory", &SceneDescription::texture_memory);
 }
 

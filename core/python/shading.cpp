@@ -292,7 +292,7 @@ Floats lookup(const TextureStore& store, TextureId id, const Floats& uv, const F
     const auto count = static_cast<size_t>(uv.shape(0));
     Floats values = rows(count, 4);
     for (size_t i = 0; i < count; ++i)
-        put(values, i, store.lookup(id, pair(uv, i), pair(duv_dx, i), pair(duv_dy, i), extension, interpolation));
+        put(values, i, store.lookup(id, pair(uv, i), pair(duv_dx, i), pair(duv_dy, i), extension, {interpolation}));
     return values;
 }
 

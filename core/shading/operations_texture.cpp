@@ -35,13 +35,8 @@ namespace {
 
 enum class Projection : int32_t { Equirectangular, MirrorBall };
 
-/// How pixels are read, from an operation's third number.
-struct Reading {
-    TextureInterpolation interpolation;
-    bool multiplied;  ///< colours by alpha
-};
-
-Reading reading_of(std::span<const int32_t> ints) {
+/// From an operation's third number.
+TextureReading reading_of(std::span<const int32_t> ints) {
     constexpr int32_t kMultiplied = 4;
     const int32_t number = ints.size() > 2 ? ints[2] : 0;
     return {static_cast<TextureInterpolation>(std::min(number & (kMultiplied - 1), 2)), (number & kMultiplied) != 0};
@@ -50,7 +45,6 @@ Reading reading_of(std::span<const int32_t> ints) {
 Vec4f environment_value(const TextureStore& textures, std::span<const int32_t> ints,
                         const CoordinateFootprint& direction) {
     const auto projection = static_cast<Projection>(ints.size() > 1 ? ints[1] : 0);
-    const Reading reading = reading_of(ints);
     const bool ball = projection == Projection::MirrorBall;
     const auto project = ball ? mirror_ball : equirectangular;
     const Vec2f uv = project(direction.value);
@@ -63,8 +57,7 @@ Vec4f environment_value(const TextureStore& textures, std::span<const int32_t> i
         dy.x -= std::round(dy.x);
     }
     const TextureExtension extension = ball ? TextureExtension::Repeat : TextureExtension::Panorama;
-    const Vec4f value = textures.lookup(ints[0], uv, dx, dy, extension, reading.interpolation);
-    return reading.multiplied ? textures.multiplied_by_alpha(ints[0], value) : value;
+    return textures.lookup(ints[0], uv, dx, dy, extension, reading_of(ints));
 }
 
 enum class ImageProjection : int32_t { Flat, Sphere, Tube };
@@ -174,11 +167,10 @@ Vec4f image_value(Operation operation, std::span<const int32_t> ints, const Coor
     if (inputs.textures == nullptr) return Vec4f(0.0f, 0.0f, 0.0f, 0.0f);
     if (operation == Operation::environment) return environment_value(*inputs.textures, ints, coordinate);
     const auto extension = static_cast<TextureExtension>(ints.size() > 1 ? ints[1] : 0);
-    const Reading reading = reading_of(ints);
+    const TextureReading reading = reading_of(ints);
     const PlaneFootprint at = on_plane(static_cast<ImageProjection>(ints.size() > 3 ? ints[3] : 0), coordinate);
     const auto value = [&](TextureId texture, const Vec2f& uv, TextureExtension beyond) {
-        const Vec4f found = inputs.textures->lookup(texture, uv, at.dx, at.dy, beyond, reading.interpolation);
-        return reading.multiplied ? inputs.textures->multiplied_by_alpha(texture, found) : found;
+        return inputs.textures->lookup(texture, uv, at.dx, at.dy, beyond, reading);
     };
     if (ints.size() <= 4) return value(ints[0], at.value, extension);
     const std::optional<UdimPlace> place = udim_place(ints.subspan(4), at.value);

@@ -128,11 +128,14 @@ ConvertedTexture::ConvertedTexture(std::string name, Picture picture, ImageColor
       key_(key),
       folder_(temporary_folder()),
       file_(folder_->file()) {
-    normalize_channels(picture);
+    normalize_channels(picture, colors_.alpha);
+    if (colors_.alpha == ImageAlpha::Multiplied) picture.alpha = Alpha::Associated;
+    if (colors_.alpha == ImageAlpha::Separate || colors_.alpha == ImageAlpha::Ignored) picture.alpha = Alpha::Separate;
     channels_ = picture.channels;
     width_ = picture.width;
     height_ = picture.height;
-    associated_ = picture.alpha_channel() >= 0 && colors_.space != ColorSpace::NonColor;
+    associated_ =
+        picture.alpha_channel() >= 0 && picture.alpha != Alpha::Separate && colors_.space != ColorSpace::NonColor;
     encoded_ = colors_.space == ColorSpace::Srgb && !picture.precise;
     picture_ = std::move(picture);
 }

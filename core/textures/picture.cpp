@@ -100,8 +100,10 @@ bool make_finite(std::span<float> row) {
 
 }  // namespace
 
-void normalize_channels(Picture& picture) {
-    const int from = picture.channels, to = from == 2 ? 4 : std::min(from, 4);
+void normalize_channels(Picture& picture, ImageAlpha alpha) {
+    const bool is_opaque = alpha == ImageAlpha::Ignored;
+    const int from = picture.channels;
+    const int to = from == 2 ? (is_opaque ? 1 : 4) : std::min(from, is_opaque ? 3 : 4);
     if (from == to) return;
     const size_t count = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
     std::vector<float> pixels(count * static_cast<size_t>(to));

@@ -8,8 +8,8 @@
 
 namespace rayleaf {
 
-/// Whether the pixels that come in have been multiplied by their alpha.
-enum class Alpha : uint8_t { Straight, Associated };
+/// Whether the pixels that come in have been multiplied by their alpha, and whether they ever are.
+enum class Alpha : uint8_t { Straight, Associated, Separate };
 
 /// Rows top to bottom, straight or associated as they came.
 struct Picture {
@@ -26,10 +26,12 @@ struct Picture {
 float decoded_srgb(float x);
 float encoded_srgb(float x);
 
-/// Gives it one, three or four channels: grey and alpha become colours with alpha, what is beyond four is left out.
-void normalize_channels(Picture& picture);
+/// Gives it one, three or four channels: grey and alpha become colours with alpha, what is beyond four is left out, and
+/// alpha where it is ignored.
+void normalize_channels(Picture& picture, ImageAlpha alpha);
 /// Makes it what textures are filtered from: finite numbers, linear light with associated alpha. Data images keep their
-/// channels as they are. Throws Cancelled soon after `cancel` says so; the next call does the rest.
+/// channels as they are, and so do colours beside a separate alpha, which become linear. Throws Cancelled soon after
+/// `cancel` says so; the next call does the rest.
 void prepare(Picture& picture, const ImageColors& colors, const CancelToken& cancel);
 
 }  // namespace rayleaf

@@ -116,6 +116,17 @@ float covered_share(const ConvertedTexture& texture, const Vec2f& p, const Vec2f
            covered_share(p.y, std::abs(dx.y) + std::abs(dy.y), texture.height());
 }
 
+/// From linear light with associated alpha. Multiplied, that stays as it is where nothing was encoded: a flame may
+/// shine where its alpha is 0.
+void read_associated(float (&value)[4], bool is_multiplied, bool is_encoded) {
+    const float alpha = value[3];
+    if (!(alpha > 0.0f) || (is_multiplied && (!is_encoded || alpha == 1.0f))) return;
+    for (int c = 0; c < 3; ++c) {
+        const float straight = value[c] / alpha;
+        value[c] = is_multiplied ? decoded_srgb(encoded_srgb(straight) * alpha) : straight;
+    }
+}
+
 }  // namespace
 
 struct TextureStore::Implementation {
@@ -175,6 +186,7 @@ struct TextureStore::Implementation {
 
 void ImageColors::add_to(ContentHasher& hasher) const {
     hasher.add(static_cast<int>(space));
+    hasher.add(static_cast<int>(alpha));
     if (transform) transform->add_to(hasher);
 }
 
@@ -320,16 +332,6 @@ void TextureStore::finish(const CancelToken& cancel) const {
     }
 }
 
-Vec4f TextureStore::multiplied_by_alpha(TextureId id, const Vec4f& value) const {
-    const float alpha = value.w;
-    if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return value;
-    const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
-    if (alpha == 1.0f || !texture.associated()) return value;
-    if (!texture.is_encoded()) return {value.x * alpha, value.y * alpha, value.z * alpha, alpha};
-    const auto multiplied = [alpha](float x) { return decoded_srgb(encoded_srgb(x) * alpha); };
-    return {multiplied(value.x), multiplied(value.y), multiplied(value.z), alpha};
-}
-
 TextureStore::Size TextureStore::size(TextureId id) const {
     if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return {};
     const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
@@ -337,16 +339,16 @@ TextureStore::Size TextureStore::size(TextureId id) const {
 }
 
 Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, const Vec2f& duv_dy,
-                           TextureExtension extension, TextureInterpolation interpolation) const {
+                           TextureExtension extension, const TextureReading& reading) const {
     if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return Vec4f(0.0f, 0.0f, 0.0f, 0.0f);
     const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
     const Vec2f p = near_coordinates(finite_coordinates(uv), extension), dx = finite_coordinates(duv_dx),
                 dy = finite_coordinates(duv_dy);
     // Without a channel that says how much of a pixel is there, the border pixels go on, and are faded by hand.
     const bool is_faded = texture.channels() < 4 && extension == TextureExtension::Clip;
-    const float covered = is_faded ? covered_share(texture, p, dx, dy, interpolation) : 1.0f;
+    const float covered = is_faded ? covered_share(texture, p, dx, dy, reading.interpolation) : 1.0f;
     if (!(covered > 0.0f)) return Vec4f(0.0f);
-    oiio::TextureOpt lookup_options = options(is_faded ? TextureExtension::Extend : extension, interpolation);
+    oiio::TextureOpt lookup_options = options(is_faded ? TextureExtension::Extend : extension, reading.interpolation);
     // A point needs no level of the pyramid to be found.
     if (dx == Vec2f(0.0f) && dy == Vec2f(0.0f)) lookup_options.mipmode = oiio::TextureOpt::MipModeNoMIP;
     texture.convert();
@@ -357,8 +359,7 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
                              lookup_options, p.x, 1.0f - p.y, dx.x, -dx.y, dy.x, -dy.y, texture.channels(), value);
     if (texture.channels() < 4) value[3] = covered;
     if (texture.channels() == 1) value[1] = value[2] = value[0];
-    if (texture.associated() && value[3] > 0.0f)
-        for (int c = 0; c < 3; ++c) value[c] /= value[3];
+    if (texture.associated()) read_associated(value, reading.is_multiplied, texture.is_encoded());
     return Vec4f(finite_or_zero(value[0]), finite_or_zero(value[1]), finite_or_zero(value[2]),
                  finite_or_zero(value[3]));
 }

@@ -19,13 +19,23 @@ class ConvertedTextures;  // textures/converted_textures.h
 
 enum class ColorSpace : uint8_t { Srgb, Linear, NonColor };
 
+/// What an image's fourth channel is.
+enum class ImageAlpha : uint8_t {
+    Opacity,     ///< of the colours; a file tells whether they come multiplied by it, pixels in memory do not
+    Multiplied,  ///< the same, of colours that come multiplied by it
+    Separate,    ///< a channel like others: colours are what the image holds (Blender's Channel Packed)
+    Ignored      ///< nothing: the image is opaque (Blender's None)
+};
+
 /// How an image's numbers are meant: by a space that everyone knows, or by one of a configuration.
 struct ImageColors {
     ColorSpace space = ColorSpace::Srgb;
     std::shared_ptr<const ColorTransform> transform = nullptr;  ///< in place of the space
+    ImageAlpha alpha = ImageAlpha::Opacity;
 
-    ImageColors(ColorSpace known) : space(known) {}
-    ImageColors(std::shared_ptr<const ColorTransform> by) : space(ColorSpace::Linear), transform(std::move(by)) {}
+    ImageColors(ColorSpace known, ImageAlpha fourth = ImageAlpha::Opacity) : space(known), alpha(fourth) {}
+    ImageColors(std::shared_ptr<const ColorTransform> by, ImageAlpha fourth)
+        : space(ColorSpace::Linear), transform(std::move(by)), alpha(fourth) {}
     void add_to(ContentHasher& hasher) const;
 };
 enum class TextureExtension : uint8_t {
@@ -36,6 +46,14 @@ enum class TextureExtension : uint8_t {
     Panorama,  ///< repeats along u, extends along v: a direction's longitude and latitude
 };
 enum class TextureInterpolation : uint8_t { Linear, Closest, Cubic };
+
+/// How pixels become what is looked up.
+struct TextureReading {
+    TextureInterpolation interpolation = TextureInterpolation::Linear;
+    /// The colour comes multiplied by its alpha: as Cycles multiplies it, which for images of bytes in sRGB does so
+    /// before they are decoded.
+    bool is_multiplied = false;
+};
 
 /// Created only for scenes that have textures. Lookups are thread-safe, also while one thread adds a texture, and never
 /// wait for one another's files longer than the library does; a lookup never throws.
@@ -53,7 +71,7 @@ class TextureStore {
     TextureId add_file(const std::string& name, const std::string& path, const ImageColors& colors, int picture = 0);
     /// What an image file holds, as bytes in memory. Throws InputError that names `name` where they cannot be read.
     TextureId add_packed(const std::string& name, std::span<const std::byte> bytes, const ImageColors& colors);
-    /// Pixels as Blender holds them: `channels` floats each (1, 3 or 4), rows bottom to top, alpha straight.
+    /// Pixels as Blender holds them: `channels` floats each (1, 3 or 4), rows bottom to top.
     TextureId add_pixels(const std::string& name, std::span<const float> pixels, int width, int height, int channels,
                          const ImageColors& colors);
 
@@ -73,10 +91,7 @@ class TextureStore {
     /// Filtered linear colour with alpha in w at (u, v), v up as in Blender. The derivatives are changes of (u, v) per
     /// pixel.
     Vec4f lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, const Vec2f& duv_dy, TextureExtension extension,
-                 TextureInterpolation interpolation) const;
-    /// What a lookup gave, its colour multiplied by its alpha: as Cycles multiplies it, which for images of bytes in
-    /// sRGB does so before they are decoded.
-    Vec4f multiplied_by_alpha(TextureId id, const Vec4f& value) const;
+                 const TextureReading& reading) const;
 
     /// Bytes of tiles cached now, tiles read since this store was made; both of all stores together.
     struct Statistics {

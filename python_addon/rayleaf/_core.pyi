@@ -622,13 +622,25 @@ class SceneDescription:
         corners of a perspective camera; shutter_curve, how far it is open. rolling_shutter: the share of the time for
         which a row is exposed, from the upper border to the lower."""
     def add_image_file(
-        self, name: str, path: str | bytes, color_space: str, config: str | bytes = "", picture: int = 0
+        self,
+        name: str,
+        path: str | bytes,
+        color_space: str,
+        config: str | bytes = "",
+        picture: int = 0,
+        alpha: str = "OPACITY",
     ) -> int:
         """color_space: SRGB, LINEAR or NON_COLOR; or, by a configuration of OpenColorIO at the path `config`, one of its
-        spaces. picture: of a movie, from 0 on. Returns a texture id for the operations image and environment."""
-    def add_packed_image(self, name: str, content: bytes, color_space: str, config: str | bytes = "") -> int:
+        spaces. picture: of a movie, from 0 on. alpha: OPACITY of the colours, which a file says to come multiplied by it
+        or not; MULTIPLIED, the same whatever the file says; SEPARATE from them; or IGNORED. Returns a texture id for the
+        operations image and environment."""
+    def add_packed_image(
+        self, name: str, content: bytes, color_space: str, config: str | bytes = "", alpha: str = "OPACITY"
+    ) -> int:
         """content: of a PNG, JPEG, OpenEXR, TIFF, Radiance, WebP or BMP file."""
-    def add_image_pixels(self, name: str, pixels: Floats, color_space: str, config: str | bytes = "") -> int:
+    def add_image_pixels(
+        self, name: str, pixels: Floats, color_space: str, config: str | bytes = "", alpha: str = "OPACITY"
+    ) -> int:
         """pixels (height, width, channels), rows bottom to top."""
     texture_memory: int
 

@@ -118,7 +118,7 @@ class TextureOnlyScene:
     def __init__(self) -> None:
         self.store = _core.shading.TextureStore(1 << 26)
 
-    def add_image_pixels(self, name: str, pixels: Any, space: str, config: str = "") -> int:
+    def add_image_pixels(self, name: str, pixels: Any, space: str, config: str = "", alpha: str = "OPACITY") -> int:
         """Pass pixels on."""
         return int(self.store.add_pixels(name, pixels, getattr(_core.shading.ColorSpace, space)))
 

@@ -212,17 +212,18 @@ class SceneDescription:
     def set_camera(self, **arguments):
         self.camera = arguments
 
-    def add_image_file(self, name, path, color_space, config="", picture=0):
+    def add_image_file(self, name, path, color_space, config="", picture=0, alpha="OPACITY"):
         row = dict(name=name, path=os.fsdecode(path), color_space=color_space, config=config, picture=picture)
+        row["alpha"] = alpha
         self.images.append(row)
         return len(self.images) - 1
 
-    def add_packed_image(self, name, content, color_space, config=""):
-        self.images.append(dict(name=name, content=content, color_space=color_space, config=config))
+    def add_packed_image(self, name, content, color_space, config="", alpha="OPACITY"):
+        self.images.append(dict(name=name, content=content, color_space=color_space, config=config, alpha=alpha))
         return len(self.images) - 1
 
-    def add_image_pixels(self, name, pixels, color_space, config=""):
-        self.images.append(dict(name=name, pixels=pixels, color_space=color_space, config=config))
+    def add_image_pixels(self, name, pixels, color_space, config="", alpha="OPACITY"):
+        self.images.append(dict(name=name, pixels=pixels, color_space=color_space, config=config, alpha=alpha))
         return len(self.images) - 1
 
 

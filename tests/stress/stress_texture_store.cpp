@@ -32,7 +32,7 @@ std::vector<Vec4f> colours(const TextureStore& store, int number, int count) {
         const Vec2f uv(even(random), even(random));
         const float width = std::exp2(-12.0f * even(random));
         found.push_back(store.lookup(static_cast<TextureId>(random() % kTextures), uv, {width, 0}, {0, width},
-                                     TextureExtension::Repeat, TextureInterpolation::Linear));
+                                     TextureExtension::Repeat, {TextureInterpolation::Linear}));
     }
     return found;
 }
@@ -56,7 +56,7 @@ void share_conversions(const std::shared_ptr<ConvertedTextures>& converted, int 
             continue;
         }
         const Vec4f found =
-            store.lookup(0, {0.5f, 0.5f}, {0, 0}, {0, 0}, TextureExtension::Repeat, TextureInterpolation::Closest);
+            store.lookup(0, {0.5f, 0.5f}, {0, 0}, {0, 0}, TextureExtension::Repeat, {TextureInterpolation::Closest});
         stress::require(found[3] == 1.0f, "an image that is not converted");
     }
 }

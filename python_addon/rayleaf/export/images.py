@@ -25,6 +25,8 @@ _COLOR_SPACES = {
     "Raw": "NON_COLOR",
 }
 _BY_DEFAULT = ("SRGB", "")
+# What the core calls alphas that are not the colours' opacity.
+_OTHER_ALPHAS = {"CHANNEL_PACKED": "SEPARATE", "NONE": "IGNORED"}
 
 # As many tiles as the core takes of one image.
 _MOST_TILES = 1000
@@ -55,6 +57,11 @@ def _of_tile(path: str, number: int) -> str:
     """The file of a UDIM tile, by either of Blender's tokens."""
     row, column = divmod(number - 1001, 10)
     return path.replace("<UDIM>", str(number)).replace("<UVTILE>", f"u{column + 1}_v{row + 1}")
+
+
+def _tells_alpha(image: Any) -> bool:
+    """Whether colours are multiplied by alpha as it is usual in such files, of which the file that is packed tells."""
+    return image.alpha_mode != ("STRAIGHT" if image.is_float else "PREMUL")
 
 
 def _packed_tile(image: Any, path: str) -> bytes | None:
@@ -141,7 +148,7 @@ class ImageLibrary:
             self._warn(image, "viewer images are not supported; rendered pink")
             return None
         space = self._color_space(image)
-        if image.packed_file is not None and image.source == "FILE" and not image.is_dirty:
+        if image.packed_file is not None and image.source == "FILE" and not image.is_dirty and _tells_alpha(image):
             return self._add_packed(image, path, space)
         tile = _packed_tile(image, path)
         if tile is not None:
@@ -156,17 +163,21 @@ class ImageLibrary:
             add = partial(add, picture=min(picture, max(image.frame_duration - 1, 0)))
         return self._send(add, image, os.fsencode(path), space)
 
-    def _send(self, add: Callable[..., int], image: Any, what: Any, space: tuple[str, str]) -> int:
-        """Hand an image to the core, which converts it: seconds for a large one."""
+    def _send(
+        self, add: Callable[..., int], image: Any, what: Any, space: tuple[str, str], opacity: str = "OPACITY"
+    ) -> int:
+        """Hand an image to the core, which converts it: seconds for a large one. `opacity`: what its alpha is, where it is
+        the colours' opacity."""
+        alpha = _OTHER_ALPHAS.get(image.alpha_mode, opacity)
         name = name_of(image)
         self.added += 1
         try:
-            return int(self._check_cancel.while_waiting_for(lambda: add(name, what, *space)))
+            return int(self._check_cancel.while_waiting_for(lambda: add(name, what, *space, alpha=alpha)))
         except self._core.InputError as error:
             if not space[1] or "colour space" not in str(error):
                 raise
             self._warn(image, f"{error}; taken as sRGB")
-            return self._send(add, image, what, _BY_DEFAULT)
+            return self._send(add, image, what, _BY_DEFAULT, opacity)
 
     def _color_space(self, image: Any) -> tuple[str, str]:
         """What the core knows it by: a name, and the configuration that it is of, if it needs one."""
@@ -196,10 +207,8 @@ class ImageLibrary:
         pixels = pixels.reshape(height, width, image.channels)
         if image.channels == 2:  # grey and alpha
             pixels = np.ascontiguousarray(pixels[..., [0, 0, 0, 1]])
-        if image.is_float:
-            # Blender holds float images scene-linear, with the colour multiplied by alpha.
-            space = space if space[0] == "NON_COLOR" else ("LINEAR", "")
-            if pixels.shape[2] == 4 and image.alpha_mode not in ("CHANNEL_PACKED", "NONE"):
-                alpha = pixels[..., 3:]
-                pixels[..., :3] /= np.where(alpha > 0.0, alpha, np.float32(1.0))
-        return self._send(self.scene.add_image_pixels, image, pixels, space)
+        if not image.is_float:
+            return self._send(self.scene.add_image_pixels, image, pixels, space)
+        # Blender holds float images scene-linear, with the colour multiplied by alpha.
+        space = space if space[0] == "NON_COLOR" else ("LINEAR", "")
+        return self._send(self.scene.add_image_pixels, image, pixels, space, "MULTIPLIED")
