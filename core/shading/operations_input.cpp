@@ -76,14 +76,15 @@ std::optional<Vec4f> grid_value(const ShadingInputs& inputs, int32_t id) {
 }
 
 Vec4f attribute(const ShadingInputs& inputs, int32_t id) {
-    if (inputs.point == nullptr || inputs.point->shape == nullptr) return spread(0.0f);
+    const Vec4f missing(0.0f, 0.0f, 0.0f, 1.0f);
+    if (inputs.point == nullptr || inputs.point->shape == nullptr) return missing;
     if (!inputs.point->inside)
         if (const std::optional<Vec4f> own = inputs.point->shape->attribute(id, inputs.point->local)) return *own;
     if (const std::optional<Vec4f> held = grid_value(inputs, id)) return *held;
     if (inputs.instance != nullptr)
         for (const InstanceAttribute& each : inputs.instance->attributes)
             if (each.id == id) return Vec4f(each.value[0], each.value[1], each.value[2], each.value[3]);
-    return spread(0.0f);
+    return missing;
 }
 
 namespace {

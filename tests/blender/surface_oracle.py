@@ -74,6 +74,9 @@ def paint(mesh):
         angle = np.arange(len(layer.data)) * (0.01 + 0.02 * shift) + shift
         values = np.stack([0.5 + 0.4 * np.sin(angle * k + shift) for k in (1, 2, 3, 4)], -1)
         layer.data.foreach_set("color", values.astype(np.float32).ravel())
+    wear = mesh.attributes.new("Wear", "FLOAT_VECTOR", "EDGE")
+    angle = np.arange(3 * len(wear.data)) * 0.07
+    wear.data.foreach_set("vector", (0.5 + 0.4 * np.sin(angle)).astype(np.float32))
     mesh.color_attributes.active_color_index = mesh.color_attributes.render_color_index = 0
 
 

@@ -26,6 +26,8 @@ def _coordinates() -> list[Case]:
         found.append(Case("ShaderNodeAttribute", settings, output=output))
     for name in ("Color", "Vector", "Fac", "Alpha"):
         found.append(Case("ShaderNodeAttribute", {"attribute_name": "Paint"}, output=name))
+        found.append(Case("ShaderNodeAttribute", {"attribute_name": "Wear"}, output=name))
+    found.append(Case("ShaderNodeAttribute", {"attribute_name": "missing"}, output="Alpha"))
     found.append(Case("ShaderNodeAttribute", {"attribute_type": "OBJECT", "attribute_name": "tint"}, output="Alpha"))
     for layer in ("", "Paint", "Other paint"):
         found += [Case("ShaderNodeVertexColor", {"layer_name": layer}, output=name) for name in ("Color", "Alpha")]

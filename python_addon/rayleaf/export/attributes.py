@@ -75,9 +75,21 @@ class Corners:
     polygons: Ints
 
 
-def _generic(attribute: Any, corners: Corners) -> Floats | None:
+def _at_vertices(mesh: Any, values: Floats) -> Floats:
+    """Of each vertex the mean of its edges, as Cycles takes values of edges."""
+    ends = np.empty(2 * len(mesh.edges), np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    count = np.maximum(np.bincount(ends, minlength=len(mesh.vertices)), 1)
+    channels = np.repeat(values, 2, axis=0).T
+    sums = [np.bincount(ends, channel, minlength=len(mesh.vertices)) for channel in channels]
+    return (np.stack(sums, -1) / count[:, None]).astype(np.float32)
+
+
+def _generic(mesh: Any, attribute: Any, corners: Corners) -> Floats | None:
     """(m, k, channels) of an attribute, whatever it is stored on; None for kinds that shading cannot use."""
     values = for_shading(_flat(attribute))
+    if attribute.domain == "EDGE" and values is not None:
+        return np.ascontiguousarray(_at_vertices(mesh, values)[corners.vertices])
     where = {"POINT": corners.vertices, "CORNER": corners.loops, "FACE": corners.polygons}.get(attribute.domain)
     return None if where is None or values is None else np.ascontiguousarray(values[where])
 
@@ -97,11 +109,11 @@ def attribute_values(mesh: Any, name: str, corners: Corners) -> Floats | None:
     """(m, k, channels): an attribute at corners, linear colours; None if the mesh has none of that name."""
     if name == ACTIVE_COLOR:
         color = active_color(mesh)
-        return None if color is None else _generic(color, corners)
+        return None if color is None else _generic(mesh, color, corners)
     if name.startswith("\n") and name != ACTIVE_UV:
         return _derived(mesh, name, corners)
     layer = active_uv(mesh) if name == ACTIVE_UV else find(mesh.uv_layers, name)
     if layer is not None:
         return np.ascontiguousarray(versions.uv_map(layer, len(mesh.loops))[corners.loops])
     attribute = find(mesh.attributes, name)
-    return None if attribute is None else _generic(attribute, corners)
+    return None if attribute is None else _generic(mesh, attribute, corners)
