@@ -39,6 +39,9 @@ struct LocalSurface {
 
 /// Named data over a shape ("UVMap", "Col"): an index into the scene's table of names.
 using AttributeId = int32_t;
+/// Where the surface was before modifiers and shape keys deformed it, object space, if they did: what Generated
+/// coordinates are told by. With an alpha of 1 the place; with 0 what has to be added to the point's own.
+inline constexpr AttributeId kRestPlace = -2;
 
 struct VolumeGrids;  // geometry/volume_grids.h
 

@@ -117,6 +117,7 @@ void SceneDescription::set_dicing_camera(const CameraDescription& camera) {
 }
 
 AttributeId SceneDescription::attribute(const std::string& name) {
+    if (name == kRestPlaceName) return kRestPlace;
     return attributes_.try_emplace(name, static_cast<AttributeId>(attributes_.size())).first->second;
 }
 

@@ -106,7 +106,8 @@ class SceneDescription {
     void set_camera(const CameraDescription& camera);
     /// The camera whose pixels facets are made fine enough for, where it is another: one that moves keeps its facets.
     void set_dicing_camera(const CameraDescription& camera);
-    /// The id of an attribute name, new or old.
+    /// The id of an attribute name, new or old; kRestPlace of kRestPlaceName.
+    static constexpr const char* kRestPlaceName = "\nrest place";
     AttributeId attribute(const std::string& name);
     /// The scene's textures; created by the first call.
     std::shared_ptr<TextureStore> textures();

@@ -26,7 +26,7 @@ bool is_flat(const Shape& shape) {
 struct ObjectOptics {
     MaterialOptics first;
     bool even = true;  ///< one material alone
-    bool reads_uv = false;
+    bool reads_uv = false, reads_generated = false;
     std::string obstacle;
 };
 
@@ -41,6 +41,7 @@ ObjectOptics optics_of_object(const Scene& scene, uint32_t instance) {
         if (program.emits()) result.obstacle = "emits light";
         if (program.reads_element()) result.obstacle = "reads attributes, named texture coordinates or tangents";
         result.reads_uv |= program.reads_uv();
+        result.reads_generated |= program.reads_generated();
     }
     result.first = optics_of(*first.surface);
     return result;
@@ -70,6 +71,8 @@ std::string obstacle_of(const Shape& shape, const ObjectOptics& optics, bool is_
         return "is neither a spline surface nor a mesh";
     if (is_volume) return {};
     if (is_flat(shape)) return "is shaded flat";
+    if (optics.reads_generated && shape.attribute(kRestPlace, {}))
+        return "reads Generated coordinates of before it was deformed";
     return optics.obstacle;
 }
 

@@ -5,8 +5,12 @@
 
 namespace rayleaf {
 
-/// Named attributes at the neighbours cost several evaluations of the shape, so they are optional.
-enum class NeighbourAttributes : uint8_t { None, Exact };
+/// Attributes at the neighbours cost several evaluations of the shape, so they are optional.
+enum class NeighbourAttributes : uint8_t {
+    None,
+    ExactIfDeformed,  ///< of shapes that know where they were before they were deformed
+    Exact
+};
 
 /// The inputs one step to the right and one step up. Holds what they point to, so it can neither be copied nor moved.
 class Neighbours {

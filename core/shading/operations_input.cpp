@@ -56,8 +56,11 @@ Vec3f parametric(const ShadingInputs& inputs) {
 }
 
 Vec3f generated(const ShadingInputs& inputs) {
-    const Vec3d position = object_position(inputs);
+    Vec3d position = object_position(inputs);
     if (inputs.point == nullptr || inputs.point->shape == nullptr) return Vec3f(position);
+    if (!inputs.point->inside)
+        if (const std::optional<Vec4f> rest = inputs.point->shape->attribute(kRestPlace, inputs.point->local))
+            position = Vec3d(rest->x, rest->y, rest->z) + (rest->w == 0.0f ? position : Vec3d(0.0));
     const Box3d& box = inputs.point->shape->texture_space();
     const Vec3d size = box.size();
     const auto share = [](double x, double low, double extent) { return extent > 0.0 ? (x - low) / extent : 0.5; };

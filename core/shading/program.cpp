@@ -215,6 +215,9 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::uv:
             (is_named_uv(instruction) ? reads_element_ : reads_uv_) = true;
             break;
+        case Operation::generated:
+            reads_generated_ = true;
+            break;
         case Operation::attribute:
         case Operation::tangent:
         case Operation::radial_tangent:
@@ -300,6 +303,7 @@ void Program::differentiate(Register target) {
         if (instruction.differentiated) continue;
         instruction.differentiated = true;
         differentiates_attributes_ |= instruction.operation == Operation::attribute || is_named_uv(instruction);
+        differentiates_generated_ |= instruction.operation == Operation::generated;
         const auto first = operands_.begin() + instruction.first_operand;
         open.insert(open.end(), first, first + instruction.operand_count);
     }

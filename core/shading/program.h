@@ -79,6 +79,8 @@ class Program {
     /// True if it reads what only an element of the shape knows, or its direction of u: attributes, named texture
     /// coordinates, tangents.
     bool reads_element() const { return reads_element_; }
+    /// True if it reads places in the object's texture space, which an element knows of shapes that were deformed.
+    bool reads_generated() const { return reads_generated_; }
     /// Of a world's program: the textures that it shows around, where nothing in it can have finer detail than they
     /// have. Else empty.
     std::vector<int32_t> sole_environments() const;
@@ -140,13 +142,14 @@ class Program {
     std::vector<Vec4f> registers_;  ///< initial contents
     std::vector<int32_t> origins_;  ///< per register: the instruction that writes it, or kConstant
     bool emits_ = false, transparent_ = false, constant_ = true;
-    bool reads_inputs_ = false, reads_uv_ = false, reads_element_ = false;
+    bool reads_inputs_ = false, reads_uv_ = false, reads_element_ = false, reads_generated_ = false;
     bool varies_in_space_ = false;
     bool reads_pixels_ = false;  ///< wireframe in pixels
     bool asks_surroundings_ = false;
     bool textured_ = false;                   ///< some instruction is differentiated, or reads an image
     bool bends_ = false;                      ///< some instruction is a bump
     bool differentiates_attributes_ = false;  ///< and reads a named attribute
+    bool differentiates_generated_ = false;   ///< and reads a place in the object's texture space
     bool closures_turn_alone_ = true;         ///< closures differ between points by normal, side and path alone
     /// Where they do, and nothing is read: what is added at any point (shading/even_closures.h). Else null.
     std::shared_ptr<const EvenClosures> even_closures_;

@@ -295,8 +295,9 @@ void Program::probe(const Instruction& instruction, std::span<const RegisterBank
 }
 
 void Program::run_textured(Inputs inputs, std::span<const RegisterBank> places, Results results) const {
-    const NeighbourAttributes attributes =
-        differentiates_attributes_ ? NeighbourAttributes::Exact : NeighbourAttributes::None;
+    const NeighbourAttributes attributes = differentiates_attributes_  ? NeighbourAttributes::Exact
+                                           : differentiates_generated_ ? NeighbourAttributes::ExactIfDeformed
+                                                                       : NeighbourAttributes::None;
     const Beside beside(places.size() > 1 ? inputs : Inputs(), attributes);
     const std::array<Inputs, kPlaces> inputs_of = {inputs, beside.right(), beside.above()};
     for (const Instruction& instruction : instructions_) {

@@ -2,14 +2,8 @@
 
 #include "shading/operations_input.h"
 
-#include <array>
-
 namespace rayleaf {
-namespace {
 
-using TriangleCorners = std::array<Vec3d, 3>;
-
-/// Of the triangle that was hit, in object space.
 TriangleCorners triangle_corners(const SurfacePoint& point) {
     const uint32_t element = point.shape->element_of(point.local);
     const Affine3d map = point.shape->frame().to_object();
@@ -18,6 +12,8 @@ TriangleCorners triangle_corners(const SurfacePoint& point) {
     };
     return {corner(0.0f, 0.0f), corner(1.0f, 0.0f), corner(0.0f, 1.0f)};
 }
+
+namespace {
 
 /// Change of the position of a mesh's triangle by the first coordinate of a UV map, in object space; zero where it does
 /// not determine one, or of other shapes.

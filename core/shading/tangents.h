@@ -4,10 +4,15 @@
 #include "shading/inputs.h"
 #include "shading/variants.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 
 namespace rayleaf {
+
+/// Of the triangle of a mesh that was hit, in object space.
+using TriangleCorners = std::array<Vec3d, 3>;
+TriangleCorners triangle_corners(const SurfacePoint& point);
 
 /// The operation `tangent`, by its integers.
 Vec3f tangent(const ShadingInputs& inputs, std::span<const int32_t> ints);

@@ -61,4 +61,4 @@ if __name__ == "__main__":
             pictures = [both_engines.picture(scene, e, folder / "picture.exr")[..., :3] for e in ("CYCLES", "RAYLEAF")]
             found[f"{name}, {socket}"] = [picture.ravel().tolist() for picture in pictures]
         links.remove(emission.inputs["Strength"].links[0])
-    report(found=found)
+    report(found=found, version=bpy.app.version)

@@ -250,7 +250,13 @@ CALLS: dict[str, Call] = {
         scene, "add_packed_image", name="a", content=ONE_PIXEL, color_space="SRGB", config="", alpha="IGNORED"
     ),
     "SceneDescription.add_image_pixels": method(
-        scene, "add_image_pixels", name="a", pixels=np.ones((2, 3, 4), np.float32), color_space="SRGB", config="", alpha="SEPARATE"
+        scene,
+        "add_image_pixels",
+        name="a",
+        pixels=np.ones((2, 3, 4), np.float32),
+        color_space="SRGB",
+        config="",
+        alpha="SEPARATE",
     ),
     "Settings": ctor(_core.Settings),
     "Session": later(_core.Session, scene=scene, settings=settings, ray_caches=_core.RayCacheStore),

@@ -99,6 +99,9 @@ def _derived(mesh: Any, name: str, corners: Corners) -> Floats | None:
         return np.ascontiguousarray(mesh_derived.pointiness(mesh)[corners.vertices][..., None])
     if name == mesh_derived.ISLAND_RANDOM:
         return np.ascontiguousarray(mesh_derived.island_random(mesh)[corners.vertices][..., None])
+    if name == mesh_derived.REST_PLACE:
+        places = mesh_derived.rest_places(mesh)
+        return None if places is None else np.ascontiguousarray(places[corners.vertices])
     if name.startswith(mesh_derived.TANGENT_OF):
         values = mesh_derived.tangents(mesh, name.removeprefix(mesh_derived.TANGENT_OF))
         return None if values is None else np.ascontiguousarray(values[corners.loops])

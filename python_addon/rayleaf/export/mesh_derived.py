@@ -15,6 +15,7 @@ Ints = NDArray[np.int32]
 POINTINESS = "\npointiness"
 ISLAND_RANDOM = "\nisland random"
 TANGENT_OF = "\ntangent of "  # a UV map's name follows; of the one that is active for rendering ""
+REST_PLACE = "\nrest place"  # the core knows it
 
 
 def _edges(mesh: Any) -> Ints:
@@ -78,6 +79,20 @@ def island_random(mesh: Any) -> Floats:
         parents[b] = a
         ranks[a] += ranks[a] == ranks[b]
     return random_of_words(np.array([root(vertex) for vertex in range(len(parents))], np.int64))
+
+
+def rest_places(mesh: Any) -> Floats | None:
+    """(vertices, 3): where they were before modifiers and shape keys moved them, object space; None where they still are.
+    Blender knows it in final renders alone."""
+    now, before = _vectors(mesh.vertices, "co"), _vectors(mesh.vertices, "undeformed_co")
+    rounding = 2e-6 * float(np.abs(now).max(initial=0.0))  # they are kept as shares of the texture space
+    return None if np.allclose(now, before, 0.0, rounding) else before.astype(np.float32)
+
+
+def rest_moves(mesh: Any) -> Floats | None:
+    """(vertices, 3): the way back there."""
+    places = rest_places(mesh)
+    return None if places is None else places - _vectors(mesh.vertices, "co").astype(np.float32)
 
 
 def tangents(mesh: Any, uv_map: str) -> Floats | None:

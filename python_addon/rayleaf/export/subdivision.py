@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .. import versions
 from ..names import find, name_of
 from .attributes import ACTIVE_UV, Corners, attribute_values
+from .mesh_derived import REST_PLACE, rest_moves
 
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
@@ -82,6 +83,8 @@ def cage_arrays(mesh_object: Any, depsgraph: Any, wanted: frozenset[str]) -> Cag
     The modifiers of the evaluated copy, not the user's, are switched for the time of one evaluation.
     """
     last, switch = last_subdivision(mesh_object, depsgraph), _switch(depsgraph)
+    # Of a mesh that is evaluated here Blender does not know them. Subdivided, its vertices come first.
+    moves = rest_moves(mesh_object.data) if REST_PLACE in wanted else None
     shown = [getattr(modifier, switch) for modifier in mesh_object.modifiers]
     without = [flag and modifier != last for flag, modifier in zip(shown, mesh_object.modifiers, strict=True)]
     # Unlike a property set by itself, these tell nobody that the object has changed.
@@ -89,7 +92,10 @@ def cage_arrays(mesh_object: Any, depsgraph: Any, wanted: frozenset[str]) -> Cag
     try:
         mesh = mesh_object.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
         try:
-            return _arrays_of(mesh, wanted, _options_of(mesh, last))
+            arrays = _arrays_of(mesh, wanted - {REST_PLACE}, _options_of(mesh, last))
+            if arrays is not None and moves is not None and len(moves) >= len(arrays.vertices):
+                arrays.attributes[REST_PLACE] = _to_be_added(moves[arrays.corners])
+            return arrays
         finally:
             mesh_object.to_mesh_clear()
     finally:
@@ -131,9 +137,16 @@ def _arrays_of(mesh: Any, wanted: frozenset[str], options: dict[str, Any]) -> Ca
         values = attribute_values(mesh, name, where)
         if values is None:
             continue
+        if name == REST_PLACE:  # a limit of custom normals is not where its cage is
+            values = _to_be_added(values[:, 0] - arrays.vertices[corners])[:, None]
         is_uv = name == ACTIVE_UV or find(mesh.uv_layers, name) is not None
         (arrays.uv_maps if is_uv else arrays.attributes)[name] = np.ascontiguousarray(values[:, 0])
     return arrays
+
+
+def _to_be_added(moves: Floats) -> Floats:
+    """(corners, 4): the core's attribute, that says by its alpha that these are moves, no places."""
+    return np.concatenate([moves, np.zeros((len(moves), 1), np.float32)], axis=1)
 
 
 def _creases(mesh: Any) -> dict[str, Any]:

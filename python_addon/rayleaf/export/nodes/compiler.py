@@ -9,6 +9,7 @@ from ... import versions
 from ...messages import Messages, Subject
 from ...names import name_of
 from .emitter import UNCONNECTED, Emitter, Register
+from ..mesh_derived import REST_PLACE
 from .graph import Links, Path, Shader, is_group, key_of, output_of
 from .resources import Resources
 
@@ -55,7 +56,7 @@ class NodeView:
     def vector(self, *names: str) -> Register:
         """A linked vector; without a link the texture coordinate that Blender takes: Generated."""
         register = self.linked(*names)
-        return self.emitter.operation("generated") if register == UNCONNECTED else register
+        return self.compiler.generated() if register == UNCONNECTED else register
 
     def warn(self, text: str) -> None:
         """Tell about this node."""
@@ -216,8 +217,14 @@ class Compiler:
         if socket.type == "VECTOR" and "ormal" in name_of(socket):
             return self.emitter.operation("normal")
         if socket.type == "VECTOR":
-            return self.emitter.scalar(0.0) if self._displaces else self.emitter.operation("generated")
+            return self.emitter.scalar(0.0) if self._displaces else self.generated()
         return self.emitter.scalar(0.5)
+
+    def generated(self) -> Register:
+        """The place in the object's texture space; shapes that are deformed carry where they were before."""
+        if not self.is_world and not self.is_lamp:
+            self.resources.attribute(REST_PLACE)
+        return self.emitter.operation("generated")
 
     def _convert(self, register: Register, from_type: str, to_type: str) -> Register:
         """Blender's implicit conversions. A number stands in all four floats, so it is a vector and a grey already."""

@@ -7,7 +7,7 @@ from ... import versions
 from ...names import text_of
 from ..attributes import STRAND_INFO, STRAND_RANDOM
 from ..instance_values import OBJECT_COLOR, PARTICLE, PROPERTY_OF
-from ..mesh_derived import ISLAND_RANDOM, POINTINESS, TANGENT_OF
+from ..mesh_derived import ISLAND_RANDOM, POINTINESS, REST_PLACE, TANGENT_OF
 from .compiler import NodeView, value_node
 from .emitter import UNCONNECTED, Register
 
@@ -36,6 +36,8 @@ def texture_coordinate(view: NodeView, output: str) -> Register:
         view.warn("UV coordinates of lamps are not supported; they are 0")
     if output == "UV":
         return emitter.operation("uv", ints=[view.resources.active_uv()])
+    if output == "Generated" and not view.compiler.is_lamp:
+        return view.compiler.generated()
     if output == "Object" and view.node.object is not None:
         return _in_space_of(view, np.array(view.node.object.matrix_world.inverted_safe(), np.float64))
     if output == "Normal" and view.compiler.bent_normal != UNCONNECTED:
@@ -43,7 +45,6 @@ def texture_coordinate(view: NodeView, output: str) -> Register:
     if view.compiler.is_lamp and (output == "Generated" or output == "Object" and not versions.lamps_have_a_space()):
         return emitter.operation("position")  # in Cycles a lamp is no object
     operations = {
-        "Generated": "generated",
         "Normal": "object_normal",
         "Object": "object_coordinates",
         "Camera": "camera_coordinates",
@@ -77,7 +78,7 @@ def uv_map(view: NodeView, output: str) -> Register:
 def geometry(view: NodeView, output: str) -> Register:
     """Geometry."""
     if output == "Tangent":  # whatever the UV maps are
-        return view.emitter.operation("radial_tangent", ints=[2])
+        return _radial_tangent(view, "Z")
     if output == "Normal" and view.compiler.bent_normal != UNCONNECTED:
         return view.compiler.bent_normal
     derived = {"Pointiness": POINTINESS, "Random Per Island": ISLAND_RANDOM}
@@ -234,12 +235,17 @@ def layer_weight(view: NodeView, output: str) -> Register:
     return view.emitter.operation("layer_weight", [view.input("Blend"), view.normal("Normal")], text=output.upper())
 
 
+def _radial_tangent(view: NodeView, axis: str) -> Register:
+    view.resources.attribute(REST_PLACE)  # around the middle of the texture space
+    return view.emitter.operation("radial_tangent", ints=["XYZ".index(axis)])
+
+
 @value_node("ShaderNodeTangent")
 def tangent(view: NodeView, output: str) -> Register:
     """Tangent: around an axis of the object, or along a UV map, on the surface."""
     node, emitter = view.node, view.emitter
     if node.direction_type == "RADIAL":
-        return emitter.operation("radial_tangent", ints=["XYZ".index(node.axis)])
+        return _radial_tangent(view, node.axis)
     name = text_of(node, "uv_map")
     identifier = view.resources.attribute(name) if name else view.resources.active_uv()
     known = view.resources.attribute(TANGENT_OF + name)

@@ -44,7 +44,7 @@ class _Sky:
         # With the sun's disc, Blender takes the vector away; a link to it may still be there.
         socket = view.socket("Vector")
         is_asked = socket is not None and socket.enabled
-        along = view.vector("Vector") if is_asked else view.emitter.operation("generated")
+        along = view.vector("Vector") if is_asked else view.compiler.generated()
         self.direction = self.vector("NORMALIZE", along)
         self.height = self.emitter.component(self.direction, 2)
 
