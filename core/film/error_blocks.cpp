@@ -9,7 +9,9 @@ namespace {
 using Unit = ErrorGoal::Unit;
 
 /// What is aimed at, as a share of a target error: an estimate is no bound, and misses what is bright and rare.
-constexpr double kAim = 0.9;
+constexpr double kAim = 0.95;
+/// Standard deviations of the estimate that are kept free beside that.
+constexpr double kDeviations = 3;
 /// Samples of a pixel in the first round.
 constexpr int kFirstRound = 8;
 /// A round makes of each sample that many at most, so that the next one can be judged by more of them.
@@ -155,8 +157,7 @@ void ErrorBlocks::add(const WindowSamples& block, std::span<const PixelMoments> 
 void ErrorBlocks::add_rays(std::span<const WindowSamples> blocks, uint64_t rays) {
     Cost& cost = costs_[group(blocks.front().window.x, blocks.front().window.y)];
     cost.rays += rays;
-    for (const WindowSamples& each : blocks)
-        cost.samples += static_cast<uint64_t>(each.window.width * each.window.height * each.samples.count);
+    for (const WindowSamples& each : blocks) cost.samples += each.paths();
 }
 
 double ErrorBlocks::numbers_of_all() const {
@@ -171,6 +172,18 @@ double ErrorBlocks::squares_of_all() const {
     double sum = 0;
     for (const Block& block : blocks_) sum += block.squares;
     return sum;
+}
+
+/// What all squares may add up to: less where few blocks make most of them, whose sum is not known well.
+double ErrorBlocks::room() const {
+    const double most = goal_.most * goal_.most * numbers_of_all();
+    if (goal_.unit != Unit::Displayed) return most;
+    double sum = 0, squares = 0;
+    for (const Block& block : blocks_) {
+        sum += block.squares;
+        squares += block.squares * block.squares;
+    }
+    return kAim * kAim * most / (1.0 + (sum > 0.0 ? kDeviations * std::sqrt(squares) / sum : 0.0));
 }
 
 /// The deviation of a single sample in each block over the root of what one costs.
@@ -211,8 +224,7 @@ double ErrorBlocks::samples_per_worth(std::span<const double> worths, double roo
 }
 
 void ErrorBlocks::decide() {
-    const double aim = goal_.unit == Unit::Displayed ? kAim * goal_.most : goal_.most;
-    const double room = aim * aim * numbers_of_all();
+    const double room = this->room();
     const bool is_reached = squares_of_all() <= room;
     const std::vector<double> found = is_reached ? std::vector<double>(blocks_.size()) : worths();
     const double factor = is_reached ? 0.0 : samples_per_worth(found, room);

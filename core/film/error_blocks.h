@@ -110,6 +110,7 @@ class ErrorBlocks {
     int wanted(const Block& block, int most) const;
     double numbers_of_all() const;
     double squares_of_all() const;
+    double room() const;
     std::vector<double> worths() const;
     double samples_per_worth(std::span<const double> worths, double room) const;
 };

@@ -14,6 +14,11 @@ struct WindowSamples {
     Window window;
     SampleRange samples;
     int taken = 0;  ///< before
+
+    uint64_t paths() const {
+        return static_cast<uint64_t>(window.width) * static_cast<uint64_t>(window.height) *
+               static_cast<uint64_t>(samples.count);
+    }
 };
 
 }  // namespace rayleaf

@@ -21,8 +21,12 @@ void for_each_packet(std::span<T> all, const Visit& visit) {
 
 }  // namespace
 
-PathStream::PathStream(const Scene& scene, const PathSettings& settings, const CancelToken& cancel, RayCounts& counts)
-    : scene_(scene), settings_(settings), cancel_(cancel), counts_(counts), vertices_(kMostPoints) {}
+PathStream::PathStream(const Scene& scene, const PathSettings& settings, size_t most, const CancelToken& cancel,
+                       RayCounts& counts)
+    : scene_(scene), settings_(settings), cancel_(cancel), counts_(counts), vertices_(kMostPoints) {
+    paths_.reserve(most);
+    light_rays_.reserve(most);
+}
 
 void PathStream::add(const CameraRay& ray, const Sampler& sampler) {
     paths_.emplace_back(scene_, settings_, ray, sampler, counts_);

@@ -18,8 +18,9 @@ namespace rayleaf {
 
 class PathStream {
   public:
-    /// `counts` gets the rays. Tracing throws Cancelled soon after `cancel` says so.
-    PathStream(const Scene& scene, const PathSettings& settings, const CancelToken& cancel, RayCounts& counts);
+    /// There is room for `most` paths. `counts` gets the rays. Tracing throws Cancelled soon after `cancel` says so.
+    PathStream(const Scene& scene, const PathSettings& settings, size_t most, const CancelToken& cancel,
+               RayCounts& counts);
 
     void add(const CameraRay& ray, const Sampler& sampler);
     size_t size() const { return paths_.size(); }

@@ -232,12 +232,14 @@ bool Session::render_paths(const WindowGroup& group, const Frame& frame, WindowS
 }
 
 bool Session::render_streams(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const {
-    const auto most = static_cast<size_t>(settings_.stream_paths);
+    size_t paths = 0;
+    for (const WindowSamples& each : group) paths += each.paths();
+    const size_t most = std::min(static_cast<size_t>(settings_.stream_paths), paths);
     if (frame.integrator == IntegratorKind::Distribution) {
         DistributionStream stream(frame.distribution, cancel_, counts);
         return render_stream(group, frame, std::min(most, DistributionStream::kMost), stream, sums);
     }
-    PathStream stream(*scene_, frame.path, cancel_, counts);
+    PathStream stream(*scene_, frame.path, most, cancel_, counts);
     return render_stream(group, frame, most, stream, sums);
 }
 

@@ -50,8 +50,7 @@ std::vector<Session::WindowGroup> Session::next_to_goal(int most) const {
     std::vector<WindowGroup> groups = error_->next(most);
     uint64_t paths = 0;
     for (const WindowGroup& group : groups)
-        for (const WindowSamples& each : group)
-            paths += static_cast<uint64_t>(each.window.width * each.window.height * each.samples.count);
+        for (const WindowSamples& each : group) paths += each.paths();
     double share = 1.0;
     if (settings_.time_limit > 0.0 && finished_paths_ > 0) {
         const double seconds = settings_.time_limit - build_seconds_ - seconds_left();
