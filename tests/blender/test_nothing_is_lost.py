@@ -260,11 +260,6 @@ SETTINGS = {
     ),
     "shadow catchers": ("item.is_shadow_catcher = True; scene.rayleaf.integrator = 'DISTRIBUTION'", "Object 'Quad'"),
     "shading offset": ("item.cycles.shadow_terminator_offset = 0.1; item.update_tag()", "Object 'Quad'"),
-    "coordinates from the instancer": (
-        "node = nodes.new('ShaderNodeUVMap'); node.from_instancer = True;"
-        "links.new(node.outputs[0], output.inputs['Surface'])",
-        "Material 'Material', node 'UV Map'",
-    ),
 }
 
 

@@ -1,4 +1,5 @@
-"""Values of whole instances that materials ask for: the object's colour and properties, the particle it stands for."""
+"""Values of whole instances that materials ask for: the object's colour and properties, the particle it stands for, the place on
+what makes it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -15,6 +16,8 @@ Value = tuple[float, float, float, float]
 OBJECT_COLOR = "\nobject color"
 PROPERTY_OF = "\nproperty of object "  # its name follows
 PARTICLE = "\nparticle "  # one of Particle Info's outputs follows
+INSTANCER = "\ninstancer "  # a texture coordinate of what makes it follows
+INSTANCER_GENERATED, INSTANCER_UV = INSTANCER + "generated", INSTANCER + "uv"
 
 _NONE: Value = (0.0, 0.0, 0.0, 0.0)
 
@@ -68,7 +71,7 @@ def property_of(owner: Any, name: str) -> Value:
 
 def is_instance_value(name: str) -> bool:
     """Whether an attribute is one of these."""
-    return name == OBJECT_COLOR or name.startswith((PROPERTY_OF, PARTICLE))
+    return name == OBJECT_COLOR or name.startswith((PROPERTY_OF, PARTICLE, INSTANCER))
 
 
 def of_object(owner: Any, name: str) -> Value:
@@ -86,3 +89,18 @@ def of_particle(known: tuple[Any, int] | None, name: str, frame: int) -> Value:
     if system is None or not 0 <= index < len(system.particles):
         return _of_number(random_of_number(0)) if output == "Random" else _NONE
     return _PARTICLE_VALUES[output](system.particles[index], index, frame)
+
+
+def of_instancer(depsgraph: Any, name: str) -> Floats:
+    """(n, 4): a texture coordinate of what makes them, of all places in the depsgraph's list; 0 where nothing does. Generated
+    ones are halved and moved as Cycles does it."""
+    rows: list[tuple[float, ...]] = []
+    for instance in depsgraph.object_instances:  # to the end: see instances.collect
+        if not instance.is_instance:
+            rows.append(_NONE)
+        elif name == INSTANCER_UV:
+            rows.append((*instance.uv, 0.0, 1.0))
+        else:
+            x, y, z = instance.orco
+            rows.append((0.5 * x - 0.5, 0.5 * y - 0.5, 0.5 * z - 0.5, 1.0))
+    return np.array(rows, np.float32)

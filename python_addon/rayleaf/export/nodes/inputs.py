@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ... import versions
 from ...names import text_of
 from ..attributes import STRAND_INFO, STRAND_RANDOM
-from ..instance_values import OBJECT_COLOR, PARTICLE, PROPERTY_OF
+from ..instance_values import INSTANCER_GENERATED, INSTANCER_UV, OBJECT_COLOR, PARTICLE, PROPERTY_OF
 from ..mesh_derived import ISLAND_RANDOM, POINTINESS, REST_PLACE, TANGENT_OF
 from .compiler import NodeView, value_node
 from .emitter import UNCONNECTED, Register
@@ -22,16 +22,16 @@ def _one_of(view: NodeView, output: str, operations: dict[str, str], neutral: fl
     return view.emitter.scalar(neutral)
 
 
-def _name_instancer(view: NodeView, counts: bool) -> None:
-    if counts and view.node.from_instancer:
-        view.warn("coordinates from the instancer are not supported; the object's own are taken")
+def _of_instancer(view: NodeView, name: str) -> Register:
+    return view.emitter.operation("attribute", ints=[view.resources.attribute(name)])
 
 
 @value_node("ShaderNodeTexCoord")
 def texture_coordinate(view: NodeView, output: str) -> Register:
     """Texture Coordinate."""
     emitter = view.emitter
-    _name_instancer(view, output in ("Generated", "UV"))
+    if view.node.from_instancer and output in ("Generated", "UV"):
+        return _of_instancer(view, INSTANCER_UV if output == "UV" else INSTANCER_GENERATED)
     if view.compiler.is_lamp and output == "UV" and versions.lamps_have_uv():
         view.warn("UV coordinates of lamps are not supported; they are 0")
     if output == "UV":
@@ -68,7 +68,8 @@ def _in_space_of(view: NodeView, matrix: NDArray[np.float64]) -> Register:
 @value_node("ShaderNodeUVMap")
 def uv_map(view: NodeView, output: str) -> Register:
     """UV Map."""
-    _name_instancer(view, True)
+    if view.node.from_instancer:
+        return _of_instancer(view, INSTANCER_UV)
     name = text_of(view.node, "uv_map")
     identifier = view.resources.attribute(name) if name else view.resources.active_uv()
     return view.emitter.operation("uv", ints=[identifier])
