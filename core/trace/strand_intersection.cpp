@@ -260,6 +260,12 @@ void add_ribbon(const StrandSegment& piece, double begin, double size, int depth
     result.hits[result.count++] = {at.z, place, halved_here ? 0 : end};
 }
 
+/// Whether the axis is a point: nothing along it could be told apart, however often it is halved.
+bool is_one_ball(const StrandSegment& piece) {
+    return std::all_of(piece.points.begin() + 1, piece.points.end(),
+                       [&](const StrandPoint& point) { return point == piece.points[0]; });
+}
+
 }  // namespace
 
 StrandRay::StrandRay(const Vec3d& near_origin, const Vec3d& unit_direction)
@@ -297,6 +303,10 @@ StrandSpans round_spans(const StrandSegment& piece, double needs_leave_before) {
     StrandSpans result;
     const double radius = largest_radius(piece);
     if (!(radius > 0.0) || surely_missed(piece, radius)) return result;
+    if (is_one_ball(piece)) {
+        if (const std::optional<StrandSpan> span = ball_span(piece.points[0])) result.add(*span);
+        return result;
+    }
     if (has_one_extremum(piece, radius)) {
         if (const std::optional<StrandSpan> span = simple_span(piece, radius, needs_leave_before)) result.add(*span);
         return result;

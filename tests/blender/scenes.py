@@ -9,9 +9,9 @@ LINEAR, XYZ = ("Linear", "XYZ") if bpy.app.version < (4, 0, 0) else ("Linear Rec
 SUBSURFACE = "Subsurface" if bpy.app.version < (4, 0, 0) else "Subsurface Weight"
 
 
-def group(name, input_type, output_type):
-    """A node group of shaders with one input and one output."""
-    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+def group(name, input_type, output_type, kind="ShaderNodeTree"):
+    """A node group, of shaders or of another kind, with one input and one output."""
+    tree = bpy.data.node_groups.new(name, kind)
     if bpy.app.version < (4, 0, 0):
         tree.inputs.new(input_type, "In")
         tree.outputs.new(output_type, "Out")

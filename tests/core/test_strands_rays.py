@@ -70,6 +70,27 @@ def test_a_ray_leaves_a_glass_rod_as_often_as_it_enters(name):
     assert (counts["unbalanced"], counts["misplaced"], counts["endless"]) == (0, 0, 0)
 
 
+@pytest.mark.parametrize("basis", ["LINEAR", "CATMULL_ROM", "BSPLINE"])
+def test_a_strand_whose_points_are_one_is_a_ball(basis):
+    middle, radius = np.array([0.3, -0.2, 0.7]), float(np.float32(0.4))
+    scene = tracer(strand(np.tile(middle, (4, 1)), radius, basis=basis))
+    random = np.random.default_rng(11)
+    origins, aims = middle + 3 * random.normal(size=(2000, 3)), middle + 0.3 * random.normal(size=(2000, 3))
+    directions = (aims - origins) / np.linalg.norm(aims - origins, axis=1)[:, None]
+    hits = scene.closest_hits(origins, directions)
+    towards = np.einsum("ij,ij->i", middle - origins, directions)
+    inside = radius**2 - (np.linalg.norm(middle - origins, axis=1) ** 2 - towards**2)
+    root = np.sqrt(np.maximum(inside, 0.0))
+    outside = np.linalg.norm(middle - origins, axis=1) > radius
+    expected = np.where((inside > 0) & (towards > 0), np.where(outside, towards - root, towards + root), np.inf)
+    clear = np.abs(inside) > 1e-9
+    assert (expected[clear] < np.inf).sum() > 500
+    assert np.allclose(hits["t"][clear], expected[clear], atol=1e-7)
+    normals = hits["facet_normal"][hits["t"] < np.inf]
+    places = hits["position"][hits["t"] < np.inf]
+    assert np.allclose(normals, (places - middle) / radius, atol=1e-5)
+
+
 def test_a_ray_along_a_straight_strand_meets_its_round_ends():
     scene = tracer(strand([[0, 0, 0], [1, 0, 0]], 0.1, basis="LINEAR"))
     hits = scene.closest_hits([[-2, 0.03, 0], [0.5, 0.03, 0]], [[1, 0, 0], [1, 0, 0]])

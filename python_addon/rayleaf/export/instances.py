@@ -31,7 +31,7 @@ IN_FOOTAGE = 64  # shadow catchers, and lamps that light them
 
 # Of what has a mesh beside it, what the core can render from control points.
 WITH_EXACT_FORM = {"SURFACE", "CURVE", "FONT"}
-_UNSUPPORTED = {"POINTCLOUD": "point clouds", "GPENCIL": "grease pencil"}
+_UNSUPPORTED = {"GPENCIL": "grease pencil"}
 
 
 @dataclass
@@ -47,6 +47,7 @@ class Group:
     instanced: bool = False  # some member is made by another object
     in_footage: bool = False  # what makes them is a shadow catcher
     volume: bool = False  # the data is a Volume, or the mesh of a simulation's domain
+    points: bool = False  # the data is a PointCloud
     maker: Any = None  # what makes them, where lights are linked
     shown: int = ~0  # visibility bits that what makes them leaves
     held_out: bool = False  # what makes them is a holdout
@@ -257,6 +258,8 @@ class _Collector:
             return Group(settings, data, exact=True, from_owner=True, members=[])
         if kind == "VOLUME":
             return Group(settings, data, exact=False, from_owner=settings.type == kind, members=[], volume=True)
+        if kind == "POINTCLOUD":
+            return Group(settings, data, exact=False, from_owner=settings.type == kind, members=[], points=True)
         if kind == "CURVES":
             return Group(settings, data, exact=False, from_owner=True, members=[])
         if kind in _UNSUPPORTED:

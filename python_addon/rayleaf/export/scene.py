@@ -45,9 +45,9 @@ _EVALUATED_REASONS = {"META": "metaball"}
 
 
 def _is_thread(group: Group) -> bool:
-    """Whether a group is an exact curve or hair, which displacement leaves as it is."""
+    """Whether a group is an exact curve, hair or points, which displacement leaves as they are."""
     is_curve = group.exact and group.owner.type != "SURFACE"
-    return is_curve or group.hair is not None or group.owner.type == "CURVES"
+    return is_curve or group.points or group.hair is not None or group.owner.type == "CURVES"
 
 
 def _subject_of(problem: str) -> Subject | None:
@@ -178,11 +178,11 @@ class SceneExporter(ShapeExporter, LightExporter):
         return bool(self._view_layer.use_strand if is_hair else self._view_layer.use_solid)
 
     def _note_undisplaced(self, groups: list[Group]) -> None:
-        """Exact curves and hair stay as they are."""
+        """Exact curves, hair and points stay as they are."""
         for group in groups:
             if _is_thread(group) and self._is_displaced(group):
                 subject = Subject("Object", name_of(group.owner))
-                self._messages.warn(f"{subject}: curves and hair are not displaced; left out", subject)
+                self._messages.warn(f"{subject}: curves, hair and points are not displaced; left out", subject)
 
     def _export_camera(
         self, frame: camera.Frame, motions: Motions, eye: Callable[[], camera.Eye] | None = None

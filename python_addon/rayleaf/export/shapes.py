@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..messages import Messages, Subject
 from ..names import name_of
-from . import CancelCheck, curves, meshes, strand_arrays, strands, subdivision, surfaces, volumes
+from . import CancelCheck, curves, meshes, points, strand_arrays, strands, subdivision, surfaces, volumes
 from .deformation import CAGE, CURVES, HAIR, MESH, SPLINES, Deformation, Part
 from .instances import Group
 from .motion import Motions
@@ -74,6 +74,8 @@ class ShapeExporter:
     def _export_shape(self, group: Group, wanted: frozenset[str], judged: dict[Any, curves.Judged]) -> int | None:
         if group.volume:
             return self._export_volume(group, wanted)
+        if group.points:
+            return self._export_points(group, wanted)
         if group.hair is not None or group.owner.type == "CURVES":
             return self._export_strands(group, wanted)
         return self._export_surface(group, judged) if group.exact else self._export_mesh(group, wanted)
@@ -97,6 +99,25 @@ class ShapeExporter:
             self._leave_out(name, str(error))
             return None
 
+    def _export_points(self, group: Group, wanted: frozenset[str]) -> int | None:
+        name = name_of(group.owner)
+        arrays = points.point_balls(group.data, wanted)
+        if arrays is None:
+            self._messages.note(f"Object '{name}' has no points; left out", Subject("Object", name))
+            return None
+        self._drop_bad_points(name, arrays, "points have places")
+        try:
+            return points.add_points(self._core, self.scene, name, arrays)
+        except self._core.InputError as error:
+            self._leave_out(name, str(error))
+            return None
+
+    def _drop_bad_points(self, name: str, arrays: strand_arrays.StrandArrays, what: str) -> None:
+        dropped = strand_arrays.without_bad_points(arrays)
+        if dropped:
+            subject = Subject("Object", name)
+            self._messages.warn(f"{subject}: {dropped} {what} that are not finite; left out", subject)
+
     def _export_strands(self, group: Group, wanted: frozenset[str]) -> int | None:
         name = name_of(group.owner)
         if group.hair is None:
@@ -110,10 +131,7 @@ class ShapeExporter:
         deformation = self._deformation(group, (CURVES, 0) if group.hair is None else (HAIR, group.hair))
         if deformation is not None and deformation.points.shape[1] == len(arrays.points):
             arrays.moved_points = np.array(deformation.points, np.float64)
-        dropped = strand_arrays.without_bad_points(arrays)
-        if dropped:
-            subject = Subject("Object", name)
-            self._messages.warn(f"{subject}: {dropped} strands have points that are not finite; left out", subject)
+        self._drop_bad_points(name, arrays, "strands have points")
         try:
             settings = strands.curve_settings(self._blender_scene.rayleaf)
             return strands.add_strands(self._core, self.scene, name, arrays, settings, wanted)

@@ -8,6 +8,7 @@ from ...names import text_of
 from ..attributes import STRAND_INFO, STRAND_RANDOM
 from ..instance_values import INSTANCER_GENERATED, INSTANCER_UV, OBJECT_COLOR, PARTICLE, PROPERTY_OF
 from ..mesh_derived import ISLAND_RANDOM, POINTINESS, REST_PLACE, TANGENT_OF
+from ..points import IS_POINT, POSITION, RADIUS, RANDOM
 from .compiler import NodeView, value_node
 from .emitter import UNCONNECTED, Register
 
@@ -220,8 +221,18 @@ def particle_info(view: NodeView, output: str) -> Register:
 
 @value_node("ShaderNodePointInfo")
 def point_info(view: NodeView, output: str) -> Register:
-    """Point Info: zero on what is no point cloud, and nothing else is rendered."""
-    return view.emitter.scalar(0.0)
+    """Point Info: zero on what is no point cloud."""
+    emitter, name = view.emitter, {"Position": POSITION, "Radius": RADIUS}.get(output, RANDOM)
+    value = emitter.operation("attribute", ints=[view.resources.attribute(name)])
+    if output == "Random":
+        return emitter.component(value, 0)
+    if output == "Radius":  # in the world, as Cycles measures it: along the object's diagonal
+        across = emitter.operation("transform", [value], [_OBJECT, _WORLD], text="VECTOR")
+        length = emitter.operation("vector_math", [across], text="LENGTH")
+        return emitter.multiply(length, emitter.scalar(3.0**-0.5))
+    is_point = emitter.operation("attribute", ints=[view.resources.attribute(IS_POINT)])
+    place = emitter.operation("transform", [value], [_OBJECT, _WORLD], text="POINT")
+    return emitter.operation("vector_math", [place, emitter.component(is_point, 0)], text="MULTIPLY")
 
 
 @value_node("ShaderNodeFresnel")
