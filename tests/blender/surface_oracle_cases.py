@@ -10,6 +10,9 @@ from oracle_case import Case
 def _coordinates() -> list[Case]:
     names = "Generated Normal UV Object Camera Window Reflection".split()
     found = [Case("ShaderNodeTexCoord", output=name) for name in names]
+    # What nothing makes; instances are compared by test_instancer_oracle.py.
+    found += [Case("ShaderNodeTexCoord", {"from_instancer": True}, output=name) for name in ("Generated", "UV")]
+    found.append(Case("ShaderNodeUVMap", {"from_instancer": True}))
     names = "Position Normal Tangent Incoming Parametric Backfacing".split()
     names += ["True Normal", "Pointiness", "Random Per Island"]
     found += [Case("ShaderNodeNewGeometry", output=name) for name in names]
