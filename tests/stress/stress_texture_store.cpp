@@ -86,7 +86,7 @@ int main() {
             if (thread % 16 == 1) {
                 TextureStore other(kLeastMemory);
                 other.add_pixels("other", picture(16, 0.0f), 16, 16, 4, ColorSpace::Linear);
-                other.lookup(0, {0.5f, 0.5f}, {0, 0}, {0, 0}, TextureExtension::Clip, TextureInterpolation::Cubic);
+                other.lookup(0, {0.5f, 0.5f}, {0, 0}, {0, 0}, TextureExtension::Clip, {TextureInterpolation::Cubic});
             }
             if (thread % 4 == 3) share_conversions(converted, thread);
             stress::require(
