@@ -248,9 +248,10 @@ template <typename Stream>
 bool Session::render_stream(const WindowGroup& group, const Frame& frame, size_t most, Stream& stream,
                             WindowSums& sums) const {
     const auto trace = [&] { stream.trace([&](const PixelSample& value) { sums.add(value); }); };
-    for (const auto& [tile, range, taken] : group) {
+    for (const WindowSamples& each : group) {
+        const auto& [tile, range, taken] = each;
         const auto samples = static_cast<size_t>(range.count);
-        const size_t paths = static_cast<size_t>(tile.width) * static_cast<size_t>(tile.height) * samples;
+        const size_t paths = each.paths();
         for (size_t i = 0; i < paths;) {
             const size_t count = std::min({most - stream.size(), paths - i, kMostCameraSamples});
             std::array<CameraPlace, kMostCameraSamples> places;

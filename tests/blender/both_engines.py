@@ -89,3 +89,22 @@ def show_direct_light(scene, size, samples):
     set_alike(scene, max_bounces=0)
     sample_plainly(scene, samples)
     filter_by_box(scene)
+
+
+def pictures_of_squares(scene, cases, pixels, samples, folder):
+    """What stands in unit squares side by side along x, seen from straight above: by case the pictures of both engines."""
+    camera = bpy.data.cameras.new("camera")
+    camera.type, camera.ortho_scale = "ORTHO", len(cases)
+    scene.camera = scenes.add(camera)
+    scene.camera.location = (len(cases) / 2, 0.5, 5)
+    scene.render.resolution_x, scene.render.resolution_y = pixels * len(cases), pixels
+    scene.render.film_transparent = True
+    scenes.write_layers()
+    sample_plainly(scene, samples)
+    filter_by_box(scene)
+    pictures = {case: [] for case in cases}
+    for name in ("CYCLES", "RAYLEAF"):
+        whole = picture(scene, name, folder / f"{name}.exr")
+        for number, case in enumerate(cases):
+            pictures[case].append(whole[:, number * pixels : (number + 1) * pixels].tolist())
+    return pictures

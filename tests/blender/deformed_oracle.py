@@ -66,20 +66,6 @@ if __name__ == "__main__":
     scenes.empty_file()
     scene = bpy.context.scene
     scenes.plain_world((0, 0, 0))
-    camera = bpy.data.cameras.new("camera")
-    camera.type, camera.ortho_scale = "ORTHO", len(CASES)
-    scene.camera = scenes.add(camera)
-    scene.camera.location = (len(CASES) / 2, 0.5, 5)
     for number, case in enumerate(CASES):
         deformed(case, number + 0.5)
-    scene.render.resolution_x, scene.render.resolution_y = PIXELS * len(CASES), PIXELS
-    scene.render.film_transparent = True
-    scenes.write_layers()
-    both_engines.sample_plainly(scene, 64)
-    both_engines.filter_by_box(scene)
-    pictures = {}
-    for name in ("CYCLES", "RAYLEAF"):
-        picture = both_engines.picture(scene, name, Path(sys.argv[1]) / f"{name}.exr")
-        for number, case in enumerate(CASES):
-            pictures.setdefault(case, []).append(picture[:, number * PIXELS : (number + 1) * PIXELS].tolist())
-    report(pictures=pictures)
+    report(pictures=both_engines.pictures_of_squares(scene, CASES, PIXELS, 64, Path(sys.argv[1])))

@@ -74,18 +74,4 @@ if __name__ == "__main__":
     sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
     sun.data.energy, sun.rotation_euler = 3.0, (0.5, 0.4, 0)
     scene.collection.objects.link(sun)
-    camera = bpy.data.cameras.new("camera")
-    camera.type, camera.ortho_scale = "ORTHO", len(CASES)
-    scene.camera = scenes.add(camera)
-    scene.camera.location = (len(CASES) / 2, 0.5, 5)
-    scene.render.resolution_x, scene.render.resolution_y = PIXELS * len(CASES), PIXELS
-    scene.render.film_transparent = True
-    scenes.write_layers()
-    both_engines.sample_plainly(scene, 256)
-    both_engines.filter_by_box(scene)
-    pictures = {}
-    for name in ("CYCLES", "RAYLEAF"):
-        picture = both_engines.picture(scene, name, Path(sys.argv[1]) / f"{name}.exr")
-        for number, case in enumerate(CASES):
-            pictures.setdefault(case, []).append(picture[:, number * PIXELS : (number + 1) * PIXELS].tolist())
-    report(pictures=pictures)
+    report(pictures=both_engines.pictures_of_squares(scene, CASES, PIXELS, 256, Path(sys.argv[1])))

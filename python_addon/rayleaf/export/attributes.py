@@ -77,8 +77,7 @@ class Corners:
 
 def _at_vertices(mesh: Any, values: Floats) -> Floats:
     """Of each vertex the mean of its edges, as Cycles takes values of edges."""
-    ends = np.empty(2 * len(mesh.edges), np.int32)
-    mesh.edges.foreach_get("vertices", ends)
+    ends = mesh_derived.edges(mesh).ravel()
     count = np.maximum(np.bincount(ends, minlength=len(mesh.vertices)), 1)
     channels = np.repeat(values, 2, axis=0).T
     sums = [np.bincount(ends, channel, minlength=len(mesh.vertices)) for channel in channels]

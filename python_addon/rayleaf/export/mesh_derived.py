@@ -18,7 +18,7 @@ TANGENT_OF = "\ntangent of "  # a UV map's name follows; of the one that is acti
 REST_PLACE = "\nrest place"  # the core knows it
 
 
-def _edges(mesh: Any) -> Ints:
+def edges(mesh: Any) -> Ints:
     """(edges, 2) vertices."""
     ends = np.empty(len(mesh.edges) * 2, np.int32)
     mesh.edges.foreach_get("vertices", ends)
@@ -45,18 +45,18 @@ def pointiness(mesh: Any) -> Floats:
     normals, place = np.zeros((count, 3)), np.zeros((count, 3))
     np.add.at(normals, welded, _vectors(mesh.vertices, "normal"))
     place[welded] = places
-    ends = np.unique(np.sort(welded[_edges(mesh)], axis=1), axis=0)
+    ends = np.unique(np.sort(welded[edges(mesh)], axis=1), axis=0)
     along = _unit(place[ends[:, 1]] - place[ends[:, 0]])
-    total, edges = np.zeros((count, 3)), np.bincount(ends.ravel(), minlength=count)
+    total, meeting = np.zeros((count, 3)), np.bincount(ends.ravel(), minlength=count)
     np.add.at(total, ends[:, 0], along)
     np.add.at(total, ends[:, 1], -along)
-    mean = total / np.maximum(edges, 1)[:, None]
+    mean = total / np.maximum(meeting, 1)[:, None]
     angle = np.arccos(np.clip(np.einsum("ij,ij->i", _unit(normals), mean), -1.0, 1.0)) / np.pi
-    raw = np.where(edges > 0, angle, 0.0)
+    raw = np.where(meeting > 0, angle, 0.0)
     blurred = raw.copy()
     np.add.at(blurred, ends[:, 0], raw[ends[:, 1]])
     np.add.at(blurred, ends[:, 1], raw[ends[:, 0]])
-    return np.asarray((blurred / (edges + 1))[welded], np.float32)
+    return np.asarray((blurred / (meeting + 1))[welded], np.float32)
 
 
 def island_random(mesh: Any) -> Floats:
@@ -70,7 +70,7 @@ def island_random(mesh: Any) -> Floats:
             vertex = parents[vertex]
         return vertex
 
-    for first, second in _edges(mesh).tolist():
+    for first, second in edges(mesh).tolist():
         a, b = root(first), root(second)
         if a == b:
             continue
