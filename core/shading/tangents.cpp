@@ -1,16 +1,14 @@
 #include "shading/tangents.h"
 
+#include "geometry/triangle_mesh.h"
 #include "shading/operations_input.h"
 
 namespace rayleaf {
 
 TriangleCorners triangle_corners(const SurfacePoint& point) {
-    const uint32_t element = point.shape->element_of(point.local);
     const Affine3d map = point.shape->frame().to_object();
-    const auto corner = [&](float u, float v) {
-        return map.point(point.shape->element_point(element, Vec2f(u, v)).hit.position);
-    };
-    return {corner(0.0f, 0.0f), corner(1.0f, 0.0f), corner(0.0f, 1.0f)};
+    const FacetCorners p = static_cast<const TriangleMesh&>(*point.shape).corners(point.local.primitive);
+    return {map.point(p[0]), map.point(p[1]), map.point(p[2])};
 }
 
 namespace {
