@@ -2,8 +2,6 @@
 
 #include "shading/tangents.h"
 
-#include <optional>
-
 namespace rayleaf {
 namespace {
 
@@ -22,8 +20,9 @@ Vec2f least_squares(const Imath::Vec3<T>& a, const Imath::Vec3<T>& b, const Imat
 
 /// How the place on the shape, object space, changes with the parameters of the primitive that was hit.
 struct ParameterJacobian {
-    Vec3d by_u, by_v;
+    Vec3d by_u{0.0}, by_v{0.0};
 
+    ParameterJacobian() = default;
     explicit ParameterJacobian(const SurfacePoint& point) {
         if (point.shape->kind() == ShapeKind::TriangleMesh) {
             const TriangleCorners corners = triangle_corners(point);
@@ -72,7 +71,7 @@ Neighbours::Neighbours(const ShadingInputs& inputs, NeighbourAttributes attribut
         here.shape != nullptr &&
         (attributes == NeighbourAttributes::Exact ||
          (attributes == NeighbourAttributes::ExactIfDeformed && here.shape->attribute(kRestPlace, here.local)));
-    const std::optional<ParameterJacobian> jacobian = exact ? std::optional<ParameterJacobian>(here) : std::nullopt;
+    const ParameterJacobian jacobian = exact ? ParameterJacobian(here) : ParameterJacobian();
     const auto in_object = [&](const Vec3d& world) {
         return inputs.instance == nullptr ? world : inputs.world_to_object().vector(world);
     };
@@ -83,7 +82,7 @@ Neighbours::Neighbours(const ShadingInputs& inputs, NeighbourAttributes attribut
         point.position += Vec3d(dp[i]);
         point.uv += here.uv_by_u * step.x + here.uv_by_v * step.y;
         point.normal = normalized_or(here.normal + here.dn_du * step.x + here.dn_dv * step.y, here.normal);
-        if (jacobian) point.local = jacobian->stepped(here, in_object(Vec3d(dp[i])));
+        if (exact) point.local = jacobian.stepped(here, in_object(Vec3d(dp[i])));
         inputs_[i].point = &point;
     }
 }

@@ -109,7 +109,7 @@ report(messages=messages, schemes=schemes, meshes=[mesh["name"] for mesh in sent
 """
     ).report
     (message,) = run["messages"]
-    assert message == "Object 'Wire': curves and hair are not displaced; left out"
+    assert message == "Object 'Wire': curves, hair and points are not displaced; left out"
     assert run["schemes"] == {"Plain": "BILINEAR", "Simple": "BILINEAR", "Fine": "CATMULL_CLARK"}
     assert run["meshes"] == ["Still"]
 
@@ -130,7 +130,7 @@ sent, told, messages = recording_core.export()
 report(messages=messages, exact=sorted(told.exact), shapes=told.shapes, instances=told.instances, meshes=len(sent.meshes))
 """
     ).report
-    assert run["messages"] == ["Object 'Twin': curves and hair are not displaced; left out"]
+    assert run["messages"] == ["Object 'Twin': curves, hair and points are not displaced; left out"]
     assert run["exact"] == ["Twin", "Wire"] and run["meshes"] == 0
     assert run["shapes"] == 1 and run["instances"] == 2
 
