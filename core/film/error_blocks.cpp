@@ -1,6 +1,7 @@
 #include "film/error_blocks.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace rayleaf {
@@ -12,14 +13,15 @@ using Unit = ErrorGoal::Unit;
 constexpr double kAim = 0.95;
 /// Standard deviations of the estimate that are kept free beside that.
 constexpr double kDeviations = 3;
-/// Samples of a pixel in the first round.
+/// Samples of a pixel in the first round, of which two doublings are judged.
 constexpr int kFirstRound = 8;
-/// A round makes of each sample that many at most, so that the next one can be judged by more of them.
-constexpr double kMostGrowth = 2;
+/// What is taken for p at most. What falls faster does so at first, until what is random in every sample makes most of
+/// the error.
+constexpr double kMostPower = 1.3;
 /// How much of a block's deviation the blocks around it tell. More blurs the borders of what is noisy.
 constexpr double kNeighbors = 0.3;
-/// And its halves, beside a target error: brightness does not see every change of a colour.
-constexpr double kHalves = 0.2;
+/// And its changes, beside a target error: brightness does not see every change of a colour.
+constexpr double kChanges = 0.2;
 /// A block of less than this share of a noise threshold is not noisy at all.
 constexpr double kCalm = 0.01;
 
@@ -36,42 +38,35 @@ double displayed_square(double mean, double deviation) {
     return (above * above + below * below) / 2.0;
 }
 
-/// By how much the halves of a pixel differ.
-double displayed_square(const PixelMoments& pixel, int samples) {
-    const double odd = samples / 2, even = samples - odd;  // NOLINT(bugprone-integer-division)
+/// Of what a doubling of samples changed a mean color by.
+double squares_of_change(const Vec3d& before, const Vec3d& now) {
     double squares = 0;
-    for (int c = 0; c < 3; ++c)
-        squares += displayed_square((pixel.even[c] + pixel.odd[c]) / samples,
-                                    std::abs(pixel.even[c] / even - pixel.odd[c] / odd) / 2.0);
+    for (int c = 0; c < 3; ++c) squares += displayed_square(now[c], std::abs(now[c] - before[c]));
     return squares;
 }
 
 }  // namespace
 
-void PixelMoments::add(const PixelSample& sample, bool is_odd) {
+void PixelMoments::add(const PixelSample& sample, int number) {
     constexpr double kLargest = 1e30;  // sums of squares stay finite
     // What shadow catchers scatter is no part of Combined until their shadow is, but is as noisy.
-    const Vec4f color = sample[Pass::combined] + sample[Pass::shadow_catcher];
+    const Vec4f shown = sample[Pass::combined] + sample[Pass::shadow_catcher];
     Vec3d finite(0, 0, 0);
     for (int c = 0; c < 3; ++c)
-        if (!std::isnan(color[c])) finite[c] = std::clamp(double{color[c]}, -kLargest, kLargest);
-    (is_odd ? odd : even) += finite;
-    squares += sum(finite) * sum(finite);
+        if (!std::isnan(shown[c])) finite[c] = std::clamp(double{shown[c]}, -kLargest, kLargest);
+    color += finite;
+    if (number < 4) first_four += finite;
+    if (number < 2) first_two += finite;
+    const double sum = finite.x + finite.y + finite.z;
+    squares += sum * sum;
 }
 
-PixelMoments& PixelMoments::operator+=(const PixelMoments& other) {
-    even += other.even;
-    odd += other.odd;
-    squares += other.squares;
-    return *this;
-}
-
-double PixelMoments::variance(int samples) const {
+double ErrorBlocks::Pixel::variance(int samples) const {
     const double n = samples, mean = brightness(samples);
     return std::max(squares - n * mean * mean, 0.0) / (n - 1.0) / n;
 }
 
-double PixelMoments::noise(int samples) const {
+double ErrorBlocks::Pixel::noise(int samples) const {
     constexpr double kDark = 1e-4;  // below, a pixel is taken to be black, as Cycles takes it
     return std::sqrt(variance(samples)) / (kDark + std::sqrt(std::abs(brightness(samples))));
 }
@@ -85,7 +80,8 @@ ErrorBlocks::ErrorBlocks(int width, int height, const ErrorGoal& goal)
       goal_(goal),
       pixels_(static_cast<size_t>(width) * static_cast<size_t>(height)),
       blocks_(static_cast<size_t>(columns_) * static_cast<size_t>(rows_)),
-      costs_(static_cast<size_t>(group_columns_) * static_cast<size_t>(blocks_in(height, kGroup))) {
+      costs_(static_cast<size_t>(group_columns_) * static_cast<size_t>(blocks_in(height, kGroup))),
+      power_(goal.unit == Unit::Displayed ? kMostPower : 1.0) {
     goal_.least_samples = std::max(goal.least_samples, 2);
     for (Block& each : blocks_) each.needed = goal_.least_samples;
 }
@@ -100,16 +96,12 @@ double ErrorBlocks::pixels(size_t index) const {
     return static_cast<double>(place.width) * place.height;
 }
 
-/// Samples that a block is to have after the next round.
+/// Samples that a block is to have after the next round: not beyond a power of two, where a doubling is judged.
 int ErrorBlocks::wanted(const Block& block, int most) const {
-    // The halves of a picture are alike.
-    const auto whole = [this](double number) {
-        const double step = goal_.unit == Unit::Displayed ? 2.0 : 1.0;
-        return static_cast<int>(std::ceil(number / step) * step);
-    };
-    const int at_once =
-        block.samples == 0 ? kFirstRound : whole(std::max(kMostGrowth * block.samples, block.samples + 2.0));
-    return std::min({whole(std::min<double>(block.needed, most)), at_once, most});
+    const int needed = static_cast<int>(std::ceil(std::min<double>(block.needed, most)));
+    const int doubled = static_cast<int>(std::bit_floor(static_cast<unsigned>(block.samples))) * 2;
+    const int first = goal_.unit == Unit::Displayed ? kFirstRound : goal_.least_samples;
+    return std::min({needed, most, std::max(doubled, first)});
 }
 
 std::vector<std::vector<WindowSamples>> ErrorBlocks::next(int most) const {
@@ -135,22 +127,38 @@ void ErrorBlocks::add(const WindowSamples& block, std::span<const PixelMoments> 
     const int samples = block.taken + block.samples.count;
     Block& its = blocks_[index(place.x / kSide, place.y / kSide)];
     its.samples = samples;
-    its.squares = its.variance = 0;
+    its.variance = 0;
     for (size_t i = 0; i < pixels.size(); ++i) {
-        const int x = place.x + static_cast<int>(i) % place.width, y = place.y + static_cast<int>(i) / place.width;
-        PixelMoments& pixel = pixels_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
-        pixel += pixels[i];
+        Pixel& pixel = pixel_of(place, i);
+        pixel.color += pixels[i].color;
+        pixel.squares += pixels[i].squares;
         if (samples < 2) continue;
         if (goal_.unit == Unit::Displayed) {
-            const double deviation = std::sqrt(pixel.variance(samples)), of_halves = displayed_square(pixel, samples);
-            const double of_squares = 3.0 * displayed_square(pixel.brightness(samples) / 3.0, deviation / 3.0);
-            its.squares += of_halves;
-            its.variance += samples * std::lerp(of_squares, of_halves, kHalves);
+            const double deviation = std::sqrt(pixel.variance(samples));
+            its.variance += samples * 3.0 * displayed_square(pixel.brightness(samples) / 3.0, deviation / 3.0);
         } else {
             const double noise = pixel.noise(samples);
-            its.squares += noise * noise;
             its.variance += samples * noise * noise;
         }
+    }
+    if (goal_.unit == Unit::Displayed && samples >= kFirstRound && std::has_single_bit(static_cast<unsigned>(samples)))
+        add_changes(its, place, pixels);
+}
+
+/// After a doubling by these, or the first round, which is two doublings.
+void ErrorBlocks::add_changes(Block& block, const Window& place, std::span<const PixelMoments> added) {
+    const bool is_first = block.samples == kFirstRound;
+    block.doubled = block.samples;
+    block.random = block.variance / block.samples;
+    block.change_before = is_first ? 0 : block.change;
+    block.change = 0;
+    for (size_t i = 0; i < added.size(); ++i) {
+        Pixel& pixel = pixel_of(place, i);
+        const Vec3d now = pixel.color / block.samples;
+        const Vec3d before = is_first ? added[i].first_four / 4.0 : Vec3d(pixel.before);
+        if (is_first) block.change_before += squares_of_change(added[i].first_two / 2.0, before);
+        block.change += squares_of_change(before, now);
+        pixel.before = Vec3f(now);
     }
 }
 
@@ -164,13 +172,20 @@ double ErrorBlocks::numbers_of_all() const {
     if (goal_.unit == Unit::Displayed) return 3.0 * width_ * height_;
     double noisy = 0;
     for (size_t i = 0; i < blocks_.size(); ++i)
-        if (blocks_[i].squares > kCalm * kCalm * goal_.most * goal_.most * pixels(i)) noisy += pixels(i);
+        if (squares(blocks_[i], blocks_[i].samples) > kCalm * kCalm * goal_.most * goal_.most * pixels(i))
+            noisy += pixels(i);
     return noisy;
+}
+
+/// What a block is off by after so many samples, not fewer than it has.
+double ErrorBlocks::squares(const Block& block, double samples) const {
+    if (block.doubled == 0 || !is_even()) return against_random_ * block.variance / samples;
+    return block.change * std::pow(block.doubled / samples, power_) / (std::exp2(power_) - 1.0);
 }
 
 double ErrorBlocks::squares_of_all() const {
     double sum = 0;
-    for (const Block& block : blocks_) sum += block.squares;
+    for (const Block& block : blocks_) sum += squares(block, block.samples);
     return sum;
 }
 
@@ -178,40 +193,64 @@ double ErrorBlocks::squares_of_all() const {
 double ErrorBlocks::room() const {
     const double most = goal_.most * goal_.most * numbers_of_all();
     if (goal_.unit != Unit::Displayed) return most;
-    double sum = 0, squares = 0;
+    double sum = 0, sum_of_squares = 0;
     for (const Block& block : blocks_) {
-        sum += block.squares;
-        squares += block.squares * block.squares;
+        const double square = squares(block, block.samples);
+        sum += square;
+        sum_of_squares += square * square;
     }
-    return kAim * kAim * most / (1.0 + (sum > 0.0 ? kDeviations * std::sqrt(squares) / sum : 0.0));
+    return kAim * kAim * most / (1.0 + (sum > 0.0 ? kDeviations * std::sqrt(sum_of_squares) / sum : 0.0));
 }
 
-/// The deviation of a single sample in each block over the root of what one costs.
+/// What the last two doublings of each block tell of samples that are spread evenly.
+void ErrorBlocks::judge_doublings() {
+    double now = 0, before = 0, random = 0;
+    for (const Block& block : blocks_) {
+        now += block.change;
+        before += block.change_before;
+        random += block.random;
+    }
+    if (now == 0.0) return;
+    power_ = std::clamp(std::log2(before / now), 1.0, power_);
+    against_random_ = now / (std::exp2(power_) - 1.0) / random;
+}
+
+/// Of each block in proportion to what number of samples makes the best of those of all.
 std::vector<double> ErrorBlocks::worths() const {
-    std::vector<double> found(blocks_.size());
+    std::vector<double> found(blocks_.size()), variances(blocks_.size());
+    for (size_t i = 0; i < blocks_.size(); ++i) {
+        const Block& block = blocks_[i];
+        variances[i] =
+            block.doubled == 0
+                ? block.variance
+                : std::lerp(block.variance, squares(block, block.samples) * std::pow(block.samples, power_), kChanges);
+    }
     for (size_t i = 0; i < blocks_.size(); ++i) {
         const int x = static_cast<int>(i) % columns_, y = static_cast<int>(i) / columns_;
         double variance = 0, count = 0;
         for (int row = std::max(y - 1, 0); row <= std::min(y + 1, rows_ - 1); ++row)
             for (int column = std::max(x - 1, 0); column <= std::min(x + 1, columns_ - 1); ++column) {
                 const size_t other = index(column, row);
-                variance += blocks_[other].variance;
+                variance += variances[other];
                 count += pixels(other);
             }
-        const double mixed = std::lerp(blocks_[i].variance / pixels(i), variance / count, kNeighbors);
-        found[i] = std::sqrt(mixed / costs_[group(x * kSide, y * kSide)].of_sample());
+        const double mixed = std::lerp(variances[i] / pixels(i), variance / count, kNeighbors);
+        found[i] = std::pow(mixed / costs_[group(x * kSide, y * kSide)].of_sample(), 1.0 / (1.0 + power_));
     }
     return found;
+}
+
+/// The number of samples that is asked for in place of one that were best: a power of two where that matters.
+double ErrorBlocks::whole(double samples) const {
+    return is_even() && samples >= 1.0 ? std::exp2(std::round(std::log2(samples))) : samples;
 }
 
 /// How many samples there must be, so that all squares add up to `room`.
 double ErrorBlocks::samples_per_worth(std::span<const double> worths, double room) const {
     const auto squares_at = [&](double factor) {
         double sum = 0;
-        for (size_t i = 0; i < blocks_.size(); ++i) {
-            const double has = blocks_[i].samples;
-            sum += blocks_[i].squares * has / std::max(has, worths[i] * factor);
-        }
+        for (size_t i = 0; i < blocks_.size(); ++i)
+            sum += squares(blocks_[i], std::max<double>(blocks_[i].samples, whole(worths[i] * factor)));
         return sum;
     };
     constexpr int kSteps = 50;
@@ -224,12 +263,13 @@ double ErrorBlocks::samples_per_worth(std::span<const double> worths, double roo
 }
 
 void ErrorBlocks::decide() {
+    judge_doublings();
     const double room = this->room();
     const bool is_reached = squares_of_all() <= room;
     const std::vector<double> found = is_reached ? std::vector<double>(blocks_.size()) : worths();
     const double factor = is_reached ? 0.0 : samples_per_worth(found, room);
     for (size_t i = 0; i < blocks_.size(); ++i)
-        blocks_[i].needed = std::max<double>(goal_.least_samples, found[i] * factor);
+        blocks_[i].needed = std::max<double>(goal_.least_samples, whole(found[i] * factor));
 }
 
 double ErrorBlocks::error() const {
@@ -237,8 +277,7 @@ double ErrorBlocks::error() const {
 }
 
 size_t ErrorBlocks::bytes() const {
-    return pixels_.capacity() * sizeof(PixelMoments) + blocks_.capacity() * sizeof(Block) +
-           costs_.capacity() * sizeof(Cost);
+    return pixels_.capacity() * sizeof(Pixel) + blocks_.capacity() * sizeof(Block) + costs_.capacity() * sizeof(Cost);
 }
 
 }  // namespace rayleaf

@@ -2,17 +2,23 @@
 // noise threshold.
 //
 // A target error is that of the report: the root mean square over pixels and channels of the difference to the
-// converged picture, both clipped to [0, 1]. Every second sample belongs to a sequence of its own then, so that a
-// picture has two halves that know nothing of each other: as far as they differ, half of that the whole is off, evenly
-// spread samples included. A noise threshold is in Cycles' unit: the root mean square over pixels, of blocks that are
-// noisy at all, of the standard error of their mean brightness (red + green + blue) over the root of that mean. Cycles
-// estimates it from half of the samples, here squares of them tell it.
+// converged picture, both clipped to [0, 1]. It is told by what the last doubling of a pixel's samples changed. The
+// square of a change is, on average, what the doubling took away from the square of the error. Samples are spread
+// evenly, so that falls with their number as n^-p, p being 1 or more, and 2^p - 1 times what is left was taken away.
+// Two doublings tell p, for the whole picture. The least of all rounds holds: blocks that take further samples because
+// they changed much change less the next time, whatever p is. Where p is well above 1, numbers of samples are powers of
+// two: between them, samples are spread no better than random ones. Where it is not, squares of samples tell the error
+// of a block, as of random ones; by how much less it is, doublings tell, again for the whole picture.
 //
-// After a round, `decide` divides what is missing: samples in proportion to the deviation of one, over the root of the
-// rays that one takes, make the least error for the number of rays (Neyman's allocation). To stop each block as soon as
-// it is good enough, as Cycles does, would not: equal errors everywhere cost as many samples as equal numbers of them
-// with the same error of the whole. The deviation is told by squares of samples, which settle sooner than differences
-// of halves, and by those of the blocks around, since a block that missed something rare looks calm; one that was done
+// A noise threshold is in Cycles' unit: the root mean square over pixels, of blocks that are noisy at all, of the
+// standard error of their mean brightness (red + green + blue) over the root of that mean. Cycles estimates it from
+// half of the samples, here squares of them tell it.
+//
+// After a round, `decide` divides what is missing (Neyman's allocation): where squares of errors fall as V n^-p and a
+// sample costs c rays, n in proportion to (V / c)^(1 / (1 + p)) makes the least error for the number of rays. To stop
+// each block as soon as it is good enough, as Cycles does, would not: equal errors everywhere cost as many samples as
+// equal numbers of them with the same error of the whole. V is told by squares of samples, which settle sooner than
+// changes, and by those of the blocks around, since a block that missed something rare looks calm; one that was done
 // goes on where others turn out to be noisier. `decide` is called while nothing is added, and sums in the order of
 // blocks: neither threads nor tiles show. Samples are stopped by what they show, so a mean is biased a little.
 #pragma once
@@ -28,21 +34,14 @@
 
 namespace rayleaf {
 
-/// Of a pixel's samples: colours of the even and the odd ones, and squares of brightness, each added up.
+/// Of some of a pixel's samples: colours, and squares of brightness, each added up.
 struct PixelMoments {
-    Vec3d even{0, 0, 0}, odd{0, 0, 0};
+    Vec3d color{0, 0, 0};
     double squares = 0;
+    Vec3d first_two{0, 0, 0}, first_four{0, 0, 0};  ///< colours of those, as far as they are here
 
-    void add(const PixelSample& sample, bool is_odd);
-    PixelMoments& operator+=(const PixelMoments& other);
-    double brightness(int samples) const { return sum(even + odd) / samples; }
-    /// Square of what the mean brightness of that many samples, two or more, is off by.
-    double variance(int samples) const;
-    /// Of two samples or more, in Cycles' unit.
-    double noise(int samples) const;
-
-  private:
-    static double sum(const Vec3d& color) { return color.x + color.y + color.z; }
+    /// A sample by its number from 0 of all that the pixel takes.
+    void add(const PixelSample& sample, int number);
 };
 
 /// What is to be left of which error.
@@ -79,11 +78,25 @@ class ErrorBlocks {
     size_t bytes() const;
 
   private:
+    struct Pixel {
+        Vec3d color{0, 0, 0};   ///< of its samples, added up
+        double squares = 0;     ///< of their brightness
+        Vec3f before{0, 0, 0};  ///< its mean colour after the last doubling
+
+        double brightness(int samples) const { return (color.x + color.y + color.z) / samples; }
+        /// Square of what the mean brightness of that many samples, two or more, is off by.
+        double variance(int samples) const;
+        /// Of two samples or more, in Cycles' unit.
+        double noise(int samples) const;
+    };
     struct Block {
-        double squares = 0;   ///< of what its pixels, or their channels, are off by, added up
-        double variance = 0;  ///< of single samples, of its pixels added up
         int samples = 0;
-        double needed = 0;  ///< samples; not fewer than these
+        double needed = 0;         ///< samples; not fewer than these
+        double variance = 0;       ///< of single samples, of its pixels added up
+        int doubled = 0;           ///< samples after the last doubling that is judged; 0: none is
+        double change = 0;         ///< squares of what it changed, the block's pixels and their channels added up
+        double change_before = 0;  ///< of what the doubling before it changed
+        double random = 0;         ///< of what it would be off by after them if samples were random
     };
     struct Cost {
         uint64_t rays = 0, samples = 0;
@@ -95,9 +108,11 @@ class ErrorBlocks {
     };
     int width_, height_, columns_, rows_, group_columns_;
     ErrorGoal goal_;
-    std::vector<PixelMoments> pixels_;
+    std::vector<Pixel> pixels_;
     std::vector<Block> blocks_;
-    std::vector<Cost> costs_;  ///< of groups
+    std::vector<Cost> costs_;    ///< of groups
+    double power_;               ///< p
+    double against_random_ = 1;  ///< squares of errors, as a share of those of random samples
 
     size_t index(int column, int row) const {
         return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
@@ -105,13 +120,24 @@ class ErrorBlocks {
     size_t group(int x, int y) const {
         return static_cast<size_t>(y / kGroup) * static_cast<size_t>(group_columns_) + static_cast<size_t>(x / kGroup);
     }
+    Pixel& pixel_of(const Window& place, size_t number) {
+        const size_t width = static_cast<size_t>(place.width), x = static_cast<size_t>(place.x) + number % width,
+                     y = static_cast<size_t>(place.y) + number / width;
+        return pixels_[y * static_cast<size_t>(width_) + x];
+    }
     Window window(size_t index) const;
     double pixels(size_t index) const;
     int wanted(const Block& block, int most) const;
+    void add_changes(Block& block, const Window& place, std::span<const PixelMoments> added);
+    void judge_doublings();
+    /// Else samples are hardly better than random ones.
+    bool is_even() const { return power_ > 1.1; }
+    double squares(const Block& block, double samples) const;
     double numbers_of_all() const;
     double squares_of_all() const;
     double room() const;
     std::vector<double> worths() const;
+    double whole(double samples) const;
     double samples_per_worth(std::span<const double> worths, double room) const;
 };
 

@@ -29,7 +29,7 @@ class TileSums {
     /// Adds the next sample of the current pixel, or the first one of the next pixel.
     void add(const PixelSample& sample) {
         sums_.add(sample, samples_.first + added_, passes_);
-        if (wanted_.moments) pixel_moments_.add(sample, (samples_.first + added_) % 2 == 1);
+        if (wanted_.moments) pixel_moments_.add(sample, samples_.first + added_);
         if (wanted_.mattes) add_mattes(sample.extras->mattes);
         if (++added_ == samples_.count) finish_pixel();
     }

@@ -282,11 +282,7 @@ Session::CameraPlace Session::place_of(int x, int y, int sample, const Frame& fr
 Sampler Session::sampler_at(const CameraPlace& place) const {
     const auto pixel =
         static_cast<uint32_t>(place.y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(place.x);
-    const auto sample = static_cast<uint32_t>(place.sample);
-    if (!(settings_.target_error > 0.0)) return {pixel, sample, settings_.seed};
-    // What the odd samples show must not depend on the even ones (film/error_blocks.h).
-    constexpr uint32_t kOdd = 0x0ddu;
-    return {pixel, sample / 2, sample % 2 == 1 ? hash_combine(settings_.seed, kOdd) : settings_.seed};
+    return {pixel, static_cast<uint32_t>(place.sample), settings_.seed};
 }
 
 CameraRay Session::camera_ray(const CameraPlace& place, const CameraNumbers& random, const Frame& frame) const {

@@ -61,7 +61,7 @@ std::vector<Session::WindowGroup> Session::next_to_goal(int most) const {
             each.window.x += whole.x;
             each.window.y += whole.y;
             each.samples.first += sample_range(settings_).first;
-            if (share < 1.0) each.samples.count = static_cast<int>(share * each.samples.count / 2.0) * 2;
+            if (share < 1.0) each.samples.count = static_cast<int>(share * each.samples.count);
         }
         std::erase_if(group, [](const WindowSamples& each) { return each.samples.count <= 0; });
     }
