@@ -17,6 +17,7 @@ endfunction()
 file(GLOB RAYLEAF_BINDINGS CONFIGURE_DEPENDS core/python/*.cpp)
 rayleaf_add_module(_core ${RAYLEAF_BINDINGS})
 target_link_libraries(_core PRIVATE rayleaf_core rayleaf_flags)
+target_compile_options(_core PRIVATE ${RAYLEAF_CHECKS_BY_CALLS})
 set_target_properties(_core PROPERTIES UNITY_BUILD_BATCH_SIZE 8)  # templates of pybind11 fill a compiler early
 set_source_files_properties(core/python/module.cpp PROPERTIES COMPILE_DEFINITIONS
   "RAYLEAF_VERSION=\"${PROJECT_VERSION}\";RAYLEAF_COMPILER=\"${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}\";\
@@ -30,6 +31,7 @@ file(GLOB RAYLEAF_RIVALS CONFIGURE_DEPENDS rivals/*.cpp)
 rayleaf_add_module(rayleaf_rivals EXCLUDE_FROM_ALL ${RAYLEAF_RIVALS} core/python/arrays.cpp)
 target_include_directories(rayleaf_rivals PRIVATE ${CMAKE_SOURCE_DIR})
 target_link_libraries(rayleaf_rivals PRIVATE rayleaf_core rayleaf_flags embree)
+target_compile_options(rayleaf_rivals PRIVATE ${RAYLEAF_CHECKS_BY_CALLS})
 set_target_properties(rayleaf_rivals PROPERTIES UNITY_BUILD OFF LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/rivals)
 
 # The folder Blender sees through BLENDER_USER_SCRIPTS: the add-on's sources by link, the module beside them.

@@ -59,6 +59,7 @@ def test_the_noise_that_is_asked_for_is_reached(core):
     assert errors[1] < 0.5 * errors[0]
 
 
+@pytest.mark.slow
 def test_an_empty_background_does_not_count(core):
     whole, part = (
         rendered(core, samples=1024, noise_threshold=0.01, least_samples=8, **crop).pass_pixels("sample_count")
@@ -67,6 +68,7 @@ def test_an_empty_background_does_not_count(core):
     assert whole[:, :32].mean() == pytest.approx(part.mean(), rel=0.2)
 
 
+@pytest.mark.slow
 def test_samples_go_where_they_lower_the_error_most(core):
     truth = picture(rendered(core, samples=1024, seed=5))
     session = rendered(core, samples=1024, noise_threshold=0.02, least_samples=8)

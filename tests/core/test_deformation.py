@@ -206,6 +206,7 @@ def half_width(shape, time, pixel_angle, heights, eye):
     return inside
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["NURBS ball", "wavy tube", "subdivided cube"])
 def test_outlines_lie_within_a_tenth_of_a_pixel_of_those_of_sub_frames(core, name):
     eye, heights = np.array([6.0, 0.0, 0.3]), np.linspace(-0.5, 0.6, 23)
@@ -245,6 +246,7 @@ def scene_of(core, shape, glows=False, **camera):
 SMALL = dict(size=12, max_bounces=2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("glows", [False, True])
 @pytest.mark.parametrize("name", ["cube", "round hair", "NURBS ball", "subdivided cube"])
 def test_a_blurred_shape_is_the_mean_of_sub_frames(core, name, glows):

@@ -155,6 +155,7 @@ def test_the_mean_of_every_pass_is_that_of_path_tracing(core, name):
     assert not wrong, wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["direct", "soft_shadow", "mirrors", "glossy", "bodies"])
 def test_without_indirect_light_the_mean_is_that_of_no_diffuse_bounce(core, name):
     scene = SCENES[name](core)

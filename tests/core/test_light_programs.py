@@ -58,6 +58,7 @@ def lit_through_pane(strength, integrator):
     return picture(core, scene, samples=256, max_bounces=0, integrator=integrator).mean()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("lit", [lit_by_mesh, lit_by_lamp, lit_through_pane])
 def test_light_for_what_the_camera_sees_is_one_bounce_deep(lit, integrator):
@@ -77,6 +78,7 @@ def test_a_sampled_surface_knows_how_far_away_it_is(half, integrator):
     assert lit_by_mesh("length²", integrator, half) == pytest.approx(expected, rel=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_a_clear_pane_does_not_change_how_far_away_a_lamp_is(integrator):
     def brightness(has_pane):

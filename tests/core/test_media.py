@@ -129,6 +129,7 @@ LIGHTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("density", [0.2, 1.5])
 @pytest.mark.parametrize("uneven", [False, True])
 @pytest.mark.parametrize("names", [[name] for name in LIGHTS] + [list(LIGHTS), ["point"] * 12], ids="+".join)
@@ -158,6 +159,7 @@ def test_light_scattered_once_is_its_integral(core, names, uneven, density):
     np.testing.assert_allclose(image.mean(), expected, rtol=0.03)  # noise
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("kind", ["POINT", "SPOT"])
 @pytest.mark.parametrize("density, g", [(0.3, 0.0), (0.8, 0.4)])

@@ -55,6 +55,7 @@ def rough_lobes():
 ROUGH = rough_lobes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cosine", COSINES)
 @pytest.mark.parametrize("name", ROUGH)
 def test_the_sampler_matches_its_density(name, cosine):

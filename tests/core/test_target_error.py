@@ -1,5 +1,6 @@
 """A target in place of a number of samples: reached on scenes of few and of many calm parts, the same for any threads."""
 
+import functools
 import time
 
 import numpy as np
@@ -13,12 +14,19 @@ def shown(session):
     return np.clip(session.pass_pixels("combined")[..., :3].astype(np.float64), 0, 1)
 
 
-def error_of(core, picture, samples=2048):
-    """The mean product of differences to two pictures of other random numbers: their own noise drops out."""
-    others = [shown(rendered(core, samples=samples, seed=seed)) for seed in (11, 12)]
+@functools.cache
+def converged(core):
+    """Two pictures of other random numbers."""
+    return [shown(rendered(core, samples=2048, seed=seed)) for seed in (11, 12)]
+
+
+def error_of(core, picture):
+    """The mean product of differences to two pictures: their own noise drops out."""
+    others = converged(core)
     return float(np.mean((picture - others[0]) * (picture - others[1]))) ** 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", [0.01, 0.004])
 def test_the_error_is_between_half_the_target_and_the_target(core, target):
     session = rendered(core, samples=MOST, target_error=target)

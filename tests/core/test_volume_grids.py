@@ -94,6 +94,7 @@ def test_density_is_per_unit_of_the_world_or_of_the_object(core, unit, scale, de
     np.testing.assert_allclose(image.mean((0, 1)), np.exp([-0.5 * depth, -depth, 0.0]), rtol=0.03)
 
 
+@pytest.mark.slow
 def test_what_is_fine_and_dense_is_not_overlooked(core):
     """A layer of one voxel in 200, and a bound that holds for it."""
 

@@ -120,6 +120,7 @@ SEEN_ALIKE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("color", SEEN_ALIKE.values(), ids=SEEN_ALIKE.keys())
 def test_what_is_sampled_follows_the_light_above_its_mean(core, color):
     brightness, density, mean = probe_world(core, color)
