@@ -199,7 +199,6 @@ def test_a_moving_light_lights_as_the_mean_of_sub_frames(core):
 CAMERA = np.array([turned(0, place=(-0.5, 0, 6)), turned(0.4, place=(0, 0.3, 6)), turned(0.2, (1, 0, 1), (0.5, 0, 5))])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["PERSPECTIVE", "ORTHOGRAPHIC", "PANORAMIC"])
 def test_a_moving_camera_shows_the_mean_of_sub_frames(core, kind):
     half = 2.5 if kind == "ORTHOGRAPHIC" else 0.5
