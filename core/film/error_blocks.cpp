@@ -20,7 +20,7 @@ constexpr int kFirstRound = 8;
 constexpr double kMostPower = 1.3;
 /// How much of a block's deviation the blocks around it tell. More blurs the borders of what is noisy.
 constexpr double kNeighbors = 0.3;
-/// And its changes, beside a target error: brightness does not see every change of a colour.
+/// And its changes, beside a target error: squares do not see how evenly samples are spread.
 constexpr double kChanges = 0.2;
 /// A block of less than this share of a noise threshold is not noisy at all.
 constexpr double kCalm = 0.01;
@@ -38,7 +38,13 @@ double displayed_square(double mean, double deviation) {
     return (above * above + below * below) / 2.0;
 }
 
-/// Of what a doubling of samples changed a mean color by.
+/// Square of what the mean of random samples is off by, of which the squares add up to `squares`.
+double square_of_mean(double squares, double square_of_sum, int samples) {
+    const double n = samples;
+    return std::max(squares - square_of_sum / n, 0.0) / (n - 1.0) / n;
+}
+
+/// Of what a doubling of samples changed a mean colour by.
 double squares_of_change(const Vec3d& before, const Vec3d& now) {
     double squares = 0;
     for (int c = 0; c < 3; ++c) squares += displayed_square(now[c], std::abs(now[c] - before[c]));
@@ -58,17 +64,21 @@ void PixelMoments::add(const PixelSample& sample, int number) {
     if (number < 4) first_four += finite;
     if (number < 2) first_two += finite;
     const double sum = finite.x + finite.y + finite.z;
-    squares += sum * sum;
+    squares_of_brightness += sum * sum;
+    squares_of_channels += finite.length2();
 }
 
-double ErrorBlocks::Pixel::variance(int samples) const {
-    const double n = samples, mean = brightness(samples);
-    return std::max(squares - n * mean * mean, 0.0) / (n - 1.0) / n;
+double ErrorBlocks::Pixel::displayed_squares(int samples) const {
+    const double deviation = std::sqrt(square_of_mean(squares, color.length2(), samples) / 3.0);
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) sum += displayed_square(color[c] / samples, deviation);
+    return sum;
 }
 
 double ErrorBlocks::Pixel::noise(int samples) const {
     constexpr double kDark = 1e-4;  // below, a pixel is taken to be black, as Cycles takes it
-    return std::sqrt(variance(samples)) / (kDark + std::sqrt(std::abs(brightness(samples))));
+    const double sum = color.x + color.y + color.z;
+    return std::sqrt(square_of_mean(squares, sum * sum, samples)) / (kDark + std::sqrt(std::abs(sum / samples)));
 }
 
 ErrorBlocks::ErrorBlocks(int width, int height, const ErrorGoal& goal)
@@ -125,23 +135,19 @@ double ErrorBlocks::samples_missing(int most) const {
 void ErrorBlocks::add(const WindowSamples& block, std::span<const PixelMoments> pixels) {
     const Window& place = block.window;
     const int samples = block.taken + block.samples.count;
+    const bool displayed = goal_.unit == Unit::Displayed;
     Block& its = blocks_[index(place.x / kSide, place.y / kSide)];
     its.samples = samples;
     its.variance = 0;
     for (size_t i = 0; i < pixels.size(); ++i) {
         Pixel& pixel = pixel_of(place, i);
         pixel.color += pixels[i].color;
-        pixel.squares += pixels[i].squares;
+        pixel.squares += displayed ? pixels[i].squares_of_channels : pixels[i].squares_of_brightness;
         if (samples < 2) continue;
-        if (goal_.unit == Unit::Displayed) {
-            const double deviation = std::sqrt(pixel.variance(samples));
-            its.variance += samples * 3.0 * displayed_square(pixel.brightness(samples) / 3.0, deviation / 3.0);
-        } else {
-            const double noise = pixel.noise(samples);
-            its.variance += samples * noise * noise;
-        }
+        const double noise = displayed ? 0.0 : pixel.noise(samples);
+        its.variance += samples * (displayed ? pixel.displayed_squares(samples) : noise * noise);
     }
-    if (goal_.unit == Unit::Displayed && samples >= kFirstRound && std::has_single_bit(static_cast<unsigned>(samples)))
+    if (displayed && samples >= kFirstRound && std::has_single_bit(static_cast<unsigned>(samples)))
         add_changes(its, place, pixels);
 }
 
@@ -210,7 +216,7 @@ void ErrorBlocks::judge_doublings() {
         before += block.change_before;
         random += block.random;
     }
-    if (now == 0.0) return;
+    if (now == 0.0 || random == 0.0) return;
     power_ = std::clamp(std::log2(before / now), 1.0, power_);
     against_random_ = now / (std::exp2(power_) - 1.0) / random;
 }

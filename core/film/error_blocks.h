@@ -34,10 +34,10 @@
 
 namespace rayleaf {
 
-/// Of some of a pixel's samples: colours, and squares of brightness, each added up.
+/// Of some of a pixel's samples: colours, squares of brightness and of the channels, each added up.
 struct PixelMoments {
     Vec3d color{0, 0, 0};
-    double squares = 0;
+    double squares_of_brightness = 0, squares_of_channels = 0;
     Vec3d first_two{0, 0, 0}, first_four{0, 0, 0};  ///< colours of those, as far as they are here
 
     /// A sample by its number from 0 of all that the pixel takes.
@@ -80,12 +80,11 @@ class ErrorBlocks {
   private:
     struct Pixel {
         Vec3d color{0, 0, 0};   ///< of its samples, added up
-        double squares = 0;     ///< of their brightness
+        double squares = 0;     ///< of their channels; for a noise threshold, of their brightness
         Vec3f before{0, 0, 0};  ///< its mean colour after the last doubling
 
-        double brightness(int samples) const { return (color.x + color.y + color.z) / samples; }
-        /// Square of what the mean brightness of that many samples, two or more, is off by.
-        double variance(int samples) const;
+        /// Of what is displayed of its mean colour, for a channel that is as noisy as the mean of them.
+        double displayed_squares(int samples) const;
         /// Of two samples or more, in Cycles' unit.
         double noise(int samples) const;
     };

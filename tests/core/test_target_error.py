@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 import pytest
+from core import scenes
 from test_adaptive_sampling import half_lit, rendered
 
 MOST = 1 << 14
@@ -15,14 +16,14 @@ def shown(session):
 
 
 @functools.cache
-def converged(core):
+def converged(core, make=half_lit):
     """Two pictures of other random numbers."""
-    return [shown(rendered(core, samples=2048, seed=seed)) for seed in (11, 12)]
+    return [shown(rendered(core, make(core), samples=2048, seed=seed)) for seed in (11, 12)]
 
 
-def error_of(core, picture):
+def error_of(core, picture, make=half_lit):
     """The mean product of differences to two pictures: their own noise drops out."""
-    others = converged(core)
+    others = converged(core, make)
     return float(np.mean((picture - others[0]) * (picture - others[1]))) ** 0.5
 
 
@@ -35,6 +36,26 @@ def test_the_error_is_between_half_the_target_and_the_target(core, target):
     assert target / 2 < statistics["error"]["noise"] <= target and "target error" not in statistics["left_out"]
     counts = session.pass_pixels("sample_count")
     assert counts[:, 40:].mean() < counts[:, :24].mean()  # where nothing is noisy
+
+
+def equally_bright(core):
+    """A sky of squares much smaller than pixels, red and green ones as bright as each other."""
+    program = core.Program("world")
+    one, red, green = (program.constant(*color, 1) for color in ((1, 1, 1), (0.8, 0.1, 0.2), (0.1, 0.8, 0.2)))
+    checker = program.operation(
+        "checker", [program.operation("generated"), red, green, program.constant(*[1234.5] * 4)]
+    )
+    program.operation("background", [one, checker, one])
+    scene = core.SceneDescription()
+    scene.set_world(program, 16)
+    scenes.look_down(scene)
+    return scene
+
+
+def test_colours_are_noise_where_brightness_is_not(core):
+    session = rendered(core, equally_bright(core), samples=MOST, target_error=0.02)
+    assert session.pass_pixels("sample_count").mean() > 32
+    assert 0.01 < error_of(core, shown(session), equally_bright) < 0.02
 
 
 @pytest.mark.parametrize("changed", [{"threads": 3}, {"tile_size": 7}, {"stream_paths": 33}, {"stream_paths": 0}])
