@@ -7,7 +7,7 @@
 // evenly, so that falls with their number as n^-p, p being 1 or more, and 2^p - 1 times what is left was taken away.
 // Two doublings tell p, for the whole picture. The least of all rounds holds: blocks that take further samples because
 // they changed much change less the next time, whatever p is. Where p is well above 1, numbers of samples are powers of
-// two: between them, samples are spread no better than random ones. Where it is not, squares of samples tell the error
+// two: between them, samples are spread less evenly. Where it is not, squares of samples tell the error
 // of a block, as of random ones; by how much less it is, doublings tell, again for the whole picture.
 //
 // A noise threshold is in Cycles' unit: the root mean square over pixels, of blocks that are noisy at all, of the

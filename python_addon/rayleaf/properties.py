@@ -69,7 +69,7 @@ class RayleafSceneSettings(LightPaths, bpy.types.PropertyGroup):
     samples: IntProperty(  # type: ignore
         name="Samples",
         description="Paths per pixel of a final render. Raise it where the picture is noisy: four times as many halve the"
-        " noise",
+        " noise. Powers of two are spread most evenly",
         default=64,
         min=1,
         max=1 << 20,
