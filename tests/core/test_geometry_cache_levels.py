@@ -37,6 +37,7 @@ def tracer_of(name, matrix=np.eye(4), **settings):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stochastic", [False, True])
 @pytest.mark.parametrize("name", SHELLS)
 def test_rays_of_all_widths_cross_a_closed_shell_in_turn(name, stochastic):
@@ -67,6 +68,7 @@ def test_a_shell_with_a_hole_is_told_from_a_closed_one():
     assert 0.02 < broken.mean() < 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [shapes.moved(0.0), shapes.moved(1e6), np.diag([-3.0, 0.01, 1.0, 1.0])])
 @pytest.mark.parametrize("name", SHELLS)
 def test_wide_rays_that_start_where_others_hit_never_leave_a_closed_shell(name, place):

@@ -176,6 +176,7 @@ DISPLACED_EDITS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", DISPLACED_EDITS)
 def test_a_displaced_surface_is_kept_until_something_changes_that_it_is_made_of(edit):
     before, change, kept = DISPLACED_EDITS[edit]

@@ -28,6 +28,7 @@ def ring_points(random, count, radius):
     return radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("name", SHELLS)
 def test_rays_bounce_inside_a_closed_shell_and_never_leave(name, place):
