@@ -1,8 +1,10 @@
 #include "film/error_blocks.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 namespace rayleaf {
 namespace {
@@ -18,6 +20,8 @@ constexpr int kFirstRound = 8;
 /// What is taken for p at most. What falls faster does so at first, until what is random in every sample makes most of
 /// the error.
 constexpr double kMostPower = 1.3;
+/// From here on, p makes a difference to numbers of samples: below, they are hardly better than random ones.
+constexpr double kEvenPower = 1.1;
 /// How much of a block's deviation the blocks around it tell. More blurs the borders of what is noisy.
 constexpr double kNeighbors = 0.3;
 /// And its changes, beside a target error: squares do not see how evenly samples are spread.
@@ -42,6 +46,11 @@ double displayed_square(double mean, double deviation) {
 double square_of_mean(double squares, double square_of_sum, int samples) {
     const double n = samples;
     return std::max(squares - square_of_sum / n, 0.0) / (n - 1.0) / n;
+}
+
+/// Of two that is nearest to `number`, a positive one.
+int nearest_power(double number) {
+    return std::ilogb(number * std::numbers::sqrt2);
 }
 
 /// Of what a doubling of samples changed a mean colour by.
@@ -75,10 +84,10 @@ double ErrorBlocks::Pixel::displayed_squares(int samples) const {
     return sum;
 }
 
-double ErrorBlocks::Pixel::noise(int samples) const {
+double ErrorBlocks::Pixel::noise_square(int samples) const {
     constexpr double kDark = 1e-4;  // below, a pixel is taken to be black, as Cycles takes it
-    const double sum = color.x + color.y + color.z;
-    return std::sqrt(square_of_mean(squares, sum * sum, samples)) / (kDark + std::sqrt(std::abs(sum / samples)));
+    const double sum = color.x + color.y + color.z, scale = kDark + std::sqrt(std::abs(sum / samples));
+    return square_of_mean(squares, sum * sum, samples) / (scale * scale);
 }
 
 ErrorBlocks::ErrorBlocks(int width, int height, const ErrorGoal& goal)
@@ -144,8 +153,7 @@ void ErrorBlocks::add(const WindowSamples& block, std::span<const PixelMoments> 
         pixel.color += pixels[i].color;
         pixel.squares += displayed ? pixels[i].squares_of_channels : pixels[i].squares_of_brightness;
         if (samples < 2) continue;
-        const double noise = displayed ? 0.0 : pixel.noise(samples);
-        its.variance += samples * (displayed ? pixel.displayed_squares(samples) : noise * noise);
+        its.variance += samples * (displayed ? pixel.displayed_squares(samples) : pixel.noise_square(samples));
     }
     if (displayed && samples >= kFirstRound && std::has_single_bit(static_cast<unsigned>(samples)))
         add_changes(its, place, pixels);
@@ -178,20 +186,29 @@ double ErrorBlocks::numbers_of_all() const {
     if (goal_.unit == Unit::Displayed) return 3.0 * width_ * height_;
     double noisy = 0;
     for (size_t i = 0; i < blocks_.size(); ++i)
-        if (squares(blocks_[i], blocks_[i].samples) > kCalm * kCalm * goal_.most * goal_.most * pixels(i))
-            noisy += pixels(i);
+        if (squares(blocks_[i]) > kCalm * kCalm * goal_.most * goal_.most * pixels(i)) noisy += pixels(i);
     return noisy;
 }
 
-/// What a block is off by after so many samples, not fewer than it has.
-double ErrorBlocks::squares(const Block& block, double samples) const {
-    if (block.doubled == 0 || !is_even()) return against_random_ * block.variance / samples;
-    return block.change * std::pow(block.doubled / samples, power_) / (std::exp2(power_) - 1.0);
+bool ErrorBlocks::is_even() const {
+    return power_ > kEvenPower;
+}
+
+/// What a block would be off by after one sample, by what it is off by now.
+double ErrorBlocks::squares_of_one(const Block& block) const {
+    if (!is_even() || block.doubled == 0) return against_random_ * block.variance;
+    return block.change * std::pow(block.doubled, power_) / (std::exp2(power_) - 1.0);
+}
+
+/// What a block is off by with the samples that it has.
+double ErrorBlocks::squares(const Block& block) const {
+    return squares_of_one(block) *
+           (is_even() && block.doubled > 0 ? std::pow(block.samples, -power_) : 1.0 / block.samples);
 }
 
 double ErrorBlocks::squares_of_all() const {
     double sum = 0;
-    for (const Block& block : blocks_) sum += squares(block, block.samples);
+    for (const Block& block : blocks_) sum += squares(block);
     return sum;
 }
 
@@ -201,7 +218,7 @@ double ErrorBlocks::room() const {
     if (goal_.unit != Unit::Displayed) return most;
     double sum = 0, sum_of_squares = 0;
     for (const Block& block : blocks_) {
-        const double square = squares(block, block.samples);
+        const double square = squares(block);
         sum += square;
         sum_of_squares += square * square;
     }
@@ -226,10 +243,7 @@ std::vector<double> ErrorBlocks::worths() const {
     std::vector<double> found(blocks_.size()), variances(blocks_.size());
     for (size_t i = 0; i < blocks_.size(); ++i) {
         const Block& block = blocks_[i];
-        variances[i] =
-            block.doubled == 0
-                ? block.variance
-                : std::lerp(block.variance, squares(block, block.samples) * std::pow(block.samples, power_), kChanges);
+        variances[i] = is_even() ? std::lerp(block.variance, squares_of_one(block), kChanges) : block.variance;
     }
     for (size_t i = 0; i < blocks_.size(); ++i) {
         const int x = static_cast<int>(i) % columns_, y = static_cast<int>(i) / columns_;
@@ -248,19 +262,34 @@ std::vector<double> ErrorBlocks::worths() const {
 
 /// The number of samples that is asked for in place of one that were best: a power of two where that matters.
 double ErrorBlocks::whole(double samples) const {
-    return is_even() && samples >= 1.0 ? std::exp2(std::round(std::log2(samples))) : samples;
+    return is_even() && samples >= 1.0 ? std::ldexp(1.0, nearest_power(samples)) : samples;
 }
 
 /// How many samples there must be, so that all squares add up to `room`.
 double ErrorBlocks::samples_per_worth(std::span<const double> worths, double room) const {
+    std::vector<double> now(blocks_.size()), of_one(blocks_.size());
+    for (size_t i = 0; i < blocks_.size(); ++i) {
+        now[i] = squares(blocks_[i]);
+        of_one[i] = squares_of_one(blocks_[i]);
+    }
+    constexpr int kMostDoublings = 60;
+    std::array<double, kMostDoublings + 1> falls;  // what is left after so many doublings
+    for (size_t k = 0; k < falls.size(); ++k) falls[k] = std::exp2(-power_ * static_cast<double>(k));
     const auto squares_at = [&](double factor) {
         double sum = 0;
-        for (size_t i = 0; i < blocks_.size(); ++i)
-            sum += squares(blocks_[i], std::max<double>(blocks_[i].samples, whole(worths[i] * factor)));
+        for (size_t i = 0; i < blocks_.size(); ++i) {
+            const double samples = worths[i] * factor;
+            if (whole(samples) <= blocks_[i].samples)
+                sum += now[i];
+            else
+                sum += of_one[i] * (is_even()
+                                        ? falls[static_cast<size_t>(std::min(nearest_power(samples), kMostDoublings))]
+                                        : 1.0 / samples);
+        }
         return sum;
     };
     constexpr int kSteps = 50;
-    double low = 0, high = 60;  // powers of two
+    double low = 0, high = kMostDoublings;
     for (int step = 0; step < kSteps; ++step) {
         const double middle = (low + high) / 2;
         (squares_at(std::exp2(middle)) > room ? low : high) = middle;

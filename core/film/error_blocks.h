@@ -7,8 +7,8 @@
 // evenly, so that falls with their number as n^-p, p being 1 or more, and 2^p - 1 times what is left was taken away.
 // Two doublings tell p, for the whole picture. The least of all rounds holds: blocks that take further samples because
 // they changed much change less the next time, whatever p is. Where p is well above 1, numbers of samples are powers of
-// two: between them, samples are spread less evenly. Where it is not, squares of samples tell the error
-// of a block, as of random ones; by how much less it is, doublings tell, again for the whole picture.
+// two: between them, samples are spread less evenly. Where it is not, squares of samples tell the error of a block, as
+// of random ones; by how much less it is, doublings tell, again for the whole picture.
 //
 // A noise threshold is in Cycles' unit: the root mean square over pixels, of blocks that are noisy at all, of the
 // standard error of their mean brightness (red + green + blue) over the root of that mean. Cycles estimates it from
@@ -86,7 +86,7 @@ class ErrorBlocks {
         /// Of what is displayed of its mean colour, for a channel that is as noisy as the mean of them.
         double displayed_squares(int samples) const;
         /// Of two samples or more, in Cycles' unit.
-        double noise(int samples) const;
+        double noise_square(int samples) const;
     };
     struct Block {
         int samples = 0;
@@ -129,9 +129,9 @@ class ErrorBlocks {
     int wanted(const Block& block, int most) const;
     void add_changes(Block& block, const Window& place, std::span<const PixelMoments> added);
     void judge_doublings();
-    /// Else samples are hardly better than random ones.
-    bool is_even() const { return power_ > 1.1; }
-    double squares(const Block& block, double samples) const;
+    bool is_even() const;
+    double squares_of_one(const Block& block) const;
+    double squares(const Block& block) const;
     double numbers_of_all() const;
     double squares_of_all() const;
     double room() const;
