@@ -16,8 +16,7 @@ target_include_directories(rayleaf_core PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_
                                                $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/rayleaf>)
 # What an installed library links is found again by cmake/rayleaf-config.cmake.in.
 target_link_libraries(rayleaf_core PUBLIC $<BUILD_INTERFACE:rayleaf_flags> Imath::Imath TBB::tbb
-                      PRIVATE $<BUILD_INTERFACE:embree> $<BUILD_INTERFACE:${OPENSUBDIV}> $<BUILD_INTERFACE:${OPENVDB}> $<BUILD_INTERFACE:rayleaf_openimageio>
-                              $<BUILD_INTERFACE:PkgConfig::HWY>)
+                      PRIVATE "$<BUILD_INTERFACE:${RAYLEAF_THIRD_PARTIES}>")
 target_compile_features(rayleaf_core PUBLIC cxx_std_20)
 target_compile_options(rayleaf_core INTERFACE $<INSTALL_INTERFACE:-ffp-contract=off>)
 target_include_directories(rayleaf_core SYSTEM PRIVATE ${OPENSUBDIV_INCLUDES} ${OPENVDB_INCLUDES})
