@@ -25,7 +25,10 @@ namespace {
 
 namespace oiio = OIIO;
 
-constexpr int kLargestAnisotropy = 16;
+/// A long footprint is filtered as if it were round and as wide as it is narrow. The rest is left to the samples of a
+/// pixel, which lie all over it (Pharr, Wronski, Salvi, Fajardo 2024, "Filtering After Shading With Stochastic Texture
+/// Filtering"): probes along a footprint cost most where surfaces are seen at grazing angles, and leave the same noise.
+constexpr int kLargestAnisotropy = 1;
 /// An image of so many bytes is converted by all threads together, when the scene is committed.
 constexpr size_t kLarge = size_t{64} << 20;
 /// Smaller images that wait to be converted hold at most so many bytes together; another is converted at once.
@@ -58,6 +61,7 @@ oiio::TextureOpt options(TextureExtension extension, TextureInterpolation interp
     result.swrap = wrap(extension, true);
     result.twrap = wrap(extension, false);
     result.anisotropic = kLargestAnisotropy;
+    result.conservative_filter = false;  // no wider than that
     result.fill = 0.0f;
     switch (interpolation) {
         case TextureInterpolation::Closest:

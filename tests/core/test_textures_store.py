@@ -119,14 +119,20 @@ def test_a_fine_checker_far_away_is_its_mean_in_linear_light(store):
     np.testing.assert_allclose(far, 0.5, atol=2e-3)  # a mean of codes would give 0.21
 
 
-def test_a_long_footprint_blurs_along_itself_only(store):
+def test_a_long_footprint_is_blurred_as_far_as_it_is_narrow(store):
+    """And no further: what lies along it is the mean of samples that are spread there."""
     pixels = np.zeros((64, 64, 1), np.float32)
     pixels[::2] = 1  # stripes along u
     texture = store.add_pixels("Stripes", pixels, tests.ColorSpace.NON_COLOR)
-    uv = np.float32([[0.37, 10.5 / 64]])
-    along = store.lookup(texture, uv, np.float32([[0.2, 0]]), np.float32([[0, 0.2 / 16]]), REPEAT, LINEAR)[0, 0]
-    across = store.lookup(texture, uv, np.float32([[0.2 / 16, 0]]), np.float32([[0, 0.2]]), REPEAT, LINEAR)[0, 0]
-    assert along > 0.6 and across == pytest.approx(0.5, abs=0.05)
+    long, narrow, count = 0.2, 0.2 / 16, 128
+    uv = np.stack([np.full(count, 0.37), 10.5 / 64 + long * (np.arange(count) / count - 0.5)], axis=1)
+    wide, high = (np.tile(np.float32(each), (count, 1)) for each in ((long, 0), (0, narrow)))
+    along = store.lookup(texture, np.float32(uv), wide, high, REPEAT, LINEAR)[:, 0]
+    wide, high = (np.tile(np.float32(each), (count, 1)) for each in ((narrow, 0), (0, long)))
+    across = store.lookup(texture, np.float32(uv), wide, high, REPEAT, LINEAR)[:, 0]
+    np.testing.assert_array_equal(along, across)
+    assert np.ptp(across) > 0.3
+    assert across.mean() == pytest.approx(0.5, abs=0.02)
 
 
 def test_colours_do_not_bleed_out_of_transparent_pixels(store):
