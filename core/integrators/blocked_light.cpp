@@ -36,7 +36,7 @@ class BlockedLights {
         if (!scene_.lights().has_hittable_lamps_with_blockers()) return;
         PathState path = shadow_.state;
         path.shadow = false;
-        scene_.lights().lamp_hits(way_.ray, from_, way_.kind, path, [&](const LampHit& hit) {
+        scene_.lights().lamp_hits(way_.ray, way_.ray.t_max, from_, way_.kind, path, [&](const LampHit& hit) {
             if (hit.blockers < 0) return;
             Ray ray = way_.ray;
             ray.t_max = hit.t;

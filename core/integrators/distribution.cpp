@@ -147,15 +147,16 @@ void DistributionTracer::add(const Branch& branch, const Color& radiance, Pass s
 }
 
 void DistributionTracer::add_lamps(const Branch& branch, double t_max) {
-    if (!scene_.lights().has_hittable_lamps() || branch.departure.sampling == LightSampling::Alone) return;
-    Ray ray = branch.ray;
-    ray.t_max = t_max;
-    const PathState path = branch.bounces.of_met_lamp();
-    scene_.lights().lamp_hits(ray, branch.departure.from, branch.bounces.ray_kind(), path, [&](const LampHit& hit) {
+    if (branch.departure.sampling == LightSampling::Alone) return;
+    const LightSet& lights = scene_.lights();
+    if (!lights.may_meet_lamps(branch.ray, t_max)) return;
+    const auto add_lamp = [&](const LampHit& hit) {
         if (branch.bounces.count() > 0 && hit.blockers >= 0) return;
         add(branch, hit.radiance * branch.departure.weight(hit.density) * free_of_media(branch, hit.t), Pass::emission,
             hit.light_group);
-    });
+    };
+    lights.lamp_hits(branch.ray, t_max, branch.departure.from, branch.bounces.ray_kind(), branch.bounces.of_met_lamp(),
+                     add_lamp);
 }
 
 void DistributionTracer::add_blocked_lights(const Branch& branch) {

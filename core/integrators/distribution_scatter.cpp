@@ -34,11 +34,12 @@ void DistributionTracer::send_light(const Branch& branch, const Vertex& vertex, 
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
     const int siblings = branch.spread == Spread::One ? kPathSiblings : count;
-    const std::optional<Ray> ray = shadow_ray(scene_, vertex.point, light);
-    if (ray) light_ways_.push_back(way_of_light(branch, vertex, light, *ray, siblings));
+    Ray ray;
+    const bool waits = set_shadow_ray(scene_, vertex.point, light, ray);
+    if (waits) light_ways_.push_back(way_of_light(branch, vertex, light, ray, siblings));
     const int scatterings = branch.bounces.count() + 1;
     sent_.push_back({arriving, scatterings == 1 ? shares : branch.first_shares, scene_.light_group(light), scatterings,
-                     branch.share * each, ray.has_value()});
+                     branch.share * each, waits});
     if (sent_.size() == kPacketSize) receive_light_alone();
 }
 

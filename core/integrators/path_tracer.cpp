@@ -122,14 +122,13 @@ void PathTracer::add(const Color& radiance, Pass seen, int group) {
 }
 
 void PathTracer::add_lamps(double t_max) {
-    if (!scene_.lights().has_hittable_lamps()) return;
-    Ray ray = ray_;
-    ray.t_max = t_max;
-    const PathState path = bounces_.of_met_lamp();
-    scene_.lights().lamp_hits(ray, departure_.from, bounces_.ray_kind(), path, [this](const LampHit& hit) {
+    const LightSet& lights = scene_.lights();
+    if (!lights.may_meet_lamps(ray_, t_max)) return;
+    const auto add_lamp = [this](const LampHit& hit) {
         if (bounces_.count() > 0 && hit.blockers >= 0) return;
         add(hit.radiance * departure_.weight(hit.density) * free_of_media(hit.t), Pass::emission, hit.light_group);
-    });
+    };
+    lights.lamp_hits(ray_, t_max, departure_.from, bounces_.ray_kind(), bounces_.of_met_lamp(), add_lamp);
 }
 
 void PathTracer::add_blocked_lights() {
@@ -192,15 +191,16 @@ void PathTracer::add_emission(const Vertex& vertex) {
 
 void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
+    const LightSet& lights = scene_.lights();
     const LitPoint at = lit(scene_, vertex);
-    const PathState state = bounces_.of_sampled_light();
-    const int count = bounces_.count() == 0 && scene_.lights().holds_several() ? kFirstLightRays : 1;
+    const PathState state = lights.asks_path() ? bounces_.of_sampled_light() : PathState();
+    const int count = bounces_.count() == 0 && lights.holds_several() ? kFirstLightRays : 1;
     for (int i = 0; i < count; ++i) {
         const Vec2f numbers = numbers_of_part(random, i, count);
-        const std::optional<LightSample> light = scene_.lights().sample(at, numbers, vertex.point.time, state);
+        std::optional<LightSample> light = lights.sample(at, numbers, vertex.point.time, state);
         if (!light) continue;
-        const LightSample& seen = bounces_.is_in_footage() ? seen_in_footage(*light) : *light;
-        add_sampled_light(vertex, seen, {i, count}, light_rays);
+        if (bounces_.is_in_footage()) see_in_footage(*light);
+        add_sampled_light(vertex, *light, {i, count}, light_rays);
     }
 }
 
@@ -217,30 +217,31 @@ void PathTracer::add_sampled_light(const Vertex& vertex, const LightSample& ligh
     const Color arriving = throughput_ * lit.value * (light.radiance / light.density) * (weight * share);
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
-    LightRay& way = light_rays.emplace_back();
-    way.arriving = arriving;
+    LightRay& way = light_rays.emplace_back(arriving);
     way.share = share;
     way.shares = lit.shares;
     way.first = first;
     way.group = scene_.light_group(light);
     way.scatterings = bounces_.count() + 1;
-    std::optional<Ray> ray = shadow_ray(scene_, vertex.point, light);
-    if (!ray) {
+    if (!set_shadow_ray(scene_, vertex.point, light, way.ray)) {
         receive(way, Color(1.0f));
         light_rays.pop_back();
         return;
     }
-    way.ray = *ray;
     way.kind = to_light(bounces_.kind_of_shadow_ray(), light.blockers);
-    if (has_footprint_) way.differential = shadow_differential(vertex.differential, light, kPathSiblings);
-    way.state = bounces_.of_shadow_ray();
-    way.transparent_left = bounces_.transparent_left();
-    way.widening = settings_.widening(importance(), false);
+    if (has_footprint_) {
+        way.differential = shadow_differential(vertex.differential, light, kPathSiblings);
+        way.widening = settings_.widening(importance(), false);
+    }
+    if (scene_.has_transparency() || scene_.has_media()) {
+        way.state = bounces_.of_shadow_ray();
+        way.transparent_left = bounces_.transparent_left();
+    }
     if (!scene_.has_media()) return;
     way.media = media_;
     const uint32_t walk = dimension(vertex_, PathDimension::ShadowWalk);
     way.random = RandomStream(sampler_, walk ^ (static_cast<uint32_t>(sibling.index) << 24));
-    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(ray->direction), way.media);
+    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(way.ray.direction), way.media);
 }
 
 void PathTracer::receive(const LightRay& from, const Color& free) {

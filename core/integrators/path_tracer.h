@@ -18,10 +18,12 @@ namespace rayleaf {
 
 /// A ray to a sampled light.
 struct LightRay : FreeWay {
-    uint32_t path = 0;        ///< its place in a stream
-    Color arriving{0, 0, 0};  ///< light that reaches the camera if nothing blocks it
-    float share = 1;          ///< of a camera sample: several rays leave one vertex
-    ByKind shares;            ///< where the vertex is the first: in the kinds of its lobes
+    explicit LightRay(const Color& light) : arriving(light) {}
+
+    uint32_t path = 0;  ///< its place in a stream
+    Color arriving;     ///< light that reaches the camera if nothing blocks it
+    float share = 1;    ///< of a camera sample: several rays leave one vertex
+    ByKind shares;      ///< where the vertex is the first: in the kinds of its lobes
     bool first = false;
     int group = -1;       ///< the light's slot
     int scatterings = 1;  ///< on the way from the light to the camera

@@ -49,22 +49,23 @@ Vec3d shadow_origin(const Scene& scene, const SurfacePoint& point, const Vec3f& 
 
 }  // namespace
 
-std::optional<Ray> shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSample& light) {
-    if (!light.casts_shadow) return std::nullopt;
-    Ray ray;
+bool set_shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSample& light, Ray& ray) {
+    if (!light.casts_shadow) return false;
     ray.t_min = scene.shadow_bias();
     point.release(ray, light.direction);
     ray.origin = shadow_origin(scene, point, light.direction);
     ray.end = light.target_anchor;
-    ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
-    if (!std::isfinite(light.distance)) return ray;
+    if (!std::isfinite(light.distance)) {
+        ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
+        return true;
+    }
     // From the very start to the very end, both off their facets: a ray parallel to the sampled direction would miss
     // the end by the start's offset.
     const Vec3d way = light.target - ray.origin;
-    ray.direction = normalized_or(way, ray.direction);
     ray.t_max = way.length();
-    if (!(ray.t_max > 0)) return std::nullopt;
-    return ray;
+    // A length out of range says nothing of the direction.
+    ray.direction = std::isfinite(ray.t_max) ? way / ray.t_max : normalized_or(way, Vec3d(light.direction));
+    return ray.t_max > 0;
 }
 
 namespace {

@@ -11,8 +11,8 @@
 
 namespace rayleaf {
 
-/// The ray from a point to a light. Empty where nothing can be in the way.
-std::optional<Ray> shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSample& light);
+/// Makes `ray`, a new one, that from a point to a light. False where nothing can be in the way.
+bool set_shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSample& light, Ray& ray);
 
 /// A way along which it is asked how much light gets through.
 struct FreeWay {

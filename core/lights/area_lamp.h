@@ -8,6 +8,7 @@
 #include "lights/light.h"
 #include "lights/light_tree.h"
 #include "lights/lit_cone.h"
+#include "lights/spherical_rectangle.h"
 
 namespace rayleaf {
 
@@ -16,7 +17,8 @@ class AreaLamp {
     explicit AreaLamp(const Lamp& lamp);
 
     std::optional<LampSample> sample(const Vec3d& position, const Vec2f& random) const;
-    std::optional<LampIntersection> hit(const Ray& ray, const Vec3d& from) const;
+    /// Nearer than `end` along the ray.
+    std::optional<LampIntersection> hit(const Ray& ray, double end, const Vec3d& from) const;
 
     bool has_size() const { return area_ > 0; }
     Box3d bounds() const;
@@ -28,9 +30,12 @@ class AreaLamp {
 
   private:
     Vec3d center_;
-    Vec3d x_, y_;   ///< half edges, or half axes of the ellipse
-    Vec3d normal_;  ///< unit, the way the lamp shines
-    double area_;   ///< 0: a delta light with a cosine
+    Vec3d x_, y_;                 ///< half edges, or half axes of the ellipse
+    double x_length_, y_length_;  ///< of these
+    Vec3d along_x_, along_y_;     ///< of an offset in the lamp's plane, its product with these is in units of those
+    Vec3d normal_;                ///< unit, the way the lamp shines
+    double unit_area_;            ///< of the parallelogram of the half edges
+    double area_;                 ///< 0: a delta light with a cosine
     Color radiance_{0, 0, 0};
     Color intensity_;  ///< along the normal, W/sr
     bool ellipse_;
@@ -42,11 +47,24 @@ class AreaLamp {
     struct Window {
         double x_min, x_max, y_min, y_max;
     };
-    std::optional<Window> window(const Vec3d& position) const;
+    /// A point that the lamp shines on.
+    struct Place {
+        Vec3d position;
+        Vec3d offset;       ///< from the lamp's centre
+        double height = 0;  ///< above the lamp
+    };
+    /// Empty where the point is not above the lamp.
+    std::optional<Place> place(const Vec3d& position) const;
+    std::optional<Window> window(const Place& at) const;
     float attenuation(double cosine) const;
-    std::optional<LampSample> sample_by_area(const Vec3d& position, const Vec2f& random, const Window& window) const;
+    LampSample towards(const Place& at, const Vec3d& way) const;
+    std::optional<LampSample> sample_by_area(const Place& at, const Vec2f& random, const Window& window) const;
     /// Density, per solid angle, towards the point of the lamp at `to`.
     double density(const Vec3d& position, const Vec3d& to) const;
+    double density_by_area(const Place& at, const Window& window, double distance) const;
+    /// An ellipse is sampled as a whole unless its window is the smaller of the two.
+    bool samples_whole_ellipse(const Window& window) const;
+    SphericalRectangle spherical(const Place& at, const Window& window) const;
 };
 
 }  // namespace rayleaf

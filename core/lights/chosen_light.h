@@ -10,13 +10,13 @@
 namespace rayleaf {
 
 /// The choice of this light taken into account; empty where nothing that floats can hold arrives.
-inline std::optional<LightSample> chosen(const LampSample& from, const Vec3d& position, double probability,
-                                         uint16_t visibility, bool casts_shadow) {
-    LightSample sample;
+inline std::optional<LightSample> chosen(const LampSample& from, double probability, uint16_t visibility,
+                                         bool casts_shadow) {
+    std::optional<LightSample> result(std::in_place);
+    LightSample& sample = *result;
     sample.direction = Vec3f(from.direction);
     sample.distance = from.distance;
-    if (std::isfinite(from.distance))
-        sample.target = from.target ? *from.target : position + from.direction * from.distance;
+    sample.target = from.target;
     sample.target_anchor = from.target_anchor;
     sample.radiance = from.radiance;
     sample.density = static_cast<float>(std::min(from.density * probability, kLargestDensity));
@@ -25,8 +25,8 @@ inline std::optional<LightSample> chosen(const LampSample& from, const Vec3d& po
     sample.visibility = visibility;
     if (!is_usable(sample.radiance) || is_black(sample.radiance) || !(sample.density > 0) ||
         !is_finite(sample.direction))
-        return std::nullopt;
-    return sample;
+        result.reset();
+    return result;
 }
 
 /// The state of a path with this ray length.

@@ -15,8 +15,8 @@ ConeDirection sample_cone(const Vec3d& axis, double one_minus_cosine, const Vec2
     orthonormal_basis(axis, tangent, bitangent);
     const double below = one_minus_cosine * static_cast<double>(random.x);
     const double sine = std::sqrt(std::max(0.0, below * (2.0 - below)));
-    const double phi = 2.0 * std::numbers::pi * static_cast<double>(random.y);
-    return {axis * (1.0 - below) + tangent * (sine * std::cos(phi)) + bitangent * (sine * std::sin(phi)), below};
+    const Vec2d around = on_circle(static_cast<double>(random.y)) * sine;
+    return {axis * (1.0 - below) + tangent * around.x + bitangent * around.y, below};
 }
 
 }  // namespace rayleaf

@@ -99,10 +99,9 @@ struct PassedLights {
     std::span<const PassedLight> all() const { return {lights.data(), count}; }
 };
 
-/// A light as paths see it that meet nothing but what stands in the footage.
-inline LightSample seen_in_footage(LightSample light) {
+/// Makes it the light as paths see it that meet nothing but what stands in the footage.
+inline void see_in_footage(LightSample& light) {
     light.visibility = static_cast<uint16_t>(light.visibility >> kFootageShift);
-    return light;
 }
 
 /// What a ray that misses or passes lamps meets: a lamp, with the density light sampling would have had for it.
@@ -159,8 +158,10 @@ class LightSet {
     LightSet(const LightSet&) = delete;
     LightSet& operator=(const LightSet&) = delete;
 
-    bool empty() const;          ///< nothing to sample
-    bool holds_several() const;  ///< lamps, suns, emitting instances, and a world that is sampled: more than one
+    bool empty() const { return empty_; }                  ///< nothing to sample
+    bool holds_several() const { return holds_several_; }  ///< lamps, suns, emitting instances, a world that is sampled
+    /// False: no light that is sampled asks for the path's state.
+    bool asks_path() const { return asks_path_; }
     /// A light for a point; `random` in [0,1)²; `time` of the shutter. x chooses the light, and what the choice leaves
     /// of it is used again with y for the place on it: so the places on each light are stratified as the pair is,
     /// 2^-24 over the light's probability apart. `path`: the state for programs of lights; its ray length is filled in.
@@ -178,12 +179,13 @@ class LightSet {
     float emitter_density(const LitPoint& from, const SurfacePoint& point) const;
     /// The same for the world in `direction`.
     float world_density(const Vec3f& direction, const LitPoint& from) const;
-    /// Calls `add` for each lamp with a size that the ray meets in (t_min, t_max), in no order: they add up. Suns are
-    /// met by rays with infinite t_max only. `from` is where `sample` stood for the densities, usually near the origin;
+    /// Calls `add` for each lamp with a size that the ray meets in (t_min, end), in no order: they add up. Suns are met
+    /// where `end` is infinite only. `from` is where `sample` stood for the densities, usually near the origin;
     /// lamps that do not shine on it are left out. `path`: as for `sample`; its length counts from there.
-    void lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind, const PathState& path,
+    void lamp_hits(const Ray& ray, double end, const LitPoint& from, Visibility kind, const PathState& path,
                    const std::function<void(const LampHit&)>& add) const;
-    bool has_hittable_lamps() const;  ///< false: lamp_hits never finds any
+    /// False: lamp_hits finds none.
+    bool may_meet_lamps(const Ray& ray, double end) const;
     /// Whether any light shines on some objects alone, or has the shadows of some alone.
     bool has_links() const;
     /// Emitting instances that have the shadows of some objects alone; and whether such lamps can be met.
@@ -195,6 +197,7 @@ class LightSet {
   private:
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
+    bool empty_, holds_several_, asks_path_;
 };
 
 }  // namespace rayleaf

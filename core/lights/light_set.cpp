@@ -59,7 +59,6 @@ struct LightSet::Implementation {
     std::vector<uint32_t> lamps_with_size;  ///< those that rays can hit
     LightTree hittable{{}};                 ///< over those
     SurfaceLights surfaces;
-    size_t emitting_instances = 0;
     WorldEmission world_emission;
     uint8_t world_visibility;
     LampEmission lamp_emission;
@@ -107,8 +106,14 @@ struct LightSet::Implementation {
                  double distance, const PathState& path) const {
         return radiance * lamp_emission({lamp.number, place, -Vec3f(direction), of_length(path, distance)});
     }
-    std::optional<LightSample> chosen_of(const LampTraits& lamp, LampSample sample, const Vec3d& position,
-                                         double probability, const PathState& path) const;
+    /// The lamp's program is applied to the sample.
+    std::optional<LightSample> chosen_of(const LampTraits& lamp, LampSample& sample, double probability,
+                                         const PathState& path) const;
+    bool asks_path() const {
+        const auto has_program = [](const auto& lamp) { return lamp.traits.has_program; };
+        return world || surfaces.count() > 0 || std::ranges::any_of(lamps, has_program) ||
+               std::ranges::any_of(suns, has_program);
+    }
     std::optional<LightSample> sample_tree(const LitPoint& at, float random_y, const InTree& in_tree, float time,
                                            const PathState& path) const;
 };
@@ -120,7 +125,7 @@ LightGroups LightSet::Implementation::groups(const LitPoint& at) const {
     if (world) result.add(world_weight(at));
     result.has_tree = tree.shines_on(at);
     if (!result.has_tree) return result;
-    result.of_tree = {tree.cosine(at), tree.irradiance(at)};
+    result.of_tree = suns.empty() && !world ? kOnlyGroup : tree.weight(at);
     result.add(result.of_tree);
     return result;
 }
@@ -174,36 +179,26 @@ LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingIns
     Implementation& set = *implementation_;
     for (size_t i = 0; i < lamps.size(); ++i)
         if (shines(lamps[i])) set.add(lamps[i], i);
-    set.emitting_instances = emitters.size();
     for (const EmittingInstance& emitter : emitters) {
         set.has_links |= emitter.link != LightLink();
         if (emitter.link.blockers >= 0) set.emitters_with_blockers.push_back(emitter.instance);
     }
     if (world_light && !world_light->is_uniform()) set.world = std::move(world_light);
     set.build_tree(cancel);
+    empty_ = set.suns.empty() && !set.world && set.tree.empty();
+    holds_several_ = set.lamps.size() + set.suns.size() + emitters.size() + (set.world ? 1 : 0) > 1;
+    asks_path_ = set.asks_path();
 }
 
 LightSet::~LightSet() = default;
 
-bool LightSet::empty() const {
-    const Implementation& set = *implementation_;
-    return set.suns.empty() && !set.world && set.tree.empty();
-}
-
-bool LightSet::holds_several() const {
-    const Implementation& set = *implementation_;
-    return set.lamps.size() + set.suns.size() + set.emitting_instances + (set.world ? 1 : 0) > 1;
-}
-
-std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits& lamp, LampSample sample,
-                                                               const Vec3d& position, double probability,
-                                                               const PathState& path) const {
+std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits& lamp, LampSample& sample,
+                                                               double probability, const PathState& path) const {
     if (lamp.has_program) {
-        const bool is_far = !std::isfinite(sample.distance);
-        const Vec3d place = is_far ? sample.direction : position + sample.direction * sample.distance;
+        const Vec3d& place = std::isfinite(sample.distance) ? sample.target : sample.direction;
         sample.radiance = shaded(lamp, sample.radiance, place, sample.direction, sample.distance, path);
     }
-    std::optional<LightSample> light = chosen(sample, position, probability, lamp.visibility, lamp.casts_shadow);
+    std::optional<LightSample> light = chosen(sample, probability, lamp.visibility, lamp.casts_shadow);
     if (!light) return light;
     light->lamp_group = lamp.light_group;
     light->blockers = lamp.link.blockers;
@@ -220,14 +215,14 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint&
     const Vec2f random(below_one(item->left_over), random_y);
     if (item->item < lamps.size()) {
         const PlacedLamp& lamp = lamps[item->item];
-        const auto sample = std::visit([&](const auto& shape) { return shape.sample(position, random); }, lamp.shape);
+        auto sample = std::visit([&](const auto& shape) { return shape.sample(position, random); }, lamp.shape);
         if (!sample) return std::nullopt;
-        return chosen_of(lamp.traits, *sample, position, probability, path);
+        return chosen_of(lamp.traits, *sample, probability, path);
     }
     const auto surface = static_cast<uint32_t>(item->item - lamps.size());
     const auto sample = surfaces.sample(surface, position, random, time, path);
     if (!sample) return std::nullopt;
-    std::optional<LightSample> light = chosen(*sample, position, probability, surfaces.visibility(surface), true);
+    std::optional<LightSample> light = chosen(*sample, probability, surfaces.visibility(surface), true);
     if (!light) return light;
     light->instance = static_cast<int>(surfaces.instance(surface));
     light->blockers = surfaces.link(surface).blockers;
@@ -239,11 +234,11 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& ran
     const Implementation& set = *implementation_;
     const LightGroups groups = set.groups(at);
     if (!(groups.total.cosine > 0.0)) return std::nullopt;
-    const Vec3d& position = at.position;
     double choice = random.x;
     const auto within = [&](double probability) { return Vec2f(below_one(choice / probability), random.y); };
     const auto sample_sun = [&](const DistantLamp& sun, double probability) {
-        return set.chosen_of(sun.traits, sun.sun.sample(within(probability)), position, probability, path);
+        LampSample sample = sun.sun.sample(within(probability));
+        return set.chosen_of(sun.traits, sample, probability, path);
     };
     const DistantLamp* last = nullptr;
     for (const DistantLamp& lamp : set.suns) {
@@ -258,8 +253,8 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& ran
         if (choice < probability || !groups.has_tree) {
             LampSample sample = set.world->sample(within(probability));
             sample.radiance = set.world_emission(Vec3f(sample.direction), path);
-            std::optional<LightSample> light = chosen(
-                sample, position, probability, static_cast<uint16_t>(seen_by(set.world_visibility | kOfFootage)), true);
+            std::optional<LightSample> light =
+                chosen(sample, probability, static_cast<uint16_t>(seen_by(set.world_visibility | kOfFootage)), true);
             if (light) light->world = true;
             return light;
         }
@@ -325,7 +320,7 @@ float LightSet::world_density(const Vec3f& direction, const LitPoint& from) cons
     return static_cast<float>(choice * set.world->density(direction));
 }
 
-void LightSet::lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind, const PathState& path,
+void LightSet::lamp_hits(const Ray& ray, double end, const LitPoint& from, Visibility kind, const PathState& path,
                          const std::function<void(const LampHit&)>& add) const {
     const Implementation& set = *implementation_;
     const auto report = [&](const LampTraits& lamp, const LampIntersection& hit, double choice) {
@@ -340,16 +335,16 @@ void LightSet::lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind, 
         add({hit.t, radiance, static_cast<float>(std::min(hit.density * choice, kLargestDensity)), lamp.light_group,
              lamp.link.blockers});
     };
-    set.hittable.visit_crossed(ray, [&](uint32_t item) {
+    set.hittable.visit_crossed(ray, end, [&](uint32_t item) {
         const uint32_t index = set.lamps_with_size[item];
         const PlacedLamp& lamp = set.lamps[index];
         if (!(lamp.traits.visibility & kind) || !set.shines_on(from, lamp.traits)) return;
-        const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, from.position); }, lamp.shape);
+        const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, end, from.position); }, lamp.shape);
         if (hit)
             report(lamp.traits, *hit,
                    set.groups(from).tree_probability() * set.tree.probability(from, index, set.reaches(from.position)));
     });
-    if (std::isfinite(ray.t_max)) return;
+    if (std::isfinite(end)) return;
     for (const DistantLamp& lamp : set.suns) {
         if (!(lamp.traits.visibility & kind) || !set.shines_on(from, lamp.traits)) continue;
         if (const auto hit = lamp.sun.hit(ray))
@@ -357,10 +352,11 @@ void LightSet::lamp_hits(const Ray& ray, const LitPoint& from, Visibility kind, 
     }
 }
 
-bool LightSet::has_hittable_lamps() const {
+bool LightSet::may_meet_lamps(const Ray& ray, double end) const {
     const Implementation& set = *implementation_;
-    return !set.lamps_with_size.empty() ||
-           std::any_of(set.suns.begin(), set.suns.end(), [](const DistantLamp& lamp) { return lamp.sun.has_size(); });
+    return set.hittable.is_crossed(ray, end) ||
+           (!std::isfinite(end) &&
+            std::ranges::any_of(set.suns, [&](const DistantLamp& lamp) { return lamp.sun.hit(ray).has_value(); }));
 }
 
 bool LightSet::has_links() const {

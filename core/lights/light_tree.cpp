@@ -37,16 +37,6 @@ LightCone common_cone(const std::vector<LightTreeItem>& items, std::span<const u
 
 }  // namespace
 
-double LightTree::cosine(const LitPoint& at) const {
-    if (nodes_.empty()) return 0.0;
-    const Node& node = nodes_.front();
-    const Vec3d offset = node.center - at.position;
-    const double distance_squared = offset.length2();
-    if (!(distance_squared > node.radius_squared)) return mean_cosine(at);
-    const double inverse = 1.0 / std::sqrt(distance_squared);
-    return cosine_at_surface(at.normal, Vec3f(offset * inverse), seen(node, inverse));
-}
-
 LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel) : leaf_of_item_(items.size()) {
     if (items.empty()) return;
     std::vector<uint32_t> order(items.size());
@@ -110,8 +100,13 @@ void LightTree::gather_sets(const std::vector<LightTreeItem>& items) {
     }
 }
 
-double LightTree::irradiance(const LitPoint& at) const {
-    return nodes_.empty() ? 0.0 : irradiance(0, at, 0);
+LightGroups::Weight LightTree::weight(const LitPoint& at) const {
+    if (nodes_.empty()) return {};
+    const Node& root = nodes_.front();
+    const View view(root, at.position);
+    if (view.is_inside) return {mean_cosine(at), irradiance(0, at, 0)};
+    const float cosine = cosine_at_surface(at.normal, view.direction, view.cone);
+    return {cosine, root.intensity * (cosine * at_light(root, at, view)) * view.falloff};
 }
 
 /// Of a node around the point, by its children.

@@ -11,6 +11,7 @@
 #include "base/cancel.h"
 #include "base/vector.h"
 #include "lights/cosines.h"
+#include "lights/light_groups.h"
 #include "lights/light_linking.h"
 #include "rays/ray.h"
 
@@ -46,10 +47,11 @@ class LightTree {
     explicit LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel = kNeverCancelled);
 
     bool empty() const { return nodes_.empty(); }
-    /// A rough estimate of the irradiance of all lights at a point: the weight of the tree against suns and the world.
-    double irradiance(const LitPoint& at) const;
-    /// The cosine at the point, at best.
-    double cosine(const LitPoint& at) const;
+    /// The tree's against suns and the world: the cosine at the point, at best, and a rough estimate of the irradiance
+    /// of all lights there.
+    LightGroups::Weight weight(const LitPoint& at) const;
+    /// Whether the first `end` of a ray may cross the bounds of any light.
+    bool is_crossed(const Ray& ray, double end) const { return !nodes_.empty() && may_cross(nodes_.front(), ray, end); }
     /// Whether any light shines on a point, by their links alone.
     bool shines_on(const LitPoint& at) const { return !nodes_.empty() && is_linked(0, at.lit_by); }
 
@@ -74,10 +76,10 @@ class LightTree {
     Light light(uint32_t item) const;
     size_t count() const { return leaf_of_item_.size(); }
 
-    /// Calls `visit(item)` for every light whose bounds a ray may cross.
+    /// Calls `visit(item)` for every light whose bounds the first `end` of a ray may cross.
     template <typename Visit>
-    void visit_crossed(const Ray& ray, const Visit& visit) const {
-        if (!nodes_.empty()) visit_crossed(nodes_.front(), ray, visit);
+    void visit_crossed(const Ray& ray, double end, const Visit& visit) const {
+        if (!nodes_.empty()) visit_crossed(nodes_.front(), ray, end, visit);
     }
 
     size_t bytes() const;
@@ -108,32 +110,44 @@ class LightTree {
     void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
                uint32_t node, const CancelToken& cancel);
 
+    /// A node's sphere as it is seen from a point.
+    struct View {
+        bool is_inside;
+        double falloff;  ///< with the distance
+        // From outside:
+        Vec3f direction;
+        HalfAngle cone;
+
+        View(const Node& node, const Vec3d& position) {
+            const Vec3d offset = node.center - position;
+            const double distance_squared = offset.length2();
+            is_inside = !(distance_squared > node.radius_squared);
+            if (is_inside) {  // the distance says nothing; half the radius is as good a guess as any
+                falloff = 1.0 / std::max({distance_squared, 0.25 * node.radius_squared, kNearest});
+                return;
+            }
+            const double inverse = 1.0 / std::sqrt(distance_squared);
+            falloff = std::min(inverse * inverse, 1.0 / kNearest);
+            direction = Vec3f(offset * inverse);
+            cone = HalfAngle::of_sine(node.radius * static_cast<float>(inverse));
+        }
+    };
     template <typename Reaches>
     double importance(size_t index, const LitPoint& at, const Reaches& reaches) const {
         const Node& node = nodes_[index];
         if (!is_linked(index, at.lit_by) || (node.left == 0 && !reaches(node.item))) return 0.0;
-        // Inside a node the distance says nothing; half its radius is as good a guess as any.
-        const Vec3d offset = node.center - at.position;
-        const double distance_squared = offset.length2();
-        if (!(distance_squared > node.radius_squared))
-            return node.intensity / std::max({distance_squared, 0.25 * node.radius_squared, kNearest});
-        const double inverse = 1.0 / std::sqrt(distance_squared);
-        return node.intensity * cosines(node, at, offset, inverse) * std::min(inverse * inverse, 1.0 / kNearest);
+        const View view(node, at.position);
+        if (view.is_inside) return node.intensity * view.falloff;
+        const float at_point = cosine_at_surface(at.normal, view.direction, view.cone);
+        return node.intensity * (at_point * at_light(node, at, view)) * view.falloff;
     }
-    /// The half angle under which a node's sphere is seen from a point outside.
-    static HalfAngle seen(const Node& node, double inverse_distance) {
-        return HalfAngle::of_sine(node.radius * static_cast<float>(inverse_distance));
-    }
-    /// At best, of the lights' normals and of the point's; from outside the node's sphere.
-    float cosines(const Node& node, const LitPoint& at, const Vec3d& offset, double inverse_distance) const {
-        const Vec3f direction(offset * inverse_distance);
-        const HalfAngle cone = seen(node, inverse_distance);
-        const float at_point = cosine_at_surface(at.normal, direction, cone);
-        if (node.axis == Vec3f(0.0f)) return at_point;
-        const float along = -direction.dot(node.axis);
+    /// The cosine at a node's lights, at best, from outside its sphere.
+    float at_light(const Node& node, const LitPoint& at, const View& view) const {
+        if (node.axis == Vec3f(0.0f)) return 1.0f;
+        const float along = -view.direction.dot(node.axis);
         const bool both = node.body < 0 || bodies_[static_cast<size_t>(node.body)].intersects(at.position);
-        const float at_light = narrowed(both ? std::abs(along) : node.ahead ? along : -along, cone + node.spread);
-        return at_point * std::max(kLeastCosine, at_light);
+        const float cosine = both ? std::abs(along) : node.ahead ? along : -along;
+        return std::max(kLeastCosine, narrowed(cosine, view.cone + node.spread));
     }
     /// Probability of the left child.
     template <typename Reaches>
@@ -144,16 +158,19 @@ class LightTree {
         return left / (left + right);
     }
 
-    template <typename Visit>
-    void visit_crossed(const Node& node, const Ray& ray, const Visit& visit) const {
+    static bool may_cross(const Node& node, const Ray& ray, double end) {
         const Vec3d offset = node.center - ray.origin;
-        const double along = offset.dot(ray.direction);
+        const double nearest = std::max(0.0, std::min(offset.dot(ray.direction), end));
         // Rounding of the offset counts where lights are far smaller than their distance.
         const double slack = node.radius_squared * kRoundingShare + offset.length2() * kRounding;
-        if ((offset - ray.direction * along).length2() > node.radius_squared + slack) return;
+        return !((offset - ray.direction * nearest).length2() > node.radius_squared + slack);
+    }
+    template <typename Visit>
+    void visit_crossed(const Node& node, const Ray& ray, double end, const Visit& visit) const {
+        if (!may_cross(node, ray, end)) return;
         if (node.left == 0) return visit(node.item);
-        visit_crossed(nodes_[node.left], ray, visit);
-        visit_crossed(nodes_[node.left + 1], ray, visit);
+        visit_crossed(nodes_[node.left], ray, end, visit);
+        visit_crossed(nodes_[node.left + 1], ray, end, visit);
     }
 
     static constexpr double kRoundingShare = 1e-6;  ///< of a squared radius

@@ -56,6 +56,7 @@ std::optional<LampSample> PointLamp::sample(const Vec3d& position, const Vec2f& 
         sample.direction = cone.direction;
         const double along = offset.dot(sample.direction);
         sample.distance = along + std::sqrt(std::max(0.0, along * along - offset.length2() + radius_ * radius_));
+        sample.target = position + sample.direction * sample.distance;
         sample.density = 1.0 / kSphere;
         sample.radiance = radiance_ * attenuation(sample.direction);
         return sample;
@@ -65,7 +66,7 @@ std::optional<LampSample> PointLamp::sample(const Vec3d& position, const Vec2f& 
     const double solid_angle = cone_solid_angle(sine);
     if (radius_ == 0 || solid_angle < kSmallestSolidAngle) {
         const Color irradiance(Vec3d(intensity_) / (distance * distance));
-        return LampSample{axis, distance, irradiance * attenuation(axis), 1.0, true};
+        return LampSample{axis, distance, center_, irradiance * attenuation(axis), 1.0, true};
     }
     const double one_minus_cosine = solid_angle / (2.0 * std::numbers::pi);
     const ConeDirection cone = sample_cone(axis, one_minus_cosine, random);
@@ -74,6 +75,7 @@ std::optional<LampSample> PointLamp::sample(const Vec3d& position, const Vec2f& 
     sample.direction = cone.direction;
     sample.distance =
         soft_ ? distance / (1.0 - below) : distance * (1.0 - below) - std::sqrt(std::max(0.0, half_chord_squared));
+    sample.target = position + sample.direction * sample.distance;
     sample.density = 1.0 / solid_angle;
     sample.radiance = radiance_ * attenuation(sample.direction);
     return sample;
@@ -99,10 +101,10 @@ std::optional<double> PointLamp::distance_to_disk(const Ray& ray, const Vec3d& f
     return t;
 }
 
-std::optional<LampIntersection> PointLamp::hit(const Ray& ray, const Vec3d& from) const {
+std::optional<LampIntersection> PointLamp::hit(const Ray& ray, double end, const Vec3d& from) const {
     if (radius_ == 0) return std::nullopt;
     const std::optional<double> t = soft_ ? distance_to_disk(ray, from) : distance_to_sphere(ray, from);
-    if (!t || !(*t > ray.t_min && *t < ray.t_max)) return std::nullopt;
+    if (!t || !(*t > ray.t_min && *t < end)) return std::nullopt;
     return LampIntersection{*t, radiance_ * attenuation(ray.direction), density(from)};
 }
 

@@ -18,9 +18,9 @@ class PointLamp {
     explicit PointLamp(const Lamp& lamp);
 
     std::optional<LampSample> sample(const Vec3d& position, const Vec2f& random) const;
-    /// Whether the ray meets the sphere or the disk in (t_min, t_max). `from` is where light sampling would have stood:
+    /// Whether the ray meets the sphere or the disk in (t_min, end). `from` is where light sampling would have stood:
     /// the disk faces it, and it decides whether the sphere is seen from outside or from inside.
-    std::optional<LampIntersection> hit(const Ray& ray, const Vec3d& from) const;
+    std::optional<LampIntersection> hit(const Ray& ray, double end, const Vec3d& from) const;
 
     bool has_size() const { return radius_ > 0; }
     Box3d bounds() const;

@@ -3,20 +3,20 @@
 namespace rayleaf {
 namespace {
 
-double angle_between(const Vec3d& a, const Vec3d& b) {
-    return std::acos(std::clamp(-a.dot(b), -1.0, 1.0));
+/// Between two planes through the viewpoint, one along each axis, inside the rectangle; of their normals only z counts.
+double angle_between(double a, double b) {
+    return std::acos(std::clamp(-a * b, -1.0, 1.0));
 }
 
 }  // namespace
 
 SphericalRectangle::SphericalRectangle(double x0, double x1, double y0, double y1, double height)
     : x0_(x0), x1_(x1), y0_(y0), y1_(y1), z0_(-height) {
-    const Vec3d v00(x0_, y0_, z0_), v01(x0_, y1_, z0_), v10(x1_, y0_, z0_), v11(x1_, y1_, z0_);
-    const Vec3d up(0, 0, 1);
-    const Vec3d n0 = normalized_or(v00.cross(v10), up), n1 = normalized_or(v10.cross(v11), up);
-    const Vec3d n2 = normalized_or(v11.cross(v01), up), n3 = normalized_or(v01.cross(v00), up);
-    b0_ = n0.z;
-    b1_ = n2.z;
+    // z of the unit normals of the planes through the edges.
+    const auto normal = [&](double edge) { return edge / std::sqrt(edge * edge + z0_ * z0_); };
+    const double n0 = normal(-y0_), n1 = normal(x1_), n2 = normal(y1_), n3 = normal(-x0_);
+    b0_ = n0;
+    b1_ = n2;
     k_ = 2.0 * std::numbers::pi - angle_between(n2, n3) - angle_between(n3, n0);
     solid_angle_ = angle_between(n0, n1) + angle_between(n1, n2) - k_;
 }

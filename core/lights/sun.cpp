@@ -15,15 +15,16 @@ Sun::Sun(const Lamp& lamp) : towards_(normalized_or(lamp.to_world.z, Vec3d(0, 0,
 
 LampSample Sun::sample(const Vec2f& random) const {
     const double far = std::numeric_limits<double>::infinity();
-    if (solid_angle_ == 0) return {towards_, far, irradiance_, 1.0, true};
-    return {sample_cone(towards_, one_minus_cosine_, random).direction, far, radiance_, 1.0 / solid_angle_, false};
+    if (solid_angle_ == 0) return {towards_, far, {0, 0, 0}, irradiance_, 1.0, true};
+    const Vec3d direction = sample_cone(towards_, one_minus_cosine_, random).direction;
+    return {direction, far, {0, 0, 0}, radiance_, 1.0 / solid_angle_, false};
 }
 
 std::optional<LampIntersection> Sun::hit(const Ray& ray) const {
-    if (solid_angle_ == 0 || std::isfinite(ray.t_max)) return std::nullopt;
+    if (solid_angle_ == 0) return std::nullopt;
     if (ray.direction.dot(towards_) <= 0 || ray.direction.cross(towards_).length2() > sine_squared_)
         return std::nullopt;
-    return LampIntersection{ray.t_max, radiance_, 1.0 / solid_angle_};
+    return LampIntersection{std::numeric_limits<double>::infinity(), radiance_, 1.0 / solid_angle_};
 }
 
 }  // namespace rayleaf

@@ -15,7 +15,7 @@ class Sun {
     explicit Sun(const Lamp& lamp);
 
     LampSample sample(const Vec2f& random) const;
-    /// Meets rays that go on to infinity only.
+    /// By a ray that goes on to infinity.
     std::optional<LampIntersection> hit(const Ray& ray) const;
 
     bool has_size() const { return solid_angle_ > 0; }

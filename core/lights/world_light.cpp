@@ -26,9 +26,10 @@ double radius_at(double z) {
     return std::sqrt(std::max(0.0, 1.0 - z * z));
 }
 
+/// `longitude` in full turns.
 Vec3d direction_of(double longitude, double z) {
-    const double radius = radius_at(z);
-    return {radius * std::cos(longitude), radius * std::sin(longitude), z};
+    const Vec2d around = on_circle(longitude) * radius_at(z);
+    return {around.x, around.y, z};
 }
 
 /// Cumulates `weights` to 1; all zero becomes uniform.
@@ -81,7 +82,7 @@ class CellDirections {
     CellDirections(int width, int height) : width_(width), height_(height) {
         for (int x = 0; x < width; ++x)
             for (int i = 0; i < kLookupsPerSide; ++i)
-                around_.push_back(direction_of(kTwoPi * (x + (i + 0.5) / kLookupsPerSide) / width, 0.0));
+                around_.push_back(direction_of((x + (i + 0.5) / kLookupsPerSide) / width, 0.0));
     }
     /// Of row `y`, cell by cell: kLookupsPerCell each.
     std::vector<Vec3f> of_row(int y) const {
@@ -240,7 +241,7 @@ LampSample WorldLight::sample(const Vec2f& random) const {
     const int x = find_cell(row(y), cell_guides_.data() + guide_of_row(y), width_, random.x, x_within);
     const double top = heights_[y], bottom = heights_[y + 1];
     LampSample sample;
-    sample.direction = direction_of(kTwoPi * (x + x_within) / width_, top + (bottom - top) * y_within);
+    sample.direction = direction_of((x + x_within) / width_, top + (bottom - top) * y_within);
     sample.distance = std::numeric_limits<double>::infinity();
     sample.density = cell_density(x, y);
     return sample;

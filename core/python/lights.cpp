@@ -72,12 +72,11 @@ std::pair<Color, float> look_along(const Scene& scene, const Ray& ray, const Lit
     Color radiance(0.0f);
     float density = 0;
     const std::optional<Hit> hit = scene.tracer().closest_hit(ray, kVisibleDiffuse);
-    Ray way = ray;
-    if (hit) way.t_max = hit->t;
-    scene.lights().lamp_hits(way, from, kVisibleDiffuse, sampling_state(), [&](const LampHit& lamp) {
-        radiance += lamp.radiance;
-        density += lamp.density;
-    });
+    scene.lights().lamp_hits(ray, hit ? hit->t : ray.t_max, from, kVisibleDiffuse, sampling_state(),
+                             [&](const LampHit& lamp) {
+                                 radiance += lamp.radiance;
+                                 density += lamp.density;
+                             });
     const Vec3f direction(ray.direction);
     if (hit) {
         const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
