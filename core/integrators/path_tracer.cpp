@@ -190,14 +190,15 @@ void PathTracer::add_emission(const Vertex& vertex) {
 }
 
 void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
-    if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
     const LightSet& lights = scene_.lights();
-    const LitPoint at = lit(scene_, vertex);
+    lit_ = lit(scene_, vertex);
+    if (!vertex.closures.has_smooth_lobes() || lights.empty()) return;
+    lights.weigh(lit_);
     const PathState state = lights.asks_path() ? bounces_.of_sampled_light() : PathState();
     const int count = bounces_.count() == 0 && lights.holds_several() ? kFirstLightRays : 1;
     for (int i = 0; i < count; ++i) {
         const Vec2f numbers = numbers_of_part(random, i, count);
-        std::optional<LightSample> light = lights.sample(at, numbers, vertex.point.time, state);
+        std::optional<LightSample> light = lights.sample(lit_, numbers, vertex.point.time, state);
         if (!light) continue;
         if (bounces_.is_in_footage()) see_in_footage(*light);
         add_sampled_light(vertex, *light, {i, count}, light_rays);
@@ -316,7 +317,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
     const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
     if (has_footprint_)
         differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
-    departure_ = {lit(scene_, vertex), sample->singular ? 0.0f : sample->density};
+    departure_ = {lit_, sample->singular ? 0.0f : sample->density};
     has_departed_ = scene_.has_blocked_lights();
     leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
     ray_ = Ray{};

@@ -128,6 +128,7 @@ class PathTracer {
     Ray ray_;
     RayDifferential differential_;
     Departure departure_;
+    LitPoint lit_;  ///< where lights were sampled last
     Color throughput_{1, 1, 1};
     Bounces bounces_;
     Contributions light_;

@@ -162,6 +162,8 @@ class LightSet {
     bool holds_several() const { return holds_several_; }  ///< lamps, suns, emitting instances, a world that is sampled
     /// False: no light that is sampled asks for the path's state.
     bool asks_path() const { return asks_path_; }
+    /// Keeps at the point what each choice of a light there begins with, where that takes long.
+    void weigh(LitPoint& at) const;
     /// A light for a point; `random` in [0,1)²; `time` of the shutter. x chooses the light, and what the choice leaves
     /// of it is used again with y for the place on it: so the places on each light are stratified as the pair is,
     /// 2^-24 over the light's probability apart. `path`: the state for programs of lights; its ray length is filled in.

@@ -83,6 +83,8 @@ struct LightSet::Implementation {
             return std::visit([&](const auto& lamp) { return lamp.reaches(position); }, lamps[item].shape);
         };
     }
+    /// Where suns and the world shine as well as the tree.
+    bool has_groups() const { return !suns.empty() || world; }
     LightGroups groups(const LitPoint& at) const;
     static LightGroups::Weight weight(const DistantLamp& lamp, const LitPoint& at) {
         const double cosine = lamp.sun.cosine(at.normal);
@@ -119,13 +121,14 @@ struct LightSet::Implementation {
 };
 
 LightGroups LightSet::Implementation::groups(const LitPoint& at) const {
+    if (at.groups) return *at.groups;
     LightGroups result;
     for (const DistantLamp& lamp : suns)
         if (shines_on(at, lamp.traits)) result.add(weight(lamp, at));
     if (world) result.add(world_weight(at));
     result.has_tree = tree.shines_on(at);
     if (!result.has_tree) return result;
-    result.of_tree = suns.empty() && !world ? kOnlyGroup : tree.weight(at);
+    result.of_tree = has_groups() ? tree.weight(at) : kOnlyGroup;
     result.add(result.of_tree);
     return result;
 }
@@ -269,10 +272,14 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& ran
                            path);
 }
 
+void LightSet::weigh(LitPoint& at) const {
+    if (implementation_->has_groups()) at.groups = implementation_->groups(at);
+}
+
 PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely, float random) const {
     const Implementation& set = *implementation_;
     PassedLights result;
-    if (!set.suns.empty() || set.world) result.far_share = 1.0 - set.groups(likely).tree_probability();
+    if (set.has_groups()) result.far_share = 1.0 - set.groups(likely).tree_probability();
     const auto add = [&](uint32_t item) {
         const LightTree::Light light = set.tree.light(item);
         std::optional<LitPart> part = LitPart{0.0, end};
@@ -300,7 +307,7 @@ PassedLights LightSet::placed(LightSets lit_by) const {
 
 bool LightSet::weighs_passed() const {
     const Implementation& set = *implementation_;
-    return !set.suns.empty() || set.world || set.tree.count() > PassedLights::kMost;
+    return set.has_groups() || set.tree.count() > PassedLights::kMost;
 }
 
 float LightSet::emitter_density(const LitPoint& from, const SurfacePoint& point) const {
