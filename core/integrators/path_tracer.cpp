@@ -197,7 +197,7 @@ void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random, std
     const PathState state = lights.asks_path() ? bounces_.of_sampled_light() : PathState();
     const int count = bounces_.count() == 0 && lights.holds_several() ? kFirstLightRays : 1;
     for (int i = 0; i < count; ++i) {
-        const Vec2f numbers = numbers_of_part(random, i, count);
+        const Vec2f numbers = count == 1 ? random : numbers_of_part(random, i, count);
         std::optional<LightSample> light = lights.sample(lit_, numbers, vertex.point.time, state);
         if (!light) continue;
         if (bounces_.is_in_footage()) see_in_footage(*light);

@@ -64,7 +64,7 @@ bool set_shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSa
     const Vec3d way = light.target - ray.origin;
     ray.t_max = way.length();
     // A length out of range says nothing of the direction.
-    ray.direction = std::isfinite(ray.t_max) ? way / ray.t_max : normalized_or(way, Vec3d(light.direction));
+    ray.direction = std::isnormal(ray.t_max) ? way * (1.0 / ray.t_max) : normalized_or(way, Vec3d(light.direction));
     return ray.t_max > 0;
 }
 

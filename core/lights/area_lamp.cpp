@@ -107,9 +107,10 @@ double AreaLamp::density(const Vec3d& position, const Vec3d& to) const {
 LampSample AreaLamp::towards(const Place& at, const Vec3d& way) const {
     LampSample sample;
     sample.distance = way.length();
-    sample.direction = way / sample.distance;
+    const double inverse = 1.0 / sample.distance;
+    sample.direction = way * inverse;
     sample.target = at.position + way;
-    sample.radiance = radiance_ * attenuation(at.height / sample.distance);
+    sample.radiance = radiance_ * attenuation(at.height * inverse);
     return sample;
 }
 

@@ -1,0 +1,48 @@
+// Up to four nodes of the light tree that hang together, weighed side by side.
+#pragma once
+
+#include "base/vector.h"
+#include "lights/cosines.h"
+#include "lights/light_linking.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace rayleaf {
+
+/// Where a light shines, by the cosine to its normals, which lie in a cone.
+struct LightCone {
+    Vec3f axis{0, 0, 0};  ///< unit; zero: it shines alike in all directions
+    float cosine = 1;     ///< of the angle between the axis and a normal, at most
+    /// Whether it shines to the side of the normals, and to the other, outside `body`.
+    bool ahead = true, back = true;
+    Box3d body = {};  ///< around an object from within which both sides may be seen; world; empty: there is none
+};
+
+struct LightBranch {
+    static constexpr size_t kMost = 4;
+    using Lanes = std::array<float, kMost>;
+
+    /// By node: the sphere about its box, what it shines, and how; nodes that are not there shine nothing.
+    alignas(16) std::array<double, kMost> x{}, y{}, z{};
+    Lanes radius{}, intensity{};  ///< a share of the tree's
+    Lanes axis_x{}, axis_y{}, axis_z{}, spread_cosine{}, spread_sine{};
+    Lanes side{};  ///< that is seen: 1, that of the normals, or -1, the other; 0: both are
+
+    std::array<uint32_t, kMost> node{};   ///< of the tree
+    std::array<uint32_t, kMost> below{};  ///< of a leaf its item, else the branch of its children
+    std::array<int32_t, kMost> body{};    ///< of the tree's bodies, where one side alone is seen from outside; else -1
+    uint32_t count = 0;
+    uint32_t leaves = 0;  ///< a bit for each
+    bool has_bodies = false;
+    uint32_t parent = 0, lane_of_parent = 0;
+
+    bool is_leaf(size_t lane) const { return (leaves >> lane & 1u) != 0; }
+    void set_cone(size_t lane, const LightCone& cone);
+    /// By which one of them is chosen at a point: intensity over squared distance, times the cosines at the lights and
+    /// at the point, at best. Nothing where `shining`, the intensities of those that count, is zero, and only there.
+    Lanes weights(const LitPoint& at, const Lanes& shining, const Lanes& sides) const;
+};
+
+}  // namespace rayleaf
