@@ -133,7 +133,10 @@ void DistributionTracer::shade(Vertex& vertex) {
     if (branch.bounces.count() == 0 && is_held_out(vertex.closures)) return;
     add_emission(branch, vertex);
     if (branch.bounces.is_spent()) return;
-    if (branch.spread == Spread::One) return send_one_on(branch, *hit_, vertex);
+    if (branch.spread == Spread::One) {
+        vertex.look();
+        return send_one_on(branch, *hit_, vertex);
+    }
     if (!is_black(vertex.closures.transparency)) push(branch.straight_on(scene_, vertex), vertex);
     if (!branch.bounces.is_last()) send_on(branch, *hit_, vertex);
 }

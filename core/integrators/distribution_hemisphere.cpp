@@ -79,7 +79,7 @@ void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Ver
         pairs.compute();
         for (int i = first; i < end; ++i) {
             const std::optional<LobeSample> sample = lobes.diffuse().sample(
-                vertex.outgoing, vertex.point.facet_normal, pairs.triple(2 * static_cast<size_t>(i - first)));
+                lobes.diffuse_view(), vertex.point.facet_normal, pairs.triple(2 * static_cast<size_t>(i - first)));
             if (!sample) continue;
             const HemisphereSample chosen{*sample, sampler_of(i), count};
             if (distribution_.indirect == IndirectLight::AmbientOcclusion)

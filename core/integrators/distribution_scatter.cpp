@@ -65,14 +65,14 @@ void DistributionTracer::receive_light(const Color* free) {
 LitClasses DistributionTracer::lit_by_classes(const Branch& branch, const Vertex& vertex, const SplitClosures& lobes,
                                               const LightSample& light, int count) const {
     const bool kinds = (branch.bounces.count() == 0 && settings_.light_passes) || !lights_all_kinds(light);
-    const auto lit = [&](const Closures& closures) {
+    const auto lit = [&](const Closures& closures, const ClosureView& view) {
         if (closures.size() == 0) return LitLobes{};
-        return kinds ? lit_by_kind(vertex, closures, light) : lit_together(vertex, closures, light);
+        return kinds ? lit_by_kind(vertex, closures, view, light) : lit_together(vertex, closures, view, light);
     };
     // Hemisphere rays leave sampled light to light sampling; with ambient occlusion, it leaves the world to them.
     const bool occluded_world = light.world && distribution_.indirect == IndirectLight::AmbientOcclusion;
-    const LitLobes diffuse = occluded_world ? LitLobes{} : lit(lobes.diffuse());
-    LitLobes glossy = lit(lobes.glossy());
+    const LitLobes diffuse = occluded_world ? LitLobes{} : lit(lobes.diffuse(), lobes.diffuse_view());
+    LitLobes glossy = lit(lobes.glossy(), lobes.glossy_view());
     if (!light.delta && lobes.glossy().size() > 0) {
         const auto glossy_rays = static_cast<float>(rays(branch, distribution_.glossy_rays));
         glossy.value *= power_heuristic(static_cast<float>(count) * light.density, glossy_rays * glossy.density);
@@ -125,7 +125,7 @@ void DistributionTracer::scatter_glossy(const Branch& branch, const Vertex& vert
     for (int i = 0; i < count; ++i) {
         const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
         const std::optional<LobeSample> sample =
-            lobes.glossy().sample(vertex.outgoing, vertex.point.facet_normal, sampler.get3(use));
+            lobes.glossy().sample(lobes.glossy_view(), vertex.point.facet_normal, sampler.get3(use));
         if (!sample) continue;
         Branch child = branch.scattered(scene_, vertex, lobes.glossy(), *sample, count);
         child.sampler = sampler;
@@ -146,8 +146,8 @@ void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& v
         scene_.lights().sample(lit(scene_, vertex), branch.sampler.get2(dimension(branch.vertex, PathDimension::Light)),
                                vertex.point.time, branch.bounces.of_sampled_light());
     if (!light) return;
-    const LitLobes lit = !lights_all_kinds(*light) ? lit_by_kind(vertex, vertex.closures, *light)
-                                                   : lit_together(vertex, vertex.closures, *light);
+    const LitLobes lit = !lights_all_kinds(*light) ? lit_by_kind(vertex, vertex.closures, vertex.view, *light)
+                                                   : lit_together(vertex, vertex.closures, vertex.view, *light);
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, lit.density);
     send_light(branch, vertex, *light, lit.value * weight, {}, 1);
 }
@@ -168,9 +168,8 @@ void DistributionTracer::send_one_on(const Branch& branch, const Hit& hit, const
 }
 
 void DistributionTracer::scatter_once(const Branch& branch, const Hit& hit, const Vertex& vertex, float straight) {
-    const std::optional<LobeSample> sample =
-        vertex.closures.sample(vertex.outgoing, vertex.point.facet_normal,
-                               branch.sampler.get3(dimension(branch.vertex, PathDimension::Scatter)));
+    const std::optional<LobeSample> sample = vertex.closures.sample(
+        vertex.view, vertex.point.facet_normal, branch.sampler.get3(dimension(branch.vertex, PathDimension::Scatter)));
     if (!sample) return;
     if (sample->subsurface) {
         Branch below = branch;

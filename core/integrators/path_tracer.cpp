@@ -16,6 +16,9 @@ namespace {
 /// The least probability of going on: bounds what a surviving path is multiplied by.
 constexpr float kLeastSurvival = 0.05f;
 
+/// What a scattered ray is before it has a place: copied, which costs less than to make one.
+constexpr Ray kNewRay;
+
 /// Lights that are sampled where the camera looks, if there are several. Which light is chosen makes noise, and one
 /// more costs little beside the rest of the path. Further along it is not worth it.
 constexpr int kFirstLightRays = 2;
@@ -79,6 +82,7 @@ bool PathTracer::shade(Vertex& vertex, const VertexNumbers& numbers, std::vector
     if (bounces_.count() == 0 && is_held_out(vertex.closures)) return false;
     add_emission(vertex);
     if (bounces_.is_spent()) return false;
+    vertex.look();
     if (!bounces_.is_last()) add_direct_light(vertex, numbers.light, light_rays);
     const bool goes_on = leave(vertex, numbers.scatter, light_rays);
     ++vertex_;
@@ -209,8 +213,8 @@ void PathTracer::add_sampled_light(const Vertex& vertex, const LightSample& ligh
                                    std::vector<LightRay>& light_rays) {
     const bool first = bounces_.count() == 0;
     const LitLobes lit = (first && settings_.light_passes) || !lights_all_kinds(light)
-                             ? lit_by_kind(vertex, vertex.closures, light)
-                             : lit_together(vertex, vertex.closures, light);
+                             ? lit_by_kind(vertex, vertex.closures, vertex.view, light)
+                             : lit_together(vertex, vertex.closures, vertex.view, light);
     if (is_black(lit.value)) return;
     // As for one light: where a program shows scattered rays other light, the weights stay those of Cycles.
     const float weight = light.delta ? 1.0f : power_heuristic(light.density, lit.density);
@@ -304,8 +308,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
     const Vec3f& facet = vertex.point.facet_normal;
     const uint32_t third = Sampler::joined(dimension(vertex_, PathDimension::Scatter));
     const float z = vertex.closures.needs_third_number() ? sampler_.get1(third) : 0.0f;
-    const std::optional<LobeSample> sample =
-        vertex.closures.sample(vertex.outgoing, facet, Vec3f(random.x, random.y, z));
+    const std::optional<LobeSample> sample = vertex.closures.sample(vertex.view, facet, Vec3f(random.x, random.y, z));
     if (!sample) return false;
     if (sample->subsurface) return scatter_below(vertex, *sample, light_rays);
     if (bounces_.count() == 0 && settings_.light_passes)
@@ -320,7 +323,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
     departure_ = {lit_, sample->singular ? 0.0f : sample->density};
     has_departed_ = scene_.has_blocked_lights();
     leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
-    ray_ = Ray{};
+    ray_ = kNewRay;
     vertex.point.release(ray_, sample->direction);
     ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
     outside_of_ = kNowhere;

@@ -148,6 +148,7 @@ std::optional<SubsurfaceVertex> leave_below(const Scene& scene, const Subsurface
     const Lobe lobe = exit_lobe(vertex, *start.entry.subsurface);
     vertex.closures.clear();
     vertex.closures.add(lobe);
+    vertex.look();
     return found;
 }
 

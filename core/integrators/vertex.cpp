@@ -29,13 +29,15 @@ bool lights_all_kinds(const LightSample& light) {
                        [&light](Visibility kind) { return (light.visibility & kind) != 0; });
 }
 
-LitLobes lit_together(const Vertex& vertex, const Closures& closures, const LightSample& light) {
-    const auto both = closures.evaluate_with_density(vertex.outgoing, light.direction, side_normal(vertex));
+LitLobes lit_together(const Vertex& vertex, const Closures& closures, const ClosureView& view,
+                      const LightSample& light) {
+    const auto both = closures.evaluate_with_density(view, light.direction, side_normal(vertex));
     return {both.value, density_towards(vertex, light, both.density), {}};
 }
 
-LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const LightSample& light) {
-    const auto lobes = closures.evaluate_by_kind(vertex.outgoing, light.direction, side_normal(vertex));
+LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const ClosureView& view,
+                     const LightSample& light) {
+    const auto lobes = closures.evaluate_by_kind(view, light.direction, side_normal(vertex));
     LitLobes lit;
     ByKind parts;
     for (const LobeKind kind : kLobeKinds) {
@@ -54,7 +56,8 @@ ByKind shares_of_scattering(const Vertex& vertex, const Closures& closures, cons
         parts[sample.kind] = Color(1.0f);
         return parts;
     }
-    const auto lobes = closures.evaluate_by_kind(vertex.outgoing, sample.direction, vertex.point.facet_normal);
+    const auto lobes =
+        closures.evaluate_by_kind({closures, vertex.outgoing}, sample.direction, vertex.point.facet_normal);
     Color total(0.0f);
     for (const LobeKind kind : kLobeKinds) {
         parts[kind] = lobes.values[static_cast<size_t>(kind)];

@@ -4,6 +4,7 @@
 #include "integrators/contributions.h"
 #include "lights/light.h"
 #include "rays/ray_differential.h"
+#include "shading/closure_view.h"
 
 namespace rayleaf {
 
@@ -25,6 +26,9 @@ struct Vertex {
     Vec3f outgoing{0, 0, 1};
     RayDifferential differential;
     Closures closures;
+    ClosureView view;  ///< of the closures, for light and scattering
+
+    void look() { view.look(closures, outgoing); }
 };
 
 /// What the lobes make of light from one direction.
@@ -43,10 +47,11 @@ inline LitPoint lit(const Scene& scene, const Vertex& vertex) {
 
 /// Whether the lobes of all kinds are lit; rays of the camera may not see the light itself.
 bool lights_all_kinds(const LightSample& light);
-/// By the lobes of `closures`, which are all or some of those of the vertex.
-LitLobes lit_together(const Vertex& vertex, const Closures& closures, const LightSample& light);
+/// By the lobes of `closures`, which are all or some of those of the vertex, as `view` sees them.
+LitLobes lit_together(const Vertex& vertex, const Closures& closures, const ClosureView& view,
+                      const LightSample& light);
 /// The same with shares. Only kinds that see the light are lit by it.
-LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const LightSample& light);
+LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const ClosureView& view, const LightSample& light);
 /// How much of each kind's light a ray carries that the lobes of `closures` scattered.
 ByKind shares_of_scattering(const Vertex& vertex, const Closures& closures, const LobeSample& sample);
 

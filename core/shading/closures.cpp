@@ -3,6 +3,7 @@
 #include "shading/fresnel.h"
 #include "shading/lobes.h"
 
+#include <cstring>
 #include <limits>
 #include <memory>
 
@@ -29,10 +30,6 @@ Color positive(const Color& c) {
 /// NaN to `least`.
 float limited(float x, float least, float most) {
     return x > least ? std::min(x, most) : least;
-}
-
-bool refracts(const Lobe& lobe) {
-    return lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
 }
 
 void mend_fibre(Lobe& lobe) {
@@ -66,11 +63,6 @@ void make_tangent_orthogonal(Lobe& lobe) {
 /// An interface that light passes without being bent.
 bool is_unbent(const Lobe& lobe) {
     return refracts(lobe) && std::abs(lobe.ior - 1.0f) < kLeastIndexStep;
-}
-
-/// Whether the lobe is of microfacets.
-bool has_facets(const Lobe& lobe) {
-    return refracts(lobe) || lobe.type == LobeType::Reflection || lobe.type == LobeType::Clearcoat;
 }
 
 /// Makes all its numbers such that can be computed with.
@@ -137,42 +129,6 @@ bool takes_light(const Lobe& lobe) {
     return !is_singular(lobe) && lobe.type != LobeType::Subsurface;
 }
 
-Side side_of(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) {
-    const bool same = (facet_normal.dot(outgoing) > 0.0f) == (facet_normal.dot(incoming) > 0.0f);
-    return same ? Side::Reflected : Side::Transmitted;
-}
-
-/// Probabilities with which `sample` chooses each lobe.
-struct Choice {
-    float probability[Closures::kMaxLobes] = {};
-    bool any = false;
-
-    Choice(const Closures& closures, const Vec3f& outgoing) {
-        const int count = closures.size();
-        if (count == 1) {
-            probability[0] = 1.0f;
-            any = choice_weight(closures[0], outgoing) > 0.0f;
-            return;
-        }
-        float sum = 0.0f;
-        for (int i = 0; i < count; ++i) sum += probability[i] = choice_weight(closures[i], outgoing);
-        any = sum > 0.0f;
-        const float scale = any ? 1.0f / sum : 0.0f;
-        for (int i = 0; i < count; ++i) probability[i] *= scale;
-    }
-};
-
-Closures::Evaluation evaluate_all(const Closures& closures, const Choice& choice, const Vec3f& outgoing,
-                                  const Vec3f& incoming, Side side) {
-    Closures::Evaluation sum;
-    for (int i = 0; i < closures.size(); ++i) {
-        const LobeValue lobe = closures.evaluate_one(i, outgoing, incoming, side);
-        sum.value += lobe.value;
-        sum.density += choice.probability[i] * lobe.density;
-    }
-    return sum;
-}
-
 }  // namespace
 
 Closures& Closures::operator=(const Closures& other) {
@@ -211,11 +167,14 @@ void Closures::add(const Lobe& lobe) {
 }
 
 void Closures::take_turned(const Closures& other, const Vec3f& normal) {
-    const std::span<Vec4f> slots = aovs;
-    *this = other;
-    aovs = slots;
+    emission = other.emission;
+    transparency = other.transparency;
+    holdout = other.holdout;
+    medium.clear();
+    count_ = other.count_;
     const Vec3f tangent = any_tangent(normal);
     for (int i = 0; i < count_; ++i) {
+        std::memcpy(static_cast<void*>(&lobes_[i]), &other.lobes_[i], sizeof(Lobe));
         lobes_[i].normal = normal;
         lobes_[i].tangent = tangent;
     }
@@ -263,95 +222,6 @@ void Closures::join_most_alike(const Lobe& lobe) {
             }
     lobes_[first] = joined(at(first), at(second));
     if (second < kMaxLobes) lobes_[second] = lobe;
-}
-
-LobeValue Closures::evaluate_one(int i, const Vec3f& outgoing, const Vec3f& incoming, Side side) const {
-    const Lobe& lobe = lobes_[i];
-    LobeValue result = evaluate_lobe(lobe, outgoing, incoming, side);
-    if (lobe.normal != smooth_normal && is_shadowed_where_bent(lobe) && !is_black(smooth_normal))
-        result.value *= bump_shadow(smooth_normal, lobe.normal, incoming);
-    return result;
-}
-
-Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const {
-    const Side side = side_of(outgoing, incoming, facet_normal);
-    Color sum(0.0f);
-    for (int i = 0; i < count_; ++i) sum += evaluate_one(i, outgoing, incoming, side).value;
-    return sum;
-}
-
-Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal, LobeKind kind) const {
-    const Side side = side_of(outgoing, incoming, facet_normal);
-    Color sum(0.0f);
-    for (int i = 0; i < count_; ++i)
-        if (kind_of(lobes_[i], side) == kind) sum += evaluate_one(i, outgoing, incoming, side).value;
-    return sum;
-}
-
-Closures::Evaluation Closures::evaluate_with_density(const Vec3f& outgoing, const Vec3f& incoming,
-                                                     const Vec3f& facet_normal) const {
-    return evaluate_all(*this, Choice(*this, outgoing), outgoing, incoming, side_of(outgoing, incoming, facet_normal));
-}
-
-Closures::EvaluationByKind Closures::evaluate_by_kind(const Vec3f& outgoing, const Vec3f& incoming,
-                                                      const Vec3f& facet_normal) const {
-    const Side side = side_of(outgoing, incoming, facet_normal);
-    const Choice choice(*this, outgoing);
-    EvaluationByKind sum;
-    for (int i = 0; i < count_; ++i) {
-        const LobeValue lobe = evaluate_one(i, outgoing, incoming, side);
-        sum.values[static_cast<size_t>(kind_of(lobes_[i], side))] += lobe.value;
-        sum.density += choice.probability[i] * lobe.density;
-    }
-    return sum;
-}
-
-float Closures::density(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const {
-    return evaluate_with_density(outgoing, incoming, facet_normal).density;
-}
-
-std::optional<LobeSample> Closures::sample(const Vec3f& outgoing, const Vec3f& facet_normal,
-                                           const Vec3f& random) const {
-    const Choice choice(*this, outgoing);
-    if (!choice.any) return std::nullopt;
-    int chosen = 0;
-    float rest = random.x;
-    while (chosen + 1 < count_ && rest >= choice.probability[chosen]) rest -= choice.probability[chosen++];
-    const float probability = choice.probability[chosen];
-    if (!(probability > 0.0f)) return std::nullopt;
-    constexpr float kBelowOne = 1.0f - 6e-8f;
-    const Vec3f reused(std::min(rest / probability, kBelowOne), random.y, random.z);
-
-    const Lobe& lobe = lobes_[chosen];
-    const std::optional<LobeDirection> direction = sample_lobe(lobe, outgoing, reused);
-    if (!direction) return std::nullopt;
-    const Side side = side_of(outgoing, direction->direction, facet_normal);
-    LobeSample sample;
-    sample.direction = direction->direction;
-    sample.kind = kind_of(lobe, side);
-    sample.singular = is_singular(lobe);
-    sample.transmitted = side == Side::Transmitted;
-    sample.eta = direction->eta;
-    sample.roughness = lobe_width(lobe);
-    sample.fibre = is_fibre(lobe);
-    if (sample.fibre) sample.transmitted = direction->through;
-    if (lobe.type == LobeType::Subsurface) {
-        sample.subsurface = &lobe;
-        const float darkening =
-            lobe.fresnel == Lobe::Fresnel::Schlick ? 1.0f - 0.5f * schlick_weight(lobe.normal.dot(outgoing)) : 1.0f;
-        sample.weight = lobe.weight * (darkening / probability);
-    } else if (sample.singular) {
-        // A shading normal bent far from the facet may send the ray to the wrong side.
-        if (sample.transmitted != (lobe.normal.dot(direction->direction) < 0.0f)) return std::nullopt;
-        sample.weight = direction->weight / probability;
-    } else {
-        const Evaluation all = evaluate_all(*this, choice, outgoing, direction->direction, side);
-        if (!(all.density > 0.0f)) return std::nullopt;
-        sample.density = all.density;
-        sample.weight = all.value / all.density;
-    }
-    if (is_black(sample.weight) || !is_finite(sample.weight)) return std::nullopt;
-    return sample;
 }
 
 bool Closures::needs_third_number() const {

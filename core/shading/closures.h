@@ -97,8 +97,7 @@ struct Lobe {
     ThinFilm film;
 };
 
-struct LobeValue;
-enum class Side : uint8_t;
+struct ClosureView;
 
 /// A sampled direction.
 struct LobeSample {
@@ -141,7 +140,8 @@ class Closures {
     /// become harmless ones; roughness too small for floating point, or an index too near 1 to spread, becomes
     /// singular.
     void add(const Lobe& lobe);
-    /// Becomes a copy of `other`, all lobes of which have one normal, with `normal` in its place. AOVs stay.
+    /// Becomes a copy of `other`, which has no medium and one normal for all lobes, with `normal` in its place. The
+    /// smooth normal and AOVs stay.
     void take_turned(const Closures& other, const Vec3f& normal);
     /// Gives microfacets at least the roughness `alpha`, and hair at least such widths.
     void widen(float alpha);
@@ -159,6 +159,7 @@ class Closures {
     float density(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
     /// A direction; `random` in [0,1)³. x chooses the lobe, what the choice leaves of it and y the direction. z counts
     /// where `needs_third_number` alone. Empty where the sample fails or carries nothing.
+    std::optional<LobeSample> sample(const ClosureView& view, const Vec3f& facet_normal, const Vec3f& random) const;
     std::optional<LobeSample> sample(const Vec3f& outgoing, const Vec3f& facet_normal, const Vec3f& random) const;
     /// Whether `sample` chooses more than a lobe and a direction: between what rough glass does, or ways through hair.
     bool needs_third_number() const;
@@ -175,16 +176,13 @@ class Closures {
         Color value{0, 0, 0};
         float density = 0;
     };
-    Evaluation evaluate_with_density(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
+    Evaluation evaluate_with_density(const ClosureView& view, const Vec3f& incoming, const Vec3f& facet_normal) const;
     /// The same with a value for each kind.
     struct EvaluationByKind {
         std::array<Color, kLobeKindCount> values{Color(0.0f), Color(0.0f), Color(0.0f)};
         float density = 0;
     };
-    EvaluationByKind evaluate_by_kind(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const;
-
-    /// Of a lobe that is not singular. For what the closures consist of (shading/lobes.h).
-    LobeValue evaluate_one(int i, const Vec3f& outgoing, const Vec3f& incoming, Side side) const;
+    EvaluationByKind evaluate_by_kind(const ClosureView& view, const Vec3f& incoming, const Vec3f& facet_normal) const;
 
   private:
     /// Room that costs nothing to make: the first `count_` are there.

@@ -29,8 +29,8 @@ inline float normal_fresnel(float ior) {
 
 /// How far a dielectric's reflectance has risen from that at normal incidence, 0, to that at grazing, 1.
 inline float fresnel_rise(float ior, float cosine) {
-    const float least = normal_fresnel(ior);
-    const float rise = least < 1.0f ? (dielectric_fresnel(cosine, ior) - least) / (1.0f - least) : 0.0f;
+    const float above = ior + 1.0f, scale = above * above / (4.0f * ior);  // 1 / (1 - normal_fresnel)
+    const float rise = 1.0f - (1.0f - dielectric_fresnel(cosine, ior)) * scale;
     return std::clamp(rise, 0.0f, 1.0f);
 }
 

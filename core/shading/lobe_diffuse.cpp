@@ -8,10 +8,12 @@
 namespace rayleaf {
 namespace {
 
+constexpr float kInversePi = 1.0f / kPi;
+
 /// Oren-Nayar in Fujii's form ("A tiny improvement of Oren-Nayar reflectance model"), the one Cycles uses; times the
 /// cosine. `sigma` 0..1.
 float oren_nayar(float sigma, float cos_i, float cos_o, float cos_between) {
-    if (sigma == 0.0f) return cos_i / kPi;
+    if (sigma == 0.0f) return cos_i * kInversePi;
     const float divisor = 1.0f / (kPi + (3.0f * kPi - 4.0f) / 6.0f * sigma);
     const float seen = std::max(cos_o, 0.0f);
     float t = cos_between - cos_i * seen;
@@ -45,7 +47,7 @@ Color repeated_oren_nayar(float sigma, const Color& albedo, float cos_i, float c
 float disney_diffuse(float roughness, float cos_i, float cos_o, float cos_half) {
     if (cos_o <= 0.0f) return 0.0f;
     const float grazing = 0.5f + 2.0f * roughness * cos_half * cos_half - 1.0f;
-    return cos_i / kPi * (1.0f + grazing * schlick_weight(cos_i)) * (1.0f + grazing * schlick_weight(cos_o));
+    return cos_i * kInversePi * (1.0f + grazing * schlick_weight(cos_i)) * (1.0f + grazing * schlick_weight(cos_o));
 }
 
 /// Its part that is not Lambert's (Burley 2015, equation 4), times the cosine.
@@ -53,7 +55,7 @@ float disney_retro_reflection(float roughness, float cos_i, float cos_o, float c
     if (cos_o <= 0.0f) return 0.0f;
     const float at_grazing = 2.0f * roughness * cos_half * cos_half;
     const float in = schlick_weight(cos_i), out = schlick_weight(cos_o);
-    return cos_i / kPi * at_grazing * (in + out + in * out * (at_grazing - 1.0f));
+    return cos_i * kInversePi * at_grazing * (in + out + in * out * (at_grazing - 1.0f));
 }
 
 /// Fibres that stand on the surface, tilted by about `sigma` (Ashikhmin, Premoze, Shirley, "A Microfacet-based BRDF
@@ -70,37 +72,40 @@ float velvet(float sigma, float cos_i, float cos_o, float cos_normal_half, float
     return 0.25f * fibres * masking / cos_o;
 }
 
+/// Diffuse, rough or not.
+Color evaluate_lambertian(const Lobe& lobe, float cos_i, float cos_o, float cos_between) {
+    const Color value(oren_nayar(lobe.roughness, cos_i, cos_o, cos_between));
+    if (!(lobe.roughness > 0.0f) || is_black(lobe.fresnel_0)) return lobe.weight * value;
+    return lobe.weight * (value + repeated_oren_nayar(lobe.roughness, lobe.fresnel_0, cos_i, cos_o));
+}
+
 }  // namespace
 
-LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
+LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
     const bool translucent = lobe.type == LobeType::Translucent;
-    if (translucent != (side == Side::Transmitted)) return {};
-    const float cos_i = lobe.normal.dot(incoming) * (translucent ? -1.0f : 1.0f);
+    if (translucent != (pair.side == Side::Transmitted)) return {};
+    const float cos_i = lobe.normal.dot(pair.incoming) * (translucent ? -1.0f : 1.0f), cos_o = view.cosine;
     if (!(cos_i > 0.0f)) return {};
-    const float cos_o = lobe.normal.dot(outgoing);
-    const float density = cos_i / kPi;
-    float value = density;
-    if (lobe.type == LobeType::Diffuse) {
-        value = oren_nayar(lobe.roughness, cos_i, cos_o, outgoing.dot(incoming));
-        if (lobe.roughness > 0.0f && !is_black(lobe.fresnel_0))
-            return {lobe.weight * (Color(value) + repeated_oren_nayar(lobe.roughness, lobe.fresnel_0, cos_i, cos_o)),
+    const float density = cos_i * kInversePi;
+    switch (lobe.type) {
+        case LobeType::Translucent:
+            return {lobe.weight * density, density};
+        case LobeType::PrincipledDiffuse:
+            return {lobe.weight * disney_diffuse(lobe.roughness, cos_i, cos_o, pair.cosine_half), density};
+        case LobeType::LambertExit:
+            return {lobe.weight * (density * (1.0f - 0.5f * schlick_weight(cos_i))), density};
+        case LobeType::Velvet: {
+            const float cos_normal_half = std::abs(lobe.normal.dot(pair.half));
+            return {lobe.weight * velvet(lobe.roughness, cos_i, cos_o, cos_normal_half, std::abs(pair.cosine_half)),
                     density};
-    } else if (lobe.type == LobeType::LambertExit) {
-        value = density * (1.0f - 0.5f * schlick_weight(cos_i));
-    } else if (!translucent) {
-        const Vec3f half = normalized_or(outgoing + incoming, lobe.normal);
-        const float cos_half = half.dot(incoming);
-        if (lobe.type == LobeType::Velvet) {
-            value = velvet(lobe.roughness, cos_i, cos_o, std::abs(lobe.normal.dot(half)), std::abs(cos_half));
-        } else if (lobe.type == LobeType::PrincipledDiffuse) {
-            value = disney_diffuse(lobe.roughness, cos_i, cos_o, cos_half);
-        } else if (lobe.type == LobeType::RetroReflection) {
-            value = disney_retro_reflection(lobe.roughness, cos_i, cos_o, cos_half);
-        } else {  // Disney's sheen has no 1 / pi
-            value = cos_o > 0.0f ? cos_i * schlick_weight(cos_half) : 0.0f;
         }
+        case LobeType::RetroReflection:
+            return {lobe.weight * disney_retro_reflection(lobe.roughness, cos_i, cos_o, pair.cosine_half), density};
+        case LobeType::Sheen:  // Disney's has no 1 / pi
+            return {lobe.weight * (cos_o > 0.0f ? cos_i * schlick_weight(pair.cosine_half) : 0.0f), density};
+        default:
+            return {evaluate_lambertian(lobe, cos_i, cos_o, pair.outgoing.dot(pair.incoming)), density};
     }
-    return {lobe.weight * value, density};
 }
 
 LobeDirection sample_diffuse_lobe(const Lobe& lobe, const Vec3f& random) {

@@ -5,7 +5,7 @@
 
 namespace rayleaf {
 
-LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side);
+LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair);
 LobeDirection sample_diffuse_lobe(const Lobe& lobe, const Vec3f& random);
 
 }  // namespace rayleaf

@@ -213,10 +213,9 @@ LobeValue evaluate_fibre(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& i
         const float along = longitudinal(tilted(in, lobe.tilt, path), fibre.out, variance_of(lobe, path));
         const float density = along * (path < 3 ? around.density(wrapped(turn - fibre.deviation(path))) : 0.5f / kPi);
         const auto i = static_cast<size_t>(path);
-        sum.value += fibre.attenuation[i] * density;
-        sum.density += fibre.share[i] * density;
+        sum.numbers += LobeValue(fibre.attenuation[i] * density, fibre.share[i] * density).numbers;
     }
-    sum.value = sum.value * lobe.weight;
+    sum.numbers *= LobeValue(lobe.weight, 1.0f).numbers;
     return sum;
 }
 

@@ -1,7 +1,7 @@
 // A lobe's local frame and the sampling of a cosine-weighted hemisphere.
 #pragma once
 
-#include "base/vector.h"
+#include "base/circle.h"
 #include "shading/closures.h"
 
 namespace rayleaf {
@@ -17,8 +17,8 @@ struct LobeFrame {
 
 /// Direction about +z with density cosine / pi.
 inline Vec3f cosine_hemisphere(float u, float v) {
-    const float radius = std::sqrt(u), angle = 2.0f * kPi * v;
-    return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1.0f - u))};
+    const Vec2f at = on_circle(v) * std::sqrt(u);
+    return {at.x, at.y, std::sqrt(std::max(0.0f, 1.0f - u))};
 }
 
 }  // namespace rayleaf

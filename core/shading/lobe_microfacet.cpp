@@ -1,6 +1,6 @@
 #include "shading/lobe_microfacet.h"
 
-#include "shading/fresnel.h"
+#include "base/circle.h"
 #include "shading/lobe_frame.h"
 #include "shading/microfacet.h"
 #include "shading/thin_film.h"
@@ -30,17 +30,20 @@ Vec3f mirrored(const Vec3f& outgoing, const Vec3f& normal) {
     return normal * (2.0f * normal.dot(outgoing)) - outgoing;
 }
 
-LobeValue evaluate_reflection(const Lobe& lobe, const Vec3f& o, const Vec3f& i) {
+LobeValue evaluate_reflection(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
+    const LobeFrame frame(lobe);
+    const Vec3f i = frame.to_local(pair.incoming);
     if (!(i.z > 0.0f)) return {};
     const Microfacets facets = microfacets(lobe);
-    const Vec3f h = normalized_or(o + i, Vec3f(0.0f, 0.0f, 1.0f));
-    const float density = facets.normal_density(h) * facets.masking(o) / (4.0f * o.z);
-    const float cosine = o.dot(h);
-    return {lobe.weight * reflectance(lobe, cosine) * (density * facets.shadowing(o, i, lobe.masking)),
-            density * reflection_share(lobe, cosine)};
+    const float density = facets.normal_density(frame.to_local(pair.half)) * view.mirrored;
+    const float lit = facets.shadowing(view.masking, i, lobe.masking);
+    return {lobe.weight * reflectance(lobe, pair.cosine_half) * (density * lit),
+            density * reflection_share(lobe, pair.cosine_half)};
 }
 
-LobeValue evaluate_refraction(const Lobe& lobe, const Vec3f& o, const Vec3f& i) {
+LobeValue evaluate_refraction(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
+    const LobeFrame frame(lobe);
+    const Vec3f o = frame.to_local(pair.outgoing), i = frame.to_local(pair.incoming);
     if (!(i.z < 0.0f)) return {};
     const Microfacets facets = microfacets(lobe);
     Vec3f h = normalized_or(o + i * lobe.ior, Vec3f(0.0f, 0.0f, 1.0f));
@@ -49,11 +52,10 @@ LobeValue evaluate_refraction(const Lobe& lobe, const Vec3f& o, const Vec3f& i) 
     if (!(cos_o > 0.0f) || !(cos_i < 0.0f)) return {};
     const float change = cos_o + lobe.ior * cos_i;
     const float jacobian = lobe.ior * lobe.ior * -cos_i / (change * change);  // Walter et al. 2007, equation 17
-    const float density = facets.visible_density(o, h) * jacobian;
+    const float density = facets.normal_density(h) * view.mirrored * (4.0f * cos_o) * jacobian;
     const float share = 1.0f - (lobe.type == LobeType::Glass ? reflection_share(lobe, cos_o) : 0.0f);
-    const Vec3f far_side(i.x, i.y, -i.z);
-    return {lobe.weight * transmittance(lobe, cos_o) * (density * facets.shadowing(o, far_side, lobe.masking)),
-            density * share};
+    const float lit = facets.shadowing(view.masking, Vec3f(i.x, i.y, -i.z), lobe.masking);
+    return {lobe.weight * transmittance(lobe, cos_o) * (density * lit), density * share};
 }
 
 /// Singular glass, mirror or refraction about the lobe's own normal.
@@ -72,11 +74,15 @@ std::optional<LobeDirection> sample_singular(const Lobe& lobe, const Vec3f& outg
     return LobeDirection{*direction, lobe.weight * value, 1.0f / lobe.ior};
 }
 
+/// Disney's fixed masking of the clearcoat, whatever the gloss.
+constexpr Microfacets kClearcoatMasks{MicrofacetDistribution::Ggx, 0.25f, 0.25f};
+
 /// The clearcoat's distribution of normals: generalized Trowbridge-Reitz with exponent 1 (Burley 2012, appendix B).
-float clearcoat_normal_density(float alpha, float cosine) {
+float clearcoat_normal_density(float alpha, const Vec3f& h) {
     const float alpha2 = alpha * alpha;
     if (alpha2 >= 1.0f) return 1.0f / kPi;
-    return (alpha2 - 1.0f) / (kPi * std::log(alpha2) * (1.0f + (alpha2 - 1.0f) * cosine * cosine));
+    const float spread = h.x * h.x + h.y * h.y + alpha2 * h.z * h.z;
+    return (alpha2 - 1.0f) / (kPi * std::log(alpha2) * spread);
 }
 
 /// Of a lobe that is coloured where it is seen straight on: how much of that colour is left, as the film's reflectance
@@ -108,7 +114,7 @@ Color filmed_reflectance(const Lobe& lobe, float cosine) {
 
 }  // namespace
 
-Color reflectance(const Lobe& lobe, float cosine) {
+Color any_reflectance(const Lobe& lobe, float cosine) {
     if (lobe.film.thickness > 0.0f) return tinted(lobe, filmed_reflectance(lobe, cosine));
     if (lobe.type == LobeType::Glass || lobe.fresnel == Lobe::Fresnel::Dielectric)
         return Color(dielectric_fresnel(cosine, lobe.ior));
@@ -124,14 +130,18 @@ Color transmittance(const Lobe& lobe, float cosine) {
     return fresnel ? Color(1.0f) - reflectance(lobe, cosine) : Color(1.0f);
 }
 
-LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
-    if (is_singular(lobe)) return {};
-    const LobeFrame frame(lobe);
-    const Vec3f o = frame.to_local(outgoing), i = frame.to_local(incoming);
-    if (!(o.z > 0.0f)) return {};
-    if (side == Side::Reflected)
-        return lobe.type == LobeType::Refraction ? LobeValue{} : evaluate_reflection(lobe, o, i);
-    return lobe.type == LobeType::Reflection ? LobeValue{} : evaluate_refraction(lobe, o, i);
+void look_at_facets(const Lobe& lobe, const Vec3f& outgoing, LobeView& view) {
+    if (is_singular(lobe) || !(view.cosine > 0.0f)) return;
+    const Vec3f o = LobeFrame(lobe).to_local(outgoing);
+    view.masking = lobe.type == LobeType::Clearcoat ? kClearcoatMasks.masking(o) : microfacets(lobe).masking(o);
+    view.mirrored = view.masking / (4.0f * o.z);
+}
+
+LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
+    if (!(view.mirrored > 0.0f)) return {};
+    if (pair.side == Side::Reflected)
+        return lobe.type == LobeType::Refraction ? LobeValue{} : evaluate_reflection(lobe, view, pair);
+    return lobe.type == LobeType::Reflection ? LobeValue{} : evaluate_refraction(lobe, view, pair);
 }
 
 std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
@@ -152,18 +162,15 @@ std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Vec3
     return LobeDirection{frame.to_world(*i), Color(0.0f), 1.0f / lobe.ior};
 }
 
-LobeValue evaluate_clearcoat(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
+LobeValue evaluate_clearcoat(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
+    if (pair.side == Side::Transmitted || !(view.mirrored > 0.0f)) return {};
     const LobeFrame frame(lobe);
-    const Vec3f o = frame.to_local(outgoing), i = frame.to_local(incoming);
-    if (side == Side::Transmitted || !(o.z > 0.0f) || !(i.z > 0.0f)) return {};
-    const Vec3f h = normalized_or(o + i, Vec3f(0.0f, 0.0f, 1.0f));
-    const float cosine = o.dot(h);
-    if (!(cosine > 0.0f)) return {};
-    constexpr float kMaskingAlpha = 0.25f;  // Disney's fixed masking, whatever the gloss
-    const Microfacets masks{MicrofacetDistribution::Ggx, kMaskingAlpha, kMaskingAlpha};
-    const float facets = clearcoat_normal_density(lobe.alpha_x, h.z);
-    const float value = facets * masks.masking(o) * masks.masking(i) / (4.0f * o.z);
-    return {lobe.weight * reflectance(lobe, cosine) * value, facets * h.z / (4.0f * cosine)};
+    const Vec3f i = frame.to_local(pair.incoming);
+    const Vec3f h = frame.to_local(pair.half);
+    if (!(i.z > 0.0f) || !(h.z > 0.0f)) return {};
+    const float facets = clearcoat_normal_density(lobe.alpha_x, h);
+    const float value = facets * view.mirrored * kClearcoatMasks.masking(i);
+    return {lobe.weight * reflectance(lobe, pair.cosine_half) * value, facets * h.z / (4.0f * pair.cosine_half)};
 }
 
 std::optional<LobeDirection> sample_clearcoat(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
@@ -172,8 +179,8 @@ std::optional<LobeDirection> sample_clearcoat(const Lobe& lobe, const Vec3f& out
     const float alpha2 = lobe.alpha_x * lobe.alpha_x;
     const float cos2 = alpha2 >= 1.0f ? 1.0f - random.x : (1.0f - std::pow(alpha2, 1.0f - random.x)) / (1.0f - alpha2);
     const float cosine = std::sqrt(std::clamp(cos2, 0.0f, 1.0f)), sine = std::sqrt(std::clamp(1.0f - cos2, 0.0f, 1.0f));
-    const float angle = 2.0f * kPi * random.y;
-    const Vec3f h(sine * std::cos(angle), sine * std::sin(angle), cosine);
+    const Vec2f across = on_circle(random.y) * sine;
+    const Vec3f h(across.x, across.y, cosine);
     const Vec3f i = mirrored(o, h);
     if (!(o.z > 0.0f) || !(o.dot(h) > 0.0f) || !(i.z > 0.0f)) return std::nullopt;
     return LobeDirection{frame.to_world(i), Color(0.0f), 1.0f};

@@ -1,5 +1,7 @@
 #include "shading/lobe_toon.h"
 
+#include "base/circle.h"
+
 namespace rayleaf {
 namespace {
 
@@ -40,12 +42,13 @@ LobeValue evaluate_toon_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3
 std::optional<LobeDirection> sample_toon_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
     if (!(lobe.normal.dot(outgoing) > 0.0f)) return std::nullopt;
     const Cone cone(lobe, outgoing);
-    const float cosine = 1.0f - random.x * (1.0f - std::cos(cone.width)), turn = 2.0f * kPi * random.y;
+    const float cosine = 1.0f - random.x * (1.0f - std::cos(cone.width));
     const float sine = std::sqrt(std::max(1.0f - cosine * cosine, 0.0f));
     Vec3f across, up;
     const Vec3f axis = normalized_or(cone.axis, lobe.normal);
     orthonormal_basis(axis, across, up);
-    const Vec3f direction = across * (sine * std::cos(turn)) + up * (sine * std::sin(turn)) + axis * cosine;
+    const Vec2f at = on_circle(random.y) * sine;
+    const Vec3f direction = across * at.x + up * at.y + axis * cosine;
     if (!(lobe.normal.dot(direction) > 0.0f)) return std::nullopt;
     return LobeDirection{direction, Color(0.0f), 1.0f};
 }

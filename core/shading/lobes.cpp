@@ -8,33 +8,6 @@
 
 namespace rayleaf {
 
-bool is_singular(const Lobe& lobe) {
-    const bool microfacets =
-        lobe.type == LobeType::Reflection || lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
-    return microfacets && lobe.alpha_x == 0.0f;
-}
-
-bool is_fibre(const Lobe& lobe) {
-    return lobe.type == LobeType::HairReflection || lobe.type == LobeType::HairTransmission ||
-           lobe.type == LobeType::HairFibre;
-}
-
-bool is_shadowed_where_bent(const Lobe& lobe) {
-    switch (lobe.type) {
-        case LobeType::Diffuse:
-        case LobeType::Translucent:
-        case LobeType::Sheen:
-        case LobeType::Microfibres:
-        case LobeType::ToonDiffuse:
-        case LobeType::PrincipledDiffuse:
-        case LobeType::RetroReflection:
-        case LobeType::LambertExit:
-            return true;
-        default:
-            return false;
-    }
-}
-
 float bump_shadow(const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming) {
     const float product = bent.dot(incoming) * smooth.dot(bent);
     const float g = product != 0.0f ? smooth.dot(incoming) / product : 0.0f;
@@ -42,27 +15,27 @@ float bump_shadow(const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming)
     return g < 1.0f ? g * (1.0f + g * (1.0f - g)) : 1.0f;
 }
 
-LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
+LobeValue evaluate_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
     switch (lobe.type) {
         case LobeType::Reflection:
         case LobeType::Refraction:
         case LobeType::Glass:
-            return evaluate_microfacet_lobe(lobe, outgoing, incoming, side);
+            return evaluate_microfacet_lobe(lobe, view, pair);
         case LobeType::Clearcoat:
-            return evaluate_clearcoat(lobe, outgoing, incoming, side);
+            return evaluate_clearcoat(lobe, view, pair);
         case LobeType::ToonDiffuse:
         case LobeType::ToonGlossy:
-            return evaluate_toon_lobe(lobe, outgoing, incoming, side);
+            return evaluate_toon_lobe(lobe, pair.outgoing, pair.incoming, pair.side);
         case LobeType::HairReflection:
         case LobeType::HairTransmission:
         case LobeType::HairFibre:
-            return evaluate_fibre_lobe(lobe, outgoing, incoming, side);
+            return evaluate_fibre_lobe(lobe, pair.outgoing, pair.incoming, pair.side);
         case LobeType::Microfibres:
-            return evaluate_microfibres(lobe, incoming, side);
+            return evaluate_microfibres(lobe, pair.incoming, pair.side);
         case LobeType::Subsurface:
             return {};
         default:
-            return evaluate_diffuse_lobe(lobe, outgoing, incoming, side);
+            return evaluate_diffuse_lobe(lobe, view, pair);
     }
 }
 
@@ -88,16 +61,50 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing
     }
 }
 
-float choice_weight(const Lobe& lobe, const Vec3f& outgoing) {
-    const float mean = (lobe.weight.x + lobe.weight.y + lobe.weight.z) / 3.0f;
+namespace {
+
+/// Whether a lobe of a bent normal is darkened by `bump_shadow`: those that are as wide as the hemisphere, but for
+/// velvet, as in Cycles.
+bool is_shadowed_where_bent(const Lobe& lobe) {
+    switch (lobe.type) {
+        case LobeType::Diffuse:
+        case LobeType::Translucent:
+        case LobeType::Sheen:
+        case LobeType::Microfibres:
+        case LobeType::ToonDiffuse:
+        case LobeType::PrincipledDiffuse:
+        case LobeType::RetroReflection:
+        case LobeType::LambertExit:
+            return true;
+        default:
+            return false;
+    }
+}
+
+float mean_of(const Color& c) {
+    return (c.x + c.y + c.z) * (1.0f / 3.0f);
+}
+
+/// How often a lobe is chosen, relative to others.
+float choice_weight(const Lobe& lobe, float cosine) {
+    const float mean = mean_of(lobe.weight);
     const bool plain = lobe.type == LobeType::Glass || lobe.type == LobeType::Subsurface;
     if (plain || lobe.fresnel == Lobe::Fresnel::None) return mean;
-    const float cosine = lobe.normal.dot(outgoing);
     const Color f = lobe.type == LobeType::Refraction ? transmittance(lobe, cosine) : reflectance(lobe, cosine);
-    const float share = (f.x + f.y + f.z) / 3.0f;
+    const float share = mean_of(f);
     // Facets of a rough surface tilt, so their Fresnel factor may be far from that at the normal.
     constexpr float kLeastShare = 0.05f;
     return mean * (is_singular(lobe) ? share : std::max(share, kLeastShare));
+}
+
+}  // namespace
+
+void look_at(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& smooth, LobeView& view) {
+    view.cosine = lobe.normal.dot(outgoing);
+    view.probability = choice_weight(lobe, view.cosine);
+    view.masking = view.mirrored = 0.0f;
+    view.bent = lobe.normal != smooth && !is_black(smooth) && is_shadowed_where_bent(lobe);
+    if (has_facets(lobe)) look_at_facets(lobe, outgoing, view);
 }
 
 LobeKind kind_of(const Lobe& lobe, Side side) {

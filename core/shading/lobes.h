@@ -1,7 +1,8 @@
 // One lobe at a time: value, density, sampling. Used by the closures of a point only (shading/closures.h).
 #pragma once
 
-#include "shading/closures.h"
+#include "base/float4.h"
+#include "shading/closure_view.h"
 
 #include <optional>
 
@@ -10,9 +11,66 @@ namespace rayleaf {
 /// On which side of the facet, seen from the viewer, a direction lies.
 enum class Side : uint8_t { Reflected, Transmitted };
 
+inline bool is_singular(const Lobe& lobe) {
+    const bool microfacets =
+        lobe.type == LobeType::Reflection || lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
+    return microfacets && lobe.alpha_x == 0.0f;
+}
+inline bool is_fibre(const Lobe& lobe) {
+    return lobe.type == LobeType::HairReflection || lobe.type == LobeType::HairTransmission ||
+           lobe.type == LobeType::HairFibre;
+}
+inline bool refracts(const Lobe& lobe) {
+    return lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
+}
+/// Whether the lobe is of microfacets.
+inline bool has_facets(const Lobe& lobe) {
+    return refracts(lobe) || lobe.type == LobeType::Reflection || lobe.type == LobeType::Clearcoat;
+}
+
+/// Two directions at a point, and what many lobes ask of them.
+struct DirectionPair {
+    Vec3f outgoing, incoming;
+    Side side;
+    // Where a lobe asks for halves, and on the viewer's side; else 0.
+    Vec3f half{0, 0, 0};    ///< between both, unit; zero where they are opposite
+    float cosine_half = 0;  ///< of either's angle to it
+
+    DirectionPair(const Vec3f& towards_viewer, const Vec3f& towards_light, Side lit, bool halves)
+        : outgoing(towards_viewer), incoming(towards_light), side(lit) {
+        if (!halves || side != Side::Reflected) return;
+        const Vec3f sum = outgoing + incoming;
+        const float length = std::sqrt(sum.length2());
+        if (length > 0.0f) half = sum * (1.0f / length);
+        cosine_half = 0.5f * length;
+    }
+};
+/// Whether a lobe asks for `DirectionPair::half`.
+inline bool uses_half(const Lobe& lobe) {
+    switch (lobe.type) {
+        case LobeType::Reflection:
+        case LobeType::Glass:
+            return !is_singular(lobe);
+        case LobeType::Clearcoat:
+        case LobeType::Sheen:
+        case LobeType::Velvet:
+        case LobeType::PrincipledDiffuse:
+        case LobeType::RetroReflection:
+            return true;
+        default:
+            return false;
+    }
+}
+
+/// What a lobe makes of light from a direction, in one register.
 struct LobeValue {
-    Color value{0, 0, 0};  ///< weighted value * |cosine|
-    float density = 0;     ///< per solid angle, once the lobe has been chosen
+    Float4 numbers{0, 0, 0, 0};
+
+    LobeValue() = default;
+    /// Weighted value * |cosine|; per solid angle, once the lobe has been chosen.
+    LobeValue(const Color& value, float density) : numbers{value.x, value.y, value.z, density} {}
+    Color value() const { return {numbers[0], numbers[1], numbers[2]}; }
+    float density() const { return numbers[3]; }
 };
 
 /// A direction chosen by one lobe.
@@ -23,22 +81,18 @@ struct LobeDirection {
     bool through = false;   ///< of hair: came out of the fibre, not off it
 };
 
-bool is_singular(const Lobe& lobe);
-bool is_fibre(const Lobe& lobe);
-/// Whether a lobe of a bent normal is darkened by `bump_shadow`: those that are as wide as the hemisphere, but for
-/// velvet, as in Cycles.
-bool is_shadowed_where_bent(const Lobe& lobe);
 /// What is left of light from `incoming` that meets a bump: 1 where the bump's slope is in the light as the smooth
 /// surface would be, and smoothly down to 0 where the smooth surface is in its own shadow (M. J. Chiang, Y. K. Li, B.
 /// Burley: Taming the Shadow Terminator, 2019).
 float bump_shadow(const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming);
 /// 0 for singular lobes.
-LobeValue evaluate_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side);
+LobeValue evaluate_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair);
 /// `random` in [0,1)³; z as in Closures::needs_third_number. Empty where there is no such direction (total internal
 /// reflection, masked).
 std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random);
-/// How often the lobe should be chosen, relative to others; positive wherever the lobe's value is.
-float choice_weight(const Lobe& lobe, const Vec3f& outgoing);
+/// Sets `view` to the lobe seen from `outgoing`; `smooth` as Closures::smooth_normal. Its probability is relative to
+/// others'; positive wherever the lobe's value is.
+void look_at(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& smooth, LobeView& view);
 /// Weighted albedo that falls in the family `kind`; Fresnel taken at the lobe's normal.
 Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind);
 /// The family of a direction scattered to `side`: the lobe's own, but for glass, which has two.

@@ -1,5 +1,7 @@
 #include "shading/microfacet.h"
 
+#include "base/circle.h"
+
 namespace rayleaf {
 namespace {
 
@@ -59,22 +61,17 @@ float beckmann_visible_slope(float cosine, float sine, float random) {
 }
 
 Vec3f sample_ggx(const Vec3f& stretched, const Vec2f& random) {
-    Vec3f t1, t2;
     const float length2 = square(stretched.x) + square(stretched.y);
-    if (length2 > 0.0f) {
-        t1 = Vec3f(-stretched.y, stretched.x, 0.0f) / std::sqrt(length2);
-    } else {
-        t1 = Vec3f(1.0f, 0.0f, 0.0f);
-    }
-    t2 = stretched.cross(t1);
+    const Vec3f t1 =
+        length2 > 0.0f ? Vec3f(-stretched.y, stretched.x, 0.0f) * (1.0f / std::sqrt(length2)) : Vec3f(1.0f, 0.0f, 0.0f);
+    const Vec3f t2 = stretched.cross(t1);
     // A point of the disk, its upper half shrunk to what is seen of the hemisphere.
-    const float radius = std::sqrt(random.x), angle = 2.0f * kPi * random.y;
-    const float p1 = radius * std::cos(angle);
-    const float room = std::sqrt(std::max(0.0f, 1.0f - p1 * p1));
+    const Vec2f at = on_circle(random.y) * std::sqrt(random.x);
+    const float room = std::sqrt(std::max(0.0f, 1.0f - at.x * at.x));
     const float share = 0.5f * (1.0f + stretched.z);
-    const float p2 = (1.0f - share) * room + share * radius * std::sin(angle);
-    const float p3 = std::sqrt(std::max(0.0f, 1.0f - p1 * p1 - p2 * p2));
-    return t1 * p1 + t2 * p2 + stretched * p3;
+    const float p2 = (1.0f - share) * room + share * at.y;
+    const float p3 = std::sqrt(std::max(0.0f, 1.0f - at.x * at.x - p2 * p2));
+    return t1 * at.x + t2 * p2 + stretched * p3;
 }
 
 Vec3f sample_beckmann(const Vec3f& stretched, const Vec2f& random) {
@@ -89,33 +86,8 @@ Vec3f sample_beckmann(const Vec3f& stretched, const Vec2f& random) {
 
 }  // namespace
 
-float Microfacets::normal_density(const Vec3f& h) const {
-    if (!(h.z > 0.0f)) return 0.0f;
-    const float slope2 = square(h.x / alpha_x) + square(h.y / alpha_y);
-    const float area = kPi * alpha_x * alpha_y;
-    if (distribution == MicrofacetDistribution::Ggx) return 1.0f / (area * square(slope2 + h.z * h.z));
-    const float z2 = h.z * h.z;
-    return std::exp(-slope2 / z2) / (area * z2 * z2);
-}
-
-float Microfacets::masking(const Vec3f& w) const {
-    if (!(w.z > 0.0f)) return 0.0f;
-    const float spread2 = square(w.x * alpha_x) + square(w.y * alpha_y);
-    if (distribution == MicrofacetDistribution::Ggx) return 2.0f * w.z / (w.z + std::sqrt(spread2 + w.z * w.z));
-    if (spread2 == 0.0f) return 1.0f;
-    return 1.0f / (1.0f + beckmann_lambda(w.z / std::sqrt(spread2)));
-}
-
-float Microfacets::shadowing(const Vec3f& w, const Vec3f& i, Masking kind) const {
-    const float towards = masking(i);
-    if (kind == Masking::Separate || !(towards > 0.0f)) return towards;
-    const float seen = masking(w);
-    return towards / (towards + seen - towards * seen);  // Heitz 2014, equation 99, over the viewer's masking
-}
-
-float Microfacets::visible_density(const Vec3f& w, const Vec3f& h) const {
-    if (!(w.z > 0.0f)) return 0.0f;
-    return normal_density(h) * masking(w) * std::max(w.dot(h), 0.0f) / w.z;
+float Microfacets::beckmann_masking(float cosine, float spread2) {
+    return spread2 == 0.0f ? 1.0f : 1.0f / (1.0f + beckmann_lambda(cosine / std::sqrt(spread2)));
 }
 
 Vec3f Microfacets::sample_visible(const Vec3f& w, const Vec2f& random) const {

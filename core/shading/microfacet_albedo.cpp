@@ -45,27 +45,30 @@ struct QuadraturePoint {
 /// Of white facets, or of those whose reflectance is how far `rising`'s has risen.
 float reflection_quadrature(const Microfacets& facets, const Vec3f& o, Masking masking,
                             std::optional<float> rising = std::nullopt) {
+    const float seen = facets.masking(o);
     float sum = 0.0f;
     for (int i = 0; i < kQuadrature * kQuadrature; ++i) {
         const QuadraturePoint point(i);
         const Vec3f h = facets.sample_visible(o, point.random);
         const float cosine = o.dot(h), reflectance = rising ? fresnel_rise(*rising, cosine) : 1.0f;
-        sum += point.weight * reflectance * facets.shadowing(o, h * (2.0f * cosine) - o, masking);
+        sum += point.weight * reflectance * facets.shadowing(seen, h * (2.0f * cosine) - o, masking);
     }
     return sum;
 }
 
 float glass_quadrature(const Microfacets& facets, const Vec3f& o, float ior, Masking masking) {
+    const float seen = facets.masking(o);
     float sum = 0.0f;
     for (int i = 0; i < kQuadrature * kQuadrature; ++i) {
         const QuadraturePoint point(i);
         const Vec3f h = facets.sample_visible(o, point.random);
         const float cosine = o.dot(h), fresnel = dielectric_fresnel(cosine, ior);
-        sum += point.weight * fresnel * facets.shadowing(o, h * (2.0f * cosine) - o, masking);
+        sum += point.weight * fresnel * facets.shadowing(seen, h * (2.0f * cosine) - o, masking);
         const float beyond2 = (ior - 1.0f) * (ior + 1.0f) + cosine * cosine;
         if (!(beyond2 > 0.0f)) continue;
         const Vec3f through = (h * (cosine - std::sqrt(beyond2)) - o) / ior;
-        sum += point.weight * (1.0f - fresnel) * facets.shadowing(o, Vec3f(through.x, through.y, -through.z), masking);
+        sum +=
+            point.weight * (1.0f - fresnel) * facets.shadowing(seen, Vec3f(through.x, through.y, -through.z), masking);
     }
     return sum;
 }

@@ -34,12 +34,15 @@ Color hemispherical_albedo(const Lobe& lobe, const Vec3f& outgoing) {
     // The mean over a grid of cosine-weighted directions; lobes of this class are smooth.
     constexpr int kRings = 4, kSectors = 8;
     const LobeFrame frame(lobe);
+    LobeView view;
+    look_at(lobe, outgoing, Vec3f(0.0f), view);
     Color sum(0.0f);
     for (int ring = 0; ring < kRings; ++ring)
         for (int sector = 0; sector < kSectors; ++sector) {
             const Vec3f local = cosine_hemisphere((static_cast<float>(ring) + 0.5f) / kRings,
                                                   (static_cast<float>(sector) + 0.5f) / kSectors);
-            sum += evaluate_lobe(lobe, outgoing, frame.to_world(local), Side::Reflected).value * (kPi / local.z);
+            const DirectionPair pair(outgoing, frame.to_world(local), Side::Reflected, true);
+            sum += evaluate_lobe(lobe, view, pair).value() * (kPi / local.z);
         }
     return sum / static_cast<float>(kRings * kSectors);
 }
@@ -55,6 +58,8 @@ SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, co
         else
             (is_hemispherical(lobe) ? diffuse_ : glossy_).add(lobe);
     }
+    glossy_view_.look(glossy_, outgoing);
+    diffuse_view_.look(diffuse_, outgoing);
 }
 
 void SplitClosures::add_singular(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& facet_normal) {

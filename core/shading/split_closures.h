@@ -2,7 +2,7 @@
 // from rough lobes.
 #pragma once
 
-#include "shading/closures.h"
+#include "shading/closure_view.h"
 
 #include <span>
 
@@ -16,8 +16,10 @@ class SplitClosures {
     std::span<const LobeSample> singular() const { return {singular_, static_cast<size_t>(singular_count_)}; }
     /// The rough microfacet lobes.
     const Closures& glossy() const { return glossy_; }
+    const ClosureView& glossy_view() const { return glossy_view_; }
     /// The lobes that scatter over the hemisphere, sampled by the cosine.
     const Closures& diffuse() const { return diffuse_; }
+    const ClosureView& diffuse_view() const { return diffuse_view_; }
     /// Those by which light enters a body.
     const Closures& subsurface() const { return subsurface_; }
 
@@ -25,6 +27,7 @@ class SplitClosures {
     LobeSample singular_[2 * Closures::kMaxLobes];  ///< glass has two
     int singular_count_ = 0;
     Closures glossy_, diffuse_, subsurface_;
+    ClosureView glossy_view_, diffuse_view_;
 
     void add_singular(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& facet_normal);
     void add_singular(const LobeSample& sample);

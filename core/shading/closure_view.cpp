@@ -1,0 +1,143 @@
+#include "shading/closure_view.h"
+
+#include "shading/fresnel.h"
+#include "shading/lobes.h"
+
+namespace rayleaf {
+namespace {
+
+Side side_of(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) {
+    const bool same = (facet_normal.dot(outgoing) > 0.0f) == (facet_normal.dot(incoming) > 0.0f);
+    return same ? Side::Reflected : Side::Transmitted;
+}
+
+/// 0 for singular lobes.
+LobeValue evaluate_one(const Closures& closures, int i, const LobeView& view, const DirectionPair& pair) {
+    LobeValue result = evaluate_lobe(closures[i], view, pair);
+    if (view.bent) {
+        const float shadow = bump_shadow(closures.smooth_normal, closures[i].normal, pair.incoming);
+        result.numbers *= Float4{shadow, shadow, shadow, 1.0f};
+    }
+    return result;
+}
+
+/// Of all lobes.
+LobeValue evaluate_all(const Closures& closures, const ClosureView& view, const Vec3f& incoming, Side side) {
+    const DirectionPair pair(view.outgoing, incoming, side, view.halves);
+    LobeValue sum;
+    for (int i = 0; i < closures.size(); ++i)
+        sum.numbers += evaluate_one(closures, i, view.lobes[i], pair).numbers *
+                       Float4{1.0f, 1.0f, 1.0f, view.lobes[i].probability};
+    return sum;
+}
+
+/// The lobe that a number in [0,1) chooses; `random` becomes what the choice leaves of it.
+int chosen_lobe(const ClosureView& view, int count, float& random) {
+    int chosen = 0;
+    while (chosen + 1 < count && random >= view.lobes[chosen].probability) random -= view.lobes[chosen++].probability;
+    constexpr float kBelowOne = 1.0f - 6e-8f;
+    random = std::min(random / view.lobes[chosen].probability, kBelowOne);
+    return chosen;
+}
+
+/// Of a lobe by which light enters a body.
+Color entry_weight(const Lobe& lobe, float cosine) {
+    return lobe.fresnel == Lobe::Fresnel::Schlick ? lobe.weight * (1.0f - 0.5f * schlick_weight(cosine)) : lobe.weight;
+}
+
+}  // namespace
+
+void ClosureView::look(const Closures& closures, const Vec3f& from) {
+    outgoing = from;
+    halves = false;
+    const int count = closures.size();
+    float sum = 0.0f;
+    for (int i = 0; i < count; ++i) {
+        look_at(closures[i], from, closures.smooth_normal, lobes[i]);
+        sum += lobes[i].probability;
+        halves |= uses_half(closures[i]);
+    }
+    any = sum > 0.0f;
+    if (count == 1) {
+        lobes[0].probability = 1.0f;
+        return;
+    }
+    const float scale = any ? 1.0f / sum : 0.0f;
+    for (int i = 0; i < count; ++i) lobes[i].probability *= scale;
+}
+
+Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const {
+    return evaluate_with_density({*this, outgoing}, incoming, facet_normal).value;
+}
+
+Color Closures::evaluate(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal, LobeKind kind) const {
+    return evaluate_by_kind({*this, outgoing}, incoming, facet_normal).values[static_cast<size_t>(kind)];
+}
+
+Closures::Evaluation Closures::evaluate_with_density(const ClosureView& view, const Vec3f& incoming,
+                                                     const Vec3f& facet_normal) const {
+    const LobeValue all = evaluate_all(*this, view, incoming, side_of(view.outgoing, incoming, facet_normal));
+    return {all.value(), all.density()};
+}
+
+Closures::EvaluationByKind Closures::evaluate_by_kind(const ClosureView& view, const Vec3f& incoming,
+                                                      const Vec3f& facet_normal) const {
+    const Side side = side_of(view.outgoing, incoming, facet_normal);
+    const DirectionPair pair(view.outgoing, incoming, side, view.halves);
+    EvaluationByKind sum;
+    for (int i = 0; i < count_; ++i) {
+        const LobeValue lobe = evaluate_one(*this, i, view.lobes[i], pair);
+        sum.values[static_cast<size_t>(kind_of(lobes_[i], side))] += lobe.value();
+        sum.density += view.lobes[i].probability * lobe.density();
+    }
+    return sum;
+}
+
+float Closures::density(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_normal) const {
+    return evaluate_with_density({*this, outgoing}, incoming, facet_normal).density;
+}
+
+std::optional<LobeSample> Closures::sample(const Vec3f& outgoing, const Vec3f& facet_normal,
+                                           const Vec3f& random) const {
+    return sample({*this, outgoing}, facet_normal, random);
+}
+
+std::optional<LobeSample> Closures::sample(const ClosureView& view, const Vec3f& facet_normal,
+                                           const Vec3f& random) const {
+    if (!view.any) return std::nullopt;
+    Vec3f reused = random;
+    const int chosen = chosen_lobe(view, count_, reused.x);
+    const float probability = view.lobes[chosen].probability;
+    if (!(probability > 0.0f)) return std::nullopt;
+
+    const Lobe& lobe = lobes_[chosen];
+    const std::optional<LobeDirection> direction = sample_lobe(lobe, view.outgoing, reused);
+    if (!direction) return std::nullopt;
+    const Side side = side_of(view.outgoing, direction->direction, facet_normal);
+    LobeSample sample;
+    sample.direction = direction->direction;
+    sample.kind = kind_of(lobe, side);
+    sample.singular = is_singular(lobe);
+    sample.transmitted = side == Side::Transmitted;
+    sample.eta = direction->eta;
+    sample.roughness = lobe_width(lobe);
+    sample.fibre = is_fibre(lobe);
+    if (sample.fibre) sample.transmitted = direction->through;
+    if (lobe.type == LobeType::Subsurface) {
+        sample.subsurface = &lobe;
+        sample.weight = entry_weight(lobe, view.lobes[chosen].cosine) / probability;
+    } else if (sample.singular) {
+        // A shading normal bent far from the facet may send the ray to the wrong side.
+        if (sample.transmitted != (lobe.normal.dot(direction->direction) < 0.0f)) return std::nullopt;
+        sample.weight = direction->weight / probability;
+    } else {
+        const LobeValue all = evaluate_all(*this, view, direction->direction, side);
+        if (!(all.density() > 0.0f)) return std::nullopt;
+        sample.density = all.density();
+        sample.weight = all.value() * (1.0f / sample.density);
+    }
+    if (is_black(sample.weight) || !is_finite(sample.weight)) return std::nullopt;
+    return sample;
+}
+
+}  // namespace rayleaf

@@ -1,0 +1,31 @@
+// Closures as they are seen from one direction: what all values, densities and samples there have in common is computed
+// once.
+#pragma once
+
+#include "shading/closures.h"
+
+namespace rayleaf {
+
+/// One lobe.
+struct LobeView {
+    float probability = 0;  ///< with which sampling chooses it
+    float cosine = 0;       ///< of the viewer's angle to its normal
+    float masking = 0;      ///< of microfacets: share of them that the viewer sees
+    /// The same over four cosines: makes of the density of normals that of mirrored directions.
+    float mirrored = 0;
+    bool bent = false;  ///< `bump_shadow` darkens it
+};
+
+/// Belongs to closures that do not change.
+struct ClosureView {
+    Vec3f outgoing{0, 0, 1};
+    bool any = false;     ///< some lobe can be chosen
+    bool halves = false;  ///< some lobe asks for half vectors
+    LobeView lobes[Closures::kMaxLobes];
+
+    ClosureView() = default;
+    ClosureView(const Closures& closures, const Vec3f& from) { look(closures, from); }
+    void look(const Closures& closures, const Vec3f& from);
+};
+
+}  // namespace rayleaf
