@@ -203,8 +203,7 @@ SurfacePoint InstanceRecord::surface_point(uint32_t index, const LocalHit& hit, 
         local.dn_du = interpolated->changes.steps[0].normal;
         local.dn_dv = interpolated->changes.steps[1].normal;
     } else {
-        const Shape& shape = scene->shape();
-        local = detail == SurfaceDetail::Curvature ? shape.surface(hit) : shape.surface_without_curvature(hit);
+        local = local_surface(hit, detail);
     }
 
     SurfacePoint point = facet_point(index, hit, size);

@@ -57,6 +57,10 @@ struct InstanceRecord {
     /// the largest number that went into the computation of the hit: coordinates of the ray, world units.
     double start_offset(const Vec3d& position, const Vec3d& normal, double size) const;
 
+    LocalSurface local_surface(const LocalHit& hit, SurfaceDetail detail) const {
+        const Shape& shape = scene->shape();
+        return detail == SurfaceDetail::Curvature ? shape.surface(hit) : shape.surface_without_curvature(hit);
+    }
     /// Where a hit on a facet lies in world space, and nothing that only shading needs; `size` as above, `index` the
     /// instance's. `position` and `normal` are the facet's.
     SurfacePoint facet_point(uint32_t index, const LocalHit& hit, double size) const;

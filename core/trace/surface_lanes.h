@@ -1,4 +1,4 @@
-// Points on the exact surface of spline patches for several hits at once, in the lanes of vectors of doubles.
+// Surface points of several hits at once, in the lanes of vectors of doubles.
 //
 // Each lane does what InstanceRecord::surface_point and PatchSurface::surface do for one hit, in the same order, so
 // that the bits are the same. Where a patch has no normal of its own, or a number leaves the range that is expected, a
@@ -21,33 +21,36 @@ struct PatchForm {
     bool operator==(const PatchForm&) const = default;
 };
 
-/// Hits on patches of one form. Rows are aligned for vectors.
+/// Hits that are computed together. Rows are aligned for vectors.
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding)
 struct SurfaceLanes {
     static constexpr size_t kMost = 8;
     static constexpr int kMostDegree = 5;                                         ///< Blender's highest order is 6
     static constexpr size_t kMostPoints = (kMostDegree + 1) * (kMostDegree + 1);  ///< of a patch
 
-    // Of each hit:
-    const Vec4d* points[kMost];  ///< the patch's
     const InstanceRecord* records[kMost];
-    alignas(64) double u[kMost], v[kMost], length_u[kMost], length_v[kMost];  ///< parameters, and the spans' lengths
-    alignas(64) double facet_position[3][kMost];                              ///< local
-    alignas(64) float facet_normal[3][kMost];                                 ///< local, not unit
-    alignas(64) double size[kMost];                                           ///< as of InstanceRecord::start_offset
-    alignas(64) double float_error[kMost], vertex_error[kMost];               ///< of the shape
+    alignas(64) double size[kMost];                              ///< as of InstanceRecord::start_offset
+    alignas(64) double float_error[kMost], vertex_error[kMost];  ///< of the shape
     size_t count = 0;
-
-    // What becomes of it, as in SurfacePoint:
     uint32_t done = 0;  ///< a bit each; the other hits must be done alone
-    alignas(64) double position[3][kMost], facet_position_out[3][kMost], start_offset[kMost], facet_error[kMost];
-    alignas(64) float facet_normal_out[3][kMost], normal[3][kMost], dp_du[3][kMost], dp_dv[3][kMost];
-    alignas(64) float dn_du[3][kMost], dn_dv[3][kMost];
+
+    // Of hits on patches:
+    const Vec4d* points[kMost];
+    alignas(64) double u[kMost], v[kMost], length_u[kMost], length_v[kMost];  ///< parameters, and the spans' lengths
+
+    // The surface at the hits, first local, as in LocalHit and LocalSurface, then in the world, as in SurfacePoint:
+    alignas(64) double position[3][kMost], facet_position[3][kMost];
+    alignas(64) float facet_normal[3][kMost], normal[3][kMost];
+    alignas(64) float dp_du[3][kMost], dp_dv[3][kMost], dn_du[3][kMost], dn_dv[3][kMost];
+    alignas(64) double start_offset[kMost], facet_error[kMost];  ///< in the world only
 };
 
 /// Whether there is a version for patches of this form.
 bool has_lanes(const PatchForm& form);
-/// Fills the second part from the first. Rows beyond the last hit must hold some hit's numbers.
-void compute_surfaces(const PatchForm& form, SurfaceDetail detail, SurfaceLanes& lanes);
+/// Finds the local surface on patches. Here and below, rows beyond the last hit must hold some hit's numbers, and
+/// `done` loses the hits that must be done alone.
+void compute_patches(const PatchForm& form, SurfaceDetail detail, SurfaceLanes& lanes);
+/// Carries the local surface of any shape into the world.
+void place_surfaces(SurfaceDetail detail, SurfaceLanes& lanes);
 
 }  // namespace rayleaf

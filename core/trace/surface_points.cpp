@@ -1,9 +1,11 @@
-// The surface points of many hits: those on spline patches over lanes, the others one by one.
+// The surface points of many hits, over lanes: the local surface of spline patches too, that of other shapes one by
+// one.
 #include "geometry/patch_surface.h"
 #include "trace/surface_lanes.h"
 #include "trace/tracer_queries.h"
 
 #include <array>
+#include <memory>
 #include <optional>
 
 namespace rayleaf {
@@ -14,92 +16,125 @@ struct LaneGroup {
     SurfaceLanes lanes;
     std::array<const SurfaceQuery*, SurfaceLanes::kMost> queries;
     std::array<Vec2f, SurfaceLanes::kMost> uv;
-    std::array<std::optional<InstanceRecord>, SurfaceLanes::kMost> moved;  ///< records of instances that move
-    /// Patches at the hits' times, of surfaces that deform.
-    std::array<std::array<Vec4d, SurfaceLanes::kMostPoints>, SurfaceLanes::kMost> mixed;
+    using Records = std::array<std::optional<InstanceRecord>, SurfaceLanes::kMost>;
+    std::unique_ptr<Records> moved;  ///< of instances that move; made where there are any
+
+    bool is_full() const { return lanes.count == SurfaceLanes::kMost; }
 };
 
-/// Fewer are done one by one.
-constexpr size_t kLeastLanes = 3;
+/// Patches at the hits' times, of surfaces that deform.
+using MixedPatches = std::array<std::array<Vec4d, SurfaceLanes::kMostPoints>, SurfaceLanes::kMost>;
 
-const PatchSurface* patches_of(const InstanceRecord& record, const Hit& hit) {
+/// Fewer patches of a form are done one by one.
+constexpr size_t kLeastPatches = 3;
+
+const PatchSurface* patches_of(const InstanceRecord& record) {
     const Shape& shape = record.scene->shape();
-    if (hit.is_interpolated() || shape.kind() != ShapeKind::PatchSurface) return nullptr;
-    return static_cast<const PatchSurface*>(&shape);
+    return shape.kind() == ShapeKind::PatchSurface ? static_cast<const PatchSurface*>(&shape) : nullptr;
 }
 
-void add(LaneGroup& group, const SurfaceQuery& query, const InstanceRecord& record, const PatchSurface& surface,
-         const SplinePatches& spline) {
+template <typename Row, typename T>
+void put(const Imath::Vec3<T>& v, Row (&rows)[3], size_t i) {
+    rows[0][i] = v.x;
+    rows[1][i] = v.y;
+    rows[2][i] = v.z;
+}
+template <typename T>
+Imath::Vec3<T> row(const T (&rows)[3][SurfaceLanes::kMost], size_t i) {
+    return {rows[0][i], rows[1][i], rows[2][i]};
+}
+
+/// What is needed of every hit; the lane that it gets.
+size_t add_hit(LaneGroup& group, const SurfaceQuery& query, const InstanceRecord& record) {
     SurfaceLanes& lanes = group.lanes;
     const size_t i = lanes.count++;
     const LocalHit& hit = query.hit->local;
-    const SplineSpan &u = spline.span_u(hit.primitive), &v = spline.span_v(hit.primitive);
     group.queries[i] = &query;
-    group.uv[i] = Vec2f(static_cast<float>(u.begin + hit.u * (u.end - u.begin)),
-                        static_cast<float>(v.begin + hit.v * (v.end - v.begin)));
-    lanes.points[i] = surface.patch(hit.primitive, spline).points;
-    if (surface.deforms()) {
-        surface.mix_points(hit.primitive, spline, hit.time, group.mixed[i].data());
-        lanes.points[i] = group.mixed[i].data();
-    }
-    lanes.records[i] = record.at(query.ray->time, group.moved[i]);
-    lanes.u[i] = hit.u;
-    lanes.v[i] = hit.v;
-    lanes.length_u[i] = u.end - u.begin;
-    lanes.length_v[i] = v.end - v.begin;
-    for (int axis = 0; axis < 3; ++axis) {
-        lanes.facet_position[axis][i] = hit.position[axis];
-        lanes.facet_normal[axis][i] = hit.normal[axis];
+    lanes.records[i] = &record;
+    if (record.motion) {
+        if (!group.moved) group.moved = std::make_unique<LaneGroup::Records>();
+        lanes.records[i] = record.at(query.ray->time, (*group.moved)[i]);
     }
     lanes.size[i] = max_abs(query.ray->origin) + query.hit->t * max_abs(query.ray->direction);
     lanes.float_error[i] = record.scene->float_error();
     lanes.vertex_error[i] = record.scene->vertex_error();
+    put(hit.position, lanes.facet_position, i);
+    put(hit.normal, lanes.facet_normal, i);
+    return i;
+}
+
+void add_surface(LaneGroup& group, const SurfaceQuery& query, const InstanceRecord& record, SurfaceDetail detail) {
+    SurfaceLanes& lanes = group.lanes;
+    const size_t i = add_hit(group, query, record);
+    const LocalSurface local = record.local_surface(query.hit->local, detail);
+    group.uv[i] = local.uv;
+    put(local.position, lanes.position, i);
+    put(local.normal, lanes.normal, i);
+    put(local.dp_du, lanes.dp_du, i);
+    put(local.dp_dv, lanes.dp_dv, i);
+    put(local.dn_du, lanes.dn_du, i);
+    put(local.dn_dv, lanes.dn_dv, i);
+}
+
+void add_patch(LaneGroup& group, const SurfaceQuery& query, const InstanceRecord& record, const PatchSurface& surface,
+               const SplinePatches& spline, MixedPatches& mixed) {
+    SurfaceLanes& lanes = group.lanes;
+    const size_t i = add_hit(group, query, record);
+    const LocalHit& hit = query.hit->local;
+    const SplineSpan &u = spline.span_u(hit.primitive), &v = spline.span_v(hit.primitive);
+    group.uv[i] = Vec2f(static_cast<float>(u.begin + hit.u * (u.end - u.begin)),
+                        static_cast<float>(v.begin + hit.v * (v.end - v.begin)));
+    lanes.points[i] = surface.patch(hit.primitive, spline).points;
+    if (surface.deforms()) {
+        surface.mix_points(hit.primitive, spline, hit.time, mixed[i].data());
+        lanes.points[i] = mixed[i].data();
+    }
+    lanes.u[i] = hit.u;
+    lanes.v[i] = hit.v;
+    lanes.length_u[i] = u.end - u.begin;
+    lanes.length_v[i] = v.end - v.begin;
 }
 
 /// Repeats the last hit in the lanes beyond it.
-void fill_up(SurfaceLanes& lanes) {
+void fill_up(SurfaceLanes& lanes, bool are_patches) {
     const size_t last = lanes.count - 1;
-    for (size_t i = lanes.count; i < SurfaceLanes::kMost; ++i) {
-        lanes.points[i] = lanes.points[last];
-        lanes.records[i] = lanes.records[last];
-        for (double* row :
-             {lanes.u, lanes.v, lanes.length_u, lanes.length_v, lanes.size, lanes.float_error, lanes.vertex_error,
-              lanes.facet_position[0], lanes.facet_position[1], lanes.facet_position[2]})
-            row[i] = row[last];
-        for (auto& row : lanes.facet_normal) row[i] = row[last];
-    }
+    const auto fill = [&](auto&... rows) {
+        for (size_t i = lanes.count; i < SurfaceLanes::kMost; ++i) ((rows[i] = rows[last]), ...);
+    };
+    const auto fill_vectors = [&](auto&... rows) { (fill(rows[0], rows[1], rows[2]), ...); };
+    fill(lanes.records, lanes.size, lanes.float_error, lanes.vertex_error);
+    fill_vectors(lanes.facet_position, lanes.facet_normal);
+    if (are_patches)
+        fill(lanes.points, lanes.u, lanes.v, lanes.length_u, lanes.length_v);
+    else
+        fill_vectors(lanes.position, lanes.normal, lanes.dp_du, lanes.dp_dv, lanes.dn_du, lanes.dn_dv);
 }
 
-Vec3d double_row(const double (&rows)[3][SurfaceLanes::kMost], size_t i) {
-    return {rows[0][i], rows[1][i], rows[2][i]};
-}
-Vec3f float_row(const float (&rows)[3][SurfaceLanes::kMost], size_t i) {
-    return {rows[0][i], rows[1][i], rows[2][i]};
-}
-
+/// Every field but the sight is set in its place: to clear the whole point before costs as much.
 void take(const LaneGroup& group, size_t i, SurfaceDetail detail) {
     const SurfaceLanes& lanes = group.lanes;
-    const Hit& hit = *group.queries[i]->hit;
-    SurfacePoint point;
+    const SurfaceQuery& query = *group.queries[i];
+    const Hit& hit = *query.hit;
+    SurfacePoint& point = *query.point;
+    point.position = row(lanes.position, i);
+    point.facet_position = row(lanes.facet_position, i);
+    point.start_offset = lanes.start_offset[i];
+    point.facet_error = lanes.facet_error[i];
+    point.facet_normal = row(lanes.facet_normal, i);
+    point.normal = row(lanes.normal, i);
+    point.dp_du = row(lanes.dp_du, i);
+    point.dp_dv = row(lanes.dp_dv, i);
+    point.dn_du = detail == SurfaceDetail::Curvature ? row(lanes.dn_du, i) : Vec3f(0.0f);
+    point.dn_dv = detail == SurfaceDetail::Curvature ? row(lanes.dn_dv, i) : Vec3f(0.0f);
+    point.uv = group.uv[i];
+    point.uv_by_u = Vec2f(1, 0);
+    point.uv_by_v = Vec2f(0, 1);
     point.t = hit.t;
-    point.time = group.queries[i]->ray->time;
+    point.time = query.ray->time;
     point.shape = &lanes.records[i]->scene->shape();
     point.local = hit.local;
     point.instance = hit.instance;
-    point.uv = group.uv[i];
-    point.position = double_row(lanes.position, i);
-    point.facet_position = double_row(lanes.facet_position_out, i);
-    point.start_offset = lanes.start_offset[i];
-    point.facet_error = lanes.facet_error[i];
-    point.facet_normal = float_row(lanes.facet_normal_out, i);
-    point.normal = float_row(lanes.normal, i);
-    point.dp_du = float_row(lanes.dp_du, i);
-    point.dp_dv = float_row(lanes.dp_dv, i);
-    if (detail == SurfaceDetail::Curvature) {
-        point.dn_du = float_row(lanes.dn_du, i);
-        point.dn_dv = float_row(lanes.dn_dv, i);
-    }
-    *group.queries[i]->point = point;
+    point.inside = point.interpolated = false;
 }
 
 /// Hits of one call, those on patches of one form together.
@@ -110,28 +145,21 @@ class SurfaceBatch {
     SurfaceBatch(const Tracer& tracer, SurfaceDetail detail) : tracer_(tracer), detail_(detail) {}
 
     void add(const SurfaceQuery& query, const InstanceRecord& record) {
-        const PatchSurface* surface = patches_of(record, *query.hit);
+        if (query.hit->is_interpolated()) return add_alone(query);
+        const PatchSurface* surface = patches_of(record);
         const SplinePatches* spline = surface ? &surface->spline_of(query.hit->local.primitive) : nullptr;
-        if (!spline || !spline->smooth) return add_alone(query);
-        const PatchForm form{spline->degree_u, spline->degree_v, spline->rational};
-        if (!has_lanes(form)) return add_alone(query);
+        if (!spline || !spline->smooth || !has_lanes(form_of(*spline))) {
+            add_surface(others_, query, record, detail_);
+            if (others_.is_full()) place(others_);
+            return;
+        }
         open_ |= 1u << count_;
-        waiting_[count_++] = {&query, &record, surface, spline, form};
-        if (count_ == kMost) finish();
+        waiting_[count_++] = {&query, &record, surface, spline};
+        if (count_ == kMost) finish_patches();
     }
     void finish() {
-        while (open_ != 0) {
-            const PatchForm& form = waiting_[static_cast<size_t>(__builtin_ctz(open_))].form;
-            for_each_lane(open_, [&](size_t i) {
-                const Waiting& hit = waiting_[i];
-                if (!(hit.form == form)) return;
-                open_ &= ~(1u << i);
-                rayleaf::add(group_, *hit.query, *hit.record, *hit.surface, *hit.spline);
-                if (group_.lanes.count == SurfaceLanes::kMost) compute(form);
-            });
-            compute(form);
-        }
-        count_ = 0;
+        finish_patches();
+        place(others_);
     }
 
   private:
@@ -140,29 +168,51 @@ class SurfaceBatch {
         const InstanceRecord* record;
         const PatchSurface* surface;
         const SplinePatches* spline;
-        PatchForm form;
     };
     const Tracer& tracer_;
     SurfaceDetail detail_;
     std::array<Waiting, kMost> waiting_;
     size_t count_ = 0;
     uint32_t open_ = 0;  ///< of those that wait, a bit each
-    LaneGroup group_;
+    LaneGroup patches_, others_;
+    MixedPatches mixed_;
+
+    static PatchForm form_of(const SplinePatches& spline) {
+        return {spline.degree_u, spline.degree_v, spline.rational};
+    }
 
     void add_alone(const SurfaceQuery& query) { *query.point = tracer_.surface_point(*query.ray, *query.hit, detail_); }
 
-    void compute(const PatchForm& form) {
-        SurfaceLanes& lanes = group_.lanes;
+    void finish_patches() {
+        while (open_ != 0) {
+            const PatchForm form = form_of(*waiting_[static_cast<size_t>(__builtin_ctz(open_))].spline);
+            for_each_lane(open_, [&](size_t i) {
+                const Waiting& hit = waiting_[i];
+                if (!(form_of(*hit.spline) == form)) return;
+                open_ &= ~(1u << i);
+                add_patch(patches_, *hit.query, *hit.record, *hit.surface, *hit.spline, mixed_);
+                if (patches_.is_full()) place(patches_, &form);
+            });
+            place(patches_, &form);
+        }
+        count_ = 0;
+    }
+
+    /// `form`: of patches, whose local surface is not known yet.
+    void place(LaneGroup& group, const PatchForm* form = nullptr) {
+        SurfaceLanes& lanes = group.lanes;
         lanes.done = 0;
-        if (lanes.count >= kLeastLanes) {
-            fill_up(lanes);
-            compute_surfaces(form, detail_, lanes);
+        if (lanes.count >= (form ? kLeastPatches : 1)) {
+            lanes.done = (1u << lanes.count) - 1;
+            if (!group.is_full()) fill_up(lanes, form != nullptr);
+            if (form) compute_patches(*form, detail_, lanes);
+            place_surfaces(detail_, lanes);
         }
         for (size_t i = 0; i < lanes.count; ++i) {
             if ((lanes.done >> i & 1u) != 0)
-                take(group_, i, detail_);
+                take(group, i, detail_);
             else
-                add_alone(*group_.queries[i]);
+                add_alone(*group.queries[i]);
         }
         lanes.count = 0;
     }
@@ -175,8 +225,8 @@ void Tracer::surface_points(std::span<const SurfaceQuery> queries, SurfaceDetail
     for (const SurfaceQuery& query : queries) batch.add(query, implementation_->records[query.hit->instance]);
     batch.finish();
     for (const SurfaceQuery& query : queries)
-        if (query.hit->local.subpatch_length > 0.0f)
-            query.point->sight = implementation_->sight_from(*query.ray, *query.hit);
+        query.point->sight =
+            query.hit->local.subpatch_length > 0.0f ? implementation_->sight_from(*query.ray, *query.hit) : RaySight();
 }
 
 }  // namespace rayleaf

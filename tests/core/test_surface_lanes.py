@@ -1,8 +1,11 @@
-"""Points on the surface of splines that are found for several hits at once have the bits of those found alone."""
+"""Surface points that are found for several hits at once have the bits of those found alone."""
 
 import numpy as np
 import pytest
 import shapes
+import strand_shapes
+from core import subdivision_cages as cages
+from core import swept_support as swept
 from rayleaf import _core
 
 trace = _core.trace
@@ -32,6 +35,39 @@ def of_degrees(degree_u, degree_v, rational=False):
     return trace.PatchSurface(f"{degree_u} by {degree_v}", [(points, *orders, True, 0)])
 
 
+def smooth_mesh():
+    """A sphere of a few triangles with the normals of the sphere."""
+    vertices = shapes.unit(np.asarray(shapes.CUBE_VERTICES, float)).astype(np.float32)
+    triangles = np.asarray(shapes.CUBE_TRIANGLES)
+    uv = np.random.default_rng(4).uniform(size=(triangles.size, 2)).astype(np.float32)
+    return trace.TriangleMesh("ball", vertices, triangles, corner_normals=vertices[triangles.ravel()], uv=uv)
+
+
+def swept_shapes():
+    """Bevelled curves of every kind of piece, profile, radius and turn."""
+    points, bend = swept.BEND_POINTS, swept.bend
+    taper = swept.splines("BEZIER", [[0, 1, 0], [2, 0.5, 0]], [[[-1, 1, 0], [0.3, 1, 0]], [[1, 0, 0], [3, 1, 0]]])
+    square = [swept.polygon([[-0.1, -0.1], [0.2, -0.1], [0.1, 0.1], [-0.1, 0.1]])]
+    corners = np.array([[0, 0, 0], [1, 0, 0.2], [1, 1, 0], [0.2, 1, 0.5]])
+    weights = np.concatenate([corners, [[1.0], [0.5], [2.0], [1.0]]], axis=1)
+    yield bend(bevel_depth=0.1, fill_caps=True)
+    yield bend(bevel_depth=0.1, extrude=0.2, tilts=np.array([0, 1.0, -2]), twist="Z_UP")
+    yield bend(profile=square, radii=np.array([1, 0, 3.0]), radius_interpolation="CARDINAL", twist="TANGENT")
+    yield bend(bevel_depth=0.1, smooth=False)
+    for use in ("OVERRIDE", "MULTIPLY", "ADD"):
+        yield bend(bevel_depth=0.1, taper=taper, taper_radius=use, radii=np.array([1, 0.5, 2]))
+    yield swept.surface("BEZIER", points, swept.BEND_HANDLES, dimensions="2D", bevel_depth=0.1, extrude=0.3)
+    yield swept.surface("POLY", corners, bevel_depth=0.1, cyclic=True)
+    for order in (2, 3, 4):
+        yield swept.surface("NURBS", weights, bevel_depth=0.1, cyclic=True, order=order, tilts=np.array([0, 1.0, -2, 0]))
+        yield swept.surface("NURBS", corners, bevel_depth=0.1, endpoint=True, order=order)
+
+
+def other_shapes():
+    yield from [shapes.cube(), shapes.lumpy_mesh(), smooth_mesh(), cages.cube().surface()]
+    yield strand_shapes.strand([[0, 0, 0], [0.5, 0.3, 0], [1, 0, 0.4], [1.5, 0.2, 0.2]], 0.2)
+
+
 def placed(shape, random, size=1.0):
     matrix = np.eye(4)
     matrix[:3, :3] = random.normal(size=(3, 3)) * size
@@ -52,6 +88,9 @@ def scenes():
     mixed = [of_degrees(*pair, rational) for pair in degrees for rational in (False, True)]
     yield [placed(shape, random) for shape in mixed]
     yield from [[(shape, np.eye(4))] for shape in mixed]
+    others = [*swept_shapes(), *other_shapes()]
+    yield from [[(shape, np.eye(4))] for shape in others]
+    yield [placed(shape, random) for shape in [*others, *alone]]
 
 
 def rays_at(tracer, random, count):

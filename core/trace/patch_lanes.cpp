@@ -1,0 +1,221 @@
+#include "base/simd.h"
+#include "splines/limit_normal.h"
+#include "trace/surface_lanes.h"
+
+#include <cfloat>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "trace/patch_lanes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rayleaf {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#include "trace/surface_vectors.inl"
+
+/// A degree that is known when this is compiled.
+template <int kDegree>
+struct FixedDegree {
+    static constexpr int kMost = kDegree;
+    HWY_INLINE explicit FixedDegree(int /*degree*/) {}
+    HWY_INLINE constexpr operator int() const { return kDegree; }  // NOLINT(google-explicit-constructor): it is one
+};
+/// Any other.
+struct AnyDegree {
+    static constexpr int kMost = SurfaceLanes::kMostDegree;
+    int degree;
+    HWY_INLINE explicit AnyDegree(int of) : degree(of) {}
+    HWY_INLINE operator int() const { return degree; }  // NOLINT(google-explicit-constructor): it is one
+};
+
+/// BernsteinBasis's.
+template <typename Degree>
+struct Basis {
+    Degree degree;
+    Double value_of[Degree::kMost + 1], first_of[Degree::kMost], second_of[Degree::kMost];
+
+    HWY_INLINE Basis(Degree of, Double t) : degree(of) {
+        value_of[0] = all(1.0);
+        const Double s = hn::Sub(all(1.0), t);
+        for (int k = 0; k < degree; ++k) {
+            if (k == degree - 2)
+                for (int i = 0; i <= k; ++i) second_of[i] = value_of[i];
+            if (k == degree - 1)
+                for (int i = 0; i <= k; ++i) first_of[i] = value_of[i];
+            value_of[k + 1] = hn::Mul(value_of[k], t);
+            for (int i = k; i > 0; --i) value_of[i] = hn::Add(hn::Mul(value_of[i], s), hn::Mul(value_of[i - 1], t));
+            value_of[0] = hn::Mul(value_of[0], s);
+        }
+    }
+    HWY_INLINE Double value(const Double* points) const {
+        Double sum = hn::Mul(points[0], value_of[0]);
+        for (int i = 1; i <= degree; ++i) sum = hn::Add(sum, hn::Mul(points[i], value_of[i]));
+        return sum;
+    }
+    HWY_INLINE Double first(const Double* points) const {
+        Double sum = hn::Mul(points[0], all(0.0));
+        for (int i = 0; i < degree; ++i) sum = hn::Add(sum, hn::Mul(hn::Sub(points[i + 1], points[i]), first_of[i]));
+        return hn::Mul(sum, all(degree));
+    }
+    HWY_INLINE Double second(const Double* points) const {
+        Double sum = hn::Mul(points[0], all(0.0));
+        for (int i = 0; i + 1 < degree; ++i)
+            sum =
+                hn::Add(sum, hn::Mul(hn::Sub(hn::Sub(points[i + 2], points[i + 1]), hn::Sub(points[i + 1], points[i])),
+                                     second_of[i]));
+        return hn::Mul(sum, all(degree * (degree - 1)));
+    }
+};
+
+/// Of one coordinate of the patches.
+struct Derivatives {
+    Double value, du, dv, duu, duv, dvv;
+};
+
+template <typename Degree, SurfaceDetail kDetail>
+HWY_INLINE Derivatives evaluate(const OfEach<Vec4d>& points, int coordinate, const Basis<Degree>& u,
+                                const Basis<Degree>& v) {
+    Double value[Degree::kMost + 1], first[Degree::kMost + 1], second[Degree::kMost + 1];
+    for (int j = 0; j <= v.degree; ++j) {
+        Double row[Degree::kMost + 1];
+        for (int i = 0; i <= u.degree; ++i)
+            row[i] = points.number((&(&points.first())[j * (u.degree + 1) + i].x)[coordinate]);
+        value[j] = u.value(row);
+        first[j] = u.first(row);
+        if (kDetail == SurfaceDetail::Curvature) second[j] = u.second(row);
+    }
+    Derivatives result{v.value(value), v.value(first), v.first(value), all(0.0), all(0.0), all(0.0)};
+    if (kDetail == SurfaceDetail::Curvature) {
+        result.duu = v.value(second);
+        result.duv = v.first(first);
+        result.dvv = v.second(value);
+    }
+    return result;
+}
+
+struct Point {
+    Vec3 position, du, dv, duu, duv, dvv;
+};
+
+/// The quotient rule, as of project() for one point.
+template <SurfaceDetail kDetail>
+HWY_INLINE void divide_by_weight(Point& p, const Derivatives& w) {
+    const auto two = all(2.0);
+    p.position = divided(p.position, w.value);
+    p.du = divided(p.du - times(p.position, w.du), w.value);
+    p.dv = divided(p.dv - times(p.position, w.dv), w.value);
+    if (kDetail == SurfaceDetail::Normal) return;
+    p.duu = divided(p.duu - times(p.du, hn::Mul(two, w.du)) - times(p.position, w.duu), w.value);
+    p.duv = divided(p.duv - times(p.du, w.dv) - times(p.dv, w.du) - times(p.position, w.duv), w.value);
+    p.dvv = divided(p.dvv - times(p.dv, hn::Mul(two, w.dv)) - times(p.position, w.dvv), w.value);
+}
+
+template <typename Degree, bool kRational, SurfaceDetail kDetail>
+HWY_INLINE Point evaluate(const OfEach<Vec4d>& points, const PatchForm& form, Double at_u, Double at_v) {
+    const Basis<Degree> u(Degree(form.degree_u), at_u), v(Degree(form.degree_v), at_v);
+    const Derivatives x = evaluate<Degree, kDetail>(points, 0, u, v), y = evaluate<Degree, kDetail>(points, 1, u, v),
+                      z = evaluate<Degree, kDetail>(points, 2, u, v);
+    Point p{{x.value, y.value, z.value}, {x.du, y.du, z.du},    {x.dv, y.dv, z.dv},
+            {x.duu, y.duu, z.duu},       {x.duv, y.duv, z.duv}, {x.dvv, y.dvv, z.dvv}};
+    if constexpr (kRational) divide_by_weight<kDetail>(p, evaluate<Degree, kDetail>(points, 3, u, v));
+    return p;
+}
+
+/// The unit normal of the patches and its derivatives by u and v, as regular_normal() finds them.
+struct Normal {
+    Vec3 unit, by_u, by_v;
+};
+
+template <SurfaceDetail kDetail>
+HWY_INLINE Normal normal_of(const Point& p, Mask& sound) {
+    const Double uu = dot(p.du, p.du), vv = dot(p.dv, p.dv);
+    const Vec3 n = cross(p.du, p.dv);
+    const Double shorter = hn::Sqrt(hn::Min(uu, vv)), longer = hn::Sqrt(hn::Max(uu, vv));
+    sound = hn::And(sound, hn::Gt(dot(n, n), hn::Mul(hn::Mul(all(kDegenerateShare), uu), vv)));
+    sound = hn::And(sound, hn::Gt(shorter, hn::Mul(all(kSuspiciousRatio), longer)));
+    sound = hn::And(sound, hn::Gt(shorter, hn::Mul(all(kSuspiciousLength), max_abs(p.position))));
+    const Double length = length_of(n, sound);
+    Normal normal{normalized(n, sound), {}, {}};
+    if constexpr (kDetail == SurfaceDetail::Curvature) {
+        const auto change = [&](const Vec3& derivative) HWY_ATTR {
+            return divided(derivative - times(normal.unit, dot(normal.unit, derivative)), length);
+        };
+        normal.by_u = change(cross(p.duu, p.dv) + cross(p.du, p.duv));
+        normal.by_v = change(cross(p.duv, p.dv) + cross(p.du, p.dvv));
+        sound = hn::And(sound, hn::And(is_finite(normal.by_u), is_finite(normal.by_v)));
+    }
+    return normal;
+}
+
+/// The lanes from `first` on.
+template <typename Degree, bool kRational, SurfaceDetail kDetail>
+HWY_INLINE uint32_t compute(SurfaceLanes& lanes, const PatchForm& form, size_t first) {
+    const auto row = [&](const double* numbers) HWY_ATTR { return hn::Load(Doubles(), numbers + first); };
+    const OfEach<Vec4d> points(lanes.points + first);
+    Mask sound = hn::FirstN(Doubles(), kWidth);
+    const Point p = evaluate<Degree, kRational, kDetail>(points, form, row(lanes.u), row(lanes.v));
+    const Normal exact = normal_of<kDetail>(p, sound);
+    const FloatVec3 facet = normalized(load(lanes.facet_normal, first), sound);
+    const Double turn = hn::PromoteTo(Doubles(), dot(to_floats(exact.unit), facet));
+    const Double side = hn::IfThenElse(hn::Gt(turn, all(0.0)), all(1.0), all(-1.0));
+    const Double length_u = row(lanes.length_u), length_v = row(lanes.length_v);
+    store(p.position, lanes.position, first);
+    store(to_floats(times(exact.unit, side)), lanes.normal, first);
+    store(to_floats(divided(p.du, length_u)), lanes.dp_du, first);
+    store(to_floats(divided(p.dv, length_v)), lanes.dp_dv, first);
+    if constexpr (kDetail == SurfaceDetail::Curvature) {
+        store(to_floats(times(exact.by_u, hn::Div(side, length_u))), lanes.dn_du, first);
+        store(to_floats(times(exact.by_v, hn::Div(side, length_v))), lanes.dn_dv, first);
+    }
+    return bits_of(sound);
+}
+
+template <typename Degree, bool kRational, SurfaceDetail kDetail>
+void compute_all(const PatchForm& form, SurfaceLanes& lanes) {
+    uint32_t done = 0;
+    for (size_t first = 0; first < lanes.count; first += kWidth)
+        done |= compute<Degree, kRational, kDetail>(lanes, form, first) << first;
+    lanes.done &= done;
+}
+
+template <typename Degree>
+void compute_degree(const PatchForm& form, SurfaceDetail detail, SurfaceLanes& lanes) {
+    const bool curved = detail == SurfaceDetail::Curvature;
+    if (form.rational)
+        curved ? compute_all<Degree, true, SurfaceDetail::Curvature>(form, lanes)
+               : compute_all<Degree, true, SurfaceDetail::Normal>(form, lanes);
+    else
+        curved ? compute_all<Degree, false, SurfaceDetail::Curvature>(form, lanes)
+               : compute_all<Degree, false, SurfaceDetail::Normal>(form, lanes);
+}
+
+void patches_of_lanes(const PatchForm& form, SurfaceDetail detail, SurfaceLanes& lanes) {
+    const auto both = [&](int degree) { return form.degree_u == degree && form.degree_v == degree; };
+    if (both(3)) return compute_degree<FixedDegree<3>>(form, detail, lanes);
+    if (both(2)) return compute_degree<FixedDegree<2>>(form, detail, lanes);
+    compute_degree<AnyDegree>(form, detail, lanes);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rayleaf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rayleaf {
+
+HWY_EXPORT(patches_of_lanes);
+
+bool has_lanes(const PatchForm& form) {
+    const auto few = [](int degree) { return degree >= 1 && degree <= SurfaceLanes::kMostDegree; };
+    return few(form.degree_u) && few(form.degree_v);
+}
+
+void compute_patches(const PatchForm& form, SurfaceDetail detail, SurfaceLanes& lanes) {
+    HWY_DYNAMIC_DISPATCH(patches_of_lanes)(form, detail, lanes);
+}
+
+}  // namespace rayleaf
+#endif
