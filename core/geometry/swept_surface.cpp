@@ -229,18 +229,14 @@ LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement&
 
     LocalSurface result;
     result.position = ring.ring.at(around.position);
-    const SweepPiece &first = path_.pieces[spline.first_piece],
-                     &last = path_.pieces[spline.first_piece + spline.piece_count - 1];
-    const double begin = path_.share(first, 0.0), length = path_.share(last, 1.0) - begin;
-    const double share = path_.share(piece, u), piece_length = path_.share(piece, 1.0) - path_.share(piece, 0.0);
-    const double part_length = profile.share(place.part, 1.0) - profile.share(place.part, 0.0);
-    result.uv =
-        Vec2f(static_cast<float>((share - begin) / length), static_cast<float>(profile.share(place.part, place.s)));
-    const double u_length = piece_length / length;
+    const SweepProfile::Shares shares = profile.shares(place.part);
+    result.uv = Vec2f(static_cast<float>((path_.share(piece, u) - spline.share_begin) / spline.share_length),
+                      static_cast<float>(shares.begin + shares.length * place.s));
+    const double u_length = path_.share_length(piece) / spline.share_length;
     const Vec3d along = ring.change.center + ring.change.vector(around.position);
     const Vec3d round = ring.ring.vector(around.first);
     result.dp_du = u_length > 0.0 ? float_or_zero(along / u_length) : Vec3f(0.0f);
-    result.dp_dv = float_or_zero(round / part_length);
+    result.dp_dv = float_or_zero(round / shares.length);
     const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
     result.normal = facet_normal;
     if (!groups_[spline.group].smooth) return result;
@@ -268,7 +264,7 @@ LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement&
     const auto change = [&](const Vec3d& dm) { return (dm - n * n.dot(dm)) * (side / length_m); };
     if (u_length > 0.0)
         result.dn_du = float_or_zero(change(along_round.cross(along) + round.cross(along_along)) / u_length);
-    result.dn_dv = float_or_zero(change(round_round.cross(along) + round.cross(along_round)) / part_length);
+    result.dn_dv = float_or_zero(change(round_round.cross(along) + round.cross(along_round)) / shares.length);
     return result;
 }
 

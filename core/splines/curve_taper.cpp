@@ -41,37 +41,60 @@ CurveTaper::CurveTaper(const CurveSplines& splines) {
 
 /// Where a segment passes x: by halving, and where x runs one way by Newton's steps while they stay in between and
 /// become shorter.
-double CurveTaper::parameter_at(const Segment& segment, double x, double direction) {
-    double low = 0.0, high = 1.0, t = 0.5, last_step = 1.0;
+template <typename BasisAt>
+double CurveTaper::parameter_at(const Segment& segment, double x, double direction, const BasisAt& basis_at) {
+    const BezierCurve& curve = segment.curve;
+    StackBuffer<double, kStackDegree + 1> beyond(
+        curve.points.size());  // how far control points lie beyond x, by weight
+    for (size_t i = 0; i < curve.points.size(); ++i)
+        beyond[i] = (curve.points[i].x - x * curve.points[i].w) * direction;
+    const double from = beyond[0], to = beyond[curve.points.size() - 1];
+    double low = 0.0, high = 1.0, t = segment.rises && from < 0.0 && to > 0.0 ? from / (from - to) : 0.5;
+    double last_step = 1.0;
+    bool by_newton = false;
     constexpr int kMostSteps = 52;
     constexpr double kLastStep = 0x1p-50;
     for (int i = 0; i < kMostSteps && low < high; ++i) {
-        const CurvePoint at = segment.curve.evaluate(t);
-        const double beyond = (at.position.x - x) * direction, slope = at.first.x * direction;
-        (beyond < 0.0 ? low : high) = t;
-        const double step = beyond / slope, newton = t - step;
+        const auto basis = basis_at(t);
+        const double at = basis.value(beyond.data()), slope = basis.first(beyond.data());
+        (at < 0.0 ? low : high) = t;
+        const double step = at / slope, newton = t - step;
         const bool rises = segment.rises && slope > 0.0;
-        if (rises && std::abs(step) <= kLastStep) return std::clamp(newton, 0.0, 1.0);
-        const bool usable = rises && newton > low && newton < high && std::abs(step) < 0.5 * last_step;
-        const double next = usable ? newton : 0.5 * (low + high);
+        // Newton's steps go with the square of those before.
+        const double next_step = by_newton ? std::abs(step) * (step / last_step) * (step / last_step) : std::abs(step);
+        if (rises && next_step <= kLastStep) return std::clamp(newton, 0.0, 1.0);
+        by_newton = rises && newton > low && newton < high && std::abs(step) < 0.5 * last_step;
+        const double next = by_newton ? newton : 0.5 * (low + high);
         last_step = std::abs(next - t);
         t = next;
     }
     return t;
 }
 
+template <typename BasisAt>
+SweepTaper::Factor CurveTaper::factor_at(const Segment& segment, double x, const BasisAt& basis_at) const {
+    const BezierCurve& curve = segment.curve;
+    const auto basis = basis_at(parameter_at(segment, x, length_ > 0.0 ? 1.0 : -1.0, basis_at));
+    const Vec4d at = basis.value(curve.points.data()), change = basis.first(curve.points.data());
+    const double w = curve.rational ? at.w : 1.0, w_change = curve.rational ? change.w : 0.0;
+    const double y = at.y / w, run = change.x - at.x / w * w_change, rise = change.y - y * w_change;
+    return {y, run != 0.0 ? rise / run * length_ : 0.0};
+}
+
 SweepTaper::Factor CurveTaper::at(double share) const {
     if (segments_.empty() || length_ == 0.0) return {0.0, 0.0};
-    const double x = begin_ + length_ * share, direction = length_ > 0.0 ? 1.0 : -1.0;
     if (share <= 0.0 || share >= 1.0) {
         const CurvePoint end =
             share <= 0.0 ? segments_.front().curve.evaluate(0.0) : segments_.back().curve.evaluate(1.0);
         return {end.position.y, end.first.x != 0.0 ? end.first.y / end.first.x * length_ : 0.0};
     }
+    const double x = begin_ + length_ * share, direction = length_ > 0.0 ? 1.0 : -1.0;
     for (const Segment& segment : segments_) {
         if ((segment.end - x) * direction < 0.0) continue;
-        const CurvePoint point = segment.curve.evaluate(parameter_at(segment, x, direction));
-        return {point.position.y, point.first.x != 0.0 ? point.first.y / point.first.x * length_ : 0.0};
+        constexpr int kCubic = 3;
+        if (segment.curve.degree == kCubic)
+            return factor_at(segment, x, [](double t) { return FixedBernsteinBasis<kCubic>(t); });
+        return factor_at(segment, x, [&](double t) { return BernsteinBasis(segment.curve.degree, t); });
     }
     return {segments_.back().curve.position(1.0).y, 0.0};
 }

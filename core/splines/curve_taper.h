@@ -31,7 +31,11 @@ class CurveTaper final : public SweepTaper {
     std::vector<double> knots_;
     double begin_ = 0, length_ = 0;
 
-    static double parameter_at(const Segment& segment, double x, double direction);
+    /// `basis_at` makes the basis at a parameter of the segment.
+    template <typename BasisAt>
+    Factor factor_at(const Segment& segment, double x, const BasisAt& basis_at) const;
+    template <typename BasisAt>
+    static double parameter_at(const Segment& segment, double x, double direction, const BasisAt& basis_at);
 };
 
 }  // namespace rayleaf

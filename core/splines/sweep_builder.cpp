@@ -188,7 +188,11 @@ void build_run(SweepPath& path, const CurveSplines& splines, const SplineRun& ru
         builder.build();
         spline.piece_count = static_cast<uint32_t>(path.pieces.size()) - spline.first_piece;
         spline.closed = builder.closed();
-        if (spline.piece_count > 0) path.splines.push_back(spline);
+        if (spline.piece_count > 0) {
+            spline.share_begin = path.share(path.pieces[spline.first_piece], 0.0);
+            spline.share_length = path.share(path.pieces.back(), 1.0) - spline.share_begin;
+            path.splines.push_back(spline);
+        }
         point += count;
     }
 }
@@ -245,6 +249,7 @@ void divide_lengths(SweepPath& path, double scale) {
         control.point.y *= factor;
         control.point.z *= factor;
     }
+    for (SweepSegment& segment : path.segments) segment.size *= factor;
     for (SweepRing& ring : path.rings) {
         ring.center *= factor;
         ring.across *= factor;

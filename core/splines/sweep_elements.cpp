@@ -60,16 +60,26 @@ struct SplinePoints {
     bool straight(size_t i) const { return !group.straight.empty() && group.straight[first + i] != 0; }
 };
 
+Vec3d position_of(const SweepControl& control, bool rational) {
+    return rational ? project(control.point) : spatial_part(control.point);
+}
+
 bool has_length(const SweepControl* controls, int degree, bool rational) {
-    const auto position = [&](int i) {
-        return rational ? project(controls[i].point) : spatial_part(controls[i].point);
-    };
     double away = 0.0, size = 0.0;
     for (int i = 0; i <= degree; ++i) {
-        away = std::max(away, max_abs(position(i) - position(0)));
-        size = std::max(size, max_abs(position(i)));
+        const Vec3d position = position_of(controls[i], rational);
+        away = std::max(away, max_abs(position - position_of(controls[0], rational)));
+        size = std::max(size, max_abs(position));
     }
     return away > size * 0x1p-48;
+}
+
+/// SweepSegment's.
+double size_of(const SweepControl* controls, int degree, bool rational) {
+    double size = 0.0;
+    for (int i = 1; i <= degree; ++i)
+        size = std::max(size, max_abs(position_of(controls[i], rational) - position_of(controls[i - 1], rational)));
+    return size * degree;
 }
 
 /// Coordinates are in single precision, and handles are sums of them: the error of their second differences is less
@@ -109,6 +119,7 @@ void append(SweepElements& result, std::vector<SweepControl>& controls, const Ne
     element.segment.first_control = static_cast<uint32_t>(controls.size());
     element.segment.degree = static_cast<uint8_t>(degree);
     element.segment.rational = added.rational;
+    element.segment.size = size_of(added.controls.data(), degree, added.rational);
     element.segment.share_begin = added.pieces_before;
     element.segment.share_end = added.pieces_before + added.pieces;
     controls.insert(controls.end(), added.controls.begin(), added.controls.end());

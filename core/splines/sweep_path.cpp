@@ -13,22 +13,6 @@ constexpr double kStandstill = 1e-10;
 /// Where it is zero, the direction is taken this far inside the segment.
 constexpr double kLook = 1e-5;
 
-/// `Basis`: BernsteinBasis, or the one of the segment's degree.
-template <typename Basis>
-struct SegmentBasis {
-    Basis basis;
-    const SweepSegment& segment;
-    const SweepControl* controls;
-
-    /// Value and two derivatives of the homogeneous sums of `of(control)`.
-    template <typename Value, typename Of>
-    std::array<Value, 3> sums(const Of& of) const {
-        StackBuffer<Value, kStackDegree + 1> values(segment.degree + size_t{1});
-        for (int i = 0; i <= segment.degree; ++i) values[i] = of(controls[i]);
-        return {basis.value(values.data()), basis.first(values.data()), basis.second(values.data())};
-    }
-};
-
 /// A bend below this share of the second derivative, or of the segment's size, is rounding: on straight segments whose
 /// handles lie on the line, the binormal would be random.
 constexpr double kNoBend = 1e-10;
@@ -50,75 +34,62 @@ Direction direction_of(Vec3d first, Vec3d second, double size, SweepSpace space)
     return result;
 }
 
-double size_of(const SweepSegment& segment, const SweepControl* controls) {
-    const auto position = [&](int i) {
-        const Vec4d& p = controls[i].point;
-        return segment.rational ? project(p) : spatial_part(p);
-    };
-    double size = 0.0;
-    for (int i = 1; i <= segment.degree; ++i) size = std::max(size, max_abs(position(i) - position(i - 1)));
-    return size * segment.degree;
-}
-
+/// Of a segment: value and derivatives.
 struct Derivatives {
     Vec3d position, first, second;
+    double radius, radius_change, tilt, tilt_change;
 };
 
 template <typename Basis>
-Derivatives derivatives(const SegmentBasis<Basis>& basis) {
-    const auto p = basis.template sums<Vec4d>([](const SweepControl& control) { return control.point; });
-    Derivatives d{spatial_part(p[0]), spatial_part(p[1]), spatial_part(p[2])};
-    if (!basis.segment.rational) return d;
-    d.position = project(p[0]);
-    d.first = (spatial_part(p[1]) - d.position * p[1].w) / p[0].w;
-    d.second = (spatial_part(p[2]) - d.first * (2.0 * p[1].w) - d.position * p[2].w) / p[0].w;
+Derivatives derivatives(const SweepSegment& segment, const SweepControl* controls, const Basis& basis) {
+    const SweepControl a = basis.value(controls), a1 = basis.first(controls);
+    const Vec4d a2 = basis.second(controls).point;
+    Derivatives d{
+        spatial_part(a.point), spatial_part(a1.point), spatial_part(a2), a.radius, a1.radius, a.tilt, a1.tilt};
+    if (!segment.rational) return d;
+    const double w = a.point.w, w1 = a1.point.w;
+    d.position = project(a.point);
+    d.first = (d.first - d.position * w1) / w;
+    d.second = (d.second - d.first * (2.0 * w1) - d.position * a2.w) / w;
+    d.radius /= w;
+    d.tilt /= w;
+    d.radius_change = (d.radius_change - d.radius * w1) / w;
+    d.tilt_change = (d.tilt_change - d.tilt * w1) / w;
     return d;
 }
 
 /// `basis_at` makes the basis at a parameter.
 template <typename BasisAt>
-SegmentPoint point_of(const SweepSegment& segment, const SweepControl* first_control, double t, SweepSpace space,
+SegmentPoint point_of(const SweepSegment& segment, const SweepControl* controls, double t, SweepSpace space,
                       const BasisAt& basis_at) {
-    const SegmentBasis basis{basis_at(t), segment, first_control};
-    const Derivatives d = derivatives(basis);
-    SegmentPoint result;
-    result.position = d.position;
-    result.first = d.first;
-    const auto scalars =
-        basis.template sums<Vec3d>([](const SweepControl& c) { return Vec3d(c.radius, c.tilt, c.point.w); });
-    result.radius = scalars[0].x;
-    result.radius_change = scalars[1].x;
-    result.tilt = scalars[0].y;
-    result.tilt_change = scalars[1].y;
-    if (segment.rational) {
-        const double w = scalars[0].z, w1 = scalars[1].z;
-        result.radius /= w;
-        result.tilt /= w;
-        result.radius_change = (result.radius_change - result.radius * w1) / w;
-        result.tilt_change = (result.tilt_change - result.tilt * w1) / w;
-    }
-    const double size = size_of(segment, first_control);
-    Direction direction = direction_of(d.first, d.second, size, space);
+    const Derivatives d = derivatives(segment, controls, basis_at(t));
+    Direction direction = direction_of(d.first, d.second, segment.size, space);
     if (!direction.found) {
-        const double inside = t < 0.5 ? t + kLook : t - kLook;
-        const Derivatives near = derivatives(SegmentBasis{basis_at(inside), segment, first_control});
-        direction = direction_of(near.first, near.second, size * kStandstill, space);
+        const Derivatives near = derivatives(segment, controls, basis_at(t < 0.5 ? t + kLook : t - kLook));
+        direction = direction_of(near.first, near.second, segment.size * kStandstill, space);
     }
     if (!direction.found) direction.tangent = space == SweepSpace::Planar ? Vec3d(1, 0, 0) : Vec3d(0, 0, 1);
-    result.tangent = direction.tangent;
-    if (max_abs(d.second.cross(result.tangent)) > kNoBend * std::max(max_abs(d.second), size)) result.second = d.second;
-    result.tangent_change = direction.change;
+    SegmentPoint result{d.position, d.first,         Vec3d(0.0), direction.tangent, direction.change,
+                        d.radius,   d.radius_change, d.tilt,     d.tilt_change};
+    const double bend = max_abs(d.second.cross(direction.tangent));
+    if (bend > kNoBend * std::max(max_abs(d.second), segment.size)) result.second = d.second;
     return result;
+}
+
+/// What `use` makes of the basis that fits the segment.
+template <typename Use>
+auto with_basis(const SweepSegment& segment, const Use& use) {
+    constexpr int kCubic = 3;
+    if (segment.degree == kCubic) return use([](double at) { return FixedBernsteinBasis<kCubic>(at); });
+    return use([&](double at) { return BernsteinBasis(segment.degree, at); });
 }
 
 }  // namespace
 
 SegmentPoint SweepPath::point(const SweepSegment& segment, double t) const {
-    const SweepControl* first = &controls[segment.first_control];
-    constexpr int kCubic = 3;
-    if (segment.degree == kCubic)
-        return point_of(segment, first, t, space, [](double at) { return FixedBernsteinBasis<kCubic>(at); });
-    return point_of(segment, first, t, space, [&](double at) { return BernsteinBasis(segment.degree, at); });
+    return with_basis(segment, [&](const auto& basis_at) {
+        return point_of(segment, &controls[segment.first_control], t, space, basis_at);
+    });
 }
 
 std::pair<double, double> SweepPath::radius(double at, double at_change, double points, double points_change) const {
@@ -142,9 +113,16 @@ double SweepPath::share(const SweepPiece& piece, double u) const {
     return segment.share_begin + (segment.share_end - segment.share_begin) * t;
 }
 
+double SweepPath::share_length(const SweepPiece& piece) const {
+    const double length = piece.end - piece.begin;
+    if (piece.kind == SweepPieceKind::Ruled) return length;
+    const SweepSegment& segment = segments[piece.source];
+    return (segment.share_end - segment.share_begin) * length;
+}
+
 SweepRingPoint SweepPath::evaluate(const SweepPiece& piece, double u) const {
-    SweepRingPoint result;
     if (piece.kind == SweepPieceKind::Ruled) {
+        SweepRingPoint result;
         const SweepRing &from = rings[piece.source], &to = rings[piece.source + 1];
         result.change = {to.center - from.center, to.across - from.across, to.up - from.up};
         if (u == 1.0) {
@@ -155,9 +133,16 @@ SweepRingPoint SweepPath::evaluate(const SweepPiece& piece, double u) const {
                        from.up + result.change.up * u};
         return result;
     }
+    return with_basis(segments[piece.source],
+                      [&](const auto& basis_at) { return evaluate_curved(piece, u, basis_at); });
+}
+
+template <typename BasisAt>
+SweepRingPoint SweepPath::evaluate_curved(const SweepPiece& piece, double u, const BasisAt& basis_at) const {
     const double length = piece.end - piece.begin, t = piece.begin + length * u;
     const SweepSegment& segment = segments[piece.source];
-    const SegmentPoint at = point(segment, t);
+    const SegmentPoint at = point_of(segment, &controls[segment.first_control], t, space, basis_at);
+    SweepRingPoint result;
     const double taper_length = double{segment.taper_end} - segment.taper_begin;
     const auto [r, dr] = radius(segment.taper_begin + taper_length * t, taper_length, at.radius, at.radius_change);
     result.ring.center = at.position;

@@ -34,6 +34,15 @@ struct SweepRingPoint {
 struct SweepControl {
     Vec4d point{0, 0, 0, 1};
     double radius = 1, tilt = 0;
+
+    SweepControl operator-(const SweepControl& b) const { return {point - b.point, radius - b.radius, tilt - b.tilt}; }
+    SweepControl operator*(double factor) const { return {point * factor, radius * factor, tilt * factor}; }
+    SweepControl& operator+=(const SweepControl& b) {
+        point += b.point;
+        radius += b.radius;
+        tilt += b.tilt;
+        return *this;
+    }
 };
 
 struct SweepSegment {
@@ -41,6 +50,7 @@ struct SweepSegment {
     uint8_t degree = 3;
     bool rational = false;
     double share_begin = 0, share_end = 1;  ///< of the whole spline, in Blender's pieces
+    double size = 0;                        ///< the largest distance of neighbouring control points, times the degree
     float taper_begin = 0, taper_end = 1;   ///< of the taper
     float turn_begin = 0, turn_end = 0;     ///< closing twist of a cyclic spline, radians; linear in between
 };
@@ -58,7 +68,8 @@ struct SweepPiece {
 /// The pieces of one spline.
 struct SweepSpline {
     uint32_t first_piece = 0, piece_count = 0;
-    uint32_t group = 0;  ///< of the description's `splines`
+    uint32_t group = 0;                        ///< of the description's `splines`
+    double share_begin = 0, share_length = 1;  ///< of the whole spline, what the pieces cover
     bool closed = false;
     bool capped = true;  ///< its ends are closed if the curve has caps
 };
@@ -101,6 +112,7 @@ struct SweepPath {
     SweepRing ring(const SweepPiece& piece, double u) const { return evaluate(piece, u).ring; }
     /// The piece's part of its spline's shares.
     double share(const SweepPiece& piece, double u) const;
+    double share_length(const SweepPiece& piece) const;
     SegmentPoint point(const SweepSegment& segment, double t) const;
     /// The radius of a ring and its derivative by the segment's parameter, from those of the points, at a share of the
     /// taper.
@@ -108,6 +120,11 @@ struct SweepPath {
                                      double points_change) const;
     const SweepSpline& spline_of(uint32_t piece) const;
     size_t bytes() const;
+
+  private:
+    /// `basis_at` makes the basis at a parameter of the segment.
+    template <typename BasisAt>
+    SweepRingPoint evaluate_curved(const SweepPiece& piece, double u, const BasisAt& basis_at) const;
 };
 
 }  // namespace rayleaf

@@ -32,13 +32,13 @@ ProfilePoint SweepProfile::evaluate(size_t part, double s) const {
     }
 }
 
-double SweepProfile::share(size_t part, double s) const {
+SweepProfile::Shares SweepProfile::shares(size_t part) const {
     double before = 0.0, total = 0.0;
     for (size_t i = 0; i < parts.size(); ++i) {
         if (i < part) before += parts[i].pieces;
         total += parts[i].pieces;
     }
-    return (before + parts[part].pieces * s) / total;
+    return {before / total, parts[part].pieces / total};
 }
 
 double SweepProfile::extent() const {

@@ -32,8 +32,11 @@ struct SweepProfile {
     bool closed = false;
 
     ProfilePoint evaluate(size_t part, double s) const;
-    /// Texture coordinate of a place.
-    double share(size_t part, double s) const;
+    /// The texture coordinates of a part.
+    struct Shares {
+        double begin = 0, length = 1;
+    };
+    Shares shares(size_t part) const;
     /// An upper bound of the distance of points from (0, 0).
     double extent() const;
 };
