@@ -22,7 +22,8 @@ target_compile_options(rayleaf_core INTERFACE $<INSTALL_INTERFACE:-ffp-contract=
 target_include_directories(rayleaf_core SYSTEM PRIVATE ${OPENSUBDIV_INCLUDES} ${OPENVDB_INCLUDES})
 # OpenVDB's templates fill a compiler by themselves.
 set_source_files_properties(core/geometry/vdb_file.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION TRUE)
-set_source_files_properties(core/geometry/vdb_file.cpp core/trace/patch_lanes.cpp core/trace/surface_lanes.cpp PROPERTIES COMPILE_OPTIONS
+set_source_files_properties(core/geometry/vdb_file.cpp core/trace/patch_lanes.cpp core/trace/surface_lanes.cpp
+                            core/trace/wall_lanes.cpp PROPERTIES COMPILE_OPTIONS
                             "${RAYLEAF_CHECKS_BY_CALLS}")
 
 install(TARGETS rayleaf_core EXPORT rayleaf-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})

@@ -14,18 +14,18 @@ namespace {
 /// Where a surface has no normal (a ring of radius 0, a curve without speed), it is taken this far inside the
 /// piece.
 constexpr double kTangentInset = 1e-3;
-/// |P_u x P_v|² of less than this share of |P_u|² |P_v|² counts as degenerate, as on patches.
-constexpr double kDegenerate = 1e-20;
 /// Step of the difference that gives the change of a ring's derivative.
 constexpr double kRingStep = 1e-4;
 /// Corners per profile part of the outline that decides which points of a cap's square lie on the cap.
 constexpr int kOutlineCorners = 32;
 
+/// P_v x P_u; zero where it is degenerate.
+Vec3d crossing(const Vec3d& round, const Vec3d& along) {
+    const Vec3d normal = round.cross(along);
+    return normal.dot(normal) > kDegenerateWall * along.dot(along) * round.dot(round) ? normal : Vec3d(0.0);
+}
 Vec3d crossing(const SweepRingPoint& ring, const ProfilePoint& profile) {
-    const Vec3d along = ring.change.at(profile.position), around = ring.ring.vector(profile.first);
-    const Vec3d normal = around.cross(along);
-    if (normal.dot(normal) > kDegenerate * along.dot(along) * around.dot(around)) return normal;
-    return Vec3d(0.0);
+    return crossing(ring.ring.vector(profile.first), ring.change.at(profile.position));
 }
 
 bool inside(const std::vector<Vec2d>& outline, const Vec2d& point) {
@@ -218,30 +218,42 @@ LocalSurface SweptSurface::cap_surface(const LocalHit& hit, const SweptElement& 
     return result;
 }
 
-LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement& where, SurfaceDetail detail) const {
-    const SweepPiece& piece = path_.pieces[where.piece];
-    const SweepSpline& spline = path_.spline_of(where.piece);
-    const SweepProfile& profile = profiles_[where.profile];
-    const double u = hit.u;
-    const SweepRingPoint ring = path_.evaluate(piece, u);
+WallPlace SweptSurface::wall_place(const LocalHit& hit, const SweptElement& wall) const {
+    WallPlace result;
+    const SweepPiece& piece = path_.pieces[wall.piece];
+    const SweepSpline& spline = path_.spline_of(wall.piece);
+    const SweepProfile& profile = profiles_[wall.profile];
     const ProfilePlace place = profile_place(profile, hit.v);
-    const ProfilePoint around = profile.evaluate(place.part, place.s);
+    const SweepProfile::Shares shares = profile.shares(place.part);
+    result.piece = &piece;
+    result.u = hit.u;
+    result.around = profile.evaluate(place.part, place.s);
+    result.uv = Vec2f(static_cast<float>((path_.share(piece, result.u) - spline.share_begin) / spline.share_length),
+                      static_cast<float>(shares.begin + shares.length * place.s));
+    result.length_u = path_.share_length(piece) / spline.share_length;
+    result.length_v = shares.length;
+    result.smooth = groups_[spline.group].smooth;
+    return result;
+}
+
+LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement& where, SurfaceDetail detail) const {
+    const WallPlace place = wall_place(hit, where);
+    const SweepPiece& piece = *place.piece;
+    const ProfilePoint& around = place.around;
+    const double u = place.u;
+    const SweepRingPoint ring = path_.evaluate(piece, u);
+    const Vec3d along = ring.change.at(around.position), round = ring.ring.vector(around.first);
 
     LocalSurface result;
     result.position = ring.ring.at(around.position);
-    const SweepProfile::Shares shares = profile.shares(place.part);
-    result.uv = Vec2f(static_cast<float>((path_.share(piece, u) - spline.share_begin) / spline.share_length),
-                      static_cast<float>(shares.begin + shares.length * place.s));
-    const double u_length = path_.share_length(piece) / spline.share_length;
-    const Vec3d along = ring.change.center + ring.change.vector(around.position);
-    const Vec3d round = ring.ring.vector(around.first);
-    result.dp_du = u_length > 0.0 ? float_or_zero(along / u_length) : Vec3f(0.0f);
-    result.dp_dv = float_or_zero(round / shares.length);
+    result.uv = place.uv;
+    result.dp_du = place.length_u > 0.0 ? float_or_zero(along / place.length_u) : Vec3f(0.0f);
+    result.dp_dv = float_or_zero(round / place.length_v);
     const Vec3f facet_normal = normalized_or(hit.normal, Vec3f(0, 0, 1));
     result.normal = facet_normal;
-    if (!groups_[spline.group].smooth) return result;
+    if (!place.smooth) return result;
 
-    Vec3d normal = crossing(ring, around);
+    Vec3d normal = crossing(round, along);
     if (max_abs(normal) == 0.0) {
         normal = crossing(path_.evaluate(piece, u < 0.5 ? u + kTangentInset : u - kTangentInset), around);
         if (max_abs(normal) == 0.0) return result;
@@ -262,9 +274,9 @@ LocalSurface SweptSurface::wall_surface(const LocalHit& hit, const SweptElement&
                               step;
     const Vec3d along_round = ring.change.vector(around.first), round_round = ring.ring.vector(around.second);
     const auto change = [&](const Vec3d& dm) { return (dm - n * n.dot(dm)) * (side / length_m); };
-    if (u_length > 0.0)
-        result.dn_du = float_or_zero(change(along_round.cross(along) + round.cross(along_along)) / u_length);
-    result.dn_dv = float_or_zero(change(round_round.cross(along) + round.cross(along_round)) / shares.length);
+    if (place.length_u > 0.0)
+        result.dn_du = float_or_zero(change(along_round.cross(along) + round.cross(along_along)) / place.length_u);
+    result.dn_dv = float_or_zero(change(round_round.cross(along) + round.cross(along_round)) / place.length_v);
     return result;
 }
 

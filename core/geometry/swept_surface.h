@@ -36,6 +36,19 @@ struct SweptElement {
     uint32_t fill = 0;           ///< of a fill
 };
 
+/// |P_u x P_v|² of less than this share of |P_u|² |P_v|² counts as degenerate, as on patches.
+inline constexpr double kDegenerateWall = 1e-20;
+
+/// A place on a wall, without its ring.
+struct WallPlace {
+    const SweepPiece* piece = nullptr;
+    double u = 0;                       ///< along the piece
+    ProfilePoint around;                ///< of the profile, by the part's own parameter
+    Vec2f uv{0, 0};                     ///< the texture coordinate
+    double length_u = 1, length_v = 1;  ///< of the piece and of the profile's part in it
+    bool smooth = true;
+};
+
 class SweptSurface final : public Shape {
   public:
     /// Splines that Blender draws nothing for are left out. Invalid data throws InputError.
@@ -68,6 +81,7 @@ class SweptSurface final : public Shape {
     const std::vector<SweptFill>& fills() const { return fills_; }
     uint32_t fill_element(uint32_t fill) const { return first_fill() + fill; }
     SweptElement element(uint32_t index) const;
+    WallPlace wall_place(const LocalHit& hit, const SweptElement& wall) const;
     /// The ring at an end of a spline.
     SweepRing end_ring(const SweepSpline& spline, CapEnd end) const;
     /// A place of a profile's plane as parameters of a cap, and back.

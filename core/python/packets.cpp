@@ -86,7 +86,7 @@ void bind_packets(py::module_& module) {
                "As Tracer.occluded, sixteen rays at once.");
 }
 
-FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Visibility kind) {
+FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Visibility kind, SurfaceDetail detail) {
     FoundPoints found{std::vector<std::optional<Hit>>(rays.size()), std::vector<SurfacePoint>(rays.size())};
     std::vector<SurfaceQuery> queries;
     for (size_t i = 0; i < rays.size(); ++i) {
@@ -94,9 +94,9 @@ FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Vis
         if (found.hits[i]) queries.push_back({&rays[i], &*found.hits[i], &found.points[i]});
     }
     if (rays.size() > 1)
-        tracer.surface_points(queries, SurfaceDetail::Curvature);
+        tracer.surface_points(queries, detail);
     else
-        for (const SurfaceQuery& each : queries) *each.point = tracer.surface_point(*each.ray, *each.hit);
+        for (const SurfaceQuery& each : queries) *each.point = tracer.surface_point(*each.ray, *each.hit, detail);
     return found;
 }
 

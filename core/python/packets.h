@@ -16,6 +16,6 @@ struct FoundPoints {
     std::vector<std::optional<Hit>> hits;
     std::vector<SurfacePoint> points;
 };
-FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Visibility kind);
+FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Visibility kind, SurfaceDetail detail);
 
 }  // namespace rayleaf

@@ -132,7 +132,7 @@ void store_vector(const V& value, T* out) {
 py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
                       const Array<double>& t_min, const Array<double>& t_max, int kind, const Array<float>& width,
                       const Array<float>& spread, const Array<uint32_t>& starts, size_t together,
-                      const Array<float>& times) {
+                      const Array<float>& times, bool curvature) {
     const RayArrays rays{origins, directions, t_min, t_max, width, spread, starts, times};
     rays.check();
     const size_t n = rays.size();
@@ -170,10 +170,11 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
         const Vec3f* const slopes[] = {&point.dp_du, &point.dp_dv, &point.dn_du, &point.dn_dv};
         for (size_t k = 0; k < 4; ++k) store_vector(*slopes[k], derivatives_out + 12 * i + 3 * k);
     };
+    const SurfaceDetail detail = curvature ? SurfaceDetail::Curvature : SurfaceDetail::Normal;
     const auto trace = [&](size_t first) {
         std::vector<Ray> chunk;
         for (size_t i = first; i < std::min(first + together, n); ++i) chunk.push_back(rays[i]);
-        const FoundPoints found = found_points(tracer, chunk, static_cast<Visibility>(kind));
+        const FoundPoints found = found_points(tracer, chunk, static_cast<Visibility>(kind), detail);
         for (size_t i = 0; i < chunk.size(); ++i) store(first + i, found.hits[i], found.points[i]);
     };
     {
@@ -364,8 +365,10 @@ void bind_trace(py::module_& parent) {
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll),
              py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
              py::arg("starts") = Array<uint32_t>(0), py::arg("together") = 1, py::arg("times") = Array<float>(0),
+             py::arg("curvature") = true,
              "anchors: instance, subpatch and levels of a hit, which rays that leave it may be given as starts. The "
-             "surface points of so many rays are found together; they are the same.")
+             "surface points of so many rays are found together; they are the same. Without curvature normals do not "
+             "change.")
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,
              py::arg("t_max") = infinity, py::arg("kind") = static_cast<int>(kVisibleAll),
              py::arg("times") = Array<float>(0))

@@ -9,11 +9,14 @@
 namespace rayleaf {
 namespace {
 
-/// Whether x of the control points runs in one direction, and with it that of the curve.
-bool runs_one_way(const BezierCurve& curve, double direction) {
+/// Whether x of a curve runs in one direction: where that of the control points does, if need be of parts of it.
+bool runs_one_way(const BezierCurve& curve, double direction, int splits = 6) {
+    bool is_sure = true;
     for (size_t i = 1; i < curve.points.size(); ++i)
-        if ((project(curve.points[i]).x - project(curve.points[i - 1]).x) * direction < 0.0) return false;
-    return true;
+        is_sure &= (project(curve.points[i]).x - project(curve.points[i - 1]).x) * direction >= 0.0;
+    if (is_sure || splits == 0) return is_sure;
+    const auto [begin, end] = curve.split(0.5);
+    return runs_one_way(begin, direction, splits - 1) && runs_one_way(end, direction, splits - 1);
 }
 
 }  // namespace

@@ -36,7 +36,8 @@ RingFrame SplineBuilder::ring_here(const SegmentPoint& point, double share) cons
 }
 
 double SplineBuilder::radius_of(const RingFrame& frame) const {
-    return path_.radius(frame.taper_share, 0, frame.radius, 0).first;
+    const RadiusRule rule = path_.radius_rule(frame.taper_share, 0);
+    return (rule.factor * frame.radius + rule.added) / path_.scale;
 }
 
 SweepRing SplineBuilder::ring_of(const RingFrame& frame) const {

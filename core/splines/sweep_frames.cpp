@@ -11,13 +11,13 @@ Vec3d upright_normal(const Vec3d& tangent) {
 
 Vec3d carried(const Vec3d& from, const Vec3d& to, const Vec3d& across) {
     const double sum = 1.0 + from.dot(to);
-    if (!(sum > 1e-12)) return across;
+    if (!(sum > kOpposite)) return across;
     return across - (from + to) * (to.dot(across) / sum);
 }
 
 CarriedNormal carried(const Vec3d& from, const Vec3d& to, const Vec3d& to_change, const Vec3d& across) {
     const double sum = 1.0 + from.dot(to);
-    if (!(sum > 1e-12)) return {across, Vec3d(0.0)};
+    if (!(sum > kOpposite)) return {across, Vec3d(0.0)};
     const double share = to.dot(across) / sum;
     const double share_change = (to_change.dot(across) - share * from.dot(to_change)) / sum;
     return {across - (from + to) * share, -to_change * share - (from + to) * share_change};
@@ -25,7 +25,7 @@ CarriedNormal carried(const Vec3d& from, const Vec3d& to, const Vec3d& to_change
 
 Vec3d perpendicular(const Vec3d& across, const Vec3d& tangent) {
     const Vec3d part = across - tangent * tangent.dot(across);
-    if (max_abs(part) > 1e-9) return normalized_or(part, across);
+    if (max_abs(part) > kNoPart) return normalized_or(part, across);
     return upright_normal(tangent);
 }
 
@@ -43,6 +43,10 @@ Vec3d doubly_reflected(const CurveStation& from, const CurveStation& to, const V
 
 double angle_about(const Vec3d& tangent, const Vec3d& from, const Vec3d& to) {
     return std::atan2(tangent.dot(from.cross(to)), from.dot(to));
+}
+
+CosineAndSine cosine_and_sine(double angle) {
+    return {std::cos(angle), std::sin(angle)};
 }
 
 Vec3d turned(const Vec3d& tangent, const Vec3d& across, double angle) {

@@ -13,6 +13,9 @@ Vec3d upright_normal(const Vec3d& tangent);
 /// directions `across` itself.
 Vec3d carried(const Vec3d& from, const Vec3d& to, const Vec3d& across);
 
+/// Directions whose sum with 1 is smaller are opposite, and parts across a tangent that are shorter are nothing.
+inline constexpr double kOpposite = 1e-12, kNoPart = 1e-9;
+
 /// The same and its derivative, as `to` changes by `to_change`.
 struct CarriedNormal {
     Vec3d value, change;
@@ -34,6 +37,12 @@ Vec3d doubly_reflected(const CurveStation& from, const CurveStation& to, const V
 
 /// The angle about `tangent` that turns `from` into `to`, both perpendicular to it; -pi to pi.
 double angle_about(const Vec3d& tangent, const Vec3d& from, const Vec3d& to);
+
+struct CosineAndSine {
+    double cosine, sine;
+};
+/// One function, so that all callers get the same bits.
+CosineAndSine cosine_and_sine(double angle);
 
 /// `across` (perpendicular to unit `tangent`) turned about it.
 Vec3d turned(const Vec3d& tangent, const Vec3d& across, double angle);

@@ -8,8 +8,6 @@
 namespace rayleaf {
 namespace {
 
-/// The derivative of a segment counts as zero below this share of its control points' distances.
-constexpr double kStandstill = 1e-10;
 /// Where it is zero, the direction is taken this far inside the segment.
 constexpr double kLook = 1e-5;
 
@@ -92,18 +90,12 @@ SegmentPoint SweepPath::point(const SweepSegment& segment, double t) const {
     });
 }
 
-std::pair<double, double> SweepPath::radius(double at, double at_change, double points, double points_change) const {
-    if (taper_use == TaperUse::None) return {points / scale, points_change / scale};
-    const SweepTaper::Factor factor = taper->at(at);
-    double value = factor.value, change = factor.slope * at_change;
-    if (taper_use == TaperUse::Multiply) {
-        change = change * points + value * points_change;
-        value *= points;
-    } else if (taper_use == TaperUse::Add) {
-        change += points_change;
-        value += points;
-    }
-    return {value / scale, change / scale};
+RadiusRule SweepPath::radius_rule(double taper_share, double share_change) const {
+    if (taper_use == TaperUse::None) return {};
+    const SweepTaper::Factor factor = taper->at(taper_share);
+    const double change = factor.slope * share_change;
+    if (taper_use == TaperUse::Multiply) return {factor.value, change, 0.0, 0.0};
+    return {taper_use == TaperUse::Add ? 1.0 : 0.0, 0.0, factor.value, change};
 }
 
 double SweepPath::share(const SweepPiece& piece, double u) const {
@@ -133,18 +125,37 @@ SweepRingPoint SweepPath::evaluate(const SweepPiece& piece, double u) const {
                        from.up + result.change.up * u};
         return result;
     }
-    return with_basis(segments[piece.source],
-                      [&](const auto& basis_at) { return evaluate_curved(piece, u, basis_at); });
+    const CurvedPlace at = place(piece, u);
+    return with_basis(*at.segment, [&](const auto& basis_at) { return ring_at(at, basis_at); });
+}
+
+CurvedPlace SweepPath::place(const SweepPiece& piece, double u) const {
+    CurvedPlace place;
+    const SweepSegment& segment = segments[piece.source];
+    place.segment = &segment;
+    place.controls = &controls[segment.first_control];
+    place.length = piece.end - piece.begin;
+    place.t = piece.begin + place.length * u;
+    place.tangent = Vec3d(piece.tangent);
+    place.normal = Vec3d(piece.normal);
+    const double turn_length = double{segment.turn_end} - segment.turn_begin;
+    place.turn =
+        u * (piece.twist[0] + u * (piece.twist[1] + u * piece.twist[2])) + segment.turn_begin + turn_length * place.t;
+    place.turn_change =
+        (piece.twist[0] + u * (2.0 * piece.twist[1] + u * 3.0 * piece.twist[2])) / place.length + turn_length;
+    const double taper_length = double{segment.taper_end} - segment.taper_begin;
+    place.radius = radius_rule(segment.taper_begin + taper_length * place.t, taper_length);
+    return place;
 }
 
 template <typename BasisAt>
-SweepRingPoint SweepPath::evaluate_curved(const SweepPiece& piece, double u, const BasisAt& basis_at) const {
-    const double length = piece.end - piece.begin, t = piece.begin + length * u;
-    const SweepSegment& segment = segments[piece.source];
-    const SegmentPoint at = point_of(segment, &controls[segment.first_control], t, space, basis_at);
+SweepRingPoint SweepPath::ring_at(const CurvedPlace& place, const BasisAt& basis_at) const {
+    const SegmentPoint at = point_of(*place.segment, place.controls, place.t, space, basis_at);
+    const RadiusRule& rule = place.radius;
+    const double r = (rule.factor * at.radius + rule.added) / scale;
+    const double dr = (rule.factor_change * at.radius + rule.factor * at.radius_change + rule.added_change) / scale;
+    const double length = place.length;
     SweepRingPoint result;
-    const double taper_length = double{segment.taper_end} - segment.taper_begin;
-    const auto [r, dr] = radius(segment.taper_begin + taper_length * t, taper_length, at.radius, at.radius_change);
     result.ring.center = at.position;
     result.change.center = at.first * length;
     if (space == SweepSpace::Planar) {
@@ -156,17 +167,12 @@ SweepRingPoint SweepPath::evaluate_curved(const SweepPiece& piece, double u, con
         result.change.up = Vec3d(0, 0, dr * length);
         return result;
     }
-    const Vec3d begin_tangent(piece.tangent), begin_normal(piece.normal);
-    const CarriedNormal carried_normal = carried(begin_tangent, at.tangent, at.tangent_change, begin_normal);
+    const CarriedNormal carried_normal = carried(place.tangent, at.tangent, at.tangent_change, place.normal);
     // The stored frame is in single precision, so its carried normal is made perpendicular once more.
     const Vec3d normal = perpendicular(carried_normal.value, at.tangent), side = at.tangent.cross(normal);
     const Vec3d side_change = at.tangent_change.cross(normal) + at.tangent.cross(carried_normal.change);
-    const double turn_length = double{segment.turn_end} - segment.turn_begin;
-    const double angle = u * (piece.twist[0] + u * (piece.twist[1] + u * piece.twist[2])) + at.tilt +
-                         segment.turn_begin + turn_length * t;
-    const double angle_change = (piece.twist[0] + u * (2.0 * piece.twist[1] + u * 3.0 * piece.twist[2])) / length +
-                                at.tilt_change + turn_length;
-    const double c = std::cos(angle), s = std::sin(angle);
+    const double angle_change = place.turn_change + at.tilt_change;
+    const auto [c, s] = cosine_and_sine(place.turn + at.tilt);
     const Vec3d across = normal * c + side * s, up = side * c - normal * s;
     const Vec3d across_change = carried_normal.change * c + side_change * s + up * angle_change;
     const Vec3d up_change = side_change * c - carried_normal.change * s - across * angle_change;

@@ -12,7 +12,6 @@
 
 #include <array>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 namespace rayleaf {
@@ -95,6 +94,24 @@ struct SegmentPoint {
     double radius = 1, radius_change = 0, tilt = 0, tilt_change = 0;
 };
 
+/// The radius of a ring for that of the points: (factor * radius + added) / scale.
+struct RadiusRule {
+    double factor = 1, factor_change = 0, added = 0, added_change = 0;
+};
+
+/// A place on a curved piece, and what evaluating it takes beside the segment's control points.
+struct CurvedPlace {
+    const SweepSegment* segment = nullptr;
+    const SweepControl* controls = nullptr;
+    double t = 0, length = 1;                 ///< the segment's parameter, and how it changes with the piece's
+    Vec3d tangent{0, 0, 1}, normal{1, 0, 0};  ///< the frame that is carried
+    double turn = 0, turn_change = 0;         ///< of the frame, the tilt apart; its change by t
+    RadiusRule radius;                        ///< changes by t
+};
+
+/// The derivative of a segment counts as zero below this share of its control points' distances.
+inline constexpr double kStandstill = 1e-10;
+
 struct SweepPath {
     SweepSpace space = SweepSpace::Spatial;
     std::vector<SweepControl> controls;
@@ -114,17 +131,16 @@ struct SweepPath {
     double share(const SweepPiece& piece, double u) const;
     double share_length(const SweepPiece& piece) const;
     SegmentPoint point(const SweepSegment& segment, double t) const;
-    /// The radius of a ring and its derivative by the segment's parameter, from those of the points, at a share of the
-    /// taper.
-    std::pair<double, double> radius(double taper_share, double share_change, double points,
-                                     double points_change) const;
+    CurvedPlace place(const SweepPiece& piece, double u) const;
+    /// At a share of the taper, which changes so much.
+    RadiusRule radius_rule(double taper_share, double share_change) const;
     const SweepSpline& spline_of(uint32_t piece) const;
     size_t bytes() const;
 
   private:
     /// `basis_at` makes the basis at a parameter of the segment.
     template <typename BasisAt>
-    SweepRingPoint evaluate_curved(const SweepPiece& piece, double u, const BasisAt& basis_at) const;
+    SweepRingPoint ring_at(const CurvedPlace& place, const BasisAt& basis_at) const;
 };
 
 }  // namespace rayleaf

@@ -16,60 +16,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "trace/surface_vectors.inl"
 
-/// A degree that is known when this is compiled.
-template <int kDegree>
-struct FixedDegree {
-    static constexpr int kMost = kDegree;
-    HWY_INLINE explicit FixedDegree(int /*degree*/) {}
-    HWY_INLINE constexpr operator int() const { return kDegree; }  // NOLINT(google-explicit-constructor): it is one
-};
-/// Any other.
-struct AnyDegree {
-    static constexpr int kMost = SurfaceLanes::kMostDegree;
-    int degree;
-    HWY_INLINE explicit AnyDegree(int of) : degree(of) {}
-    HWY_INLINE operator int() const { return degree; }  // NOLINT(google-explicit-constructor): it is one
-};
-
-/// BernsteinBasis's.
-template <typename Degree>
-struct Basis {
-    Degree degree;
-    Double value_of[Degree::kMost + 1], first_of[Degree::kMost], second_of[Degree::kMost];
-
-    HWY_INLINE Basis(Degree of, Double t) : degree(of) {
-        value_of[0] = all(1.0);
-        const Double s = hn::Sub(all(1.0), t);
-        for (int k = 0; k < degree; ++k) {
-            if (k == degree - 2)
-                for (int i = 0; i <= k; ++i) second_of[i] = value_of[i];
-            if (k == degree - 1)
-                for (int i = 0; i <= k; ++i) first_of[i] = value_of[i];
-            value_of[k + 1] = hn::Mul(value_of[k], t);
-            for (int i = k; i > 0; --i) value_of[i] = hn::Add(hn::Mul(value_of[i], s), hn::Mul(value_of[i - 1], t));
-            value_of[0] = hn::Mul(value_of[0], s);
-        }
-    }
-    HWY_INLINE Double value(const Double* points) const {
-        Double sum = hn::Mul(points[0], value_of[0]);
-        for (int i = 1; i <= degree; ++i) sum = hn::Add(sum, hn::Mul(points[i], value_of[i]));
-        return sum;
-    }
-    HWY_INLINE Double first(const Double* points) const {
-        Double sum = hn::Mul(points[0], all(0.0));
-        for (int i = 0; i < degree; ++i) sum = hn::Add(sum, hn::Mul(hn::Sub(points[i + 1], points[i]), first_of[i]));
-        return hn::Mul(sum, all(degree));
-    }
-    HWY_INLINE Double second(const Double* points) const {
-        Double sum = hn::Mul(points[0], all(0.0));
-        for (int i = 0; i + 1 < degree; ++i)
-            sum =
-                hn::Add(sum, hn::Mul(hn::Sub(hn::Sub(points[i + 2], points[i + 1]), hn::Sub(points[i + 1], points[i])),
-                                     second_of[i]));
-        return hn::Mul(sum, all(degree * (degree - 1)));
-    }
-};
-
 /// Of one coordinate of the patches.
 struct Derivatives {
     Double value, du, dv, duu, duv, dvv;

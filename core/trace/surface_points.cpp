@@ -3,6 +3,7 @@
 #include "geometry/patch_surface.h"
 #include "trace/surface_lanes.h"
 #include "trace/tracer_queries.h"
+#include "trace/wall_lanes.h"
 
 #include <array>
 #include <memory>
@@ -25,12 +26,11 @@ struct LaneGroup {
 /// Patches at the hits' times, of surfaces that deform.
 using MixedPatches = std::array<std::array<Vec4d, SurfaceLanes::kMostPoints>, SurfaceLanes::kMost>;
 
-/// Fewer patches of a form are done one by one.
-constexpr size_t kLeastPatches = 3;
-
-const PatchSurface* patches_of(const InstanceRecord& record) {
+/// A shape of the type that its kind says; else null.
+template <typename T>
+const T* shape_as(const InstanceRecord& record, ShapeKind kind) {
     const Shape& shape = record.scene->shape();
-    return shape.kind() == ShapeKind::PatchSurface ? static_cast<const PatchSurface*>(&shape) : nullptr;
+    return shape.kind() == kind ? static_cast<const T*>(&shape) : nullptr;
 }
 
 template <typename Row, typename T>
@@ -95,19 +95,45 @@ void add_patch(LaneGroup& group, const SurfaceQuery& query, const InstanceRecord
     lanes.length_v[i] = v.end - v.begin;
 }
 
-/// Repeats the last hit in the lanes beyond it.
-void fill_up(SurfaceLanes& lanes, bool are_patches) {
-    const size_t last = lanes.count - 1;
-    const auto fill = [&](auto&... rows) {
-        for (size_t i = lanes.count; i < SurfaceLanes::kMost; ++i) ((rows[i] = rows[last]), ...);
-    };
-    const auto fill_vectors = [&](auto&... rows) { (fill(rows[0], rows[1], rows[2]), ...); };
-    fill(lanes.records, lanes.size, lanes.float_error, lanes.vertex_error);
-    fill_vectors(lanes.facet_position, lanes.facet_normal);
-    if (are_patches)
-        fill(lanes.points, lanes.u, lanes.v, lanes.length_u, lanes.length_v);
-    else
-        fill_vectors(lanes.position, lanes.normal, lanes.dp_du, lanes.dp_dv, lanes.dn_du, lanes.dn_dv);
+void add_wall(LaneGroup& group, WallLanes& walls, const SurfaceQuery& query, const InstanceRecord& record,
+              const SweepPath& path, const WallPlace& wall) {
+    const size_t i = add_hit(group, query, record);
+    const CurvedPlace at = path.place(*wall.piece, wall.u);
+    group.uv[i] = wall.uv;
+    walls.controls[i] = at.controls;
+    walls.t[i] = at.t;
+    walls.length[i] = at.length;
+    walls.size[i] = at.segment->size;
+    walls.scale[i] = path.scale;
+    put(at.tangent, walls.tangent, i);
+    put(at.normal, walls.normal, i);
+    walls.turn[i] = at.turn;
+    walls.turn_change[i] = at.turn_change;
+    walls.factor[i] = at.radius.factor;
+    walls.factor_change[i] = at.radius.factor_change;
+    walls.added[i] = at.radius.added;
+    walls.added_change[i] = at.radius.added_change;
+    for (int axis = 0; axis < 2; ++axis) {
+        walls.place[axis][i] = wall.around.position[axis];
+        walls.direction[axis][i] = wall.around.first[axis];
+    }
+    walls.length_u[i] = wall.length_u;
+    walls.length_v[i] = wall.length_v;
+}
+
+/// Repeats the last of `count` hits in the lanes beyond it.
+template <typename... Rows>
+void fill_up(size_t count, Rows&... rows) {
+    for (size_t i = count; i < SurfaceLanes::kMost; ++i) ((rows[i] = rows[count - 1]), ...);
+}
+template <typename... Rows>
+void fill_up_vectors(size_t count, Rows&... rows) {
+    for (size_t axis = 0; axis < 3; ++axis) fill_up(count, rows[axis]...);
+}
+void fill_up(size_t count, WallLanes& w) {
+    fill_up(count, w.controls, w.t, w.length, w.size, w.scale, w.turn, w.turn_change, w.factor, w.factor_change,
+            w.added, w.added_change, w.place[0], w.place[1], w.direction[0], w.direction[1], w.length_u, w.length_v);
+    fill_up_vectors(count, w.tangent, w.normal);
 }
 
 /// Every field but the sight is set in its place: to clear the whole point before costs as much.
@@ -146,20 +172,14 @@ class SurfaceBatch {
 
     void add(const SurfaceQuery& query, const InstanceRecord& record) {
         if (query.hit->is_interpolated()) return add_alone(query);
-        const PatchSurface* surface = patches_of(record);
-        const SplinePatches* spline = surface ? &surface->spline_of(query.hit->local.primitive) : nullptr;
-        if (!spline || !spline->smooth || !has_lanes(form_of(*spline))) {
-            add_surface(others_, query, record, detail_);
-            if (others_.is_full()) place(others_);
-            return;
-        }
-        open_ |= 1u << count_;
-        waiting_[count_++] = {&query, &record, surface, spline};
-        if (count_ == kMost) finish_patches();
+        if (wait_for_patches(query, record) || try_wall(query, record)) return;
+        add_surface(others_, query, record, detail_);
+        if (others_.is_full()) place_others();
     }
     void finish() {
         finish_patches();
-        place(others_);
+        place_walls();
+        place_others();
     }
 
   private:
@@ -174,8 +194,9 @@ class SurfaceBatch {
     std::array<Waiting, kMost> waiting_;
     size_t count_ = 0;
     uint32_t open_ = 0;  ///< of those that wait, a bit each
-    LaneGroup patches_, others_;
+    LaneGroup patches_, walls_, others_;
     MixedPatches mixed_;
+    WallLanes wall_lanes_;
 
     static PatchForm form_of(const SplinePatches& spline) {
         return {spline.degree_u, spline.degree_v, spline.rational};
@@ -183,6 +204,16 @@ class SurfaceBatch {
 
     void add_alone(const SurfaceQuery& query) { *query.point = tracer_.surface_point(*query.ray, *query.hit, detail_); }
 
+    /// False where it is no hit on a patch that there is a version for.
+    bool wait_for_patches(const SurfaceQuery& query, const InstanceRecord& record) {
+        const auto* surface = shape_as<PatchSurface>(record, ShapeKind::PatchSurface);
+        const SplinePatches* spline = surface ? &surface->spline_of(query.hit->local.primitive) : nullptr;
+        if (!spline || !spline->smooth || !has_lanes(form_of(*spline))) return false;
+        open_ |= 1u << count_;
+        waiting_[count_++] = {&query, &record, surface, spline};
+        if (count_ == kMost) finish_patches();
+        return true;
+    }
     void finish_patches() {
         while (open_ != 0) {
             const PatchForm form = form_of(*waiting_[static_cast<size_t>(__builtin_ctz(open_))].spline);
@@ -191,23 +222,56 @@ class SurfaceBatch {
                 if (!(form_of(*hit.spline) == form)) return;
                 open_ &= ~(1u << i);
                 add_patch(patches_, *hit.query, *hit.record, *hit.surface, *hit.spline, mixed_);
-                if (patches_.is_full()) place(patches_, &form);
+                if (patches_.is_full()) place_patches(form);
             });
-            place(patches_, &form);
+            place_patches(form);
         }
         count_ = 0;
     }
+    void place_patches(const PatchForm& form) {
+        place(patches_, [&](SurfaceLanes& lanes) {
+            fill_up(lanes.count, lanes.points, lanes.u, lanes.v, lanes.length_u, lanes.length_v);
+            compute_patches(form, detail_, lanes);
+        });
+    }
 
-    /// `form`: of patches, whose local surface is not known yet.
-    void place(LaneGroup& group, const PatchForm* form = nullptr) {
+    bool try_wall(const SurfaceQuery& query, const InstanceRecord& record) {
+        const auto* surface = shape_as<SweptSurface>(record, ShapeKind::SweptSurface);
+        if (!surface || detail_ != SurfaceDetail::Normal) return false;
+        const LocalHit& hit = query.hit->local;
+        const SweptElement element = surface->element(hit.primitive);
+        const SweepPath& path = surface->path();
+        if (element.part != SweptPart::Wall || !has_wall_lanes(path, path.pieces[element.piece])) return false;
+        const WallPlace wall = surface->wall_place(hit, element);
+        if (!wall.smooth) return false;
+        add_wall(walls_, wall_lanes_, query, record, path, wall);
+        if (walls_.is_full()) place_walls();
+        return true;
+    }
+    void place_walls() {
+        place(walls_, [&](SurfaceLanes& lanes) {
+            fill_up(lanes.count, wall_lanes_);
+            compute_walls(wall_lanes_, lanes);
+        });
+    }
+
+    void place_others() {
+        place(others_, [](SurfaceLanes& lanes) {
+            fill_up_vectors(lanes.count, lanes.position, lanes.normal, lanes.dp_du, lanes.dp_dv, lanes.dn_du,
+                            lanes.dn_dv);
+        });
+    }
+
+    /// `complete` makes the local surfaces known in all lanes.
+    template <typename Complete>
+    void place(LaneGroup& group, const Complete& complete) {
         SurfaceLanes& lanes = group.lanes;
-        lanes.done = 0;
-        if (lanes.count >= (form ? kLeastPatches : 1)) {
-            lanes.done = (1u << lanes.count) - 1;
-            if (!group.is_full()) fill_up(lanes, form != nullptr);
-            if (form) compute_patches(*form, detail_, lanes);
-            place_surfaces(detail_, lanes);
-        }
+        if (lanes.count == 0) return;
+        lanes.done = (1u << lanes.count) - 1;
+        fill_up(lanes.count, lanes.records, lanes.size, lanes.float_error, lanes.vertex_error);
+        fill_up_vectors(lanes.count, lanes.facet_position, lanes.facet_normal);
+        complete(lanes);
+        place_surfaces(detail_, lanes);
         for (size_t i = 0; i < lanes.count; ++i) {
             if ((lanes.done >> i & 1u) != 0)
                 take(group, i, detail_);

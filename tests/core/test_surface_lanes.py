@@ -104,14 +104,15 @@ def rays_at(tracer, random, count):
     return origins, shapes.unit(targets - origins)
 
 
+@pytest.mark.parametrize("curvature", [True, False])
 @pytest.mark.parametrize("number", range(len(list(scenes()))))
-def test_surface_points_have_the_same_bits_in_lanes(target, number):
+def test_surface_points_have_the_same_bits_in_lanes(target, number, curvature):
     tracer = trace.Tracer([(*each, shapes.EVERYTHING) for each in list(scenes())[number]])
     origins, directions = rays_at(tracer, np.random.default_rng(number), 1000)
-    alone = tracer.closest_hits(origins, directions)
+    alone = tracer.closest_hits(origins, directions, curvature=curvature)
     assert np.isfinite(alone["t"]).sum() > 100
     for together in (2, 3, 7, 32):
-        found = tracer.closest_hits(origins, directions, together=together)
+        found = tracer.closest_hits(origins, directions, together=together, curvature=curvature)
         for name in POINT:
             kind = np.uint64 if found[name].dtype == np.float64 else np.uint32
             np.testing.assert_array_equal(
