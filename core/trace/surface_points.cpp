@@ -1,5 +1,5 @@
-// The surface points of many hits, over lanes: the local surface of spline patches too, that of other shapes one by
-// one.
+// The surface points of many hits, over lanes. The local surface is found over lanes too on spline patches and on most
+// walls of bevelled curves, one by one on the others.
 #include "geometry/patch_surface.h"
 #include "trace/surface_lanes.h"
 #include "trace/tracer_queries.h"
@@ -163,7 +163,7 @@ void take(const LaneGroup& group, size_t i, SurfaceDetail detail) {
     point.inside = point.interpolated = false;
 }
 
-/// Hits of one call, those on patches of one form together.
+/// Hits of one call: those on patches of one form together, those on walls, and the others.
 class SurfaceBatch {
   public:
     static constexpr size_t kMost = 32;
