@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace rayleaf {
 namespace {
@@ -18,40 +19,37 @@ double add_keeping_error(double a, double& b) {
 
 }  // namespace
 
-/// Adds `mantissa`, of at most 32 bits, shifted by `position`.
-void ExactSum::add(uint64_t mantissa, int position, bool negative) {
-    const uint64_t shifted = mantissa << (position % kDigitBits);
-    const auto low = static_cast<int64_t>(shifted & 0xffffffffu), high = static_cast<int64_t>(shifted >> kDigitBits);
-    const auto digit = static_cast<size_t>(position / kDigitBits);
-    digits_[digit] += negative ? -low : low;
-    digits_[digit + 1] += negative ? -high : high;
+/// The sum so far goes to the digits.
+void ExactSum::start_again(double value) {
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    if (std::isnan(value)) return;
+    add_to_digits(last_);
+    last_ = std::isinf(value) ? std::copysign(kLargest, value) : value;
 }
 
-void ExactSum::add(float value) {
-    constexpr uint32_t kImplicitBit = 1u << 23, kFraction = kImplicitBit - 1, kSpecial = 255;
-    const auto bits = std::bit_cast<uint32_t>(value);
-    uint32_t exponent = (bits >> 23) & 0xff, fraction = bits & kFraction;
-    if (exponent == kSpecial) {
-        if (fraction != 0) return;
-        exponent = kSpecial - 1;
-        fraction = kFraction;
+void ExactSum::add_to_digits(double term) {
+    constexpr int kFractionBits = 52, kUnitExponent = 1075 - 149;  // of an IEEE double that is a whole number of units
+    constexpr uint64_t kImplicitBit = uint64_t{1} << kFractionBits, kDigit = 0xffffffffu;
+    const auto bits = std::bit_cast<uint64_t>(term);
+    uint64_t mantissa = (bits & (kImplicitBit - 1)) | kImplicitBit;
+    int position = static_cast<int>((bits >> kFractionBits) & 0x7ff) - kUnitExponent;
+    if (position < -kFractionBits) return;  // zero
+    if (position < 0) {
+        mantissa >>= -position;
+        position = 0;
     }
-    const bool negative = (bits >> 31) != 0;
-    if (exponent == 0)
-        add(fraction, 0, negative);
-    else
-        add(fraction | kImplicitBit, static_cast<int>(exponent) - 1, negative);
+    for (; mantissa != 0; mantissa >>= kDigitBits, position += kDigitBits) {
+        const uint64_t shifted = (mantissa & kDigit) << (position % kDigitBits);
+        const auto low = static_cast<int64_t>(shifted & kDigit), high = static_cast<int64_t>(shifted >> kDigitBits);
+        const auto digit = static_cast<size_t>(position / kDigitBits);
+        digits_[digit] += term < 0.0 ? -low : low;
+        digits_[digit + 1] += term < 0.0 ? -high : high;
+    }
 }
 
 void ExactSum::add_term(double term) {
     RAYLEAF_ASSERT_OP(is_term(term), ==, true);
-    const bool negative = std::signbit(term);
-    for (double rest = std::abs(term); rest > 0.0;) {  // 32 bits at a time
-        const int position = std::max(0, std::ilogb(rest / kUnit) - (kDigitBits - 1));
-        const double mantissa = std::floor(std::ldexp(rest / kUnit, -position));
-        add(static_cast<uint64_t>(mantissa), position, negative);
-        rest -= std::ldexp(mantissa, position) * kUnit;
-    }
+    add_double(term);
 }
 
 bool ExactSum::is_term(double value) {
@@ -59,10 +57,13 @@ bool ExactSum::is_term(double value) {
 }
 
 ExactSum::Terms ExactSum::terms() const {
+    if (std::all_of(digits_.begin(), digits_.end(), [](int64_t digit) { return digit == 0; })) return {last_};
+    ExactSum all = *this;
+    all.add_to_digits(last_);
     std::array<double, kDigits> parts;
     int64_t carry = 0;
     for (int i = 0; i < kDigits; ++i) {
-        const int64_t digit = digits_[static_cast<size_t>(i)] + carry;
+        const int64_t digit = all.digits_[static_cast<size_t>(i)] + carry;
         // Digits from -2^31 to 2^31 - 1 make the form unique. The highest digit, of a few bits, stays.
         const int64_t kept = i + 1 < kDigits ? static_cast<int32_t>(static_cast<uint32_t>(digit)) : digit;
         carry = (digit - kept) / (int64_t{1} << kDigitBits);

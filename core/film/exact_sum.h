@@ -1,7 +1,8 @@
 // Sums of floats without rounding: the same in any order, also for parts that are summed separately and then joined.
 //
 // A fixed-point number, wide enough for every float, in digits of 32 bits. Each is kept in 64, so that carries wait
-// until the sum is read (Neal 2015, "Fast exact summation using small and large superaccumulators").
+// until the sum is read (Neal 2015, "Fast exact summation using small and large superaccumulators"). What was added
+// last stays in a double for as long as that holds it exactly, which is nearly always.
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@ class ExactSum {
     using Terms = std::array<double, kMostTerms>;
 
     /// Infinity counts as the largest float; NaN is ignored.
-    void add(float value);
+    void add(float value) { add_double(value); }
     /// Adds a term of another sum.
     void add_term(double term);
     static bool is_term(double value);
@@ -30,8 +31,18 @@ class ExactSum {
   private:
     static constexpr int kDigitBits = 32, kDigits = 10;
     std::array<int64_t, kDigits> digits_{};  ///< the least first, in units of kUnit
+    double last_ = 0.0;                      ///< is added to them
 
-    void add(uint64_t mantissa, int position, bool negative);
+    void add_double(double value) {
+        const double sum = last_ + value;
+        // One of the differences is the sum's to the larger of the two, which is exact.
+        if (sum - last_ == value && sum - value == last_)
+            last_ = sum;
+        else
+            start_again(value);
+    }
+    void start_again(double value);
+    void add_to_digits(double term);
 };
 
 }  // namespace rayleaf
