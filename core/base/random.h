@@ -82,6 +82,13 @@ class Sampler {
     /// The dimension whose first number is the third of get3.
     static constexpr uint32_t joined(uint32_t dimension) { return dimension ^ 0x40000000u; }
 
+    /// The numbers of another sample of the pixel.
+    Sampler of_sample(uint32_t sample) const {
+        Sampler other = *this;
+        other.sample_ = sample;
+        return other;
+    }
+
     uint32_t pixel_hash() const { return pixel_hash_; }
     uint32_t sample() const { return sample_; }
 

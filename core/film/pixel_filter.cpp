@@ -54,12 +54,4 @@ PixelFilter::PixelFilter(PixelFilterKind kind, float width) {
     }
 }
 
-double PixelFilter::offset(float random) const {
-    const float scaled = random * kEntries;
-    const int cell = std::min(static_cast<int>(scaled), kEntries - 1);
-    const float inside = scaled - static_cast<float>(cell);
-    const auto i = static_cast<size_t>(cell);
-    return inverse_[i] + (inverse_[i + 1] - inverse_[i]) * inside;
-}
-
 }  // namespace rayleaf

@@ -4,6 +4,7 @@
 
 #include "base/vector.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -27,7 +28,13 @@ class PixelFilter {
     static constexpr int kEntries = 256;
     std::array<float, kEntries + 1> inverse_;  ///< offsets at equal steps of the cumulative filter
 
-    double offset(float random) const;
+    double offset(float random) const {
+        const float scaled = random * kEntries;
+        const int cell = std::min(static_cast<int>(scaled), kEntries - 1);
+        const float inside = scaled - static_cast<float>(cell);
+        const auto i = static_cast<size_t>(cell);
+        return inverse_[i] + (inverse_[i + 1] - inverse_[i]) * inside;
+    }
 };
 
 }  // namespace rayleaf

@@ -59,7 +59,8 @@ struct Session::Frame {
     IntegratorKind integrator;
     bool has_lens;  ///< else no ray asks where it passes the lens
     bool has_time;  ///< else nothing moves, and no ray asks when it is
-    int step;       ///< tiles count blocks of so many pixels along a side
+    Footprint footprint;
+    int step;  ///< tiles count blocks of so many pixels along a side
 };
 
 Session::Session(std::shared_ptr<const SceneDescription> description, Settings settings,
@@ -166,6 +167,7 @@ void Session::render_groups(const std::vector<WindowGroup>& groups, int step) {
                       settings_.integrator,
                       description_->camera()->aperture_radius > 0,
                       scene_->has_motion(),
+                      scene_->needs_footprints() ? Footprint::Known : Footprint::Unknown,
                       step};
     oneapi::tbb::parallel_for(
         size_t{0}, groups.size(), [&](size_t i) { render_group(groups[i], frame); }, oneapi::tbb::simple_partitioner());
@@ -223,12 +225,9 @@ void Session::store(const WindowSamples& of_film, const Frame& frame, const Tile
 
 /// One path after the other.
 bool Session::render_paths(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const {
-    for (const auto& [window, samples, taken] : group)
-        for (int y = window.y; y < window.y + window.height; ++y)
-            for (int x = window.x; x < window.x + window.width; ++x)
-                if (!render_pixel(place_of(x, y, samples.first, frame), samples.count, frame, sums, counts))
-                    return false;
-    return true;
+    return for_each_pixel(group, [&](int x, int y, const SampleRange& range) {
+        return render_pixel(sample_of(x, y, frame), range, frame, sums, counts);
+    });
 }
 
 bool Session::render_streams(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const {
@@ -247,66 +246,65 @@ bool Session::render_streams(const WindowGroup& group, const Frame& frame, Windo
 template <typename Stream>
 bool Session::render_stream(const WindowGroup& group, const Frame& frame, size_t most, Stream& stream,
                             WindowSums& sums) const {
-    const auto trace = [&] { stream.trace([&](const PixelSample& value) { sums.add(value); }); };
-    for (const WindowSamples& each : group) {
-        const auto& [tile, range, taken] = each;
-        const auto samples = static_cast<size_t>(range.count);
-        const size_t paths = each.paths();
-        for (size_t i = 0; i < paths;) {
-            const size_t count = std::min({most - stream.size(), paths - i, kMostCameraSamples});
-            std::array<CameraPlace, kMostCameraSamples> places;
-            for (size_t k = 0; k < count; ++k, ++i) {
-                const int place = static_cast<int>(i / samples), x = place % tile.width, y = place / tile.width;
-                places[k] = place_of(tile.x + x, tile.y + y, range.first + static_cast<int>(i % samples), frame);
-            }
-            add_paths({places.data(), count}, frame, stream);
-            if (stream.size() < most) continue;
-            if (cancel_.cancelled()) return false;
-            trace();
+    const auto trace = [&] {
+        if (cancel_.cancelled()) return false;
+        stream.trace([&](const PixelSample& value) { sums.add(value); });
+        return true;
+    };
+    std::array<CameraSample, kMostCameraSamples> samples;
+    size_t count = 0;
+    const auto add = [&] {
+        add_paths({samples.data(), std::exchange(count, 0)}, frame, stream);
+        return stream.size() < most || trace();
+    };
+    const bool finished = for_each_pixel(group, [&](int x, int y, const SampleRange& range) {
+        const CameraSample pixel = sample_of(x, y, frame);
+        for (int i = 0; i < range.count; ++i) {
+            samples[count++] = {pixel.middle, pixel.sampler.of_sample(static_cast<uint32_t>(range.first + i))};
+            const bool is_full = count == kMostCameraSamples || stream.size() + count == most;
+            if (is_full && !add()) return false;
         }
-    }
-    if (cancel_.cancelled()) return false;
-    if (stream.size() > 0) trace();
-    return true;
+        return true;
+    });
+    if (!finished || (count > 0 && !add())) return false;
+    return stream.size() == 0 || trace();
 }
 
-/// The sample of a pixel, or of the pixel in the middle of a block.
-Session::CameraPlace Session::place_of(int x, int y, int sample, const Frame& frame) const {
+/// Of a pixel, or of the pixel in the middle of a block.
+Session::CameraSample Session::sample_of(int x, int y, const Frame& frame) const {
     const Window whole = part(settings_);
     const auto middle = [&](int at, int first, int size) {
         return first + std::min((at - first) * frame.step + frame.step / 2, size - 1);
     };
-    return {middle(x, whole.x, whole.width), middle(y, whole.y, whole.height), sample};
+    const int column = middle(x, whole.x, whole.width), row = middle(y, whole.y, whole.height);
+    const uint32_t pixel =
+        static_cast<uint32_t>(row) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(column);
+    return {Vec2d(column + 0.5, row + 0.5), Sampler(pixel, 0, settings_.seed)};
 }
 
-Sampler Session::sampler_at(const CameraPlace& place) const {
-    const auto pixel =
-        static_cast<uint32_t>(place.y) * static_cast<uint32_t>(settings_.width) + static_cast<uint32_t>(place.x);
-    return {pixel, static_cast<uint32_t>(place.sample), settings_.seed};
-}
-
-CameraRay Session::camera_ray(const CameraPlace& place, const CameraNumbers& random, const Frame& frame) const {
+CameraRay Session::camera_ray(const CameraSample& sample, const CameraNumbers& random, const Frame& frame) const {
     const Camera& camera = scene_->camera();
-    const Vec2d pixel = Vec2d(place.x + 0.5, place.y + 0.5) + frame.filter.offset(random.filter);
-    return camera.ray(pixel, random.lens, frame.has_time ? camera.time(pixel, random.time) : kMiddleTime);
+    const Vec2d place = sample.middle + frame.filter.offset(random.filter);
+    return camera.ray(place, random.lens, frame.has_time ? camera.time(place, random.time) : kMiddleTime,
+                      frame.footprint);
 }
 
-/// The paths of up to kMostCameraSamples places.
+/// The paths of up to kMostCameraSamples samples.
 template <typename Stream>
-void Session::add_paths(std::span<const CameraPlace> places, const Frame& frame, Stream& stream) const {
+void Session::add_paths(std::span<const CameraSample> samples, const Frame& frame, Stream& stream) const {
     SamplePairs pairs;
-    for (const CameraPlace& place : places) {
-        pairs.add(sampler_at(place), kFilterDimension);
-        if (frame.has_lens) pairs.add(sampler_at(place), kLensDimension);
-        if (frame.has_time) pairs.add(sampler_at(place), kTimeDimension);
+    for (const CameraSample& sample : samples) {
+        pairs.add(sample.sampler, kFilterDimension);
+        if (frame.has_lens) pairs.add(sample.sampler, kLensDimension);
+        if (frame.has_time) pairs.add(sample.sampler, kTimeDimension);
     }
     pairs.compute();
     size_t pair = 0;
-    for (const CameraPlace& place : places) {
+    for (const CameraSample& sample : samples) {
         CameraNumbers random{pairs.pair(pair++)};
         if (frame.has_lens) random.lens = pairs.pair(pair++);
         if (frame.has_time) random.time = pairs.pair(pair++).x;
-        stream.add(camera_ray(place, random, frame), sampler_at(place));
+        stream.add(camera_ray(sample, random, frame), sample.sampler);
     }
 }
 
@@ -315,17 +313,17 @@ void Session::add_counts(const RayCounts& counts) {
     statistics_.rays += counts;
 }
 
-bool Session::render_pixel(CameraPlace place, int count, const Frame& frame, WindowSums& sums,
+bool Session::render_pixel(const CameraSample& pixel, const SampleRange& range, const Frame& frame, WindowSums& sums,
                            RayCounts& counts) const {
     SampleExtras extras;
     SampleExtras* const wanted_extras = frame.path.has_extras() ? &extras : nullptr;
-    for (int s = 0; s < count; ++s, ++place.sample) {
+    for (int s = 0; s < range.count; ++s) {
         if (s % kSamplesPerLook == 0 && cancel_.cancelled()) return false;
-        const Sampler sampler = sampler_at(place);
+        const Sampler sampler = pixel.sampler.of_sample(static_cast<uint32_t>(range.first + s));
         CameraNumbers random{sampler.get2(kFilterDimension)};
         if (frame.has_lens) random.lens = sampler.get2(kLensDimension);
         if (frame.has_time) random.time = sampler.get2(kTimeDimension).x;
-        const CameraRay ray = camera_ray(place, random, frame);
+        const CameraRay ray = camera_ray({pixel.middle, sampler}, random, frame);
         const uint64_t misses = frame.path.wants(Pass::geometry_misses) ? scene_->tracer().thread_misses() : 0;
         PixelSample value = frame.integrator == IntegratorKind::Distribution
                                 ? trace_distributed(frame.distribution, ray, sampler, counts, wanted_extras)

@@ -125,27 +125,28 @@ class Session {
     struct Frame;  ///< what all tiles share
     void render_group(const WindowGroup& group, const Frame& frame);
     void store(const WindowSamples& of_film, const Frame& frame, const TileSums& sums);
-    /// A pixel and the number of a sample in it.
-    struct CameraPlace {
-        int x = 0, y = 0, sample = 0;
+    /// A sample of a pixel.
+    struct CameraSample {
+        Vec2d middle{0, 0};  ///< of the pixel
+        Sampler sampler{0, 0, 0};
     };
-    CameraPlace place_of(int x, int y, int sample, const Frame& frame) const;
-    Sampler sampler_at(const CameraPlace& place) const;
+    /// The first of a pixel, or of the one in the middle of a block.
+    CameraSample sample_of(int x, int y, const Frame& frame) const;
     /// Of a sample, in [0,1).
     struct CameraNumbers {
         Vec2f filter{0, 0}, lens{0, 0};
         float time = 0;
     };
-    CameraRay camera_ray(const CameraPlace& place, const CameraNumbers& random, const Frame& frame) const;
+    CameraRay camera_ray(const CameraSample& sample, const CameraNumbers& random, const Frame& frame) const;
     template <typename Stream>
-    void add_paths(std::span<const CameraPlace> places, const Frame& frame, Stream& stream) const;
+    void add_paths(std::span<const CameraSample> samples, const Frame& frame, Stream& stream) const;
     bool render_paths(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const;
     bool render_streams(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const;
     template <typename Stream>
     bool render_stream(const WindowGroup& group, const Frame& frame, size_t most, Stream& stream,
                        WindowSums& sums) const;
-    /// `place`: of the first of so many samples.
-    bool render_pixel(CameraPlace place, int count, const Frame& frame, WindowSums& sums, RayCounts& counts) const;
+    bool render_pixel(const CameraSample& pixel, const SampleRange& range, const Frame& frame, WindowSums& sums,
+                      RayCounts& counts) const;
     void add_counts(const RayCounts& counts);
     void gather_statistics(double build_seconds, double render_seconds);
     void count_shapes();

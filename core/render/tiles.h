@@ -1,9 +1,11 @@
-// The tiles of a picture, which threads take one by one.
+// The tiles of a picture, which threads take one by one, and their pixels.
 #pragma once
 
+#include "film/sample_range.h"
 #include "scene/settings.h"
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 namespace rayleaf {
@@ -16,6 +18,16 @@ inline std::vector<Window> tiles_of(const Window& window, int size) {
             tiles.push_back(
                 {window.x + x, window.y + y, std::min(size, window.width - x), std::min(size, window.height - y)});
     return tiles;
+}
+
+/// Calls `visit` with each pixel of windows and its samples, until it returns false; then returns false.
+template <typename Visit>
+bool for_each_pixel(std::span<const WindowSamples> windows, const Visit& visit) {
+    for (const auto& [window, samples, taken] : windows)
+        for (int y = window.y; y < window.y + window.height; ++y)
+            for (int x = window.x; x < window.x + window.width; ++x)
+                if (!visit(x, y, samples)) return false;
+    return true;
 }
 
 }  // namespace rayleaf

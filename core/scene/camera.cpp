@@ -24,10 +24,10 @@ void require(bool condition, const char* argument, double got, const char* wante
     if (!condition) throw InputError(kCamera, argument, number_text(got), wanted);
 }
 
-/// Change of the unit vector along `v` when `v` changes by `dv`.
-Vec3f unit_derivative(const Vec3d& v, const Vec3d& dv) {
-    const double square = v.dot(v);
-    return Vec3f((dv * square - v * v.dot(dv)) / (square * std::sqrt(square)));
+/// Change of the unit vector along `v` of that length when `v` changes by `dv`.
+Vec3d change_of_unit(const Vec3d& v, double length, const Vec3d& dv) {
+    const double square = length * length;
+    return (dv * square - v * v.dot(dv)) / (square * length);
 }
 
 /// A uniform point of the unit disk (Shirley and Chiu 1997, concentric map).
@@ -113,6 +113,7 @@ Camera::Camera(const CameraDescription& description, int width, int height)
     info_.window_min = description.window_min;
     info_.window_size = description.window_max - description.window_min;
     info_.perspective = description.kind != CameraKind::Orthographic;
+    still_ = {to_world_, info_.window_min, size_of_pixel(info_.window_size)};
 }
 
 Vec2d Camera::lens_point(const Vec2f& random) const {
@@ -124,8 +125,8 @@ Vec2d Camera::lens_point(const Vec2f& random) const {
 }
 
 Camera::Placement Camera::at(float time) const {
-    const auto size_of_pixel = [this](const Vec2d& size) { return Vec2d(size.x / width_, size.y / height_); };
-    Placement now{motion_ ? motion_->at(time) : to_world_, info_.window_min, size_of_pixel(info_.window_size)};
+    Placement now = still_;
+    if (motion_) now.to_world = motion_->at(time);
     const auto& windows = description_.windows;
     if (windows.empty()) return now;
     const double place = static_cast<double>(time) * static_cast<double>(windows.size() - 1);
@@ -139,7 +140,7 @@ Camera::Placement Camera::at(float time) const {
     return now;
 }
 
-CameraRay Camera::panoramic_ray(const Vec2d& pixel, const Vec2f& lens, const Affine3d& to_world) const {
+CameraRay Camera::panoramic_ray(const Affine3d& to_world, const Vec2d& pixel, const Vec2f& lens) const {
     const auto direction_at = [&](double x, double y) {
         return panorama_direction(description_.panorama, Vec2d(x / width_, y / height_));
     };
@@ -175,23 +176,25 @@ CameraRay Camera::panoramic_ray(const Vec2d& pixel, const Vec2f& lens, const Aff
     return result;
 }
 
-CameraRay Camera::ray(const Vec2d& pixel, const Vec2f& lens, float time) const {
-    const auto [to_world, window_min, step] = at(time);
-    CameraRay result = is_panoramic()
-                           ? panoramic_ray(pixel, lens, to_world)
-                           : windowed_ray(lens, to_world, window_min + Vec2d(pixel.x * step.x, pixel.y * step.y), step);
+CameraRay Camera::ray(const Vec2d& pixel, const Vec2f& lens, float time, Footprint footprint) const {
+    CameraRay result = moves() ? ray(at(time), pixel, lens, footprint) : ray(still_, pixel, lens, footprint);
     result.ray.time = time;
     return result;
 }
 
-CameraRay Camera::windowed_ray(const Vec2f& lens, const Affine3d& to_world, const Vec2d& window,
-                               const Vec2d& step) const {
-    const Vec2d on_lens = lens_point(lens);
+CameraRay Camera::ray(const Placement& now, const Vec2d& pixel, const Vec2f& lens, Footprint footprint) const {
+    return is_panoramic() ? panoramic_ray(now.to_world, pixel, lens) : windowed_ray(now, pixel, lens, footprint);
+}
+
+CameraRay Camera::windowed_ray(const Placement& now, const Vec2d& pixel, const Vec2f& lens, Footprint footprint) const {
+    const auto& [to_world, window_min, step] = now;
     const bool open = description_.aperture_radius > 0;
+    const Vec2d window = window_min + Vec2d(pixel.x * step.x, pixel.y * step.y),
+                on_lens = open ? lens_point(lens) : Vec2d(0.0, 0.0);
     const double focus = open ? description_.focus_distance : 1.0;
 
     // In camera space: the ray runs from `from` through the point in focus.
-    Vec3d from(on_lens.x, on_lens.y, 0.0), dx(step.x, 0.0, 0.0), dy(0.0, step.y, 0.0), towards;
+    Vec3d from(on_lens.x, on_lens.y, 0.0), towards;
     if (info_.perspective) {
         towards = Vec3d(window.x, window.y, -1.0) * focus - from;
     } else {
@@ -200,18 +203,20 @@ CameraRay Camera::windowed_ray(const Vec2f& lens, const Affine3d& to_world, cons
     }
 
     CameraRay result;
-    const Vec3d direction = towards.normalized();
+    const Vec3d along = to_world.vector(towards);
+    const double length = along.length(), per_depth = length / focus;
     result.ray.origin = to_world.point(from);
-    result.ray.direction = to_world.vector(direction).normalized();
-    const double cosine = -direction.z;
-    result.ray.t_min = description_.clip_start / cosine;
-    result.ray.t_max = description_.clip_end / cosine;
+    result.ray.direction = along / length;
+    result.ray.t_min = description_.clip_start * per_depth;
+    result.ray.t_max = description_.clip_end * per_depth;
+    if (footprint == Footprint::Unknown) return result;
+    const Vec3d dx = to_world.x * step.x, dy = to_world.y * step.y;
     if (info_.perspective) {
-        result.differential.dd_dx = Vec3f(to_world.vector(Vec3d(unit_derivative(towards, dx * focus))));
-        result.differential.dd_dy = Vec3f(to_world.vector(Vec3d(unit_derivative(towards, dy * focus))));
+        result.differential.dd_dx = Vec3f(change_of_unit(along, length, dx * focus));
+        result.differential.dd_dy = Vec3f(change_of_unit(along, length, dy * focus));
     } else {
-        result.differential.dp_dx = Vec3f(to_world.vector(dx));
-        result.differential.dp_dy = Vec3f(to_world.vector(dy));
+        result.differential.dp_dx = Vec3f(dx);
+        result.differential.dp_dy = Vec3f(dy);
     }
     return result;
 }

@@ -47,13 +47,17 @@ struct CameraRay {
     bool exists = true;  ///< false: outside the circle of a panorama, where nothing is seen
 };
 
+/// Whether a ray needs to know how far apart those beside it are: its differential is zero otherwise.
+enum class Footprint : bool { Unknown, Known };
+
 class Camera {
   public:
     /// Throws InputError as `validate` does.
     Camera(const CameraDescription& description, int width, int height);
 
     /// `pixel` in pixels from the lower left corner of the whole picture; `lens` in [0,1)²; `time` of the shutter.
-    CameraRay ray(const Vec2d& pixel, const Vec2f& lens, float time = kMiddleTime) const;
+    CameraRay ray(const Vec2d& pixel, const Vec2f& lens, float time = kMiddleTime,
+                  Footprint footprint = Footprint::Known) const;
     /// When a ray through the pixel is exposed; `random` in [0,1).
     float time(const Vec2d& pixel, float random) const { return shutter_.time(random, pixel.y / height_); }
     bool moves() const { return motion_.has_value() || !description_.windows.empty(); }
@@ -80,12 +84,14 @@ class Camera {
         Affine3d to_world;
         Vec2d window_min, step;  ///< the window's corner, and what a pixel spans of it
     };
+    Placement still_;  ///< where nothing moves
     Placement at(float time) const;
+    Vec2d size_of_pixel(const Vec2d& window) const { return {window.x / width_, window.y / height_}; }
     Vec2d lens_point(const Vec2f& random) const;
     bool is_panoramic() const { return description_.kind == CameraKind::Panoramic; }
-    CameraRay panoramic_ray(const Vec2d& pixel, const Vec2f& lens, const Affine3d& to_world) const;
-    /// Through a place of the window, of which a pixel spans `step`.
-    CameraRay windowed_ray(const Vec2f& lens, const Affine3d& to_world, const Vec2d& window, const Vec2d& step) const;
+    CameraRay ray(const Placement& now, const Vec2d& pixel, const Vec2f& lens, Footprint footprint) const;
+    CameraRay panoramic_ray(const Affine3d& to_world, const Vec2d& pixel, const Vec2f& lens) const;
+    CameraRay windowed_ray(const Placement& now, const Vec2d& pixel, const Vec2f& lens, Footprint footprint) const;
 };
 
 }  // namespace rayleaf
