@@ -6,6 +6,8 @@
 #include "film/pass.h"
 
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <vector>
 
 namespace rayleaf {
@@ -21,16 +23,30 @@ struct SampleExtras {
     }
 };
 
-/// Values of all passes for one sample; passes that are off are simply not read. xyzw are the channels in order.
-struct PixelSample {
-    std::array<Vec4f, kPassCount> values;
+/// Values of the passes for one sample. xyzw are the channels in order. Those of passes that are off are nowhere: they
+/// read as 0, whatever is written.
+class PixelSample {
+  public:
     SampleExtras* extras = nullptr;  ///< null if no slot and no matte is enabled
 
-    PixelSample() { values.fill(Vec4f(0.0f)); }
+    /// Zeros. `passes`: those that are on, a bit for each pass of the table.
+    explicit PixelSample(uint64_t passes) : passes_(passes) { clear(); }
 
-    Vec4f& operator[](Pass pass) { return values[static_cast<size_t>(pass)]; }
+    void clear() {
+        extras = nullptr;
+        for (uint64_t rest = passes_; rest != 0; rest &= rest - 1)
+            values_[static_cast<size_t>(std::countr_zero(rest))] = Vec4f(0.0f);
+    }
+    bool has(Pass pass) const { return (passes_ >> static_cast<uint32_t>(pass) & 1u) != 0; }
+
+    Vec4f& operator[](Pass pass) {
+        if (has(pass)) return values_[static_cast<size_t>(pass)];
+        nowhere_ = Vec4f(0.0f);
+        return nowhere_;
+    }
     const Vec4f& operator[](Pass pass) const {
-        return is_slot(pass) ? extras->slots[slot_of(pass)] : values[static_cast<size_t>(pass)];
+        if (is_slot(pass)) return extras->slots[slot_of(pass)];
+        return has(pass) ? values_[static_cast<size_t>(pass)] : kNothing;
     }
     void add(Pass pass, const Color& color) {
         Vec4f& value = (*this)[pass];
@@ -41,6 +57,12 @@ struct PixelSample {
         if (!extras || slot < 0 || static_cast<size_t>(slot) >= extras->slots.size()) return;
         extras->slots[static_cast<size_t>(slot)] += Vec4f(color.x, color.y, color.z, 0.0f);
     }
+
+  private:
+    static inline const Vec4f kNothing{0, 0, 0, 0};
+    uint64_t passes_;
+    std::array<Vec4f, kPassCount> values_;  ///< those of passes that are off are never touched
+    Vec4f nowhere_;
 };
 
 }  // namespace rayleaf

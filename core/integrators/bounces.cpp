@@ -53,12 +53,6 @@ void Bounces::simplify(Closures& closures) const {
         closures.widen(kWidest * std::sqrt(1.0f - least_density_ / settings_.filter_glossy));
 }
 
-PathState Bounces::at(double length) const {
-    PathState state = state_;
-    state.ray_length = static_cast<float>(passed_ + length);
-    return state;
-}
-
 PathState Bounces::of_met_lamp() const {
     PathState state = state_;
     state.camera = state.diffuse = state.glossy = state.singular = state.reflection = state.transmission =

@@ -51,7 +51,11 @@ class Bounces {
     /// Transparent surfaces that a shadow ray from here may pass.
     int transparent_left() const { return settings_.transparent_bounces - state_.transparent_depth; }
     /// The state at a hit `length` along the ray.
-    PathState at(double length) const;
+    PathState at(double length) const {
+        PathState state = state_;
+        state.ray_length = static_cast<float>(passed_ + length);
+        return state;
+    }
     /// The state of a shadow ray that leaves the present vertex: one bounce further, as in Cycles.
     PathState of_shadow_ray() const;
     /// The state with which the program of a light is evaluated: of a light sampled at the present vertex, and of a

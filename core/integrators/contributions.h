@@ -25,7 +25,7 @@ inline constexpr std::array kLobeKinds = {LobeKind::Diffuse, LobeKind::Glossy, L
 
 class Contributions {
   public:
-    explicit Contributions(const PathSettings& settings) : settings_(settings) {}
+    explicit Contributions(const PathSettings& settings) : sample(settings.held_passes), settings_(settings) {}
 
     /// Light the camera sees without any scattering: emitted by a surface, or the world's. Here and below `group` is
     /// the slot of the light's group, -1 for none.
@@ -40,7 +40,7 @@ class Contributions {
     /// Colour of the lobes of each kind, of a surface the camera sees.
     void add_albedo(const ByKind& albedo);
 
-    PixelSample sample{};
+    PixelSample sample;
 
     /// Ends the path: exposure and alpha.
     void finish(float alpha);

@@ -14,7 +14,7 @@ void DistributionTracer::write_extras(SampleExtras& extras) {
 }
 
 void DistributionTracer::begin(const CameraRay& camera_ray, const Sampler& sampler) {
-    light_.sample = {};
+    light_.sample.clear();
     alpha_ = 1;
     surface_recorded_ = false;
     pending_.clear();
@@ -116,10 +116,11 @@ ShadingInputs DistributionTracer::approach(Vertex& vertex) {
     vertex.closures.aovs = aovs(branch);
     // Light sampling looks at points: where it might have found the same emission, both must see it alike, or their
     // weights would not add up to one.
-    const bool sampled = branch.departure.sampling != LightSampling::None &&
-                         scene_.material(hit_->instance, hit_->local).surface->emits();
-    ShadingInputs inputs = scene_.shading_inputs(
-        vertex.point, vertex.outgoing, sampled ? RayDifferential{} : vertex.differential, branch.bounces.at(hit_->t));
+    const Material& material = scene_.material(hit_->instance, hit_->local);
+    const bool sampled = branch.departure.sampling != LightSampling::None && material.surface->emits();
+    ShadingInputs inputs =
+        scene_.shading_inputs(vertex.point, material, vertex.outgoing,
+                              sampled ? RayDifferential{} : vertex.differential, branch.bounces.at(hit_->t));
     scene_.offer_surroundings(inputs, {branch.sampler, dimension(branch.vertex, PathDimension::Probe)});
     return inputs;
 }

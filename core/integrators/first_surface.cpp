@@ -4,15 +4,16 @@ namespace rayleaf {
 
 void write_surface(const Scene& scene, const Vertex& vertex, PixelSample& sample) {
     const SurfacePoint& point = vertex.point;
+    if (sample.has(Pass::depth)) sample[Pass::depth].x = static_cast<float>(scene.camera().depth(point.position));
     const Vec3f position(point.position);
-    const Vec3f normal = point.normal.dot(vertex.outgoing) < 0.0f ? -point.normal : point.normal;
-    sample[Pass::depth].x = static_cast<float>(scene.camera().depth(point.position));
     sample[Pass::position] = Vec4f(position.x, position.y, position.z, 0.0f);
+    const Vec3f normal = point.normal.dot(vertex.outgoing) < 0.0f ? -point.normal : point.normal;
     sample[Pass::normal] = Vec4f(normal.x, normal.y, normal.z, 0.0f);
     if (const MotionVectors* vectors = scene.motion_vectors()) sample[Pass::vector] = vectors->at(point);
     sample[Pass::uv] = Vec4f(point.uv.x, point.uv.y, 1.0f, 0.0f);
     sample[Pass::object_index].x = scene.object_index(point.instance);
-    sample[Pass::material_index].x = scene.material(point.instance, point.local).pass_index;
+    if (sample.has(Pass::material_index))
+        sample[Pass::material_index].x = scene.material(point.instance, point.local).pass_index;
 }
 
 void write_mist(const Scene& scene, const PathSettings& settings, const Vertex& vertex, const Color& throughput,

@@ -153,10 +153,10 @@ class Fill {
     HemisphereGrid grid_;
 
     /// A record separates direct from indirect light by the passes.
-    static DistributionSettings with_light_passes(const Settings& settings) {
-        DistributionSettings result(settings);
-        result.path.light_passes = true;
-        return result;
+    static DistributionSettings with_light_passes(Settings settings) {
+        settings.passes.push_back(Pass::diffuse_direct);
+        settings.passes.push_back(Pass::diffuse_indirect);
+        return DistributionSettings(settings);
     }
 
     struct Pixel {

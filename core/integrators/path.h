@@ -35,6 +35,7 @@ struct PathSettings {
     bool film_transparent;
     float film_glass_roughness;  ///< Settings'
     uint64_t passes;             ///< a bit per pass of the table that is on
+    uint64_t held_passes;        ///< that samples hold: those, and by which they are told
     size_t slots;                ///< as many as the passes need
     bool mattes;                 ///< any of them
     bool light_passes;           ///< any pass that splits light by the kind of lobe

@@ -5,22 +5,25 @@
 namespace rayleaf {
 
 PixelSample PathTracer::trace() {
-    if (sees_) follow(arrive_alone());
+    ClosestHit found;
+    if (sees_) follow(arrive_alone(found), found);
     return finish();
 }
 
-Arrival PathTracer::arrive_alone() {
+Arrival PathTracer::arrive_alone(ClosestHit& found) {
     const RayQuery query = next_ray();
-    return arrive(scene_.tracer().closest(*query.ray, query.kind, query.differential));
+    found = scene_.tracer().closest(*query.ray, query.kind, query.differential);
+    return arrive(found);
 }
 
-void PathTracer::follow(Arrival arrival) {
+void PathTracer::follow(Arrival arrival, ClosestHit& found) {
     std::vector<LightRay> light_rays;
-    for (;; arrival = arrive_alone()) {
+    for (;; arrival = arrive_alone(found)) {
         light_rays.clear();
         if (arrival == Arrival::AtSurface && meets_catcher()) {
             PathTracer alone = split();
-            alone.follow(arrival);
+            ClosestHit found_alone;
+            alone.follow(arrival, found_alone);
             take_footage(alone.finish());
         }
         const bool goes_on = arrival == Arrival::GoesOn || (arrival == Arrival::AtSurface && shade_alone(light_rays)) ||
@@ -33,7 +36,7 @@ void PathTracer::follow(Arrival arrival) {
 bool PathTracer::shade_alone(std::vector<LightRay>& light_rays) {
     Vertex vertex;
     vertex.point = scene_.tracer().surface_point(ray_, *hit_);
-    scene_.material(hit_->instance, hit_->local).surface->evaluate(approach(vertex), vertex.closures);
+    material_->surface->evaluate(approach(vertex), vertex.closures);
     return shade(vertex, {random2(PathDimension::Light), random2(PathDimension::Scatter)}, light_rays);
 }
 

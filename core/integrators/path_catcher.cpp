@@ -10,7 +10,7 @@ bool PathTracer::meets_catcher() const {
 
 PathTracer PathTracer::split() {
     PathTracer alone(*this);
-    alone.light_.sample = PixelSample();
+    alone.light_.sample.clear();
     alone.bounces_.go_into_footage();
     alone.surface_recorded_ = true;
     MediumStack media;

@@ -68,6 +68,7 @@ PathSettings::PathSettings(const Settings& s)
     light_passes = (passes & kLightPasses) != 0;
     color_passes = (passes & kColorPasses) != 0;
     ray_passes = (passes & kRayPasses) != 0;
+    held_passes = passes | bit(Pass::combined) | (ray_passes ? kRayPasses : 0);
     surface_passes = (passes & kSurfacePasses) != 0 || slots > 0;
     feature_passes = (passes & kFeaturePasses) != 0;
     catches_shadows = wants(Pass::footage_light);

@@ -4,6 +4,8 @@
 #include "integrators/volumes.h"
 
 #include <array>
+#include <new>
+#include <type_traits>
 
 namespace rayleaf {
 namespace {
@@ -12,6 +14,13 @@ template <typename T, typename Visit>
 void for_each_part(std::span<T> all, size_t most, const Visit& visit) {
     for (size_t first = 0; first < all.size(); first += most)
         visit(all.subspan(first, std::min(most, all.size() - first)));
+}
+
+/// Puts what `make` returns at its place. Copied there it would wait for its parts, which have just been written.
+template <typename T, typename Make>
+void put(T& place, const Make& make) {
+    static_assert(std::is_trivially_destructible_v<T>);
+    new (&place) T(make());
 }
 
 template <typename T, typename Visit>
@@ -23,7 +32,12 @@ void for_each_packet(std::span<T> all, const Visit& visit) {
 
 PathStream::PathStream(const Scene& scene, const PathSettings& settings, size_t most, const CancelToken& cancel,
                        RayCounts& counts)
-    : scene_(scene), settings_(settings), cancel_(cancel), counts_(counts), vertices_(kMostPoints) {
+    : scene_(scene),
+      settings_(settings),
+      cancel_(cancel),
+      counts_(counts),
+      vertices_(kMostPoints),
+      inputs_(kMostPoints) {
     paths_.reserve(most);
     light_rays_.reserve(most);
 }
@@ -58,12 +72,13 @@ void PathStream::trace_active(Coherence coherence) {
     bins_.clear();
     in_world_.clear();
     goes_on_.assign(paths_.size(), 0);
+    found_.resize(std::max(found_.size(), active_.size()));
     std::array<RayQuery, kPacketSize> queries;
-    std::array<ClosestHit, kPacketSize> found;
+    ClosestHit* found = found_.data();
     for_each_packet(std::span<const uint32_t>(active_), [&](std::span<const uint32_t> paths) {
         cancel_.throw_if_cancelled();
-        for (size_t i = 0; i < paths.size(); ++i) queries[i] = paths_[paths[i]].next_ray();
-        scene_.tracer().closest({queries.data(), paths.size()}, coherence, found.data());
+        for (size_t i = 0; i < paths.size(); ++i) put(queries[i], [&] { return paths_[paths[i]].next_ray(); });
+        scene_.tracer().closest({queries.data(), paths.size()}, coherence, found);
         for (size_t i = 0; i < paths.size(); ++i) {
             PathTracer& path = paths_[paths[i]];
             const Arrival arrival = path.arrive(found[i]);
@@ -72,13 +87,13 @@ void PathStream::trace_active(Coherence coherence) {
             if (arrival == Arrival::AtSurface) add_to_bins(paths[i]);
             if (arrival == Arrival::AtSurface && path.meets_catcher()) splits_.push_back({paths[i], 0});
         }
+        found += paths.size();
     });
     if (settings_.catches_shadows) split_at_catchers();
 }
 
 void PathStream::add_to_bins(uint32_t path) {
-    const Hit& hit = paths_[path].hit();
-    bins_.add(*scene_.material(hit.instance, hit.local).surface, path);
+    bins_.add(*paths_[path].material().surface, path);
 }
 
 void PathStream::split_at_catchers() {
@@ -93,14 +108,13 @@ void PathStream::split_at_catchers() {
 }
 
 void PathStream::see_world() {
-    std::array<ShadingInputs, kMostPoints> inputs;
     std::array<const ShadingInputs*, kMostPoints> of_point;
     std::array<Closures*, kMostPoints> closures;
     for_each_part(std::span<const uint32_t>(in_world_), kMostPoints, [&](std::span<const uint32_t> paths) {
         for (size_t i = 0; i < paths.size(); ++i) {
             closures[i] = &vertices_[i].closures;
-            inputs[i] = paths_[paths[i]].look_at_world(*closures[i]);
-            of_point[i] = &inputs[i];
+            put(inputs_[i], [&] { return paths_[paths[i]].look_at_world(*closures[i]); });
+            of_point[i] = &inputs_[i];
         }
         scene_.world_program()->evaluate({of_point.data(), paths.size()}, {closures.data(), paths.size()});
         for (size_t i = 0; i < paths.size(); ++i) paths_[paths[i]].take_world(closures[i]->emission);
@@ -111,7 +125,6 @@ static_assert(kMostPoints * PathTracer::kPairsOfVertex <= SamplePairs::kMost);
 
 /// Paths that met surfaces of one material.
 void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
-    std::array<ShadingInputs, kMostPoints> inputs;
     std::array<const ShadingInputs*, kMostPoints> of_point;
     std::array<Closures*, kMostPoints> closures;
     std::array<SurfaceQuery, kMostPoints> surfaces;
@@ -125,8 +138,8 @@ void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
         scene_.tracer().surface_points({surfaces.data(), paths.size()}, detail);
         for (size_t i = 0; i < paths.size(); ++i) {
             Vertex& vertex = vertices_[i];
-            inputs[i] = paths_[paths[i]].approach(vertex);
-            of_point[i] = &inputs[i];
+            put(inputs_[i], [&] { return paths_[paths[i]].approach(vertex); });
+            of_point[i] = &inputs_[i];
             closures[i] = &vertex.closures;
         }
         program.evaluate({of_point.data(), paths.size()}, {closures.data(), paths.size()});

@@ -43,6 +43,7 @@ class PathStream {
     std::vector<PathTracer> paths_;
     std::vector<SampleExtras> extras_;  ///< by path, where the settings ask for some
     std::vector<uint32_t> active_;      ///< paths that go on
+    std::vector<ClosestHit> found_;     ///< by their rays
     std::vector<LightRay> light_rays_;  ///< that the paths wait for
     MaterialBins bins_;                 ///< paths that met a surface
     std::vector<uint32_t> in_world_;    ///< paths that ask what the world shows
@@ -53,6 +54,7 @@ class PathStream {
     };
     std::vector<Split> splits_;
     std::vector<Vertex> vertices_;  ///< of the paths that are shaded together
+    std::vector<ShadingInputs> inputs_;
 
     void trace_all();
     void trace_active(Coherence coherence);

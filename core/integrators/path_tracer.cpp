@@ -33,13 +33,7 @@ Vec2f numbers_of_part(const Vec2f& pair, int index, int count) {
 
 }  // namespace
 
-RayQuery PathTracer::next_ray() {
-    ++counts_[use_];
-    if (has_footprint_) ray_ = with_width(ray_, differential_, widening());
-    return {&ray_, bounces_.ray_kind(), scene_.needs_differentials() ? &differential_ : nullptr};
-}
-
-Arrival PathTracer::arrive(const ClosestHit& found) {
+Arrival PathTracer::arrive(ClosestHit& found) {
     if (has_departed_) add_blocked_lights();
     take_hit(found);
     pass_volumes();
@@ -48,11 +42,12 @@ Arrival PathTracer::arrive(const ClosestHit& found) {
     const int vertex = vertex_;
     if (!media_.empty() && pass_media(end)) return vertex_ > vertex ? Arrival::GoesOn : Arrival::Ends;
     if (!hit_) return leave_scene() ? Arrival::InWorld : Arrival::Ends;
-    if (scene_.has_media() && scene_.material(hit_->instance, hit_->local).bounds_medium_alone) {
+    material_ = &scene_.material(hit_->instance, hit_->local);
+    if (scene_.has_media() && material_->bounds_medium_alone) {
         pass_boundary();
         return vertex_ < kMostVertices ? Arrival::GoesOn : Arrival::Ends;
     }
-    return !bounces_.is_last() || may_shine_or_let_through(*hit_) ? Arrival::AtSurface : Arrival::Ends;
+    return !bounces_.is_last() || may_shine_or_let_through() ? Arrival::AtSurface : Arrival::Ends;
 }
 
 void PathTracer::ask_numbers(SamplePairs& pairs) const {
@@ -69,8 +64,8 @@ ShadingInputs PathTracer::approach(Vertex& vertex) const {
         vertex.point.dp_du = vertex.differential.dp_dx;
         vertex.point.dp_dv = vertex.differential.dp_dy;
     }
-    ShadingInputs inputs = scene_.shading_inputs(vertex.point, vertex.outgoing,
-                                                 footprint_on(*hit_, vertex.differential), bounces_.at(hit_->t));
+    ShadingInputs inputs = scene_.shading_inputs(vertex.point, *material_, vertex.outgoing,
+                                                 footprint_on_surface(vertex.differential), bounces_.at(hit_->t));
     scene_.offer_surroundings(inputs, {sampler_, dimension(vertex_, PathDimension::Probe)});
     return inputs;
 }
@@ -97,14 +92,14 @@ const PixelSample& PathTracer::finish() {
     return light_.sample;
 }
 
-void PathTracer::take_hit(ClosestHit found) {
+void PathTracer::take_hit(ClosestHit& found) {
     if (outside_of_ != kNowhere)
         found = outside_glass(scene_, outside_of_, ray_, bounces_.ray_kind(),
                               scene_.needs_differentials() ? &differential_ : nullptr, found);
-    hit_ = found.hit;
+    hit_ = found.hit ? &*found.hit : nullptr;
     if (vertex_ > 0 || !settings_.ray_passes) return;
     write_answer(scene_.tracer(), found, light_.sample);
-    write_level(hit_, light_.sample);
+    write_level(found.hit, light_.sample);
 }
 
 void PathTracer::pass_volumes() {
@@ -171,7 +166,7 @@ bool PathTracer::leave_scene() {
 
 ShadingInputs PathTracer::look_at_world(Closures& closures) const {
     closures.aovs = aovs();
-    // As in footprint_on.
+    // As in footprint_on_surface.
     const RayDifferential footprint = world_density_ > 0.0f ? RayDifferential{} : differential_;
     return scene_.world_inputs(Vec3f(ray_.direction), footprint, bounces_.at(0));
 }
@@ -296,7 +291,7 @@ bool PathTracer::pass_through(const Vertex& vertex, float probability) {
     if (!is_finite(throughput_)) return false;
     bounces_.pass_through(vertex.point.t);
     // No shadow ray comes by here: lights beyond are found by this ray alone.
-    if (!scene_.material(vertex.point.instance, vertex.point.local).transparent_shadow) departure_.density = 0.0f;
+    if (!material_->transparent_shadow) departure_.density = 0.0f;
     leave_towards(scene_, vertex.point, vertex.outgoing, -vertex.outgoing, media_);
     ray_ = vertex.point.behind(ray_);
     outside_of_ = kNowhere;

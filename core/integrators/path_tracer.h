@@ -70,9 +70,9 @@ class PathTracer {
           differential_(camera_ray.differential),
           departure_{{camera_ray.ray.origin}},
           bounces_(settings),
-          light_(settings),
           has_footprint_(scene.needs_footprints()),
-          sees_(camera_ray.exists) {
+          sees_(camera_ray.exists),
+          light_(settings) {
         if (scene.has_media()) media_ = media_around(scene, ray_.at(ray_.t_min), ray_.time);
     }
 
@@ -88,12 +88,18 @@ class PathTracer {
     bool sees() const { return sees_; }
     // The same in steps, so that the rays of many paths can be traced together:
     /// The ray to trace next. Valid until the path has arrived.
-    RayQuery next_ray();
-    /// What the ray met, and what that gives but for the surface there.
-    Arrival arrive(const ClosestHit& found);
-    /// The ray that arrived, and its hit, where a surface is to be shaded.
+    RayQuery next_ray() {
+        ++counts_[use_];
+        if (has_footprint_) ray_ = with_width(ray_, differential_, widening());
+        return {&ray_, bounces_.ray_kind(), scene_.needs_differentials() ? &differential_ : nullptr};
+    }
+    /// What the ray met, and what that gives but for the surface there. `found` is changed where the ray has left glass
+    /// that it cannot meet again; it must stay until the path goes on.
+    Arrival arrive(ClosestHit& found);
+    /// The ray that arrived, its hit and the material there, where a surface is to be shaded.
     const Ray& ray() const { return ray_; }
     const Hit& hit() const { return *hit_; }
+    const Material& material() const { return *material_; }
     /// Whether a surface that it has arrived at is the first shadow catcher; then `split` is asked for, before shading.
     bool meets_catcher() const;
     /// The same path in the footage alone, to be followed from here; what it gives is then taken.
@@ -131,28 +137,30 @@ class PathTracer {
     LitPoint lit_;  ///< where lights were sampled last
     Color throughput_{1, 1, 1};
     Bounces bounces_;
-    Contributions light_;
-    ByKind first_shares_;  ///< of the first scattering
     float alpha_ = 1;
     float world_density_ = 0;  ///< with which light sampling would have chosen the direction in which the path left
     bool has_footprint_;       ///< differentials count, and are kept
     bool sees_;                ///< false: the camera shows nothing there
     bool surface_recorded_ = false;
-    DenoisingFeatures features_;
+    bool has_departed_ = false;  ///< was scattered, and has met nothing yet
     int vertex_ = 0;
-    RayUse use_ = RayUse::Camera;       ///< of the ray under way
-    std::optional<Hit> hit_;            ///< of the vertex
-    std::optional<CaughtPath> caught_;  ///< once it has met a shadow catcher
+    RayUse use_ = RayUse::Camera;     ///< of the ray under way
+    uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
+    const Hit* hit_ = nullptr;        ///< of the vertex; null: the ray met nothing
+    const Material* material_ = nullptr;
+    ByKind first_shares_;  ///< of the first scattering
+    Contributions light_;
+    DenoisingFeatures features_;
     MediumStack media_;                 ///< that the ray under way starts in
-    uint32_t outside_of_ = kNowhere;    ///< instance of glass that the ray under way has just left
-    bool has_departed_ = false;         ///< was scattered, and has met nothing yet
+    std::optional<CaughtPath> caught_;  ///< once it has met a shadow catcher
     static constexpr uint32_t kNowhere = RayAnchor::kNone;
 
     float importance() const { return max_component(throughput_); }
     RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
-    void take_hit(ClosestHit found);
-    Arrival arrive_alone();
-    void follow(Arrival arrival);
+    void take_hit(ClosestHit& found);
+    Arrival arrive_alone(ClosestHit& found);
+    /// From where it has arrived by the answer `found`.
+    void follow(Arrival arrival, ClosestHit& found);
     bool shade_alone(std::vector<LightRay>& light_rays);
     bool see_world_alone();
     void pass_volumes();
@@ -165,14 +173,13 @@ class PathTracer {
     float random(PathDimension use) const { return sampler_.get1(dimension(vertex_, use)); }
 
     /// Whether a surface that scatters no more can still matter.
-    bool may_shine_or_let_through(const Hit& hit) const {
-        const Program& program = *scene_.material(hit.instance, hit.local).surface;
-        return program.emits() || program.may_be_transparent();
+    bool may_shine_or_let_through() const {
+        return material_->surface->emits() || material_->surface->may_be_transparent();
     }
     /// With which footprint to look up textures. Light sampling looks at points: where it might have found the same
     /// emission, both must see it alike, or their weights would not add up to one.
-    RayDifferential footprint_on(const Hit& hit, const RayDifferential& differential) const {
-        const bool sampled = departure_.density > 0.0f && scene_.material(hit.instance, hit.local).surface->emits();
+    RayDifferential footprint_on_surface(const RayDifferential& differential) const {
+        const bool sampled = departure_.density > 0.0f && material_->surface->emits();
         return sampled ? RayDifferential{} : differential;
     }
     /// Records light that the ray under way met, before the path's throughput; `seen` is its pass where the camera sees

@@ -305,31 +305,18 @@ const Material& Scene::material(uint32_t instance, const LocalHit& hit) const {
     return material_of(list, list.size() == 1 ? 0 : tracer_->instance(instance).shape->material_slot(hit));
 }
 
-ShadingInputs Scene::shading_inputs(const SurfacePoint& point, const Vec3f& outgoing,
-                                    const RayDifferential& differential, const PathState& path) const {
-    ShadingInputs inputs;
-    inputs.point = &point;
-    inputs.instance = &placed_.infos[point.instance];
-    inputs.camera = &camera_->info();
-    inputs.textures = textures_.get();
-    inputs.outgoing = outgoing;
-    inputs.differential = differential;
-    inputs.path = path;
-    inputs.material_index = material(point.instance, point.local).pass_index;
-    return inputs;
-}
-
 void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                   const PathState& path, Closures& result, const ProbeNumbers& probes) const {
-    ShadingInputs inputs = shading_inputs(point, outgoing, differential, path);
+    const Material& material = this->material(point.instance, point.local);
+    ShadingInputs inputs = shading_inputs(point, material, outgoing, differential, path);
     offer_surroundings(inputs, probes);
-    material(point.instance, point.local).surface->evaluate(inputs, result);
+    material.surface->evaluate(inputs, result);
 }
 
 void Scene::shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                   const PathState& path, Closures& result) const {
-    material(point.instance, point.local)
-        .surface->evaluate(shading_inputs(point, outgoing, differential, path), result);
+    const Material& material = this->material(point.instance, point.local);
+    material.surface->evaluate(shading_inputs(point, material, outgoing, differential, path), result);
 }
 
 ShadingInputs Scene::world_inputs(const Vec3f& direction, const RayDifferential& differential,

@@ -43,9 +43,19 @@ class Scene {
     /// The same where a material cannot query its surroundings.
     void shade(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
                const PathState& path, Closures& result) const;
-    /// The inputs of a material's program at a point, which must outlive them.
-    ShadingInputs shading_inputs(const SurfacePoint& point, const Vec3f& outgoing, const RayDifferential& differential,
-                                 const PathState& path) const;
+    /// The inputs of a material's program at a point of it, which must outlive them.
+    ShadingInputs shading_inputs(const SurfacePoint& point, const Material& material, const Vec3f& outgoing,
+                                 const RayDifferential& differential, const PathState& path) const {
+        return {.point = &point,
+                .instance = &placed_.infos[point.instance],
+                .camera = &camera_->info(),
+                .textures = textures_.get(),
+                .outgoing = outgoing,
+                .differential = differential,
+                .path = path,
+                .material_index = material.pass_index,
+                .probes = {}};
+    }
     /// For materials that ask what is around.
     void offer_surroundings(ShadingInputs& inputs, const ProbeNumbers& probes) const {
         if (!asks_surroundings_) return;
