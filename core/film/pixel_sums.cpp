@@ -9,6 +9,18 @@ namespace {
 /// Sums of all passes in double precision.
 using RoundedSums = PerPass<Vec4d>;
 
+constexpr uint64_t kFirstSamplePasses = [] {
+    uint64_t passes = 0;
+    for (const Pass pass : {Pass::depth, Pass::position, Pass::vector, Pass::object_index, Pass::material_index,
+                            Pass::mask, Pass::tree_index, Pass::geometry_level})
+        passes |= uint64_t{1} << static_cast<uint32_t>(pass);
+    return passes;
+}();
+
+bool is_of_first_sample(Pass pass) {
+    return static_cast<size_t>(pass) < kPassCount && (kFirstSamplePasses >> static_cast<uint32_t>(pass) & 1u) != 0;
+}
+
 Vec4f value(Pass pass, const RoundedSums& sums, int count, bool as_means) {
     const PassRuleInfo info = rule(pass);
     const Vec4d& sum = sums[pass];
@@ -39,16 +51,8 @@ Vec4f divided(const Vec4d& light, const Vec4d& color) {
 }
 
 PassRuleInfo rule(Pass pass) {
+    if (is_of_first_sample(pass)) return {PassRule::FirstSample, pass};
     switch (pass) {
-        case Pass::depth:
-        case Pass::position:
-        case Pass::vector:
-        case Pass::object_index:
-        case Pass::material_index:
-        case Pass::mask:
-        case Pass::tree_index:
-        case Pass::geometry_level:
-            return {PassRule::FirstSample, pass};
         case Pass::diffuse_direct:
         case Pass::diffuse_indirect:
             return {PassRule::Divided, Pass::diffuse_color};
@@ -81,9 +85,14 @@ std::vector<Pass> computed_passes(const std::vector<Pass>& wanted) {
 
 void PixelSums::add(const PixelSample& sample, int number, std::span<const Pass> passes) {
     for (const Pass pass : passes) {
-        if (number > 0 && rule(pass).rule == PassRule::FirstSample) continue;
+        if (number > 0 && is_of_first_sample(pass)) continue;
         const Vec4f& value = sample[pass];
-        for (size_t c = 0; c < info(pass).channels.size(); ++c) sum(pass, c).add(value[static_cast<int>(c)]);
+        // Those beyond the pass's channels are not read.
+        std::array<ExactSum, 4>& sums = sums_[pass];
+        sums[0].add(value.x);
+        sums[1].add(value.y);
+        sums[2].add(value.z);
+        sums[3].add(value.w);
     }
 }
 
