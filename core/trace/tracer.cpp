@@ -113,7 +113,11 @@ SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit, float
 SurfacePoint Tracer::place(uint32_t instance, const LocalHit& hit, float time) const {
     std::optional<InstanceRecord> room;
     const InstanceRecord& record = implementation_->record_at(instance, time, room);
-    SurfacePoint point = record.facet_point(instance, record.scene->on_facet(hit), 0.0);
+    const ShapeScene& scene = *record.scene;
+    const bool asks_facet = scene.has_levels() || !(scene.facet_distance() > 0.0);
+    SurfacePoint point = record.facet_point(instance, asks_facet ? scene.on_facet(hit) : hit, 0.0);
+    // Beside the surface as far as any facet may lie, the facet need not be found.
+    if (!asks_facet) point.start_offset = point.facet_error + scene.facet_distance() * record.longest;
     point.position = record.local_to_world.point(hit.position);
     point.time = time;
     return point;
