@@ -1,5 +1,7 @@
 #include "lights/area_lamp.h"
 
+#include "base/circle.h"
+
 namespace rayleaf {
 namespace {
 

@@ -1,5 +1,7 @@
 #include "lights/lamp_sample.h"
 
+#include "base/circle.h"
+
 namespace rayleaf {
 
 void orthonormal_basis(const Vec3d& n, Vec3d& tangent, Vec3d& bitangent) {

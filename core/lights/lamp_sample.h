@@ -40,21 +40,6 @@ inline double cone_solid_angle(double sine_squared) {
     return 2.0 * std::numbers::pi * sine_squared / (1.0 + cosine);
 }
 
-/// The point of the unit circle that is `turns`, a share of a full turn in [0, 1], from (1, 0). To 1e-9, as places on
-/// lights are made of floats: the sine and cosine of the library take twice as long.
-inline Vec2d on_circle(double turns) {
-    const double half_turns = 2.0 * turns;
-    const int nearest = static_cast<int>(half_turns + 0.5);
-    // The series of half the angle from there, which is an eighth of a turn at most.
-    const double half = (half_turns - nearest) * (0.5 * std::numbers::pi), square = half * half;
-    const double sine =
-        half * (1.0 + square * (-1.0 / 6 + square * (1.0 / 120 + square * (-1.0 / 5040 + square * (1.0 / 362880)))));
-    const double cosine =
-        1.0 + square * (-1.0 / 2 + square * (1.0 / 24 + square * (-1.0 / 720 + square * (1.0 / 40320))));
-    const double side = 1.0 - 2.0 * (nearest & 1);
-    return {side * (1.0 - 2.0 * sine * sine), side * (2.0 * sine * cosine)};
-}
-
 /// A direction uniform in solid angle within a cone about unit `axis`, given 1 - cos of its half angle. Returns also
 /// 1 - cos of the angle to the axis, exact where it is tiny.
 struct ConeDirection {

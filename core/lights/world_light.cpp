@@ -1,5 +1,7 @@
 #include "lights/world_light.h"
 
+#include "base/circle.h"
+
 #include <tbb/parallel_for.h>
 
 namespace rayleaf {
