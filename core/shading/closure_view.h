@@ -6,14 +6,13 @@
 
 namespace rayleaf {
 
-/// One lobe.
+/// One lobe. Not initialised: closures may have many lobes, and have few.
 struct LobeView {
-    float probability = 0;  ///< with which sampling chooses it
-    float cosine = 0;       ///< of the viewer's angle to its normal
-    float masking = 0;      ///< of microfacets: share of them that the viewer sees
-    /// The same over four cosines: makes of the density of normals that of mirrored directions.
-    float mirrored = 0;
-    bool bent = false;  ///< `bump_shadow` darkens it
+    float probability;  ///< with which sampling chooses it
+    float cosine;       ///< of the viewer's angle to its normal
+    float masking;      ///< of microfacets: share of them that the viewer sees
+    float mirrored;     ///< the same over four cosines: makes of the density of normals that of mirrored directions
+    bool bent;          ///< `bump_shadow` darkens it
 };
 
 /// Belongs to closures that do not change.
