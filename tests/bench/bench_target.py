@@ -1,7 +1,8 @@
 """Target Error or Noise Threshold: what was asked for, what was achieved, and how long a fixed number of samples takes for it.
 
-Of small pictures of blend_scenes, since the error of a picture hardly depends on its size. `of fixed` is for the same root
-mean square error, in seconds of all threads and in samples; `of worst` for the same error of the worst hundredth of pixels.
+Of pictures of blend_scenes. The error hardly depends on the size, but how well it is known does: the fewer pixels, the more
+room is left for doubt, and the more samples are taken. `of fixed` is for the same root mean square error, in seconds of all
+threads and in samples; `of worst` for the same error of the worst hundredth of pixels.
 """
 
 import argparse
@@ -28,8 +29,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", nargs="*", help="names of scenes; default: all")
     parser.add_argument("--targets", type=targets, default=None, metavar="T[,T...]")
     parser.add_argument("--noise-threshold", action="store_true", help="of samples, in place of a target error")
-    parser.add_argument("--width", type=int, default=96, help="of pictures, pixels")
-    parser.add_argument("--converged", type=int, default=4096, help="samples of the pictures that errors are against")
+    parser.add_argument("--width", type=int, default=384, help="of pictures, pixels")
+    parser.add_argument("--converged", type=int, default=512, help="samples of the pictures that errors are against")
     parser.add_argument("--most", type=int, default=1 << 16, help="samples of a pixel")
     parser.add_argument(
         "--minutes", type=float, default=30.0, help="for each scene; what is not done by then is left out"
