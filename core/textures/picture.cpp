@@ -27,14 +27,14 @@ class SrgbDecoder {
   public:
     SrgbDecoder() {
         for (int i = 0; i <= kLargest; ++i) {
-            encoded_[i] = static_cast<float>(i) * (1.0f / kLargest);
+            encoded_[i] = from_byte(static_cast<uint8_t>(i));
             decoded_[i] = decoded_srgb(encoded_[i]);
         }
     }
     float operator()(float x) const {
         const float nearest = x * kLargest + 0.5f;
         if (!(nearest >= 0.0f && nearest < kLargest + 1)) return decoded_srgb(x);
-        const auto i = static_cast<size_t>(nearest);
+        const auto i = static_cast<size_t>(static_cast<int>(nearest));
         return encoded_[i] == x ? decoded_[i] : decoded_srgb(x);
     }
 
@@ -128,7 +128,9 @@ void prepare(Picture& picture, const ImageColors& colors, const CancelToken& can
         if (picture.prepared[y] != 0) return;
         const std::span<float> row(&picture.pixels[y * length], length);
         if (colors.transform) transform_row(*colors.transform, row, picture);
-        if (colors.space != ColorSpace::NonColor)
+        if (colors.space == ColorSpace::Srgb && linearize.alpha_channel < 0)
+            std::ranges::transform(row, row.begin(), [](float x) { return decode(x); });
+        else if (colors.space != ColorSpace::NonColor)
             for (size_t i = 0; i < length; i += channels) linearize(&row[i]);
         if (!make_finite(row)) std::atomic_ref(picture.precise).store(true, std::memory_order_relaxed);
         picture.prepared[y] = 1;

@@ -22,6 +22,11 @@ struct Picture {
     int alpha_channel() const { return channels == 4 ? 3 : -1; }
 };
 
+/// What a byte of a picture stands for, from 0 to 1.
+inline float from_byte(uint8_t byte) {
+    return static_cast<float>(byte) * (1.0f / 255.0f);
+}
+
 /// Coding of sRGB (IEC 61966-2-1).
 float decoded_srgb(float x);
 float encoded_srgb(float x);

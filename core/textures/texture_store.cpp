@@ -221,6 +221,16 @@ oiio::ImageSpec reading_hints() {
     return hints;
 }
 
+/// Into the picture's pixels. Bytes are read as they are: the library takes long to make numbers of them.
+bool read_pixels(oiio::ImageInput& input, int number, Picture& picture) {
+    if (input.spec().format != oiio::TypeDesc::UINT8)
+        return input.read_image(number, 0, 0, picture.channels, oiio::TypeDesc::FLOAT, picture.pixels.data());
+    std::vector<uint8_t> bytes(picture.pixels.size());
+    if (!input.read_image(number, 0, 0, picture.channels, oiio::TypeDesc::UINT8, bytes.data())) return false;
+    std::ranges::transform(bytes, picture.pixels.begin(), from_byte);
+    return true;
+}
+
 /// `source` is what a message calls it.
 Picture read_picture(const std::string& name, const std::string& source, oiio::ImageInput& input, int number) {
     const oiio::ImageSpec& spec = input.spec();
@@ -233,8 +243,7 @@ Picture read_picture(const std::string& name, const std::string& source, oiio::I
     picture.precise = spec.format.basesize() > 2;
     picture.pixels.resize(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) *
                           static_cast<size_t>(picture.channels));
-    if (!input.read_image(number, 0, 0, picture.channels, oiio::TypeDesc::FLOAT, picture.pixels.data()))
-        throw InputError(name, source, input.geterror(), "a readable image");
+    if (!read_pixels(input, number, picture)) throw InputError(name, source, input.geterror(), "a readable image");
     return picture;
 }
 
