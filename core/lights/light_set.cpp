@@ -289,7 +289,10 @@ PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely
             result.lights[result.count++] = {light.center, light.radius, light.intensity, part->begin, part->end};
     };
     if (set.tree.count() > PassedLights::kMost) {
-        if (const auto chosen = set.tree.choose(likely, random, set.reaches(likely.position))) add(chosen->item);
+        auto chosen = set.tree.choose(likely, random, set.reaches(likely.position));
+        // Elsewhere on its way the ray may be lit by those that do not reach the likely place.
+        if (!chosen) chosen = set.tree.choose(likely, random, [](uint32_t) { return true; });
+        if (chosen) add(chosen->item);
     } else {
         for (uint32_t item = 0; item < set.tree.count(); ++item) add(item);
     }
