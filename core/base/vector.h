@@ -30,6 +30,9 @@ using Color = Vec3f;
 inline float luminance(const Color& c) {
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
+inline float average(const Color& c) {
+    return (c.x + c.y + c.z) * (1.0f / 3.0f);
+}
 inline float max_component(const Vec3f& v) {
     return std::max(v.x, std::max(v.y, v.z));
 }

@@ -8,10 +8,6 @@
 
 namespace rayleaf {
 
-inline float average(const Color& c) {
-    return (c.x + c.y + c.z) * (1.0f / 3.0f);
-}
-
 /// Weight of the technique with density `a` beside one with density `b` (Veach 1997, equation 9.15, beta 2). Of the
 /// ratio, so that no square leaves the range of floats. With n samples of a technique its density counts n times
 /// (equation 9.13).

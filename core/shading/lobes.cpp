@@ -81,17 +81,13 @@ bool is_shadowed_where_bent(const Lobe& lobe) {
     }
 }
 
-float mean_of(const Color& c) {
-    return (c.x + c.y + c.z) * (1.0f / 3.0f);
-}
-
 /// How often a lobe is chosen, relative to others.
 float choice_weight(const Lobe& lobe, float cosine) {
-    const float mean = mean_of(lobe.weight);
+    const float mean = average(lobe.weight);
     const bool plain = lobe.type == LobeType::Glass || lobe.type == LobeType::Subsurface;
     if (plain || lobe.fresnel == Lobe::Fresnel::None) return mean;
     const Color f = lobe.type == LobeType::Refraction ? transmittance(lobe, cosine) : reflectance(lobe, cosine);
-    const float share = mean_of(f);
+    const float share = average(f);
     // Facets of a rough surface tilt, so their Fresnel factor may be far from that at the normal.
     constexpr float kLeastShare = 0.05f;
     return mean * (is_singular(lobe) ? share : std::max(share, kLeastShare));
