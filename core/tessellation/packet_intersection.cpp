@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tessellation/packet_intersection.cpp"
@@ -46,33 +47,83 @@ HWY_INLINE V error(D lanes, const Corner<V>& a, const Corner<V>& b, const Corner
     return hn::Mul(hn::Add(sizes, hn::Set(lanes, kCornerError)), hn::Set(lanes, kCornerError));
 }
 
-/// A ray's way to the z axis; in a lane or in all.
-template <class D>
-struct RayLanes {
-    using V = hn::Vec<D>;
-    int axis_x, axis_y, axis_z;
-    V origin_x, origin_y, origin_z, shear_x, shear_y, scale_z, sure_from, sure_to;
+/// Vertices as seen from rays' origins, the axis along which the ray is largest last.
+template <class V>
+struct Turned {
+    V x, y, z;
+};
 
+/// Of rays that all run mostly along one axis.
+template <class D>
+class OneAxis {
+  public:
+    using V = hn::Vec<D>;
     /// `take` makes lanes of an array that has a number for each ray.
     template <class Take>
-    HWY_INLINE RayLanes(const RayPacket& rays, int axis, const Take& take)
-        : axis_x((axis + 1) % 3), axis_y((axis + 2) % 3), axis_z(axis) {
-        origin_x = take(rays.near_origin[axis_x]);
-        origin_y = take(rays.near_origin[axis_y]);
-        origin_z = take(rays.near_origin[axis_z]);
+    HWY_INLINE OneAxis(const RayPacket& rays, int axis, const Take& take)
+        : x_((axis + 1) % 3), y_((axis + 2) % 3), z_(axis) {
+        origin_ = {take(rays.near_origin[x_]), take(rays.near_origin[y_]), take(rays.near_origin[z_])};
+    }
+    /// `load` makes lanes of a block's vertices along one axis.
+    template <class Load>
+    HWY_INLINE Turned<V> seen(const float* vertices, const Load& load) const {
+        return {hn::Sub(load(vertices + x_ * kBlockSize), origin_.x),
+                hn::Sub(load(vertices + y_ * kBlockSize), origin_.y),
+                hn::Sub(load(vertices + z_ * kBlockSize), origin_.z)};
+    }
+
+  private:
+    int x_, y_, z_;
+    Turned<V> origin_;
+};
+
+/// Of rays that run along any axes: each lane is turned by its own.
+template <class D>
+class AnyAxes {
+  public:
+    using V = hn::Vec<D>;
+    template <class Take>
+    HWY_INLINE AnyAxes(const RayPacket& rays, hn::Mask<D> along_x, hn::Mask<D> along_y, const Take& take)
+        : along_x_(along_x), along_y_(along_y) {
+        for (int axis = 0; axis < 3; ++axis) origin_[axis] = take(rays.near_origin[axis]);
+    }
+    template <class Load>
+    HWY_INLINE Turned<V> seen(const float* vertices, const Load& load) const {
+        const V x = hn::Sub(load(vertices), origin_[0]);
+        const V y = hn::Sub(load(vertices + kBlockSize), origin_[1]);
+        const V z = hn::Sub(load(vertices + 2 * kBlockSize), origin_[2]);
+        return {one_of(y, z, x), one_of(z, x, y), one_of(x, y, z)};
+    }
+
+  private:
+    hn::Mask<D> along_x_, along_y_;
+    V origin_[3];
+
+    HWY_INLINE V one_of(V for_x, V for_y, V for_z) const {
+        return hn::IfThenElse(along_x_, for_x, hn::IfThenElse(along_y_, for_y, for_z));
+    }
+};
+
+/// A ray's way to the z axis; in a lane or in all.
+template <class D, class Axes>
+struct RayLanes {
+    using V = hn::Vec<D>;
+    Axes axes;
+    V shear_x, shear_y, scale_z, sure_from, sure_to;
+
+    template <class Take>
+    HWY_INLINE RayLanes(const RayPacket& rays, const Axes& turned, const Take& take) : axes(turned) {
         shear_x = take(rays.shear_x);
         shear_y = take(rays.shear_y);
         scale_z = take(rays.scale_z);
         sure_from = take(rays.sure_from);
         sure_to = take(rays.sure_to);
     }
-    /// `load` makes lanes of a block's vertices along one axis.
     template <class Load>
     HWY_INLINE Corner<V> corner(const float* vertices, const Load& load) const {
-        const V dz = hn::Sub(load(vertices + axis_z * kBlockSize), origin_z);
-        const V dx = hn::Sub(load(vertices + axis_x * kBlockSize), origin_x);
-        const V dy = hn::Sub(load(vertices + axis_y * kBlockSize), origin_y);
-        return {hn::Sub(dx, hn::Mul(shear_x, dz)), hn::Sub(dy, hn::Mul(shear_y, dz)), hn::Mul(dz, scale_z)};
+        const Turned<V> from = axes.seen(vertices, load);
+        return {hn::Sub(from.x, hn::Mul(shear_x, from.z)), hn::Sub(from.y, hn::Mul(shear_y, from.z)),
+                hn::Mul(from.z, scale_z)};
     }
 };
 
@@ -113,24 +164,27 @@ struct NumberedBlock {
     uint32_t number;
 };
 
-/// Lanes of a packet that fill a vector; those in the mask run mostly along the axis. Bit 0 is the first lane.
-struct AlikeLanes {
-    int first, axis;
-    uint32_t mask;
+/// The lanes of a packet that fill a vector from this one on.
+struct LanesFrom {
+    size_t first;
+
+    HWY_INLINE RayVector operator()(const float* by_lane) const { return hn::LoadU(Rays(), by_lane + first); }
 };
 
-/// Some rays, all of which run mostly along one axis, against a block.
+/// Some rays against a block.
+template <class Axes>
 class BlockTest {
   public:
-    HWY_INLINE BlockTest(const NumberedBlock& block, const RayPacket& rays, const AlikeLanes& lanes, float* farthest,
-                         OpenFacets& open)
+    /// Bit 0 of the mask is the first lane.
+    HWY_INLINE BlockTest(const NumberedBlock& block, const RayPacket& rays, const Axes& axes, LanesFrom lanes,
+                         uint32_t mask, float* farthest, OpenFacets& open)
         : block_(block),
-          first_lane_(static_cast<size_t>(lanes.first)),
+          first_lane_(lanes.first),
           out_(farthest + lanes.first),
           open_(open),
-          active_(mask_of(Rays(), lanes.mask)),
-          rays_(rays, lanes.axis, [&](const float* from) { return hn::LoadU(Rays(), from + lanes.first); }),
-          farthest_(hn::LoadU(Rays(), out_)) {}
+          active_(mask_of(Rays(), mask)),
+          rays_(rays, axes, lanes),
+          farthest_(lanes(farthest)) {}
 
     /// Returns the lanes that are hit for sure; bit 0 is the first lane.
     HWY_INLINE uint32_t run() {
@@ -167,7 +221,7 @@ class BlockTest {
     float* out_;
     OpenFacets& open_;
     hn::Mask<Rays> active_;
-    RayLanes<Rays> rays_;
+    RayLanes<Rays, Axes> rays_;
     RayVector farthest_;
     uint32_t sure_ = 0;
 
@@ -220,12 +274,22 @@ class BlockTest {
 uint32_t find_together(const float* vertices, uint32_t block, const RayPacket& rays, uint32_t mask, float* farthest,
                        OpenFacets& open) {
     uint32_t sure = 0;
-    for (int first = 0; first < kPacketSize; first += kRayWidth) {
-        for (int axis = 0; axis < 3; ++axis) {
-            const uint32_t bits = (mask & rays.by_axis[static_cast<size_t>(axis)]) >> first & ((1u << kRayWidth) - 1u);
-            if (bits != 0)
-                sure |= BlockTest({vertices, block}, rays, {first, axis, bits}, farthest, open).run() << first;
-        }
+    for (uint32_t first = 0; first < kPacketSize; first += kRayWidth) {
+        const auto bits_of = [&](uint32_t lanes) { return lanes >> first & ((1u << kRayWidth) - 1u); };
+        const uint32_t bits = bits_of(mask);
+        if (bits == 0) continue;
+        const LanesFrom lanes{first};
+        const auto test = [&](const auto& axes) {
+            using Axes = std::decay_t<decltype(axes)>;
+            return BlockTest<Axes>({vertices, block}, rays, axes, lanes, bits, farthest, open).run() << first;
+        };
+        int axis = 0;
+        while (axis < 3 && (bits & ~bits_of(rays.by_axis[static_cast<size_t>(axis)])) != 0) ++axis;
+        if (axis < 3)
+            sure |= test(OneAxis<Rays>(rays, axis, lanes));
+        else
+            sure |= test(AnyAxes<Rays>(rays, mask_of(Rays(), bits_of(rays.by_axis[0])),
+                                       mask_of(Rays(), bits_of(rays.by_axis[1])), lanes));
     }
     return sure;
 }
@@ -246,7 +310,8 @@ class VertexTest {
 
     HWY_INLINE void run(const float* vertices, const RayPacket& rays, int axis) {
         const size_t lane = lane_;
-        const RayLanes<Rays> ray(rays, axis, [lane](const float* from) { return hn::Set(Rays(), from[lane]); });
+        const auto in_all = [lane](const float* from) { return hn::Set(Rays(), from[lane]); };
+        const RayLanes<Rays, OneAxis<Rays>> ray(rays, OneAxis<Rays>(rays, axis, in_all), in_all);
         const auto load = [](const float* from) { return hn::LoadU(Rays(), from); };
         const RayVector most = hn::Set(Rays(), kCornerError), least = hn::Set(Rays(), -kCornerError);
         uint32_t right = 0, left = 0, above = 0, below = 0;
