@@ -33,7 +33,7 @@ struct SurfacePoint {
     RayAnchor anchor() const {
         if (interpolated) return {instance, RayAnchor::kNoFacet, 0};
         if (local.subpatch == RayAnchor::kNone) return {};
-        return {instance, local.subpatch, local.levels};
+        return {instance, local.subpatch, local.levels, local.facet};
     }
     /// The origin of a ray that leaves towards `direction` (unit): the facet point, moved to the ray's side.
     Vec3d ray_origin(const Vec3f& direction) const {

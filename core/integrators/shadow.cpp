@@ -53,7 +53,9 @@ bool set_shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSa
     if (!light.casts_shadow) return false;
     ray.t_min = scene.shadow_bias();
     point.release(ray, light.direction);
-    ray.origin = shadow_origin(scene, point, light.direction);
+    const Vec3d origin = shadow_origin(scene, point, light.direction);
+    if (origin != ray.origin) ray.start.facet = RayAnchor::kNone;  // beside it
+    ray.origin = origin;
     ray.end = light.target_anchor;
     if (!std::isfinite(light.distance)) {
         ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));

@@ -32,9 +32,11 @@ void in_packets(const RayArrays& arrays, const Ask& ask) {
 }
 
 py::dict closest_in_packets(const Tracer& tracer, const Array<double>& origins, const Array<double>& directions,
-                            bool coherent, const Array<float>& times) {
-    const RayArrays rays =
+                            bool coherent, const Array<float>& times, const Array<uint32_t>& starts) {
+    RayArrays rays =
         ray_arrays(origins, directions, number(0.0), number(std::numeric_limits<double>::infinity()), times);
+    rays.starts = starts;
+    rays.check();
     const size_t count = rays.size();
     py::array_t<double> t(count), position(std::vector<size_t>{count, 3});
     py::array_t<int32_t> instance(count), primitive(count);
@@ -78,7 +80,7 @@ py::array_t<bool> occluded_in_packets(const Tracer& tracer, const Array<double>&
 
 void bind_packets(py::module_& module) {
     module.def("closest_in_packets", &closest_in_packets, py::arg("tracer"), py::arg("origins"), py::arg("directions"),
-               py::arg("coherent") = false, py::arg("times") = Array<float>(0),
+               py::arg("coherent") = false, py::arg("times") = Array<float>(0), py::arg("starts") = Array<uint32_t>(0),
                "As Tracer.closest_hits, sixteen rays at once: t, instance, primitive, position.");
     module.def("occluded_in_packets", &occluded_in_packets, py::arg("tracer"), py::arg("origins"),
                py::arg("directions"), py::arg("t_max") = number(std::numeric_limits<double>::infinity()),

@@ -10,7 +10,7 @@ namespace rayleaf {
 struct RayArrays {
     Array<double> origins, directions, t_min, t_max;
     Array<float> width = Array<float>(0), spread = Array<float>(0);
-    Array<uint32_t> starts = Array<uint32_t>(0);  ///< instance, subpatch, levels; none at all if empty
+    Array<uint32_t> starts = Array<uint32_t>(0);  ///< instance, subpatch, levels, facet; none if empty
     Array<float> times = Array<float>(0);         ///< of the shutter; in the middle if empty
 
     size_t size() const { return static_cast<size_t>(origins.size() / 3); }
@@ -27,8 +27,8 @@ struct RayArrays {
         ray.beam = RayBeam::cone(one(width), one(spread));
         if (times.size() > 0) ray.time = one(times);
         if (starts.size() > 0) {
-            const uint32_t* start = starts.data() + 3 * i;
-            ray.start = {{start[0], start[1], start[2]}, {}};
+            const uint32_t* start = starts.data() + 4 * i;
+            ray.start = {{start[0], start[1], start[2], start[3]}, {}};
         }
         return ray;
     }
@@ -50,7 +50,7 @@ struct RayArrays {
         if ((width.size() > 0 && !fits(width.size())) || (spread.size() > 0 && !fits(spread.size())))
             throw py::value_error("width and spread must be numbers or have one number a ray");
         if (times.size() > 0 && !fits(times.size())) throw py::value_error("times must have one number a ray");
-        if (starts.size() > 0 && starts.size() != 3 * count) throw py::value_error("starts must have shape (n, 3)");
+        if (starts.size() > 0 && starts.size() != 4 * count) throw py::value_error("starts must have shape (n, 4)");
     }
 };
 

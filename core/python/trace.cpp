@@ -137,7 +137,7 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
     rays.check();
     const size_t n = rays.size();
     if (together < 1) throw InputError("rays", "together", "0", "at least 1");
-    py::array_t<uint32_t> anchors = columns<uint32_t>(n, 3);
+    py::array_t<uint32_t> anchors = columns<uint32_t>(n, 4);
     uint32_t* anchors_out = anchors.mutable_data();
     py::array_t<double> t(n), offset(n), position = columns<double>(n, 3), facet = columns<double>(n, 3);
     py::array_t<int32_t> instance(n), primitive(n);
@@ -164,9 +164,10 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
         uv_out[2 * i] = point.uv.x;
         uv_out[2 * i + 1] = point.uv.y;
         const RayAnchor anchor = hit ? point.anchor() : RayAnchor{};
-        anchors_out[3 * i] = anchor.instance;
-        anchors_out[3 * i + 1] = anchor.subpatch;
-        anchors_out[3 * i + 2] = anchor.levels;
+        anchors_out[4 * i] = anchor.instance;
+        anchors_out[4 * i + 1] = anchor.subpatch;
+        anchors_out[4 * i + 2] = anchor.levels;
+        anchors_out[4 * i + 3] = anchor.facet;
         const Vec3f* const slopes[] = {&point.dp_du, &point.dp_dv, &point.dn_du, &point.dn_dv};
         for (size_t k = 0; k < 4; ++k) store_vector(*slopes[k], derivatives_out + 12 * i + 3 * k);
     };
@@ -366,7 +367,8 @@ void bind_trace(py::module_& parent) {
              py::arg("width") = float_number(0.0f), py::arg("spread") = float_number(0.0f),
              py::arg("starts") = Array<uint32_t>(0), py::arg("together") = 1, py::arg("times") = Array<float>(0),
              py::arg("curvature") = true,
-             "anchors: instance, subpatch and levels of a hit, which rays that leave it may be given as starts. The "
+             "anchors: instance, subpatch, levels and facet of a hit, which rays that leave it may be given as starts. "
+             "The "
              "surface points of so many rays are found together; they are the same. Without curvature normals do not "
              "change.")
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_min") = zero,

@@ -21,6 +21,7 @@ struct LocalHit {
     Vec3f normal{0, 0, 1};    ///< of that facet by its winding; not unit, never zero
     /// The subpatch that was hit, and how finely it was diced for the ray (RayAnchor); none for triangles.
     uint32_t subpatch = RayAnchor::kNone, levels = 0;
+    uint32_t facet = RayAnchor::kNone;  ///< RayAnchor's
     SeenBy seen_by = SeenBy::Itself;
     float subpatch_length = 0;  ///< the longest line of the subpatch
     float time = kMiddleTime;   ///< of the shutter, for shapes that deform

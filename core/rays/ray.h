@@ -18,6 +18,9 @@ struct RayAnchor {
     uint32_t instance = kNone;
     uint32_t subpatch = 0;  ///< of the instance's shape, as the tracer numbers them
     uint32_t levels = 0;    ///< tessellation/level.h: SubpatchLevels::packed
+    /// The facet, of shapes whose facets stay in memory (tessellation/ray_packet.h). A ray that starts on it, flat as
+    /// it is, cannot meet it again, so it is not asked.
+    uint32_t facet = kNone;
 };
 
 /// The width of the beam that a ray represents, as a function of the distance t along it (Christensen et al. 2003,

@@ -1,6 +1,5 @@
 #include "tessellation/packet_intersection.h"
 
-#include "tessellation/grid.h"
 #include "tessellation/grid_intersection.h"
 #include "tessellation/simd.h"
 
@@ -19,113 +18,11 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "tessellation/ray_lanes.inl"
 #include "tessellation/simd_lanes.inl"
 
 /// What a facet that is hit for sure leaves of a ray, as LocalRay::float_distance has it.
 constexpr float kBeyond = 1.0f + 0x1p-20f, kBeyondBy = 0x1p-12f;
-
-/// A vertex in the space of a ray; z is scaled.
-template <class V>
-struct Corner {
-    V x, y, depth;
-};
-
-template <class V>
-HWY_INLINE V edge(const Corner<V>& p, const Corner<V>& q) {
-    return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
-}
-
-template <class V>
-HWY_INLINE V size(const Corner<V>& p) {
-    return hn::Add(hn::Abs(p.x), hn::Abs(p.y));
-}
-
-/// How far the edge functions of a cell may be off: px qy - py qx by the error times all four numbers.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V error(D lanes, const Corner<V>& a, const Corner<V>& b, const Corner<V>& c, const Corner<V>& d) {
-    const V sizes = hn::Add(hn::Add(size(a), size(b)), hn::Add(size(c), size(d)));
-    return hn::Mul(hn::Add(sizes, hn::Set(lanes, kCornerError)), hn::Set(lanes, kCornerError));
-}
-
-/// Vertices as seen from rays' origins, the axis along which the ray is largest last.
-template <class V>
-struct Turned {
-    V x, y, z;
-};
-
-/// Of rays that all run mostly along one axis.
-template <class D>
-class OneAxis {
-  public:
-    using V = hn::Vec<D>;
-    /// `take` makes lanes of an array that has a number for each ray.
-    template <class Take>
-    HWY_INLINE OneAxis(const RayPacket& rays, int axis, const Take& take)
-        : x_((axis + 1) % 3), y_((axis + 2) % 3), z_(axis) {
-        origin_ = {take(rays.near_origin[x_]), take(rays.near_origin[y_]), take(rays.near_origin[z_])};
-    }
-    /// `load` makes lanes of a block's vertices along one axis.
-    template <class Load>
-    HWY_INLINE Turned<V> seen(const float* vertices, const Load& load) const {
-        return {hn::Sub(load(vertices + x_ * kBlockSize), origin_.x),
-                hn::Sub(load(vertices + y_ * kBlockSize), origin_.y),
-                hn::Sub(load(vertices + z_ * kBlockSize), origin_.z)};
-    }
-
-  private:
-    int x_, y_, z_;
-    Turned<V> origin_;
-};
-
-/// Of rays that run along any axes: each lane is turned by its own.
-template <class D>
-class AnyAxes {
-  public:
-    using V = hn::Vec<D>;
-    template <class Take>
-    HWY_INLINE AnyAxes(const RayPacket& rays, hn::Mask<D> along_x, hn::Mask<D> along_y, const Take& take)
-        : along_x_(along_x), along_y_(along_y) {
-        for (int axis = 0; axis < 3; ++axis) origin_[axis] = take(rays.near_origin[axis]);
-    }
-    template <class Load>
-    HWY_INLINE Turned<V> seen(const float* vertices, const Load& load) const {
-        const V x = hn::Sub(load(vertices), origin_[0]);
-        const V y = hn::Sub(load(vertices + kBlockSize), origin_[1]);
-        const V z = hn::Sub(load(vertices + 2 * kBlockSize), origin_[2]);
-        return {one_of(y, z, x), one_of(z, x, y), one_of(x, y, z)};
-    }
-
-  private:
-    hn::Mask<D> along_x_, along_y_;
-    V origin_[3];
-
-    HWY_INLINE V one_of(V for_x, V for_y, V for_z) const {
-        return hn::IfThenElse(along_x_, for_x, hn::IfThenElse(along_y_, for_y, for_z));
-    }
-};
-
-/// A ray's way to the z axis; in a lane or in all.
-template <class D, class Axes>
-struct RayLanes {
-    using V = hn::Vec<D>;
-    Axes axes;
-    V shear_x, shear_y, scale_z, sure_from, sure_to;
-
-    template <class Take>
-    HWY_INLINE RayLanes(const RayPacket& rays, const Axes& turned, const Take& take) : axes(turned) {
-        shear_x = take(rays.shear_x);
-        shear_y = take(rays.shear_y);
-        scale_z = take(rays.scale_z);
-        sure_from = take(rays.sure_from);
-        sure_to = take(rays.sure_to);
-    }
-    template <class Load>
-    HWY_INLINE Corner<V> corner(const float* vertices, const Load& load) const {
-        const Turned<V> from = axes.seen(vertices, load);
-        return {hn::Sub(from.x, hn::Mul(shear_x, from.z)), hn::Sub(from.y, hn::Mul(shear_y, from.z)),
-                hn::Mul(from.z, scale_z)};
-    }
-};
 
 /// A triangle: its edge functions, and its corners' depths.
 template <class D>
@@ -181,6 +78,7 @@ class BlockTest {
         : block_(block),
           first_lane_(lanes.first),
           out_(farthest + lanes.first),
+          start_facets_(rays.start_facet + lanes.first),
           open_(open),
           active_(mask_of(Rays(), mask)),
           rays_(rays, axes, lanes),
@@ -219,6 +117,7 @@ class BlockTest {
     NumberedBlock block_;
     size_t first_lane_;
     float* out_;
+    const uint32_t* start_facets_;
     OpenFacets& open_;
     hn::Mask<Rays> active_;
     RayLanes<Rays, Axes> rays_;
@@ -227,8 +126,8 @@ class BlockTest {
 
     HWY_INLINE Sides load_row(int j, Corner<RayVector> (&row)[kBlockVertices]) const {
         for (int i = 0; i < kBlockVertices; ++i)
-            row[i] = rays_.corner(block_.vertices + j * kBlockVertices + i,
-                                  [](const float* from) { return hn::Set(Rays(), *from); });
+            row[i] = rays_.corner(j * kBlockVertices + i,
+                                  [this](int number) { return hn::Set(Rays(), block_.vertices[number]); });
         Sides sides{row[0].x, row[0].x, row[0].y, row[0].y};
         for (int i = 1; i < kBlockVertices; ++i) {
             sides.x_min = hn::Min(sides.x_min, row[i].x);
@@ -261,6 +160,7 @@ class BlockTest {
         hn::Store(near, Rays(), begins);
         for (; bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<size_t>(__builtin_ctz(bits));
+            if (start_facets_[lane] == facet_number(block_.number, number)) continue;
             open_.add(first_lane_ + lane, {block_.number, number, begins[lane]});
         }
         const auto counts = hn::And(hn::Ge(near, rays_.sure_from), hn::Le(far, rays_.sure_to));
@@ -305,19 +205,21 @@ class VertexTest {
           block_(block),
           lane_(lane),
           open_(open),
+          start_facet_(rays.start_facet[lane]),
           sure_from_(rays.sure_from[lane]),
           sure_to_(rays.sure_to[lane]) {}
 
-    HWY_INLINE void run(const float* vertices, const RayPacket& rays, int axis) {
+    /// `load` makes lanes of the block's numbers along one axis, from this one on.
+    template <class Load>
+    HWY_INLINE void run(const RayPacket& rays, int axis, const Load& load) {
         const size_t lane = lane_;
         const auto in_all = [lane](const float* from) { return hn::Set(Rays(), from[lane]); };
         const RayLanes<Rays, OneAxis<Rays>> ray(rays, OneAxis<Rays>(rays, axis, in_all), in_all);
-        const auto load = [](const float* from) { return hn::LoadU(Rays(), from); };
         const RayVector most = hn::Set(Rays(), kCornerError), least = hn::Set(Rays(), -kCornerError);
         uint32_t right = 0, left = 0, above = 0, below = 0;
         for (int start = 0; start < kBlockSize; start += kRayWidth) {
             const int first = std::min(start, kBlockSize - kRayWidth);
-            const Corner<RayVector> corner = ray.corner(vertices + first, load);
+            const Corner<RayVector> corner = ray.corner(first, load);
             hn::StoreU(corner.x, Rays(), x_ + first);
             hn::StoreU(corner.y, Rays(), y_ + first);
             hn::StoreU(corner.depth, Rays(), depth_ + first);
@@ -337,6 +239,7 @@ class VertexTest {
     uint32_t block_;
     size_t lane_;
     OpenFacets& open_;
+    uint32_t start_facet_;
     float sure_from_, sure_to_;
     float x_[kBlockSize], y_[kBlockSize], depth_[kBlockSize];
 
@@ -360,7 +263,7 @@ class VertexTest {
         if (smallest < -off && largest > off) return;
         const float p = depth_[corners[0]], q = depth_[corners[1]], r = depth_[corners[2]];
         const float near = std::min(p, std::min(q, r)), far = std::max(p, std::max(q, r));
-        if (!(far >= 0.0f && near <= farthest)) return;
+        if (!(far >= 0.0f && near <= farthest) || start_facet_ == facet_number(block_, triangle)) return;
         open_.add(lane_, {block_, triangle, near});
         const bool inside = smallest > off || largest < -off;
         if (!inside || near < sure_from_ || far > sure_to_) return;
@@ -369,14 +272,16 @@ class VertexTest {
     }
 };
 
-uint32_t find_one_by_one(const float* vertices, uint32_t block, const RayPacket& rays, uint32_t mask, float* farthest,
-                         OpenFacets& open) {
+/// `load` as of VertexTest.
+template <class Load>
+HWY_INLINE uint32_t find_one_by_one(uint32_t block, const RayPacket& rays, uint32_t mask, const Load& load,
+                                    float* farthest, OpenFacets& open) {
     uint32_t sure = 0;
     for (int axis = 0; axis < 3; ++axis) {
         for (uint32_t bits = mask & rays.by_axis[static_cast<size_t>(axis)]; bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<size_t>(__builtin_ctz(bits));
             VertexTest test(block, rays, lane, farthest[lane], open);
-            test.run(vertices, rays, axis);
+            test.run(rays, axis, load);
             if (!test.sure) continue;
             sure |= 1u << lane;
             farthest[lane] = test.farthest;
@@ -385,11 +290,30 @@ uint32_t find_one_by_one(const float* vertices, uint32_t block, const RayPacket&
     return sure;
 }
 
-void to_floats(const int32_t* fixed, float* vertices) {
+HWY_INLINE RayVector as_floats(const int32_t* fixed) {
     const hn::Rebind<int32_t, Rays> integers;
-    const RayVector step = hn::Set(Rays(), static_cast<float>(kFixedStep));
-    for (int i = 0; i < 3 * kBlockSize; i += kRayWidth)
-        hn::StoreU(hn::Mul(hn::ConvertTo(Rays(), hn::LoadU(integers, fixed + i)), step), Rays(), vertices + i);
+    return hn::Mul(hn::ConvertTo(Rays(), hn::LoadU(integers, fixed)), hn::Set(Rays(), static_cast<float>(kFixedStep)));
+}
+
+void to_floats(const int32_t* fixed, float* vertices) {
+    for (int i = 0; i < 3 * kBlockSize; i += kRayWidth) hn::StoreU(as_floats(fixed + i), Rays(), vertices + i);
+}
+
+uint32_t find_in_block(const BlockVertices& vertices, uint32_t block, const RayPacket& rays, uint32_t mask,
+                       float* farthest, OpenFacets& open) {
+    const bool are_few = std::popcount(mask) <= kFewBlockRays;
+    if (are_few && vertices.floats) {
+        const auto load = [&](int number) { return hn::LoadU(Rays(), vertices.floats + number); };
+        return find_one_by_one(block, rays, mask, load, farthest, open);
+    }
+    if (are_few) {
+        const auto load = [&](int number) { return as_floats(vertices.fixed + number); };
+        return find_one_by_one(block, rays, mask, load, farthest, open);
+    }
+    if (vertices.floats) return find_together(vertices.floats, block, rays, mask, farthest, open);
+    float room[kVertexRoom];
+    to_floats(vertices.fixed, room);
+    return find_together(room, block, rays, mask, farthest, open);
 }
 
 void shear(RayPacket& rays, uint32_t mask) {
@@ -426,16 +350,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace rayleaf {
 
-HWY_EXPORT(find_together);
-HWY_EXPORT(find_one_by_one);
+HWY_EXPORT(find_in_block);
 HWY_EXPORT(shear);
 HWY_EXPORT(to_floats);
 
 PacketKernels packet_kernels() {
     // The first call through the table chooses; the pointers must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return {&HWY_DYNAMIC_DISPATCH(to_floats), &HWY_DYNAMIC_DISPATCH(shear), &HWY_DYNAMIC_DISPATCH(find_together),
-            &HWY_DYNAMIC_DISPATCH(find_one_by_one)};
+    return {&HWY_DYNAMIC_DISPATCH(to_floats), &HWY_DYNAMIC_DISPATCH(shear), &HWY_DYNAMIC_DISPATCH(find_in_block)};
 }
 
 }  // namespace rayleaf

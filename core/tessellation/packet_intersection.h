@@ -6,6 +6,7 @@
 // shadows nothing else at all.
 #pragma once
 
+#include "tessellation/grid.h"
 #include "tessellation/ray_packet.h"
 
 #include <algorithm>
@@ -21,7 +22,6 @@ struct OpenFacets {
     };
     /// Between two blocks a lane holds no more; one block may add all its facets.
     static constexpr uint32_t kMost = 8;
-    static constexpr uint32_t kBlockTriangles = 32;
 
     uint32_t count[kPacketSize] = {};
     Facet facets[kPacketSize][kMost + kBlockTriangles];
@@ -38,21 +38,32 @@ struct OpenFacets {
     }
 };
 
+/// So few rays are tested against a block faster one by one.
+inline constexpr int kFewBlockRays = 3;
+
+/// The numbers of a block's vertices, filled up to whole vectors.
+inline constexpr int kVertexRoom = (3 * kBlockSize + kPacketSize - 1) / kPacketSize * kPacketSize;
+
+/// The vertices of a block, [3][25], with room behind: floats, or steps of a fixed number (VertexFormat::Fixed).
+struct BlockVertices {
+    const float* floats = nullptr;
+    const int32_t* fixed = nullptr;  ///< where there are no floats
+};
+
 /// Tests the lanes of `mask` up to `farthest`, the distance along the unit direction by lane, and adds what they may
-/// hit to `open`: triangle 2 * (j * 4 + i) of cell (i, j), or the one after it. `vertices` is [3][25]. Returns the
-/// lanes that hit one for sure; `farthest` is then how far the nearest such facet may reach.
-using FindInBlock = uint32_t (*)(const float* vertices, uint32_t block, const RayPacket& rays, uint32_t mask,
+/// hit to `open`, but for the facet that they start on: triangle 2 * (j * 4 + i) of cell (i, j), or the one after it.
+/// Returns the lanes that hit one for sure; `farthest` is then how far the nearest such facet
+/// may reach.
+using FindInBlock = uint32_t (*)(const BlockVertices& vertices, uint32_t block, const RayPacket& rays, uint32_t mask,
                                  float* farthest, OpenFacets& open);
 
 struct PacketKernels {
-    /// A block's vertices in steps of a fixed number (VertexFormat::Fixed) as floats; both [3][25], with room behind.
+    /// Fixed vertices as floats.
     void (*to_floats)(const int32_t* fixed, float* vertices);
     void (*shear)(RayPacket& rays, uint32_t lanes);
-    /// The rays in the lanes, the block's vertices one after the other: for rays that visit the same blocks it costs a
-    /// fraction of what they cost one by one.
-    FindInBlock together;
-    /// One ray after the other, the block's vertices in the lanes.
-    FindInBlock one_by_one;
+    /// A few rays one after the other, the block's vertices in the lanes. More of them in the lanes, the vertices one
+    /// after the other: that costs a fraction.
+    FindInBlock find;
 };
 /// The versions for this machine's processor.
 PacketKernels packet_kernels();

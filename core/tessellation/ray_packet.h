@@ -9,6 +9,15 @@
 
 namespace rayleaf {
 
+/// Triangles of a block of facets.
+inline constexpr uint32_t kBlockTriangles = 32;
+/// The number of a facet among all of a shape.
+constexpr uint32_t facet_number(uint32_t block, uint32_t triangle) {
+    return block * kBlockTriangles + triangle;
+}
+/// More cannot be numbered.
+inline constexpr uint64_t kMostBlocks = (uint64_t{1} << 32) / kBlockTriangles - 1;
+
 /// The numbers of LocalRay (trace/local_ray.h), and what the kernels compute from them. Inactive lanes hold
 /// anything.
 struct alignas(64) RayPacket {
@@ -23,6 +32,7 @@ struct alignas(64) RayPacket {
     float farthest[kPacketSize];           ///< along it: nothing beyond counts
     /// Along it: whatever lies wholly between counts, for sure.
     float sure_from[kPacketSize], sure_to[kPacketSize];
+    uint32_t start_facet[kPacketSize];  ///< the number of the facet that it starts on: not asked
 
     // Set by PacketKernels::shear:
     float shear_x[kPacketSize], shear_y[kPacketSize], scale_z[kPacketSize];  ///< as GridRay's

@@ -135,6 +135,7 @@ std::optional<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& wor
                                                 vector_to_local(world_ray.direction), world_ray.t_min, t_max);
     if (!local) return local;
     local->time = shutter_time(world_ray.time);
+    if (world_ray.start.instance == index) local->start_facet = world_ray.start.facet;
     if (!scene->has_levels()) return local;
     local->beam = local_beam(world_ray.beam);
     local->stretch = 1.0f / widening;

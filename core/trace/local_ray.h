@@ -57,11 +57,12 @@ struct LocalRay {
     std::optional<LocalSight> before;               ///< of the ray that found the start, where it matters
     const GeometryCache::Reader* reader = nullptr;  ///< of this thread; null: the shape gets one
 
-    float time = kMiddleTime;        ///< of the shutter, within it
-    double start = 0;                ///< t of the float ray's origin
-    double speed = 1;                ///< local units per world unit: length of `direction`
-    Vec3f float_origin{0, 0, 0};     ///< local
-    Vec3f float_direction{0, 0, 1};  ///< unit
+    float time = kMiddleTime;                 ///< of the shutter, within it
+    uint32_t start_facet = RayAnchor::kNone;  ///< Ray's, where it starts on this instance
+    double start = 0;                         ///< t of the float ray's origin
+    double speed = 1;                         ///< local units per world unit: length of `direction`
+    Vec3f float_origin{0, 0, 0};              ///< local
+    Vec3f float_direction{0, 0, 1};           ///< unit
 
     float float_distance(double t) const { return float_distance_of(t, start, speed); }
     RTCRay embree_ray() const;

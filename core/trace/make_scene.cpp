@@ -11,6 +11,7 @@
 #include "trace/triangle_scene.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 namespace rayleaf {
@@ -79,7 +80,9 @@ std::unique_ptr<ShapeScene> make_plain_scene(const Shape& shape, const CancelTok
 }  // namespace
 
 uint64_t ShapePlan::resident_bytes() const {
-    return blocks ? blocks->block_count() * (blocks->block_bytes() + kTreeBytes) : 0;
+    if (!blocks) return 0;
+    if (blocks->block_count() > kMostBlocks) return std::numeric_limits<uint64_t>::max();
+    return blocks->block_count() * (blocks->block_bytes() + kTreeBytes);
 }
 
 ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {

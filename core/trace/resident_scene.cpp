@@ -3,18 +3,11 @@
 #include "tessellation/level.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <limits>
 
 namespace rayleaf {
 namespace {
-
-/// So few rays are tested against a block faster one by one.
-constexpr int kFewBlockRays = 3;
-
-/// A block's vertices, filled up to whole vectors.
-constexpr int kVertexRoom = (3 * kBlockSize + kPacketSize - 1) / kPacketSize * kPacketSize;
 
 /// The level of the geometry cache that is no coarser: of 1, 4 or 16 cells along a side.
 SubpatchLevels nearest_levels(const Resolution& resolution) {
@@ -43,11 +36,17 @@ ResidentScene::ResidentScene(const Shape& shape, std::vector<DicedSurface> forms
     dicer_ = std::move(forms.front().dicer);
 }
 
+BlockVertices ResidentScene::vertices(const FacetBlock& block) const {
+    if (dicer_->format() == VertexFormat::Float) return {block.vertices[0], nullptr};
+    static_assert(offsetof(FacetBlock, fixed) + kVertexRoom * sizeof(int32_t) <= sizeof(FacetBlock));
+    return {nullptr, block.fixed[0]};
+}
+
 /// A block's vertices in single precision, [3][25].
 const float* ResidentScene::float_vertices(const FacetBlock& block, float* room) const {
-    if (dicer_->format() == VertexFormat::Float) return block.vertices[0];
-    static_assert(offsetof(FacetBlock, fixed) + kVertexRoom * sizeof(int32_t) <= sizeof(FacetBlock));
-    packet_kernels_.to_floats(block.fixed[0], room);
+    const BlockVertices held = vertices(block);
+    if (held.floats) return held.floats;
+    packet_kernels_.to_floats(held.fixed, room);
     return room;
 }
 
@@ -71,6 +70,7 @@ bool ResidentScene::visit(Query& query, uint32_t number, float t_max) const {
     while (!candidates.empty()) {
         const auto [t, triangle] = candidates.take_nearest();
         if (found && t > facets.ray->float_distance(facets.farthest)) break;
+        if (facets.ray->start_facet == facet_number(number, triangle)) continue;
         found |= facets.offer_uncertain({number, triangle}, block.corners(triangle, dicer_->format()));
     }
     return found;
@@ -101,11 +101,8 @@ bool ResidentScene::occluded(const LocalRay& ray) const {
 /// The same for lanes of a packet: those that surely hit something nearer, a bit each, and what may be hit is kept.
 uint32_t ResidentScene::visit(PacketQuery& packet, uint32_t number, uint32_t lanes, float* farthest) const {
     if (deforms()) return visit_moving(packet, number, lanes, farthest);
-    float room[kVertexRoom];
-    const FindInBlock test_block =
-        std::popcount(lanes) <= kFewBlockRays ? packet_kernels_.one_by_one : packet_kernels_.together;
     const uint32_t sure =
-        test_block(float_vertices(blocks_[number], room), number, packet.rays, lanes, farthest, packet.open);
+        packet_kernels_.find(vertices(blocks_[number]), number, packet.rays, lanes, farthest, packet.open);
     uint32_t crowded = 0;
     for_each_lane(lanes, [&](size_t lane) {
         if (packet.open.count[lane] > OpenFacets::kMost) crowded |= 1u << lane;
@@ -119,10 +116,8 @@ uint32_t ResidentScene::visit_moving(PacketQuery& packet, uint32_t number, uint3
     uint32_t sure = 0, crowded = 0;
     for_each_lane(lanes, [&](size_t lane) {
         FacetBlock moved;
-        float room[kVertexRoom];
         const FacetBlock& block = blocks_.at(number, packet.times[lane], moved);
-        sure |= packet_kernels_.one_by_one(float_vertices(block, room), number, packet.rays, 1u << lane, farthest,
-                                           packet.open);
+        sure |= packet_kernels_.find(vertices(block), number, packet.rays, 1u << lane, farthest, packet.open);
         if (packet.open.count[lane] > OpenFacets::kMost) crowded |= 1u << lane;
     });
     if (crowded != 0) decide(packet, crowded, farthest);
@@ -201,6 +196,7 @@ LocalHit ResidentScene::local_hit(const ShapeHit& hit) const {
     local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
     local.subpatch = block.subpatch;
     local.levels = nearest_levels(blocks_.resolution(block.subpatch)).packed();
+    local.facet = facet_number(hit.facet.primitive, hit.facet.part);
     return local;
 }
 
@@ -210,6 +206,7 @@ LocalHit ResidentScene::on_facet(const LocalHit& hit) const {
     const FacetBlocks::Facet facet = blocks_.facet_at(*place);
     const FacetCorners corners = blocks_.corners(facet.block, facet.triangle, hit.time);
     LocalHit result = hit;
+    result.facet = facet_number(facet.block, facet.triangle);
     result.position =
         corners[0] + (corners[1] - corners[0]) * facet.weight1 + (corners[2] - corners[0]) * facet.weight2;
     result.normal = Vec3f(normalized_or(area_vector(corners), Vec3d(hit.normal)));

@@ -48,6 +48,7 @@ class ResidentScene final : public ShapeScene {
     struct Packet;
     enum class Wanted : uint8_t { Closest, Any };
 
+    BlockVertices vertices(const FacetBlock& block) const;
     const float* float_vertices(const FacetBlock& block, float* room) const;
     bool find(const LocalRay& ray, ShapeHit& hit, Wanted wanted) const;
     void find(PacketQuery& packet, Wanted wanted) const;

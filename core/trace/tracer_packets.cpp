@@ -128,6 +128,8 @@ void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_
         const Query& query = packet.queries[lane];
         if ((records[index].visibility & query.kind) == 0) lanes &= ~(1u << lane);
         packet.world.t_max[lane] = query.farthest;
+        const RayStart& from = query.ray->start;
+        shape.rays.start_facet[lane] = from.instance == index ? from.facet : RayAnchor::kNone;
     });
     shape.lanes = record.motion ? into_shape(packet, record, lanes)
                                 : clip_packet(packet.world, lanes, record.to_local(), record.scene->box(), shape.rays);

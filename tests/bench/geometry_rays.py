@@ -22,7 +22,7 @@ def joined(sets: list[Rays]) -> Rays:
 def rays_of(origins: Doubles, directions: Doubles, width: Any, spread: Any, starts: Any = None) -> Rays:
     """Rays with their widths; one number may stand for all."""
     count = len(origins)
-    none = np.full((count, 3), 2**32 - 1, np.uint32)
+    none = np.full((count, 4), 2**32 - 1, np.uint32)
     return {
         "origins": origins,
         "directions": directions,

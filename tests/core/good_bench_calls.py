@@ -155,11 +155,11 @@ BENCH_CALLS: dict[str, Call] = {
     "trace.SweptSurface.rings": method(lambda: trace.SweptSurface(swept()), "rings", places=T),
     "trace.Tracer": ctor(trace.Tracer, instances=[(shapes.nurbs_sphere(), np.eye(4), 31)]),
     "trace.Tracer.closest_hits": method(
-        tracer, "closest_hits", **RAYS, t_min=T, t_max=T + 9, width=T, spread=T, starts=np.zeros((2, 3), np.uint32)
+        tracer, "closest_hits", **RAYS, t_min=T, t_max=T + 9, width=T, spread=T, starts=np.zeros((2, 4), np.uint32)
     ),
     "trace.Tracer.occluded": method(tracer, "occluded", **RAYS, t_min=T, t_max=T + 9),
     "trace.Tracer.timed_closest": method(
-        tracer, "timed_closest", **RAYS, width=T, spread=T, starts=np.zeros((2, 3), np.uint32)
+        tracer, "timed_closest", **RAYS, width=T, spread=T, starts=np.zeros((2, 4), np.uint32)
     ),
     "trace.Tracer.bounds": method(tracer, "bounds"),
     "trace.Tracer.statistics": method(tracer, "statistics"),
@@ -173,6 +173,7 @@ BENCH_CALLS: dict[str, Call] = {
         tracer=tracer,
         origins=lambda: RAYS["origins"],
         directions=lambda: RAYS["directions"],
+        starts=lambda: np.zeros((2, 4), np.uint32),
     ),
     "trace.occluded_in_packets": later(
         trace.occluded_in_packets,

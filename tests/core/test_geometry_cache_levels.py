@@ -77,7 +77,7 @@ def test_wide_rays_that_start_where_others_hit_never_leave_a_closed_shell(name, 
     tracer = tracer_of(name, place)
     origins = SHELLS[name](random, count) @ place[:3, :3].T + place[:3, 3]
     directions = shapes.random_directions(random, count)
-    starts = np.zeros((0, 3), np.uint32)
+    starts = np.zeros((0, 4), np.uint32)
     for bounce in range(5):
         width, spread = any_widths(random, count)
         hits = tracer.closest_hits(origins, directions, width=width, spread=spread, starts=starts)

@@ -6,6 +6,7 @@ import shapes
 import subdivision_cages as cages
 import swept_support
 
+NO_FACET = 2**32 - 1
 RESIDENT = 1e3  # megabytes: more than any of these takes
 
 
@@ -83,6 +84,36 @@ def test_rays_at_the_shared_edges_and_corners_of_resident_facets_hit(name, packe
     else:
         assert (shell.closest_hits(middle, towards)["instance"] >= 0).all()
         assert shell.occluded(middle, towards).all()
+
+
+@pytest.mark.parametrize("name", [name for name in SHAPES if name != "mesh"])
+def test_the_facet_that_a_ray_starts_on_is_not_asked_and_would_not_be_hit(name):
+    random = np.random.default_rng(21)
+    shell = tracer((SHAPES[name](), np.eye(4)))
+    origins, directions = rays(random, 4000)
+    hits = shell.closest_hits(origins, directions)
+    on = hits["instance"] >= 0
+    hits = {key: each[on] for key, each in hits.items()}
+    starts = hits["anchors"]
+    assert (starts[:, 3] != NO_FACET).all()
+    forgotten = starts.copy()
+    forgotten[:, 3] = NO_FACET
+    directions = shapes.random_directions(random, len(starts))
+    leaving = shapes.leaving(hits, directions)
+    expected = shell.closest_hits(leaving, directions, starts=forgotten)
+    for found in (
+        shell.closest_hits(leaving, directions, starts=starts),
+        shapes.trace.closest_in_packets(shell, leaving, directions, starts=starts),
+    ):
+        for part in ("t", "instance", "primitive"):
+            np.testing.assert_array_equal(found[part], expected[part], err_msg=part)
+    inwards = -hits["facet_normal"].astype(np.float64)
+    before = hits["facet_position"] - 0.01 * inwards
+    met = shell.closest_hits(before, inwards, starts=forgotten)["t"]
+    alone = shell.closest_hits(before, inwards, starts=starts)["t"]
+    together = shapes.trace.closest_in_packets(shell, before, inwards, starts=starts)["t"]
+    np.testing.assert_array_equal(alone, together)
+    assert (met < 0.011).all() and (alone > 0.011).mean() > 0.95  # few meet a neighbour as near as that
 
 
 @pytest.mark.parametrize("coherent", [False, True])
