@@ -7,10 +7,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <filesystem>
 #include <mutex>
+#include <span>
 #include <thread>
+#include <vector>
 
 #include <OpenImageIO/imageio.h>
 #include <oneapi/tbb/task_arena.h>
@@ -77,18 +80,45 @@ std::shared_ptr<TemporaryFolder> temporary_folder() {
 
 /// Bytes of all levels, uncompressed.
 uint64_t bytes_of(const Picture& picture) {
-    const uint64_t level = picture.pixels.size() * (picture.precise ? sizeof(float) : sizeof(float) / 2);
+    const uint64_t level = picture.count() * (picture.precise ? sizeof(float) : sizeof(float) / 2);
     return level + level / 3;
 }
 
-/// Adds a level to a file that is open for it, a row of tiles at a time. Whether all was well.
+/// Of its numbers in the file.
+oiio::TypeDesc format_of(const Picture& picture) {
+    return picture.precise ? oiio::TypeDesc::FLOAT : oiio::TypeDesc::HALF;
+}
+
+/// The nearest half float, of two the even one, of a number that a half float can hold. Without branches, so that
+/// compilers make it of vectors; the library's takes many times as long.
+uint16_t half_of(float x) {
+    constexpr uint32_t kSign = 1u << 31, kLeastNormal = 113u << 23, kDropped = 13;
+    const auto bits = std::bit_cast<uint32_t>(x), size = bits & ~kSign;
+    // The exponent's bias goes from 127 to 15; what is dropped rounds up from its half, or above it where that is even.
+    const uint32_t normal = (size - (112u << 23) + 0xfffu + ((size >> kDropped) & 1u)) >> kDropped;
+    // Below the least normal half all have one exponent: that of 1/2, whose last bit is theirs. The sum rounds.
+    const uint32_t small = std::bit_cast<uint32_t>(std::bit_cast<float>(size) + 0.5f) - std::bit_cast<uint32_t>(0.5f);
+    return static_cast<uint16_t>((size < kLeastNormal ? small : normal) | (bits & kSign) >> 16);
+}
+
+/// Adds a level to a file that is open for it, some rows of tiles at a time. Whether all was well.
 bool write_level(oiio::ImageOutput& output, const Picture& level, const CancelToken& cancel) {
-    const size_t row = static_cast<size_t>(level.width) * static_cast<size_t>(level.channels);
-    for (int y = 0; y < level.height; y += kTile) {
+    constexpr size_t kAtOnce = size_t{1} << 20;  ///< numbers, about
+    const size_t row = level.row();
+    const int rows = kTile * static_cast<int>(std::max(kAtOnce / (row * kTile), size_t{1}));
+    std::vector<uint16_t> halves;
+    for (int y = 0; y < level.height; y += rows) {
         cancel.throw_if_cancelled();
-        if (!output.write_tiles(0, level.width, y, std::min(y + kTile, level.height), 0, 1, oiio::TypeDesc::FLOAT,
-                                &level.pixels[static_cast<size_t>(y) * row]))
-            return false;
+        const int end = std::min(y + rows, level.height);
+        const std::span<const float> numbers(&level.pixels[static_cast<size_t>(y) * row],
+                                             static_cast<size_t>(end - y) * row);
+        const void* data = numbers.data();
+        if (!level.precise) {
+            halves.resize(numbers.size());
+            std::ranges::transform(numbers, halves.begin(), half_of);
+            data = halves.data();
+        }
+        if (!output.write_tiles(0, level.width, y, end, 0, 1, format_of(level), data)) return false;
     }
     return true;
 }
@@ -101,8 +131,7 @@ std::string write_levels(const Picture& picture, const std::string& file, const 
     const Picture* level = &picture;
     Picture coarser;
     for (auto mode = oiio::ImageOutput::Create;; mode = oiio::ImageOutput::AppendMIPLevel) {
-        oiio::ImageSpec spec(level->width, level->height, level->channels,
-                             level->precise ? oiio::TypeDesc::FLOAT : oiio::TypeDesc::HALF);
+        oiio::ImageSpec spec(level->width, level->height, level->channels, format_of(*level));
         spec.tile_width = spec.tile_height = kTile;
         spec.tile_depth = 1;
         spec.attribute("textureformat", "Plain Texture");

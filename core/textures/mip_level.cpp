@@ -26,13 +26,21 @@ Covered covered(int pixel, int finer, int coarser) {
     return result;
 }
 
-/// Zeros, part by part: of a large picture they take longer than a cancelled render may.
-void make_room(std::vector<float>& pixels, size_t count, const CancelToken& cancel) {
-    constexpr size_t kPart = size_t{1} << 20;
-    pixels.reserve(count);
-    while (pixels.size() < count) {
-        cancel.throw_if_cancelled();
-        pixels.resize(std::min(count, pixels.size() + kPart));
+/// One row of a coarser level.
+template <size_t kChannels>
+void set_row(const Picture& level, const Covered& down, const std::vector<Covered>& across, float* pixel) {
+    const size_t row = level.row();
+    for (const Covered& over : across) {
+        float sums[kChannels] = {};
+        for (int j = 0; j < down.count; ++j) {
+            const float* from =
+                &level.pixels[static_cast<size_t>(down.first + j) * row + static_cast<size_t>(over.first) * kChannels];
+            for (int i = 0; i < over.count; ++i, from += kChannels) {
+                const float share = down.share[j] * over.share[i];
+                for (size_t c = 0; c < kChannels; ++c) sums[c] += share * from[c];
+            }
+        }
+        pixel = std::copy_n(sums, kChannels, pixel);
     }
 }
 
@@ -45,23 +53,14 @@ Picture coarser_level(const Picture& level, const CancelToken& cancel) {
     result.channels = level.channels;
     result.alpha = level.alpha;
     result.precise = level.precise;
-    const auto channels = static_cast<size_t>(level.channels);
-    const size_t row = static_cast<size_t>(level.width) * channels;
-    const size_t coarser_row = static_cast<size_t>(result.width) * channels;
-    make_room(result.pixels, coarser_row * static_cast<size_t>(result.height), cancel);
+    make_room(result.pixels, result.count(), cancel);
+    std::vector<Covered> across(static_cast<size_t>(result.width));
+    for (int x = 0; x < result.width; ++x) across[static_cast<size_t>(x)] = covered(x, level.width, result.width);
+    const auto set = level.channels == 1 ? set_row<1> : level.channels == 3 ? set_row<3> : set_row<4>;
     tbb::parallel_for(0, result.height, [&](int y) {
         cancel.throw_if_cancelled();
-        const Covered down = covered(y, level.height, result.height);
-        float* pixel = &result.pixels[static_cast<size_t>(y) * coarser_row];
-        for (int x = 0; x < result.width; ++x, pixel += channels) {
-            const Covered across = covered(x, level.width, result.width);
-            for (int j = 0; j < down.count; ++j) {
-                const float* from = &level.pixels[static_cast<size_t>(down.first + j) * row +
-                                                  static_cast<size_t>(across.first) * channels];
-                for (int i = 0; i < across.count; ++i, from += channels)
-                    for (size_t c = 0; c < channels; ++c) pixel[c] += down.share[j] * across.share[i] * from[c];
-            }
-        }
+        set(level, covered(y, level.height, result.height), across,
+            &result.pixels[static_cast<size_t>(y) * result.row()]);
     });
     return result;
 }

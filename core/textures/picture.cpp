@@ -31,6 +31,7 @@ class SrgbDecoder {
             decoded_[i] = decoded_srgb(encoded_[i]);
         }
     }
+    float of_byte(uint8_t byte) const { return decoded_[byte]; }
     float operator()(float x) const {
         const float nearest = x * kLargest + 0.5f;
         if (!(nearest >= 0.0f && nearest < kLargest + 1)) return decoded_srgb(x);
@@ -98,22 +99,37 @@ bool make_finite(std::span<float> row) {
     return fits;
 }
 
+/// Pixels of `to` channels from those of `from`: of grey and alpha, colours with alpha.
+template <typename Number>
+std::vector<Number> with_channels(const std::vector<Number>& numbers, size_t from, size_t to) {
+    const size_t count = numbers.size() / from;
+    std::vector<Number> result(count * to);
+    for (size_t i = 0; i < count; ++i)
+        for (size_t c = 0; c < to; ++c) {
+            const size_t source = from == 2 ? (c == 3 ? 1 : 0) : c;
+            result[i * to + c] = numbers[i * from + source];
+        }
+    return result;
+}
+
 }  // namespace
+
+void make_room(std::vector<float>& pixels, size_t count, const CancelToken& cancel) {
+    constexpr size_t kPart = size_t{1} << 20;
+    pixels.reserve(count);
+    while (pixels.size() < count) {
+        cancel.throw_if_cancelled();
+        pixels.resize(std::min(count, pixels.size() + kPart));
+    }
+}
 
 void normalize_channels(Picture& picture, ImageAlpha alpha) {
     const bool is_opaque = alpha == ImageAlpha::Ignored;
     const int from = picture.channels;
     const int to = from == 2 ? (is_opaque ? 1 : 4) : std::min(from, is_opaque ? 3 : 4);
     if (from == to) return;
-    const size_t count = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
-    std::vector<float> pixels(count * static_cast<size_t>(to));
-    for (size_t i = 0; i < count; ++i)
-        for (int c = 0; c < to; ++c) {
-            const int source = from == 2 ? (c == 3 ? 1 : 0) : c;
-            pixels[i * static_cast<size_t>(to) + static_cast<size_t>(c)] =
-                picture.pixels[i * static_cast<size_t>(from) + static_cast<size_t>(source)];
-        }
-    picture.pixels = std::move(pixels);
+    picture.bytes = with_channels(picture.bytes, static_cast<size_t>(from), static_cast<size_t>(to));
+    picture.pixels = with_channels(picture.pixels, static_cast<size_t>(from), static_cast<size_t>(to));
     picture.channels = to;
 }
 
@@ -121,20 +137,31 @@ void prepare(Picture& picture, const ImageColors& colors, const CancelToken& can
     static const SrgbDecoder decode;
     const Linearizing linearize{decode, colors.space, picture.alpha, picture.channels, picture.alpha_channel()};
     const auto channels = static_cast<size_t>(picture.channels);
-    const size_t length = static_cast<size_t>(picture.width) * channels;
+    const size_t length = picture.row();
+    const bool is_plain = colors.space == ColorSpace::Srgb && linearize.alpha_channel < 0 && !colors.transform;
+    make_room(picture.pixels, picture.count(), cancel);
     picture.prepared.resize(static_cast<size_t>(picture.height));
     tbb::parallel_for(size_t{0}, picture.prepared.size(), [&](size_t y) {
         cancel.throw_if_cancelled();
         if (picture.prepared[y] != 0) return;
+        picture.prepared[y] = 1;
         const std::span<float> row(&picture.pixels[y * length], length);
+        if (!picture.bytes.empty()) {
+            const std::span<const uint8_t> bytes(&picture.bytes[y * length], length);
+            if (is_plain) {
+                std::ranges::transform(bytes, row.begin(), [](uint8_t byte) { return decode.of_byte(byte); });
+                return;
+            }
+            std::ranges::transform(bytes, row.begin(), from_byte);
+        }
         if (colors.transform) transform_row(*colors.transform, row, picture);
         if (colors.space == ColorSpace::Srgb && linearize.alpha_channel < 0)
             std::ranges::transform(row, row.begin(), [](float x) { return decode(x); });
         else if (colors.space != ColorSpace::NonColor)
             for (size_t i = 0; i < length; i += channels) linearize(&row[i]);
         if (!make_finite(row)) std::atomic_ref(picture.precise).store(true, std::memory_order_relaxed);
-        picture.prepared[y] = 1;
     });
+    picture.bytes = {};
 }
 
 }  // namespace rayleaf

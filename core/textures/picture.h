@@ -13,6 +13,7 @@ enum class Alpha : uint8_t { Straight, Associated, Separate };
 
 /// Rows top to bottom, straight or associated as they came.
 struct Picture {
+    std::vector<uint8_t> bytes;  ///< of a picture that came as bytes: what its pixels are made from by `prepare`
     std::vector<float> pixels;
     int width = 0, height = 0, channels = 0;
     Alpha alpha = Alpha::Straight;
@@ -20,12 +21,18 @@ struct Picture {
     std::vector<uint8_t> prepared;  ///< rows that `prepare` has done
 
     int alpha_channel() const { return channels == 4 ? 3 : -1; }
+    /// Numbers in a row, and in all.
+    size_t row() const { return static_cast<size_t>(width) * static_cast<size_t>(channels); }
+    size_t count() const { return row() * static_cast<size_t>(height); }
 };
 
 /// What a byte of a picture stands for, from 0 to 1.
 inline float from_byte(uint8_t byte) {
     return static_cast<float>(byte) * (1.0f / 255.0f);
 }
+
+/// Lengthens an array with zeros, part by part: of a large picture they take longer than a cancelled render may.
+void make_room(std::vector<float>& pixels, size_t count, const CancelToken& cancel);
 
 /// Coding of sRGB (IEC 61966-2-1).
 float decoded_srgb(float x);

@@ -162,7 +162,7 @@ struct TextureStore::Implementation {
         std::shared_ptr<const ConvertedTexture> texture = converted->find(key);
         if (!texture || (texture->is_converted() && !texture->fault().empty())) {
             Picture pixels = picture();
-            const size_t bytes = pixels.pixels.size() * sizeof(float);
+            const size_t bytes = pixels.count() * sizeof(float);
             texture = std::make_shared<const ConvertedTexture>(name, std::move(pixels), colors, key);
             converted->keep(key, texture);
             convert_soon(texture, bytes);
@@ -221,14 +221,14 @@ oiio::ImageSpec reading_hints() {
     return hints;
 }
 
-/// Into the picture's pixels. Bytes are read as they are: the library takes long to make numbers of them.
-bool read_pixels(oiio::ImageInput& input, int number, Picture& picture) {
-    if (input.spec().format != oiio::TypeDesc::UINT8)
+/// Into the picture. Bytes stay as they are: the library takes long to make numbers of them.
+bool read_numbers(oiio::ImageInput& input, int number, Picture& picture) {
+    if (input.spec().format != oiio::TypeDesc::UINT8) {
+        picture.pixels.resize(picture.count());
         return input.read_image(number, 0, 0, picture.channels, oiio::TypeDesc::FLOAT, picture.pixels.data());
-    std::vector<uint8_t> bytes(picture.pixels.size());
-    if (!input.read_image(number, 0, 0, picture.channels, oiio::TypeDesc::UINT8, bytes.data())) return false;
-    std::ranges::transform(bytes, picture.pixels.begin(), from_byte);
-    return true;
+    }
+    picture.bytes.resize(picture.count());
+    return input.read_image(number, 0, 0, picture.channels, oiio::TypeDesc::UINT8, picture.bytes.data());
 }
 
 /// `source` is what a message calls it.
@@ -241,9 +241,7 @@ Picture read_picture(const std::string& name, const std::string& source, oiio::I
     picture.channels = std::min(spec.nchannels, 4);
     picture.alpha = spec.get_int_attribute("oiio:UnassociatedAlpha") != 0 ? Alpha::Straight : Alpha::Associated;
     picture.precise = spec.format.basesize() > 2;
-    picture.pixels.resize(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) *
-                          static_cast<size_t>(picture.channels));
-    if (!read_pixels(input, number, picture)) throw InputError(name, source, input.geterror(), "a readable image");
+    if (!read_numbers(input, number, picture)) throw InputError(name, source, input.geterror(), "a readable image");
     return picture;
 }
 

@@ -82,6 +82,7 @@ class ImageLibrary:
         self._core, self.scene, self._messages = core, scene, messages
         self.known: dict[tuple[int, str, int], int | None] = {}  # textures by image, path and picture
         self._computed: dict[tuple[Any, ...], int] = {}
+        self._configuration: tuple[bool, str] | None = None  # looked for once
         self.asked = 0  # how often something was
         self.added = 0
 
@@ -185,7 +186,9 @@ class ImageLibrary:
         name = name_of(settings)
         if getattr(settings, "is_data", False):
             return "NON_COLOR", ""
-        own, configuration = _configuration()
+        if self._configuration is None:
+            self._configuration = _configuration()
+        own, configuration = self._configuration
         if own and name in _COLOR_SPACES:
             return _COLOR_SPACES[name], ""
         return name, configuration
