@@ -30,5 +30,11 @@ inline Double4 operator*(const Double4& a, double factor) {
 inline Double4 operator/(const Double4& a, double by) {
     return {a.low / by, a.high / by};
 }
+inline Double4 smaller(const Double4& a, const Double4& b) {
+    return {a.low < b.low ? a.low : b.low, a.high < b.high ? a.high : b.high};
+}
+inline Double4 larger(const Double4& a, const Double4& b) {
+    return {a.low > b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
+}
 
 }  // namespace rayleaf

@@ -53,13 +53,14 @@ StrandSegment StrandSegment::part(uint32_t level, uint32_t index) const {
 }
 
 Box3d StrandSegment::bounds() const {
-    Box3d box;
-    double radius = 0.0;
-    for (const StrandPoint& p : points) {
-        box.extendBy(axis_point(p));
-        radius = std::max(radius, p.w);
+    Double4 least(points[0]), most = least;
+    for (size_t i = 1; i < points.size(); ++i) {
+        least = smaller(least, Double4(points[i]));
+        most = larger(most, Double4(points[i]));
     }
-    return {box.min - Vec3d(radius), box.max + Vec3d(radius)};
+    const double radius = std::max(most.w(), 0.0);
+    return {Vec3d(least.x(), least.y(), least.z()) - Vec3d(radius),
+            Vec3d(most.x(), most.y(), most.z()) + Vec3d(radius)};
 }
 
 StrandSegment bezier_segment(StrandBasis basis, const std::array<StrandPoint, 4>& given) {

@@ -6,6 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_reduce.h>
+
 namespace rayleaf {
 namespace {
 
@@ -158,9 +162,16 @@ void Strands::set_points(const StrandArrays& arrays) {
 }
 
 Box3d Strands::box_at(float time) const {
-    Box3d box;
-    for (uint32_t i = 0; i < element_count(); ++i) box.extendBy(segment(i, time).bounds());
-    return box;
+    using Range = tbb::blocked_range<uint32_t>;
+    const auto around = [&](const Range& part, Box3d box) {
+        for (uint32_t i = part.begin(); i < part.end(); ++i) box.extendBy(segment(i, time).bounds());
+        return box;
+    };
+    const auto both = [](Box3d a, const Box3d& b) {
+        a.extendBy(b);
+        return a;
+    };
+    return tbb::parallel_reduce(Range(0, element_count()), Box3d(), around, both);
 }
 
 void Strands::set_attributes(std::vector<StrandAttribute> attributes, AttributeId active_uv) {
@@ -183,16 +194,19 @@ void Strands::set_attributes(std::vector<StrandAttribute> attributes, AttributeI
 void Strands::measure() {
     constexpr int kChords = 8;
     lengths_.resize(element_count());
-    for (uint32_t i = 0; i < element_count(); ++i) {
-        const bool first = first_segment_[strand_of_segment_[i]] == i;
-        double length = first ? 0.0 : lengths_[i - 1];
-        const StrandSegment curve = segment(i);
-        for (int k = 0; k < kChords; ++k)
-            length +=
-                (axis_point(curve.at((k + 1.0) / kChords)) - axis_point(curve.at(static_cast<double>(k) / kChords)))
-                    .length();
-        lengths_[i] = static_cast<float>(length);
-    }
+    tbb::parallel_for(uint32_t{0}, strand_count(), [&](uint32_t strand) {
+        for (uint32_t i = first_segment_[strand]; i < first_segment_[strand + 1]; ++i) {
+            double length = i == first_segment_[strand] ? 0.0 : lengths_[i - 1];
+            const StrandSegment curve = segment(i);
+            Vec3d before = axis_point(curve.at(0.0));
+            for (int k = 1; k <= kChords; ++k) {
+                const Vec3d here = axis_point(curve.at(static_cast<double>(k) / kChords));
+                length += (here - before).length();
+                before = here;
+            }
+            lengths_[i] = static_cast<float>(length);
+        }
+    });
 }
 
 /// Point number `point` of a strand, clamped at the ends, or wrapped around on a closed strand.

@@ -138,6 +138,7 @@ LargeArray<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToke
                           BoxLeaves* leaves) {
     if (leaves) leaves->first.assign(1, 0);
     if (items.empty()) return {};
+    if (leaves) leaves->items.reserve(items.size());
     const RTCBounds box = box_around(items);
     const std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseTree> tree(rtcNewBVH(embree_device()));
     RTCBuildArguments arguments = rtcDefaultBuildArguments();

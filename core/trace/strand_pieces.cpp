@@ -2,6 +2,7 @@
 #include "trace/strand_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -44,13 +45,19 @@ void StrandScene::add_pieces(const CancelToken& cancel) {
             if (can_be_hit(segment)) levels[segment] = spheres ? 0 : split_level(strands_->segment(segment));
         }
     });
+    const auto pieces_of = [&](uint16_t level) -> uint32_t {
+        if (level == kNone) return 0;
+        return spheres ? static_cast<uint32_t>(strands_->spheres_per_segment()) + 1 : 1u << level;
+    };
+    size_t count = 0;
+    for (const uint16_t level : levels) count += pieces_of(level);
+    pieces_.reserve(count);
     for (uint32_t segment = 0; segment < levels.size(); ++segment) {
         cancel.throw_if_cancelled();
         const uint16_t level = levels[segment];
-        if (level == kNone) continue;
-        const auto count = static_cast<uint16_t>(spheres ? strands_->spheres_per_segment() + 1 : 1 << level);
-        for (uint16_t index = 0; index < count; ++index)
-            pieces_.push_back({segment, index, level, strands_->place(segment)});
+        const Strands::Place place = strands_->place(segment);
+        for (uint32_t index = 0; index < pieces_of(level); ++index)
+            pieces_.push_back({segment, static_cast<uint16_t>(index), level, place});
     }
 }
 
@@ -160,15 +167,21 @@ void StrandScene::set_capsule(Capsules& capsules, uint32_t lane, const Piece& pi
 }
 
 uint16_t StrandScene::split_level(const StrandSegment& segment) const {
+    std::array<StrandSegment, 1u << kMostHalvings> parts;  // of the level, spread evenly
+    parts[0] = segment;
     double area = surface_area(segment.bounds());
-    uint16_t level = 0;
-    for (; level < kMostHalvings; ++level) {
+    for (uint16_t level = 0; level < kMostHalvings; ++level) {
+        const size_t whole = parts.size() >> level, half = whole / 2;
         double halved = 0.0;
-        for (uint32_t i = 0; i < 2u << level; ++i) halved += surface_area(segment.part(level + 1u, i).bounds());
-        if (!(halved < kWorthHalving * area)) break;
+        for (size_t i = 0; i < parts.size(); i += whole) {
+            parts[i].halve(parts[i], parts[i + half]);
+            halved += surface_area(parts[i].bounds());
+            halved += surface_area(parts[i + half].bounds());
+        }
+        if (!(halved < kWorthHalving * area)) return level;
         area = halved;
     }
-    return level;
+    return kMostHalvings;
 }
 
 StrandPoint StrandScene::ball(const Piece& piece, float time) const {

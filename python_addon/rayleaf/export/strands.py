@@ -144,7 +144,7 @@ def particle_strands(
         flat = np.fromiter(chain.from_iterable(rows), np.float64, 3 * len(rows))
         points[start - first : end - first] = flat.reshape(-1, steps, 3)
     to_object = np.array(owner.matrix_world.inverted_safe(), np.float64)
-    points = points @ to_object[:3, :3].T + to_object[:3, 3]
+    points = (points.reshape(-1, 3) @ to_object[:3, :3].T + to_object[:3, 3]).reshape(points.shape)
     pieces = np.linalg.norm(np.diff(points, axis=1), axis=2)
     along = np.concatenate([np.zeros((len(points), 1)), np.cumsum(pieces, axis=1)], axis=1)
     whole = along[:, -1:]
