@@ -357,6 +357,27 @@ ElementPoint Strands::element_point_at(uint32_t element, const Vec2f& parameters
     return result;
 }
 
+std::optional<ContentHash> Strands::hash_of_content() const {
+    ContentHasher hasher;
+    add_to(hasher);
+    for (const int number :
+         {static_cast<int>(basis_), static_cast<int>(form_), spheres_per_segment_, has_inside_ ? 1 : 0, active_uv_,
+          info_.is_strand, info_.intercept, info_.length, info_.thickness})
+        hasher.add(number);
+    hasher.add(steps_);
+    hasher.add(points_);
+    hasher.add(first_point_);
+    hasher.add(cyclic_);
+    hasher.add(material_slots_);
+    for (const StrandAttribute& attribute : attributes_) {
+        hasher.add(attribute.id);
+        hasher.add(attribute.channels);
+        hasher.add(static_cast<int>(attribute.domain));
+        hasher.add(attribute.values);
+    }
+    return hasher.value();
+}
+
 size_t Strands::bytes() const {
     size_t total = sizeof(*this) + points_.capacity() * sizeof(StrandPoint) + first_point_.capacity() * 4 +
                    first_segment_.capacity() * 4 + strand_of_segment_.capacity() * 4 + cyclic_.capacity() +

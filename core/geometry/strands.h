@@ -119,6 +119,7 @@ class Strands final : public Shape {
     bool has_inside_ = true;
     int active_uv_ = -1;  ///< index into attributes_
 
+    std::optional<ContentHash> hash_of_content() const override;
     void set_strands(const StrandArrays& arrays);
     void set_points(const StrandArrays& arrays);
     void set_moved_points(const StrandArrays& arrays);

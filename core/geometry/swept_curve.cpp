@@ -2,6 +2,8 @@
 
 #include "base/largest.h"
 
+#include <span>
+
 namespace rayleaf {
 namespace {
 
@@ -54,6 +56,23 @@ std::optional<SplineProblem> find_problem(const SweptCurveDescription& curve) {
     if (curve.taper)
         if (auto problem = splines_problem("taper", {*curve.taper})) return problem;
     return std::nullopt;
+}
+
+void SweptCurveDescription::add_to(ContentHasher& hasher) const {
+    const auto add_splines = [&hasher](std::span<const CurveSplines> all) {
+        hasher.add(static_cast<uint64_t>(all.size()));
+        for (const CurveSplines& each : all) each.add_to(hasher);
+    };
+    add_splines(splines);
+    for (const int choice : {static_cast<int>(dimensions), static_cast<int>(twist), static_cast<int>(closed_twist),
+                             static_cast<int>(fill), static_cast<int>(taper_radius), static_cast<int>(start_mapping),
+                             static_cast<int>(end_mapping), bevel_resolution})
+        hasher.add(choice);
+    for (const double number : {bevel_depth, extrude, offset, bevel_start, bevel_end}) hasher.add(number);
+    hasher.add((profile ? 1 : 0) + (taper ? 2 : 0) + (taper_fits_bevel ? 4 : 0) + (fill_caps ? 8 : 0));
+    if (profile) add_splines(*profile);
+    if (taper) taper->add_to(hasher);
+    hasher.add(fill_materials);
 }
 
 }  // namespace rayleaf

@@ -56,6 +56,9 @@ struct SweptCurveDescription {
     /// and face upwards. Where there is one, and it is open: between its ends, at the front if `fill` is Front or Half,
     /// and at the back if it is Back or Half.
     std::vector<int> fill_materials;
+
+    /// All but the name.
+    void add_to(ContentHasher& hasher) const;
 };
 
 /// The first error in the description; splines that Blender draws nothing for are valid.

@@ -55,6 +55,9 @@ SweepPath::TaperUse taper_use(const SweptCurveDescription& curve) {
 SweptSurface::SweptSurface(const SweptCurveDescription& curve) : Shape(ShapeKind::SweptSurface, curve.name) {
     if (const auto problem = find_problem(curve))
         throw InputError(curve.name, problem->argument, problem->got, problem->wanted);
+    ContentHasher hasher;
+    curve.add_to(hasher);
+    described_ = hasher.value();
     profiles_ = sweep_profiles(curve);
     for (const SweepProfile& profile : profiles_) {
         extents_.push_back(profile.extent());
@@ -68,6 +71,13 @@ SweptSurface::SweptSurface(const SweptCurveDescription& curve) : Shape(ShapeKind
     for (const CurveSplines& splines : curve.splines)
         groups_.push_back({static_cast<uint32_t>(splines.material_slot), splines.smooth});
     if (!profiles_.empty() || !curve.fill_materials.empty()) build_path(curve);
+}
+
+std::optional<ContentHash> SweptSurface::hash_of_content() const {
+    ContentHasher hasher;
+    add_to(hasher);
+    for (const uint64_t word : described_) hasher.add(word);
+    return hasher.value();
 }
 
 void SweptSurface::build_path(const SweptCurveDescription& curve) {

@@ -103,7 +103,9 @@ class SweptSurface final : public Shape {
     std::vector<Group> groups_;
     std::vector<SweptFill> fills_;
     bool caps_ = false;
+    ContentHash described_{};  ///< what it was made from
 
+    std::optional<ContentHash> hash_of_content() const override;
     uint32_t first_cap() const { return static_cast<uint32_t>(profiles_.size() * path_.pieces.size()); }
     uint32_t cap_count() const {
         return caps_ ? static_cast<uint32_t>(2 * profiles_.size() * path_.splines.size()) : 0;

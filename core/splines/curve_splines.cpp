@@ -66,4 +66,20 @@ std::optional<SplineProblem> find_problem(const CurveSplines& splines) {
     return point_problem(splines);
 }
 
+void CurveSplines::add_to(ContentHasher& hasher) const {
+    hasher.add(static_cast<int>(type));
+    hasher.add(nurbs.order);
+    hasher.add((nurbs.cyclic ? 1 : 0) + (nurbs.endpoint ? 2 : 0) + (nurbs.bezier ? 4 : 0) + (smooth ? 8 : 0) +
+               (ends_at_seam ? 16 : 0));
+    hasher.add(counts);
+    hasher.add(points);
+    hasher.add(handles);
+    hasher.add(radii);
+    hasher.add(tilts);
+    hasher.add(straight);
+    hasher.add(static_cast<int>(radius_interpolation));
+    hasher.add(static_cast<int>(tilt_interpolation));
+    for (const int number : {resolution, material_slot, fill_group}) hasher.add(number);
+}
+
 }  // namespace rayleaf

@@ -3,6 +3,7 @@
 // Splines with equal settings are given together, because a curve may have a million of them.
 #pragma once
 
+#include "base/content_hash.h"
 #include "base/vector.h"
 #include "splines/nurbs.h"
 
@@ -47,6 +48,7 @@ struct CurveSplines {
     int fill_group = 0;  ///< of closed splines: those of one number are filled together (geometry/swept_curve.h)
 
     size_t spline_count() const { return counts.size(); }
+    void add_to(ContentHasher& hasher) const;
 };
 
 /// The first error in the arrays: sizes, numbers that are not finite, weights, settings. Splines that Blender draws

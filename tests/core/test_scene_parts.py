@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
+from core import swept_support as swept
 from path_scenes import material
 
 from rayleaf import _core
@@ -67,6 +68,31 @@ def test_after_an_edit_the_picture_is_that_of_a_fresh_scene_and_the_rest_is_kept
     back, found = render(make(parts))  # an undo finds what there was
     np.testing.assert_array_equal(back, render(make())[0])
     assert found == 2
+
+
+def threads(parts=None, width=0.1, bend=0.3, depth=0.2, slot=0):
+    """A strand and a bevelled curve."""
+    scene = _core.SceneDescription(parts)
+    points = [[-2, 0, 0.4], [-1, 0, bend], [1, 0, 0.1], [2, 0, 0.4]]
+    strands = _core.Strands("hair", np.float64(points), np.float32([width] * 4), np.int32([0, 4]))
+    curve = swept.curve("POLY", [[-2, 1, 0], [0, 1.3, 0], [2, 1, 0]], bevel_depth=depth, material_slot=slot)
+    plain = material(_core, scene, ("diffuse", 1.0, 0.5))
+    scene.add_instance("hair", scene.add_shape(strands), scenes.matrix(), plain)
+    scene.add_instance("curve", scene.add_curve(curve), scenes.matrix(), plain)
+    scene.set_world(checkered(scene, 1), 64)
+    scenes.look_down(scene, 6.0, 0.6)
+    return scene
+
+
+@pytest.mark.parametrize(
+    "change, kept", [({}, 2), ({"width": 0.2}, 1), ({"bend": -0.3}, 1), ({"depth": 0.3}, 1), ({"slot": 1}, 1)]
+)
+def test_hair_and_curves_are_known_by_their_content(change, kept):
+    parts = _core.SceneParts()
+    assert render(threads(parts))[1] == 0
+    picture, found = render(threads(parts, **change))
+    np.testing.assert_array_equal(picture, render(threads(**change))[0])
+    assert found == kept
 
 
 @pytest.mark.parametrize("megabytes", [0.0, 1e-4])
