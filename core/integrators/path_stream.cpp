@@ -1,7 +1,6 @@
 #include "integrators/path_stream.h"
 
 #include "integrators/shadow.h"
-#include "integrators/volumes.h"
 
 #include <array>
 #include <new>
@@ -164,38 +163,11 @@ void PathStream::trace_light_rays(Coherence coherence) {
 }
 
 void PathStream::trace_light_packet(std::span<LightRay> lights, Coherence coherence) {
-    std::array<RayQuery, kPacketSize> queries;
-    for (size_t i = 0; i < lights.size(); ++i) {
-        LightRay& light = lights[i];
-        if (scene_.needs_footprints()) light.ray = with_width(light.ray, light.differential, light.widening);
-        queries[i] = {&light.ray, light.kind, nullptr};
-    }
-    const std::span<const RayQuery> rays(queries.data(), lights.size());
-    if (scene_.has_media()) {
-        for (const LightRay& light : lights) paths_[light.path].receive(light, free_share(scene_, light));
-        return;
-    }
-    if (scene_.has_transparency()) {
-        std::array<ClosestHit, kPacketSize> nearest;
-        scene_.tracer().closest(rays, coherence, nearest.data());
-        for (size_t i = 0; i < lights.size(); ++i)
-            paths_[lights[i].path].receive(lights[i], light_through(lights[i], nearest[i]));
-        return;
-    }
-    const uint32_t hidden = scene_.tracer().occluded(rays, coherence);
-    for (size_t i = 0; i < lights.size(); ++i) {
-        if ((hidden >> i & 1u) != 0) continue;
-        const LightRay& light = lights[i];
-        paths_[light.path].receive(light, through_volumes(scene_, light.ray, light.kind).transmittance);
-    }
-}
-
-/// What arrives where some surfaces let light through: most rays meet nothing, or what lets nothing through.
-Color PathStream::light_through(const LightRay& light, const ClosestHit& nearest) const {
-    const std::optional<Hit>& hit = nearest.hit;
-    if (!hit) return through_volumes(scene_, light.ray, light.kind).transmittance;
-    if (!scene_.material(hit->instance, hit->local).surface->may_be_transparent()) return Color(0.0f);
-    return free_share(scene_, light);
+    std::array<FreeWay*, kPacketSize> ways;
+    std::array<Color, kPacketSize> free;
+    for (size_t i = 0; i < lights.size(); ++i) ways[i] = &lights[i];
+    free_shares_of_packet(scene_, {ways.data(), lights.size()}, coherence, free.data());
+    for (size_t i = 0; i < lights.size(); ++i) paths_[lights[i].path].receive(lights[i], free[i]);
 }
 
 }  // namespace rayleaf

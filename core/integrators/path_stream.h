@@ -65,7 +65,6 @@ class PathStream {
     void keep_those_that_go_on();
     void trace_light_rays(Coherence coherence);
     void trace_light_packet(std::span<LightRay> lights, Coherence coherence);
-    Color light_through(const LightRay& light, const ClosestHit& nearest) const;
 };
 
 }  // namespace rayleaf

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
+#include <functional>
+#include <vector>
 
 namespace rayleaf {
 namespace {
@@ -72,8 +73,16 @@ bool set_shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSa
 
 namespace {
 
+/// A way that goes on, and what it meets next.
+struct FollowedWay {
+    FreeWay* way;
+    Color* share;  ///< of what gets through, up to here
+    const Hit* hit = nullptr;
+    const Material* material = nullptr;
+};
+
 /// Up to where the ray meets something, if it does.
-Color through_media(const Scene& scene, FreeWay& way, const std::optional<Hit>& hit) {
+Color through_media(const Scene& scene, FreeWay& way, const Hit* hit) {
     if (way.media.empty()) return Color(1.0f);
     const MediumSegment segment{scene, way.media, way.ray, hit ? hit->t : way.ray.t_max, way.state};
     return transmittance(segment, way.random);
@@ -89,68 +98,130 @@ Ray behind(const SurfacePoint& point, const Ray& ray) {
     return rest;
 }
 
-bool lets_through(const Material& material, Visibility kind) {
-    return material.surface->may_be_transparent() && (material.transparent_shadow || !is_shadow_ray(kind));
+bool lets_through(const Material& material, const FreeWay& way) {
+    if (material.bounds_medium_alone) return true;
+    return way.transparent_left > 0 && material.surface->may_be_transparent() &&
+           (material.transparent_shadow || !is_shadow_ray(way.kind));
 }
 
-/// What the surface lets through; the way then goes on behind it.
-Color through_surface(const Scene& scene, FreeWay& way, const Hit& hit) {
-    const Vec3f direction(way.ray.direction);
-    const SurfacePoint point = scene.tracer().surface_point(way.ray, hit);
-    way.state.ray_length += static_cast<float>(hit.t);
-    way.differential = way.differential.transferred(direction, hit.t, point.facet_normal);
-    Color share(1.0f);
-    if (!scene.material(hit.instance, hit.local).bounds_medium_alone) {
-        Closures closures;
-        scene.shade(point, -direction, way.differential, way.state, closures);
-        share = closures.transparency;
-        ++way.state.transparent_depth;
-        --way.transparent_left;
-    }
-    cross(scene, point, direction, way.media);
-    way.ray = with_width(behind(point, way.ray), way.differential, way.widening);
-    return share;
-}
-
-/// A packet's, where something may let light through: most rays meet nothing, or what lets nothing through.
-void shares_through_surfaces(const Scene& scene, std::span<FreeWay* const> ways, std::span<const RayQuery> rays,
-                             Coherence coherence, Color* shares) {
-    std::array<ClosestHit, kPacketSize> nearest;
-    scene.tracer().closest(rays, coherence, nearest.data());
-    for (size_t i = 0; i < ways.size(); ++i) {
-        FreeWay& way = *ways[i];
-        const std::optional<Hit>& hit = nearest[i].hit;
-        if (!hit) {
-            shares[i] = through_volumes(scene, way.ray, way.kind).transmittance;
-            continue;
+/// True if the way may go on behind what it meets.
+bool may_go_on(const Scene& scene, FollowedWay& each) {
+    FreeWay& way = *each.way;
+    if (each.hit) {
+        each.material = &scene.material(each.hit->instance, each.hit->local);
+        if (!lets_through(*each.material, way)) {
+            *each.share = Color(0.0f);
+            return false;
         }
-        const Material& material = scene.material(hit->instance, hit->local);
-        const bool opaque = !material.bounds_medium_alone && !lets_through(material, way.kind);
-        shares[i] = opaque ? Color(0.0f) : free_share(scene, std::move(way));
     }
+    *each.share *= through_media(scene, way, each.hit);
+    return each.hit != nullptr;
+}
+
+/// What surfaces of one material let through.
+void shade(const Scene& scene, std::span<const FollowedWay> followed, const SurfacePoint* points) {
+    // As many as are needed: a packet of them is more than a core's nearest cache has room for.
+    std::vector<ShadingInputs> inputs(followed.size());
+    std::vector<Closures> closures(followed.size());
+    std::array<const ShadingInputs*, kPacketSize> of_point;
+    std::array<Closures*, kPacketSize> results;
+    const Material& material = *followed.front().material;
+    for (size_t i = 0; i < followed.size(); ++i) {
+        FreeWay& way = *followed[i].way;
+        inputs[i] = scene.shading_inputs(points[i], material, -Vec3f(way.ray.direction), way.differential, way.state);
+        of_point[i] = &inputs[i];
+        results[i] = &closures[i];
+    }
+    material.surface->evaluate({of_point.data(), followed.size()}, {results.data(), followed.size()});
+    for (size_t i = 0; i < followed.size(); ++i) {
+        *followed[i].share *= closures[i].transparency;
+        ++followed[i].way->state.transparent_depth;
+        --followed[i].way->transparent_left;
+    }
+}
+
+/// The ways go on behind what they have met. They are put in order: each program runs for all points of its material.
+void go_behind(const Scene& scene, std::span<FollowedWay> followed) {
+    std::vector<SurfacePoint> points(followed.size());
+    std::array<SurfaceQuery, kPacketSize> surfaces;
+    std::ranges::sort(followed, std::less<>(), &FollowedWay::material);
+    for (size_t i = 0; i < followed.size(); ++i) surfaces[i] = {&followed[i].way->ray, followed[i].hit, &points[i]};
+    const SurfaceDetail detail = scene.needs_footprints() ? SurfaceDetail::Curvature : SurfaceDetail::Normal;
+    scene.tracer().surface_points({surfaces.data(), followed.size()}, detail);
+    for (size_t i = 0; i < followed.size(); ++i) {
+        FreeWay& way = *followed[i].way;
+        way.state.ray_length += static_cast<float>(points[i].t);
+        if (scene.needs_footprints())
+            way.differential =
+                way.differential.transferred(Vec3f(way.ray.direction), points[i].t, points[i].facet_normal);
+    }
+    for (size_t first = 0, end = 0; first < followed.size(); first = end) {
+        const Material* material = followed[first].material;
+        while (end < followed.size() && followed[end].material == material) ++end;
+        if (!material->bounds_medium_alone) shade(scene, followed.subspan(first, end - first), &points[first]);
+    }
+    for (size_t i = 0; i < followed.size(); ++i) {
+        FreeWay& way = *followed[i].way;
+        cross(scene, points[i], Vec3f(way.ray.direction), way.media);
+        way.ray = behind(points[i], way.ray);
+        if (scene.needs_footprints()) way.ray = with_width(way.ray, way.differential, way.widening);
+    }
+}
+
+/// The first of them, as many as the result says, are those that go on behind what they meet.
+size_t pass_next(const Scene& scene, std::span<FollowedWay> going, Coherence coherence) {
+    std::array<RayQuery, kPacketSize> rays;
+    std::array<ClosestHit, kPacketSize> nearest;
+    for (size_t i = 0; i < going.size(); ++i) rays[i] = {&going[i].way->ray, going[i].way->kind, nullptr};
+    if (going.size() == 1)
+        nearest[0] = scene.tracer().closest(*rays[0].ray, rays[0].kind, nullptr);
+    else
+        scene.tracer().closest({rays.data(), going.size()}, coherence, nearest.data());
+    size_t met = 0;
+    for (size_t i = 0; i < going.size(); ++i) {
+        FollowedWay each{going[i].way, going[i].share, nearest[i].hit ? &*nearest[i].hit : nullptr};
+        if (may_go_on(scene, each)) going[met++] = each;
+    }
+    if (met == 0) return 0;
+    go_behind(scene, going.first(met));
+    size_t left = 0;
+    for (const FollowedWay& each : going.first(met))
+        if (max_component(*each.share) > 0.0f)
+            going[left++] = each;
+        else
+            *each.share = Color(0.0f);
+    return left;
+}
+
+/// Where something may let light through.
+void follow(const Scene& scene, std::span<FreeWay* const> ways, Coherence coherence, Color* shares) {
+    /// A ray that never gets through the borders of media stops somewhere.
+    constexpr int kMostSurfaces = 2048;
+    std::array<FollowedWay, kPacketSize> going;
+    size_t count = ways.size();
+    for (size_t i = 0; i < count; ++i) {
+        shares[i] = free_of_volumes(scene, ways[i]->ray, ways[i]->kind);
+        going[i] = {ways[i], &shares[i]};
+    }
+    for (int i = 0; i < kMostSurfaces && count > 0; ++i) count = pass_next(scene, {going.data(), count}, coherence);
+    for (size_t i = 0; i < count; ++i) *going[i].share = Color(0.0f);
 }
 
 }  // namespace
 
 void free_shares_of_packet(const Scene& scene, std::span<FreeWay* const> ways, Coherence coherence, Color* shares) {
-    std::array<RayQuery, kPacketSize> queries;
-    bool any_media = false;
+    std::array<RayQuery, kPacketSize> rays;
+    bool may_pass = scene.has_transparency();
     for (size_t i = 0; i < ways.size(); ++i) {
         FreeWay& way = *ways[i];
         if (scene.needs_footprints()) way.ray = with_width(way.ray, way.differential, way.widening);
-        queries[i] = {&way.ray, way.kind, nullptr};
-        any_media |= !way.media.empty();
+        rays[i] = {&way.ray, way.kind, nullptr};
+        may_pass |= !way.media.empty();
     }
-    if (any_media) {
-        for (size_t i = 0; i < ways.size(); ++i) shares[i] = free_share(scene, std::move(*ways[i]));
-        return;
-    }
-    const std::span<const RayQuery> rays(queries.data(), ways.size());
-    if (scene.has_transparency()) return shares_through_surfaces(scene, ways, rays, coherence, shares);
-    const uint32_t hidden = scene.tracer().occluded(rays, coherence);
+    if (may_pass) return follow(scene, ways, coherence, shares);
+    const uint32_t hidden = scene.tracer().occluded({rays.data(), ways.size()}, coherence);
     for (size_t i = 0; i < ways.size(); ++i)
-        shares[i] =
-            (hidden >> i & 1u) != 0 ? Color(0.0f) : through_volumes(scene, ways[i]->ray, ways[i]->kind).transmittance;
+        shares[i] = (hidden >> i & 1u) != 0 ? Color(0.0f) : free_of_volumes(scene, ways[i]->ray, ways[i]->kind);
 }
 
 void free_shares(const Scene& scene, std::span<FreeWay> ways, Coherence coherence, Color* shares) {
@@ -163,25 +234,10 @@ void free_shares(const Scene& scene, std::span<FreeWay> ways, Coherence coherenc
 }
 
 Color free_share(const Scene& scene, FreeWay way) {
-    way.ray = with_width(way.ray, way.differential, way.widening);
-    Color share = through_volumes(scene, way.ray, way.kind).transmittance;
-    if (!scene.has_transparency() && way.media.empty())
-        return scene.tracer().occluded(way.ray, way.kind) ? Color(0.0f) : share;
-    /// A ray that never gets through the borders of media stops somewhere.
-    constexpr int kMostSurfaces = 2048;
-    for (int i = 0; i < kMostSurfaces; ++i) {
-        const std::optional<Hit> hit = scene.tracer().closest_hit(way.ray, way.kind);
-        if (hit) {
-            const Material& material = scene.material(hit->instance, hit->local);
-            const bool is_surface = !material.bounds_medium_alone;
-            if (is_surface && (way.transparent_left <= 0 || !lets_through(material, way.kind))) return Color(0.0f);
-        }
-        share *= through_media(scene, way, hit);
-        if (!hit) return share;
-        share *= through_surface(scene, way, *hit);
-        if (!(max_component(share) > 0.0f)) return Color(0.0f);
-    }
-    return Color(0.0f);
+    FreeWay* const alone = &way;
+    Color share;
+    free_shares_of_packet(scene, {&alone, 1}, Coherence::Incoherent, &share);
+    return share;
 }
 
 }  // namespace rayleaf

@@ -18,6 +18,11 @@ struct VolumePassage {
 /// Over [t_min, t_max] of the ray, for objects that rays of this kind see. Ordered by where the ray enters their boxes.
 VolumePassage through_volumes(const Scene& scene, const Ray& ray, Visibility kind);
 
+/// What gets through them.
+inline Color free_of_volumes(const Scene& scene, const Ray& ray, Visibility kind) {
+    return scene.volumes().empty() ? Color(1.0f) : through_volumes(scene, ray, kind).transmittance;
+}
+
 /// Which of two answers of objects along a ray its pixel shows: tracing above all, a miss last.
 RayAnswer more_telling(RayAnswer a, RayAnswer b);
 
