@@ -27,7 +27,4 @@ struct LightGroups {
     double tree_probability() const { return probability(of_tree); }
 };
 
-/// Of a group that is the only one.
-inline constexpr LightGroups::Weight kOnlyGroup{1.0, 0.0};
-
 }  // namespace rayleaf

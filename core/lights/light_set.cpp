@@ -86,6 +86,8 @@ struct LightSet::Implementation {
     /// Where suns and the world shine as well as the tree.
     bool has_groups() const { return !suns.empty() || world; }
     LightGroups groups(const LitPoint& at) const;
+    /// Of lights that have a place, where any shines on the point.
+    double tree_probability(const LitPoint& at) const { return has_groups() ? groups(at).tree_probability() : 1.0; }
     static LightGroups::Weight weight(const DistantLamp& lamp, const LitPoint& at) {
         const double cosine = lamp.sun.cosine(at.normal);
         return {cosine, lamp.irradiance() * cosine};
@@ -127,8 +129,7 @@ LightGroups LightSet::Implementation::groups(const LitPoint& at) const {
         if (shines_on(at, lamp.traits)) result.add(weight(lamp, at));
     if (world) result.add(world_weight(at));
     result.has_tree = tree.shines_on(at);
-    if (!result.has_tree) return result;
-    result.of_tree = has_groups() ? tree.weight(at) : kOnlyGroup;
+    if (result.has_tree) result.of_tree = tree.weight(at);
     result.add(result.of_tree);
     return result;
 }
@@ -211,19 +212,18 @@ std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits&
 std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint& at, float random_y,
                                                                  const InTree& in_tree, float time,
                                                                  const PathState& path) const {
-    const Vec3d& position = at.position;
-    const std::optional<LightTree::Choice> item = tree.choose(at, in_tree.choice, reaches(position));
+    const std::optional<LightTree::Choice> item = tree.choose(at, in_tree.choice, reaches(at.position));
     if (!item) return std::nullopt;
     const double probability = item->probability * in_tree.probability;
     const Vec2f random(below_one(item->left_over), random_y);
     if (item->item < lamps.size()) {
         const PlacedLamp& lamp = lamps[item->item];
-        auto sample = std::visit([&](const auto& shape) { return shape.sample(position, random); }, lamp.shape);
+        auto sample = std::visit([&](const auto& shape) { return shape.sample(at.position, random); }, lamp.shape);
         if (!sample) return std::nullopt;
         return chosen_of(lamp.traits, *sample, probability, path);
     }
     const auto surface = static_cast<uint32_t>(item->item - lamps.size());
-    const auto sample = surfaces.sample(surface, position, random, time, path);
+    const auto sample = surfaces.sample(surface, at.position, random, time, path);
     if (!sample) return std::nullopt;
     std::optional<LightSample> light = chosen(*sample, probability, surfaces.visibility(surface), true);
     if (!light) return light;
@@ -235,6 +235,7 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint&
 std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& random, float time,
                                             const PathState& path) const {
     const Implementation& set = *implementation_;
+    if (!set.has_groups()) return set.sample_tree(at, random.y, {double{random.x}, 1.0}, time, path);
     const LightGroups groups = set.groups(at);
     if (!(groups.total.cosine > 0.0)) return std::nullopt;
     double choice = random.x;
@@ -279,7 +280,7 @@ void LightSet::weigh(LitPoint& at) const {
 PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely, float random) const {
     const Implementation& set = *implementation_;
     PassedLights result;
-    if (set.has_groups()) result.far_share = 1.0 - set.groups(likely).tree_probability();
+    result.far_share = 1.0 - set.tree_probability(likely);
     const auto add = [&](uint32_t item) {
         const LightTree::Light light = set.tree.light(item);
         std::optional<LitPart> part = LitPart{0.0, end};
@@ -318,8 +319,7 @@ float LightSet::emitter_density(const LitPoint& from, const SurfacePoint& point)
     const std::optional<uint32_t> item = set.surfaces.item_of(point);
     if (!item || (set.surfaces.link(*item).set() & from.lit_by) == 0) return 0.0f;
     const auto in_tree = static_cast<uint32_t>(*item + set.lamps.size());
-    const double choice =
-        set.groups(from).tree_probability() * set.tree.probability(from, in_tree, set.reaches(from.position));
+    const double choice = set.tree_probability(from) * set.tree.probability(from, in_tree, set.reaches(from.position));
     return static_cast<float>(std::min(choice * set.surfaces.density(from.position, point), kLargestDensity));
 }
 
@@ -352,7 +352,7 @@ void LightSet::lamp_hits(const Ray& ray, double end, const LitPoint& from, Visib
         const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, end, from.position); }, lamp.shape);
         if (hit)
             report(lamp.traits, *hit,
-                   set.groups(from).tree_probability() * set.tree.probability(from, index, set.reaches(from.position)));
+                   set.tree_probability(from) * set.tree.probability(from, index, set.reaches(from.position)));
     });
     if (std::isfinite(end)) return;
     for (const DistantLamp& lamp : set.suns) {
