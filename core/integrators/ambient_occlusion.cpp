@@ -36,7 +36,7 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         if (direction.dot(vertex.point.facet_normal) * vertex.outgoing.dot(vertex.point.facet_normal) <= 0.0f) continue;
         Ray ray;
         vertex.point.release(ray, direction);
-        ray.direction = normalized_or(Vec3d(direction), Vec3d(0, 0, 1));
+        ray.direction = ray_direction(direction);
         ray.t_max = settings.occlusion_distance;
         const RayDifferential differential =
             hemisphere_differential(vertex.differential, direction, local.z, std::max(rays.count, kPathSiblings));

@@ -16,7 +16,7 @@ Branch Branch::scattered(const Scene& scene, const Vertex& from, const Closures&
     Branch child = *this;
     child.ray = Ray{};
     from.point.release(child.ray, sample.direction);
-    child.ray.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
+    child.ray.direction = ray_direction(sample.direction);
     child.departure = {};
     child.departure.from = lit(scene, from);
     child.has_departed = scene.has_blocked_lights();

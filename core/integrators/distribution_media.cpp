@@ -67,7 +67,7 @@ bool DistributionTracer::pass_media(Branch& branch, double end) {
     child.ray = Ray{};
     child.ray.time = branch.ray.time;
     child.ray.origin = child.departure.from.position;
-    child.ray.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
+    child.ray.direction = ray_direction(sample->direction);
     ++child.vertex;
     push(std::move(child));
     return true;

@@ -70,7 +70,7 @@ void PathTracer::scatter_in_medium(const MediumPassage& passage, const PhaseSamp
     ray_ = Ray{};
     ray_.time = time;
     ray_.origin = position;
-    ray_.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
+    ray_.direction = ray_direction(sample.direction);
     outside_of_ = kNowhere;
     ++vertex_;
 }

@@ -308,9 +308,9 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
     if (sample->subsurface) return scatter_below(vertex, *sample, light_rays);
     if (bounces_.count() == 0 && settings_.light_passes)
         first_shares_ = shares_of_scattering(vertex, vertex.closures, *sample);
-    throughput_ *= sample->weight;
     bounces_.scatter(*sample);
     use_ = use_of_scattered(use_, *sample);
+    throughput_ *= sample->weight;
     if (!survives_roulette()) return false;
     const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
     if (has_footprint_)
@@ -320,7 +320,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
     leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
     ray_ = kNewRay;
     vertex.point.release(ray_, sample->direction);
-    ray_.direction = normalized_or(Vec3d(sample->direction), Vec3d(0, 0, 1));
+    ray_.direction = ray_direction(sample->direction);
     outside_of_ = kNowhere;
     if (!enters) return true;
     const GlassOutcome crossing =

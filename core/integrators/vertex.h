@@ -16,6 +16,16 @@ inline float power_heuristic(float a, float b) {
     return 1.0f / (1.0f + ratio * ratio);
 }
 
+/// A unit vector as the direction of a ray: its length is 1 but for the rounding of doubles, not of floats. Where it is
+/// none, along z.
+inline Vec3d ray_direction(const Vec3f& unit) {
+    constexpr double kMostExcess = 1e-5;
+    const Vec3d direction(unit);
+    const double excess = direction.length2() - 1.0;
+    if (!(std::abs(excess) < kMostExcess)) return normalized_or(direction, Vec3d(0, 0, 1));
+    return direction * (1.0 - excess * (0.5 - 0.375 * excess));  // the series of the inverse root
+}
+
 /// A hit and all that is known there.
 struct Vertex {
     SurfacePoint point;
