@@ -115,19 +115,21 @@ void DistributionTracer::ask_world(const Branch& branch, const Vertex& vertex, c
     bounces.scatter(sample);
     FreeWay& way = world_ways_.emplace_back();
     vertex.point.release(way.ray, sample.direction);
-    way.ray.direction = normalized_or(Vec3d(sample.direction), Vec3d(0, 0, 1));
+    way.ray.direction = ray_direction(sample.direction);
     way.ray.t_max = settings_.occlusion_distance;
     way.kind = bounces.ray_kind();
     way.state = bounces.at(0);
     way.transparent_left = bounces.transparent_left();
-    way.media = branch.media;
-    if (scene_.has_media()) leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(way.ray.direction), way.media);
-    way.random = RandomStream(chosen.sampler, dimension(branch.vertex + 1, PathDimension::ShadowWalk));
+    if (scene_.has_media()) {
+        way.media = branch.media;
+        leave_towards(scene_, vertex.point, vertex.outgoing, sample.direction, way.media);
+        way.random = RandomStream(chosen.sampler, dimension(branch.vertex + 1, PathDimension::ShadowWalk));
+    }
 
     WorldRay& ray = world_rays_.emplace_back();
     ray.throughput = branch.throughput * (sample.weight / count);
     ray.share = branch.share / count;
-    ray.direction = Vec3f(way.ray.direction);
+    ray.direction = sample.direction;
     ray.kind = way.kind;
     ray.state = way.state;
     ray.scatterings = bounces.count();

@@ -16,15 +16,27 @@ void DistributionTracer::send_on(const Branch& branch, const Hit& hit, const Ver
     scatter_below(branch, vertex, lobes);
 }
 
-FreeWay DistributionTracer::way_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
-                                         const Ray& shadow, int siblings) const {
-    FreeWay way = way_of(branch, shadow);
-    if (has_footprint_) way.differential = shadow_differential(vertex.differential, light, siblings);
+bool DistributionTracer::send_on_way(const Branch& branch, const Vertex& vertex, const LightSample& light,
+                                     int siblings) {
+    FreeWay& way = light_ways_.emplace_back();
+    if (!set_shadow_ray(scene_, vertex.point, light, way.ray)) {
+        light_ways_.pop_back();
+        return false;
+    }
     way.kind = to_light(kVisibleShadow, light.blockers);
-    way.state = branch.bounces.of_shadow_ray();
-    way.widening = settings_.widening(branch.importance(), false);
-    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(shadow.direction), way.media);
-    return way;
+    if (has_footprint_) {
+        way.differential = shadow_differential(vertex.differential, light, siblings);
+        way.widening = settings_.widening(branch.importance(), false);
+    }
+    if (scene_.has_transparency() || scene_.has_media()) {
+        way.state = branch.bounces.of_shadow_ray();
+        way.transparent_left = branch.bounces.transparent_left();
+    }
+    if (!scene_.has_media()) return true;
+    way.media = branch.media;
+    way.random = RandomStream(branch.sampler, dimension(branch.vertex, PathDimension::ShadowWalk));
+    leave_towards(scene_, vertex.point, vertex.outgoing, Vec3f(way.ray.direction), way.media);
+    return true;
 }
 
 void DistributionTracer::send_light(const Branch& branch, const Vertex& vertex, const LightSample& light,
@@ -34,9 +46,7 @@ void DistributionTracer::send_light(const Branch& branch, const Vertex& vertex, 
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
     const int siblings = branch.spread == Spread::One ? kPathSiblings : count;
-    Ray ray;
-    const bool waits = set_shadow_ray(scene_, vertex.point, light, ray);
-    if (waits) light_ways_.push_back(way_of_light(branch, vertex, light, ray, siblings));
+    const bool waits = send_on_way(branch, vertex, light, siblings);
     const int scatterings = branch.bounces.count() + 1;
     sent_.push_back({arriving, scatterings == 1 ? shares : branch.first_shares, scene_.light_group(light), scatterings,
                      branch.share * each, waits});

@@ -41,7 +41,7 @@ struct WorldRay {
 
 /// A direction over a hemisphere, one of `count`.
 struct HemisphereSample {
-    LobeSample sample;
+    const LobeSample& sample;
     Sampler sampler;  ///< of the ray's random numbers
     int count;
 };
@@ -152,8 +152,8 @@ class DistributionTracer {
                    : std::max(1, static_cast<int>(std::lround(static_cast<float>(wanted) * branch.share)));
     }
     void send_on(const Branch& branch, const Hit& hit, const Vertex& vertex);
-    FreeWay way_of_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Ray& shadow,
-                         int siblings) const;
+    /// One of `siblings` rays to a light waits for its way; false where nothing can be in it.
+    bool send_on_way(const Branch& branch, const Vertex& vertex, const LightSample& light, int siblings);
     void send_light(const Branch& branch, const Vertex& vertex, const LightSample& light, const Color& value,
                     const ByKind& shares, int count);
     /// Light that was sent, ray by ray or in packets of its own.

@@ -4,6 +4,8 @@
 #include "shading/lobe_frame.h"
 #include "shading/lobes.h"
 
+#include <memory>
+
 namespace rayleaf {
 namespace {
 
@@ -47,16 +49,29 @@ Color hemispherical_albedo(const Lobe& lobe, const Vec3f& outgoing) {
     return sum / static_cast<float>(kRings * kSectors);
 }
 
+Closures* SplitClosures::class_of(const Lobe& lobe) {
+    if (lobe.type == LobeType::Subsurface) return &subsurface_;
+    if (is_singular(lobe)) return nullptr;
+    return is_hemispherical(lobe) ? &diffuse_ : &glossy_;
+}
+
+Closures* SplitClosures::class_of_all(const Closures& closures) {
+    Closures* result = closures.size() > 0 ? class_of(closures[0]) : nullptr;
+    for (int i = 1; i < closures.size() && result; ++i)
+        if (class_of(closures[i]) != result) result = nullptr;
+    return result;
+}
+
 SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, const Vec3f& facet_normal) {
-    diffuse_.smooth_normal = glossy_.smooth_normal = closures.smooth_normal;
-    for (int i = 0; i < closures.size(); ++i) {
-        const Lobe& lobe = closures[i];
-        if (lobe.type == LobeType::Subsurface)
-            subsurface_.add(lobe);
-        else if (is_singular(lobe))
-            add_singular(lobe, outgoing, facet_normal);
-        else
-            (is_hemispherical(lobe) ? diffuse_ : glossy_).add(lobe);
+    if (Closures* alone = class_of_all(closures)) {
+        *alone = closures;
+    } else {
+        diffuse_.smooth_normal = glossy_.smooth_normal = closures.smooth_normal;
+        for (int i = 0; i < closures.size(); ++i)
+            if (Closures* of_class = class_of(closures[i]))
+                of_class->add(closures[i]);
+            else
+                add_singular(closures[i], outgoing, facet_normal);
     }
     glossy_view_.look(glossy_, outgoing);
     diffuse_view_.look(diffuse_, outgoing);
@@ -94,7 +109,7 @@ void SplitClosures::add_singular(const LobeSample& sample) {
             return;
         }
     }
-    singular_[singular_count_++] = sample;
+    std::construct_at(&singular_[singular_count_++], sample);
 }
 
 }  // namespace rayleaf

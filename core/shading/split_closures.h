@@ -5,6 +5,7 @@
 #include "shading/closure_view.h"
 
 #include <span>
+#include <type_traits>
 
 namespace rayleaf {
 
@@ -24,11 +25,19 @@ class SplitClosures {
     const Closures& subsurface() const { return subsurface_; }
 
   private:
-    LobeSample singular_[2 * Closures::kMaxLobes];  ///< glass has two
+    /// Room that costs nothing to make: the first are there. Glass has two.
+    union {
+        LobeSample singular_[2 * Closures::kMaxLobes];
+    };
+    static_assert(std::is_trivially_destructible_v<LobeSample>);
     int singular_count_ = 0;
     Closures glossy_, diffuse_, subsurface_;
     ClosureView glossy_view_, diffuse_view_;
 
+    /// Null: it is singular.
+    Closures* class_of(const Lobe& lobe);
+    /// Null: they are of several, or singular.
+    Closures* class_of_all(const Closures& closures);
     void add_singular(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& facet_normal);
     void add_singular(const LobeSample& sample);
 };
