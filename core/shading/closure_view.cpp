@@ -33,6 +33,7 @@ LobeValue evaluate_all(const Closures& closures, const ClosureView& view, const 
 
 /// The lobe that a number in [0,1) chooses; `random` becomes what the choice leaves of it.
 int chosen_lobe(const ClosureView& view, int count, float& random) {
+    if (count == 1) return 0;
     int chosen = 0;
     while (chosen + 1 < count && random >= view.lobes[chosen].probability) random -= view.lobes[chosen++].probability;
     constexpr float kBelowOne = 1.0f - 6e-8f;
