@@ -63,7 +63,7 @@ class BlockedLights {
     void find_on(uint32_t instance, int blockers) const {
         Ray ray = way_.ray;
         for (int i = 0; i < kMostEmittingHits; ++i) {
-            const std::optional<Hit> hit = scene_.tracer().closest_on(instance, ray);
+            const Maybe<Hit> hit = scene_.tracer().closest_on(instance, ray);
             if (!hit) return;
             const SurfacePoint point = scene_.tracer().surface_point(ray, *hit);
             Closures closures;

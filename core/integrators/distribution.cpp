@@ -67,7 +67,7 @@ const PixelSample& DistributionTracer::finish() {
     return light_.sample;
 }
 
-void DistributionTracer::pass_volumes(Branch& branch, const std::optional<Hit>& hit) {
+void DistributionTracer::pass_volumes(Branch& branch, const Maybe<Hit>& hit) {
     Ray ray = ray_of(branch);
     if (hit) ray.t_max = hit->t;
     const VolumePassage passage = through_volumes(scene_, ray, branch.bounces.ray_kind());
@@ -80,7 +80,7 @@ bool DistributionTracer::arrive(ClosestHit found) {
     Branch& branch = *branch_;
     leave_glass(branch, found);
     hit_ = found.hit;
-    const std::optional<Hit>& hit = hit_;
+    const Maybe<Hit>& hit = hit_;
     if (branch.vertex == 0 && settings_.ray_passes) {
         write_answer(scene_.tracer(), found, light_.sample);
         write_level(hit, light_.sample);

@@ -19,7 +19,7 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     ++counts_[ray.use];
     const ClosestHit found = scene_.tracer().closest(branch.ray, branch.bounces.ray_kind(), differential_of(branch));
     Ray limited = branch.ray;
-    const std::optional<Hit>& hit = found.hit;
+    const Maybe<Hit>& hit = found.hit;
     HemisphereRay result;
     if (hit) result.inverse_distance = static_cast<float>(1.0 / hit->t);
     limited.t_max = reach;

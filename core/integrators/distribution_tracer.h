@@ -93,7 +93,7 @@ class DistributionTracer {
     Contributions light_;
     std::vector<Branch> pending_;   ///< last in, first out
     std::optional<Branch> branch_;  ///< under way
-    std::optional<Hit> hit_;        ///< of `branch_`
+    Maybe<Hit> hit_;                ///< of `branch_`
     std::vector<SentLight> sent_;
     std::vector<FreeWay> light_ways_;  ///< of what waits of `sent_`, in its order
     std::vector<WorldRay> world_rays_;
@@ -125,7 +125,7 @@ class DistributionTracer {
     }
     /// Begun anew behind glass that the ray has just left (integrators/glass_path.h).
     void leave_glass(Branch& branch, ClosestHit& found) const;
-    void pass_volumes(Branch& branch, const std::optional<Hit>& hit);
+    void pass_volumes(Branch& branch, const Maybe<Hit>& hit);
     /// True if a medium scattered the ray's light on the way: then the branch ends.
     bool pass_media(Branch& branch, double end);
     Color free_of_media(const Branch& branch, double t) const;

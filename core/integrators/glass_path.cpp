@@ -21,9 +21,9 @@ struct GlassExit {
 /// enters, where it hits; so is the one that leaves, unless the cache was asked how the way changes.
 std::optional<GlassExit> interpolated_exit(const Scene& scene, const Hit& hit, const RayDifferential& differential,
                                            float time) {
-    if (!hit.is_interpolated() || hit.interpolated.way == GlassWay::Unknown) return std::nullopt;
+    if (!hit.interpolated || hit.interpolated->way == GlassWay::Unknown) return std::nullopt;
     const Affine3d to_world = scene.tracer().local_to_world(hit.instance, time);
-    const InterpolatedHit& way = hit.interpolated;
+    const InterpolatedHit& way = *hit.interpolated;
     GlassExit exit;
     exit.is_cut_off = way.way == GlassWay::CutOff;
     if (exit.is_cut_off) return exit;
@@ -57,7 +57,7 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
     Ray& ray = exit.ray;
     for (int hits = 0; hits < most_hits; ++hits) {
         ray = with_width(ray, exit.differential);
-        const std::optional<Hit> hit = scene.tracer().closest_on(instance, ray);
+        const Maybe<Hit> hit = scene.tracer().closest_on(instance, ray);
         if (!hit) return std::nullopt;
         const SurfacePoint point = scene.tracer().surface_point(ray, *hit);
         const Vec3d facet(point.facet_normal);

@@ -81,7 +81,7 @@ std::vector<OpenPoint> PointFinder::find(const CameraRay& camera_ray, const Samp
 void PointFinder::look(const Branch& branch) {
     const Tracer& tracer = frame_.scene.tracer();
     const Ray ray = with_width(branch.ray, branch.differential);
-    const std::optional<Hit> hit = tracer.closest_hit(ray, branch.bounces.ray_kind());
+    const Maybe<Hit> hit = tracer.closest_hit(ray, branch.bounces.ray_kind());
     if (!hit || branch.bounces.is_spent()) return;
     Vertex vertex;
     vertex.point = tracer.surface_point(ray, *hit);

@@ -9,7 +9,7 @@ const SceneMedium* medium_holding(const Scene& scene, uint32_t instance, const V
     Ray up;
     up.origin = position;
     up.time = time;
-    const std::optional<Hit> hit = scene.tracer().closest_on(instance, up);
+    const Maybe<Hit> hit = scene.tracer().closest_on(instance, up);
     if (!hit) return nullptr;
     const SurfacePoint point = scene.tracer().surface_point(up, *hit);
     if (point.facet_normal.dot(Vec3f(up.direction)) <= 0.0f) return nullptr;

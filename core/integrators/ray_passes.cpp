@@ -33,12 +33,12 @@ void write(RayAnswer answer, float error, PixelSample& sample) {
 
 void write_answer(const Tracer& tracer, const ClosestHit& found, PixelSample& sample) {
     const bool interpolated = found.hit && found.hit->is_interpolated();
-    write(found.answer, interpolated ? found.hit->interpolated.error : 0.0f, sample);
+    write(found.answer, interpolated ? found.hit->interpolated->error : 0.0f, sample);
     const LocalRayCache* cache = found.hit ? tracer.cache(found.hit->instance) : nullptr;
     if (cache) sample[Pass::tree_index].x = static_cast<float>(cache->number());
 }
 
-void write_level(const std::optional<Hit>& hit, PixelSample& sample) {
+void write_level(const Maybe<Hit>& hit, PixelSample& sample) {
     const bool has_level = hit && !hit->is_interpolated() && hit->local.subpatch != RayAnchor::kNone;
     sample[Pass::geometry_level].x = has_level ? static_cast<float>(own_level(hit->local.levels) + 1) : 0.0f;
 }

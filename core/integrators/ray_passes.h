@@ -10,7 +10,7 @@ namespace rayleaf {
 /// Writes Rayleaf Mask, its colours, Rayleaf Error and Rayleaf Tree.
 void write_answer(const Tracer& tracer, const ClosestHit& found, PixelSample& sample);
 /// Writes Rayleaf Level.
-void write_level(const std::optional<Hit>& hit, PixelSample& sample);
+void write_level(const Maybe<Hit>& hit, PixelSample& sample);
 /// Writes Path Length, and in the others the values of volume objects where those say more.
 void write_volumes(const VolumePassage& passage, PixelSample& sample);
 

@@ -110,7 +110,7 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const SubsurfaceEnt
         const uint32_t first = step * kDimensionsPerStep;
         const Step taken(medium, throughput, own.get2(first + kDistance));
         ray.t_max = taken.length;
-        if (const std::optional<Hit> hit = scene.tracer().closest_on(entry.instance, ray))
+        if (const Maybe<Hit> hit = scene.tracer().closest_on(entry.instance, ray))
             return SubsurfaceExit{ray, *hit, throughput * taken.at_surface(medium, static_cast<float>(hit->t))};
         throughput *= taken.scattered(medium);
         if (!survives(throughput, own.get1(first + kRoulette))) return std::nullopt;

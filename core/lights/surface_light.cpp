@@ -47,7 +47,7 @@ bool is_shut_in(const Tracer& tracer, const SurfacePoint& point, const Vec3f& di
     Ray ray;
     point.release(ray, direction);
     ray.direction = Vec3d(direction);
-    const std::optional<Hit> hit = tracer.closest_hit(ray, kVisibleDiffuse);
+    const Maybe<Hit> hit = tracer.closest_hit(ray, kVisibleDiffuse);
     return hit && hit->instance == point.instance;
 }
 

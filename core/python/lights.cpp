@@ -71,7 +71,7 @@ py::dict sample(const LightProbe& probe, const Array<double>& position, const Ar
 std::pair<Color, float> look_along(const Scene& scene, const Ray& ray, const LitPoint& from) {
     Color radiance(0.0f);
     float density = 0;
-    const std::optional<Hit> hit = scene.tracer().closest_hit(ray, kVisibleDiffuse);
+    const Maybe<Hit> hit = scene.tracer().closest_hit(ray, kVisibleDiffuse);
     scene.lights().lamp_hits(ray, hit ? hit->t : ray.t_max, from, kVisibleDiffuse, sampling_state(),
                              [&](const LampHit& lamp) {
                                  radiance += lamp.radiance;

@@ -48,7 +48,7 @@ py::dict closest_in_packets(const Tracer& tracer, const Array<double>& origins, 
             std::array<ClosestHit, kPacketSize> found;
             tracer.closest(queries, coherence(coherent), found.data());
             for (size_t i = 0; i < queries.size(); ++i) {
-                const std::optional<Hit>& hit = found[i].hit;
+                const Maybe<Hit>& hit = found[i].hit;
                 t_out[first + i] = hit ? hit->t : std::numeric_limits<double>::infinity();
                 instance_out[first + i] = hit ? static_cast<int32_t>(hit->instance) : -1;
                 primitive_out[first + i] = hit ? static_cast<int32_t>(hit->local.primitive) : -1;
@@ -89,7 +89,7 @@ void bind_packets(py::module_& module) {
 }
 
 FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Visibility kind, SurfaceDetail detail) {
-    FoundPoints found{std::vector<std::optional<Hit>>(rays.size()), std::vector<SurfacePoint>(rays.size())};
+    FoundPoints found{std::vector<Maybe<Hit>>(rays.size()), std::vector<SurfacePoint>(rays.size())};
     std::vector<SurfaceQuery> queries;
     for (size_t i = 0; i < rays.size(); ++i) {
         found.hits[i] = tracer.closest_hit(rays[i], kind);

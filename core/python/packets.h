@@ -4,7 +4,6 @@
 #include "python/bindings.h"
 #include "trace/tracer.h"
 
-#include <optional>
 #include <vector>
 
 namespace rayleaf {
@@ -13,7 +12,7 @@ void bind_packets(py::module_& module);
 
 /// What rays hit, and the surface points there: of several found together, of one alone.
 struct FoundPoints {
-    std::vector<std::optional<Hit>> hits;
+    std::vector<Maybe<Hit>> hits;
     std::vector<SurfacePoint> points;
 };
 FoundPoints found_points(const Tracer& tracer, const std::vector<Ray>& rays, Visibility kind, SurfaceDetail detail);

@@ -150,7 +150,7 @@ py::dict closest_hits(const Tracer& tracer, const Array<double>& origins, const 
     float *u_out = u.mutable_data(), *v_out = v.mutable_data(), *uv_out = uv.mutable_data();
     float *normal_out = normal.mutable_data(), *facet_normal_out = facet_normal.mutable_data();
     float* derivatives_out = derivatives.mutable_data();
-    const auto store = [&](size_t i, const std::optional<Hit>& hit, const SurfacePoint& point) {
+    const auto store = [&](size_t i, const Maybe<Hit>& hit, const SurfacePoint& point) {
         t_out[i] = hit ? hit->t : std::numeric_limits<double>::infinity();
         instance_out[i] = hit ? static_cast<int32_t>(hit->instance) : -1;
         primitive_out[i] = hit ? static_cast<int32_t>(hit->local.primitive) : -1;
@@ -289,7 +289,7 @@ py::tuple timed(const Tracer& tracer, const Array<double>& origins, const Array<
                 const Array<float>& width, const Array<float>& spread, const Array<uint32_t>& starts) {
     const std::vector<Ray> rays = whole_rays(origins, directions, width, spread, starts);
     return timed_rays(rays, [&](const Ray& ray) {
-        const std::optional<Hit> hit = tracer.closest_hit(ray, kVisibleAll);
+        const Maybe<Hit> hit = tracer.closest_hit(ray, kVisibleAll);
         return hit ? hit->t : std::numeric_limits<double>::infinity();
     });
 }

@@ -1,6 +1,7 @@
 // Where a ray met a shape.
 #pragma once
 
+#include "base/maybe.h"
 #include "base/vector.h"
 #include "rays/ray.h"
 
@@ -64,9 +65,11 @@ struct Hit {
     uint32_t instance = 0;  ///< index of the instance
     LocalHit local;
     RayAnswer answer = RayAnswer::NotAsked;
-    InterpolatedHit interpolated;  ///< where `is_interpolated`; the facet's normal is the surface's then
+    Maybe<InterpolatedHit> interpolated;  ///< where a ray cache has answered: the facet's normal is the surface's
 
-    bool is_interpolated() const { return answer == RayAnswer::Interpolated || answer == RayAnswer::Followed; }
+    Hit() = default;
+    Hit(double distance, uint32_t index, RayAnswer by) : t(distance), instance(index), answer(by) {}
+    bool is_interpolated() const { return interpolated.has_value(); }
 };
 
 }  // namespace rayleaf

@@ -55,7 +55,7 @@ SampleTracer::SampleTracer(std::shared_ptr<const Shape> shape, const SampleSetti
       tracer_(in_local_space(shape_), even_view(settings.facet_tolerance), cancel) {}
 
 uint32_t SampleTracer::first_hit_class(const Ray& ray) const {
-    const std::optional<Hit> hit = tracer_.closest_hit(ray, kVisibleAll);
+    const Maybe<Hit> hit = tracer_.closest_hit(ray, kVisibleAll);
     return hit ? classes_.of(*shape_, hit->local) : kMissedClass;
 }
 
@@ -106,7 +106,7 @@ OutputRay SampleTracer::trace(const Ray& ray, const RayChanges& ray_changes, Out
 template <typename Changes>
 OutputRay SampleTracer::trace_path(const Ray& ray, Changes& changes) const {
     OutputRay out;
-    const std::optional<Hit> hit = tracer_.closest_hit(ray, kVisibleAll);
+    const Maybe<Hit> hit = tracer_.closest_hit(ray, kVisibleAll);
     if (!hit) return out;
     if (settings_.kind == OutputKind::Volume) {
         out.sample_class.first_hit = classes_.of(*shape_, hit->local);
@@ -143,7 +143,7 @@ void SampleTracer::follow_glass(const Ray& ray, const Point& first, OutputRay& o
         Ray inner;
         inner.origin = point.ray_origin(direction);
         inner.direction = direction;
-        const std::optional<Hit> hit = tracer_.closest_hit(inner, kVisibleAll);
+        const Maybe<Hit> hit = tracer_.closest_hit(inner, kVisibleAll);
         if (!hit) return std::nullopt;
         point = point_at(inner, *hit);
         changes.arrive(point.surface.position, direction, point.surface, point.tangent_normal);
@@ -159,7 +159,7 @@ void SampleTracer::measure_length(const Ray& ray, const Hit& first, OutputRay& o
     double entered = 0.0;
     int inside = 0;  // nested bodies of one shape count once
     Ray rest = ray;
-    std::optional<Hit> hit = first;
+    Maybe<Hit> hit = first;
     for (;;) {
         const Vec3d facet_normal(hit->local.normal);
         path.exit = classes_.of(*shape_, hit->local);

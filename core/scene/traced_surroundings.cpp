@@ -117,7 +117,7 @@ Vec3f TracedSurroundings::rounded_normal(const SurfacePoint& point, float radius
         ray.direction = -Vec3d(chosen.axes[0]);
         ray.t_max = 2.0 * static_cast<double>(height);
         for (int met = 0; met < kMostMeetings; ++met) {
-            const std::optional<Hit> hit = tracer_.closest_on(point.instance, ray);
+            const Maybe<Hit> hit = tracer_.closest_on(point.instance, ray);
             if (!hit) break;
             const SurfacePoint other = tracer_.surface_point(ray, *hit, SurfaceDetail::Normal);
             const auto reach = static_cast<float>((other.position - point.position).length());

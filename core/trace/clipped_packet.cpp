@@ -57,7 +57,8 @@ class Clipping {
         uint32_t bits = mask_bits(lanes, inside(box, begin)) & asked;
         if (bits == 0) return 0;
         const Vector speed = speeds(bits);
-        const Vector start = hn::Sub(most(begin, t_min_), hn::Div(hn::Set(lanes, kBackstep), speed));
+        const Vector inverse = hn::Div(hn::Set(lanes, 1.0), speed);
+        const Vector start = hn::Sub(most(begin, t_min_), hn::Mul(hn::Set(lanes, kBackstep), inverse));
         for (int axis = 0; axis < 3; ++axis) {
             hn::Store(origin_[axis], lanes, rays.origin[axis] + first_);
             hn::Store(direction_[axis], lanes, rays.direction[axis] + first_);
@@ -67,7 +68,7 @@ class Clipping {
         hn::Store(start, lanes, rays.start + first_);
         hn::Store(speed, lanes, rays.speed + first_);
         set_reach(start, speed, rays);
-        return bits & set_float_rays(start, speed, rays);
+        return bits & set_float_rays(start, inverse, rays);
     }
 
   private:
@@ -133,15 +134,15 @@ class Clipping {
         hn::Store(hn::DemoteTo(floats, hn::Add(from, margin)), floats, rays.sure_from + first_);
         hn::Store(hn::DemoteTo(floats, sure_to), floats, rays.sure_to + first_);
     }
-    /// Returns the lanes whose float rays Embree can take.
-    HWY_INLINE uint32_t set_float_rays(Vector start, Vector speed, RayPacket& rays) const {
+    /// Returns the lanes whose float rays Embree can take. `inverse`: of the speed.
+    HWY_INLINE uint32_t set_float_rays(Vector start, Vector inverse, RayPacket& rays) const {
         const FloatLanes floats;
         FloatVector size = hn::Zero(floats);
         auto is_near = hn::Eq(size, size);
         const FloatVector far_off = hn::Set(floats, kFarOff);
         for (int axis = 0; axis < 3; ++axis) {
             const FloatVector origin = hn::DemoteTo(floats, hn::Add(origin_[axis], hn::Mul(direction_[axis], start)));
-            const FloatVector direction = hn::DemoteTo(floats, hn::Div(direction_[axis], speed));
+            const FloatVector direction = hn::DemoteTo(floats, hn::Mul(direction_[axis], inverse));
             hn::Store(origin, floats, rays.near_origin[axis] + first_);
             hn::Store(direction, floats, rays.unit_direction[axis] + first_);
             is_near = hn::And(is_near, hn::And(hn::Le(hn::Abs(origin), far_off), hn::Le(hn::Abs(direction), far_off)));

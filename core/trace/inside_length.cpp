@@ -31,7 +31,7 @@ double traced_length(const ShapeScene& scene, const Vec3d& origin, const Vec3d& 
     double from = t_min;
     for (int crossings = 0; crossings < kMostCrossings; ++crossings) {
         // Past t_max too: only the next crossing shows whether the ray ends inside.
-        std::optional<LocalRay> ray =
+        Maybe<LocalRay> ray =
             clipped_ray(scene.box(), origin, direction, from, std::numeric_limits<double>::infinity());
         ShapeHit hit;
         if (!ray) break;

@@ -60,9 +60,9 @@ bool InstanceRecord::try_place(const Shape& shape, const Affine3d& object_to_wor
     return true;
 }
 
-const InstanceRecord* InstanceRecord::moved(float time, std::optional<InstanceRecord>& room) const {
-    room = *this;
-    return room->try_place(scene->shape(), motion->at(time)) ? &*room : nullptr;
+const InstanceRecord* InstanceRecord::moved(float time, Maybe<InstanceRecord>& room) const {
+    InstanceRecord& record = room.emplace(*this);
+    return record.try_place(scene->shape(), motion->at(time)) ? &record : nullptr;
 }
 
 Box3d InstanceRecord::world_box() const {
@@ -129,10 +129,9 @@ RayBeam InstanceRecord::local_beam(const RayBeam& beam) const {
     return local;
 }
 
-std::optional<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& world_ray, double t_max) const {
-    if (scene->box().isEmpty()) return std::nullopt;
-    std::optional<LocalRay> local = clipped_ray(scene->box(), point_to_local(world_ray.origin),
-                                                vector_to_local(world_ray.direction), world_ray.t_min, t_max);
+Maybe<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& world_ray, double t_max) const {
+    Maybe<LocalRay> local = clipped_ray(scene->box(), point_to_local(world_ray.origin),
+                                        vector_to_local(world_ray.direction), world_ray.t_min, t_max);
     if (!local) return local;
     local->time = shutter_time(world_ray.time);
     if (world_ray.start.instance == index) local->start_facet = world_ray.start.facet;
@@ -148,11 +147,13 @@ std::optional<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& wor
     return local;
 }
 
-std::optional<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray) const {
-    const std::optional<LocalRay> local = local_ray(index, world_ray, world_ray.t_max);
+Maybe<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray) const {
+    const Maybe<LocalRay> local = local_ray(index, world_ray, world_ray.t_max);
     ShapeHit hit;
     if (!local || !scene->closest(*local, hit)) return std::nullopt;
-    return Hit{hit.point.t, index, scene->hit_at(hit, local->time), RayAnswer::NotAsked, {}};
+    Maybe<Hit> found;
+    found.emplace(hit.point.t, index, RayAnswer::NotAsked).local = scene->hit_at(hit, local->time);
+    return found;
 }
 
 LengthAnswer InstanceRecord::length_inside(const Ray& world_ray) const {

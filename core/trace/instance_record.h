@@ -10,7 +10,6 @@
 #include "trace/shape_scene.h"
 
 #include <memory>
-#include <optional>
 
 namespace rayleaf {
 
@@ -38,7 +37,7 @@ struct InstanceRecord {
     bool try_place(const Shape& shape, const Affine3d& object_to_world);
     /// The record as rays of a time meet it, in `room` where the instance moves; null while it is flat, and nothing can
     /// meet it.
-    const InstanceRecord* at(float time, std::optional<InstanceRecord>& room) const {
+    const InstanceRecord* at(float time, Maybe<InstanceRecord>& room) const {
         return motion ? moved(time, room) : this;
     }
 
@@ -80,14 +79,14 @@ struct InstanceRecord {
     RayBeam local_beam(const RayBeam& beam) const;
     /// A world ray up to t_max in local space; empty where it misses
     /// the shape's box. `index` is the instance's.
-    std::optional<LocalRay> local_ray(uint32_t index, const Ray& world_ray, double t_max) const;
+    Maybe<LocalRay> local_ray(uint32_t index, const Ray& world_ray, double t_max) const;
 
     /// By tracing alone; `index` is the instance's.
-    std::optional<Hit> closest(uint32_t index, const Ray& world_ray) const;
+    Maybe<Hit> closest(uint32_t index, const Ray& world_ray) const;
     LengthAnswer length_inside(const Ray& world_ray) const;
 
   private:
-    const InstanceRecord* moved(float time, std::optional<InstanceRecord>& room) const;
+    const InstanceRecord* moved(float time, Maybe<InstanceRecord>& room) const;
 };
 
 }  // namespace rayleaf

@@ -51,20 +51,21 @@ std::optional<RayInterval> inside_box(const Box3d& box, const Vec3d& origin, con
     return interval;
 }
 
-std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const Vec3d& direction, double t_min,
-                                    double t_max) {
+Maybe<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const Vec3d& direction, double t_min, double t_max) {
+    Maybe<LocalRay> made;  // returned everywhere, so in its place: copies cost as much as the clipping
+    if (box.isEmpty()) return made;
     const std::optional<RayInterval> interval = inside_box(box, origin, direction);
-    if (!interval || interval->end < t_min || interval->begin > t_max) return std::nullopt;
-    std::optional<LocalRay> made(std::in_place);  // in its place: copies cost as much as the clipping
-    LocalRay& ray = *made;
+    if (!interval || interval->end < t_min || interval->begin > t_max) return made;
+    LocalRay& ray = made.emplace();
     ray.origin = origin;
     ray.direction = direction;
     ray.t_min = t_min;
     ray.t_max = t_max;
     ray.speed = length_of(direction);
-    ray.start = std::max(interval->begin, t_min) - kBackstep / ray.speed;
+    const double inverse = 1.0 / ray.speed;
+    ray.start = std::max(interval->begin, t_min) - kBackstep * inverse;
     ray.float_origin = Vec3f(origin + direction * ray.start);
-    ray.float_direction = Vec3f(direction / ray.speed);
+    ray.float_direction = Vec3f(direction * inverse);
     const bool is_near = is_finite(ray.float_origin) && max_abs(ray.float_origin) <= kFarOff;
     if (!is_near || !is_finite(ray.float_direction) || !(max_abs(ray.float_direction) > 0.0f)) made.reset();
     return made;

@@ -5,6 +5,7 @@
 // start: what Embree or a grid kernel finds is a candidate, and the exact t in double decides whether it counts.
 #pragma once
 
+#include "base/maybe.h"
 #include "base/vector.h"
 #include "rays/ray.h"
 #include "tessellation/geometry_cache.h"
@@ -54,7 +55,7 @@ struct LocalRay {
     RayBeam beam;          ///< Ray's, local; a unit of t in it is the shortest that the instance makes of a local unit
     float stretch = 1;     ///< the longest over that
     RayAnchor anchors[2];  ///< Ray's start and end where they lie on this instance; else none
-    std::optional<LocalSight> before;               ///< of the ray that found the start, where it matters
+    Maybe<LocalSight> before;                       ///< of the ray that found the start, where it matters
     const GeometryCache::Reader* reader = nullptr;  ///< of this thread; null: the shape gets one
 
     float time = kMiddleTime;                 ///< of the shutter, within it
@@ -76,8 +77,7 @@ struct RayInterval {
 std::optional<RayInterval> inside_box(const Box3d& box, const Vec3d& origin, const Vec3d& direction);
 
 /// The ray clipped to a shape's box and ready for Embree; empty where it misses the box within [t_min, t_max].
-std::optional<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const Vec3d& direction, double t_min,
-                                    double t_max);
+Maybe<LocalRay> clipped_ray(const Box3d& box, const Vec3d& origin, const Vec3d& direction, double t_min, double t_max);
 
 /// Whether tracing may be given a ray: finite, with a direction.
 inline bool is_traceable(const Ray& ray) {

@@ -7,6 +7,7 @@
 // grids it finds all candidates, and double precision decides.
 #pragma once
 
+#include "base/maybe.h"
 #include "geometry/facet.h"
 #include "geometry/shape.h"
 #include "rays/hit.h"
@@ -115,16 +116,16 @@ struct PacketQuery {
         FacetHit point;
         Vec3d normal{0, 0, 0};  ///< as of ShapeHit
     };
-    std::array<Best, kPacketSize> best;  ///< of the lanes that have found something
-    OpenFacets open;                     ///< of shapes of blocks
-    float times[kPacketSize] = {};       ///< of the shutter; set for shapes that deform
+    std::array<Maybe<Best>, kPacketSize> best;  ///< of the lanes that have found something
+    OpenFacets open;                            ///< of shapes of blocks
+    float times[kPacketSize] = {};              ///< of the shutter; set for shapes that deform
 
     explicit PacketQuery(Coherence alike) : coherence(alike) { initialize(context); }
     static PacketQuery& of(EmbreeContext* context) { return *reinterpret_cast<PacketQuery*>(context); }
 
     bool has_found(size_t lane) const { return (found >> lane & 1u) != 0; }
     /// t of the lane's best hit, or its t_max.
-    double farthest(size_t lane) const { return has_found(lane) ? best[lane].point.t : rays.t_max[lane]; }
+    double farthest(size_t lane) const { return has_found(lane) ? best[lane]->point.t : rays.t_max[lane]; }
     /// LocalRay::float_distance of that.
     float float_farthest(size_t lane) const {
         return float_distance_of(farthest(lane), rays.start[lane], rays.speed[lane]);
@@ -132,9 +133,8 @@ struct PacketQuery {
     /// Takes a hit if it is the nearest so far.
     bool take(size_t lane, const FacetId& facet, const FacetHit& hit) {
         if (!(hit.t >= rays.t_min[lane] && hit.t <= farthest(lane))) return false;
-        if (has_found(lane) && hit.t == best[lane].point.t && best[lane].facet < facet) return false;
-        best[lane].facet = facet;
-        best[lane].point = hit;
+        if (has_found(lane) && hit.t == best[lane]->point.t && best[lane]->facet < facet) return false;
+        best[lane].emplace(facet, hit);
         found |= 1u << lane;
         return true;
     }

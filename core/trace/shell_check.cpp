@@ -31,7 +31,7 @@ bool finds_crack(const Tracer& tracer, const Ray& ray, ShellSide start, double m
     Cluster cluster;
     double last = -std::numeric_limits<double>::infinity();
     for (;;) {
-        const std::optional<Hit> hit = tracer.closest_hit(rest, kVisibleAll);
+        const Maybe<Hit> hit = tracer.closest_hit(rest, kVisibleAll);
         const bool any = cluster.entering || cluster.leaving;
         if (any && (!hit || hit->t - last > merge)) {
             sides = cluster.after(sides);

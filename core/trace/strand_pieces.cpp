@@ -129,7 +129,7 @@ void StrandScene::build_tree(const CancelToken& cancel) {
 
 /// What holds a piece at two times, mixed, holds it in between: its points go along lines, and neither their bend nor
 /// the radius is more than the mean of both.
-const Capsules& StrandScene::mixed_capsules(uint32_t leaf, float time, std::optional<Capsules>& found) const {
+const Capsules& StrandScene::mixed_capsules(uint32_t leaf, float time, Maybe<Capsules>& found) const {
     Capsules& room = found.emplace();
     const StepShare step = step_share(time, strands_->steps());
     const Capsules* from = &capsules_[leaf * strands_->steps() + step.first];

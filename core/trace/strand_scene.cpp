@@ -105,7 +105,7 @@ StrandSpans StrandScene::spans(const Query& query, const Piece& piece, double ne
 
 /// The nearest first: a hit rules out those behind it.
 void StrandScene::visit_leaf(Query& query, uint32_t leaf, float& farthest) const {
-    std::optional<Capsules> room;
+    Maybe<Capsules> room;
     const Capsules& capsules = this->capsules(leaf, query.ray->time, room);
     float nears[Capsules::kMost];
     uint32_t met = meet_capsules_(capsules, query.float_frame, {-kAlongError, farthest}, nears);
@@ -195,7 +195,7 @@ bool StrandScene::find_holding(Query& query, uint32_t strand, double distance) c
 }
 
 void StrandScene::visit_holding(Query& query, uint32_t leaf) const {
-    std::optional<Capsules> room;
+    Maybe<Capsules> room;
     const Capsules& capsules = this->capsules(leaf, query.ray->time, room);
     const auto place = static_cast<float>(query.wanted_distance);
     float nears[Capsules::kMost];
@@ -284,12 +284,12 @@ bool StrandScene::occluded(const LocalRay& ray) const {
 
 /// The rays of a packet, each as it would be alone.
 struct StrandScene::Packet {
-    std::array<LocalRay, kPacketSize> rays;
+    std::array<Maybe<LocalRay>, kPacketSize> rays;
     std::array<std::optional<Query>, kPacketSize> queries;
 
     Packet(const StrandScene& scene, const PacketQuery& packet, Wanted wanted) {
         for_each_lane(packet.lanes, [&](size_t lane) {
-            LocalRay& ray = rays[lane];
+            LocalRay& ray = rays[lane].emplace();
             const RayPacket& from = packet.rays;
             ray.origin = from.origin_of(lane);
             ray.direction = from.direction_of(lane);
@@ -317,7 +317,7 @@ void StrandScene::find(PacketQuery& packet, Wanted wanted) const {
     alignas(64) float farthest[kPacketSize] = {};
     for (uint32_t lanes = packet.lanes; lanes != 0;) {
         for_each_lane(lanes, [&](size_t lane) {
-            farthest[lane] = asked.rays[lane].float_distance(asked.queries[lane]->farthest);
+            farthest[lane] = asked.rays[lane]->float_distance(asked.queries[lane]->farthest);
         });
         tree_.packet(
             packet.rays, packet.times, lanes, kFewStrandRays, farthest,
@@ -337,7 +337,7 @@ void StrandScene::find(PacketQuery& packet, Wanted wanted) const {
         packet.found |= 1u << lane;
         if (wanted == Wanted::Any) return;
         set_normal(query);
-        packet.best[lane] = {query.best.facet, query.best.point, query.best.normal};
+        packet.best[lane].emplace(query.best.facet, query.best.point, query.best.normal);
     });
 }
 

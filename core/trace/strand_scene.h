@@ -5,13 +5,13 @@
 // pieces that hold it (`inside`).
 #pragma once
 
+#include "base/maybe.h"
 #include "geometry/strands.h"
 #include "trace/capsules.h"
 #include "trace/moving_tree.h"
 #include "trace/shape_scene.h"
 #include "trace/strand_intersection.h"
 
-#include <optional>
 #include <vector>
 
 namespace rayleaf {
@@ -67,10 +67,10 @@ class StrandScene final : public ShapeScene {
     /// Whether a segment is thicker than nothing at some time.
     bool can_be_hit(uint32_t segment) const;
     /// A leaf's at a time, mixed in `room` where they move.
-    const Capsules& capsules(uint32_t leaf, float time, std::optional<Capsules>& room) const {
+    const Capsules& capsules(uint32_t leaf, float time, Maybe<Capsules>& room) const {
         return deforms() ? mixed_capsules(leaf, time, room) : capsules_[leaf];
     }
-    const Capsules& mixed_capsules(uint32_t leaf, float time, std::optional<Capsules>& room) const;
+    const Capsules& mixed_capsules(uint32_t leaf, float time, Maybe<Capsules>& room) const;
     std::vector<uint32_t> items() const;
     void build_tree(const CancelToken& cancel);
     void set_capsule(Capsules& capsules, uint32_t lane, const Piece& piece, float time) const;

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 
 namespace rayleaf {
 namespace {
@@ -17,7 +16,7 @@ struct LaneGroup {
     SurfaceLanes lanes;
     std::array<const SurfaceQuery*, SurfaceLanes::kMost> queries;
     std::array<Vec2f, SurfaceLanes::kMost> uv;
-    using Records = std::array<std::optional<InstanceRecord>, SurfaceLanes::kMost>;
+    using Records = std::array<Maybe<InstanceRecord>, SurfaceLanes::kMost>;
     std::unique_ptr<Records> moved;  ///< of instances that move; made where there are any
 
     bool is_full() const { return lanes.count == SurfaceLanes::kMost; }

@@ -45,47 +45,42 @@ void Tracer::Implementation::give_back_table() {
     store->tables.give_back(std::move(static_cast<InstanceTable&>(*this)));
 }
 
-std::optional<Hit> Tracer::closest_hit(const Ray& ray, Visibility kind) const {
-    std::optional<Hit> hit;
-    implementation_->find(ray, kind, nullptr, hit);
-    return hit;
+Maybe<Hit> Tracer::closest_hit(const Ray& ray, Visibility kind) const {
+    return implementation_->closest({&ray, kind, nullptr}).hit;
 }
 
 ClosestHit Tracer::closest(const Ray& ray, Visibility kind, const RayDifferential* differential) const {
-    ClosestHit result;
-    result.answer = implementation_->find(ray, kind, differential, result.hit);
-    return result;
+    return implementation_->closest({&ray, kind, differential});
 }
 
-std::optional<Hit> Tracer::closest_on(uint32_t instance, const Ray& ray) const {
+Maybe<Hit> Tracer::closest_on(uint32_t instance, const Ray& ray) const {
     const FloatEnvironment environment;
-    std::optional<InstanceRecord> room;
+    Maybe<InstanceRecord> room;
     const InstanceRecord* record = implementation_->records[instance].at(ray.time, room);
     return record && is_traceable(ray) ? record->closest(instance, ray) : std::nullopt;
 }
 
 LengthAnswer Tracer::length_inside(uint32_t instance, const Ray& ray) const {
     const FloatEnvironment environment;
-    std::optional<InstanceRecord> room;
+    Maybe<InstanceRecord> room;
     const InstanceRecord* record = implementation_->records[instance].at(ray.time, room);
     return record && is_traceable(ray) ? record->length_inside(ray) : LengthAnswer{RayAnswer::NotAsked};
 }
 
 bool Tracer::occluded(const Ray& ray, Visibility kind) const {
     const FloatEnvironment environment;
-    Implementation::Query query;
-    if (!implementation_->start(query, ray, kind)) return false;
-    implementation_->ask_all(query, Implementation::Wanted::Any);
-    return query.found;
+    if (!implementation_->can_hit(ray)) return false;
+    Implementation::Query query{{&ray, kind, nullptr}, nullptr, ray.t_max, nullptr, nullptr};
+    return implementation_->ask_all(query);
 }
 
 SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit, SurfaceDetail detail) const {
     const double size = max_abs(ray.origin) + hit.t * max_abs(ray.direction);
-    std::optional<InstanceRecord> room;
+    Maybe<InstanceRecord> room;
     SurfacePoint point =
         implementation_->records[hit.instance]
             .at(ray.time, room)
-            ->surface_point(hit.instance, hit.local, size, hit.is_interpolated() ? &hit.interpolated : nullptr, detail);
+            ->surface_point(hit.instance, hit.local, size, hit.interpolated ? &*hit.interpolated : nullptr, detail);
     point.t = hit.t;
     point.time = ray.time;
     if (hit.local.subpatch_length > 0.0f) point.sight = implementation_->sight_from(ray, hit);
@@ -94,13 +89,13 @@ SurfacePoint Tracer::surface_point(const Ray& ray, const Hit& hit, SurfaceDetail
 
 /// Where it is at rest while it is flat.
 const InstanceRecord& Tracer::Implementation::record_at(uint32_t instance, float time,
-                                                        std::optional<InstanceRecord>& room) const {
+                                                        Maybe<InstanceRecord>& room) const {
     const InstanceRecord* moved = records[instance].at(time, room);
     return moved ? *moved : records[instance];
 }
 
 SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit, float time) const {
-    std::optional<InstanceRecord> room;
+    Maybe<InstanceRecord> room;
     const InstanceRecord& record = implementation_->record_at(instance, time, room);
     LocalHit now = hit;
     now.time = shutter_time(time);
@@ -111,7 +106,7 @@ SurfacePoint Tracer::surface_point(uint32_t instance, const LocalHit& hit, float
 }
 
 SurfacePoint Tracer::place(uint32_t instance, const LocalHit& hit, float time) const {
-    std::optional<InstanceRecord> room;
+    Maybe<InstanceRecord> room;
     const InstanceRecord& record = implementation_->record_at(instance, time, room);
     const ShapeScene& scene = *record.scene;
     const bool asks_facet = scene.has_levels() || !(scene.facet_distance() > 0.0);

@@ -7,6 +7,7 @@
 
 #include "base/cancel.h"
 #include "base/chunked_vector.h"
+#include "base/maybe.h"
 #include "base/vector.h"
 #include "geometry/shape.h"
 #include "geometry/surface_point.h"
@@ -20,7 +21,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -65,7 +65,7 @@ struct TraceStatistics {
 
 /// A closest hit, and how the objects with ray caches on the way answered.
 struct ClosestHit {
-    std::optional<Hit> hit;
+    Maybe<Hit> hit;
     RayAnswer answer = RayAnswer::NotAsked;  ///< the hit's; without one, of the objects that were asked
 };
 
@@ -102,13 +102,13 @@ class Tracer {
 
     /// The nearest hit in [t_min, t_max]; ties go to the lower instance, then primitive. Thread-safe; a ray that is not
     /// finite or has a zero direction hits nothing.
-    std::optional<Hit> closest_hit(const Ray& ray, Visibility kind) const;
+    Maybe<Hit> closest_hit(const Ray& ray, Visibility kind) const;
     /// With `differential`, the ray's, an interpolated hit knows how it changes.
     ClosestHit closest(const Ray& ray, Visibility kind, const RayDifferential* differential = nullptr) const;
     /// The same for up to kPacketSize rays at once: the same bits, in less time. `results` has one for each ray.
     void closest(std::span<const RayQuery> rays, Coherence coherence, ClosestHit* results) const;
     /// The nearest hit on one instance, by tracing alone.
-    std::optional<Hit> closest_on(uint32_t instance, const Ray& ray) const;
+    Maybe<Hit> closest_on(uint32_t instance, const Ray& ray) const;
     /// How much of [t_min, t_max] lies inside an instance, world units, regardless of visibility.
     LengthAnswer length_inside(uint32_t instance, const Ray& ray) const;
     /// Whether anything lies in [t_min, t_max].

@@ -6,7 +6,6 @@
 #include "trace/tracer_queries.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace rayleaf {
 namespace {
@@ -33,31 +32,36 @@ void set_lane(RayPacket& rays, size_t lane, const LocalRay& ray) {
     rays.sure_to[lane] = static_cast<float>(to * (1.0 - 0x1p-20) - margin);
 }
 
+/// More than a few.
+bool are_many(uint32_t lanes) {
+    for (int i = 0; i < kFewAboveInstances; ++i) lanes &= lanes - 1;
+    return lanes != 0;
+}
+
 }  // namespace
 
-void Tracer::Implementation::start(Packet& packet, std::span<const RayQuery> rays) const {
+void Tracer::Implementation::start(Packet& packet) const {
     if (cache) packet.reader.emplace(*cache);
-    for (size_t lane = 0; lane < rays.size(); ++lane) {
-        Query& query = packet.queries[lane];
-        query.differential = rays[lane].differential;
-        if (!start(query, *rays[lane].ray, rays[lane].kind)) continue;
-        query.reader = packet.reader ? &*packet.reader : nullptr;
+    for (size_t lane = 0; lane < packet.rays.size(); ++lane) {
+        const Ray& ray = *packet.rays[lane].ray;
+        if (!can_hit(ray)) continue;
         packet.lanes |= 1u << lane;
+        packet.kinds |= packet.rays[lane].kind;
         for (int axis = 0; axis < 3; ++axis) {
-            packet.world.origin[axis][lane] = query.ray->origin[axis];
-            packet.world.direction[axis][lane] = query.ray->direction[axis];
+            packet.world.origin[axis][lane] = ray.origin[axis];
+            packet.world.direction[axis][lane] = ray.direction[axis];
         }
-        packet.world.t_min[lane] = query.ray->t_min;
-        packet.world.t_max[lane] = query.ray->t_max;
+        packet.world.t_min[lane] = ray.t_min;
+        packet.world.t_max[lane] = ray.t_max;
     }
 }
 
-void Tracer::Implementation::ask_all(Packet& packet, Wanted wanted) const {
-    if (!tree.empty()) return ask_above(packet, wanted);
-    for (uint32_t i = 0; i < instances.size(); ++i) visit(packet, i, packet.lanes, wanted);
+void Tracer::Implementation::ask_all(Packet& packet) const {
+    if (!tree.empty()) return ask_above(packet);
+    for (uint32_t i = 0; i < instances.size(); ++i) visit(packet, i, packet.lanes);
 }
 
-void Tracer::Implementation::ask_above(Packet& packet, Wanted wanted) const {
+void Tracer::Implementation::ask_above(Packet& packet) const {
     const double inverse = 1.0 / frame.scale;  // exact: a power of two
     const RayMap map{frame.center, {inverse, 0, 0}, {0, inverse, 0}, {0, 0, inverse}};
     const Box3d box((bounds.min - frame.center) * inverse, (bounds.max - frame.center) * inverse);
@@ -66,18 +70,14 @@ void Tracer::Implementation::ask_above(Packet& packet, Wanted wanted) const {
     struct Asked {
         const Implementation* tracer;
         Packet* packet;
-        Wanted wanted;
-    } asked{this, &packet, wanted};
+    } asked{this, &packet};
     const auto visit_lanes = [](void* owner, uint32_t index, uint32_t met, float* farthest) {
         const Asked& all = *static_cast<const Asked*>(owner);
-        Packet& rays = *all.packet;
-        all.tracer->visit(rays, index, met, all.wanted);
-        for_each_lane(met, [&](size_t lane) {
-            const Query& query = rays.queries[lane];
-            if (!query.found) return;
-            farthest[lane] = all.wanted == Wanted::Any
-                                 ? kDone
-                                 : float_distance_of(query.farthest, rays.above.start[lane], rays.above.speed[lane]);
+        const Packet& rays = *all.packet;
+        for_each_lane(all.tracer->visit(*all.packet, index, met), [&](size_t lane) {
+            farthest[lane] =
+                rays.results ? float_distance_of(rays.world.t_max[lane], rays.above.start[lane], rays.above.speed[lane])
+                             : kDone;
         });
     };
     alignas(64) float farthest[kPacketSize];
@@ -85,34 +85,48 @@ void Tracer::Implementation::ask_above(Packet& packet, Wanted wanted) const {
     traversal.packet(tree.nodes(), packet.above, lanes, kFewAboveInstances, farthest, {visit_lanes, &asked});
 }
 
-void Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const {
-    uint32_t together = 0;
+uint32_t Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lanes) const {
+    const InstanceRecord& record = records[index];
+    if (!packet.results) lanes &= ~packet.found;
+    const auto keep = [&](const auto& holds) {
+        for_each_lane(lanes, [&](size_t lane) {
+            if (!holds(packet.rays[lane])) lanes &= ~(1u << lane);
+        });
+    };
+    const bool all_see = (packet.kinds & ~record.visibility) == 0;
+    if (!all_see) keep([&](const RayQuery& asked) { return (asked.kind & record.visibility) != 0; });
+    if (!record.scene->takes_packets() || !are_many(lanes)) return visit_alone(packet, index, lanes);
+    if (!record.cache) return visit_together(packet, index, lanes);
+    const uint32_t all = lanes;
+    keep([&](const RayQuery& asked) { return asked.ray->leaves == index; });
+    if (!are_many(lanes)) return visit_alone(packet, index, all);
+    return visit_alone(packet, index, all & ~lanes) | visit_together(packet, index, lanes);
+}
+
+uint32_t Tracer::Implementation::visit_alone(Packet& packet, uint32_t index, uint32_t lanes) const {
+    uint32_t nearer = 0;
     for_each_lane(lanes, [&](size_t lane) {
-        Query& query = packet.queries[lane];
-        if (wanted == Wanted::Any && query.found) return;
-        const bool asks_cache = records[index].cache && query.ray->leaves != index;
-        if (asks_cache || !records[index].scene->takes_packets())
-            visit_alone(query, index, wanted);
-        else
-            together |= 1u << lane;
+        Query query{packet.rays[lane], packet.reader ? &*packet.reader : nullptr, packet.world.t_max[lane],
+                    packet.results ? packet.results + lane : nullptr, &packet.traced[lane]};
+        if (!visit(query, index)) return;
+        packet.world.t_max[lane] = query.farthest;
+        nearer |= 1u << lane;
     });
-    if (std::popcount(together) > kFewAboveInstances)
-        visit_shape(packet, index, together, wanted);
-    else
-        for_each_lane(together, [&](size_t lane) { visit_alone(packet.queries[lane], index, wanted); });
+    packet.found |= nearer;
+    return nearer;
 }
 
 /// The lanes of `packet.shape` that meet a moving instance: each ray where the instance is at its time.
 uint32_t Tracer::Implementation::into_shape(Packet& packet, const InstanceRecord& record, uint32_t lanes) const {
     uint32_t met = 0;
-    std::optional<InstanceRecord> room;
+    Maybe<InstanceRecord> room;
     for_each_lane(lanes, [&](size_t lane) {
-        const Query& query = packet.queries[lane];
-        const InstanceRecord* now = record.at(query.ray->time, room);
+        const Ray& world_ray = *packet.rays[lane].ray;
+        const InstanceRecord* now = record.at(world_ray.time, room);
         if (!now) return;
-        const std::optional<LocalRay> ray =
-            clipped_ray(record.scene->box(), now->point_to_local(query.ray->origin),
-                        now->vector_to_local(query.ray->direction), query.ray->t_min, query.farthest);
+        const Maybe<LocalRay> ray =
+            clipped_ray(record.scene->box(), now->point_to_local(world_ray.origin),
+                        now->vector_to_local(world_ray.direction), world_ray.t_min, packet.world.t_max[lane]);
         if (!ray) return;
         set_lane(packet.shape.rays, lane, *ray);
         met |= 1u << lane;
@@ -120,62 +134,64 @@ uint32_t Tracer::Implementation::into_shape(Packet& packet, const InstanceRecord
     return met;
 }
 
-void Tracer::Implementation::visit_shape(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const {
+uint32_t Tracer::Implementation::visit_together(Packet& packet, uint32_t index, uint32_t lanes) const {
     const InstanceRecord& record = records[index];
-    if (record.scene->box().isEmpty()) return;
+    if (record.scene->box().isEmpty()) return 0;
     PacketQuery& shape = packet.shape;
     for_each_lane(lanes, [&](size_t lane) {
-        const Query& query = packet.queries[lane];
-        if ((records[index].visibility & query.kind) == 0) lanes &= ~(1u << lane);
-        packet.world.t_max[lane] = query.farthest;
-        const RayStart& from = query.ray->start;
+        const RayStart& from = packet.rays[lane].ray->start;
         shape.rays.start_facet[lane] = from.instance == index ? from.facet : RayAnchor::kNone;
     });
     shape.lanes = record.motion ? into_shape(packet, record, lanes)
                                 : clip_packet(packet.world, lanes, record.to_local(), record.scene->box(), shape.rays);
-    if (shape.lanes == 0) return;
+    if (shape.lanes == 0) return 0;
     if (record.scene->deforms())
-        for_each_lane(shape.lanes,
-                      [&](size_t lane) { shape.times[lane] = shutter_time(packet.queries[lane].ray->time); });
-    if (wanted == Wanted::Any) {
-        record.scene->find_any(shape);
-        for_each_lane(shape.found, [&](size_t lane) { packet.queries[lane].found = true; });
-        return;
+        for_each_lane(shape.lanes, [&](size_t lane) { shape.times[lane] = shutter_time(packet.rays[lane].ray->time); });
+    if (packet.results) {
+        record.scene->find_closest(shape);
+        return take_nearest(packet, index);
     }
-    record.scene->find_closest(shape);
-    for_each_lane(shape.found, [&](size_t lane) {
-        const PacketQuery::Best& best = shape.best[lane];
-        Query& query = packet.queries[lane];
-        if (query.found && best.point.t == query.farthest && query.instance < index) return;
-        query.best.facet = best.facet;
-        query.best.point = best.point;
-        query.best.normal = best.normal;
-        query.farthest = best.point.t;
-        query.answer = RayAnswer::NotAsked;
-        query.instance = index;
-        query.found = true;
+    record.scene->find_any(shape);
+    packet.found |= shape.found;
+    return shape.found;
+}
+
+/// What the shape of an instance has found.
+uint32_t Tracer::Implementation::take_nearest(Packet& packet, uint32_t index) const {
+    uint32_t nearer = 0;
+    for_each_lane(packet.shape.found, [&](size_t lane) {
+        const PacketQuery::Best& best = *packet.shape.best[lane];
+        const double t = best.point.t;
+        Maybe<Hit>& hit = packet.results[lane].hit;
+        if (hit && t == packet.world.t_max[lane] && hit->instance < index) return;
+        hit.emplace(t, index, RayAnswer::NotAsked);
+        packet.world.t_max[lane] = t;
+        packet.traced[lane].emplace(best.facet, best.point, best.normal);
+        nearer |= 1u << lane;
     });
+    packet.found |= nearer;
+    return nearer;
 }
 
 void Tracer::closest(std::span<const RayQuery> rays, Coherence coherence, ClosestHit* results) const {
     const FloatEnvironment environment;
-    Implementation::Packet packet(coherence);
-    implementation_->start(packet, rays);
-    implementation_->ask_all(packet, Implementation::Wanted::Closest);
     for (size_t lane = 0; lane < rays.size(); ++lane) {
         results[lane].hit.reset();
-        results[lane].answer = implementation_->answer(packet.queries[lane], results[lane].hit);
+        results[lane].answer = RayAnswer::NotAsked;
     }
+    Implementation::Packet packet(rays, coherence, results);
+    implementation_->start(packet);
+    implementation_->ask_all(packet);
+    for (size_t lane = 0; lane < rays.size(); ++lane)
+        implementation_->finish(*rays[lane].ray, packet.traced[lane], results[lane]);
 }
 
 uint32_t Tracer::occluded(std::span<const RayQuery> rays, Coherence coherence) const {
     const FloatEnvironment environment;
-    Implementation::Packet packet(coherence);
-    implementation_->start(packet, rays);
-    implementation_->ask_all(packet, Implementation::Wanted::Any);
-    uint32_t hit = 0;
-    for (size_t lane = 0; lane < rays.size(); ++lane) hit |= packet.queries[lane].found ? 1u << lane : 0u;
-    return hit;
+    Implementation::Packet packet(rays, coherence, nullptr);
+    implementation_->start(packet);
+    implementation_->ask_all(packet);
+    return packet.found;
 }
 
 }  // namespace rayleaf

@@ -27,61 +27,60 @@ struct Tracer::Implementation : InstanceTable {
     uint64_t embree_held = 0;  ///< what Embree held more after the build; tracers built at the same time blur it
 
     /// One ray on its way through the instances.
-    struct Query {
+    struct Query : RayQuery {
         const GeometryCache::Reader* reader = nullptr;  ///< where there is a cache
-        const Ray* ray = nullptr;
-        const RayDifferential* differential = nullptr;  ///< of `ray`; null: changes of hits are not needed
-        Visibility kind = kVisibleAll;
-        ShapeHit best;
-        uint32_t instance = 0;
-        double farthest = 0;  ///< world t of the best hit, or the ray's t_max
-        bool found = false;
-        std::optional<ObjectAnswer> interpolated;  ///< the best hit, where it is no facet's
-        /// How the objects that were asked answered: that of the best hit, and of those that were missed.
-        RayAnswer answer = RayAnswer::NotAsked, missed = RayAnswer::NotAsked;
+        double farthest = 0;                            ///< world t of the nearest hit so far, or the ray's t_max
+        ClosestHit* result = nullptr;                   ///< gets the nearest hit; null: any will do
+        Maybe<ShapeHit>* traced = nullptr;              ///< gets what the hit's place is made of in the end (`finish`)
     };
 
     void build_cache(const GeometryCacheSettings& settings);
     void give_back_table();
     /// An instance's record at a time, in `room` where it moves.
-    const InstanceRecord& record_at(uint32_t instance, float time, std::optional<InstanceRecord>& room) const;
+    const InstanceRecord& record_at(uint32_t instance, float time, Maybe<InstanceRecord>& room) const;
 
     /// `record` is the instance's at the ray's time.
-    std::optional<LocalRay> local_ray(const Query& query, uint32_t index, const InstanceRecord& record) const;
-    /// The nearest hit, and how objects with caches answered.
-    RayAnswer find(const Ray& ray, Visibility kind, const RayDifferential* differential, std::optional<Hit>& hit) const;
-    void visit_closest(Query& query, uint32_t index) const;
-    bool take_interpolated(Query& query, uint32_t index, const LocalRay& ray, const ObjectAnswer& answer) const;
-    void visit_any(Query& query, uint32_t index) const;
-    bool start(Query& query, const Ray& ray, Visibility kind) const;
-    std::optional<LocalRay> ray_above(const Ray& ray) const;
-    enum class Wanted : uint8_t { Closest, Any };
-    void ask_all(Query& query, Wanted wanted) const;
-    void ask_above(Query& query, Wanted wanted) const;
-    void set_hit(Query& query, Hit& hit) const;
+    Maybe<LocalRay> local_ray(const Query& query, uint32_t index, const InstanceRecord& record) const;
+    ClosestHit closest(const RayQuery& asked) const;
+    /// These return whether they have found something, nearer than what was.
+    bool visit_closest(Query& query, uint32_t index) const;
+    bool visit_any(const Query& query, uint32_t index) const;
+    bool visit(Query& query, uint32_t index) const {
+        if ((records[index].visibility & query.kind) == 0) return false;
+        return query.result ? visit_closest(query, index) : visit_any(query, index);
+    }
+    bool can_hit(const Ray& ray) const { return !bounds.isEmpty() && is_traceable(ray); }
+    Maybe<LocalRay> ray_above(const Ray& ray) const;
+    bool ask_all(Query& query) const;
+    bool ask_above(Query& query) const;
+    void finish(const Ray& ray, Maybe<ShapeHit>& traced, ClosestHit& result) const;
     RaySight sight_from(const Ray& ray, const Hit& hit) const;
 
-    /// Up to sixteen rays that go through the instances together.
+    /// Up to sixteen rays that go through the instances together, by lane.
     struct Packet {
-        uint32_t lanes = 0;  ///< those that can hit anything, a bit each
-        WorldPacket world;   ///< t_max: what is left of it
-        std::array<Query, kPacketSize> queries;
+        std::span<const RayQuery> rays;
+        ClosestHit* results;                              ///< as of Query
+        uint32_t lanes = 0;                               ///< those that can hit anything, a bit each
+        uint32_t found = 0;                               ///< those that have hit something
+        uint64_t kinds = 0;                               ///< of any of the rays
+        WorldPacket world;                                ///< t_max: Query's `farthest`
+        std::array<Maybe<ShapeHit>, kPacketSize> traced;  ///< as of Query
         std::optional<GeometryCache::Reader> reader;
         RayPacket above;    ///< in the space of the tree
         PacketQuery shape;  ///< in one shape after the other
 
-        explicit Packet(Coherence coherence) : shape(coherence) {}
+        Packet(std::span<const RayQuery> asked, Coherence coherence, ClosestHit* closest)
+            : rays(asked), results(closest), shape(coherence) {}
     };
-    void start(Packet& packet, std::span<const RayQuery> rays) const;
-    void ask_all(Packet& packet, Wanted wanted) const;
-    void ask_above(Packet& packet, Wanted wanted) const;
-    void visit(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const;
-    void visit_alone(Query& query, uint32_t index, Wanted wanted) const {
-        wanted == Wanted::Any ? visit_any(query, index) : visit_closest(query, index);
-    }
-    void visit_shape(Packet& packet, uint32_t index, uint32_t lanes, Wanted wanted) const;
+    void start(Packet& packet) const;
+    void ask_all(Packet& packet) const;
+    void ask_above(Packet& packet) const;
+    /// These return the lanes that have found something, nearer than what was.
+    uint32_t visit(Packet& packet, uint32_t index, uint32_t lanes) const;
+    uint32_t visit_alone(Packet& packet, uint32_t index, uint32_t lanes) const;
+    uint32_t visit_together(Packet& packet, uint32_t index, uint32_t lanes) const;
+    uint32_t take_nearest(Packet& packet, uint32_t index) const;
     uint32_t into_shape(Packet& packet, const InstanceRecord& record, uint32_t lanes) const;
-    RayAnswer answer(Query& query, std::optional<Hit>& hit) const;
 };
 
 }  // namespace rayleaf

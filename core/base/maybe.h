@@ -1,0 +1,50 @@
+// As std::optional, for large objects: where there is nothing, nothing is written. GCC clears all bytes of an empty
+// std::optional, which costs as much as much of what is done with it.
+#pragma once
+
+#include <new>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+namespace rayleaf {
+
+template <typename T>
+class Maybe {
+    static_assert(std::is_trivially_destructible_v<T>);
+
+  public:
+    Maybe() {}
+    Maybe(std::nullopt_t) {}
+    Maybe(const T& value) { emplace(value); }
+    Maybe(const Maybe& other) { *this = other; }
+    Maybe& operator=(const Maybe& other) {
+        if (other)
+            emplace(*other);
+        else
+            reset();
+        return *this;
+    }
+
+    template <typename... Arguments>
+    T& emplace(Arguments&&... arguments) {
+        has_value_ = true;
+        return *new (&value_) T{std::forward<Arguments>(arguments)...};
+    }
+    void reset() { has_value_ = false; }
+
+    explicit operator bool() const { return has_value_; }
+    bool has_value() const { return has_value_; }
+    T& operator*() { return value_; }
+    const T& operator*() const { return value_; }
+    T* operator->() { return &value_; }
+    const T* operator->() const { return &value_; }
+
+  private:
+    union {
+        T value_;
+    };
+    bool has_value_ = false;
+};
+
+}  // namespace rayleaf
