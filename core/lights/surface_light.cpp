@@ -33,14 +33,12 @@ constexpr double kSmallestShare = 0.05;
 /// Of more elements, none asks what its sides see: it would take longer than it saves.
 constexpr size_t kMostThatLook = 1 << 12;
 
+/// Places from which it is asked whether an object is around all: from the middle of the scene's box, as a share of its
+/// size. They are inside a ball.
+constexpr double kPlaceInScene = 0.2;
+
 /// When a moving element is looked at, to guess where it is near; and one at rest.
 constexpr float kLookTimes[] = {0.0f, 0.25f, 0.5f, 0.75f, 1.0f}, kStillTimes[] = {kMiddleTime};
-
-struct Estimate {
-    Box3d bounds;
-    double area = 0, radiance = 0;  ///< world units², mean of the probes
-    LightCone cone;
-};
 
 /// Whether a ray that leaves the surface meets the same object.
 bool is_shut_in(const Tracer& tracer, const SurfacePoint& point, const Vec3f& direction) {
@@ -83,14 +81,14 @@ class ConeOfProbes {
 };
 
 /// `looks`: whether a side that is shut in is told from others.
-Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_t instance, uint32_t element,
-                  bool looks) {
+SurfaceLights::Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_t instance,
+                                 uint32_t element, bool looks) {
     const Shape& shape = *tracer.instance(instance).shape;
     const Affine3d local_to_world = tracer.local_to_world(instance, kMiddleTime);
     const bool moves = tracer.instance(instance).motion != nullptr || shape.deforms();
     const std::span<const float> times =
         moves ? std::span<const float>(kLookTimes) : std::span<const float>(kStillTimes);
-    Estimate result;
+    SurfaceLights::Estimate result;
     const PathState path = of_length(sampling_state(), 1.0);  // from wherever it is seen
     for (const float v : {0.0f, 0.5f, 1.0f})
         for (const float u : {0.0f, 0.5f, 1.0f}) {
@@ -106,7 +104,7 @@ Estimate estimate(const Tracer& tracer, const SurfaceEmission& emission, uint32_
         const SurfacePoint surface = tracer.surface_point(instance, point.hit);
         if (!moves) cone.add(tracer, surface, world.normal, looks);
         const Color color = emission(surface, surface.normal, path);
-        result.area += world.area_factor / std::size(kLightProbes);
+        result.area += world.area_factor / static_cast<double>(std::size(kLightProbes));
         if (is_finite(color)) result.radiance += std::max(0.0f, max_component(color)) / double(std::size(kLightProbes));
     }
     result.cone = cone.cone(tracer.bounds(instance));
@@ -143,6 +141,7 @@ std::vector<LightTreeItem> SurfaceLights::tree_items(const CancelToken& cancel) 
     double radiance = 0;
     for (const Estimate& e : estimates) radiance += e.radiance / static_cast<double>(estimates.size());
     const double least = radiance > 0 ? radiance * kSmallestShare : 1.0;
+    take_even_part_of_skies(estimates);
     std::vector<LightTreeItem> items;
     items.reserve(estimates.size());
     // Without an axis half a cosine, the mean over the directions of a side. The smallest double keeps weights
@@ -154,6 +153,40 @@ std::vector<LightTreeItem> SurfaceLights::tree_items(const CancelToken& cancel) 
             {e.bounds, std::max(1e-300, cosine * e.area * std::max(e.radiance, least)), link(i).set(), e.cone});
     }
     return items;
+}
+
+/// Whether an object is all around the scene, as a painted sky is: seen in all directions from places in its box.
+bool SurfaceLights::is_around_all(uint32_t instance) const {
+    const Box3d scene = tracer_.bounds(), own = tracer_.bounds(instance);
+    if (!own.intersects(scene.min) || !own.intersects(scene.max)) return false;
+    const auto neighbour = [](int number) { return Vec3d(number % 3 - 1, number / 3 % 3 - 1, number / 9 - 1); };
+    constexpr int kNeighbours = 27;
+    for (int place = 0; place < kNeighbours; ++place) {
+        Ray ray;
+        ray.origin = scene.center() + neighbour(place) * scene.size() * kPlaceInScene;
+        for (int way = 0; way < kNeighbours; ++way) {
+            ray.direction = neighbour(way);
+            if (ray.direction != Vec3d(0.0) && !tracer_.closest_on(instance, ray)) return false;
+        }
+    }
+    return true;
+}
+
+/// Of such an object, if it shines all over: what all places have in common is found by scattered rays, as of the world
+/// (WorldLight). What is brighter than that remains.
+void SurfaceLights::take_even_part_of_skies(std::vector<Estimate>& estimates) const {
+    for (size_t first = 0, last; first < estimates.size(); first = last) {
+        const uint32_t instance = elements_[first].instance;
+        double area = 0, power = 0;
+        for (last = first; last < estimates.size() && elements_[last].instance == instance; ++last) {
+            area += estimates[last].area;
+            power += estimates[last].area * estimates[last].radiance;
+        }
+        const bool shines_all_over = last - first == tracer_.instance(instance).shape->element_count();
+        if (!shines_all_over || !(area > 0.0) || !is_around_all(instance)) continue;
+        for (size_t i = first; i < last; ++i)
+            estimates[i].radiance = std::max(estimates[i].radiance - power / area, 0.0);
+    }
 }
 
 std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, const Vec2f& random, float time,

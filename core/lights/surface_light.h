@@ -30,6 +30,13 @@ class SurfaceLights {
     LightLink link(uint32_t item) const { return links_.empty() ? LightLink() : links_[table_of(item)]; }
     size_t bytes() const;
 
+    /// What an element is taken for when one is chosen.
+    struct Estimate {
+        Box3d bounds;
+        double area = 0, radiance = 0;  ///< world units², mean of the probes
+        LightCone cone;
+    };
+
   private:
     struct Element {
         uint32_t instance = 0, element = 0;
@@ -42,6 +49,8 @@ class SurfaceLights {
     SurfaceEmission emission_;
     EvenEmission even_emission_;
 
+    bool is_around_all(uint32_t instance) const;
+    void take_even_part_of_skies(std::vector<Estimate>& estimates) const;
     size_t table_of(uint32_t item) const { return static_cast<size_t>(table_of_instance_[instance(item)]); }
 
     static constexpr uint32_t kNone = 0xffffffffu;

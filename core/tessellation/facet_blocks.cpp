@@ -83,14 +83,14 @@ Resolution resolution_for(std::span<const DicedForm> forms, uint32_t subpatch, c
 }
 
 GridVertex drawn_vertex(const Resolution& resolution, int i, int j) {
-    const int cells = resolution.cells(), apart = kGridCells / cells;
+    const int cells = resolution.cells(), apart = Resolution::kFinest - resolution.own;
     i = std::min(i, cells);
     j = std::min(j, cells);
-    GridVertex vertex{i * apart, j * apart};
+    GridVertex vertex{i << apart, j << apart};
     // Half a step goes up. At corners nothing moves: they are whole steps of every border.
     const auto draw = [](int at, int log2) {
-        const int step = kGridCells >> log2;
-        return (at + step / 2) / step * step;
+        const int step = Resolution::kFinest - log2;
+        return (at + (1 << step >> 1)) >> step << step;
     };
     if (j == 0) vertex.i = draw(vertex.i, resolution.border[0]);
     if (j == cells) vertex.i = draw(vertex.i, resolution.border[2]);

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from path_scenes import lit_plane, material, render
-from scenes import matrix, quad
+from scenes import diffuse, emission, look_down, matrix, quad
 from test_lights_sampling import (
     LAMPS,
     NORMAL,
     POSITION,
+    POWER,
     SHAPES,
     emitter_scene,
     irradiance,
@@ -106,3 +107,29 @@ def test_a_limit_on_light_is_that_of_the_sum_of_what_two_lights_give(core):
     limit = 0.2
     light = render(core, plane_with_lamps(core, 3), size=8, samples=1, max_bounces=0, clamp_direct=limit)
     assert light.pass_pixels("combined")[..., 0].max() <= limit * (1 + 1e-5)
+
+
+CUBE = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float32)
+FACES = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
+
+
+def share_from_the_sky(core, faces=6, outside=False):
+    """Of the samples near a lamp in a shining cube, how many go to the cube."""
+    scene = core.SceneDescription()
+    look_down(scene)
+    triangles = [part for a, b, c, d in FACES[6 - faces :] for part in ([a, b, c], [a, c, d])]
+    cube = scene.add_mesh("sky", 20 * CUBE, np.array(triangles, np.int32))
+    glow = [scene.add_material("glow", emission(core, strength=0.3))]
+    scene.add_instance("sky", cube, np.eye(4), scene.add_material_list(glow))
+    scene.add_lamp("lamp", "POINT", matrix((0, 0, 1)), (20 * POWER,) * 3)
+    if outside:
+        dark = [scene.add_material("dark", diffuse(core))]
+        scene.add_instance("plane", quad(scene, "plane"), matrix((0, 0, 100)), scene.add_material_list(dark))
+    samples = core.LightProbe(scene).sample(POSITION, random_numbers(20000))
+    return ((samples["density"] > 0) & (samples["distance"] > 10)).mean()
+
+
+def test_an_even_sky_around_the_whole_scene_is_left_to_scattered_rays(core):
+    """As the world is: what a sky has in common everywhere, rays that any surface scatters find."""
+    around, open_one, of_some = (share_from_the_sky(core, **each) for each in ({}, {"faces": 5}, {"outside": True}))
+    assert 0 < around < 0.65 * min(open_one, of_some)
