@@ -148,11 +148,11 @@ Maybe<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& world_ray, 
 }
 
 Maybe<Hit> InstanceRecord::closest(uint32_t index, const Ray& world_ray) const {
+    Maybe<Hit> found;
     const Maybe<LocalRay> local = local_ray(index, world_ray, world_ray.t_max);
     ShapeHit hit;
-    if (!local || !scene->closest(*local, hit)) return std::nullopt;
-    Maybe<Hit> found;
-    found.emplace(hit.point.t, index, RayAnswer::NotAsked).local = scene->hit_at(hit, local->time);
+    if (local && scene->closest(*local, hit))
+        found.emplace(hit.point.t, index, RayAnswer::NotAsked).local = scene->hit_at(hit, local->time);
     return found;
 }
 

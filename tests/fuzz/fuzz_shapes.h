@@ -21,7 +21,7 @@ inline void trace_drawn_rays(const std::shared_ptr<const Shape>& shape, Bytes& b
             ray.direction[axis] = bytes.number();
         }
         ray.direction = bytes.flag() ? ray.direction : normalized_or(ray.direction, Vec3d(0, 0, 1));
-        const std::optional<Hit> hit = tracer.closest_hit(ray, kVisibleCamera);
+        const Maybe<Hit> hit = tracer.closest_hit(ray, kVisibleCamera);
         if (!hit) continue;
         require(std::isfinite(hit->t) && hit->t >= ray.t_min);
         const SurfacePoint point = tracer.surface_point(ray, *hit);

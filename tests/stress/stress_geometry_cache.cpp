@@ -21,7 +21,7 @@ struct Case {
     }
 };
 
-void check(const std::optional<Hit>& found, const std::optional<Hit>& wanted) {
+void check(const Maybe<Hit>& found, const Maybe<Hit>& wanted) {
     stress::require(found.has_value() == wanted.has_value(), "hit or miss depends on the cache");
     if (!found) return;
     stress::require(found->t == wanted->t && found->local.position == wanted->local.position, "another point");
@@ -29,7 +29,7 @@ void check(const std::optional<Hit>& found, const std::optional<Hit>& wanted) {
                     "another facet");
 }
 
-void use(const Case& scene, const Tracer& tracer, const std::vector<std::optional<Hit>>& wanted, int thread) {
+void use(const Case& scene, const Tracer& tracer, const std::vector<Maybe<Hit>>& wanted, int thread) {
     std::vector<size_t> order(scene.rays.size());
     std::iota(order.begin(), order.end(), size_t{0});
     std::shuffle(order.begin(), order.end(), std::mt19937(static_cast<uint32_t>(thread)));
@@ -45,7 +45,7 @@ int main() {
     GeometryCacheSettings settings;
     settings.mode = CacheMode::None;
     const std::unique_ptr<Tracer> uncached = scene.tracer(settings);
-    std::vector<std::optional<Hit>> wanted;
+    std::vector<Maybe<Hit>> wanted;
     for (const Ray& ray : scene.rays) wanted.push_back(uncached->closest_hit(ray, kVisibleCamera));
     uint64_t recomputed = 0, parts = 0;
     for (const CacheMode mode : {CacheMode::Multi, CacheMode::Single})
@@ -57,7 +57,7 @@ int main() {
                 const std::unique_ptr<Tracer> tracer = scene.tracer(settings);
                 const auto& expected = wanted;
                 if (mode == CacheMode::Single) {
-                    std::vector<std::optional<Hit>> fine;
+                    std::vector<Maybe<Hit>> fine;
                     for (const Ray& ray : scene.rays) fine.push_back(tracer->closest_hit(ray, kVisibleCamera));
                     stress::run_together(threads, [&](int thread) { use(scene, *tracer, fine, thread); });
                     continue;
