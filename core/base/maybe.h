@@ -1,5 +1,5 @@
-// As std::optional, for large objects: where there is nothing, nothing is written. GCC clears all bytes of an empty
-// std::optional, which costs as much as much of what is done with it.
+// As std::optional, for large objects: an empty one writes nothing but that it is empty. GCC clears all bytes of an
+// empty std::optional, which takes long where one is made for each ray.
 #pragma once
 
 #include <new>

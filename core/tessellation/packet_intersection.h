@@ -52,8 +52,7 @@ struct BlockVertices {
 
 /// Tests the lanes of `mask` up to `farthest`, the distance along the unit direction by lane, and adds what they may
 /// hit to `open`, but for the facet that they start on: triangle 2 * (j * 4 + i) of cell (i, j), or the one after it.
-/// Returns the lanes that hit one for sure; `farthest` is then how far the nearest such facet
-/// may reach.
+/// Returns the lanes that hit one for sure; `farthest` is then how far the nearest such facet may reach.
 using FindInBlock = uint32_t (*)(const BlockVertices& vertices, uint32_t block, const RayPacket& rays, uint32_t mask,
                                  float* farthest, OpenFacets& open);
 

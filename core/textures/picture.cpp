@@ -144,12 +144,12 @@ void prepare(Picture& picture, const ImageColors& colors, const CancelToken& can
     tbb::parallel_for(size_t{0}, picture.prepared.size(), [&](size_t y) {
         cancel.throw_if_cancelled();
         if (picture.prepared[y] != 0) return;
-        picture.prepared[y] = 1;
         const std::span<float> row(&picture.pixels[y * length], length);
         if (!picture.bytes.empty()) {
             const std::span<const uint8_t> bytes(&picture.bytes[y * length], length);
             if (is_plain) {
                 std::ranges::transform(bytes, row.begin(), [](uint8_t byte) { return decode.of_byte(byte); });
+                picture.prepared[y] = 1;
                 return;
             }
             std::ranges::transform(bytes, row.begin(), from_byte);
@@ -160,6 +160,7 @@ void prepare(Picture& picture, const ImageColors& colors, const CancelToken& can
         else if (colors.space != ColorSpace::NonColor)
             for (size_t i = 0; i < length; i += channels) linearize(&row[i]);
         if (!make_finite(row)) std::atomic_ref(picture.precise).store(true, std::memory_order_relaxed);
+        picture.prepared[y] = 1;
     });
     picture.bytes = {};
 }
