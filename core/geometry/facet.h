@@ -15,6 +15,7 @@ struct FacetHit {
     double t = 0;             ///< along `direction`, in its lengths
     double u = 0, v = 0;      ///< weights of corners 1 and 2; both, and 1 - u - v, are not negative
     Vec3d position{0, 0, 0};  ///< on the facet to double precision
+    Vec3d normal{0, 0, 0};    ///< area_vector of the facet; a unit vector where something is hit that has no facets
 };
 
 /// The ends of the borders v = 0, u = 1, v = 1, u = 0 of a quad, by its corners (0,0), (1,0), (0,1), (1,1); u or v
@@ -46,8 +47,9 @@ inline std::optional<FacetHit> exact_facet_hit(const FacetCorners& corners, cons
     const Vec3d edge1 = corners[1] - corners[0], edge2 = corners[2] - corners[0];
     const Vec3d across = direction.cross(edge2);
     const double determinant = edge1.dot(across);
+    const Vec3d normal = edge1.cross(edge2);
     // By rounding, a facet without area can have a determinant: it would be hit, without a normal.
-    if (determinant == 0.0 || max_abs(edge1.cross(edge2)) == 0.0) return std::nullopt;
+    if (determinant == 0.0 || max_abs(normal) == 0.0) return std::nullopt;
     const Vec3d from = origin - corners[0];
     const Vec3d other = from.cross(edge1);
     const double scale = 1.0 / determinant;
@@ -58,6 +60,7 @@ inline std::optional<FacetHit> exact_facet_hit(const FacetCorners& corners, cons
     hit.u = std::clamp(u_raw, 0.0, 1.0);
     hit.v = std::clamp(v_raw, 0.0, 1.0 - hit.u);
     hit.position = corners[0] + edge1 * hit.u + edge2 * hit.v;
+    hit.normal = normal;
     hit.t = t_raw;
     if (hit.u == u_raw && hit.v == v_raw) return hit;
     // The distance to the clamped point. But if the ray starts on this facet's border or on its neighbour, only the
@@ -90,11 +93,13 @@ class FacetRay {
         if ((ab < 0.0 || bc < 0.0 || ca < 0.0) && (ab > 0.0 || bc > 0.0 || ca > 0.0)) return std::nullopt;
         const double area = (bc + ca) + ab;
         const Vec3d edge1 = corners[1] - corners[0], edge2 = corners[2] - corners[0];
-        if (area == 0.0 || max_abs(edge1.cross(edge2)) == 0.0) return std::nullopt;
+        const Vec3d normal = edge1.cross(edge2);
+        if (area == 0.0 || max_abs(normal) == 0.0) return std::nullopt;
         FacetHit hit;
         hit.u = std::min(ca / area, 1.0);
         hit.v = std::min(ab / area, 1.0 - hit.u);
         hit.position = corners[0] + edge1 * hit.u + edge2 * hit.v;
+        hit.normal = normal;
         hit.t = begin_ + ((bc * a.z + ca * b.z) + ab * c.z) / area * scale_z_;
         if (!std::isfinite(hit.t)) return std::nullopt;
         return hit;

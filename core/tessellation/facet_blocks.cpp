@@ -1,5 +1,7 @@
 #include "tessellation/facet_blocks.h"
 
+#include "tessellation/ray_packet.h"
+
 #include <algorithm>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -106,6 +108,14 @@ FacetCorners FacetBlock::corners(uint32_t triangle, VertexFormat format) const {
     return result;
 }
 
+void FacetBlock::note_facets(VertexFormat format) {
+    facets = 0;
+    for (uint32_t triangle = 0; triangle < kBlockTriangles; ++triangle) {
+        const FacetCorners at = corners(triangle, format);
+        if (at[0] != at[1] && at[1] != at[2] && at[2] != at[0]) facets |= 1u << triangle;
+    }
+}
+
 FacetBlocks::FacetBlocks(std::span<const DicedForm> forms, const FacetTolerance& tolerance)
     : format_(forms[0].dicer->format()),
       resolutions_(forms[0].dicer->subpatch_count()),
@@ -144,6 +154,7 @@ void FacetBlocks::mix(uint32_t index, float time, FacetBlock& room) const {
     float* between = room.vertices[0];
     for (int k = 0; k < 3 * kBlockSize; ++k) between[k] = a[k] + (b[k] - a[k]) * share;
     room.subpatch = from.subpatch;
+    room.facets = from.facets | to.facets;
     room.column = from.column;
     room.row = from.row;
 }
@@ -165,6 +176,7 @@ void FacetBlocks::fill_levels(const LevelDicer& dicer, uint32_t subpatch, const 
                 for (int axis = 0; axis < 3; ++axis)
                     block->vertices[axis][k] = rows.vertices[axis][from.j * kGridVertices + from.i];
             }
+            block->note_facets(format_);
         }
     }
 }
@@ -178,6 +190,7 @@ void FacetBlocks::fill_fixed(const Dicer& dicer, uint32_t subpatch) {
         block.column = static_cast<uint8_t>(k % kBlocksAlong * kBlockCells);
         block.row = static_cast<uint8_t>(k / kBlocksAlong * kBlockCells);
         std::copy(&grid.fixed[k][0][0], &grid.fixed[k][0][0] + 3 * kBlockSize, &block.fixed[0][0]);
+        block.note_facets(format_);
     }
 }
 

@@ -49,8 +49,11 @@ struct alignas(64) FacetBlock {
         int32_t fixed[3][kBlockSize];
     };
     uint32_t subpatch;
+    uint32_t facets;      ///< a bit for each triangle whose corners differ: others have no area, and are not asked
     uint8_t column, row;  ///< first cell, in cells of the subpatch
 
+    /// Sets `facets` by the vertices.
+    void note_facets(VertexFormat format);
     Vec3d vertex(int index, VertexFormat format) const {
         if (format == VertexFormat::Fixed) return Vec3d(fixed[0][index], fixed[1][index], fixed[2][index]) * kFixedStep;
         return {vertices[0][index], vertices[1][index], vertices[2][index]};

@@ -54,6 +54,40 @@ HWY_INLINE Vector3 cross(const Vector3& a, const Vector3& b) {
     return {part(a.y, b.z, a.z, b.y), part(a.z, b.x, a.x, b.z), part(a.x, b.y, a.y, b.x)};
 }
 
+HWY_INLINE void store(const Vector3& v, double (&to)[3][kPacketSize], int first) {
+    const Lanes lanes;
+    hn::Store(v.x, lanes, to[0] + first);
+    hn::Store(v.y, lanes, to[1] + first);
+    hn::Store(v.z, lanes, to[2] + first);
+}
+
+/// Where rays meet a facet.
+struct Met {
+    Vector t, u, v;
+    Vector3 position, normal;
+
+    HWY_INLINE void store_in(FacetHits& hits, int first) const {
+        const Lanes lanes;
+        hn::Store(t, lanes, hits.t + first);
+        hn::Store(u, lanes, hits.u + first);
+        hn::Store(v, lanes, hits.v + first);
+        store(position, hits.position, first);
+        store(normal, hits.normal, first);
+    }
+};
+
+HWY_INLINE Vector3 one_of(Mask mask, const Vector3& a, const Vector3& b) {
+    return {hn::IfThenElse(mask, a.x, b.x), hn::IfThenElse(mask, a.y, b.y), hn::IfThenElse(mask, a.z, b.z)};
+}
+HWY_INLINE Met one_of(Mask mask, const Met& a, const Met& b) {
+    return {hn::IfThenElse(mask, a.t, b.t), hn::IfThenElse(mask, a.u, b.u), hn::IfThenElse(mask, a.v, b.v),
+            one_of(mask, a.position, b.position), one_of(mask, a.normal, b.normal)};
+}
+HWY_INLINE Vector3 set(const Vec3d& v) {
+    const Lanes lanes;
+    return {hn::Set(lanes, v.x), hn::Set(lanes, v.y), hn::Set(lanes, v.z)};
+}
+
 /// FacetRay by lane.
 class Frames {
   public:
@@ -72,30 +106,27 @@ class Frames {
         shear_x_ = hn::Div(turned_direction.x, turned_direction.z);
         shear_y_ = hn::Div(turned_direction.y, turned_direction.z);
     }
-    HWY_INLINE uint32_t meet(FacetLanes& facets, int first) const {
+    /// The lanes that meet a facet; `hit` is where.
+    HWY_INLINE Mask meet(const Vector3& p, const Vector3& q, const Vector3& r, Met& hit) const {
         const Lanes lanes;
         const Vector zero = hn::Zero(lanes), one = hn::Set(lanes, 1.0);
-        const Vector3 p = load(facets.corners[0], first), q = load(facets.corners[1], first);
-        const Vector3 r = load(facets.corners[2], first);
         const Vector3 a = sheared(p), b = sheared(q), c = sheared(r);
         const Vector ab = edge(a, b), bc = edge(b, c), ca = edge(c, a);
         const Mask negative = hn::Or(hn::Lt(ab, zero), hn::Or(hn::Lt(bc, zero), hn::Lt(ca, zero)));
         const Mask positive = hn::Or(hn::Gt(ab, zero), hn::Or(hn::Gt(bc, zero), hn::Gt(ca, zero)));
+        const Mask outside = hn::And(negative, positive);
+        if (hn::AllTrue(lanes, outside)) return hn::Not(outside);
         const Vector area = hn::Add(hn::Add(bc, ca), ab);
         const Vector3 edge1 = q - p, edge2 = r - p;
-        const Vector u = least(hn::Div(ca, area), one), v = least(hn::Div(ab, area), hn::Sub(one, u));
         const Vector depth = hn::Add(hn::Add(hn::Mul(bc, a.z), hn::Mul(ca, b.z)), hn::Mul(ab, c.z));
-        const Vector t = hn::Add(begin_, hn::Mul(hn::Div(depth, area), scale_z_));
-        const Vector3 position = combined(p, edge1, u, edge2, v);
-        hn::Store(t, lanes, facets.t + first);
-        hn::Store(u, lanes, facets.u + first);
-        hn::Store(v, lanes, facets.v + first);
-        hn::Store(position.x, lanes, facets.position[0] + first);
-        hn::Store(position.y, lanes, facets.position[1] + first);
-        hn::Store(position.z, lanes, facets.position[2] + first);
-        const Mask is_finite = hn::Lt(hn::Abs(t), hn::Set(lanes, std::numeric_limits<double>::infinity()));
-        const Mask has_area = hn::And(hn::Ne(area, zero), has_length(cross(edge1, edge2)));
-        return mask_bits(lanes, hn::AndNot(hn::And(negative, positive), hn::And(has_area, is_finite)));
+        hit.u = least(hn::Div(ca, area), one);
+        hit.v = least(hn::Div(ab, area), hn::Sub(one, hit.u));
+        hit.t = hn::Add(begin_, hn::Mul(hn::Div(depth, area), scale_z_));
+        hit.position = combined(p, edge1, hit.u, edge2, hit.v);
+        hit.normal = cross(edge1, edge2);
+        const Mask is_finite = hn::Lt(hn::Abs(hit.t), hn::Set(lanes, std::numeric_limits<double>::infinity()));
+        const Mask has_area = hn::And(hn::Ne(area, zero), has_length(hit.normal));
+        return hn::AndNot(outside, hn::And(has_area, is_finite));
     }
 
   private:
@@ -115,10 +146,70 @@ class Frames {
     }
 };
 
+uint32_t bits_of_half(uint32_t bits, int first) {
+    return bits >> first & ((1u << kWidth) - 1u);
+}
+
 uint32_t meet_facets(const RayPacket& rays, uint32_t asked, FacetLanes& facets) {
+    const Lanes lanes;
     uint32_t hits = 0;
-    for (int first = 0; first < kPacketSize; first += kWidth)
-        if ((asked >> first & ((1u << kWidth) - 1u)) != 0) hits |= Frames(rays, first).meet(facets, first) << first;
+    for (int first = 0; first < kPacketSize; first += kWidth) {
+        if (bits_of_half(asked, first) == 0) continue;
+        Met met{};
+        const Mask mask = Frames(rays, first)
+                              .meet(load(facets.corners[0], first), load(facets.corners[1], first),
+                                    load(facets.corners[2], first), met);
+        met.store_in(facets.hits, first);
+        hits |= mask_bits(lanes, mask) << first;
+    }
+    return hits & asked;
+}
+
+uint32_t meet_closest(const RayPacket& rays, uint32_t asked, std::span<const FacetCorners> facets,
+                      NearestFacets& nearest) {
+    const Lanes lanes;
+    uint32_t hits = 0;
+    for (int first = 0; first < kPacketSize; first += kWidth) {
+        if (bits_of_half(asked, first) == 0) continue;
+        const Frames frames(rays, first);
+        const Vector from = hn::Load(lanes, rays.t_min + first), to = hn::Load(lanes, rays.t_max + first);
+        Met best{};
+        Vector number = hn::Zero(lanes);
+        Mask found = hn::Lt(number, number);  // none
+        for (size_t i = 0; i < facets.size(); ++i) {
+            Met met{};
+            const Mask inside = frames.meet(set(facets[i][0]), set(facets[i][1]), set(facets[i][2]), met);
+            const Mask first_or_nearer = hn::Or(hn::Not(found), hn::Lt(met.t, best.t));
+            const Mask counts =
+                hn::And(hn::And(inside, first_or_nearer), hn::And(hn::Ge(met.t, from), hn::Le(met.t, to)));
+            if (hn::AllFalse(lanes, counts)) continue;
+            best = one_of(counts, met, best);
+            number = hn::IfThenElse(counts, hn::Set(lanes, static_cast<double>(i)), number);
+            found = hn::Or(found, counts);
+        }
+        best.store_in(nearest.hits, first);
+        hn::Store(number, lanes, nearest.number + first);
+        hits |= mask_bits(lanes, found) << first;
+    }
+    return hits & asked;
+}
+
+uint32_t meet_any(const RayPacket& rays, uint32_t asked, std::span<const FacetCorners> facets) {
+    const Lanes lanes;
+    uint32_t hits = 0;
+    for (int first = 0; first < kPacketSize; first += kWidth) {
+        const uint32_t wanted = bits_of_half(asked, first);
+        if (wanted == 0) continue;
+        const Frames frames(rays, first);
+        const Vector from = hn::Load(lanes, rays.t_min + first), to = hn::Load(lanes, rays.t_max + first);
+        uint32_t found = 0;
+        for (size_t i = 0; i < facets.size() && (wanted & ~found) != 0; ++i) {
+            Met met{};
+            const Mask inside = frames.meet(set(facets[i][0]), set(facets[i][1]), set(facets[i][2]), met);
+            found |= mask_bits(lanes, hn::And(inside, hn::And(hn::Ge(met.t, from), hn::Le(met.t, to))));
+        }
+        hits |= found << first;
+    }
     return hits & asked;
 }
 
@@ -130,11 +221,18 @@ HWY_AFTER_NAMESPACE();
 namespace rayleaf {
 
 HWY_EXPORT(meet_facets);
+HWY_EXPORT(meet_closest);
+HWY_EXPORT(meet_any);
 
 MeetFacets decision_kernel() {
     // The first call through the table chooses; the pointer must be taken after that.
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return &HWY_DYNAMIC_DISPATCH(meet_facets);
+}
+
+MeetFewFacets few_facets_kernel() {
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    return {&HWY_DYNAMIC_DISPATCH(meet_closest), &HWY_DYNAMIC_DISPATCH(meet_any)};
 }
 
 }  // namespace rayleaf

@@ -52,13 +52,35 @@ HWY_INLINE hn::Mask<D> mask_of(D lanes, uint32_t bits) {
     return hn::LoadMaskBits(lanes, reinterpret_cast<const uint8_t*>(&room));
 }
 
+/// The cells of a block, (i, j) at j * 5 + i, the number of its first corner.
+constexpr uint32_t kSpacedCells = 0xf | 0xf << 5 | 0xf << 10 | 0xf << 15;
+
+/// Two triangles in a row of bits become a cell in one, a gap after each four.
+HWY_INLINE uint32_t cells_of(uint32_t triangles) {
+    uint32_t cells = (triangles | triangles >> 1) & 0x55555555u;
+    cells = (cells | cells >> 1) & 0x33333333u;
+    cells = (cells | cells >> 2) & 0x0f0f0f0fu;
+    return (cells & 0xfu) | (cells >> 3 & 0xfu << 5) | (cells >> 6 & 0xfu << 10) | (cells >> 9 & 0xfu << 15);
+}
+/// Their corners.
+HWY_INLINE uint32_t corners_of(uint32_t cells) {
+    const uint32_t low = cells | cells << 1;
+    return low | low << kBlockVertices;
+}
+/// Of the two of a cell.
+HWY_INLINE uint32_t first_triangle(int cell) {
+    return static_cast<uint32_t>(2 * (cell / kBlockVertices * kBlockCells + cell % kBlockVertices));
+}
+
 using Rays = hn::CappedTag<float, kPacketSize>;
 using RayVector = hn::Vec<Rays>;
 constexpr int kRayWidth = static_cast<int>(hn::MaxLanes(Rays()));
 
 struct NumberedBlock {
     const float* vertices;
-    uint32_t number;
+    uint32_t number, facets;  ///< BlockVertices::facets
+
+    bool has(uint32_t triangle) const { return (facets >> triangle & 1u) != 0; }
 };
 
 /// The lanes of a packet that fill a vector from this one on.
@@ -80,73 +102,56 @@ class BlockTest {
           out_(farthest + lanes.first),
           start_facets_(rays.start_facet + lanes.first),
           open_(open),
+          bits_(mask),
           active_(mask_of(Rays(), mask)),
           rays_(rays, axes, lanes),
           farthest_(lanes(farthest)) {}
 
     /// Returns the lanes that are hit for sure; bit 0 is the first lane.
     HWY_INLINE uint32_t run() {
-        Corner<RayVector> low[kBlockVertices], high[kBlockVertices];
-        Sides low_sides = load_row(0, low);
-        for (int j = 0; j < kBlockCells; ++j) {
-            const Sides high_sides = load_row(j + 1, high);
-            if (!hn::AllFalse(Rays(), low_sides.around(high_sides, active_))) add_row(j, low, high);
-            for (int i = 0; i < kBlockVertices; ++i) low[i] = high[i];
-            low_sides = high_sides;
-        }
+        const uint32_t cells = kSpacedCells & cells_of(block_.facets);
+        for (uint32_t vertices = corners_of(cells); vertices != 0; vertices &= vertices - 1)
+            place(__builtin_ctz(vertices));
+        for (uint32_t left = cells; left != 0; left &= left - 1) add_cell(__builtin_ctz(left));
         if (sure_ != 0) hn::StoreU(farthest_, Rays(), out_);
         return sure_;
     }
 
   private:
-    /// How far some vertices reach aside.
-    struct Sides {
-        RayVector x_min, x_max, y_min, y_max;
-
-        /// The lanes whose ray may pass between these vertices and others.
-        HWY_INLINE hn::Mask<Rays> around(const Sides& other, hn::Mask<Rays> of) const {
-            const RayVector most = hn::Set(Rays(), kCornerError), least = hn::Set(Rays(), -kCornerError);
-            const auto x =
-                hn::And(hn::Le(hn::Min(x_min, other.x_min), most), hn::Ge(hn::Max(x_max, other.x_max), least));
-            const auto y =
-                hn::And(hn::Le(hn::Min(y_min, other.y_min), most), hn::Ge(hn::Max(y_max, other.y_max), least));
-            return hn::And(of, hn::And(x, y));
-        }
-    };
-
     NumberedBlock block_;
     size_t first_lane_;
     float* out_;
     const uint32_t* start_facets_;
     OpenFacets& open_;
+    uint32_t bits_;
     hn::Mask<Rays> active_;
     RayLanes<Rays, Axes> rays_;
     RayVector farthest_;
     uint32_t sure_ = 0;
+    Corner<RayVector> corners_[kBlockSize];
+    uint64_t beside_[kBlockSize];  ///< of each vertex, the lanes whose ray lies to its left, right, above and below it
 
-    HWY_INLINE Sides load_row(int j, Corner<RayVector> (&row)[kBlockVertices]) const {
-        for (int i = 0; i < kBlockVertices; ++i)
-            row[i] = rays_.corner(j * kBlockVertices + i,
-                                  [this](int number) { return hn::Set(Rays(), block_.vertices[number]); });
-        Sides sides{row[0].x, row[0].x, row[0].y, row[0].y};
-        for (int i = 1; i < kBlockVertices; ++i) {
-            sides.x_min = hn::Min(sides.x_min, row[i].x);
-            sides.x_max = hn::Max(sides.x_max, row[i].x);
-            sides.y_min = hn::Min(sides.y_min, row[i].y);
-            sides.y_max = hn::Max(sides.y_max, row[i].y);
-        }
-        return sides;
+    HWY_INLINE void place(int vertex) {
+        const Corner<RayVector> corner =
+            rays_.corner(vertex, [this](int number) { return hn::Set(Rays(), block_.vertices[number]); });
+        const RayVector most = hn::Set(Rays(), kCornerError), least = hn::Set(Rays(), -kCornerError);
+        const auto bits = [](hn::Mask<Rays> mask) { return uint64_t{mask_bits(Rays(), mask)}; };
+        corners_[vertex] = corner;
+        beside_[vertex] = bits(hn::Gt(corner.x, most)) | bits(hn::Lt(corner.x, least)) << kPacketSize |
+                          bits(hn::Gt(corner.y, most)) << 2 * kPacketSize |
+                          bits(hn::Lt(corner.y, least)) << 3 * kPacketSize;
     }
-    HWY_INLINE void add_row(int j, const Corner<RayVector>* low, const Corner<RayVector>* high) {
-        RayVector left = edge(high[0], low[0]);  // d a
-        for (int i = 0; i < kBlockCells; ++i) {
-            const Corner<RayVector>&a = low[i], &b = low[i + 1], &c = high[i + 1], &d = high[i];
-            const RayVector bc = edge(b, c), ac = edge(a, c), off = error(Rays(), a, b, c, d);
-            const auto triangle = static_cast<uint32_t>(2 * (j * kBlockCells + i));
-            add({edge(a, b), bc, hn::Neg(ac), a.depth, b.depth, c.depth}, off, triangle);
-            add({ac, edge(c, d), left, a.depth, c.depth, d.depth}, off, triangle + 1);
-            left = hn::Neg(bc);
-        }
+    /// `a` is the cell's first corner.
+    HWY_INLINE void add_cell(int a) {
+        const int b = a + 1, c = a + kBlockVertices + 1, d = a + kBlockVertices;
+        uint64_t passed = (beside_[a] & beside_[b]) & (beside_[c] & beside_[d]);
+        passed |= passed >> 2 * kPacketSize;
+        if ((bits_ & ~(passed | passed >> kPacketSize)) == 0) return;
+        const Corner<RayVector>&p = corners_[a], &q = corners_[b], &r = corners_[c], &s = corners_[d];
+        const RayVector off = error(Rays(), p, q, r, s), pr = edge(p, r);
+        const uint32_t triangle = first_triangle(a);
+        add({edge(p, q), edge(q, r), hn::Neg(pr), p.depth, q.depth, r.depth}, off, triangle);
+        add({pr, edge(r, s), edge(s, p), p.depth, r.depth, s.depth}, off, triangle + 1);
     }
     HWY_INLINE void add(const TriangleLanes<Rays>& triangle, RayVector off, uint32_t number) {
         const auto inside = hn::And(triangle.may_be_hit(off), active_);
@@ -155,7 +160,7 @@ class BlockTest {
         const auto within = hn::And(hn::Ge(far, hn::Zero(Rays())), hn::Le(near, farthest_));
         const auto open = hn::And(inside, within);
         uint32_t bits = mask_bits(Rays(), open);
-        if (bits == 0) return;
+        if (bits == 0 || !block_.has(number)) return;
         HWY_ALIGN float begins[kRayWidth];
         hn::Store(near, Rays(), begins);
         for (; bits != 0; bits &= bits - 1) {
@@ -171,7 +176,7 @@ class BlockTest {
     }
 };
 
-uint32_t find_together(const float* vertices, uint32_t block, const RayPacket& rays, uint32_t mask, float* farthest,
+uint32_t find_together(const NumberedBlock& block, const RayPacket& rays, uint32_t mask, float* farthest,
                        OpenFacets& open) {
     uint32_t sure = 0;
     for (uint32_t first = 0; first < kPacketSize; first += kRayWidth) {
@@ -181,7 +186,7 @@ uint32_t find_together(const float* vertices, uint32_t block, const RayPacket& r
         const LanesFrom lanes{first};
         const auto test = [&](const auto& axes) {
             using Axes = std::decay_t<decltype(axes)>;
-            return BlockTest<Axes>({vertices, block}, rays, axes, lanes, bits, farthest, open).run() << first;
+            return BlockTest<Axes>(block, rays, axes, lanes, bits, farthest, open).run() << first;
         };
         int axis = 0;
         while (axis < 3 && (bits & ~bits_of(rays.by_axis[static_cast<size_t>(axis)])) != 0) ++axis;
@@ -200,7 +205,7 @@ class VertexTest {
     float farthest;
     bool sure = false;  ///< whether a facet was hit for sure
 
-    VertexTest(uint32_t block, const RayPacket& rays, size_t lane, float t_max, OpenFacets& open)
+    VertexTest(const NumberedBlock& block, const RayPacket& rays, size_t lane, float t_max, OpenFacets& open)
         : farthest(t_max),
           block_(block),
           lane_(lane),
@@ -229,14 +234,11 @@ class VertexTest {
             below |= mask_bits(Rays(), hn::Lt(corner.y, least)) << first;
         }
         const uint32_t passed = all_corners(right) | all_corners(left) | all_corners(above) | all_corners(below);
-        for (uint32_t cells = kCells & ~passed; cells != 0; cells &= cells - 1) add_cell(__builtin_ctz(cells));
+        for (uint32_t cells = kSpacedCells & ~passed; cells != 0; cells &= cells - 1) add_cell(__builtin_ctz(cells));
     }
 
   private:
-    /// Cell (i, j) at j * 5 + i, the number of its first corner.
-    static constexpr uint32_t kCells = 0xf | 0xf << 5 | 0xf << 10 | 0xf << 15;
-
-    uint32_t block_;
+    NumberedBlock block_;
     size_t lane_;
     OpenFacets& open_;
     uint32_t start_facet_;
@@ -254,7 +256,7 @@ class VertexTest {
         const int b = a + 1, c = a + kBlockVertices + 1, d = a + kBlockVertices;
         const float off = (((size_of(a) + size_of(b)) + (size_of(c) + size_of(d))) + kCornerError) * kCornerError;
         const float ac = edge_of(a, c);
-        const auto triangle = static_cast<uint32_t>(2 * (a / kBlockVertices * kBlockCells + a % kBlockVertices));
+        const uint32_t triangle = first_triangle(a);
         add(edge_of(a, b), edge_of(b, c), -ac, off, {a, b, c}, triangle);
         add(ac, edge_of(c, d), edge_of(d, a), off, {a, c, d}, triangle + 1);
     }
@@ -263,8 +265,9 @@ class VertexTest {
         if (smallest < -off && largest > off) return;
         const float p = depth_[corners[0]], q = depth_[corners[1]], r = depth_[corners[2]];
         const float near = std::min(p, std::min(q, r)), far = std::max(p, std::max(q, r));
-        if (!(far >= 0.0f && near <= farthest) || start_facet_ == facet_number(block_, triangle)) return;
-        open_.add(lane_, {block_, triangle, near});
+        if (!(far >= 0.0f && near <= farthest) || !block_.has(triangle)) return;
+        if (start_facet_ == facet_number(block_.number, triangle)) return;
+        open_.add(lane_, {block_.number, triangle, near});
         const bool inside = smallest > off || largest < -off;
         if (!inside || near < sure_from_ || far > sure_to_) return;
         sure = true;
@@ -274,7 +277,7 @@ class VertexTest {
 
 /// `load` as of VertexTest.
 template <class Load>
-HWY_INLINE uint32_t find_one_by_one(uint32_t block, const RayPacket& rays, uint32_t mask, const Load& load,
+HWY_INLINE uint32_t find_one_by_one(const NumberedBlock& block, const RayPacket& rays, uint32_t mask, const Load& load,
                                     float* farthest, OpenFacets& open) {
     uint32_t sure = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -302,18 +305,19 @@ void to_floats(const int32_t* fixed, float* vertices) {
 uint32_t find_in_block(const BlockVertices& vertices, uint32_t block, const RayPacket& rays, uint32_t mask,
                        float* farthest, OpenFacets& open) {
     const bool are_few = std::popcount(mask) <= kFewBlockRays;
+    const NumberedBlock numbered{vertices.floats, block, vertices.facets};
     if (are_few && vertices.floats) {
         const auto load = [&](int number) { return hn::LoadU(Rays(), vertices.floats + number); };
-        return find_one_by_one(block, rays, mask, load, farthest, open);
+        return find_one_by_one(numbered, rays, mask, load, farthest, open);
     }
     if (are_few) {
         const auto load = [&](int number) { return as_floats(vertices.fixed + number); };
-        return find_one_by_one(block, rays, mask, load, farthest, open);
+        return find_one_by_one(numbered, rays, mask, load, farthest, open);
     }
-    if (vertices.floats) return find_together(vertices.floats, block, rays, mask, farthest, open);
+    if (vertices.floats) return find_together(numbered, rays, mask, farthest, open);
     float room[kVertexRoom];
     to_floats(vertices.fixed, room);
-    return find_together(room, block, rays, mask, farthest, open);
+    return find_together({room, block, vertices.facets}, rays, mask, farthest, open);
 }
 
 void shear(RayPacket& rays, uint32_t mask) {

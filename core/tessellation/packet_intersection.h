@@ -48,6 +48,7 @@ inline constexpr int kVertexRoom = (3 * kBlockSize + kPacketSize - 1) / kPacketS
 struct BlockVertices {
     const float* floats = nullptr;
     const int32_t* fixed = nullptr;  ///< where there are no floats
+    uint32_t facets = ~0u;           ///< those that have an area, a bit each: no other is found
 };
 
 /// Tests the lanes of `mask` up to `farthest`, the distance along the unit direction by lane, and adds what they may

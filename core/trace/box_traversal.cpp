@@ -229,7 +229,8 @@ class ManyRays {
             OneRay<NodeBoxes>(origin, direction, boxes_, lane).visit(nodes, child, lane, farthest, visitor_);
         }
     }
-    /// The one that is nearest to the first ray comes last, to be visited first.
+    /// The one that is nearest to the first ray comes last, to be visited first. A box around the ray's origin is as
+    /// far as where the ray leaves it: what such boxes hold, like domes, is mostly at their borders.
     HWY_INLINE void add_children(const BoxNode* nodes, uint32_t number, uint32_t lanes, const float* farthest) {
         const BoxNode& node = nodes[number];
         alignas(64) float nears[BoxNode::kMostChildren][kPacketSize];
@@ -238,9 +239,11 @@ class ManyRays {
         uint32_t order[BoxNode::kMostChildren];
         int found = 0;
         for (uint32_t child = 0; child < node.count; ++child) {
-            met[child] = meet(nodes, number, child, farthest, nears[child]) & lanes;
+            alignas(64) float fars[kPacketSize];
+            met[child] = meet(nodes, number, child, farthest, nears[child], fars) & lanes;
             if (met[child] == 0) continue;
-            keys[child] = nears[child][__builtin_ctz(met[child])];
+            const auto first = static_cast<size_t>(__builtin_ctz(met[child]));
+            keys[child] = nears[child][first] > 0.0f ? nears[child][first] : fars[first];
             int at = found++;
             for (; at > 0 && keys[order[at - 1]] < keys[child]; --at) order[at] = order[at - 1];
             order[at] = child;
@@ -255,8 +258,8 @@ class ManyRays {
         }
     }
     /// The lanes that meet a child.
-    HWY_INLINE uint32_t meet(const BoxNode* nodes, uint32_t number, uint32_t child, const float* farthest,
-                             float* nears) const {
+    HWY_INLINE uint32_t meet(const BoxNode* nodes, uint32_t number, uint32_t child, const float* farthest, float* nears,
+                             float* fars) const {
         uint32_t bits = 0;
         for (int first = 0; first < kPacketSize; first += kRayWidth) {
             RayVector near = hn::Zero(Rays()), far = hn::LoadU(Rays(), farthest + first);
@@ -270,6 +273,7 @@ class ManyRays {
             }
             bits |= mask_bits(Rays(), hn::Le(near, far)) << first;
             hn::Store(near, Rays(), nears + first);
+            hn::Store(far, Rays(), fars + first);
         }
         return bits;
     }

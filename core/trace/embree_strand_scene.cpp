@@ -49,7 +49,7 @@ bool EmbreeStrandScene::closest(const LocalRay& ray, ShapeHit& hit) const {
     hit.point.t = std::clamp(ray.start + double{found.ray.tfar} / ray.speed, ray.t_min, ray.t_max);
     hit.point.u = found.hit.u;
     hit.point.position = ray.origin + ray.direction * hit.point.t;
-    hit.normal = normalized_or(Vec3d(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z), Vec3d(0, 0, 1));
+    hit.point.normal = normalized_or(Vec3d(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z), Vec3d(0, 0, 1));
     return true;
 }
 
@@ -68,9 +68,9 @@ LocalHit EmbreeStrandScene::local_hit(const ShapeHit& hit) const {
     local.primitive = hit.facet.primitive;
     local.u = static_cast<float>(s);
     local.position = hit.point.position;
-    local.normal = Vec3f(hit.normal);
+    local.normal = Vec3f(hit.point.normal);
     const Vec3d along = axis_point(strands_->segment(local.primitive, hit.time).derivative(s));
-    local.v = wall_angle(normalized_or(along, Vec3d(0, 0, 1)), hit.normal);
+    local.v = wall_angle(normalized_or(along, Vec3d(0, 0, 1)), hit.point.normal);
     return local;
 }
 

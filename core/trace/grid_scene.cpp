@@ -37,7 +37,6 @@ bool passes_beside(const SubpatchBounds::Tube& tube, const Vec3f& origin, const 
 /// Offers a facet of a subpatch without levels.
 bool offer_fixed_facet(ShapeQuery& query, const FacetId& facet, const FacetCorners& corners) {
     if (!query.facets.offer(facet, corners)) return false;
-    query.best().area = area_vector(corners);
     query.best().place = parameters_in_cell(facet.part, query.best().point.u, query.best().point.v);
     query.best().levels = SubpatchLevels{}.packed();
     return true;
@@ -134,7 +133,6 @@ bool GridScene::offer_facets(ShapeQuery& query, const SnappedGrid& grid, uint32_
         if (found && t > query.ray().float_distance(query.facets.farthest)) break;
         const SnappedGrid::Facet facet = grid.facet(triangle);
         if (!query.facets.offer_uncertain({subpatch, triangle}, facet.corners)) continue;
-        query.best().area = area_vector(facet.corners);
         const int cells_apart = kGridCells / grid.cells();
         query.best().place = facet.place(query.best().point.u, query.best().point.v) * cells_apart;
         query.best().levels = levels.packed();
@@ -293,7 +291,7 @@ LocalHit GridScene::local_hit(const ShapeHit& hit) const {
     local.u = place.u;
     local.v = place.v;
     local.position = hit.point.position;
-    local.normal = Vec3f(hit.area / max_abs(hit.area));  // never zero: the facet was hit
+    local.normal = Vec3f(hit.point.normal / max_abs(hit.point.normal));  // never zero: the facet was hit
     local.subpatch = hit.facet.primitive;
     local.levels = hit.levels;
     local.seen_by = hit.seen_by;

@@ -37,9 +37,9 @@ ResidentScene::ResidentScene(const Shape& shape, std::vector<DicedSurface> forms
 }
 
 BlockVertices ResidentScene::vertices(const FacetBlock& block) const {
-    if (dicer_->format() == VertexFormat::Float) return {block.vertices[0], nullptr};
+    if (dicer_->format() == VertexFormat::Float) return {block.vertices[0], nullptr, block.facets};
     static_assert(offsetof(FacetBlock, fixed) + kVertexRoom * sizeof(int32_t) <= sizeof(FacetBlock));
-    return {nullptr, block.fixed[0]};
+    return {nullptr, block.fixed[0], block.facets};
 }
 
 /// A block's vertices in single precision, [3][25].
@@ -70,7 +70,7 @@ bool ResidentScene::visit(Query& query, uint32_t number, float t_max) const {
     while (!candidates.empty()) {
         const auto [t, triangle] = candidates.take_nearest();
         if (found && t > facets.ray->float_distance(facets.farthest)) break;
-        if (facets.ray->start_facet == facet_number(number, triangle)) continue;
+        if ((block.facets >> triangle & 1u) == 0 || facets.ray->start_facet == facet_number(number, triangle)) continue;
         found |= facets.offer_uncertain({number, triangle}, block.corners(triangle, dicer_->format()));
     }
     return found;
@@ -176,7 +176,7 @@ void ResidentScene::decide(PacketQuery& packet, uint32_t lanes, float* farthest)
         });
         if (asked == 0) return;
         for_each_lane(meet_facets_(packet.rays, asked, facets), [&](size_t lane) {
-            if (packet.take(lane, {taken[lane].block, taken[lane].triangle}, facets.hit(lane)))
+            if (packet.take(lane, {taken[lane].block, taken[lane].triangle}, facets.hits.hit(lane)))
                 farthest[lane] = std::min(farthest[lane], packet.float_farthest(lane));
         });
         lanes = asked;
@@ -187,13 +187,12 @@ LocalHit ResidentScene::local_hit(const ShapeHit& hit) const {
     const FacetBlock& block = blocks_[hit.facet.primitive];
     const Vec2d at = blocks_.place(hit.facet.primitive, hit.facet.part, hit.point.u, hit.point.v);
     const ElementPlace place = dicer_->element_place({block.subpatch, at}, hit.point.position);
-    const Vec3d area = area_vector(blocks_.corners(hit.facet.primitive, hit.facet.part, hit.time));
     LocalHit local;
     local.primitive = place.element;
     local.u = place.u;
     local.v = place.v;
     local.position = hit.point.position;
-    local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
+    local.normal = Vec3f(hit.point.normal / max_abs(hit.point.normal));  // never zero: the facet was hit
     local.subpatch = block.subpatch;
     local.levels = nearest_levels(blocks_.resolution(block.subpatch)).packed();
     local.facet = facet_number(hit.facet.primitive, hit.facet.part);

@@ -37,9 +37,7 @@ struct FacetId {
 struct ShapeHit {
     FacetId facet;
     FacetHit point;
-    Vec3d normal{0, 0, 0};  ///< set by shapes that are met without facets: strands
     // Of grids only, which may be gone when the hit is looked at:
-    Vec3d area{0, 0, 0};  ///< area vector of the facet
     Vec2d place{0, 0};    ///< in the fine grid: i + fraction, j + fraction
     uint32_t levels = 0;  ///< SubpatchLevels::packed
     SeenBy seen_by = SeenBy::Itself;
@@ -114,7 +112,6 @@ struct PacketQuery {
     struct Best {
         FacetId facet;
         FacetHit point;
-        Vec3d normal{0, 0, 0};  ///< as of ShapeHit
     };
     std::array<Maybe<Best>, kPacketSize> best;  ///< of the lanes that have found something
     OpenFacets open;                            ///< of shapes of blocks

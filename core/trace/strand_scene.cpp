@@ -337,7 +337,7 @@ void StrandScene::find(PacketQuery& packet, Wanted wanted) const {
         packet.found |= 1u << lane;
         if (wanted == Wanted::Any) return;
         set_normal(query);
-        packet.best[lane].emplace(query.best.facet, query.best.point, query.best.normal);
+        packet.best[lane].emplace(query.best.facet, query.best.point);
     });
 }
 
@@ -356,11 +356,11 @@ void StrandScene::set_normal(Query& query) const {
     const Vec3d radius = query.best.point.position - axis_point(curve.at(s));
     const Vec3d towards = -query.frame.along;
     if (strands_->form() != StrandForm::Ribbon) {
-        query.best.normal = normalized_or(radius, towards);
+        query.best.point.normal = normalized_or(radius, towards);
         return;
     }
     const Vec3d tangent = normalized_or(axis_point(curve.derivative(s)), Vec3d(0.0));
-    query.best.normal = normalized_or(towards - tangent * tangent.dot(towards), towards);
+    query.best.point.normal = normalized_or(towards - tangent * tangent.dot(towards), towards);
 }
 
 LocalHit StrandScene::local_hit(const ShapeHit& hit) const {
@@ -370,14 +370,14 @@ LocalHit StrandScene::local_hit(const ShapeHit& hit) const {
     local.primitive = hit.facet.primitive;
     local.u = static_cast<float>(s);
     local.position = hit.point.position;
-    local.normal = Vec3f(hit.normal);
+    local.normal = Vec3f(hit.point.normal);
     const Vec3d tangent = normalized_or(axis_point(curve.derivative(s)), Vec3d(0, 0, 1));
-    Vec3d around = hit.normal;
+    Vec3d around = hit.point.normal;
     if (strands_->form() == StrandForm::Ribbon) {
         // Shaded as the wall of the round strand at the same place across.
         const Vec3d across = hit.point.position - axis_point(curve.at(s));
         const double sine = std::min(across.length() / curve.at(s).w, 1.0);
-        around = normalized_or(across, Vec3d(0.0)) * sine + hit.normal * std::sqrt(1.0 - sine * sine);
+        around = normalized_or(across, Vec3d(0.0)) * sine + hit.point.normal * std::sqrt(1.0 - sine * sine);
     }
     local.v = s > 0.0 && s < 1.0 ? wall_angle(tangent, around) : kStrandEnd;
     return local;

@@ -166,7 +166,7 @@ uint32_t Tracer::Implementation::take_nearest(Packet& packet, uint32_t index) co
         if (hit && t == packet.world.t_max[lane] && hit->instance < index) return;
         hit.emplace(t, index, RayAnswer::NotAsked);
         packet.world.t_max[lane] = t;
-        packet.traced[lane].emplace(best.facet, best.point, best.normal);
+        packet.traced[lane].emplace(best.facet, best.point);
         nearer |= 1u << lane;
     });
     packet.found |= nearer;

@@ -102,7 +102,7 @@ bool FewTrianglesScene::suits(const TriangleMesh& mesh) {
     return !mesh.deforms() && !mesh.triangles().empty() && mesh.triangles().size() <= kMost;
 }
 
-FewTrianglesScene::FewTrianglesScene(const TriangleMesh& mesh) : MeshScene(mesh), meet_facets_(decision_kernel()) {
+FewTrianglesScene::FewTrianglesScene(const TriangleMesh& mesh) : MeshScene(mesh), meet_few_(few_facets_kernel()) {
     for (uint32_t i = 0; i < mesh.triangles().size(); ++i) corners_.push_back(mesh.corners(i));
     set_box(mesh.bounds());
 }
@@ -122,26 +122,16 @@ bool FewTrianglesScene::occluded(const LocalRay& ray) const {
     return query.found;
 }
 
-/// Offers one triangle to lanes of a packet; those that took it.
-uint32_t FewTrianglesScene::meet(PacketQuery& packet, uint32_t triangle, uint32_t lanes) const {
-    FacetLanes facets;
-    facets.set_all(corners_[triangle]);
-    uint32_t taken = 0;
-    for_each_lane(meet_facets_(packet.rays, lanes, facets), [&](size_t lane) {
-        if (packet.take(lane, {triangle, 0}, facets.hit(lane))) taken |= 1u << lane;
-    });
-    return taken;
-}
-
 void FewTrianglesScene::find_closest(PacketQuery& packet) const {
     packet.found = 0;
-    for (uint32_t i = 0; i < corners_.size(); ++i) meet(packet, i, packet.lanes);
+    NearestFacets nearest;
+    for_each_lane(meet_few_.closest(packet.rays, packet.lanes, corners_, nearest), [&](size_t lane) {
+        packet.take(lane, {static_cast<uint32_t>(nearest.number[lane]), 0}, nearest.hits.hit(lane));
+    });
 }
 
 void FewTrianglesScene::find_any(PacketQuery& packet) const {
-    packet.found = 0;
-    uint32_t open = packet.lanes;
-    for (uint32_t i = 0; i < corners_.size() && open != 0; ++i) open &= ~meet(packet, i, open);
+    packet.found = meet_few_.any(packet.rays, packet.lanes, corners_);
 }
 
 LocalHit MeshScene::local_hit(const ShapeHit& hit) const {
@@ -150,8 +140,7 @@ LocalHit MeshScene::local_hit(const ShapeHit& hit) const {
     local.u = static_cast<float>(hit.point.u);
     local.v = static_cast<float>(hit.point.v);
     local.position = hit.point.position;
-    const Vec3d area = area_vector(mesh_->corners(hit.facet.primitive, hit.time));
-    local.normal = Vec3f(area / max_abs(area));  // never zero: the facet was hit
+    local.normal = Vec3f(hit.point.normal / max_abs(hit.point.normal));  // never zero: the facet was hit
     return local;
 }
 

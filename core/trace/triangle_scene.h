@@ -48,9 +48,7 @@ class FewTrianglesScene final : public MeshScene {
 
   private:
     std::vector<FacetCorners> corners_;  ///< of each triangle
-    MeetFacets meet_facets_;
-
-    uint32_t meet(PacketQuery& packet, uint32_t triangle, uint32_t lanes) const;
+    MeetFewFacets meet_few_;
 };
 
 }  // namespace rayleaf
