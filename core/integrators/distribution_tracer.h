@@ -105,7 +105,11 @@ class DistributionTracer {
         return settings_.widening(branch.importance(), branch.bounces.count() > 0);
     }
     /// The branch's ray as wide as it is to be.
-    Ray ray_of(const Branch& branch) const { return with_width(branch.ray, branch.differential, widening(branch)); }
+    Ray ray_of(const Branch& branch) const {
+        Ray ray = branch.ray;
+        if (scene_.needs_widths()) set_width(ray, branch.differential, widening(branch));
+        return ray;
+    }
     /// Along it, or a part of it.
     FreeWay way_of(const Branch& branch, const Ray& ray) const {
         return {ray,

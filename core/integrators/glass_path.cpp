@@ -56,7 +56,7 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
     GlassExit exit{entered, differential, 0, 0};
     Ray& ray = exit.ray;
     for (int hits = 0; hits < most_hits; ++hits) {
-        ray = with_width(ray, exit.differential);
+        if (scene.needs_widths()) set_width(ray, exit.differential);
         const Maybe<Hit> hit = scene.tracer().closest_on(instance, ray);
         if (!hit) return std::nullopt;
         const SurfacePoint point = scene.tracer().surface_point(ray, *hit);

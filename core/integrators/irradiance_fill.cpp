@@ -80,7 +80,8 @@ std::vector<OpenPoint> PointFinder::find(const CameraRay& camera_ray, const Samp
 
 void PointFinder::look(const Branch& branch) {
     const Tracer& tracer = frame_.scene.tracer();
-    const Ray ray = with_width(branch.ray, branch.differential);
+    Ray ray = branch.ray;
+    if (frame_.scene.needs_widths()) set_width(ray, branch.differential);
     const Maybe<Hit> hit = tracer.closest_hit(ray, branch.bounces.ray_kind());
     if (!hit || branch.bounces.is_spent()) return;
     Vertex vertex;

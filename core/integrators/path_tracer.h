@@ -90,7 +90,7 @@ class PathTracer {
     /// The ray to trace next. Valid until the path has arrived.
     RayQuery next_ray() {
         ++counts_[use_];
-        if (has_footprint_) ray_ = with_width(ray_, differential_, widening());
+        if (scene_.needs_widths()) set_width(ray_, differential_, widening());
         return {&ray_, bounces_.ray_kind(), scene_.needs_differentials() ? &differential_ : nullptr};
     }
     /// What the ray met, and what that gives but for the surface there. `found` is changed where the ray has left glass

@@ -164,7 +164,7 @@ void go_behind(const Scene& scene, std::span<FollowedWay> followed) {
         FreeWay& way = *followed[i].way;
         cross(scene, points[i], Vec3f(way.ray.direction), way.media);
         way.ray = behind(points[i], way.ray);
-        if (scene.needs_footprints()) way.ray = with_width(way.ray, way.differential, way.widening);
+        if (scene.needs_widths()) set_width(way.ray, way.differential, way.widening);
     }
 }
 
@@ -214,7 +214,7 @@ void free_shares_of_packet(const Scene& scene, std::span<FreeWay* const> ways, C
     bool may_pass = scene.has_transparency();
     for (size_t i = 0; i < ways.size(); ++i) {
         FreeWay& way = *ways[i];
-        if (scene.needs_footprints()) way.ray = with_width(way.ray, way.differential, way.widening);
+        if (scene.needs_widths()) set_width(way.ray, way.differential, way.widening);
         rays[i] = {&way.ray, way.kind, nullptr};
         may_pass |= !way.media.empty();
     }

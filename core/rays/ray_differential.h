@@ -39,12 +39,12 @@ struct RayDifferential {
     float angle() const { return std::sqrt(std::max(dd_dx.length2(), dd_dy.length2())); }
 };
 
-/// The ray with the width of its differential, for dicing and for ray caches.
-inline Ray with_width(Ray ray, const RayDifferential& differential, const RayWidening& widening = {}) {
-    ray.neighbour_distance = differential.width_across(Vec3f(ray.direction));
+/// Gives a ray the width of its differential, for dicing and for ray caches (Scene::needs_widths).
+inline void set_width(Ray& ray, const RayDifferential& differential, const RayWidening& widening = {}) {
+    const Vec3f direction(ray.direction);
+    ray.neighbour_distance = differential.width_across(direction);
     ray.neighbour_angle = differential.angle();
-    ray.beam = differential.beam(Vec3f(ray.direction), widening);
-    return ray;
+    ray.beam = differential.beam(direction, widening);
 }
 
 /// Differential of the mirrored ray at a surface whose unit normal changes by `dn_dx`, `dn_dy` over the footprint

@@ -104,9 +104,9 @@ class Scene {
     bool needs_differentials() const { return textures_ != nullptr || reads_footprints_ || cached_ > 1; }
     /// Whether anything depends on how far apart the rays of a picture are: dicing by the width of rays, textures, ray
     /// caches. If not, it need not be known.
-    bool needs_footprints() const {
-        return textures_ != nullptr || reads_footprints_ || cached_ > 0 || tracer_->has_levels();
-    }
+    bool needs_footprints() const { return textures_ != nullptr || reads_footprints_ || needs_widths(); }
+    /// Whether it matters how wide rays are: for dicing by their width, and for ray caches.
+    bool needs_widths() const { return cached_ > 0 || tracer_->has_levels(); }
     /// The slot of the group to which light belongs (film/pass.h): an instance's, the world's, any sampled light's. -1:
     /// none.
     int light_group(uint32_t instance) const { return placed_.light_groups[instance]; }
