@@ -32,13 +32,18 @@ double largest_bend(std::span<const DicedForm> forms, const auto& bend_of) {
     return largest;
 }
 
-/// The three corners of a block's triangle, as vertices (i, j).
-std::array<GridVertex, 3> corner_vertices(uint32_t triangle) {
-    const int i = static_cast<int>(triangle / 2) % kBlockCells, j = static_cast<int>(triangle / 2) / kBlockCells;
-    const GridVertex low{i, j}, high{i + 1, j + 1};
-    if (triangle % 2 == 0) return {low, high, {i + 1, j}};
-    return {low, {i, j + 1}, high};
+/// The three corners of each triangle of a block, as vertices (i, j) at j * 5 + i.
+constexpr std::array<std::array<uint8_t, 3>, kBlockTriangles> corner_table() {
+    std::array<std::array<uint8_t, 3>, kBlockTriangles> table{};
+    for (uint32_t triangle = 0; triangle < kBlockTriangles; ++triangle) {
+        const uint32_t i = triangle / 2 % kBlockCells, j = triangle / 2 / kBlockCells;
+        const uint32_t low = j * kBlockVertices + i, high = low + kBlockVertices + 1;
+        const uint32_t second = triangle % 2 == 0 ? high : high - 1, third = triangle % 2 == 0 ? low + 1 : high;
+        table[triangle] = {static_cast<uint8_t>(low), static_cast<uint8_t>(second), static_cast<uint8_t>(third)};
+    }
+    return table;
 }
+constexpr std::array<std::array<uint8_t, 3>, kBlockTriangles> kCornersOf = corner_table();
 
 /// The number in the grid of 16 x 16 cells of a triangle of a block.
 uint32_t grid_triangle(const FacetBlock& block, uint32_t triangle) {
@@ -102,10 +107,8 @@ GridVertex drawn_vertex(const Resolution& resolution, int i, int j) {
 }
 
 FacetCorners FacetBlock::corners(uint32_t triangle, VertexFormat format) const {
-    FacetCorners result;
-    const std::array<GridVertex, 3> of = corner_vertices(triangle);
-    for (size_t k = 0; k < 3; ++k) result[k] = vertex(of[k].j * kBlockVertices + of[k].i, format);
-    return result;
+    const auto& [a, b, c] = kCornersOf[triangle];
+    return {vertex(a, format), vertex(b, format), vertex(c, format)};
 }
 
 void FacetBlock::note_facets(VertexFormat format) {
@@ -212,13 +215,14 @@ Vec2d FacetBlocks::place(uint32_t index, uint32_t triangle, double weight1, doub
     const FacetBlock& block = (*this)[index];
     if (format_ == VertexFormat::Fixed) return parameters_in_cell(grid_triangle(block, triangle), weight1, weight2);
     const Resolution& resolution = resolutions_[block.subpatch];
-    const auto at = [&](const GridVertex& corner) {
-        const GridVertex drawn = drawn_vertex(resolution, block.column + corner.i, block.row + corner.j);
+    const auto at = [&](int corner) {
+        const GridVertex drawn =
+            drawn_vertex(resolution, block.column + corner % kBlockVertices, block.row + corner / kBlockVertices);
         return Vec2d(drawn.i, drawn.j);
     };
-    const std::array<GridVertex, 3> of = corner_vertices(triangle);
-    const Vec2d first = at(of[0]);
-    return first + (at(of[1]) - first) * weight1 + (at(of[2]) - first) * weight2;
+    const auto& [a, b, c] = kCornersOf[triangle];
+    const Vec2d first = at(a);
+    return first + (at(b) - first) * weight1 + (at(c) - first) * weight2;
 }
 
 FacetBlocks::Facet FacetBlocks::facet_at(const PlaceInGrid& place) const {

@@ -128,7 +128,7 @@ class BlockTest {
     RayLanes<Rays, Axes> rays_;
     RayVector farthest_;
     uint32_t sure_ = 0;
-    Corner<RayVector> corners_[kBlockSize];
+    RayVector x_[kBlockSize], y_[kBlockSize], depth_[kBlockSize];  ///< of each vertex, as the rays see it
     uint64_t beside_[kBlockSize];  ///< of each vertex, the lanes whose ray lies to its left, right, above and below it
 
     HWY_INLINE void place(int vertex) {
@@ -136,18 +136,21 @@ class BlockTest {
             rays_.corner(vertex, [this](int number) { return hn::Set(Rays(), block_.vertices[number]); });
         const RayVector most = hn::Set(Rays(), kCornerError), least = hn::Set(Rays(), -kCornerError);
         const auto bits = [](hn::Mask<Rays> mask) { return uint64_t{mask_bits(Rays(), mask)}; };
-        corners_[vertex] = corner;
+        x_[vertex] = corner.x;
+        y_[vertex] = corner.y;
+        depth_[vertex] = corner.depth;
         beside_[vertex] = bits(hn::Gt(corner.x, most)) | bits(hn::Lt(corner.x, least)) << kPacketSize |
                           bits(hn::Gt(corner.y, most)) << 2 * kPacketSize |
                           bits(hn::Lt(corner.y, least)) << 3 * kPacketSize;
     }
+    HWY_INLINE Corner<RayVector> corner(int vertex) const { return {x_[vertex], y_[vertex], depth_[vertex]}; }
     /// `a` is the cell's first corner.
     HWY_INLINE void add_cell(int a) {
         const int b = a + 1, c = a + kBlockVertices + 1, d = a + kBlockVertices;
         uint64_t passed = (beside_[a] & beside_[b]) & (beside_[c] & beside_[d]);
         passed |= passed >> 2 * kPacketSize;
         if ((bits_ & ~(passed | passed >> kPacketSize)) == 0) return;
-        const Corner<RayVector>&p = corners_[a], &q = corners_[b], &r = corners_[c], &s = corners_[d];
+        const Corner<RayVector> p = corner(a), q = corner(b), r = corner(c), s = corner(d);
         const RayVector off = error(Rays(), p, q, r, s), pr = edge(p, r);
         const uint32_t triangle = first_triangle(a);
         add({edge(p, q), edge(q, r), hn::Neg(pr), p.depth, q.depth, r.depth}, off, triangle);
