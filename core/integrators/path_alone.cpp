@@ -37,6 +37,7 @@ bool PathTracer::shade_alone(std::vector<LightRay>& light_rays) {
     Vertex vertex;
     vertex.point = scene_.tracer().surface_point(ray_, *hit_);
     material_->surface->evaluate(approach(vertex), vertex.closures);
+    simplify(vertex.closures);
     return shade(vertex, {random2(PathDimension::Light), random2(PathDimension::Scatter)}, light_rays);
 }
 

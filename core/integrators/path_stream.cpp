@@ -1,6 +1,7 @@
 #include "integrators/path_stream.h"
 
 #include "integrators/shadow.h"
+#include "shading/scatter_lanes.h"
 
 #include <array>
 #include <new>
@@ -145,13 +146,30 @@ void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
         SamplePairs pairs;
         for (const uint32_t path : paths) paths_[path].ask_numbers(pairs);
         pairs.compute();
+        std::array<VertexNumbers, kMostPoints> numbers;
         for (size_t i = 0; i < paths.size(); ++i) {
-            const VertexNumbers numbers = PathTracer::numbers(pairs, i * PathTracer::kPairsOfVertex);
+            numbers[i] = PathTracer::numbers(pairs, i * PathTracer::kPairsOfVertex);
+            paths_[paths[i]].simplify(vertices_[i].closures);
+        }
+        foresee({numbers.data(), paths.size()});
+        for (size_t i = 0; i < paths.size(); ++i) {
             const size_t wanted = light_rays_.size();
-            goes_on_[paths[i]] = paths_[paths[i]].shade(vertices_[i], numbers, light_rays_) ? 1 : 0;
+            goes_on_[paths[i]] = paths_[paths[i]].shade(vertices_[i], numbers[i], light_rays_) ? 1 : 0;
             for (size_t k = wanted; k < light_rays_.size(); ++k) light_rays_[k].path = paths[i];
         }
     }
+}
+
+/// What the vertices' lights and scattered rays ask of their closures.
+void PathStream::foresee(std::span<const VertexNumbers> numbers) {
+    std::array<ScatterQuery, kMostPoints> queries;
+    for (size_t i = 0; i < numbers.size(); ++i) {
+        Vertex& vertex = vertices_[i];
+        queries[i] = {&vertex.closures,   vertex.outgoing, vertex.point.facet_normal,
+                      numbers[i].scatter, &vertex.view,    &vertex.scattered};
+    }
+    sample_together({queries.data(), numbers.size()});
+    for (size_t i = 0; i < numbers.size(); ++i) vertices_[i].is_foreseen = queries[i].answered;
 }
 
 void PathStream::keep_those_that_go_on() {

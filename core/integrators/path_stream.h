@@ -62,6 +62,7 @@ class PathStream {
     void split_at_catchers();
     void see_world();
     void shade(const Program& program, std::span<const uint32_t> paths);
+    void foresee(std::span<const VertexNumbers> numbers);
     void keep_those_that_go_on();
     void trace_light_rays(Coherence coherence);
     void trace_light_packet(std::span<LightRay> lights, Coherence coherence);

@@ -71,7 +71,6 @@ ShadingInputs PathTracer::approach(Vertex& vertex) const {
 }
 
 bool PathTracer::shade(Vertex& vertex, const VertexNumbers& numbers, std::vector<LightRay>& light_rays) {
-    bounces_.simplify(vertex.closures);
     if (bounces_.count() == 0) record_surface(vertex);
     if (settings_.feature_passes) features_.meet(scene_, vertex, hit_->t - ray_.t_min, light_.sample);
     if (bounces_.count() == 0 && is_held_out(vertex.closures)) return false;
@@ -303,7 +302,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
     const Vec3f& facet = vertex.point.facet_normal;
     const uint32_t third = Sampler::joined(dimension(vertex_, PathDimension::Scatter));
     const float z = vertex.closures.needs_third_number() ? sampler_.get1(third) : 0.0f;
-    const std::optional<LobeSample> sample = vertex.closures.sample(vertex.view, facet, Vec3f(random.x, random.y, z));
+    const std::optional<LobeSample> sample = vertex.scatter(Vec3f(random.x, random.y, z));
     if (!sample) return false;
     if (sample->subsurface) return scatter_below(vertex, *sample, light_rays);
     if (bounces_.count() == 0 && settings_.light_passes)

@@ -118,6 +118,8 @@ class PathTracer {
     static VertexNumbers numbers(const SamplePairs& pairs, size_t first) {
         return {pairs.pair(first), pairs.pair(first + 1)};
     }
+    /// Leaves out of closures what the path's settings drop; before shading.
+    void simplify(Closures& closures) const { bounces_.simplify(closures); }
     /// True if the path goes on from a vertex whose closures are known; rays to lights may be wanted either way, and
     /// are appended to `light_rays`.
     bool shade(Vertex& vertex, const VertexNumbers& numbers, std::vector<LightRay>& light_rays);

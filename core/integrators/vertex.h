@@ -6,6 +6,8 @@
 #include "rays/ray_differential.h"
 #include "shading/closure_view.h"
 
+#include <optional>
+
 namespace rayleaf {
 
 /// Weight of the technique with density `a` beside one with density `b` (Veach 1997, equation 9.15, beta 2). Of the
@@ -33,8 +35,17 @@ struct Vertex {
     RayDifferential differential;
     Closures closures;
     ClosureView view;  ///< of the closures, for light and scattering
+    /// Where the view and the direction to go on by were found together with those of other vertices: the latter.
+    std::optional<LobeSample> scattered;
+    bool is_foreseen = false;
 
-    void look() { view.look(closures, outgoing); }
+    void look() {
+        if (!is_foreseen) view.look(closures, outgoing);
+    }
+    /// `random` as in Closures::sample.
+    std::optional<LobeSample> scatter(const Vec3f& random) const {
+        return is_foreseen ? scattered : closures.sample(view, point.facet_normal, random);
+    }
 };
 
 /// What the lobes make of light from one direction.

@@ -21,14 +21,33 @@ LobeValue evaluate_one(const Closures& closures, int i, const LobeView& view, co
     return result;
 }
 
-/// Of all lobes.
-LobeValue evaluate_all(const Closures& closures, const ClosureView& view, const Vec3f& incoming, Side side) {
+/// Of all lobes but `without`.
+LobeValue evaluate_all(const Closures& closures, const ClosureView& view, const Vec3f& incoming, Side side,
+                       int without = -1) {
     const DirectionPair pair(view.outgoing, incoming, side, view.halves);
     LobeValue sum;
     for (int i = 0; i < closures.size(); ++i)
-        sum.numbers += evaluate_one(closures, i, view.lobes[i], pair).numbers *
-                       Float4{1.0f, 1.0f, 1.0f, view.lobes[i].probability};
+        if (i != without)
+            sum.numbers += evaluate_one(closures, i, view.lobes[i], pair).numbers *
+                           Float4{1.0f, 1.0f, 1.0f, view.lobes[i].probability};
     return sum;
+}
+
+/// Value over density and density of all lobes at a direction which one of them chose.
+struct Scattering {
+    Color weight;
+    float density;
+};
+
+Scattering scattering(const Closures& closures, const ClosureView& view, int chosen, const LobeDirection& by,
+                      Side side) {
+    Color own = by.weight;
+    if (view.lobes[chosen].bent) own *= bump_shadow(closures.smooth_normal, closures[chosen].normal, by.direction);
+    const bool counts = by.weighed && by.side == side;
+    if (by.weighed && closures.size() == 1) return {own, counts ? by.density : 0.0f};
+    LobeValue all = evaluate_all(closures, view, by.direction, side, by.weighed ? chosen : -1);
+    if (counts) all.numbers += LobeValue(own * by.density, by.density * view.lobes[chosen].probability).numbers;
+    return {all.value() * (1.0f / all.density()), all.density()};
 }
 
 /// The lobe that a number in [0,1) chooses; `random` becomes what the choice leaves of it.
@@ -52,17 +71,21 @@ void ClosureView::look(const Closures& closures, const Vec3f& from) {
     outgoing = from;
     halves = false;
     const int count = closures.size();
+    if (count == 1) {
+        look_at(closures[0], from, closures.smooth_normal, lobes[0]);
+        lobes[0].probability = 1.0f;
+        any = true;
+        halves = uses_half(closures[0]);
+        return;
+    }
     float sum = 0.0f;
     for (int i = 0; i < count; ++i) {
         look_at(closures[i], from, closures.smooth_normal, lobes[i]);
+        lobes[i].probability = choice_weight(closures[i], lobes[i].cosine);
         sum += lobes[i].probability;
         halves |= uses_half(closures[i]);
     }
     any = sum > 0.0f;
-    if (count == 1) {
-        lobes[0].probability = 1.0f;
-        return;
-    }
     const float scale = any ? 1.0f / sum : 0.0f;
     for (int i = 0; i < count; ++i) lobes[i].probability *= scale;
 }
@@ -112,7 +135,7 @@ std::optional<LobeSample> Closures::sample(const ClosureView& view, const Vec3f&
     if (!(probability > 0.0f)) return std::nullopt;
 
     const Lobe& lobe = lobes_[chosen];
-    const std::optional<LobeDirection> direction = sample_lobe(lobe, view.outgoing, reused);
+    const std::optional<LobeDirection> direction = sample_lobe(lobe, view.lobes[chosen], view.outgoing, reused);
     if (!direction) return std::nullopt;
     const Side side = side_of(view.outgoing, direction->direction, facet_normal);
     LobeSample sample;
@@ -129,13 +152,13 @@ std::optional<LobeSample> Closures::sample(const ClosureView& view, const Vec3f&
         sample.weight = entry_weight(lobe, view.lobes[chosen].cosine) / probability;
     } else if (sample.singular) {
         // A shading normal bent far from the facet may send the ray to the wrong side.
-        if (sample.transmitted != (lobe.normal.dot(direction->direction) < 0.0f)) return std::nullopt;
+        if (side != direction->side) return std::nullopt;
         sample.weight = direction->weight / probability;
     } else {
-        const LobeValue all = evaluate_all(*this, view, direction->direction, side);
-        if (!(all.density() > 0.0f)) return std::nullopt;
-        sample.density = all.density();
-        sample.weight = all.value() * (1.0f / sample.density);
+        const Scattering all = scattering(*this, view, chosen, *direction, side);
+        if (!(all.density > 0.0f)) return std::nullopt;
+        sample.density = all.density;
+        sample.weight = all.weight;
     }
     if (is_black(sample.weight) || !is_finite(sample.weight)) return std::nullopt;
     return sample;

@@ -43,11 +43,11 @@ Color repeated_oren_nayar(float sigma, const Color& albedo, float cos_i, float c
     return again * (cos_i / kPi * lost_i * lost_o / (1.0f - mean));
 }
 
-/// Disney diffuse with retro-reflection (Burley 2012, section 5.3), times the cosine.
-float disney_diffuse(float roughness, float cos_i, float cos_o, float cos_half) {
+/// Disney diffuse with retro-reflection over Lambert's (Burley 2012, section 5.3); `cos2_half` is squared.
+float disney_shape(float roughness, float cos_i, float cos_o, float cos2_half) {
     if (cos_o <= 0.0f) return 0.0f;
-    const float grazing = 0.5f + 2.0f * roughness * cos_half * cos_half - 1.0f;
-    return cos_i * kInversePi * (1.0f + grazing * schlick_weight(cos_i)) * (1.0f + grazing * schlick_weight(cos_o));
+    const float grazing = 2.0f * roughness * cos2_half - 0.5f;
+    return (1.0f + grazing * schlick_weight(cos_i)) * (1.0f + grazing * schlick_weight(cos_o));
 }
 
 /// Its part that is not Lambert's (Burley 2015, equation 4), times the cosine.
@@ -91,7 +91,9 @@ LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const LobeView& view, const Di
         case LobeType::Translucent:
             return {lobe.weight * density, density};
         case LobeType::PrincipledDiffuse:
-            return {lobe.weight * disney_diffuse(lobe.roughness, cos_i, cos_o, pair.cosine_half), density};
+            return {lobe.weight *
+                        (density * disney_shape(lobe.roughness, cos_i, cos_o, pair.cosine_half * pair.cosine_half)),
+                    density};
         case LobeType::LambertExit:
             return {lobe.weight * (density * (1.0f - 0.5f * schlick_weight(cos_i))), density};
         case LobeType::Velvet: {
@@ -108,10 +110,25 @@ LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const LobeView& view, const Di
     }
 }
 
-LobeDirection sample_diffuse_lobe(const Lobe& lobe, const Vec3f& random) {
+LobeDirection sample_diffuse_lobe(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing, const Vec3f& random) {
     Vec3f local = cosine_hemisphere(random.x, random.y);
-    if (lobe.type == LobeType::Translucent || lobe.type == LobeType::Subsurface) local.z = -local.z;
-    return {LobeFrame(lobe).to_world(local), Color(0.0f), 1.0f};
+    LobeDirection result;
+    result.density = local.z * kInversePi;
+    result.weight = lobe.weight;
+    if (lobe.type == LobeType::Translucent || lobe.type == LobeType::Subsurface) {
+        local.z = -local.z;
+        result.side = Side::Transmitted;
+    }
+    result.direction = LobeFrame(lobe).to_world(local);
+    if (lobe.type == LobeType::PrincipledDiffuse) {
+        const float cos2_half = 0.5f + 0.5f * outgoing.dot(result.direction);
+        result.weight *= disney_shape(lobe.roughness, local.z, view.cosine, cos2_half);
+        result.weighed = true;
+    } else {
+        result.weighed =
+            lobe.type == LobeType::Translucent || (lobe.type == LobeType::Diffuse && lobe.roughness == 0.0f);
+    }
+    return result;
 }
 
 }  // namespace rayleaf

@@ -6,6 +6,6 @@
 namespace rayleaf {
 
 LobeValue evaluate_diffuse_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair);
-LobeDirection sample_diffuse_lobe(const Lobe& lobe, const Vec3f& random);
+LobeDirection sample_diffuse_lobe(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing, const Vec3f& random);
 
 }  // namespace rayleaf

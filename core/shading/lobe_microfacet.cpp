@@ -22,56 +22,77 @@ std::optional<Vec3f> refracted_direction(const Vec3f& outgoing, const Vec3f& nor
     const float cosine = normal.dot(outgoing);
     const float beyond2 = (ior - 1.0f) * (ior + 1.0f) + cosine * cosine;  // squared cosine beyond, times ior²
     if (!(cosine > 0.0f) || !(beyond2 > 0.0f)) return std::nullopt;
-    const Vec3f direction = (normal * (cosine - std::sqrt(beyond2)) - outgoing) / ior;
-    return normalized_or(direction, -outgoing);
+    return unit_or(normal * (cosine - std::sqrt(beyond2)) - outgoing, -outgoing);
 }
 
 Vec3f mirrored(const Vec3f& outgoing, const Vec3f& normal) {
     return normal * (2.0f * normal.dot(outgoing)) - outgoing;
 }
 
-LobeValue evaluate_reflection(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
-    const LobeFrame frame(lobe);
-    const Vec3f i = frame.to_local(pair.incoming);
-    if (!(i.z > 0.0f)) return {};
+/// Microfacets::spread2 of a direction of the world, and crossed2. A lobe that is as rough all around needs no frame.
+float spread2(const Lobe& lobe, const Vec3f& w, float cosine) {
     const Microfacets facets = microfacets(lobe);
-    const float density = facets.normal_density(frame.to_local(pair.half)) * view.mirrored;
-    const float lit = facets.shadowing(view.masking, i, lobe.masking);
-    return {lobe.weight * reflectance(lobe, pair.cosine_half) * (density * lit),
-            density * reflection_share(lobe, pair.cosine_half)};
+    return lobe.alpha_x == lobe.alpha_y ? facets.even_spread2(cosine) : facets.spread2(LobeFrame(lobe).to_local(w));
+}
+float crossed2(const Lobe& lobe, const Vec3f& h) {
+    if (lobe.alpha_x == lobe.alpha_y) return lobe.alpha_x * lobe.alpha_x * lobe.normal.cross(h).length2();
+    return microfacets(lobe).crossed2(LobeFrame(lobe).to_local(h));
+}
+
+/// What light that goes a way has of the lobe's weight, over the density of that choice: glass chooses by what its
+/// facet sends each way.
+inline Color chosen_share(const Lobe& lobe, Side way, float cosine) {
+    if (lobe.type == LobeType::Glass) return Color(1.0f);
+    return way == Side::Reflected ? reflectance(lobe, cosine) : transmittance(lobe, cosine);
+}
+
+LobeValue evaluate_reflection(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
+    const float cosine = lobe.normal.dot(pair.incoming);
+    if (!(cosine > 0.0f)) return {};
+    const Microfacets facets = microfacets(lobe);
+    const float density = facets.normal_density(lobe.normal.dot(pair.half), crossed2(lobe, pair.half)) * view.mirrored *
+                          reflection_share(lobe, pair.cosine_half);
+    const float masking = facets.masking(cosine, spread2(lobe, pair.incoming, cosine));
+    const float lit = Microfacets::shadowing(view.masking, masking, lobe.masking);
+    return {lobe.weight * chosen_share(lobe, Side::Reflected, pair.cosine_half) * (density * lit), density};
 }
 
 LobeValue evaluate_refraction(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
-    const LobeFrame frame(lobe);
-    const Vec3f o = frame.to_local(pair.outgoing), i = frame.to_local(pair.incoming);
-    if (!(i.z < 0.0f)) return {};
-    const Microfacets facets = microfacets(lobe);
-    Vec3f h = normalized_or(o + i * lobe.ior, Vec3f(0.0f, 0.0f, 1.0f));
-    if (h.z < 0.0f) h = -h;
-    const float cos_o = o.dot(h), cos_i = i.dot(h);
+    const float cosine = -lobe.normal.dot(pair.incoming);
+    if (!(cosine > 0.0f)) return {};
+    Vec3f h = unit_or(pair.outgoing + pair.incoming * lobe.ior, lobe.normal);
+    if (lobe.normal.dot(h) < 0.0f) h = -h;
+    const float cos_o = pair.outgoing.dot(h), cos_i = pair.incoming.dot(h);
     if (!(cos_o > 0.0f) || !(cos_i < 0.0f)) return {};
+    const Microfacets facets = microfacets(lobe);
     const float change = cos_o + lobe.ior * cos_i;
     const float jacobian = lobe.ior * lobe.ior * -cos_i / (change * change);  // Walter et al. 2007, equation 17
-    const float density = facets.normal_density(h) * view.mirrored * (4.0f * cos_o) * jacobian;
-    const float share = 1.0f - (lobe.type == LobeType::Glass ? reflection_share(lobe, cos_o) : 0.0f);
-    const float lit = facets.shadowing(view.masking, Vec3f(i.x, i.y, -i.z), lobe.masking);
-    return {lobe.weight * transmittance(lobe, cos_o) * (density * lit), density * share};
+    const float share = lobe.type == LobeType::Glass ? 1.0f - reflection_share(lobe, cos_o) : 1.0f;
+    const float density = facets.normal_density(lobe.normal.dot(h), crossed2(lobe, h)) * view.mirrored *
+                          (4.0f * cos_o) * jacobian * share;
+    const float masking = facets.masking(cosine, spread2(lobe, pair.incoming, cosine));
+    const float lit = Microfacets::shadowing(view.masking, masking, lobe.masking);
+    return {lobe.weight * chosen_share(lobe, Side::Transmitted, cos_o) * (density * lit), density};
 }
 
 /// Singular glass, mirror or refraction about the lobe's own normal.
-std::optional<LobeDirection> sample_singular(const Lobe& lobe, const Vec3f& outgoing, float random) {
-    const float cosine = lobe.normal.dot(outgoing);
+std::optional<LobeDirection> sample_singular(const Lobe& lobe, float cosine, const Vec3f& outgoing, float random) {
     if (!(cosine > 0.0f)) return std::nullopt;
     const bool reflects =
         lobe.type == LobeType::Reflection || (lobe.type == LobeType::Glass && random < reflection_share(lobe, cosine));
+    LobeDirection result;
+    result.weighed = true;
+    result.side = reflects ? Side::Reflected : Side::Transmitted;
+    result.weight = lobe.weight * chosen_share(lobe, result.side, cosine);
     if (reflects) {
-        const Color value = lobe.type == LobeType::Glass ? Color(1.0f) : reflectance(lobe, cosine);
-        return LobeDirection{mirrored(outgoing, lobe.normal), lobe.weight * value, 1.0f};
+        result.direction = mirrored(outgoing, lobe.normal);
+        return result;
     }
     const std::optional<Vec3f> direction = refracted_direction(outgoing, lobe.normal, lobe.ior);
     if (!direction) return std::nullopt;
-    const Color value = lobe.type == LobeType::Glass ? Color(1.0f) : transmittance(lobe, cosine);
-    return LobeDirection{*direction, lobe.weight * value, 1.0f / lobe.ior};
+    result.direction = *direction;
+    result.eta = 1.0f / lobe.ior;
+    return result;
 }
 
 /// Disney's fixed masking of the clearcoat, whatever the gloss.
@@ -131,10 +152,12 @@ Color transmittance(const Lobe& lobe, float cosine) {
 }
 
 void look_at_facets(const Lobe& lobe, const Vec3f& outgoing, LobeView& view) {
-    if (is_singular(lobe) || !(view.cosine > 0.0f)) return;
-    const Vec3f o = LobeFrame(lobe).to_local(outgoing);
-    view.masking = lobe.type == LobeType::Clearcoat ? kClearcoatMasks.masking(o) : microfacets(lobe).masking(o);
-    view.mirrored = view.masking / (4.0f * o.z);
+    const float cosine = view.cosine;
+    if (is_singular(lobe) || !(cosine > 0.0f)) return;
+    view.masking = lobe.type == LobeType::Clearcoat
+                       ? kClearcoatMasks.masking(cosine, kClearcoatMasks.even_spread2(cosine))
+                       : microfacets(lobe).masking(cosine, spread2(lobe, outgoing, cosine));
+    view.mirrored = view.masking / (4.0f * cosine);
 }
 
 LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
@@ -144,22 +167,26 @@ LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const LobeView& view, const
     return lobe.type == LobeType::Reflection ? LobeValue{} : evaluate_refraction(lobe, view, pair);
 }
 
-std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
-    if (is_singular(lobe)) return sample_singular(lobe, outgoing, random.x);
+std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing,
+                                                    const Vec3f& random) {
+    if (is_singular(lobe)) return sample_singular(lobe, view.cosine, outgoing, random.x);
+    if (!(view.mirrored > 0.0f)) return std::nullopt;
     const LobeFrame frame(lobe);
     const Vec3f o = frame.to_local(outgoing);
-    if (!(o.z > 0.0f)) return std::nullopt;
     const Vec3f h = microfacets(lobe).sample_visible(o, Vec2f(random.x, random.y));
-    const bool reflects = lobe.type == LobeType::Reflection ||
-                          (lobe.type == LobeType::Glass && random.z < reflection_share(lobe, o.dot(h)));
-    if (reflects) {
+    LobeDirection result;
+    if (lobe.type == LobeType::Reflection ||
+        (lobe.type == LobeType::Glass && random.z < reflection_share(lobe, o.dot(h)))) {
         const Vec3f i = mirrored(o, h);
         if (!(i.z > 0.0f)) return std::nullopt;
-        return LobeDirection{frame.to_world(i), Color(0.0f), 1.0f};
+        result.direction = frame.to_world(i);
+        return result;
     }
     const std::optional<Vec3f> i = refracted_direction(o, h, lobe.ior);
     if (!i || !(i->z < 0.0f)) return std::nullopt;
-    return LobeDirection{frame.to_world(*i), Color(0.0f), 1.0f / lobe.ior};
+    result.direction = frame.to_world(*i);
+    result.eta = 1.0f / lobe.ior;
+    return result;
 }
 
 LobeValue evaluate_clearcoat(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
@@ -183,7 +210,7 @@ std::optional<LobeDirection> sample_clearcoat(const Lobe& lobe, const Vec3f& out
     const Vec3f h(across.x, across.y, cosine);
     const Vec3f i = mirrored(o, h);
     if (!(o.z > 0.0f) || !(o.dot(h) > 0.0f) || !(i.z > 0.0f)) return std::nullopt;
-    return LobeDirection{frame.to_world(i), Color(0.0f), 1.0f};
+    return LobeDirection{frame.to_world(i)};
 }
 
 }  // namespace rayleaf

@@ -10,7 +10,8 @@ namespace rayleaf {
 void look_at_facets(const Lobe& lobe, const Vec3f& outgoing, LobeView& view);
 
 LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair);
-std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random);
+std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing,
+                                                    const Vec3f& random);
 
 LobeValue evaluate_clearcoat(const Lobe& lobe, const LobeView& view, const DirectionPair& pair);
 std::optional<LobeDirection> sample_clearcoat(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random);

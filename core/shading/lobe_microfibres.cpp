@@ -18,7 +18,7 @@ LobeDirection sample_microfibres(const Lobe& lobe, const Vec3f& random) {
     const float narrowing = lobe.alpha_x, skew = lobe.alpha_y;
     const Vec3f d = cosine_hemisphere(random.x, random.y);
     const Vec3f local = normalized_or(Vec3f(d.x - d.z * skew, d.y, d.z * narrowing), Vec3f(0.0f, 0.0f, 1.0f));
-    return {LobeFrame(lobe).to_world(local), Color(0.0f), 1.0f};
+    return {LobeFrame(lobe).to_world(local)};
 }
 
 }  // namespace rayleaf

@@ -50,7 +50,7 @@ std::optional<LobeDirection> sample_toon_lobe(const Lobe& lobe, const Vec3f& out
     const Vec2f at = on_circle(random.y) * sine;
     const Vec3f direction = across * at.x + up * at.y + axis * cosine;
     if (!(lobe.normal.dot(direction) > 0.0f)) return std::nullopt;
-    return LobeDirection{direction, Color(0.0f), 1.0f};
+    return LobeDirection{direction};
 }
 
 }  // namespace rayleaf

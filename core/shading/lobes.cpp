@@ -39,12 +39,13 @@ LobeValue evaluate_lobe(const Lobe& lobe, const LobeView& view, const DirectionP
     }
 }
 
-std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
+std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing,
+                                         const Vec3f& random) {
     switch (lobe.type) {
         case LobeType::Reflection:
         case LobeType::Refraction:
         case LobeType::Glass:
-            return sample_microfacet_lobe(lobe, outgoing, random);
+            return sample_microfacet_lobe(lobe, view, outgoing, random);
         case LobeType::Clearcoat:
             return sample_clearcoat(lobe, outgoing, random);
         case LobeType::ToonDiffuse:
@@ -57,7 +58,7 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing
         case LobeType::Microfibres:
             return sample_microfibres(lobe, random);
         default:
-            return sample_diffuse_lobe(lobe, random);
+            return sample_diffuse_lobe(lobe, view, outgoing, random);
     }
 }
 
@@ -81,7 +82,12 @@ bool is_shadowed_where_bent(const Lobe& lobe) {
     }
 }
 
-/// How often a lobe is chosen, relative to others.
+}  // namespace
+
+bool is_bent(const Lobe& lobe, const Vec3f& smooth) {
+    return lobe.normal != smooth && !is_black(smooth) && is_shadowed_where_bent(lobe);
+}
+
 float choice_weight(const Lobe& lobe, float cosine) {
     const float mean = average(lobe.weight);
     const bool plain = lobe.type == LobeType::Glass || lobe.type == LobeType::Subsurface;
@@ -93,13 +99,10 @@ float choice_weight(const Lobe& lobe, float cosine) {
     return mean * (is_singular(lobe) ? share : std::max(share, kLeastShare));
 }
 
-}  // namespace
-
 void look_at(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& smooth, LobeView& view) {
     view.cosine = lobe.normal.dot(outgoing);
-    view.probability = choice_weight(lobe, view.cosine);
     view.masking = view.mirrored = 0.0f;
-    view.bent = lobe.normal != smooth && !is_black(smooth) && is_shadowed_where_bent(lobe);
+    view.bent = is_bent(lobe, smooth);
     if (has_facets(lobe)) look_at_facets(lobe, outgoing, view);
 }
 

@@ -30,11 +30,12 @@ inline bool has_facets(const Lobe& lobe) {
 
 /// Two directions at a point, and what many lobes ask of them.
 struct DirectionPair {
-    Vec3f outgoing, incoming;
+    alignas(16) Vec3f outgoing;
+    alignas(16) Vec3f incoming;
     Side side;
     // Where a lobe asks for halves, and on the viewer's side; else 0.
-    Vec3f half{0, 0, 0};    ///< between both, unit; zero where they are opposite
-    float cosine_half = 0;  ///< of either's angle to it
+    alignas(16) Vec3f half{0, 0, 0};  ///< between both, unit; zero where they are opposite
+    float cosine_half = 0;            ///< of either's angle to it
 
     DirectionPair(const Vec3f& towards_viewer, const Vec3f& towards_light, Side lit, bool halves)
         : outgoing(towards_viewer), incoming(towards_light), side(lit) {
@@ -76,22 +77,31 @@ struct LobeValue {
 /// A direction chosen by one lobe.
 struct LobeDirection {
     Vec3f direction;
-    Color weight{0, 0, 0};  ///< singular lobes: weighted value * |cosine| / discrete probability
-    float eta = 1;          ///< of a refraction: index on the viewer's side over that beyond
-    bool through = false;   ///< of hair: came out of the fibre, not off it
+    /// What the choice tells of the lobe's own value there, if that is `weighed`: weighted value * |cosine| / density,
+    /// and the density; of singular lobes, over the discrete probability, and 0.
+    Color weight{0, 0, 0};
+    float density = 0;
+    float eta = 1;                ///< of a refraction: index on the viewer's side over that beyond
+    Side side = Side::Reflected;  ///< of a weighed one, by the lobe's normal
+    bool weighed = false;
+    bool through = false;  ///< of hair: came out of the fibre, not off it
 };
 
 /// What is left of light from `incoming` that meets a bump: 1 where the bump's slope is in the light as the smooth
 /// surface would be, and smoothly down to 0 where the smooth surface is in its own shadow (M. J. Chiang, Y. K. Li, B.
 /// Burley: Taming the Shadow Terminator, 2019).
 float bump_shadow(const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming);
+/// Whether that darkens a lobe; `smooth` as Closures::smooth_normal.
+bool is_bent(const Lobe& lobe, const Vec3f& smooth);
 /// 0 for singular lobes.
 LobeValue evaluate_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair);
 /// `random` in [0,1)³; z as in Closures::needs_third_number. Empty where there is no such direction (total internal
 /// reflection, masked).
-std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random);
-/// Sets `view` to the lobe seen from `outgoing`; `smooth` as Closures::smooth_normal. Its probability is relative to
-/// others'; positive wherever the lobe's value is.
+std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing,
+                                         const Vec3f& random);
+/// How often a lobe seen under `cosine` is chosen, relative to others; positive wherever its value is.
+float choice_weight(const Lobe& lobe, float cosine);
+/// Sets `view`, but for its probability, to the lobe seen from `outgoing`; `smooth` as Closures::smooth_normal.
 void look_at(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& smooth, LobeView& view);
 /// Weighted albedo that falls in the family `kind`; Fresnel taken at the lobe's normal.
 Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind);

@@ -9,9 +9,9 @@
 namespace rayleaf {
 namespace {
 
-constexpr int kNodes = 24;       ///< of each axis of the reflection table
-constexpr int kGlassNodes = 16;  ///< of each axis of the glass tables
-constexpr int kQuadrature = 16;  ///< points of the quadrature per dimension
+constexpr int kNodes = 24;                          ///< of each axis of the reflection table
+constexpr int kGlassNodes = 16;                     ///< of each axis of the glass tables
+constexpr int kQuadrature = 377, kFibonacci = 233;  ///< points of the quadrature, and the number before
 constexpr float kLeastTableCosine = 1e-3f, kLeastTableAlpha = 1e-3f;
 /// Axis of indices: |ior - 1| / (ior + 1), up to an index of 10.
 constexpr float kLargestIndexAxis = 9.0f / 11.0f;
@@ -24,19 +24,16 @@ float alpha_at(float x) {
     return std::max(x * x, kLeastTableAlpha);
 }
 
-/// Midpoints of the unit square, crowded towards both ends of x, where the integrands have roots; the weights add up
-/// to 1.
+/// A Fibonacci lattice of the unit square, crowded towards both ends of x, where the integrands have roots; the weights
+/// add up to 1.
 struct QuadraturePoint {
     Vec2f random;
     float weight;
 
     explicit QuadraturePoint(int i) {
-        const int column = i % kQuadrature, row = i / kQuadrature;
-        random =
-            Vec2f((static_cast<float>(column) + 0.5f) / kQuadrature, (static_cast<float>(row) + 0.5f) / kQuadrature);
-        const float t = random.x;
-        random.x = t * t * (3.0f - 2.0f * t);
-        weight = 6.0f * t * (1.0f - t) * kWeightScale / (kQuadrature * kQuadrature);
+        const float t = (static_cast<float>(i) + 0.5f) / kQuadrature;
+        random = Vec2f(t * t * (3.0f - 2.0f * t), static_cast<float>(i * kFibonacci % kQuadrature) / kQuadrature);
+        weight = 6.0f * t * (1.0f - t) * kWeightScale / kQuadrature;
     }
     /// The midpoint rule overestimates the integral of 6 t (1 - t), which is 1.
     static constexpr float kWeightScale = 1.0f / (1.0f + 0.5f / (kQuadrature * kQuadrature));
@@ -47,7 +44,7 @@ float reflection_quadrature(const Microfacets& facets, const Vec3f& o, Masking m
                             std::optional<float> rising = std::nullopt) {
     const float seen = facets.masking(o);
     float sum = 0.0f;
-    for (int i = 0; i < kQuadrature * kQuadrature; ++i) {
+    for (int i = 0; i < kQuadrature; ++i) {
         const QuadraturePoint point(i);
         const Vec3f h = facets.sample_visible(o, point.random);
         const float cosine = o.dot(h), reflectance = rising ? fresnel_rise(*rising, cosine) : 1.0f;
@@ -59,7 +56,7 @@ float reflection_quadrature(const Microfacets& facets, const Vec3f& o, Masking m
 float glass_quadrature(const Microfacets& facets, const Vec3f& o, float ior, Masking masking) {
     const float seen = facets.masking(o);
     float sum = 0.0f;
-    for (int i = 0; i < kQuadrature * kQuadrature; ++i) {
+    for (int i = 0; i < kQuadrature; ++i) {
         const QuadraturePoint point(i);
         const Vec3f h = facets.sample_visible(o, point.random);
         const float cosine = o.dot(h), fresnel = dielectric_fresnel(cosine, ior);

@@ -79,18 +79,20 @@ SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, co
 
 void SplitClosures::add_singular(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& facet_normal) {
     const bool glass = lobe.type == LobeType::Glass;
-    const float reflected = glass ? dielectric_fresnel(lobe.normal.dot(outgoing), lobe.ior) : 1.0f;
+    LobeView view;
+    look_at(lobe, outgoing, Vec3f(0.0f), view);
+    const float reflected = glass ? dielectric_fresnel(view.cosine, lobe.ior) : 1.0f;
     for (const float random : {kReflect, kRefract}) {
         const bool second = random == kRefract;
         const float share = second ? 1.0f - reflected : reflected;
         if (!(share > 0.0f)) continue;
-        const std::optional<LobeDirection> direction = sample_lobe(lobe, outgoing, Vec3f(random, 0.0f, 0.0f));
+        const std::optional<LobeDirection> direction = sample_lobe(lobe, view, outgoing, Vec3f(random, 0.0f, 0.0f));
         if (!direction) continue;
         LobeSample sample;
         sample.direction = direction->direction;
         sample.transmitted = (facet_normal.dot(outgoing) > 0.0f) != (facet_normal.dot(sample.direction) > 0.0f);
         // A shading normal bent far from the facet may send the ray to the wrong side.
-        if (sample.transmitted != (lobe.normal.dot(sample.direction) < 0.0f)) continue;
+        if (sample.transmitted != (direction->side == Side::Transmitted)) continue;
         if (glass && sample.transmitted != second) continue;
         sample.weight = direction->weight * share;
         sample.kind = kind_of(lobe, sample.transmitted ? Side::Transmitted : Side::Reflected);

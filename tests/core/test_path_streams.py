@@ -4,6 +4,7 @@ import numpy as np
 import path_scenes
 import pytest
 import scenes
+import shading_support
 import swept_support
 
 
@@ -83,6 +84,49 @@ def test_streams_of_curves_and_hair_give_the_bits_of_single_paths(core, any_targ
         together = passes_of(core, scene, stream_paths=512)
         for name in path_scenes.ALL_PASSES:
             np.testing.assert_array_equal(together[name], alone[name], err_msg=f"{name} by {target}")
+
+
+def scene_of_lobes(core):
+    """Balls that scatter by a diffuse lobe, by rough facets, or by both; some with normals bent from the surface's."""
+    scene = path_scenes.varied_scene(core)
+    bent, facing = (0.3, -0.2, 1.0), (0.0, 0.0, 1.0)
+    metal = shading_support.layers(metallic=1.0, roughness=0.3, specular_tint=(0.3, 0.9, 1.0), anisotropic=0.8)
+    materials = [
+        [("diffuse", 1.0, (0.7, 0.6, 0.4))],
+        [("diffuse", 1.0, (0.7, 0.6, 0.4), 0.5)],
+        [("diffuse", 1.0, 0.8, 0.0, bent), ("glossy", 0.5, 0.9, 0.4, bent, "GGX")],
+        [("diffuse", 0.5, 0.9, 0.0, facing), ("glossy", 0.5, 0.9, 0.05, bent, "GGX")],
+        [("glossy", 0.5, 0.9, 0.5, "GGX"), ("diffuse", 0.5, 0.9, 0.0)],
+        [("glossy", 1.0, (1.0, 0.7, 0.4), 1.0, "GGX")],
+        [("glossy", 1.0, 0.8, 0.3, "BECKMANN")],
+        shading_support.principled(roughness=0.4),
+        shading_support.principled(roughness=0.2, metallic=1.0, anisotropic=0.7, base_color=(0.9, 0.6, 0.2)),
+        shading_support.principled(roughness=1.0, specular=0.01, normal=bent),
+        shading_support.layers(roughness=0.3),
+        metal,
+    ]
+    ball = scene.add_surface("small ball", [path_scenes.sphere_spline(core)])
+    for i, each in enumerate(materials):
+        if isinstance(each, list):
+            of_ball = path_scenes.material(core, scene, *each, name=f"ball {i}")
+        else:
+            of_ball = scene.add_material_list([scene.add_material(f"ball {i}", each)])
+        place = (0.6 * (i % 4) - 0.9, 0.6 * (i // 4) - 0.6, 0.9)
+        scene.add_instance(f"ball {i}", ball, path_scenes.matrix(place, 0.28), of_ball)
+    return scene
+
+
+def test_lobes_seen_in_lanes_give_the_bits_of_single_paths(core, any_target):
+    scene = scene_of_lobes(core)
+    settings = {"size": 32, "samples": 4, "passes": path_scenes.ALL_PASSES, "filter_glossy": 0.5}
+    alone = path_scenes.render(core, scene, stream_paths=0, **settings)
+    assert np.ptp(alone.pass_pixels("glossy_indirect")) > 0
+    for target in core.trace.simd_targets():
+        assert core.trace.use_simd_target(target)
+        together = path_scenes.render(core, scene, stream_paths=1024, **settings)
+        for name in path_scenes.ALL_PASSES:
+            found, expected = together.pass_pixels(name), alone.pass_pixels(name)
+            np.testing.assert_array_equal(found, expected, err_msg=f"{name} by {target}")
 
 
 def scene_under_noise(core, table):
