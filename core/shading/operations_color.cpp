@@ -127,6 +127,30 @@ Vec3f blend(BlendVariant variant, const Vec3f& factor, const Vec3f& a, const Vec
     }
 }
 
+bool blend_rows(BlendVariant variant, size_t count, const float* factor, const float* a, const float* b,
+                float* result) {
+    const auto blend_all = [&](BlendVariant each) {
+        for (size_t i = 0; i < count; ++i) result[i] = blend_channel(each, factor[i], a[i], b[i]);
+    };
+    switch (variant) {
+        case BlendVariant::HUE:
+        case BlendVariant::SATURATION:
+        case BlendVariant::COLOR:
+        case BlendVariant::VALUE:
+            return false;
+        // Named so that they become loops of their own.
+        case BlendVariant::MIX:
+            blend_all(BlendVariant::MIX);
+            return true;
+        case BlendVariant::MULTIPLY:
+            blend_all(BlendVariant::MULTIPLY);
+            return true;
+        default:
+            blend_all(variant);
+            return true;
+    }
+}
+
 Vec3f rgb_to_hsv(const Vec3f& rgb) {
     const float largest = max_component(rgb), smallest = std::min(rgb.x, std::min(rgb.y, rgb.z));
     const float range = largest - smallest;

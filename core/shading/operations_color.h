@@ -12,6 +12,8 @@ namespace rayleaf {
 /// Blends `b` over `a` (linear interpolation for MIX); `factor` per channel (Blender's plain factor repeats one). The
 /// models of hue, saturation, colour and value use its first channel.
 Vec3f blend(BlendVariant variant, const Vec3f& factor, const Vec3f& a, const Vec3f& b);
+/// One channel of many colours; false: the type is one of those models.
+bool blend_rows(BlendVariant variant, size_t count, const float* factor, const float* a, const float* b, float* result);
 
 Vec3f rgb_to_hsv(const Vec3f& rgb);
 Vec3f hsv_to_rgb(const Vec3f& hsv);

@@ -255,40 +255,27 @@ float map_range_value(MapRangeVariant variant, const Operands& operands, bool cl
     return limits ? clamp_value(ClampVariant::RANGE, result, to_low, to_high) : result;
 }
 
-namespace {
+EulerRotation::EulerRotation(const Vec3f& euler) {
+    // Most are not turned.
+    const auto cosine = [](float angle) { return angle == 0.0f ? 1.0f : std::cos(angle); };
+    const auto sine = [](float angle) { return angle == 0.0f ? angle : std::sin(angle); };
+    const float cx = cosine(euler.x), cy = cosine(euler.y), cz = cosine(euler.z);
+    const float sx = sine(euler.x), sy = sine(euler.y), sz = sine(euler.z);
+    x = Vec3f(cy * cz, cy * sz, -sy);
+    y = Vec3f(sy * sx * cz - cx * sz, sy * sx * sz + cx * cz, cy * sx);
+    z = Vec3f(sy * cx * cz + sx * sz, sy * cx * sz - sx * cz, cy * cx);
+}
 
-/// Euler angles in Blender's order XYZ (about x first) as the columns of a rotation.
-struct Rotation {
-    Vec3f x, y, z;
-
-    explicit Rotation(const Vec3f& euler) {
-        // Most are not turned.
-        const auto cosine = [](float angle) { return angle == 0.0f ? 1.0f : std::cos(angle); };
-        const auto sine = [](float angle) { return angle == 0.0f ? angle : std::sin(angle); };
-        const float cx = cosine(euler.x), cy = cosine(euler.y), cz = cosine(euler.z);
-        const float sx = sine(euler.x), sy = sine(euler.y), sz = sine(euler.z);
-        x = Vec3f(cy * cz, cy * sz, -sy);
-        y = Vec3f(sy * sx * cz - cx * sz, sy * sx * sz + cx * cz, cy * sx);
-        z = Vec3f(sy * cx * cz + sx * sz, sy * cx * sz - sx * cz, cy * cx);
-    }
-    Vec3f apply(const Vec3f& v) const { return x * v.x + y * v.y + z * v.z; }
-    Vec3f apply_inverse(const Vec3f& v) const { return {x.dot(v), y.dot(v), z.dot(v)}; }
-};
-
-}  // namespace
-
-Vec3f mapping_value(MappingVariant variant, const Vec3f& vector, const Vec3f& location, const Vec3f& rotation,
-                    const Vec3f& scale) {
-    const Rotation rotate(rotation);
+Vec3f Mapping::of(const Vec3f& vector) const {
     switch (variant) {
         case MappingVariant::POINT:
-            return rotate.apply(vector * scale) + location;
+            return rotation.apply(vector * scale) + location;
         case MappingVariant::TEXTURE:
-            return each(rotate.apply_inverse(vector - location), scale, safe_divide);
+            return each(rotation.apply_inverse(vector - location), scale, safe_divide);
         case MappingVariant::VECTOR:
-            return rotate.apply(vector * scale);
+            return rotation.apply(vector * scale);
         case MappingVariant::NORMAL:
-            return normalized_or(rotate.apply(each(vector, scale, safe_divide)), Vec3f(0.0f));
+            return normalized_or(rotation.apply(each(vector, scale, safe_divide)), Vec3f(0.0f));
     }
     return Vec3f(0.0f);
 }
@@ -302,7 +289,7 @@ Vec3f rotated(const Vec3f& v, const Vec3f& axis, float angle) {
 Vec3f vector_rotate_value(VectorRotateVariant variant, const Operands& operands, bool inverted) {
     const Vec3f vector = operands.vector(0), center = operands.vector(1), from_center = vector - center;
     if (variant == VectorRotateVariant::EULER_XYZ) {
-        const Rotation rotate(operands.vector(4));
+        const EulerRotation rotate(operands.vector(4));
         return (inverted ? rotate.apply_inverse(from_center) : rotate.apply(from_center)) + center;
     }
     Vec3f axis(0.0f);

@@ -19,7 +19,24 @@ float map_range_value(MapRangeVariant variant, const Operands& operands, bool cl
 Vec3f rotated(const Vec3f& v, const Vec3f& axis, float angle);
 /// Vector Rotate: operands as in operations.def.
 Vec3f vector_rotate_value(VectorRotateVariant variant, const Operands& operands, bool inverted);
-Vec3f mapping_value(MappingVariant variant, const Vec3f& vector, const Vec3f& location, const Vec3f& rotation,
-                    const Vec3f& scale);
+
+/// Euler angles in Blender's order XYZ (about x first) as the columns of a rotation.
+struct EulerRotation {
+    Vec3f x, y, z;
+
+    explicit EulerRotation(const Vec3f& euler);
+    Vec3f apply(const Vec3f& v) const { return x * v.x + y * v.y + z * v.z; }
+    Vec3f apply_inverse(const Vec3f& v) const { return {x.dot(v), y.dot(v), z.dot(v)}; }
+};
+
+/// The operation `mapping`.
+struct Mapping {
+    MappingVariant variant;
+    Vec3f location;
+    EulerRotation rotation;
+    Vec3f scale;
+
+    Vec3f of(const Vec3f& vector) const;
+};
 
 }  // namespace rayleaf

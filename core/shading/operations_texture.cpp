@@ -7,16 +7,6 @@
 
 namespace rayleaf {
 
-float checker_value(const Vec3f& position) {
-    // Blender's shift keeps faces that lie exactly on a border from flickering.
-    const Vec3f p = (position + Vec3f(1e-6f)) * 0.999999f;
-    const auto odd = [](float x) {
-        const float cell = std::floor(x);
-        return cell - 2.0f * std::floor(cell * 0.5f) != 0.0f;
-    };
-    return (odd(p.x) == odd(p.y)) == odd(p.z) ? 1.0f : 0.0f;
-}
-
 Vec2f equirectangular(const Vec3f& direction) {
     if (direction == Vec3f(0.0f)) return {0.0f, 0.0f};
     const float u = -std::atan2(direction.y, direction.x) / (2.0f * kPi) + 0.5f;

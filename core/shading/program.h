@@ -117,10 +117,16 @@ class Program {
     std::span<const int32_t> ints_of(const Instruction& instruction) const;
     bool flag_of(const Instruction& instruction) const;  ///< its first integer
     Vec4f arithmetic(const Instruction& instruction, const Operands& operands) const;
-    Vec4f value_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const;
+    Vec4f input_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const;
     RegisterBank bank(float* numbers, size_t points) const;
     void compute(const Instruction& instruction, const RegisterBank& registers, Inputs inputs) const;
+    class Rows;
     bool compute_together(const Instruction& instruction, const RegisterBank& registers) const;
+    bool compute_noise(const Instruction& instruction, const RegisterBank& registers) const;
+    bool compute_mapping(const Instruction& instruction, const RegisterBank& registers) const;
+    bool compute_mix(const Instruction& instruction, const RegisterBank& registers) const;
+    void compute_checker(const Instruction& instruction, const RegisterBank& registers) const;
+    void compute_table(const Instruction& instruction, const RegisterBank& registers) const;
     void add_closures(const Instruction& instruction, const RegisterBank& registers, Inputs inputs,
                       Results results) const;
     void find_even_closures();

@@ -3,7 +3,6 @@
 #include "shading/even_closures.h"
 #include "shading/ies.h"
 #include "shading/neighbour.h"
-#include "shading/noise_lanes.h"
 #include "shading/operands.h"
 #include "shading/operations_closure.h"
 #include "shading/operations_color.h"
@@ -98,8 +97,9 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
         case Operation::map_range:
             return spread(map_range_value(static_cast<MapRangeVariant>(variant), operands, flag(0)));
         case Operation::mapping:
-            return extended(mapping_value(static_cast<MappingVariant>(variant), operands.vector(0), operands.vector(1),
-                                          operands.vector(2), operands.vector(3, Vec3f(1.0f))));
+            return extended(Mapping{static_cast<MappingVariant>(variant), operands.vector(1),
+                                    EulerRotation(operands.vector(2)), operands.vector(3, Vec3f(1.0f))}
+                                .of(operands.vector(0)));
         case Operation::vector_rotate:
             return extended(vector_rotate_value(static_cast<VectorRotateVariant>(variant), operands, flag(0)));
         case Operation::wavelength:
@@ -148,48 +148,28 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
     }
 }
 
-Vec4f Program::value_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const {
+/// Of an operation of the family Input.
+Vec4f Program::input_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const {
     if (is_probe(instruction.operation))
         return surroundings_value(instruction.operation, operands, ints_of(instruction), inputs,
                                   static_cast<uint32_t>(instruction.result));
-    if (operation_info(instruction.operation).family == OperationFamily::Input)
-        return input_value(instruction.operation, instruction.variant, operands, ints_of(instruction), inputs);
-    return arithmetic(instruction, operands);
+    return input_value(instruction.operation, instruction.variant, operands, ints_of(instruction), inputs);
 }
 
 RegisterBank Program::bank(float* numbers, size_t points) const {
     return {numbers, static_cast<uint32_t>(points), registers_.data()};
 }
 
-/// Does operations that are done for all points together; false: this one is done point by point.
-bool Program::compute_together(const Instruction& instruction, const RegisterBank& registers) const {
-    const std::span<const int32_t> ints = ints_of(instruction);
-    const bool is_plain_noise =  // Perlin's, its octaves scaled to 0..1
-        instruction.operation == Operation::noise && (ints.size() < 2 || ints[1] != 0) &&
-        (ints.size() < 3 || static_cast<FractalType>(ints[2]) == FractalType::FBM);
-    if (!is_plain_noise || registers.points < kLeastNoiseLanes) return false;
-    const auto row = [&](uint32_t i, uint32_t component, const float& otherwise) -> NumberRow {
-        const Register index = i < instruction.operand_count ? operands_[instruction.first_operand + i] : -1;
-        return index >= 0 ? registers.row(index, component) : NumberRow{&otherwise, 0};
-    };
-    constexpr float kNone = 0.0f, kLacunarity = 2.0f;
-    NoiseLanes lanes;
-    lanes.count = registers.points;
-    lanes.set_points({row(0, 0, kNone), row(0, 1, kNone), row(0, 2, kNone), row(1, 0, kNone)}, row(2, 0, kNone));
-    lanes.set_parameters(row(3, 0, kNone), row(4, 0, kNone), row(5, 0, kNone), row(6, 0, kLacunarity));
-    const bool only_factor = static_cast<NoiseUse>(instruction.variant) == NoiseUse::Factor;
-    noise_texture(ints[0], only_factor ? NoiseChannels::Factor : NoiseChannels::All, lanes);
-    for (uint32_t i = 0; i < 4; ++i) {
-        const float* channel = lanes.channels[only_factor || i == 3 ? 0 : i];
-        std::copy_n(channel, registers.points, registers.component(instruction.result, i));
-    }
-    return true;
-}
-
 void Program::compute(const Instruction& instruction, const RegisterBank& registers, Inputs inputs) const {
     if (compute_together(instruction, registers)) return;
-    for (uint32_t i = 0; i < registers.points; ++i)
-        registers.set(instruction.result, i, value_at(instruction, operands_of(instruction, registers, i), *inputs[i]));
+    if (operation_info(instruction.operation).family == OperationFamily::Input) {
+        for (uint32_t i = 0; i < registers.points; ++i)
+            registers.set(instruction.result, i,
+                          input_at(instruction, operands_of(instruction, registers, i), *inputs[i]));
+    } else {
+        for (uint32_t i = 0; i < registers.points; ++i)
+            registers.set(instruction.result, i, arithmetic(instruction, operands_of(instruction, registers, i)));
+    }
 }
 
 /// Without results, closures are not wanted.
@@ -288,7 +268,7 @@ void Program::bend(const Instruction& instruction, std::span<const RegisterBank>
 /// What is around changes little from a hit to its neighbours, which have it too.
 void Program::probe(const Instruction& instruction, std::span<const RegisterBank> places, Inputs inputs) const {
     for (uint32_t point = 0; point < inputs.size(); ++point) {
-        const Vec4f value = value_at(instruction, operands_of(instruction, places[0], point), *inputs[point]);
+        const Vec4f value = input_at(instruction, operands_of(instruction, places[0], point), *inputs[point]);
         for (size_t place = 0; place < (instruction.differentiated ? places.size() : 1); ++place)
             places[place].set(instruction.result, point, value);
     }

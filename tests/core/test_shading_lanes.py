@@ -107,3 +107,51 @@ def test_images_have_the_same_bits_whatever_else_is_looked_up_with_them(target):
     place = program.operation("mapping", [program.operation("uv"), none, none, scale], text="POINT")
     found = program.operation("image", [place], [first, 0, 0])
     check_lanes(points, program, program.operation("image", [found], [second, 0, 0]))
+
+
+RAMP = [0.1, 0.2, 0.3, 1.0, 0.9, 0.5, 0.1, 0.5, 0.4, 0.4, 1.0, 0.0]
+
+
+def rows_of(program, place):
+    """Registers of what is computed for all points together, from places in a register or a constant."""
+    number = [program.constant(x, x, x, x) for x in (0.3, 1.7)]
+    turn, shift = program.constant(0.3, -1.0, 2.0, 1), program.constant(1.0, -2.0, 0.5, 1)
+    red = program.constant(0.9, 0.3, 0.1, 1)
+    axis = [component(program, place, i) for i in range(3)]
+    found = [*axis, program.operation("checker", [place, red, shift, number[1]])]
+    found += [program.operation("checker", [place, place, red, axis[1]])]
+    for variant in ("POINT", "TEXTURE", "VECTOR", "NORMAL"):
+        found.append(program.operation("mapping", [place, shift, turn, turn], text=variant))
+        found.append(program.operation("mapping", [shift, place, turn, red], text=variant))
+    for variant in ("MIX", "MULTIPLY", "SCREEN", "DIVIDE", "HUE", "VALUE"):
+        found.append(program.operation("mix", [number[0], place, red], [1, 0], text=variant))
+        found.append(program.operation("mix", [place, red, shift], [1, 1], text=variant))
+        found.append(program.operation("mix", [place, place, axis[0]], [0, 0], text=variant))
+    found += [program.operation("table", [axis[i]], [i % 2], RAMP) for i in range(3)]
+    return found
+
+
+def test_rows_of_points_have_the_same_bits_as_points():
+    points = scattered_points()
+    program = _core.Program("Rows")
+    for register in rows_of(program, program.operation("position")):
+        alone = points.values(program, register)
+        for together in TOGETHER:
+            found = points.values(program, register, together=together)
+            np.testing.assert_array_equal(found.view(np.uint32), alone.view(np.uint32), err_msg=f"{register}")
+
+
+def test_rows_of_points_have_the_bits_of_constants():
+    """Operations of constants are computed when they are added, one by one."""
+    places = (np.random.default_rng(3).normal(size=(9, 3)) * np.float32((0.1, 1, 10))).astype(np.float32)
+    places[0], places[1], places[2] = (0, -1, 1), (0.5, -0.0, 2), (3e7, -2e9, 4e6)
+    up = np.tile(UP, (len(places), 1))
+    points = _core.shading.surface_points(places, up, up)
+    program = _core.Program("Rows")
+    registers = rows_of(program, program.operation("position"))
+    rows = [points.values(program, register, together=len(places)) for register in registers]
+    for i, place in enumerate(places):
+        folded = _core.Program("Constants")
+        constants = rows_of(folded, folded.constant(*map(float, place), 1.0))
+        for row, register in zip(rows, constants, strict=True):
+            np.testing.assert_array_equal(row[i], points.values(folded, register)[0], err_msg=f"{register} at {place}")
