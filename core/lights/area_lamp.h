@@ -24,6 +24,8 @@ class AreaLamp {
     Box3d bounds() const;
     double intensity() const;  ///< along the normal, W/sr, as one number
     LightCone cone() const { return {Vec3f(normal_), 1.0f, true, false}; }
+    /// Whether it shines on a part of space alone.
+    static bool is_bounded() { return true; }
     /// False where no light of the lamp arrives.
     bool reaches(const Vec3d& position) const { return lit().holds(position); }
     LitCone lit() const { return {center_, normal_, 0.0}; }

@@ -6,10 +6,22 @@ namespace {
 constexpr float kNearestSquared = 1e-30f;  ///< squared distance, world units²; keeps weights finite
 constexpr float kLeastWeight = 1e-37f;     ///< of what shines
 
-/// As `narrowed` (lights/cosines.h), without a branch.
-inline float narrowed_lane(float cosine, float by_cosine, float by_sine) {
-    const float less = cosine * by_cosine + std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) * by_sine;
-    return cosine >= by_cosine ? 1.0f : less;
+/// The offset of four numbers from one, as floats.
+Float4 from(double origin, const std::array<double, LightBranch::kMost>& to) {
+    using Doubles = double __attribute__((vector_size(32)));
+    return __builtin_convertvector(Doubles{to[0], to[1], to[2], to[3]} - origin, Float4);
+}
+
+/// A right triangle with this hypotenuse, by one of its sides: the other.
+Float4 other_side(Float4 hypotenuse_squared, Float4 side) {
+    return sqrt4(max4(Float4{}, hypotenuse_squared - side * side));
+}
+
+/// As `narrowed` (lights/cosines.h): of the cosine and the cone's cosine and sine times a length; the result is times
+/// its square.
+Float4 narrowed(Float4 length_squared, Float4 cosine, Float4 by_cosine, Float4 by_sine) {
+    const Float4 less = cosine * by_cosine + other_side(length_squared, cosine) * by_sine;
+    return cosine >= by_cosine ? length_squared : less;
 }
 
 }  // namespace
@@ -28,36 +40,37 @@ void LightBranch::set_cone(size_t lane, const LightCone& cone) {
     if (!cone.ahead || !cone.back) side[lane] = cone.ahead ? 1.0f : -1.0f;
 }
 
-LightBranch::Lanes LightBranch::weights(const LitPoint& at, const Lanes& shining, const Lanes& sides) const {
-    const Vec3d& p = at.position;
+LightBranch::Ways LightBranch::ways(const Vec3d& position) const {
+    const Float4 to_x = from(position.x, x), to_y = from(position.y, y), to_z = from(position.z, z);
+    return {to_x, to_y, to_z, to_x * to_x + to_y * to_y + to_z * to_z};
+}
+
+Float4 LightBranch::weights(const LitPoint& at, Float4 shining, Float4 sides) const {
     const Vec3f& n = at.normal;
     const float least_at_point = n == Vec3f(0.0f) ? 1.0f : kLeastCosine;  // the zero normal stands for all directions
-    Lanes result;
-    // The same steps in each lane, which compilers make vectors of.
-    for (size_t i = 0; i < kMost; ++i) {
-        const auto to_x = static_cast<float>(x[i] - p.x), to_y = static_cast<float>(y[i] - p.y),
-                   to_z = static_cast<float>(z[i] - p.z);
-        const float distance_squared = to_x * to_x + to_y * to_y + to_z * to_z;
-        const float radius_squared = radius[i] * radius[i];
-        const float inverse = 1.0f / std::sqrt(distance_squared);
-        // The half angle under which the sphere is seen.
-        const float sine = std::min(radius[i] * inverse, 1.0f), cosine = std::sqrt(std::max(0.0f, 1.0f - sine * sine));
-        const float by_normal = (to_x * n.x + to_y * n.y + to_z * n.z) * inverse;
-        const float at_point = std::max(least_at_point, narrowed_lane(by_normal, cosine, sine));
-        // With the angle between the axis and the lights' normals.
-        const float sum_sine = sine * spread_cosine[i] + cosine * spread_sine[i];
-        const float sum_cosine = cosine * spread_cosine[i] - sine * spread_sine[i];
-        const float from_axis = -(to_x * axis_x[i] + to_y * axis_y[i] + to_z * axis_z[i]) * inverse;
-        const float by_axis = sides[i] == 0.0f ? std::abs(from_axis) : from_axis * sides[i];
-        const float narrowed = narrowed_lane(by_axis, sum_cosine, sum_sine);
-        const float at_light = std::max(kLeastCosine, sum_sine < 0.0f ? 1.0f : narrowed);
-        // Inside a node the distance says nothing; half its radius is as good a guess as any.
-        const float cosines = distance_squared > radius_squared ? at_point * at_light : 1.0f;
-        const float falloff = 1.0f / std::max(std::max(distance_squared, 0.25f * radius_squared), kNearestSquared);
-        const float weight = std::max(kLeastWeight, shining[i] * cosines * falloff);
-        result[i] = shining[i] > 0.0f ? weight : 0.0f;
-    }
-    return result;
+    // Sines and cosines are times the distance, and what is made of two of them times its square: so one division is
+    // all it takes.
+    const Ways to = ways(at.position);
+    const Float4 sine = radius, cosine = other_side(to.squared, radius);  // of the half angle under which it is seen
+    const Float4 by_normal = to.x * n.x + to.y * n.y + to.z * n.z;
+    const Float4 at_point = max4(least_at_point * to.squared, narrowed(to.squared, by_normal, cosine, sine));
+    // With the angle between the axis and the lights' normals.
+    const Float4 sum_sine = sine * spread_cosine + cosine * spread_sine;
+    const Float4 sum_cosine = cosine * spread_cosine - sine * spread_sine;
+    const Float4 from_axis = -(to.x * axis_x + to.y * axis_y + to.z * axis_z);
+    const Float4 by_axis = sides == 0.0f ? max4(from_axis, -from_axis) : from_axis * sides;
+    const Float4 by_light = narrowed(to.squared, by_axis, sum_cosine, sum_sine);
+    const Float4 at_light = sum_sine < 0.0f ? to.squared : max4(kLeastCosine * to.squared, by_light);
+    // Inside a node the distance says nothing; half its radius is as good a guess as any.
+    const Float4 radius_squared = radius * radius;
+    const Float4 falloff = 1.0f / max4(max4(to.squared, 0.25f * radius_squared), all4(kNearestSquared));
+    const Float4 cosines = to.squared > radius_squared ? (at_point * falloff) * (at_light * falloff) : all4(1.0f);
+    const Float4 weight = max4(all4(kLeastWeight), shining * cosines * falloff);
+    return shining > 0.0f ? weight : Float4{};
+}
+
+uint32_t LightBranch::around(const Vec3d& position) const {
+    return at_most(ways(position).squared - radius * radius, 0.0f);
 }
 
 }  // namespace rayleaf

@@ -1,6 +1,7 @@
 // Up to four nodes of the light tree that hang together, weighed side by side.
 #pragma once
 
+#include "base/float4.h"
 #include "base/vector.h"
 #include "lights/cosines.h"
 #include "lights/light_linking.h"
@@ -22,19 +23,19 @@ struct LightCone {
 
 struct LightBranch {
     static constexpr size_t kMost = 4;
-    using Lanes = std::array<float, kMost>;
 
     /// By node: the sphere about its box, what it shines, and how; nodes that are not there shine nothing.
-    alignas(16) std::array<double, kMost> x{}, y{}, z{};
-    Lanes radius{}, intensity{};  ///< a share of the tree's
-    Lanes axis_x{}, axis_y{}, axis_z{}, spread_cosine{}, spread_sine{};
-    Lanes side{};  ///< that is seen: 1, that of the normals, or -1, the other; 0: both are
+    std::array<double, kMost> x{}, y{}, z{};
+    Float4 radius{}, intensity{};  ///< a share of the tree's
+    Float4 axis_x{}, axis_y{}, axis_z{}, spread_cosine{}, spread_sine{};
+    Float4 side{};  ///< that is seen: 1, that of the normals, or -1, the other; 0: both are
 
     std::array<uint32_t, kMost> node{};   ///< of the tree
     std::array<uint32_t, kMost> below{};  ///< of a leaf its item, else the branch of its children
     std::array<int32_t, kMost> body{};    ///< of the tree's bodies, where one side alone is seen from outside; else -1
     uint32_t count = 0;
-    uint32_t leaves = 0;  ///< a bit for each
+    uint32_t leaves = 0;   ///< a bit for each
+    uint32_t bounded = 0;  ///< leaves that shine on a part of space alone
     bool has_bodies = false;
     uint32_t parent = 0, lane_of_parent = 0;
 
@@ -42,7 +43,16 @@ struct LightBranch {
     void set_cone(size_t lane, const LightCone& cone);
     /// By which one of them is chosen at a point: intensity over squared distance, times the cosines at the lights and
     /// at the point, at best. Nothing where `shining`, the intensities of those that count, is zero, and only there.
-    Lanes weights(const LitPoint& at, const Lanes& shining, const Lanes& sides) const;
+    Float4 weights(const LitPoint& at, Float4 shining, Float4 sides) const;
+    /// A bit for each whose sphere the position is in.
+    uint32_t around(const Vec3d& position) const;
+
+  private:
+    /// From a position to the middles, and how long that is.
+    struct Ways {
+        Float4 x, y, z, squared;
+    };
+    Ways ways(const Vec3d& position) const;
 };
 
 }  // namespace rayleaf

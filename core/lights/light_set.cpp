@@ -86,8 +86,22 @@ struct LightSet::Implementation {
     /// Where suns and the world shine as well as the tree.
     bool has_groups() const { return !suns.empty() || world; }
     LightGroups groups(const LitPoint& at) const;
+    /// As they were found before, or in `room`.
+    const LightGroups& groups(const LitPoint& at, LightGroups& room) const {
+        if (at.groups) return *at.groups;
+        room = groups(at);
+        return room;
+    }
     /// Of lights that have a place, where any shines on the point.
-    double tree_probability(const LitPoint& at) const { return has_groups() ? groups(at).tree_probability() : 1.0; }
+    double tree_probability(const LitPoint& at) const {
+        LightGroups room;
+        return has_groups() ? groups(at, room).tree_probability() : 1.0;
+    }
+    /// Of choosing this item of the tree.
+    double probability(const LitPoint& at, uint32_t item) const {
+        const Float4* first = at.groups ? &at.groups->first_of_tree : nullptr;
+        return tree_probability(at) * tree.probability(at, item, reaches(at.position), first);
+    }
     static LightGroups::Weight weight(const DistantLamp& lamp, const LitPoint& at) {
         const double cosine = lamp.sun.cosine(at.normal);
         return {cosine, lamp.irradiance() * cosine};
@@ -101,8 +115,9 @@ struct LightSet::Implementation {
     }
     /// What `sample` knows of its light when it has come to the tree.
     struct InTree {
-        double choice;       ///< what is left of its random number
-        double probability;  ///< of the tree
+        double choice;        ///< what is left of its random number
+        double probability;   ///< of the tree
+        const Float4* first;  ///< LightTree::first_weights if they are known, else null
     };
     /// What the lamp's program makes of light from a place of it, of suns a direction, along `direction` to who sees
     /// it at a distance.
@@ -123,14 +138,18 @@ struct LightSet::Implementation {
 };
 
 LightGroups LightSet::Implementation::groups(const LitPoint& at) const {
-    if (at.groups) return *at.groups;
     LightGroups result;
     for (const DistantLamp& lamp : suns)
         if (shines_on(at, lamp.traits)) result.add(weight(lamp, at));
     if (world) result.add(world_weight(at));
-    result.has_tree = tree.shines_on(at);
-    if (result.has_tree) result.of_tree = tree.weight(at);
+    if (tree.shines_on(at)) {
+        result.first_of_tree = tree.first_weights(at, reaches(at.position));
+        const LightGroups::Weight of_tree = tree.weight(at, result.first_of_tree, reaches(at.position));
+        result.has_tree = of_tree.irradiance > 0.0;
+        if (result.has_tree) result.of_tree = of_tree;
+    }
     result.add(result.of_tree);
+    result.complete();
     return result;
 }
 
@@ -165,8 +184,8 @@ void LightSet::Implementation::build_tree(const CancelToken& cancel) {
     for (const PlacedLamp& lamp : lamps)
         std::visit(
             [&](const auto& shape) {
-                items.push_back(
-                    {shape.bounds(), shape.intensity() * lamp.traits.factor, lamp.traits.link.set(), shape.cone()});
+                items.push_back({shape.bounds(), shape.intensity() * lamp.traits.factor, lamp.traits.link.set(),
+                                 shape.cone(), shape.is_bounded()});
             },
             lamp.shape);
     std::vector<LightTreeItem> with_size;
@@ -212,7 +231,7 @@ std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits&
 std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint& at, float random_y,
                                                                  const InTree& in_tree, float time,
                                                                  const PathState& path) const {
-    const std::optional<LightTree::Choice> item = tree.choose(at, in_tree.choice, reaches(at.position));
+    const std::optional<LightTree::Choice> item = tree.choose(at, in_tree.choice, reaches(at.position), in_tree.first);
     if (!item) return std::nullopt;
     const double probability = item->probability * in_tree.probability;
     const Vec2f random(below_one(item->left_over), random_y);
@@ -235,8 +254,9 @@ std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint&
 std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& random, float time,
                                             const PathState& path) const {
     const Implementation& set = *implementation_;
-    if (!set.has_groups()) return set.sample_tree(at, random.y, {double{random.x}, 1.0}, time, path);
-    const LightGroups groups = set.groups(at);
+    if (!set.has_groups()) return set.sample_tree(at, random.y, {double{random.x}, 1.0, nullptr}, time, path);
+    LightGroups room;
+    const LightGroups& groups = set.groups(at, room);
     if (!(groups.total.cosine > 0.0)) return std::nullopt;
     double choice = random.x;
     const auto within = [&](double probability) { return Vec2f(below_one(choice / probability), random.y); };
@@ -269,8 +289,8 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& ran
         return sample_sun(*last, groups.probability(set.weight(*last, at)));
     }
     const double probability = groups.tree_probability();
-    return set.sample_tree(at, random.y, {std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53), probability}, time,
-                           path);
+    const double left_over = std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53);
+    return set.sample_tree(at, random.y, {left_over, probability, &groups.first_of_tree}, time, path);
 }
 
 void LightSet::weigh(LitPoint& at) const {
@@ -319,14 +339,15 @@ float LightSet::emitter_density(const LitPoint& from, const SurfacePoint& point)
     const std::optional<uint32_t> item = set.surfaces.item_of(point);
     if (!item || (set.surfaces.link(*item).set() & from.lit_by) == 0) return 0.0f;
     const auto in_tree = static_cast<uint32_t>(*item + set.lamps.size());
-    const double choice = set.tree_probability(from) * set.tree.probability(from, in_tree, set.reaches(from.position));
+    const double choice = set.probability(from, in_tree);
     return static_cast<float>(std::min(choice * set.surfaces.density(from.position, point), kLargestDensity));
 }
 
 float LightSet::world_density(const Vec3f& direction, const LitPoint& from) const {
     const Implementation& set = *implementation_;
     if (!set.world) return 0.0f;
-    const double choice = set.groups(from).probability(set.world_weight(from));
+    LightGroups room;
+    const double choice = set.groups(from, room).probability(set.world_weight(from));
     return static_cast<float>(choice * set.world->density(direction));
 }
 
@@ -350,15 +371,14 @@ void LightSet::lamp_hits(const Ray& ray, double end, const LitPoint& from, Visib
         const PlacedLamp& lamp = set.lamps[index];
         if (!(lamp.traits.visibility & kind) || !set.shines_on(from, lamp.traits)) return;
         const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, end, from.position); }, lamp.shape);
-        if (hit)
-            report(lamp.traits, *hit,
-                   set.tree_probability(from) * set.tree.probability(from, index, set.reaches(from.position)));
+        if (hit) report(lamp.traits, *hit, set.probability(from, index));
     });
     if (std::isfinite(end)) return;
+    LightGroups room;
     for (const DistantLamp& lamp : set.suns) {
         if (!(lamp.traits.visibility & kind) || !set.shines_on(from, lamp.traits)) continue;
         if (const auto hit = lamp.sun.hit(ray))
-            report(lamp.traits, *hit, set.groups(from).probability(set.weight(lamp, from)));
+            report(lamp.traits, *hit, set.groups(from, room).probability(set.weight(lamp, from)));
     }
 }
 

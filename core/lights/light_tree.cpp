@@ -47,7 +47,7 @@ LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken&
     std::vector<LightCone> cones(2 * items.size() - 1);
     build(items, order, 0, order.size(), 0, cones, cancel);
     gather_sets(items);
-    add_branch(std::array{uint32_t{0}}, {}, cones);
+    add_branch(0, {}, items, cones);
 }
 
 void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
@@ -82,45 +82,50 @@ void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint3
     build(items, order, middle, end, left + 1, cones, cancel);
 }
 
-void LightTree::add_branch(std::span<const uint32_t> nodes, const Place& parent, std::span<const LightCone> cones) {
+void LightTree::add_branch(uint32_t node, const Place& parent, const std::vector<LightTreeItem>& items,
+                           std::span<const LightCone> cones) {
     constexpr float kLeastShare = 1e-30f;  // no light is left out
     const auto index = static_cast<uint32_t>(branches_.size());
     LightBranch& branch = branches_.emplace_back();
     branch.parent = parent.branch;
     branch.lane_of_parent = parent.lane;
-    branch.count = static_cast<uint32_t>(nodes.size());
-    for (uint32_t i = 0; i < nodes.size(); ++i) {
-        const Node& node = nodes_[nodes[i]];
-        const LightCone& cone = cones[nodes[i]];
-        branch.node[i] = nodes[i];
-        branch.x[i] = node.center.x;
-        branch.y[i] = node.center.y;
-        branch.z[i] = node.center.z;
-        branch.radius[i] = static_cast<float>(std::sqrt(node.radius_squared));
-        branch.intensity[i] = std::max(kLeastShare, static_cast<float>(node.intensity / nodes_.front().intensity));
+    branch.count = children(node, branch.node);
+    for (uint32_t i = 0; i < branch.count; ++i) {
+        const Node& child = nodes_[branch.node[i]];
+        const LightCone& cone = cones[branch.node[i]];
+        branch.x[i] = child.center.x;
+        branch.y[i] = child.center.y;
+        branch.z[i] = child.center.z;
+        branch.radius[i] = static_cast<float>(std::sqrt(child.radius_squared));
+        branch.intensity[i] = std::max(kLeastShare, static_cast<float>(child.intensity / nodes_.front().intensity));
         branch.set_cone(i, cone);
         branch.body[i] = branch.side[i] == 0.0f ? -1 : static_cast<int32_t>(bodies_.size());
         if (branch.body[i] >= 0) bodies_.push_back(cone.body);
         branch.has_bodies |= branch.body[i] >= 0;
-        if (node.left == 0) branch.leaves |= 1u << i;
+        if (child.left != 0) continue;
+        branch.below[i] = child.item;
+        branch.leaves |= 1u << i;
+        if (items[child.item].bounded) branch.bounded |= 1u << i;
+        place_of_item_[child.item] = {index, i};
     }
-    for (uint32_t i = 0; i < nodes.size(); ++i) {
-        const Node& node = nodes_[nodes[i]];
-        if (node.left == 0) {
-            branches_[index].below[i] = node.item;
-            place_of_item_[node.item] = {index, i};
-            continue;
-        }
-        std::array<uint32_t, LightBranch::kMost> below;
-        size_t count = 0;
-        for (const uint32_t child : {node.left, node.left + 1}) {
-            const uint32_t left = nodes_[child].left;
-            below[count++] = left == 0 ? child : left;
-            if (left != 0) below[count++] = left + 1;
-        }
+    for (uint32_t i = 0; i < branches_[index].count; ++i) {
+        if (branches_[index].is_leaf(i)) continue;
         branches_[index].below[i] = static_cast<uint32_t>(branches_.size());
-        add_branch({below.data(), count}, {index, i}, cones);
+        add_branch(branches_[index].node[i], {index, i}, items, cones);
     }
+}
+
+/// Those that are weighed together below a node, or a leaf alone; their number.
+uint32_t LightTree::children(uint32_t node, std::array<uint32_t, LightBranch::kMost>& result) const {
+    uint32_t count = 0;
+    const uint32_t left = nodes_[node].left;
+    if (left == 0) result[count++] = node;
+    for (uint32_t child = left; left != 0 && child <= left + 1; ++child) {
+        const uint32_t below = nodes_[child].left;
+        result[count++] = below == 0 ? child : below;
+        if (below != 0) result[count++] = below + 1;
+    }
+    return count;
 }
 
 void LightTree::gather_sets(const std::vector<LightTreeItem>& items) {
@@ -132,36 +137,19 @@ void LightTree::gather_sets(const std::vector<LightTreeItem>& items) {
     }
 }
 
-LightGroups::Weight LightTree::weight(const LitPoint& at) const {
-    if (nodes_.empty()) return {};
-    const double irradiance = this->irradiance(branches_.front(), at, 0) * nodes_.front().intensity;
+/// At best, of all lights.
+float LightTree::cosine_at(const LitPoint& at) const {
     const Node& root = nodes_.front();
-    if (root.is_around(at.position)) return {mean_cosine(at), irradiance};
-    const Vec3d offset = root.center - at.position;
-    const double inverse = 1.0 / offset.length();
-    const HalfAngle seen = HalfAngle::of_sine(static_cast<float>(std::sqrt(root.radius_squared) * inverse));
-    return {cosine_at_surface(at.normal, Vec3f(offset * inverse), seen), irradiance};
+    const Vec3f offset(root.center - at.position);
+    const auto radius_squared = static_cast<float>(root.radius_squared);
+    const float distance_squared = offset.length2();
+    if (!(distance_squared > radius_squared)) return static_cast<float>(mean_cosine(at));
+    const float inverse = 1.0f / std::sqrt(distance_squared);
+    return cosine_at_surface(at.normal, offset * inverse, HalfAngle::of_sine(std::sqrt(radius_squared) * inverse));
 }
 
-/// Of a branch, as a share of the tree's intensity; of a node around the point, by its children.
-double LightTree::irradiance(const LightBranch& branch, const LitPoint& at, int depth) const {
-    constexpr int kDeepest = 2;
-    const LightBranch::Lanes weights = this->weights(branch, at, [](uint32_t) { return true; });
-    double sum = 0;
-    for (size_t i = 0; i < branch.count; ++i) {
-        if (!(weights[i] > 0.0f)) continue;
-        if (!nodes_[branch.node[i]].is_around(at.position))
-            sum += weights[i];
-        else if (branch.is_leaf(i) || depth == kDeepest)
-            sum += weights[i] * mean_cosine(at);
-        else
-            sum += irradiance(branches_[branch.below[i]], at, depth + 1);
-    }
-    return sum;
-}
-
-LightBranch::Lanes LightTree::sides(const LightBranch& branch, const LitPoint& at) const {
-    LightBranch::Lanes result = branch.side;
+Float4 LightTree::sides(const LightBranch& branch, const LitPoint& at) const {
+    Float4 result = branch.side;
     for (size_t i = 0; i < branch.count; ++i)
         if (branch.body[i] >= 0 && bodies_[static_cast<size_t>(branch.body[i])].intersects(at.position))
             result[i] = 0.0f;

@@ -16,6 +16,8 @@
 #include "rays/ray.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -31,6 +33,7 @@ struct LightTreeItem {
     double intensity = 0;          ///< W/sr at best, positive
     LightSets set = kLightsOfAll;  ///< LightLink::set
     LightCone cone = {};
+    bool bounded = false;  ///< it shines on a part of space alone
 };
 
 class LightTree {
@@ -39,9 +42,15 @@ class LightTree {
     explicit LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel = kNeverCancelled);
 
     bool empty() const { return nodes_.empty(); }
+    /// Of the lights among which the choice of one begins. All zero where none of them arrives.
+    template <typename Reaches>
+    Float4 first_weights(const LitPoint& at, const Reaches& reaches) const {
+        return weights(branches_.front(), at, reaches);
+    }
     /// The tree's against suns and the world: the cosine at the point, at best, and a rough estimate of the irradiance
-    /// of all lights there.
-    LightGroups::Weight weight(const LitPoint& at) const;
+    /// of all lights there. `first`: first_weights.
+    template <typename Reaches>
+    LightGroups::Weight weight(const LitPoint& at, Float4 first, const Reaches& reaches) const;
     /// Whether the first `end` of a ray may cross the bounds of any light.
     bool is_crossed(const Ray& ray, double end) const { return !nodes_.empty() && may_cross(nodes_.front(), ray, end); }
     /// Whether any light shines on a point, by their links alone.
@@ -52,12 +61,14 @@ class LightTree {
         double probability = 0;
         double left_over = 0;  ///< of the random number: again in [0,1)
     };
-    /// `random` in [0,1). Empty where no light arrives. `reaches(item)` is asked of single lights only.
+    /// `random` in [0,1). Empty where no light arrives. `reaches(item)` is asked of single lights that are bounded, but
+    /// not where there is one light alone. `first`: first_weights if they are known, else null.
     template <typename Reaches>
-    std::optional<Choice> choose(const LitPoint& at, double random, const Reaches& reaches) const;
+    std::optional<Choice> choose(const LitPoint& at, double random, const Reaches& reaches,
+                                 const Float4* first = nullptr) const;
     /// The probability with which `choose` returns `item`, which shines on the point.
     template <typename Reaches>
-    double probability(const LitPoint& at, uint32_t item, const Reaches& reaches) const;
+    double probability(const LitPoint& at, uint32_t item, const Reaches& reaches, const Float4* first = nullptr) const;
 
     struct Light {
         Vec3d center;
@@ -83,38 +94,42 @@ class LightTree {
         double intensity = 0;
         uint32_t left = 0;  ///< the right child follows its left sibling; 0: a leaf
         uint32_t item = 0;  ///< of a leaf
-
-        bool is_around(const Vec3d& position) const { return !((center - position).length2() > radius_squared); }
     };
     struct Place {
         uint32_t branch = 0, lane = 0;
     };
     std::vector<Node> nodes_;
-    std::vector<LightBranch> branches_;  ///< the first holds the root alone
+    std::vector<LightBranch> branches_;  ///< the first begins below the root
     std::vector<Place> place_of_item_;
     std::vector<Box3d> bodies_;
     std::vector<LightSets> sets_;  ///< per node, of all its lights; empty where all shine on all
 
+    bool is_single() const { return nodes_.size() == 1; }
     bool is_linked(size_t node, LightSets lit_by) const { return sets_.empty() || (sets_[node] & lit_by) != 0; }
-    double irradiance(const LightBranch& branch, const LitPoint& at, int depth) const;
-    void add_branch(std::span<const uint32_t> nodes, const Place& parent, std::span<const LightCone> cones);
+    float cosine_at(const LitPoint& at) const;
+    template <typename Reaches>
+    double irradiance(const LightBranch& branch, Float4 weights, const LitPoint& at, const Reaches& reaches,
+                      int depth) const;
+    void add_branch(uint32_t node, const Place& parent, const std::vector<LightTreeItem>& items,
+                    std::span<const LightCone> cones);
+    uint32_t children(uint32_t node, std::array<uint32_t, LightBranch::kMost>& result) const;
     void gather_sets(const std::vector<LightTreeItem>& items);
     void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
                uint32_t node, std::vector<LightCone>& cones, const CancelToken& cancel);
 
     template <typename Reaches>
-    LightBranch::Lanes weights(const LightBranch& branch, const LitPoint& at, const Reaches& reaches) const {
-        LightBranch::Lanes shining = branch.intensity;
-        for (size_t i = 0; i < branch.count; ++i)
-            if (!is_linked(branch.node[i], at.lit_by) || (branch.is_leaf(i) && !reaches(branch.below[i])))
-                shining[i] = 0.0f;
+    Float4 weights(const LightBranch& branch, const LitPoint& at, const Reaches& reaches) const {
+        Float4 shining = branch.intensity;
+        for (uint32_t rest = branch.bounded; rest != 0; rest &= rest - 1) {
+            const auto lane = static_cast<size_t>(std::countr_zero(rest));
+            if (!reaches(branch.below[lane])) shining[lane] = 0.0f;
+        }
+        for (size_t i = 0; !sets_.empty() && i < branch.count; ++i)
+            if (!is_linked(branch.node[i], at.lit_by)) shining[i] = 0.0f;
         return branch.weights(at, shining, branch.has_bodies ? sides(branch, at) : branch.side);
     }
     /// Those that are seen from the point.
-    LightBranch::Lanes sides(const LightBranch& branch, const LitPoint& at) const;
-    static double sum(const LightBranch::Lanes& weights) {
-        return (double{weights[0]} + double{weights[1]}) + (double{weights[2]} + double{weights[3]});
-    }
+    Float4 sides(const LightBranch& branch, const LitPoint& at) const;
 
     static bool may_cross(const Node& node, const Ray& ray, double end) {
         const Vec3d offset = node.center - ray.origin;
@@ -136,43 +151,69 @@ class LightTree {
 };
 
 template <typename Reaches>
-std::optional<LightTree::Choice> LightTree::choose(const LitPoint& at, double random, const Reaches& reaches) const {
-    if (!shines_on(at)) return std::nullopt;
-    const LightBranch* branch = branches_.data();
-    Choice choice{branch->below[0], 1.0, random};
-    for (bool is_leaf = branch->is_leaf(0); !is_leaf;) {
-        branch = &branches_[choice.item];
-        const LightBranch::Lanes weights = this->weights(*branch, at, reaches);
-        const double total = sum(weights);
-        if (!(total > 0)) return std::nullopt;
-        double rest = choice.left_over * total;
-        size_t lane = 0;
-        for (size_t i = 0; i < branch->count; ++i) {
-            if (!(weights[i] > 0.0f)) continue;
-            lane = i;
-            if (rest < double{weights[i]}) break;
-            rest -= double{weights[i]};  // of the last as well, where rounding led past it
+LightGroups::Weight LightTree::weight(const LitPoint& at, Float4 first, const Reaches& reaches) const {
+    const double irradiance = this->irradiance(branches_.front(), first, at, reaches, 0);
+    return {cosine_at(at), irradiance * nodes_.front().intensity};
+}
+
+/// Of a branch, as a share of the tree's intensity; of a node around the point, by its children.
+template <typename Reaches>
+double LightTree::irradiance(const LightBranch& branch, Float4 weights, const LitPoint& at, const Reaches& reaches,
+                             int depth) const {
+    constexpr int kDeepest = 1;
+    const uint32_t around = branch.around(at.position);
+    double sum = 0;
+    for (size_t i = 0; i < LightBranch::kMost; ++i) {
+        if ((around >> i & 1u) == 0 || !(weights[i] > 0.0f)) {
+            sum += double{weights[i]};
+        } else if (branch.is_leaf(i) || depth == kDeepest) {
+            sum += double{weights[i]} * mean_cosine(at);
+        } else {
+            const LightBranch& below = branches_[branch.below[i]];
+            sum += irradiance(below, this->weights(below, at, reaches), at, reaches, depth + 1);
         }
-        const double weight = weights[lane];
-        choice.left_over = std::min(rest / weight, 1.0 - 0x1p-53);
-        choice.probability *= weight / total;
-        choice.item = branch->below[lane];
-        is_leaf = branch->is_leaf(lane);
     }
-    return choice;
+    return sum;
 }
 
 template <typename Reaches>
-double LightTree::probability(const LitPoint& at, uint32_t item, const Reaches& reaches) const {
+std::optional<LightTree::Choice> LightTree::choose(const LitPoint& at, double random, const Reaches& reaches,
+                                                   const Float4* first) const {
+    if (!shines_on(at)) return std::nullopt;
+    Choice choice{nodes_.front().item, 1.0, random};
+    if (is_single()) return choice;
+    const LightBranch* branch = branches_.data();
+    Float4 weights = first ? *first : first_weights(at, reaches);
+    for (;;) {
+        // Up to and with each one.
+        const double to_0 = double{weights[0]}, to_1 = to_0 + double{weights[1]}, to_2 = to_1 + double{weights[2]},
+                     total = to_2 + double{weights[3]};
+        if (!(total > 0)) return std::nullopt;
+        const double place = choice.left_over * total;  // less than all of it, as what is left over is less than 1
+        const int lane = int{place >= to_0} + int{place >= to_1} + int{place >= to_2};
+        const double begin = std::array{0.0, to_0, to_1, to_2}[static_cast<size_t>(lane)];
+        const double weight = double{weights[lane]};
+        choice.left_over = std::min((place - begin) / weight, 1.0 - 0x1p-53);
+        choice.probability *= weight / total;
+        choice.item = branch->below[static_cast<size_t>(lane)];
+        if (branch->is_leaf(static_cast<size_t>(lane))) return choice;
+        branch = &branches_[choice.item];
+        weights = this->weights(*branch, at, reaches);
+    }
+}
+
+template <typename Reaches>
+double LightTree::probability(const LitPoint& at, uint32_t item, const Reaches& reaches, const Float4* first) const {
+    if (is_single()) return 1.0;
     double probability = 1.0;
-    for (Place place = place_of_item_[item]; place.branch != 0;) {
+    for (Place place = place_of_item_[item];;) {
         const LightBranch& branch = branches_[place.branch];
-        const LightBranch::Lanes weights = this->weights(branch, at, reaches);
-        const double total = sum(weights);
+        const Float4 weights = place.branch == 0 && first ? *first : this->weights(branch, at, reaches);
+        const double total = double{weights[0]} + double{weights[1]} + double{weights[2]} + double{weights[3]};
         probability *= total > 0 ? double{weights[place.lane]} / total : 0.0;
+        if (place.branch == 0) return probability;
         place = {branch.parent, branch.lane_of_parent};
     }
-    return probability;
 }
 
 }  // namespace rayleaf

@@ -22,6 +22,7 @@ class LitCone {
     /// All cones of one kind whose apexes are in a sphere. Narrow ones are taken for everywhere.
     static LitCone of_sphere(const Vec3d& center, double radius, const Vec3d& axis, double cosine);
 
+    bool is_bounded() const { return is_bounded_; }
     bool holds(const Vec3d& position) const;
     /// Of the first `end` of a ray; empty where none of it is in the cone.
     std::optional<LitPart> part_of(const Ray& ray, double end) const;

@@ -27,6 +27,8 @@ class PointLamp {
     /// Intensity, W/sr, as one number; for the choice of a light.
     double intensity() const { return max_abs(intensity_); }
     static LightCone cone() { return {}; }
+    /// Whether it shines on a part of space alone.
+    bool is_bounded() const { return lit_.is_bounded(); }
     /// False where no light of the lamp arrives.
     bool reaches(const Vec3d& position) const { return lit_.holds(position); }
     const LitCone& lit() const { return lit_; }
