@@ -3,13 +3,16 @@
 
 #include "base/vector.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 
 namespace rayleaf {
 
-/// The point of the unit circle that is a share of a full turn, in [0, 1], from (1, 0). To 1e-9, as the turns that
+/// The point of the unit circle that is a share of a full turn, from -1/4 to 1, from (1, 0). To 1e-9, as the turns that
 /// sampling asks for are made of floats: the sine and cosine of the library take twice as long.
 inline Vec2d on_circle(double turns) {
     const double half_turns = 2.0 * turns;
@@ -35,6 +38,23 @@ inline Vec2f on_circle(float turns) {
     const uint32_t odd = std::bit_cast<uint32_t>(shifted) << 31;
     const auto turned = [odd](float x) { return std::bit_cast<float>(std::bit_cast<uint32_t>(x) ^ odd); };
     return {turned(1.0f - 2.0f * sine * sine), turned(2.0f * sine * cosine)};
+}
+
+/// Which share of a full turn, in [0, 1], leads from (1, 0) to the direction of (x, y): to 2e-8, which is half a turn
+/// times the rounding of floats.
+inline double turns_of(double x, double y) {
+    constexpr double kLeast = 1e-300;
+    const double wide = std::abs(x), high = std::abs(y);
+    const double slope = std::min(wide, high) / std::max({wide, high, kLeast}), square = slope * slope;
+    // A polynomial near the arc tangent up to 1.
+    constexpr std::array kFactors = {0.15915492899, -0.05304967440, 0.03178542970, -0.02232850859,
+                                     0.01582437398, -0.00953410401, 0.00390836749, -0.00076082727};
+    double eighth = 0;
+    for (size_t i = kFactors.size(); i-- > 0;) eighth = eighth * square + kFactors[i];
+    eighth *= slope;
+    const double quarter = high > wide ? 0.25 - eighth : eighth;
+    const double half = x < 0.0 ? 0.5 - quarter : quarter;
+    return y < 0.0 ? 1.0 - half : half;
 }
 
 }  // namespace rayleaf

@@ -104,7 +104,7 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
     const PathState path = branch.bounces.of_sampled_light();
     for (int i = 0; i < count; ++i) {
         const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
-        const std::optional<LightSample> light = scene_.lights().sample(at, sampler.get2(use), vertex.point.time, path);
+        const Maybe<LightSample> light = scene_.lights().sample(at, sampler.get2(use), vertex.point.time, path);
         if (!light) continue;
         const LitClasses lit = lit_by_classes(branch, vertex, lobes, *light, count);
         send_light(branch, vertex, *light, lit.value, lit.shares, count);
@@ -152,7 +152,7 @@ void DistributionTracer::scatter_glossy(const Branch& branch, const Vertex& vert
 
 void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& vertex) {
     if (!vertex.closures.has_smooth_lobes() || scene_.lights().empty()) return;
-    const std::optional<LightSample> light =
+    const Maybe<LightSample> light =
         scene_.lights().sample(lit(scene_, vertex), branch.sampler.get2(dimension(branch.vertex, PathDimension::Light)),
                                vertex.point.time, branch.bounces.of_sampled_light());
     if (!light) return;

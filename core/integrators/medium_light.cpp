@@ -21,7 +21,7 @@ std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, cons
     const Vec3d position = segment.ray.at(place->t);
     PathState path = shadow.state;
     path.shadow = false;
-    const std::optional<LightSample> light =
+    const Maybe<LightSample> light =
         lights.sample(lit_in(segment.scene, segment.media, position),
                       sampler.get2(dimension(vertex, PathDimension::MediumLight)), segment.ray.time, path);
     if (!light || !(light->visibility & in_world_of(shadow.kind, kVisibleVolume))) return std::nullopt;

@@ -196,7 +196,7 @@ void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random, std
     const int count = bounces_.count() == 0 && lights.holds_several() ? kFirstLightRays : 1;
     for (int i = 0; i < count; ++i) {
         const Vec2f numbers = count == 1 ? random : numbers_of_part(random, i, count);
-        std::optional<LightSample> light = lights.sample(lit_, numbers, vertex.point.time, state);
+        Maybe<LightSample> light = lights.sample(lit_, numbers, vertex.point.time, state);
         if (!light) continue;
         if (bounces_.is_in_footage()) see_in_footage(*light);
         add_sampled_light(vertex, *light, {i, count}, light_rays);
@@ -211,9 +211,9 @@ void PathTracer::add_sampled_light(const Vertex& vertex, const LightSample& ligh
                              : lit_together(vertex, vertex.closures, vertex.view, light);
     if (is_black(lit.value)) return;
     // As for one light: where a program shows scattered rays other light, the weights stay those of Cycles.
-    const float weight = light.delta ? 1.0f : power_heuristic(light.density, lit.density);
     const float share = 1.0f / static_cast<float>(sibling.count);
-    const Color arriving = throughput_ * lit.value * (light.radiance / light.density) * (weight * share);
+    const float weight = weight_over_density(light.density, light.delta ? 0.0f : lit.density) * share;
+    const Color arriving = throughput_ * lit.value * (light.radiance * weight);
     if (is_black(arriving)) return;
     ++counts_[RayUse::Shadow];
     LightRay& way = light_rays.emplace_back(arriving);

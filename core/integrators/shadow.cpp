@@ -1,6 +1,7 @@
 #include "integrators/shadow.h"
 
 #include "integrators/medium_tracking.h"
+#include "integrators/vertex.h"
 #include "integrators/volumes.h"
 
 #include <algorithm>
@@ -17,35 +18,38 @@ Vec3d way_to_smooth_surface(const Scene& scene, const SurfacePoint& point, const
     const float cutoff = scene.shadow_terminator(point.instance);
     const float by_normal = direction.dot(point.normal), side = by_normal > 0.0f ? 1.0f : -1.0f;
     const float by_facet = side * direction.dot(point.facet_normal);
-    const float share =
-        std::abs(by_normal) < cutoff ? 2.0f - (by_facet + std::abs(by_normal)) / cutoff : 1.0f - by_facet / cutoff;
-    if (!(cutoff > 0.0f && share > 0.0f)) return Vec3d(0.0);
+    const float rest =  // the share times the cutoff
+        std::abs(by_normal) < cutoff ? 2.0f * cutoff - (by_facet + std::abs(by_normal)) : cutoff - by_facet;
+    if (!(cutoff > 0.0f && rest > 0.0f)) return Vec3d(0.0);
     const Vec3d rise = point.shape->rise(point.local);
     if (rise == Vec3d(0.0)) return rise;
     const Vec3d way = scene.tracer().local_to_world(point.instance, point.time).vector(rise);
     // Where it is hollow the facet is nearer to the light.
     if (!(way.dot(Vec3d(point.facet_normal)) * side > 0.0)) return Vec3d(0.0);
-    return way * double{std::min(share, 1.0f)};
+    return way * double{std::min(rest / cutoff, 1.0f)};
 }
 
-/// Where a shadow ray starts. Near the terminator a facet may face away from a light that the surface itself still
-/// sees, or stand in the light of its neighbour where the two meet in a dent. The facet's point would then lie in
-/// shadow, in steps as large as facets; the surface's own point lies outside all facets around it where the surface is
-/// convex.
-Vec3d shadow_origin(const Scene& scene, const SurfacePoint& point, const Vec3f& direction) {
+/// Moves the origin of a shadow ray that was released from the point, if it has to start elsewhere. Near the terminator
+/// a facet may face away from a light that the surface itself still sees, or stand in the light of its neighbour where
+/// the two meet in a dent. The facet's point would then lie in shadow, in steps as large as facets; the surface's own
+/// point lies outside all facets around it where the surface is convex.
+void move_origin(const Scene& scene, const SurfacePoint& point, const Vec3f& direction, Ray& ray) {
     /// Sine of the angle to a facet and to the surface above which neighbours never matter: facets of a tenth of a
     /// pixel meet at less. At a pole they are narrow, and may be turned farther from the surface than that.
     constexpr float kGrazing = 0.1f;
     const float by_facet = direction.dot(point.facet_normal), by_surface = direction.dot(point.normal);
+    const bool is_flat = point.shape && point.shape->kind() == ShapeKind::TriangleMesh;
+    const Vec3d way = is_flat ? way_to_smooth_surface(scene, point, direction) : Vec3d(0.0);
+    const bool is_smoothed = way != Vec3d(0.0);
+    const bool is_open = by_facet * by_surface > 0.0f && std::min(std::abs(by_facet), std::abs(by_surface)) > kGrazing;
+    if (is_open && !is_smoothed) return;
     const Vec3d side = Vec3d(point.normal) * (by_surface > 0.0f ? 1.0 : -1.0);
-    const Vec3d way = point.shape ? way_to_smooth_surface(scene, point, direction) : Vec3d(0.0);
-    if (way != Vec3d(0.0)) return point.facet_position + way + side * point.start_offset;
-    if (by_facet * by_surface > 0.0f && std::min(std::abs(by_facet), std::abs(by_surface)) > kGrazing)
-        return point.ray_origin(direction);
     const double rise = (point.position - point.facet_position).dot(side);
     // Corners and edges of facets lie on the surface, but for rounding.
-    if (rise < -point.facet_error) return point.ray_origin(direction);
-    return (rise > 0.0 ? point.position : point.facet_position) + side * point.start_offset;
+    if (!is_smoothed && rise < -point.facet_error) return;
+    const Vec3d start = is_smoothed ? point.facet_position + way : rise > 0.0 ? point.position : point.facet_position;
+    ray.origin = start + side * point.start_offset;
+    ray.start.facet = RayAnchor::kNone;  // beside it
 }
 
 }  // namespace
@@ -54,12 +58,10 @@ bool set_shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSa
     if (!light.casts_shadow) return false;
     ray.t_min = scene.shadow_bias();
     point.release(ray, light.direction);
-    const Vec3d origin = shadow_origin(scene, point, light.direction);
-    if (origin != ray.origin) ray.start.facet = RayAnchor::kNone;  // beside it
-    ray.origin = origin;
+    move_origin(scene, point, light.direction, ray);
     ray.end = light.target_anchor;
     if (!std::isfinite(light.distance)) {
-        ray.direction = normalized_or(Vec3d(light.direction), Vec3d(0, 0, 1));
+        ray.direction = ray_direction(light.direction);
         return true;
     }
     // From the very start to the very end, both off their facets: a ray parallel to the sampled direction would miss

@@ -18,6 +18,12 @@ inline float power_heuristic(float a, float b) {
     return 1.0f / (1.0f + ratio * ratio);
 }
 
+/// The same over the density `a`, in one division.
+inline float weight_over_density(float a, float b) {
+    const double x = a, y = b;  // the squares are in the range of doubles
+    return static_cast<float>(x / (x * x + y * y));
+}
+
 /// A unit vector as the direction of a ray: its length is 1 but for the rounding of doubles, not of floats. Where it is
 /// none, along z.
 inline Vec3d ray_direction(const Vec3f& unit) {

@@ -105,66 +105,63 @@ double AreaLamp::density(const Vec3d& position, const Vec3d& to) const {
     return density_by_area(*at, *w, (to - position).length());
 }
 
-/// All but the density of a sample that is `way` from the point.
-LampSample AreaLamp::towards(const Place& at, const Vec3d& way) const {
-    LampSample sample;
-    sample.distance = way.length();
-    const double inverse = 1.0 / sample.distance;
-    sample.direction = way * inverse;
+double AreaLamp::set_towards(const Place& at, const Vec3d& way, Maybe<LightSample>& result) const {
+    LightSample& sample = result.emplace();
+    const double distance = way.length(), inverse = 1.0 / distance;
+    sample.direction = Vec3f(way * inverse);
+    sample.distance = distance;
     sample.target = at.position + way;
     sample.radiance = radiance_ * attenuation(at.height * inverse);
-    return sample;
+    return distance;
 }
 
-std::optional<LampSample> AreaLamp::sample_by_area(const Place& at, const Vec2f& random, const Window& w) const {
+void AreaLamp::sample_point(const Place& at, Maybe<LightSample>& result) const {
+    const double distance = set_towards(at, -at.offset, result), cosine = at.height / distance;
+    result->radiance = Color(Vec3d(intensity_) * (cosine / (distance * distance))) * attenuation(cosine);
+    result->density = 1.0f;
+    result->delta = true;
+}
+
+void AreaLamp::sample_by_area(const Place& at, const Window& w, const Vec2f& random, Maybe<LightSample>& result) const {
     Vec2d place;
     if (samples_whole_ellipse(w)) {
         place = on_circle(static_cast<double>(random.y)) * std::sqrt(static_cast<double>(random.x));
     } else {
         place.x = w.x_min + (w.x_max - w.x_min) * static_cast<double>(random.x);
         place.y = w.y_min + (w.y_max - w.y_min) * static_cast<double>(random.y);
-        if (ellipse_ && place.length2() > 1.0) return std::nullopt;
+        if (ellipse_ && place.length2() > 1.0) return;
     }
-    LampSample sample = towards(at, x_ * place.x + y_ * place.y - at.offset);
-    if (!(sample.distance > 0)) return std::nullopt;
-    sample.density = density_by_area(at, w, sample.distance);
-    return sample;
+    const double distance = set_towards(at, x_ * place.x + y_ * place.y - at.offset, result);
+    result->density = static_cast<float>(density_by_area(at, w, distance));
 }
 
-std::optional<LampSample> AreaLamp::sample(const Vec3d& position, const Vec2f& random) const {
-    const std::optional<Place> at = place(position);
-    if (!at) return std::nullopt;
-    if (area_ == 0) {
-        LampSample sample = towards(*at, -at->offset);
-        const double distance = sample.distance, cosine = at->height / distance;
-        sample.radiance = Color(Vec3d(intensity_) * (cosine / (distance * distance))) * attenuation(cosine);
-        sample.density = 1.0;
-        sample.delta = true;
-        return sample;
-    }
-    const std::optional<Window> w = window(*at);
-    if (!w) return std::nullopt;
-    if (ellipse_ || !orthogonal_) return sample_by_area(*at, random, *w);
-    const SphericalRectangle rectangle = spherical(*at, *w);
-    if (!(rectangle.solid_angle() > kSmallestSphericalRectangle)) return sample_by_area(*at, random, *w);
+void AreaLamp::sample_within(const Place& at, const Window& w, const Vec2f& random, Maybe<LightSample>& result) const {
+    if (ellipse_ || !orthogonal_) return sample_by_area(at, w, random, result);
+    const SphericalRectangle rectangle = spherical(at, w);
+    if (!(rectangle.solid_angle() > kSmallestSphericalRectangle)) return sample_by_area(at, w, random, result);
     const Vec2d to = rectangle.sample(random);
-    LampSample sample = towards(*at, x_ * (to.x / x_length_) + y_ * (to.y / y_length_) - normal_ * at->height);
-    sample.density = 1.0 / rectangle.solid_angle();
-    return sample;
+    set_towards(at, x_ * (to.x / x_length_) + y_ * (to.y / y_length_) - normal_ * at.height, result);
+    result->density = static_cast<float>(1.0 / rectangle.solid_angle());
+}
+
+Maybe<LightSample> AreaLamp::sample(const Vec3d& position, const Vec2f& random) const {
+    Maybe<LightSample> result;
+    const std::optional<Place> at = place(position);
+    if (!at) return result;
+    if (area_ == 0) {
+        sample_point(*at, result);
+        return result;
+    }
+    if (const std::optional<Window> w = window(*at)) sample_within(*at, *w, random, result);
+    return result;
 }
 
 std::optional<LampIntersection> AreaLamp::hit(const Ray& ray, double end, const Vec3d& from) const {
-    if (area_ == 0) return std::nullopt;
-    const double cosine = -ray.direction.dot(normal_);
-    if (!(cosine > 0)) return std::nullopt;
-    const double t = (ray.origin - center_).dot(normal_) / cosine;
-    if (!(t > ray.t_min && t < end)) return std::nullopt;
-    const Vec3d at = ray.at(t), offset = at - center_;
-    const double x = offset.dot(along_x_), y = offset.dot(along_y_);
-    if (ellipse_ ? x * x + y * y > 1.0 : std::abs(x) > 1.0 || std::abs(y) > 1.0) return std::nullopt;
+    if (area_ == 0 || !may_be_met(ray, end)) return std::nullopt;
+    const double cosine = -ray.direction.dot(normal_), t = (ray.origin - center_).dot(normal_) / cosine;
     const float dimming = attenuation(cosine);
     if (dimming == 0.0f) return std::nullopt;
-    return LampIntersection{t, radiance_ * dimming, density(from, at)};
+    return LampIntersection{t, radiance_ * dimming, density(from, ray.at(t))};
 }
 
 Box3d AreaLamp::bounds() const {

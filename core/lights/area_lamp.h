@@ -16,9 +16,12 @@ class AreaLamp {
   public:
     explicit AreaLamp(const Lamp& lamp);
 
-    std::optional<LampSample> sample(const Vec3d& position, const Vec2f& random) const;
+    Maybe<LightSample> sample(const Vec3d& position, const Vec2f& random) const;
     /// Nearer than `end` along the ray.
     std::optional<LampIntersection> hit(const Ray& ray, double end, const Vec3d& from) const;
+
+    /// False where `hit` finds nothing, wherever light sampling stands.
+    bool may_be_met(const Ray& ray, double end) const;
 
     bool has_size() const { return area_ > 0; }
     Box3d bounds() const;
@@ -27,7 +30,7 @@ class AreaLamp {
     /// Whether it shines on a part of space alone.
     static bool is_bounded() { return true; }
     /// False where no light of the lamp arrives.
-    bool reaches(const Vec3d& position) const { return lit().holds(position); }
+    bool reaches(const Vec3d& position) const { return (position - center_).dot(normal_) > 0; }
     LitCone lit() const { return {center_, normal_, 0.0}; }
 
   private:
@@ -59,8 +62,11 @@ class AreaLamp {
     std::optional<Place> place(const Vec3d& position) const;
     std::optional<Window> window(const Place& at) const;
     float attenuation(double cosine) const;
-    LampSample towards(const Place& at, const Vec3d& way) const;
-    std::optional<LampSample> sample_by_area(const Place& at, const Vec2f& random, const Window& window) const;
+    void sample_point(const Place& at, Maybe<LightSample>& result) const;
+    void sample_within(const Place& at, const Window& window, const Vec2f& random, Maybe<LightSample>& result) const;
+    void sample_by_area(const Place& at, const Window& window, const Vec2f& random, Maybe<LightSample>& result) const;
+    /// All but the density of a sample that is `way` from the point; returns the distance.
+    double set_towards(const Place& at, const Vec3d& way, Maybe<LightSample>& result) const;
     /// Density, per solid angle, towards the point of the lamp at `to`.
     double density(const Vec3d& position, const Vec3d& to) const;
     double density_by_area(const Place& at, const Window& window, double distance) const;
@@ -68,5 +74,17 @@ class AreaLamp {
     bool samples_whole_ellipse(const Window& window) const;
     SphericalRectangle spherical(const Place& at, const Window& window) const;
 };
+
+inline bool AreaLamp::may_be_met(const Ray& ray, double end) const {
+    // Lengths are times the cosine, so that nothing is divided.
+    const double cosine = -ray.direction.dot(normal_);
+    if (!(cosine > 0)) return false;
+    const Vec3d from = ray.origin - center_;
+    const double height = from.dot(normal_);
+    if (!(height > ray.t_min * cosine && height < end * cosine)) return false;
+    const Vec3d offset = from * cosine + ray.direction * height;
+    const double x = offset.dot(along_x_), y = offset.dot(along_y_);
+    return ellipse_ ? x * x + y * y <= cosine * cosine : std::abs(x) <= cosine && std::abs(y) <= cosine;
+}
 
 }  // namespace rayleaf

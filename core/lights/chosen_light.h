@@ -9,24 +9,15 @@
 
 namespace rayleaf {
 
-/// The choice of this light taken into account; empty where nothing that floats can hold arrives.
-inline std::optional<LightSample> chosen(const LampSample& from, double probability, uint16_t visibility,
-                                         bool casts_shadow) {
-    std::optional<LightSample> result(std::in_place);
-    LightSample& sample = *result;
-    sample.direction = Vec3f(from.direction);
-    sample.distance = from.distance;
-    sample.target = from.target;
-    sample.target_anchor = from.target_anchor;
-    sample.radiance = from.radiance;
-    sample.density = static_cast<float>(std::min(from.density * probability, kLargestDensity));
-    sample.delta = from.delta;
-    sample.casts_shadow = casts_shadow;
-    sample.visibility = visibility;
-    if (!is_usable(sample.radiance) || is_black(sample.radiance) || !(sample.density > 0) ||
-        !is_finite(sample.direction))
-        result.reset();
-    return result;
+/// Takes into account with which probability the light was chosen; empty where nothing that floats can hold arrives.
+inline void choose_by(double probability, Maybe<LightSample>& light) {
+    constexpr float kMostRadiance = 1e37f;  // can be multiplied on
+    constexpr float kMostOfUnit = 2.0f;     // the sum of the sizes of a unit vector's components
+    const auto size = [](const Vec3f& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
+    light->density = static_cast<float>(std::min(double{light->density} * probability, kLargestDensity));
+    const float radiance = size(light->radiance);
+    if (!(radiance > 0.0f && radiance < kMostRadiance && light->density > 0.0f && size(light->direction) < kMostOfUnit))
+        light.reset();
 }
 
 /// The state of a path with this ray length.

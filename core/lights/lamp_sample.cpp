@@ -4,7 +4,7 @@
 
 namespace rayleaf {
 
-void orthonormal_basis(const Vec3d& n, Vec3d& tangent, Vec3d& bitangent) {
+ConeFrame::ConeFrame(const Vec3d& n) : axis(n) {
     const double sign = std::copysign(1.0, n.z);
     const double a = -1.0 / (sign + n.z);
     const double b = n.x * n.y * a;
@@ -12,13 +12,11 @@ void orthonormal_basis(const Vec3d& n, Vec3d& tangent, Vec3d& bitangent) {
     bitangent = Vec3d(b, sign + n.y * n.y * a, -n.y);
 }
 
-ConeDirection sample_cone(const Vec3d& axis, double one_minus_cosine, const Vec2f& random) {
-    Vec3d tangent, bitangent;
-    orthonormal_basis(axis, tangent, bitangent);
+ConeDirection sample_cone(const ConeFrame& frame, double one_minus_cosine, const Vec2f& random) {
     const double below = one_minus_cosine * static_cast<double>(random.x);
     const double sine = std::sqrt(std::max(0.0, below * (2.0 - below)));
     const Vec2d around = on_circle(static_cast<double>(random.y)) * sine;
-    return {axis * (1.0 - below) + tangent * around.x + bitangent * around.y, below};
+    return {frame.axis * (1.0 - below) + frame.tangent * around.x + frame.bitangent * around.y, below};
 }
 
 }  // namespace rayleaf

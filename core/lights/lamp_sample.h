@@ -1,4 +1,4 @@
-// What one light answers before the choice of a light is known; shared by the files of this folder.
+// What lamps are sampled by, shared by the files of this folder.
 #pragma once
 
 #include "base/vector.h"
@@ -8,17 +8,6 @@
 #include <optional>
 
 namespace rayleaf {
-
-/// A direction sampled towards one light.
-struct LampSample {
-    Vec3d direction{0, 0, 1};  ///< unit, from the point to the light
-    double distance = 0;       ///< world units; infinity for suns
-    Vec3d target{0, 0, 0};     ///< where a shadow ray ends, if the distance is finite; world
-    Color radiance{0, 0, 0};   ///< delta: irradiance at normal incidence
-    double density = 0;        ///< per solid angle, of this light alone; delta: 1
-    bool delta = false;
-    RayAnchor target_anchor = {};  ///< as LightSample's target_anchor
-};
 
 /// What a ray meets of one lamp.
 struct LampIntersection {
@@ -40,16 +29,20 @@ inline double cone_solid_angle(double sine_squared) {
     return 2.0 * std::numbers::pi * sine_squared / (1.0 + cosine);
 }
 
-/// A direction uniform in solid angle within a cone about unit `axis`, given 1 - cos of its half angle. Returns also
-/// 1 - cos of the angle to the axis, exact where it is tiny.
+/// An orthonormal frame about a unit axis.
+struct ConeFrame {
+    Vec3d axis, tangent, bitangent;
+
+    explicit ConeFrame(const Vec3d& axis);
+};
+
+/// A direction uniform in solid angle within a cone about the axis of a frame, given 1 - cos of its half angle. Returns
+/// also 1 - cos of the angle to the axis, exact where it is tiny.
 struct ConeDirection {
     Vec3d direction;
     double one_minus_cosine = 0;
 };
-ConeDirection sample_cone(const Vec3d& axis, double one_minus_cosine, const Vec2f& random);
-
-/// Two unit vectors that complete unit `n` to an orthonormal frame, in double precision.
-void orthonormal_basis(const Vec3d& n, Vec3d& tangent, Vec3d& bitangent);
+ConeDirection sample_cone(const ConeFrame& frame, double one_minus_cosine, const Vec2f& random);
 
 /// Whether a colour can be multiplied on without leaving the range of floats.
 inline bool is_usable(const Color& c) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "base/cancel.h"
+#include "base/maybe.h"
 #include "base/vector.h"
 #include "lights/light_linking.h"
 #include "rays/ray.h"
@@ -167,8 +168,8 @@ class LightSet {
     /// A light for a point; `random` in [0,1)²; `time` of the shutter. x chooses the light, and what the choice leaves
     /// of it is used again with y for the place on it: so the places on each light are stratified as the pair is,
     /// 2^-24 over the light's probability apart. `path`: the state for programs of lights; its ray length is filled in.
-    std::optional<LightSample> sample(const LitPoint& at, const Vec2f& random, float time = kMiddleTime,
-                                      const PathState& path = sampling_state()) const;
+    Maybe<LightSample> sample(const LitPoint& at, const Vec2f& random, float time = kMiddleTime,
+                              const PathState& path = sampling_state()) const;
     /// The lights that the first `end` of a ray passes. `likely`: a point of it by which one is chosen, by `random` in
     /// [0,1), where there are many, and by which those that have no place are weighed.
     PassedLights passed(const Ray& ray, double end, const LitPoint& likely, float random) const;

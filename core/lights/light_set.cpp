@@ -1,19 +1,16 @@
 // All lights of a scene, and the choice of one: first among each sun, the world, and all lights that have a place; then
 // among those by the tree.
-#include "lights/area_lamp.h"
 #include "lights/chosen_light.h"
 #include "lights/light.h"
 #include "lights/light_groups.h"
 #include "lights/light_tree.h"
 #include "lights/mean_factor.h"
-#include "lights/point_lamp.h"
-#include "lights/sun.h"
+#include "lights/scene_lamp.h"
 #include "lights/surface_light.h"
 #include "lights/world_light.h"
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 namespace rayleaf {
 namespace {
@@ -27,37 +24,13 @@ bool shines(const Lamp& lamp) {
     return is_finite(lamp.strength) && !is_black(lamp.strength);
 }
 
-/// What all lamps have.
-struct LampTraits {
-    uint16_t visibility;
-    LightLink link;
-    bool casts_shadow;
-    size_t number;  ///< in the list of lamps
-    bool has_program;
-    double factor;  ///< of the program, in the mean
-    int light_group;
-};
-
-/// A kind of lamp has the members of PointLamp: what it emits, how it is sampled and hit, its bounds and reach.
-struct PlacedLamp {
-    std::variant<PointLamp, AreaLamp> shape;
-    LampTraits traits;
-};
-
-struct DistantLamp {
-    Sun sun;
-    LampTraits traits;
-
-    double irradiance() const { return sun.irradiance() * traits.factor; }
-};
-
 }  // namespace
 
 struct LightSet::Implementation {
     std::vector<PlacedLamp> lamps;  ///< the tree's items start with these, then come the surfaces'
     std::vector<DistantLamp> suns;
-    std::vector<uint32_t> lamps_with_size;  ///< those that rays can hit
-    LightTree hittable{{}};                 ///< over those
+    size_t lamps_with_size = 0;  ///< the first of the lamps: those that rays can hit
+    LightTree hittable{{}};      ///< over those
     SurfaceLights surfaces;
     WorldEmission world_emission;
     uint8_t world_visibility;
@@ -78,23 +51,18 @@ struct LightSet::Implementation {
 
     /// Whether light of the tree's item arrives at a position; the choice inside the tree asks it.
     auto reaches(const Vec3d& position) const {
-        return [this, &position](uint32_t item) {
-            if (item >= lamps.size()) return true;
-            return std::visit([&](const auto& lamp) { return lamp.reaches(position); }, lamps[item].shape);
-        };
+        return [this, &position](uint32_t item) { return item >= lamps.size() || lamps[item].reaches(position); };
     }
     /// Where suns and the world shine as well as the tree.
     bool has_groups() const { return !suns.empty() || world; }
-    LightGroups groups(const LitPoint& at) const;
+    const LightGroups& weigh(const LitPoint& at, Maybe<LightGroups>& result) const;
     /// As they were found before, or in `room`.
-    const LightGroups& groups(const LitPoint& at, LightGroups& room) const {
-        if (at.groups) return *at.groups;
-        room = groups(at);
-        return room;
+    const LightGroups& groups(const LitPoint& at, Maybe<LightGroups>& room) const {
+        return at.groups ? *at.groups : weigh(at, room);
     }
     /// Of lights that have a place, where any shines on the point.
     double tree_probability(const LitPoint& at) const {
-        LightGroups room;
+        Maybe<LightGroups> room;
         return has_groups() ? groups(at, room).tree_probability() : 1.0;
     }
     /// Of choosing this item of the tree.
@@ -125,20 +93,26 @@ struct LightSet::Implementation {
                  double distance, const PathState& path) const {
         return radiance * lamp_emission({lamp.number, place, -Vec3f(direction), of_length(path, distance)});
     }
-    /// The lamp's program is applied to the sample.
-    std::optional<LightSample> chosen_of(const LampTraits& lamp, LampSample& sample, double probability,
-                                         const PathState& path) const;
+    /// Completes a sample of a lamp that was chosen with this probability; makes it empty where nothing arrives.
+    void complete(const LampTraits& lamp, double probability, const PathState& path, Maybe<LightSample>& light) const;
     bool asks_path() const {
         const auto has_program = [](const auto& lamp) { return lamp.traits.has_program; };
         return world || surfaces.count() > 0 || std::ranges::any_of(lamps, has_program) ||
                std::ranges::any_of(suns, has_program);
     }
-    std::optional<LightSample> sample_tree(const LitPoint& at, float random_y, const InTree& in_tree, float time,
-                                           const PathState& path) const;
+    Maybe<LightSample> sample_sun(const DistantLamp& lamp, double probability, const Vec2f& random,
+                                  const PathState& path) const;
+    Maybe<LightSample> sample_world(double probability, const Vec2f& random, const PathState& path) const;
+    Maybe<LightSample> sample_lamp(const PlacedLamp& lamp, const Vec3d& position, double probability,
+                                   const Vec2f& random, const PathState& path) const;
+    Maybe<LightSample> sample_tree(const LitPoint& at, float random_y, const InTree& in_tree, float time,
+                                   const PathState& path) const;
+    Maybe<LightSample> sample_surface(uint32_t surface, const Vec3d& position, double probability, const Vec2f& random,
+                                      float time, const PathState& path) const;
 };
 
-LightGroups LightSet::Implementation::groups(const LitPoint& at) const {
-    LightGroups result;
+const LightGroups& LightSet::Implementation::weigh(const LitPoint& at, Maybe<LightGroups>& room) const {
+    LightGroups& result = room.emplace();
     for (const DistantLamp& lamp : suns)
         if (shines_on(at, lamp.traits)) result.add(weight(lamp, at));
     if (world) result.add(world_weight(at));
@@ -175,22 +149,14 @@ void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
             lamps.push_back({PointLamp(lamp), traits});
             break;
     }
-    const bool has_size = std::visit([](const auto& shape) { return shape.has_size(); }, lamps.back().shape);
-    if (has_size) lamps_with_size.push_back(static_cast<uint32_t>(lamps.size() - 1));
 }
 
 void LightSet::Implementation::build_tree(const CancelToken& cancel) {
+    const auto others = std::ranges::stable_partition(lamps, [](const PlacedLamp& lamp) { return lamp.has_size(); });
+    lamps_with_size = lamps.size() - others.size();
     std::vector<LightTreeItem> items;
-    for (const PlacedLamp& lamp : lamps)
-        std::visit(
-            [&](const auto& shape) {
-                items.push_back({shape.bounds(), shape.intensity() * lamp.traits.factor, lamp.traits.link.set(),
-                                 shape.cone(), shape.is_bounded()});
-            },
-            lamp.shape);
-    std::vector<LightTreeItem> with_size;
-    for (const uint32_t index : lamps_with_size) with_size.push_back(items[index]);
-    hittable = LightTree(with_size, cancel);
+    for (const PlacedLamp& lamp : lamps) items.push_back(lamp.tree_item());
+    hittable = LightTree({items.begin(), items.begin() + static_cast<ptrdiff_t>(lamps_with_size)}, cancel);
     const std::vector<LightTreeItem> of_surfaces = surfaces.tree_items(cancel);
     items.insert(items.end(), of_surfaces.begin(), of_surfaces.end());
     tree = LightTree(items, cancel);
@@ -215,78 +181,90 @@ LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingIns
 
 LightSet::~LightSet() = default;
 
-std::optional<LightSample> LightSet::Implementation::chosen_of(const LampTraits& lamp, LampSample& sample,
-                                                               double probability, const PathState& path) const {
+void LightSet::Implementation::complete(const LampTraits& lamp, double probability, const PathState& path,
+                                        Maybe<LightSample>& light) const {
+    if (!light) return;
     if (lamp.has_program) {
-        const Vec3d& place = std::isfinite(sample.distance) ? sample.target : sample.direction;
-        sample.radiance = shaded(lamp, sample.radiance, place, sample.direction, sample.distance, path);
+        const Vec3d direction(light->direction), place = std::isfinite(light->distance) ? light->target : direction;
+        light->radiance = shaded(lamp, light->radiance, place, direction, light->distance, path);
     }
-    std::optional<LightSample> light = chosen(sample, probability, lamp.visibility, lamp.casts_shadow);
-    if (!light) return light;
+    light->visibility = lamp.visibility;
+    light->casts_shadow = lamp.casts_shadow;
     light->lamp_group = lamp.light_group;
     light->blockers = lamp.link.blockers;
+    choose_by(probability, light);
+}
+
+Maybe<LightSample> LightSet::Implementation::sample_sun(const DistantLamp& lamp, double probability,
+                                                        const Vec2f& random, const PathState& path) const {
+    Maybe<LightSample> light = lamp.sun.sample(random);
+    complete(lamp.traits, probability, path, light);
     return light;
 }
 
-std::optional<LightSample> LightSet::Implementation::sample_tree(const LitPoint& at, float random_y,
-                                                                 const InTree& in_tree, float time,
-                                                                 const PathState& path) const {
-    const std::optional<LightTree::Choice> item = tree.choose(at, in_tree.choice, reaches(at.position), in_tree.first);
-    if (!item) return std::nullopt;
-    const double probability = item->probability * in_tree.probability;
-    const Vec2f random(below_one(item->left_over), random_y);
-    if (item->item < lamps.size()) {
-        const PlacedLamp& lamp = lamps[item->item];
-        auto sample = std::visit([&](const auto& shape) { return shape.sample(at.position, random); }, lamp.shape);
-        if (!sample) return std::nullopt;
-        return chosen_of(lamp.traits, *sample, probability, path);
-    }
-    const auto surface = static_cast<uint32_t>(item->item - lamps.size());
-    const auto sample = surfaces.sample(surface, at.position, random, time, path);
-    if (!sample) return std::nullopt;
-    std::optional<LightSample> light = chosen(*sample, probability, surfaces.visibility(surface), true);
-    if (!light) return light;
-    light->instance = static_cast<int>(surfaces.instance(surface));
-    light->blockers = surfaces.link(surface).blockers;
+Maybe<LightSample> LightSet::Implementation::sample_world(double probability, const Vec2f& random,
+                                                          const PathState& path) const {
+    Maybe<LightSample> light = world->sample(random);
+    light->radiance = world_emission(light->direction, path);
+    light->visibility = static_cast<uint16_t>(seen_by(world_visibility | kOfFootage));
+    choose_by(probability, light);
     return light;
 }
 
-std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& random, float time,
-                                            const PathState& path) const {
+Maybe<LightSample> LightSet::Implementation::sample_lamp(const PlacedLamp& lamp, const Vec3d& position,
+                                                         double probability, const Vec2f& random,
+                                                         const PathState& path) const {
+    Maybe<LightSample> light = lamp.sample(position, random);
+    complete(lamp.traits, probability, path, light);
+    return light;
+}
+
+Maybe<LightSample> LightSet::Implementation::sample_surface(uint32_t surface, const Vec3d& position, double probability,
+                                                            const Vec2f& random, float time,
+                                                            const PathState& path) const {
+    Maybe<LightSample> light = surfaces.sample(surface, position, random, time, path);
+    if (light) choose_by(probability, light);
+    return light;
+}
+
+Maybe<LightSample> LightSet::Implementation::sample_tree(const LitPoint& at, float random_y, const InTree& in_tree,
+                                                         float time, const PathState& path) const {
+    const std::optional<LightTree::Choice> chosen =
+        tree.choose(at, in_tree.choice, reaches(at.position), in_tree.first);
+    if (!chosen) return std::nullopt;
+    const uint32_t item = chosen->item;
+    const double probability = chosen->probability * in_tree.probability;
+    const Vec2f random(below_one(chosen->left_over), random_y);
+    if (item < lamps.size()) return sample_lamp(lamps[item], at.position, probability, random, path);
+    const auto surface = static_cast<uint32_t>(item - lamps.size());
+    return sample_surface(surface, at.position, probability, random, time, path);
+}
+
+Maybe<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& random, float time, const PathState& path) const {
     const Implementation& set = *implementation_;
     if (!set.has_groups()) return set.sample_tree(at, random.y, {double{random.x}, 1.0, nullptr}, time, path);
-    LightGroups room;
+    Maybe<LightGroups> room;
     const LightGroups& groups = set.groups(at, room);
     if (!(groups.total.cosine > 0.0)) return std::nullopt;
     double choice = random.x;
     const auto within = [&](double probability) { return Vec2f(below_one(choice / probability), random.y); };
-    const auto sample_sun = [&](const DistantLamp& sun, double probability) {
-        LampSample sample = sun.sun.sample(within(probability));
-        return set.chosen_of(sun.traits, sample, probability, path);
-    };
     const DistantLamp* last = nullptr;
     for (const DistantLamp& lamp : set.suns) {
         if (!set.shines_on(at, lamp.traits)) continue;
         const double probability = groups.probability(set.weight(lamp, at));
-        if (choice < probability) return sample_sun(lamp, probability);
+        if (choice < probability) return set.sample_sun(lamp, probability, within(probability), path);
         choice -= probability;
         last = &lamp;
     }
     if (set.world) {
         const double probability = groups.probability(set.world_weight(at));
-        if (choice < probability || !groups.has_tree) {
-            LampSample sample = set.world->sample(within(probability));
-            sample.radiance = set.world_emission(Vec3f(sample.direction), path);
-            std::optional<LightSample> light =
-                chosen(sample, probability, static_cast<uint16_t>(seen_by(set.world_visibility | kOfFootage)), true);
-            if (light) light->world = true;
-            return light;
-        }
+        if (choice < probability || !groups.has_tree) return set.sample_world(probability, within(probability), path);
         choice -= probability;
     }
     if (!groups.has_tree) {  // rounding may leave `choice` just past the last sun
         if (!last) return std::nullopt;
-        return sample_sun(*last, groups.probability(set.weight(*last, at)));
+        const double probability = groups.probability(set.weight(*last, at));
+        return set.sample_sun(*last, probability, within(probability), path);
     }
     const double probability = groups.tree_probability();
     const double left_over = std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53);
@@ -294,7 +272,7 @@ std::optional<LightSample> LightSet::sample(const LitPoint& at, const Vec2f& ran
 }
 
 void LightSet::weigh(LitPoint& at) const {
-    if (implementation_->has_groups()) at.groups = implementation_->groups(at);
+    if (implementation_->has_groups()) implementation_->weigh(at, at.groups);
 }
 
 PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely, float random) const {
@@ -304,8 +282,7 @@ PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely
     const auto add = [&](uint32_t item) {
         const LightTree::Light light = set.tree.light(item);
         std::optional<LitPart> part = LitPart{0.0, end};
-        if (item < set.lamps.size())
-            part = std::visit([&](const auto& lamp) { return lamp.lit().part_of(ray, end); }, set.lamps[item].shape);
+        if (item < set.lamps.size()) part = set.lamps[item].lit_part_of(ray, end);
         if (part && (light.set & likely.lit_by) != 0)
             result.lights[result.count++] = {light.center, light.radius, light.intensity, part->begin, part->end};
     };
@@ -346,7 +323,7 @@ float LightSet::emitter_density(const LitPoint& from, const SurfacePoint& point)
 float LightSet::world_density(const Vec3f& direction, const LitPoint& from) const {
     const Implementation& set = *implementation_;
     if (!set.world) return 0.0f;
-    LightGroups room;
+    Maybe<LightGroups> room;
     const double choice = set.groups(from, room).probability(set.world_weight(from));
     return static_cast<float>(choice * set.world->density(direction));
 }
@@ -367,14 +344,13 @@ void LightSet::lamp_hits(const Ray& ray, double end, const LitPoint& from, Visib
              lamp.link.blockers});
     };
     set.hittable.visit_crossed(ray, end, [&](uint32_t item) {
-        const uint32_t index = set.lamps_with_size[item];
-        const PlacedLamp& lamp = set.lamps[index];
+        const PlacedLamp& lamp = set.lamps[item];
         if (!(lamp.traits.visibility & kind) || !set.shines_on(from, lamp.traits)) return;
         const auto hit = std::visit([&](const auto& shape) { return shape.hit(ray, end, from.position); }, lamp.shape);
-        if (hit) report(lamp.traits, *hit, set.probability(from, index));
+        if (hit) report(lamp.traits, *hit, set.probability(from, item));
     });
     if (std::isfinite(end)) return;
-    LightGroups room;
+    Maybe<LightGroups> room;
     for (const DistantLamp& lamp : set.suns) {
         if (!(lamp.traits.visibility & kind) || !set.shines_on(from, lamp.traits)) continue;
         if (const auto hit = lamp.sun.hit(ray))
@@ -384,9 +360,10 @@ void LightSet::lamp_hits(const Ray& ray, double end, const LitPoint& from, Visib
 
 bool LightSet::may_meet_lamps(const Ray& ray, double end) const {
     const Implementation& set = *implementation_;
-    return set.hittable.is_crossed(ray, end) ||
+    const auto may_be_met = [&](uint32_t item) { return set.lamps[item].may_be_met(ray, end); };
+    return set.hittable.any_crossed(ray, end, may_be_met) ||
            (!std::isfinite(end) &&
-            std::ranges::any_of(set.suns, [&](const DistantLamp& lamp) { return lamp.sun.hit(ray).has_value(); }));
+            std::ranges::any_of(set.suns, [&](const DistantLamp& lamp) { return lamp.sun.is_met(ray); }));
 }
 
 bool LightSet::has_links() const {
@@ -399,8 +376,8 @@ const std::vector<uint32_t>& LightSet::emitters_with_blockers() const {
 
 bool LightSet::has_hittable_lamps_with_blockers() const {
     const Implementation& set = *implementation_;
-    return std::ranges::any_of(set.lamps_with_size,
-                               [&](uint32_t index) { return set.lamps[index].traits.link.blockers >= 0; }) ||
+    return std::ranges::any_of(
+               set.lamps, [](const PlacedLamp& lamp) { return lamp.has_size() && lamp.traits.link.blockers >= 0; }) ||
            std::ranges::any_of(
                set.suns, [](const DistantLamp& lamp) { return lamp.sun.has_size() && lamp.traits.link.blockers >= 0; });
 }
@@ -409,7 +386,7 @@ size_t LightSet::bytes() const {
     const Implementation& set = *implementation_;
     return sizeof(Implementation) + set.lamps.capacity() * sizeof(PlacedLamp) +
            set.suns.capacity() * sizeof(DistantLamp) + set.surfaces.bytes() + set.tree.bytes() + set.hittable.bytes() +
-           set.lamps_with_size.capacity() * sizeof(uint32_t) + (set.world ? set.world->bytes() : 0);
+           (set.world ? set.world->bytes() : 0);
 }
 
 size_t LightSet::count() const {

@@ -46,6 +46,7 @@ LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken&
     nodes_.emplace_back();
     std::vector<LightCone> cones(2 * items.size() - 1);
     build(items, order, 0, order.size(), 0, cones, cancel);
+    radius_ = static_cast<float>(std::sqrt(nodes_.front().radius_squared));
     gather_sets(items);
     add_branch(0, {}, items, cones);
 }
@@ -99,8 +100,9 @@ void LightTree::add_branch(uint32_t node, const Place& parent, const std::vector
         branch.radius[i] = static_cast<float>(std::sqrt(child.radius_squared));
         branch.intensity[i] = std::max(kLeastShare, static_cast<float>(child.intensity / nodes_.front().intensity));
         branch.set_cone(i, cone);
-        branch.body[i] = branch.side[i] == 0.0f ? -1 : static_cast<int32_t>(bodies_.size());
-        if (branch.body[i] >= 0) bodies_.push_back(cone.body);
+        const bool has_body = branch.side[i] != 0.0f;
+        if (has_body && (bodies_.empty() || bodies_.back() != cone.body)) bodies_.push_back(cone.body);
+        branch.body[i] = has_body ? static_cast<int32_t>(bodies_.size()) - 1 : -1;
         branch.has_bodies |= branch.body[i] >= 0;
         if (child.left != 0) continue;
         branch.below[i] = child.item;
@@ -139,20 +141,27 @@ void LightTree::gather_sets(const std::vector<LightTreeItem>& items) {
 
 /// At best, of all lights.
 float LightTree::cosine_at(const LitPoint& at) const {
-    const Node& root = nodes_.front();
-    const Vec3f offset(root.center - at.position);
-    const auto radius_squared = static_cast<float>(root.radius_squared);
-    const float distance_squared = offset.length2();
-    if (!(distance_squared > radius_squared)) return static_cast<float>(mean_cosine(at));
-    const float inverse = 1.0f / std::sqrt(distance_squared);
-    return cosine_at_surface(at.normal, offset * inverse, HalfAngle::of_sine(std::sqrt(radius_squared) * inverse));
+    const Vec3f offset(nodes_.front().center - at.position);
+    const float distance_squared = offset.length2(), beyond = distance_squared - radius_ * radius_;
+    if (!(beyond > 0.0f)) return static_cast<float>(mean_cosine(at));
+    if (at.normal == Vec3f(0.0f)) return 1.0f;
+    // As cosine_at_surface, with cosines and sines times the distance.
+    const float cosine = offset.dot(at.normal), of_cone = std::sqrt(beyond);
+    if (cosine >= of_cone) return 1.0f;
+    const float sine = std::sqrt(std::max(0.0f, distance_squared - cosine * cosine));
+    return std::max(kLeastCosine, (cosine * of_cone + sine * radius_) / distance_squared);
 }
 
 Float4 LightTree::sides(const LightBranch& branch, const LitPoint& at) const {
     Float4 result = branch.side;
-    for (size_t i = 0; i < branch.count; ++i)
-        if (branch.body[i] >= 0 && bodies_[static_cast<size_t>(branch.body[i])].intersects(at.position))
-            result[i] = 0.0f;
+    int32_t last = -1;
+    bool is_within = false;  // the last body
+    for (size_t i = 0; i < branch.count; ++i) {
+        if (branch.body[i] < 0) continue;
+        if (branch.body[i] != last) is_within = bodies_[static_cast<size_t>(branch.body[i])].intersects(at.position);
+        last = branch.body[i];
+        if (is_within) result[i] = 0.0f;
+    }
     return result;
 }
 

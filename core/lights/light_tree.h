@@ -51,8 +51,6 @@ class LightTree {
     /// of all lights there. `first`: first_weights.
     template <typename Reaches>
     LightGroups::Weight weight(const LitPoint& at, Float4 first, const Reaches& reaches) const;
-    /// Whether the first `end` of a ray may cross the bounds of any light.
-    bool is_crossed(const Ray& ray, double end) const { return !nodes_.empty() && may_cross(nodes_.front(), ray, end); }
     /// Whether any light shines on a point, by their links alone.
     bool shines_on(const LitPoint& at) const { return !nodes_.empty() && is_linked(0, at.lit_by); }
 
@@ -79,10 +77,21 @@ class LightTree {
     Light light(uint32_t item) const;
     size_t count() const { return place_of_item_.size(); }
 
-    /// Calls `visit(item)` for every light whose bounds the first `end` of a ray may cross.
+    /// Calls `visit(item)` for every light that the first `end` of a ray may cross. That is told by the bounds of
+    /// several lights: those of one take as long to ask as a light itself.
     template <typename Visit>
     void visit_crossed(const Ray& ray, double end, const Visit& visit) const {
-        if (!nodes_.empty()) visit_crossed(nodes_.front(), ray, end, visit);
+        any_crossed(ray, end, [&visit](uint32_t item) {
+            visit(item);
+            return false;
+        });
+    }
+    /// Whether `test(item)` holds for any of them.
+    template <typename Test>
+    bool any_crossed(const Ray& ray, double end, const Test& test) const {
+        if (nodes_.empty()) return false;
+        // Most rays come from places amid the lights and cross the bounds of all.
+        return is_single() ? test(0) : any_crossed_below(nodes_.front(), ray, end, test);
     }
 
     size_t bytes() const;
@@ -101,6 +110,7 @@ class LightTree {
     std::vector<Node> nodes_;
     std::vector<LightBranch> branches_;  ///< the first begins below the root
     std::vector<Place> place_of_item_;
+    float radius_ = 0;  ///< of the root
     std::vector<Box3d> bodies_;
     std::vector<LightSets> sets_;  ///< per node, of all its lights; empty where all shine on all
 
@@ -138,12 +148,14 @@ class LightTree {
         const double slack = node.radius_squared * kRoundingShare + offset.length2() * kRounding;
         return !((offset - ray.direction * nearest).length2() > node.radius_squared + slack);
     }
-    template <typename Visit>
-    void visit_crossed(const Node& node, const Ray& ray, double end, const Visit& visit) const {
-        if (!may_cross(node, ray, end)) return;
-        if (node.left == 0) return visit(node.item);
-        visit_crossed(nodes_[node.left], ray, end, visit);
-        visit_crossed(nodes_[node.left + 1], ray, end, visit);
+    template <typename Test>
+    bool any_crossed_below(const Node& node, const Ray& ray, double end, const Test& test) const {
+        for (const Node* child = &nodes_[node.left]; child != &nodes_[node.left] + 2; ++child) {
+            if (child->left == 0 ? test(child->item)
+                                 : may_cross(*child, ray, end) && any_crossed_below(*child, ray, end, test))
+                return true;
+        }
+        return false;
     }
 
     static constexpr double kRoundingShare = 1e-6;  ///< of a squared radius

@@ -46,39 +46,51 @@ double PointLamp::density(const Vec3d& position) const {
     return std::min(kLargestDensity, 1.0 / cone_solid_angle(sine));
 }
 
-std::optional<LampSample> PointLamp::sample(const Vec3d& position, const Vec2f& random) const {
+void PointLamp::sample_inside(const Vec3d& position, const Vec2f& random, LightSample& sample) const {
+    const Vec3d offset = center_ - position;
+    const Vec3d direction = sample_cone(ConeFrame(Vec3d(0, 0, 1)), 2.0, random).direction;
+    const double along = offset.dot(direction);
+    sample.direction = Vec3f(direction);
+    sample.distance = along + std::sqrt(std::max(0.0, along * along - offset.length2() + radius_ * radius_));
+    sample.target = position + direction * sample.distance;
+    sample.density = static_cast<float>(1.0 / kSphere);
+    sample.radiance = radiance_ * attenuation(direction);
+}
+
+void PointLamp::sample_outside(const Vec3d& position, const Vec2f& random, LightSample& sample) const {
     const Vec3d offset = center_ - position;
     const double distance = offset.length();
-    const double sine = sine_squared(distance * distance);
-    LampSample sample;
-    if (radius_ > 0 && !soft_ && !(sine < 1.0)) {  // inside the sphere: all of it, its shell seen from within
-        const ConeDirection cone = sample_cone(Vec3d(0, 0, 1), 2.0, random);
-        sample.direction = cone.direction;
-        const double along = offset.dot(sample.direction);
-        sample.distance = along + std::sqrt(std::max(0.0, along * along - offset.length2() + radius_ * radius_));
-        sample.target = position + sample.direction * sample.distance;
-        sample.density = 1.0 / kSphere;
-        sample.radiance = radiance_ * attenuation(sample.direction);
-        return sample;
-    }
-    if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
     const Vec3d axis = offset / distance;
-    const double solid_angle = cone_solid_angle(sine);
+    const double solid_angle = cone_solid_angle(sine_squared(distance * distance));
     if (radius_ == 0 || solid_angle < kSmallestSolidAngle) {
-        const Color irradiance(Vec3d(intensity_) / (distance * distance));
-        return LampSample{axis, distance, center_, irradiance * attenuation(axis), 1.0, true};
+        sample.direction = Vec3f(axis);
+        sample.distance = distance;
+        sample.target = center_;
+        sample.radiance = Color(Vec3d(intensity_) / (distance * distance)) * attenuation(axis);
+        sample.density = 1.0f;
+        sample.delta = true;
+        return;
     }
-    const double one_minus_cosine = solid_angle / (2.0 * std::numbers::pi);
-    const ConeDirection cone = sample_cone(axis, one_minus_cosine, random);
+    const double one_minus_cosine = solid_angle * (0.5 / std::numbers::pi);
+    const ConeDirection cone = sample_cone(ConeFrame(axis), one_minus_cosine, random);
     const double below = cone.one_minus_cosine;
     const double half_chord_squared = radius_ * radius_ - distance * distance * below * (2.0 - below);
-    sample.direction = cone.direction;
+    sample.direction = Vec3f(cone.direction);
     sample.distance =
         soft_ ? distance / (1.0 - below) : distance * (1.0 - below) - std::sqrt(std::max(0.0, half_chord_squared));
-    sample.target = position + sample.direction * sample.distance;
-    sample.density = 1.0 / solid_angle;
-    sample.radiance = radiance_ * attenuation(sample.direction);
-    return sample;
+    sample.target = position + cone.direction * sample.distance;
+    sample.density = static_cast<float>(1.0 / solid_angle);
+    sample.radiance = radiance_ * attenuation(cone.direction);
+}
+
+Maybe<LightSample> PointLamp::sample(const Vec3d& position, const Vec2f& random) const {
+    Maybe<LightSample> result;
+    const double distance_squared = (center_ - position).length2();
+    if (radius_ > 0 && !soft_ && !(sine_squared(distance_squared) < 1.0))
+        sample_inside(position, random, result.emplace());
+    else if (distance_squared > 0 && std::isfinite(distance_squared))
+        sample_outside(position, random, result.emplace());
+    return result;
 }
 
 std::optional<double> PointLamp::distance_to_sphere(const Ray& ray, const Vec3d& from) const {

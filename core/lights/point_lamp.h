@@ -17,10 +17,13 @@ class PointLamp {
   public:
     explicit PointLamp(const Lamp& lamp);
 
-    std::optional<LampSample> sample(const Vec3d& position, const Vec2f& random) const;
+    Maybe<LightSample> sample(const Vec3d& position, const Vec2f& random) const;
     /// Whether the ray meets the sphere or the disk in (t_min, end). `from` is where light sampling would have stood:
     /// the disk faces it, and it decides whether the sphere is seen from outside or from inside.
     std::optional<LampIntersection> hit(const Ray& ray, double end, const Vec3d& from) const;
+
+    /// False where `hit` finds nothing, wherever light sampling stands.
+    bool may_be_met(const Ray& ray, double end) const;
 
     bool has_size() const { return radius_ > 0; }
     Box3d bounds() const;
@@ -49,9 +52,19 @@ class PointLamp {
     /// Square of the sine of the cone's half angle, at a distance; a sphere that is seen from inside: 1 or more.
     double sine_squared(double distance_squared) const;
     double density(const Vec3d& position) const;
+    /// Its shell seen from within, all around.
+    void sample_inside(const Vec3d& position, const Vec2f& random, LightSample& sample) const;
+    void sample_outside(const Vec3d& position, const Vec2f& random, LightSample& sample) const;
     std::optional<double> distance_to_sphere(const Ray& ray, const Vec3d& from) const;
     std::optional<double> distance_to_disk(const Ray& ray, const Vec3d& from) const;
     float attenuation(const Vec3d& towards_lamp) const;
 };
+
+inline bool PointLamp::may_be_met(const Ray& ray, double end) const {
+    const Vec3d offset = center_ - ray.origin;
+    const double along = offset.dot(ray.direction);
+    return along + radius_ > ray.t_min && along - radius_ < end &&
+           (offset - ray.direction * along).length2() <= radius_ * radius_;
+}
 
 }  // namespace rayleaf

@@ -1,6 +1,7 @@
 // A rectangle seen from a point, sampled uniformly in solid angle.
 //
-// C. Ureña, M. Fajardo, A. King: An Area-Preserving Parametrization for Spherical Rectangles, EGSR 2013, section 4.
+// C. Ureña, M. Fajardo, A. King: An Area-Preserving Parametrization for Spherical Rectangles, EGSR 2013, section 4;
+// the angles at its corners are kept as complex numbers, so that one angle is all that is asked of the library.
 #pragma once
 
 #include "base/vector.h"
@@ -18,8 +19,9 @@ class SphericalRectangle {
     Vec2d sample(const Vec2f& random) const;
 
   private:
-    double x0_, x1_, y0_, y1_, z0_;
-    double b0_, b1_, k_, solid_angle_;
+    double x0_, x1_, y0_, y1_, height_, height_squared_;
+    Vec2d excess_at_x0_;  ///< of the angles at the two corners there
+    double solid_angle_;
 };
 
 }  // namespace rayleaf

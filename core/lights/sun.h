@@ -14,24 +14,27 @@ class Sun {
   public:
     explicit Sun(const Lamp& lamp);
 
-    LampSample sample(const Vec2f& random) const;
+    Maybe<LightSample> sample(const Vec2f& random) const;
     /// By a ray that goes on to infinity.
+    bool is_met(const Ray& ray) const;
     std::optional<LampIntersection> hit(const Ray& ray) const;
 
     bool has_size() const { return solid_angle_ > 0; }
     /// W/m² as one number; for the choice of a light.
     double irradiance() const { return max_abs(irradiance_); }
     /// As cosine_at_surface.
-    double cosine(const Vec3f& normal) const { return cosine_at_surface(normal, Vec3f(towards_), half_angle_); }
+    double cosine(const Vec3f& normal) const { return cosine_at_surface(normal, axis_, half_angle_); }
 
   private:
-    Vec3d towards_;  ///< unit, from the scene to the sun
+    ConeFrame towards_;  ///< about the way from the scene to the sun
+    Vec3f axis_;         ///< the same way
     Color irradiance_;
     Color radiance_{0, 0, 0};
     double one_minus_cosine_;  ///< of the disk's angular radius
     double sine_squared_;      ///< of the same
     HalfAngle half_angle_;     ///< the same
     double solid_angle_;       ///< 0: a delta light
+    double density_ = 1;       ///< with which it is sampled
 };
 
 }  // namespace rayleaf

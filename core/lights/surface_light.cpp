@@ -10,19 +10,18 @@
 namespace rayleaf {
 namespace {
 
-/// A point of an element in world space: unit normal and world area per unit of parameters.
-struct WorldElementPoint {
-    Vec3d normal;
-    double area_factor = 0;
-};
-
-WorldElementPoint to_world(const Affine3d& local_to_world, const Shape& shape, const ElementPoint& point) {
+/// The normal at a point of an element in world space, as long as the world area per unit of parameters.
+Vec3d area_at(const Affine3d& local_to_world, const Shape& shape, const ElementPoint& point) {
     // A triangle's parameters cover the facet; its normal in ElementPoint may be a smooth one.
     const bool flat = shape.kind() == ShapeKind::TriangleMesh;
-    const Vec3d local = normalized_or(Vec3d(flat ? point.hit.normal : point.normal), Vec3d(0, 0, 1));
-    const Vec3d covector = local_to_world.normal(local);
-    const double stretch = covector.length();
-    return {normalized_or(covector, Vec3d(0, 0, 1)), stretch * static_cast<double>(point.area_factor)};
+    const Vec3d local = flat ? normalized_or(Vec3d(point.hit.normal), Vec3d(0, 0, 1)) : Vec3d(point.normal);
+    return local_to_world.normal(local) * double{point.area_factor};
+}
+
+/// Per solid angle, of a place that is so far off.
+double density_at(const Vec3d& offset, double distance, const Vec3d& area) {
+    const double density = distance * distance * distance / std::abs(offset.dot(area));
+    return std::isfinite(density) ? std::min(density, kLargestDensity) : 0.0;
 }
 
 /// Where an element is looked at to guess what it emits: parameters inside a triangle too.
@@ -100,11 +99,11 @@ SurfaceLights::Estimate estimate(const Tracer& tracer, const SurfaceEmission& em
     ConeOfProbes cone;
     for (const Vec2f& probe : kLightProbes) {
         const ElementPoint point = shape.element_point(element, probe);
-        const WorldElementPoint world = to_world(local_to_world, shape, point);
+        const Vec3d area = area_at(local_to_world, shape, point);
         const SurfacePoint surface = tracer.surface_point(instance, point.hit);
-        if (!moves) cone.add(tracer, surface, world.normal, looks);
+        if (!moves) cone.add(tracer, surface, normalized_or(area, Vec3d(0, 0, 1)), looks);
         const Color color = emission(surface, surface.normal, path);
-        result.area += world.area_factor / static_cast<double>(std::size(kLightProbes));
+        result.area += area.length() / static_cast<double>(std::size(kLightProbes));
         if (is_finite(color)) result.radiance += std::max(0.0f, max_component(color)) / double(std::size(kLightProbes));
     }
     result.cone = cone.cone(tracer.bounds(instance));
@@ -189,46 +188,38 @@ void SurfaceLights::take_even_part_of_skies(std::vector<Estimate>& estimates) co
     }
 }
 
-std::optional<LampSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, const Vec2f& random, float time,
-                                                const PathState& path) const {
+Maybe<LightSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, const Vec2f& random, float time,
+                                         const PathState& path) const {
     const auto [instance, element] = elements_[item];
     const Shape& shape = *tracer_.instance(instance).shape;
-    const Affine3d local_to_world = tracer_.local_to_world(instance, time);
     const ElementPoint chosen = shape.element_point_at(element, random, time);
-    const WorldElementPoint world = to_world(local_to_world, shape, chosen);
+    const Vec3d area = area_at(tracer_.local_to_world(instance, time), shape, chosen);
     const Color* even = even_emission_(instance, chosen.hit);
     const SurfacePoint point =
         even ? tracer_.place(instance, chosen.hit, time) : tracer_.surface_point(instance, chosen.hit, time);
     const Vec3d offset = point.position - position;
-    const double distance = offset.length();
-    if (!(distance > 0)) return std::nullopt;
-    LampSample sample;
-    sample.direction = offset / distance;
-    const double cosine = std::abs(sample.direction.dot(world.normal));
-    const double density = distance * distance / (cosine * world.area_factor);
-    if (!std::isfinite(density)) return std::nullopt;
-    const Vec3f outgoing = -Vec3f(sample.direction);
+    const double distance = offset.length(), density = density_at(offset, distance, area);
+    Maybe<LightSample> result;
+    if (!(density > 0)) return result;
+    LightSample& sample = result.emplace();
+    sample.direction = Vec3f(offset * (1.0 / distance));
     sample.distance = distance;
-    sample.target = point.ray_origin(outgoing);  // off the facet, on the side that looks here
+    sample.target = point.ray_origin(-sample.direction);  // off the facet, on the side that looks here
     sample.target_anchor = point.anchor();
-    sample.density = std::min(density, kLargestDensity);
-    if (even) {
-        sample.radiance = *even;
-        return sample;
-    }
-    sample.radiance = emission_(point, outgoing, of_length(path, distance));
-    return sample;
+    sample.density = static_cast<float>(density);
+    sample.radiance = even ? *even : emission_(point, -sample.direction, of_length(path, distance));
+    sample.visibility = visibility(item);
+    sample.instance = static_cast<int>(instance);
+    sample.blockers = link(item).blockers;
+    return result;
 }
 
 double SurfaceLights::density(const Vec3d& from, const SurfacePoint& point) const {
     const uint32_t element = point.shape->element_of(point.local);
     const ElementPoint chosen = point.shape->element_point_at(element, Vec2f(point.local.u, point.local.v), point.time);
-    const WorldElementPoint world = to_world(tracer_.local_to_world(point.instance, point.time), *point.shape, chosen);
+    const Vec3d area = area_at(tracer_.local_to_world(point.instance, point.time), *point.shape, chosen);
     const Vec3d offset = point.position - from;
-    const double distance_squared = offset.length2();
-    const double cosine = std::abs(offset.dot(world.normal)) / std::sqrt(distance_squared);
-    const double density = distance_squared / (cosine * world.area_factor);
-    return std::isfinite(density) ? std::min(density, kLargestDensity) : 0.0;
+    return density_at(offset, offset.length(), area);
 }
 
 std::optional<uint32_t> SurfaceLights::item_of(const SurfacePoint& point) const {

@@ -18,8 +18,8 @@ class SurfaceLights {
     uint32_t count() const { return static_cast<uint32_t>(elements_.size()); }
     /// The elements as the tree sees them, in order. Throws Cancelled soon after `cancel` says so.
     std::vector<LightTreeItem> tree_items(const CancelToken& cancel) const;
-    std::optional<LampSample> sample(uint32_t item, const Vec3d& position, const Vec2f& random, float time,
-                                     const PathState& path) const;
+    Maybe<LightSample> sample(uint32_t item, const Vec3d& position, const Vec2f& random, float time,
+                              const PathState& path) const;
     /// Density of `sample(item, from)` towards a point that a ray hit on that element.
     double density(const Vec3d& from, const SurfacePoint& point) const;
     /// The element that holds a point; empty where none of its instance was given as emitting.

@@ -223,6 +223,10 @@ void WorldLight::fill_tables(const std::vector<double>& weights) {
         fill_guide(cells, width_, cell_guides_.data() + guide_of_row(y));
     }
     cumulate(row_weights.data(), height_, rows_.data());
+    for (int y = 0; y < height_; ++y) {
+        const double cell = kTwoPi / width_ * (heights_[y] - heights_[y + 1]);  // its solid angle
+        row_densities_.push_back((double{rows_[y + 1]} - double{rows_[y]}) / cell);
+    }
     fill_guide(rows_.data(), height_, row_guide_.data());
 }
 
@@ -230,36 +234,41 @@ size_t WorldLight::guide_of_row(int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(guides_of(width_));
 }
 
-double WorldLight::cell_density(int x, int y) const {
-    const double probability =
-        (static_cast<double>(rows_[y + 1]) - rows_[y]) * (static_cast<double>(row(y)[x + 1]) - row(y)[x]);
-    const double solid_angle = kTwoPi / width_ * (heights_[y] - heights_[y + 1]);
-    return probability / solid_angle;
+/// The row that a direction is in.
+int WorldLight::row_at(double z) const {
+    // Near the angle to the upper pole, as a share of half a turn; for the lower half the angle to the lower pole.
+    const double size = std::abs(z);
+    const double angle =
+        std::sqrt(1.0 - size) * (0.49997851 + size * (-0.06751835 + size * (0.02363836 - size * 0.00596185)));
+    int y = std::clamp(static_cast<int>((z < 0.0 ? 1.0 - angle : angle) * height_), 0, height_ - 1);
+    while (y > 0 && z > heights_[y]) --y;
+    while (y + 1 < height_ && z <= heights_[y + 1]) ++y;
+    return y;
 }
 
-LampSample WorldLight::sample(const Vec2f& random) const {
+Maybe<LightSample> WorldLight::sample(const Vec2f& random) const {
     double x_within = 0, y_within = 0;
     const int y = find_cell(rows_.data(), row_guide_.data(), height_, random.y, y_within);
     const int x = find_cell(row(y), cell_guides_.data() + guide_of_row(y), width_, random.x, x_within);
     const double top = heights_[y], bottom = heights_[y + 1];
-    LampSample sample;
-    sample.direction = direction_of((x + x_within) / width_, top + (bottom - top) * y_within);
+    Maybe<LightSample> result;
+    LightSample& sample = result.emplace();
+    sample.direction = Vec3f(direction_of((x + x_within) / width_, top + (bottom - top) * y_within));
     sample.distance = std::numeric_limits<double>::infinity();
-    sample.density = cell_density(x, y);
-    return sample;
+    sample.density = static_cast<float>(cell_density(x, y));
+    sample.world = true;
+    return result;
 }
 
 double WorldLight::density(const Vec3f& direction) const {
-    const double z = std::clamp(static_cast<double>(direction.z), -1.0, 1.0);
-    const int y = std::min(static_cast<int>(std::acos(z) / std::numbers::pi * height_), height_ - 1);
-    double turns = std::atan2(direction.y, direction.x) / kTwoPi;
-    if (turns < 0) turns += 1.0;
-    const int x = std::min(static_cast<int>(turns * width_), width_ - 1);
-    return cell_density(x, y);
+    const int y = row_at(std::clamp(static_cast<double>(direction.z), -1.0, 1.0));
+    const double turns = turns_of(double{direction.x}, double{direction.y});
+    return cell_density(std::min(static_cast<int>(turns * width_), width_ - 1), y);
 }
 
 size_t WorldLight::bytes() const {
-    return (rows_.capacity() + cells_.capacity()) * sizeof(float) + heights_.capacity() * sizeof(double) +
+    return (rows_.capacity() + cells_.capacity()) * sizeof(float) +
+           (heights_.capacity() + row_densities_.capacity()) * sizeof(double) +
            (row_guide_.capacity() + cell_guides_.capacity()) * sizeof(uint32_t);
 }
 

@@ -48,7 +48,7 @@ class WorldLight {
     /// True where the table found nothing, or the same everywhere: scattering alone samples such a world.
     bool is_uniform() const { return is_uniform_; }
     /// A direction with its density; the radiance is left to the caller.
-    LampSample sample(const Vec2f& random) const;
+    Maybe<LightSample> sample(const Vec2f& random) const;
     double density(const Vec3f& direction) const;
     /// Irradiance of a point from what is sampled of the mean world, as one number; for the choice of a light.
     double irradiance() const { return mean_ * std::numbers::pi; }
@@ -61,6 +61,8 @@ class WorldLight {
     std::vector<double> heights_;  ///< z of the rows' borders, from 1 down to -1
     std::vector<float> rows_;      ///< cumulated, height + 1 of them
     std::vector<float> cells_;     ///< per row, width + 1 of them
+    /// Of a row, what the density in a cell is for each share of the row's probability.
+    std::vector<double> row_densities_;
     /// By parts of [0, 1), the first row or cell there; of cells, row after row.
     std::vector<uint32_t> row_guide_, cell_guides_;
     double mean_ = 0, share_ = 1;
@@ -70,7 +72,8 @@ class WorldLight {
     void coarsen(std::vector<double>& weights);
     void fill_tables(const std::vector<double>& weights);
     size_t guide_of_row(int y) const;
-    double cell_density(int x, int y) const;
+    int row_at(double z) const;
+    double cell_density(int x, int y) const { return row_densities_[y] * (double{row(y)[x + 1]} - double{row(y)[x]}); }
 };
 
 /// Users are scenes.

@@ -49,7 +49,8 @@ py::dict sample(const LightProbe& probe, const Array<double>& position, const Ar
     py::array_t<bool> delta(count);
     for (py::ssize_t i = 0; i < count; ++i) {
         const float* r = random.data() + 2 * i;
-        const LightSample s = probe.scene().lights().sample(at, Vec2f(r[0], r[1])).value_or(LightSample{});
+        const Maybe<LightSample> found = probe.scene().lights().sample(at, Vec2f(r[0], r[1]));
+        const LightSample s = found ? *found : LightSample();
         for (int c = 0; c < 3; ++c) {
             direction.mutable_at(i, c) = s.direction[c];
             radiance.mutable_at(i, c) = s.radiance[c];

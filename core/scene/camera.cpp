@@ -1,5 +1,6 @@
 #include "scene/camera.h"
 
+#include "base/circle.h"
 #include "base/largest.h"
 
 namespace rayleaf {
@@ -34,11 +35,10 @@ Vec3d change_of_unit(const Vec3d& v, double length, const Vec3d& dv) {
 Vec2d disk_point(const Vec2f& random) {
     const double a = 2.0 * random.x - 1.0, b = 2.0 * random.y - 1.0;
     if (a == 0.0 && b == 0.0) return {0.0, 0.0};
-    constexpr double quarter = std::numbers::pi / 4;
+    constexpr double kEighth = 0.125;  // of a turn
     const bool wide = std::abs(a) > std::abs(b);
     const double r = wide ? a : b;
-    const double angle = wide ? quarter * (b / a) : quarter * (2.0 - a / b);
-    return {r * std::cos(angle), r * std::sin(angle)};
+    return on_circle(wide ? kEighth * (b / a) : kEighth * (2.0 - a / b)) * r;
 }
 
 /// A uniform point of the regular polygon with `blades` corners on the unit circle: a triangle of it, then a point
