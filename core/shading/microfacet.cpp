@@ -61,10 +61,17 @@ float beckmann_visible_slope(float cosine, float sine, float random) {
 }
 
 Vec3f sample_ggx(const Vec3f& stretched, const Vec2f& random) {
-    // The mirror directions of a hemisphere's visible normals fill a cap of the sphere evenly.
-    const float z = (1.0f - random.x) * (1.0f + stretched.z) - stretched.z;
-    const Vec2f at = on_circle(random.y) * std::sqrt(std::max(0.0f, 1.0f - z * z));
-    return stretched + Vec3f(at.x, at.y, z);
+    const float length2 = square(stretched.x) + square(stretched.y);
+    const Vec3f t1 =
+        length2 > 0.0f ? Vec3f(-stretched.y, stretched.x, 0.0f) * (1.0f / std::sqrt(length2)) : Vec3f(1.0f, 0.0f, 0.0f);
+    const Vec3f t2 = stretched.cross(t1);
+    // A point of the disk, its upper half shrunk to what is seen of the hemisphere.
+    const Vec2f at = on_circle(random.y) * std::sqrt(random.x);
+    const float room = std::sqrt(std::max(0.0f, 1.0f - at.x * at.x));
+    const float share = 0.5f * (1.0f + stretched.z);
+    const float p2 = (1.0f - share) * room + share * at.y;
+    const float p3 = std::sqrt(std::max(0.0f, 1.0f - at.x * at.x - p2 * p2));
+    return t1 * at.x + t2 * p2 + stretched * p3;
 }
 
 Vec3f sample_beckmann(const Vec3f& stretched, const Vec2f& random) {

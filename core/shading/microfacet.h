@@ -1,9 +1,9 @@
 // Microfacet distributions: GGX and Beckmann, anisotropic, with Smith's masking (Walter et al. 2007; Heitz 2014,
 // "Understanding the Masking-Shadowing Function").
 //
-// Directions are unit, in the local frame: z the normal, x the tangent. Normals are sampled as they are seen (Dupuy,
-// Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps"); for Beckmann the visible slopes' distribution is
-// inverted numerically (Heitz & d'Eon 2014).
+// Directions are unit, in the local frame: z the normal, x the tangent. Normals are sampled as they are seen: Heitz
+// 2018, "Sampling the GGX Distribution of Visible Normals"; for Beckmann the visible slopes' distribution is inverted
+// numerically (Heitz & d'Eon 2014).
 #pragma once
 
 #include "base/vector.h"

@@ -191,9 +191,16 @@ struct Facets {
     }
     HWY_INLINE Float3 visible_normal(const Float3& o, Float random_x, const Float2& circle) const {
         const Float3 stretched = unit_or_z({hn::Mul(o.x, alpha_x), hn::Mul(o.y, alpha_y), o.z});
-        const Float z = hn::Sub(hn::Mul(less_than_one(random_x), hn::Add(all(1.0f), stretched.z)), stretched.z);
-        const Float sine = hn::Sqrt(not_negative(less_than_one(square(z))));
-        const Float3 h = sum(stretched, {hn::Mul(circle.x, sine), hn::Mul(circle.y, sine), z});
+        const Float zero = hn::Zero(Floats()), one = all(1.0f), root = hn::Sqrt(random_x);
+        const Float length2 = hn::Add(square(stretched.x), square(stretched.y));
+        const Float3 aside = times({hn::Neg(stretched.y), stretched.x, zero}, hn::Div(one, hn::Sqrt(length2)));
+        const Float3 t1 = select(is_positive(length2), aside, {one, zero, zero}), t2 = cross(stretched, t1);
+        const Float at_x = hn::Mul(circle.x, root), at_y = hn::Mul(circle.y, root), x2 = square(at_x);
+        const Float room = hn::Sqrt(not_negative(less_than_one(x2)));
+        const Float share = hn::Mul(all(0.5f), hn::Add(one, stretched.z));
+        const Float p2 = hn::Add(hn::Mul(less_than_one(share), room), hn::Mul(share, at_y));
+        const Float p3 = hn::Sqrt(not_negative(hn::Sub(less_than_one(x2), square(p2))));
+        const Float3 h = sum(sum(times(t1, at_x), times(t2, p2)), times(stretched, p3));
         return unit_or_z({hn::Mul(h.x, alpha_x), hn::Mul(h.y, alpha_y), not_negative(h.z)});
     }
 };
