@@ -16,7 +16,7 @@ namespace rayleaf {
 /// sampling asks for are made of floats: the sine and cosine of the library take twice as long.
 inline Vec2d on_circle(double turns) {
     const double half_turns = 2.0 * turns;
-    const int nearest = static_cast<int>(half_turns + 0.5);
+    const int nearest = static_cast<int>(half_turns + 0.5);  // NOLINT(bugprone-incorrect-roundings): from -1/2 on
     // The series of half the angle from there, which is an eighth of a turn at most.
     const double half = (half_turns - nearest) * (0.5 * std::numbers::pi), square = half * half;
     const double sine =

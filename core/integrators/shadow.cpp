@@ -237,7 +237,7 @@ void free_shares(const Scene& scene, std::span<FreeWay> ways, Coherence coherenc
 
 Color free_share(const Scene& scene, FreeWay way) {
     FreeWay* const alone = &way;
-    Color share;
+    Color share(0.0f);
     free_shares_of_packet(scene, {&alone, 1}, Coherence::Incoherent, &share);
     return share;
 }

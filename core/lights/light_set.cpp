@@ -152,8 +152,9 @@ void LightSet::Implementation::add(const Lamp& lamp, size_t number) {
 }
 
 void LightSet::Implementation::build_tree(const CancelToken& cancel) {
-    const auto others = std::ranges::stable_partition(lamps, [](const PlacedLamp& lamp) { return lamp.has_size(); });
-    lamps_with_size = lamps.size() - others.size();
+    const auto others =
+        std::stable_partition(lamps.begin(), lamps.end(), [](const PlacedLamp& lamp) { return lamp.has_size(); });
+    lamps_with_size = static_cast<size_t>(others - lamps.begin());
     std::vector<LightTreeItem> items;
     for (const PlacedLamp& lamp : lamps) items.push_back(lamp.tree_item());
     hittable = LightTree({items.begin(), items.begin() + static_cast<ptrdiff_t>(lamps_with_size)}, cancel);

@@ -158,7 +158,10 @@ std::vector<LightTreeItem> SurfaceLights::tree_items(const CancelToken& cancel) 
 bool SurfaceLights::is_around_all(uint32_t instance) const {
     const Box3d scene = tracer_.bounds(), own = tracer_.bounds(instance);
     if (!own.intersects(scene.min) || !own.intersects(scene.max)) return false;
-    const auto neighbour = [](int number) { return Vec3d(number % 3 - 1, number / 3 % 3 - 1, number / 9 - 1); };
+    const auto neighbour = [](int number) {
+        const int x = number % 3, y = number / 3 % 3, z = number / 9;
+        return Vec3d(x - 1, y - 1, z - 1);
+    };
     constexpr int kNeighbours = 27;
     for (int place = 0; place < kNeighbours; ++place) {
         Ray ray;
