@@ -132,7 +132,7 @@ class OneRay {
             return waiting_at(nears[child], node.child[child]);
         };
         uint64_t nearest = take();
-        for (const int bottom = count; bits != 0;) {
+        for (const int bottom = count; bits != 0;) {  // NOLINT(bugprone-infinite-loop): `take` changes the bits
             uint64_t other = take();
             if (other < nearest) std::swap(other, nearest);
             int at = count++;
