@@ -209,9 +209,9 @@ UNUSED = ("splines/", "tessellation/", "textures/", "ri_tree/", "geometry/patch_
           "integrators/distribution", "integrators/volumes", "integrators/glass_path")  # fmt: skip
 # Names of a table, for the bindings; thresholds that settings have by default; a few settings, copied once a render.
 # Settings are read and checked whatever the scene holds.
-# Meshes of few triangles are met by the exact test of resident facets.
-ASKED = {"decision_kernel", "meet_facets", "answer_names", "quality_settings", "checked", "require",
-         "DistributionSettings::DistributionSettings"}  # fmt: skip
+# Meshes of few triangles are met by the exact test of resident facets, over a list.
+ASKED = {"few_facets_kernel", "meet_closest", "meet_any", "bits_of_half", "answer_names", "quality_settings",
+         "checked", "require", "DistributionSettings::DistributionSettings"}  # fmt: skip
 
 
 def defined_functions(source):
