@@ -127,6 +127,7 @@ class Program {
     bool compute_mix(const Instruction& instruction, const RegisterBank& registers) const;
     void compute_checker(const Instruction& instruction, const RegisterBank& registers) const;
     void compute_table(const Instruction& instruction, const RegisterBank& registers) const;
+    void compute_component(const Instruction& instruction, const RegisterBank& registers) const;
     void add_closures(const Instruction& instruction, const RegisterBank& registers, Inputs inputs,
                       Results results) const;
     void find_even_closures();

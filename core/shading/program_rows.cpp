@@ -104,9 +104,9 @@ bool Program::compute_mix(const Instruction& instruction, const RegisterBank& re
     };
     const auto variant = static_cast<BlendVariant>(instruction.variant);
     for (uint32_t channel = 0; channel < 3; ++channel) {
+        const NumberRow given = rows.row(0, channel, kZero);
         alignas(64) float factor[kMostPoints];
-        std::copy_n(static_cast<const float*>(DenseRow(rows.row(0, channel, kZero), rows.count())), rows.count(),
-                    factor);
+        for (size_t i = 0; i < rows.count(); ++i) factor[i] = given[i];
         if (flag(0)) clamp(factor);
         const DenseRow a(rows.row(1, channel, kZero), rows.count()), b(rows.row(2, channel, kZero), rows.count());
         if (!blend_rows(variant, rows.count(), factor, a, b, rows.result(channel))) return false;
@@ -139,6 +139,13 @@ void Program::compute_table(const Instruction& instruction, const RegisterBank& 
         registers.set(instruction.result, i, table_value(entries, x[i], linear));
 }
 
+void Program::compute_component(const Instruction& instruction, const RegisterBank& registers) const {
+    const Rows rows(*this, instruction, registers);
+    const NumberRow numbers = rows.row(0, static_cast<uint32_t>(ints_[instruction.first_int]), kZero);
+    for (uint32_t channel = 0; channel < 4; ++channel)
+        for (size_t i = 0; i < rows.count(); ++i) rows.result(channel)[i] = numbers[i];
+}
+
 /// False: this operation is done point by point.
 bool Program::compute_together(const Instruction& instruction, const RegisterBank& registers) const {
     switch (instruction.operation) {
@@ -154,14 +161,9 @@ bool Program::compute_together(const Instruction& instruction, const RegisterBan
         case Operation::table:
             compute_table(instruction, registers);
             return true;
-        case Operation::component: {
-            const Rows rows(*this, instruction, registers);
-            const DenseRow numbers(rows.row(0, static_cast<uint32_t>(ints_[instruction.first_int]), kZero),
-                                   rows.count());
-            for (uint32_t i = 0; i < 4; ++i)
-                std::copy_n(static_cast<const float*>(numbers), rows.count(), rows.result(i));
+        case Operation::component:
+            compute_component(instruction, registers);
             return true;
-        }
         default:
             return false;
     }
