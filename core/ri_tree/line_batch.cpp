@@ -1,6 +1,6 @@
 #include "ri_tree/line_batch.h"
 
-#include "tessellation/simd.h"
+#include "base/simd.h"
 
 #include <algorithm>
 #include <bit>
@@ -23,7 +23,7 @@ using Floats = hn::CappedTag<float, kBatchRays>;
 using FloatVector = hn::Vec<Floats>;
 constexpr int kFloats = static_cast<int>(hn::MaxLanes(Floats()));
 
-#include "tessellation/simd_lanes.inl"
+#include "base/lanes.inl"
 
 struct DoubleVectors {
     DoubleVector x, y, z;

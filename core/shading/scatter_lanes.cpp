@@ -5,6 +5,7 @@
 #include "shading/scatter_rows.h"
 
 #include <array>
+#include <bit>
 #include <cstring>
 #include <limits>
 
@@ -18,6 +19,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "base/lanes.inl"
 #include "shading/scatter_vectors.inl"
 
 // Each function does for every lane what closure_view.cpp, lobe_diffuse.cpp and lobe_microfacet.cpp do for one point.
@@ -69,7 +71,7 @@ HWY_INLINE Chosen choose(const ScatterLanes& lanes, size_t first, const Facets& 
     c.local_z = hn::Sqrt(not_negative(less_than_one(x)));
     const Float3 local{hn::Mul(circle.x, root), hn::Mul(circle.y, root), c.local_z};
     const Float3 o = facets.frame.to_local(outgoing), h = facets.visible_normal(o, x, circle);
-    const Float3 i = difference(times(h, hn::Mul(all(2.0f), dot(h, o))), o);
+    const Float3 i = times(h, hn::Mul(all(2.0f), dot(h, o))) - o;
     c.direction = select(c.by_facets, facets.frame.to_world(i), Frame(lanes.diffuse, first).to_world(local));
     const Truth reflects = hn::And(is_positive(v.mirrored), is_positive(i.z));
     c.is_valid = hn::And(hn::And(v.any, is_positive(probability)), hn::Or(hn::Not(c.by_facets), reflects));
@@ -82,7 +84,7 @@ struct Half {
     Float cosine;
 
     HWY_INLINE Half(const Float3& outgoing, const Float3& incoming) {
-        const Float3 both = sum(outgoing, incoming);
+        const Float3 both = outgoing + incoming;
         const Float length = hn::Sqrt(dot(both, both));
         direction = kept_where(is_positive(length), times(both, hn::Div(all(1.0f), length)));
         cosine = hn::Mul(all(0.5f), length);
@@ -163,7 +165,7 @@ void scatter_lanes(ScatterLanes& lanes) {
         const Light b = facet_light(lanes, first, facets, v, c.direction, half);
         const Float density =
             hn::Add(hn::Mul(a.density, v.diffuse_probability), hn::Mul(b.density, v.facets_probability));
-        const Float3 evaluated = times(sum(a.value, b.value), hn::Div(all(1.0f), density));
+        const Float3 evaluated = times(a.value + b.value, hn::Div(all(1.0f), density));
         const Truth diffuse_alone = hn::Not(holds(lanes.facets.is_there + first));
         const Float3 value = select(diffuse_alone, a.weight, evaluated);
         // Both sides of a facet, as closure_view.cpp asks for them; none of these lobes goes through.

@@ -1,7 +1,6 @@
 // Numbers and vectors over the lanes of ScatterLanes, and the facets of a rough reflection, as lobe_microfacet.cpp,
-// microfacet.h and fresnel.h have them, with the same operations in the same order. Include it once in a kernel's file,
-// inside namespace rayleaf::HWY_NAMESPACE, where `hn` is Highway's namespace: it is compiled for each instruction set,
-// so it has no include guard.
+// microfacet.h and fresnel.h have them, with the same operations in the same order. Include it after base/lanes.inl, as
+// that is.
 
 using Floats = hn::CappedTag<float, ScatterLanes::kMost>;
 using Words = hn::RebindToUnsigned<Floats>;
@@ -37,9 +36,7 @@ HWY_INLINE Float less_than_one(Float x) {
     return hn::Sub(all(1.0f), x);
 }
 
-struct Float3 {
-    Float x, y, z;
-};
+using Float3 = LaneVec3<Float>;
 HWY_INLINE Float3 load(const ScatterLanes::Rows3& rows, size_t first) {
     return {load(rows.x + first), load(rows.y + first), load(rows.z + first)};
 }
@@ -47,28 +44,6 @@ HWY_INLINE void store(const Float3& v, ScatterLanes::Rows3& rows, size_t first) 
     store(v.x, rows.x + first);
     store(v.y, rows.y + first);
     store(v.z, rows.z + first);
-}
-HWY_INLINE Float3 sum(const Float3& a, const Float3& b) {
-    return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE Float3 difference(const Float3& a, const Float3& b) {
-    return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE Float3 times(const Float3& a, const Float3& b) {
-    return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
-}
-HWY_INLINE Float3 times(const Float3& a, Float b) {
-    return {hn::Mul(a.x, b), hn::Mul(a.y, b), hn::Mul(a.z, b)};
-}
-HWY_INLINE Float dot(const Float3& a, const Float3& b) {
-    return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE Float3 cross(const Float3& a, const Float3& b) {
-    return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-            hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-HWY_INLINE Float3 select(Truth which, const Float3& a, const Float3& b) {
-    return {hn::IfThenElse(which, a.x, b.x), hn::IfThenElse(which, a.y, b.y), hn::IfThenElse(which, a.z, b.z)};
 }
 HWY_INLINE Float3 kept_where(Truth which, const Float3& a) {
     return {hn::IfThenElseZero(which, a.x), hn::IfThenElseZero(which, a.y), hn::IfThenElseZero(which, a.z)};
@@ -88,7 +63,7 @@ struct Frame {
     HWY_INLINE Frame(const ScatterLanes::LobeRows& lobe, size_t first)
         : x(load(lobe.tangent, first)), y(cross(load(lobe.normal, first), x)), z(load(lobe.normal, first)) {}
     HWY_INLINE Float3 to_local(const Float3& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
-    HWY_INLINE Float3 to_world(const Float3& v) const { return sum(sum(times(x, v.x), times(y, v.y)), times(z, v.z)); }
+    HWY_INLINE Float3 to_world(const Float3& v) const { return times(x, v.x) + times(y, v.y) + times(z, v.z); }
 };
 
 struct Float2 {
@@ -124,7 +99,7 @@ HWY_INLINE Float3 coloured_fresnel(const Float3& fresnel_0, Float ior, Float cos
     const Float above = hn::Add(ior, all(1.0f)), scale = hn::Div(square(above), hn::Mul(all(4.0f), ior));
     const Float rise = less_than_one(hn::Mul(less_than_one(dielectric_fresnel(cosine, ior)), scale));
     const Float h = hn::Min(not_negative(rise), all(1.0f));
-    return sum(times(fresnel_0, less_than_one(h)), {h, h, h});
+    return times(fresnel_0, less_than_one(h)) + Float3{h, h, h};
 }
 HWY_INLINE Float schlick_weight(Float cosine) {
     const Float m = hn::Min(not_negative(less_than_one(cosine)), all(1.0f));
@@ -200,7 +175,7 @@ struct Facets {
         const Float share = hn::Mul(all(0.5f), hn::Add(one, stretched.z));
         const Float p2 = hn::Add(hn::Mul(less_than_one(share), room), hn::Mul(share, at_y));
         const Float p3 = hn::Sqrt(not_negative(hn::Sub(less_than_one(x2), square(p2))));
-        const Float3 h = sum(sum(times(t1, at_x), times(t2, p2)), times(stretched, p3));
+        const Float3 h = times(t1, at_x) + times(t2, p2) + times(stretched, p3);
         return unit_or_z({hn::Mul(h.x, alpha_x), hn::Mul(h.y, alpha_y), not_negative(h.z)});
     }
 };

@@ -1,4 +1,4 @@
-// Loads cells of a block of vertices (tessellation/grid.h) into lanes. Included as simd_lanes.inl is.
+// Loads cells of a block of vertices (tessellation/grid.h) into lanes. Included as base/lanes.inl is.
 
 /// Values of neighbours in a block of vertices: as many rows of kBlockCells as fill the vector.
 template <class D, typename T>

@@ -1,6 +1,6 @@
 #include "tessellation/dice.h"
 
-#include "tessellation/simd.h"
+#include "base/simd.h"
 
 #include <algorithm>
 #include <cstring>

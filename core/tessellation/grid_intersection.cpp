@@ -1,6 +1,6 @@
 #include "tessellation/grid_intersection.h"
 
-#include "tessellation/simd.h"
+#include "base/simd.h"
 
 #include <bit>
 
@@ -19,8 +19,8 @@ using Lanes = hn::CappedTag<float, 8>;
 using Vector = hn::Vec<Lanes>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
 
+#include "base/lanes.inl"
 #include "tessellation/block_lanes.inl"
-#include "tessellation/simd_lanes.inl"
 
 /// The blocks that the ray may hit up to t_max, one bit each; where they begin, unless that is null.
 HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_max, float padding,

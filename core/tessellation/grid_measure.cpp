@@ -1,6 +1,6 @@
 #include "tessellation/grid_measure.h"
 
-#include "tessellation/simd.h"
+#include "base/simd.h"
 
 #include <algorithm>
 

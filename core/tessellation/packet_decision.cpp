@@ -1,6 +1,6 @@
 #include "tessellation/packet_decision.h"
 
-#include "tessellation/simd.h"
+#include "base/simd.h"
 
 #include <bit>
 #include <limits>
@@ -20,15 +20,10 @@ using Vector = hn::Vec<Lanes>;
 using Mask = hn::Mask<Lanes>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
 
-#include "tessellation/simd_lanes.inl"
+#include "base/lanes.inl"
 
-struct Vector3 {
-    Vector x, y, z;
-};
+using Vector3 = LaneVec3<Vector>;
 
-HWY_INLINE Vector3 operator-(const Vector3& a, const Vector3& b) {
-    return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
 /// a + b u + c v
 HWY_INLINE Vector3 combined(const Vector3& a, const Vector3& b, Vector u, const Vector3& c, Vector v) {
     const auto sum = [&](Vector p, Vector q, Vector r) { return hn::Add(hn::Add(p, hn::Mul(q, u)), hn::Mul(r, v)); };
@@ -41,26 +36,10 @@ HWY_INLINE Vector edge(const Vector3& p, const Vector3& q) {
 HWY_INLINE Vector least(Vector a, Vector b) {
     return hn::IfThenElse(hn::Lt(b, a), b, a);
 }
-HWY_INLINE Vector3 load(const double (&from)[3][kPacketSize], int first) {
-    const Lanes lanes;
-    return {hn::Load(lanes, from[0] + first), hn::Load(lanes, from[1] + first), hn::Load(lanes, from[2] + first)};
-}
 HWY_INLINE Mask has_length(const Vector3& v) {
     const Lanes lanes;
     return hn::Or(hn::Ne(v.x, hn::Zero(lanes)), hn::Or(hn::Ne(v.y, hn::Zero(lanes)), hn::Ne(v.z, hn::Zero(lanes))));
 }
-HWY_INLINE Vector3 cross(const Vector3& a, const Vector3& b) {
-    const auto part = [](Vector p, Vector q, Vector r, Vector s) { return hn::Sub(hn::Mul(p, q), hn::Mul(r, s)); };
-    return {part(a.y, b.z, a.z, b.y), part(a.z, b.x, a.x, b.z), part(a.x, b.y, a.y, b.x)};
-}
-
-HWY_INLINE void store(const Vector3& v, double (&to)[3][kPacketSize], int first) {
-    const Lanes lanes;
-    hn::Store(v.x, lanes, to[0] + first);
-    hn::Store(v.y, lanes, to[1] + first);
-    hn::Store(v.z, lanes, to[2] + first);
-}
-
 /// Where rays meet a facet.
 struct Met {
     Vector t, u, v;
@@ -71,17 +50,14 @@ struct Met {
         hn::Store(t, lanes, hits.t + first);
         hn::Store(u, lanes, hits.u + first);
         hn::Store(v, lanes, hits.v + first);
-        store(position, hits.position, first);
-        store(normal, hits.normal, first);
+        store(lanes, position, hits.position, first);
+        store(lanes, normal, hits.normal, first);
     }
 };
 
-HWY_INLINE Vector3 one_of(Mask mask, const Vector3& a, const Vector3& b) {
-    return {hn::IfThenElse(mask, a.x, b.x), hn::IfThenElse(mask, a.y, b.y), hn::IfThenElse(mask, a.z, b.z)};
-}
 HWY_INLINE Met one_of(Mask mask, const Met& a, const Met& b) {
     return {hn::IfThenElse(mask, a.t, b.t), hn::IfThenElse(mask, a.u, b.u), hn::IfThenElse(mask, a.v, b.v),
-            one_of(mask, a.position, b.position), one_of(mask, a.normal, b.normal)};
+            select(mask, a.position, b.position), select(mask, a.normal, b.normal)};
 }
 HWY_INLINE Vector3 set(const Vec3d& v) {
     const Lanes lanes;
@@ -93,7 +69,7 @@ class Frames {
   public:
     HWY_INLINE Frames(const RayPacket& rays, int first) {
         const Lanes lanes;
-        const Vector3 origin = load(rays.origin, first), direction = load(rays.direction, first);
+        const Vector3 origin = load(lanes, rays.origin, first), direction = load(lanes, rays.direction, first);
         begin_ = hn::Load(lanes, rays.start + first);
         origin_ = {hn::Add(origin.x, hn::Mul(direction.x, begin_)), hn::Add(origin.y, hn::Mul(direction.y, begin_)),
                    hn::Add(origin.z, hn::Mul(direction.z, begin_))};
@@ -157,8 +133,8 @@ uint32_t meet_facets(const RayPacket& rays, uint32_t asked, FacetLanes& facets) 
         if (bits_of_half(asked, first) == 0) continue;
         Met met{};
         const Mask mask = Frames(rays, first)
-                              .meet(load(facets.corners[0], first), load(facets.corners[1], first),
-                                    load(facets.corners[2], first), met);
+                              .meet(load(lanes, facets.corners[0], first), load(lanes, facets.corners[1], first),
+                                    load(lanes, facets.corners[2], first), met);
         met.store_in(facets.hits, first);
         hits |= mask_bits(lanes, mask) << first;
     }

@@ -1,7 +1,7 @@
 #include "tessellation/packet_intersection.h"
 
+#include "base/simd.h"
 #include "tessellation/grid_intersection.h"
-#include "tessellation/simd.h"
 
 #include <array>
 #include <bit>
@@ -18,8 +18,8 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "base/lanes.inl"
 #include "tessellation/ray_lanes.inl"
-#include "tessellation/simd_lanes.inl"
 
 /// What a facet that is hit for sure leaves of a ray, as LocalRay::float_distance has it.
 constexpr float kBeyond = 1.0f + 0x1p-20f, kBeyondBy = 0x1p-12f;

@@ -1,5 +1,5 @@
 // Rays of a packet in lanes, and a block's vertices as they see them: each ray runs along its z axis. Included as
-// simd_lanes.inl is.
+// base/lanes.inl is.
 
 /// A vertex in the space of a ray; z is scaled.
 template <class V>

@@ -1,6 +1,6 @@
 #include "tessellation/simd_targets.h"
 
-#include "tessellation/simd.h"
+#include "base/simd.h"
 
 #include <hwy/highway.h>
 #include <hwy/targets.h>

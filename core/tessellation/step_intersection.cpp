@@ -1,6 +1,6 @@
 #include "tessellation/step_intersection.h"
 
-#include "tessellation/simd.h"
+#include "base/simd.h"
 
 #include <bit>
 
@@ -14,8 +14,8 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "base/lanes.inl"
 #include "tessellation/block_lanes.inl"
-#include "tessellation/simd_lanes.inl"
 
 template <class D>
 HWY_INLINE hn::Vec<D> load_steps(D lanes, const uint16_t* first) {

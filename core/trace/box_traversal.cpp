@@ -1,6 +1,6 @@
 #include "trace/box_traversal.h"
 
-#include "tessellation/simd.h"
+#include "base/simd.h"
 
 #include <bit>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#include "tessellation/simd_lanes.inl"
+#include "base/lanes.inl"
 
 /// Far beyond any box, yet times a box's size still finite.
 constexpr float kHuge = 1e18f;

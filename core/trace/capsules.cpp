@@ -14,7 +14,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#include "tessellation/simd_lanes.inl"
+#include "base/lanes.inl"
 
 using Pieces = hn::CappedTag<float, Capsules::kMost>;
 using PieceVector = hn::Vec<Pieces>;

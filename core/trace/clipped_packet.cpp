@@ -1,6 +1,6 @@
 #include "trace/clipped_packet.h"
 
-#include "tessellation/simd.h"
+#include "base/simd.h"
 #include "trace/local_ray.h"
 
 #include <bit>
@@ -23,7 +23,7 @@ using FloatVector = hn::Vec<FloatLanes>;
 using Mask = hn::Mask<Lanes>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
 
-#include "tessellation/simd_lanes.inl"
+#include "base/lanes.inl"
 
 /// As std::min(a, b) and std::max(a, b): of numbers that are not comparable the first.
 HWY_INLINE Vector least(Vector a, Vector b) {

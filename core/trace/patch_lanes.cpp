@@ -2,6 +2,7 @@
 #include "splines/limit_normal.h"
 #include "trace/surface_lanes.h"
 
+#include <bit>
 #include <cfloat>
 
 #undef HWY_TARGET_INCLUDE
@@ -14,6 +15,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "base/lanes.inl"
 #include "trace/surface_vectors.inl"
 
 /// Of one coordinate of the patches.
@@ -104,19 +106,19 @@ HWY_INLINE uint32_t compute(SurfaceLanes& lanes, const PatchForm& form, size_t f
     Mask sound = hn::FirstN(Doubles(), kWidth);
     const Point p = evaluate<Degree, kRational, kDetail>(points, form, row(lanes.u), row(lanes.v));
     const Normal exact = normal_of<kDetail>(p, sound);
-    const FloatVec3 facet = normalized(load(lanes.facet_normal, first), sound);
+    const FloatVec3 facet = normalized(load(Floats(), lanes.facet_normal, first), sound);
     const Double turn = hn::PromoteTo(Doubles(), dot(to_floats(exact.unit), facet));
     const Double side = hn::IfThenElse(hn::Gt(turn, all(0.0)), all(1.0), all(-1.0));
     const Double length_u = row(lanes.length_u), length_v = row(lanes.length_v);
-    store(p.position, lanes.position, first);
-    store(to_floats(times(exact.unit, side)), lanes.normal, first);
-    store(to_floats(divided(p.du, length_u)), lanes.dp_du, first);
-    store(to_floats(divided(p.dv, length_v)), lanes.dp_dv, first);
+    store(Doubles(), p.position, lanes.position, first);
+    store(Floats(), to_floats(times(exact.unit, side)), lanes.normal, first);
+    store(Floats(), to_floats(divided(p.du, length_u)), lanes.dp_du, first);
+    store(Floats(), to_floats(divided(p.dv, length_v)), lanes.dp_dv, first);
     if constexpr (kDetail == SurfaceDetail::Curvature) {
-        store(to_floats(times(exact.by_u, hn::Div(side, length_u))), lanes.dn_du, first);
-        store(to_floats(times(exact.by_v, hn::Div(side, length_v))), lanes.dn_dv, first);
+        store(Floats(), to_floats(times(exact.by_u, hn::Div(side, length_u))), lanes.dn_du, first);
+        store(Floats(), to_floats(times(exact.by_v, hn::Div(side, length_v))), lanes.dn_dv, first);
     }
-    return bits_of(sound);
+    return mask_bits(Doubles(), sound);
 }
 
 template <typename Degree, bool kRational, SurfaceDetail kDetail>

@@ -2,6 +2,7 @@
 
 #include "base/simd.h"
 
+#include <bit>
 #include <cfloat>
 
 #undef HWY_TARGET_INCLUDE
@@ -14,6 +15,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "base/lanes.inl"
 #include "trace/surface_vectors.inl"
 
 /// What carries local vectors into the world.
@@ -36,24 +38,24 @@ HWY_INLINE uint32_t place(SurfaceLanes& lanes, size_t first) {
     const Vec3 translation = records.vector(map.translation);
     Mask sound = hn::FirstN(Doubles(), kWidth);
 
-    store(to_world.apply(load(lanes.position, first)) + translation, lanes.position, first);
-    const Vec3 start = to_world.apply(load(lanes.facet_position, first)) + translation;
-    store(start, lanes.facet_position, first);
+    store(Doubles(), to_world.apply(load(Doubles(), lanes.position, first)) + translation, lanes.position, first);
+    const Vec3 start = to_world.apply(load(Doubles(), lanes.facet_position, first)) + translation;
+    store(Doubles(), start, lanes.facet_position, first);
     const auto map_normal = [&](float(*rows)[SurfaceLanes::kMost])
-                                HWY_ATTR { return normals.apply(to_doubles(load(rows, first))); };
+                                HWY_ATTR { return normals.apply(to_doubles(load(Floats(), rows, first))); };
     const Vec3 facet_normal = to_doubles(to_floats(normalized(map_normal(lanes.facet_normal), sound)));
-    store(to_floats(facet_normal), lanes.facet_normal, first);
+    store(Floats(), to_floats(facet_normal), lanes.facet_normal, first);
     const Vec3 mapped = map_normal(lanes.normal);
     const FloatVec3 normal = to_floats(normalized(mapped, sound));
-    store(normal, lanes.normal, first);
+    store(Floats(), normal, lanes.normal, first);
     for (auto* rows : {lanes.dp_du, lanes.dp_dv})
-        store(to_floats(to_world.apply(to_doubles(load(rows, first)))), rows, first);
+        store(Floats(), to_floats(to_world.apply(to_doubles(load(Floats(), rows, first)))), rows, first);
     if constexpr (kDetail == SurfaceDetail::Curvature) {
         const Double length = length_of(mapped, sound);
         const Vec3 n = to_doubles(normal);
         for (auto* rows : {lanes.dn_du, lanes.dn_dv}) {
             const Vec3 change = map_normal(rows);
-            store(to_floats(divided(change - times(n, dot(n, change)), length)), rows, first);
+            store(Floats(), to_floats(divided(change - times(n, dot(n, change)), length)), rows, first);
         }
     }
 
@@ -67,7 +69,7 @@ HWY_INLINE uint32_t place(SurfaceLanes& lanes, size_t first) {
     hn::Store(offset, Doubles(), lanes.start_offset + first);
     hn::Store(hn::Add(offset, hn::Mul(row(lanes.vertex_error), records.number(record.longest))), Doubles(),
               lanes.facet_error + first);
-    return bits_of(sound);
+    return mask_bits(Doubles(), sound);
 }
 
 template <SurfaceDetail kDetail>

@@ -1,6 +1,5 @@
-// Vectors of three and the Bernstein basis over the lanes of SurfaceLanes, with the operations of Imath's and of
-// BernsteinBasis in the same order. Include it once in a kernel's file, inside namespace rayleaf::HWY_NAMESPACE, where
-// `hn` is Highway's namespace: it is compiled for each instruction set, so it has no include guard.
+// Vectors and the Bernstein basis over the lanes of SurfaceLanes, with the operations of BernsteinBasis in the same
+// order. Include it after base/lanes.inl, as that is.
 
 using Doubles = hn::CappedTag<double, SurfaceLanes::kMost>;
 using Floats = hn::Rebind<float, Doubles>;
@@ -14,31 +13,9 @@ HWY_INLINE Double all(double x) {
     return hn::Set(Doubles(), x);
 }
 
-struct Vec3 {
-    Double x, y, z;
-};
-HWY_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) {
-    return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) {
-    return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE Vec3 times(const Vec3& a, Double factor) {
-    return {hn::Mul(a.x, factor), hn::Mul(a.y, factor), hn::Mul(a.z, factor)};
-}
-HWY_INLINE Vec3 divided(const Vec3& a, Double by) {
-    return {hn::Div(a.x, by), hn::Div(a.y, by), hn::Div(a.z, by)};
-}
-HWY_INLINE Double dot(const Vec3& a, const Vec3& b) {
-    return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-            hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-HWY_INLINE Double max_abs(const Vec3& a) {
-    return hn::Max(hn::Abs(a.x), hn::Max(hn::Abs(a.y), hn::Abs(a.z)));
-}
+using Vec3 = LaneVec3<Double>;
+using FloatVec3 = LaneVec3<Float>;
+
 HWY_INLINE Mask is_finite(Double x) {
     return hn::Le(hn::Abs(x), all(DBL_MAX));
 }
@@ -46,9 +23,6 @@ HWY_INLINE Mask is_finite(const Vec3& a) {
     return hn::And(is_finite(a.x), hn::And(is_finite(a.y), is_finite(a.z)));
 }
 
-struct FloatVec3 {
-    Float x, y, z;
-};
 HWY_INLINE FloatVec3 to_floats(const Vec3& a) {
     const Floats tag;
     return {hn::DemoteTo(tag, a.x), hn::DemoteTo(tag, a.y), hn::DemoteTo(tag, a.z)};
@@ -56,9 +30,6 @@ HWY_INLINE FloatVec3 to_floats(const Vec3& a) {
 HWY_INLINE Vec3 to_doubles(const FloatVec3& a) {
     const Doubles tag;
     return {hn::PromoteTo(tag, a.x), hn::PromoteTo(tag, a.y), hn::PromoteTo(tag, a.z)};
-}
-HWY_INLINE Float dot(const FloatVec3& a, const FloatVec3& b) {
-    return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 
 /// Numbers that lie at the same place of something that each lane has one of.
@@ -97,13 +68,13 @@ HWY_INLINE Vec3 normalized(const Vec3& v, Mask& sound) {
     return divided(scaled, length);
 }
 HWY_INLINE FloatVec3 normalized(const FloatVec3& v, Mask& sound) {
-    const Float largest = hn::Max(hn::Abs(v.x), hn::Max(hn::Abs(v.y), hn::Abs(v.z)));
-    const FloatVec3 scaled{hn::Div(v.x, largest), hn::Div(v.y, largest), hn::Div(v.z, largest)};
+    const Float largest = max_abs(v);
+    const FloatVec3 scaled = divided(v, largest);
     const Float length = hn::Sqrt(dot(scaled, scaled));
     const Double of = hn::PromoteTo(Doubles(), largest);
     const Mask has_length = hn::Ge(hn::PromoteTo(Doubles(), length), all(1.0));
     sound = hn::And(sound, hn::And(hn::Gt(of, all(0.0)), hn::And(is_finite(of), has_length)));
-    return {hn::Div(scaled.x, length), hn::Div(scaled.y, length), hn::Div(scaled.z, length)};
+    return divided(scaled, length);
 }
 
 /// Imath's length(), of what is not tiny; clears the lanes of `sound` where it is.
@@ -111,32 +82,6 @@ HWY_INLINE Double length_of(const Vec3& v, Mask& sound) {
     const Double squared = dot(v, v);
     sound = hn::And(sound, hn::And(hn::Ge(squared, all(2.0 * DBL_MIN)), is_finite(squared)));
     return hn::Sqrt(squared);
-}
-
-/// A row of each coordinate.
-HWY_INLINE void store(const Vec3& v, double (*rows)[SurfaceLanes::kMost], size_t first) {
-    hn::Store(v.x, Doubles(), rows[0] + first);
-    hn::Store(v.y, Doubles(), rows[1] + first);
-    hn::Store(v.z, Doubles(), rows[2] + first);
-}
-HWY_INLINE void store(const FloatVec3& v, float (*rows)[SurfaceLanes::kMost], size_t first) {
-    hn::Store(v.x, Floats(), rows[0] + first);
-    hn::Store(v.y, Floats(), rows[1] + first);
-    hn::Store(v.z, Floats(), rows[2] + first);
-}
-HWY_INLINE Vec3 load(const double (*rows)[SurfaceLanes::kMost], size_t first) {
-    const Doubles tag;
-    return {hn::Load(tag, rows[0] + first), hn::Load(tag, rows[1] + first), hn::Load(tag, rows[2] + first)};
-}
-HWY_INLINE FloatVec3 load(const float (*rows)[SurfaceLanes::kMost], size_t first) {
-    const Floats tag;
-    return {hn::Load(tag, rows[0] + first), hn::Load(tag, rows[1] + first), hn::Load(tag, rows[2] + first)};
-}
-/// A bit for each lane.
-HWY_INLINE uint32_t bits_of(Mask mask) {
-    uint64_t bits = 0;  // Highway wants room for 8 bytes.
-    hn::StoreMaskBits(Doubles(), mask, reinterpret_cast<uint8_t*>(&bits));
-    return static_cast<uint32_t>(bits);
 }
 
 /// A degree that is known when this is compiled.

@@ -3,6 +3,7 @@
 #include "base/simd.h"
 #include "splines/sweep_frames.h"
 
+#include <bit>
 #include <cfloat>
 
 #undef HWY_TARGET_INCLUDE
@@ -15,6 +16,7 @@ namespace rayleaf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "base/lanes.inl"
 #include "trace/surface_vectors.inl"
 
 HWY_INLINE Double row(const double* numbers, size_t first) {
@@ -67,7 +69,7 @@ struct Frame {
 };
 
 HWY_INLINE Frame frame_at(const WallLanes& walls, size_t first, const AxisPoint& at, Mask& sound) {
-    const Vec3 from = load(walls.tangent, first), across = load(walls.normal, first);
+    const Vec3 from = load(Doubles(), walls.tangent, first), across = load(Doubles(), walls.normal, first);
     const Vec3 &to = at.tangent, &to_change = at.tangent_change;
     const Double sum = hn::Add(all(1.0), dot(from, to));
     sound = hn::And(sound, hn::Gt(sum, all(kOpposite)));
@@ -131,7 +133,7 @@ HWY_INLINE uint32_t compute(const WallLanes& walls, SurfaceLanes& lanes, size_t 
     const Double least = hn::Mul(hn::Mul(all(kDegenerateWall), dot(along, along)), dot(round, round));
     sound = hn::And(sound, hn::Gt(dot(crossing, crossing), least));
     const Vec3 n = divided(crossing, length_of(crossing, sound));
-    const FloatVec3 facet = normalized(load(lanes.facet_normal, first), sound);
+    const FloatVec3 facet = normalized(load(Floats(), lanes.facet_normal, first), sound);
     const Double turn = hn::PromoteTo(Doubles(), dot(to_floats(n), facet));
     const Double side = hn::IfThenElse(hn::Lt(turn, all(0.0)), all(-1.0), all(1.0));
     const Double length_u = row(walls.length_u, first);
@@ -139,11 +141,11 @@ HWY_INLINE uint32_t compute(const WallLanes& walls, SurfaceLanes& lanes, size_t 
     const FloatVec3 dp_dv = to_floats(divided(round, row(walls.length_v, first)));
     sound = hn::And(sound, hn::And(hn::Gt(length_u, all(0.0)),
                                    hn::And(is_finite(to_doubles(dp_du)), is_finite(to_doubles(dp_dv)))));
-    store(ring.center + times(ring.across, x) + times(ring.up, y), lanes.position, first);
-    store(to_floats(times(n, side)), lanes.normal, first);
-    store(dp_du, lanes.dp_du, first);
-    store(dp_dv, lanes.dp_dv, first);
-    return bits_of(sound);
+    store(Doubles(), ring.center + times(ring.across, x) + times(ring.up, y), lanes.position, first);
+    store(Floats(), to_floats(times(n, side)), lanes.normal, first);
+    store(Floats(), dp_du, lanes.dp_du, first);
+    store(Floats(), dp_dv, lanes.dp_dv, first);
+    return mask_bits(Doubles(), sound);
 }
 
 void walls_of_lanes(const WallLanes& walls, SurfaceLanes& lanes) {
