@@ -208,6 +208,21 @@ def combed_hair(scene):
     scenes.grow_strands(ground, 2.0, 0.06)
 
 
+def moving_points(scene):
+    """Balls where the points of a mesh are that deforms."""
+    body = bent(grid(3, 2.0), waved)
+    modifier = body.modifiers.new("points", "NODES")
+    modifier.node_group = scenes.group("points", "NodeSocketGeometry", "NodeSocketGeometry", "GeometryNodeTree")
+    nodes, links = modifier.node_group.nodes, modifier.node_group.links
+    start, end = nodes.new("NodeGroupInput"), nodes.new("NodeGroupOutput")
+    points, painted = nodes.new("GeometryNodeMeshToPoints"), nodes.new("GeometryNodeSetMaterial")
+    points.inputs["Radius"].default_value = 0.2
+    painted.inputs["Material"].default_value = paint("balls", None)
+    links.new(start.outputs[0], points.inputs[0])
+    links.new(points.outputs[0], painted.inputs[0])
+    links.new(painted.outputs[0], end.inputs[0])
+
+
 def panning(scene):
     cube()
     keyed(scene.camera, "location", (-0.5, -1.5, 7), (0.4, -1.2, 6.5))
@@ -270,6 +285,7 @@ CASES = (
     waving_sheet,
     bending_curve,
     combed_hair,
+    moving_points,
     panning,
     zooming,
     orthographic,

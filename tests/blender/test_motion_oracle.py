@@ -7,7 +7,7 @@ HERE = Path(__file__).resolve().parent
 
 def test_motion_is_blurred_and_has_vectors_as_in_cycles(run_blender, tmp_path):
     report = run_blender(HERE / "motion_oracle.py", tmp_path, timeout=300).report
-    assert len(report["result"]) == 21 and len(report["vectors"]) >= 6
+    assert len(report["result"]) == 22 and len(report["vectors"]) >= 6
     for name, found in report["result"].items():
         assert found["apart"] < 0.01, (name, found)
         assert abs(found["brighter"]) < 0.004, (name, found)

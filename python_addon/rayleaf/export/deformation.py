@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import versions
-from . import strands, subdivision, surfaces
+from . import points, strands, subdivision, surfaces
+from .strand_arrays import StrandArrays
 
 # Points that move along lines, up to this share of the size of all, need no steps between the first and the last.
 _STRAIGHT = 1e-6
@@ -17,17 +18,17 @@ _STRAIGHT = 1e-6
 # What has faces only through the mesh that Blender evaluates beside it.
 WITH_MESH_TWIN = {"CURVE", "SURFACE", "FONT", "META"}
 
-# Which of an object's shapes: its mesh, the cage of its exact subdivision, its splines, its hair curves, or its particle
-# hair by number.
+# Which of an object's shapes: its mesh, the cage of its exact subdivision, its splines, its hair curves, or by number its
+# particle hair or its point clouds.
 Part = tuple[str, int]
-MESH, CAGE, SPLINES, CURVES, HAIR = "mesh", "cage", "splines", "curves", "hair"
+MESH, CAGE, SPLINES, CURVES, HAIR, POINTS = "mesh", "cage", "splines", "curves", "hair", "points"
 
 
 @dataclass
 class Form:
     """The points of one shape at one time."""
 
-    points: NDArray[Any]  # (n, 3), object space; of hair (n, 4), with the radius, of splines with the weight
+    points: NDArray[Any]  # (n, 3), object space; of hair and balls (n, 4), with the radius, of splines with the weight
     normals: NDArray[np.float32] | None  # (corners, 3), of meshes
     topology: tuple[int, ...]  # equal where points of two times are the same ones
 
@@ -51,9 +52,12 @@ class Forms:
         """By its settings and modifiers, as in Cycles: hair always may. `by_object`: whether its own settings count."""
         pointer = owner.original.as_pointer()
         if pointer not in self._known:
-            wanted = not by_object or versions.cycles_setting(owner, "use_deform_motion", True)
-            self._known[pointer] = bool(wanted) and self._changes(owner)
+            self._known[pointer] = self.is_wanted(owner, by_object) and self._changes(owner)
         return self._known[pointer]
+
+    def is_wanted(self, owner: Any, by_object: bool) -> bool:
+        """Whether an object's settings ask for its deformation. `by_object`: whether they count."""
+        return not by_object or bool(versions.cycles_setting(owner, "use_deform_motion", True))
 
     def _changes(self, owner: Any) -> bool:
         if owner.type == "CURVES" or (owner.type == "MESH" and strands.hair_systems(owner)):
@@ -93,6 +97,11 @@ class Forms:
         return forms
 
 
+def of_points(cloud: Any) -> Form | None:
+    """That of a point cloud; None if it has no points."""
+    return _with_radii(points.point_balls(cloud, frozenset()))
+
+
 def is_own_data(owner: Any, data: Any) -> bool:
     """True if the mesh is the owner's own, or made from it; geometry nodes may instance meshes of others."""
     return owner.type in WITH_MESH_TWIN or owner.data is None or owner.data.as_pointer() == data.as_pointer()
@@ -112,10 +121,17 @@ def _mesh_form(mesh: Any) -> Form:
     return Form(vertices.reshape(-1, 3), versions.corner_normals(mesh), topology)
 
 
-def _take(forms: dict[Part, Form], part: Part, arrays: Any) -> None:
-    if arrays is not None:
-        points = np.column_stack([arrays.points, arrays.radii])
-        forms[part] = Form(points, None, (arrays.count, hash(arrays.offsets.tobytes())))
+def _with_radii(arrays: StrandArrays | None) -> Form | None:
+    if arrays is None:
+        return None
+    topology = (arrays.count, hash(arrays.offsets.tobytes()))
+    return Form(np.column_stack([arrays.points, arrays.radii]), None, topology)
+
+
+def _take(forms: dict[Part, Form], part: Part, arrays: StrandArrays | None) -> None:
+    form = _with_radii(arrays)
+    if form is not None:
+        forms[part] = form
 
 
 def deformation_of(forms: Iterable[Form | None]) -> Deformation | str | None:
@@ -128,16 +144,16 @@ def deformation_of(forms: Iterable[Form | None]) -> Deformation | str | None:
     whole = [middle if form is None else form for form in found]
     if any(form.topology != middle.topology or form.points.shape != middle.points.shape for form in whole):
         return "its points are not the same ones at all times of the shutter"
-    points = np.stack([form.points for form in whole])
-    if not np.isfinite(points).all():
+    places = np.stack([form.points for form in whole])
+    if not np.isfinite(places).all():
         return "some of its points are not finite at all times of the shutter"
-    size = float(np.ptp(points.reshape(-1, points.shape[-1]), axis=0).max()) if points.size else 0.0
+    size = float(np.ptp(places.reshape(-1, places.shape[-1]), axis=0).max()) if places.size else 0.0
     apart = _STRAIGHT * size
-    if np.abs(points - points[:1]).max(initial=0.0) <= apart:
+    if np.abs(places - places[:1]).max(initial=0.0) <= apart:
         return None
-    steps = [0, -1] if _is_straight(points, apart) else list(range(len(whole)))
+    steps = [0, -1] if _is_straight(places, apart) else list(range(len(whole)))
     normals = [form.normals for form in (whole[step] for step in steps) if form.normals is not None]
-    return Deformation(points[steps], np.stack(normals) if normals else None)
+    return Deformation(places[steps], np.stack(normals) if normals else None)
 
 
 def _is_straight(values: NDArray[Any], apart: float) -> bool:

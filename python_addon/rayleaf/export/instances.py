@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..names import bytes_of_name, name_of
 from . import curves, surfaces
 from .deformation import MESH, WITH_MESH_TWIN, Deformation, is_own_data
-from .motion import Motions
+from .motion import CloudNumbers, Motions
 from .random_numbers import random_of_name
 from .strands import hair_systems
 from .subdivision import last_subdivision
@@ -47,7 +47,7 @@ class Group:
     instanced: bool = False  # some member is made by another object
     in_footage: bool = False  # what makes them is a shadow catcher
     volume: bool = False  # the data is a Volume, or the mesh of a simulation's domain
-    points: bool = False  # the data is a PointCloud
+    cloud: int | None = None  # the data is a PointCloud: which of its owner's
     maker: Any = None  # what makes them, where lights are linked
     shown: int = ~0  # visibility bits that what makes them leaves
     held_out: bool = False  # what makes them is a holdout
@@ -151,6 +151,7 @@ class _Collector:
         self._has_catchers = has_shadow_catchers(depsgraph)
         self._makers: dict[int, tuple[int, bool]] = {}
         self._hair: dict[int, list[Group]] = {}
+        self._clouds = CloudNumbers()
         self._matrices, self._randoms = array("f"), array("d")
         self._result = Instances(np.empty((0, 4, 4)), np.empty(0, np.float32))
 
@@ -259,7 +260,8 @@ class _Collector:
         if kind == "VOLUME":
             return Group(settings, data, exact=False, from_owner=settings.type == kind, members=[], volume=True)
         if kind == "POINTCLOUD":
-            return Group(settings, data, exact=False, from_owner=settings.type == kind, members=[], points=True)
+            own, number = settings.type == kind, self._clouds.of(settings, data)
+            return Group(settings, data, exact=False, from_owner=own, members=[], cloud=number)
         if kind == "CURVES":
             return Group(settings, data, exact=False, from_owner=True, members=[])
         if kind in _UNSUPPORTED:

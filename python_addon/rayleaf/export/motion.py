@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from .. import versions
 from . import camera
-from .deformation import WITH_MESH_TWIN, Deformation, Form, Forms, Part, deformation_of, is_exact_surface, is_own_data
+from .deformation import POINTS, WITH_MESH_TWIN, Deformation, Form, Forms, Part
+from .deformation import deformation_of, is_exact_surface, is_own_data, of_points
 
 # Instances between two questions whether to stop: some 10 ms.
 _CANCEL_STRIDE = 10_000
@@ -119,6 +120,20 @@ def _times(levels: list[int]) -> int:
     return 0 if 0 in levels else (2 << (max(levels) - 1)) + 1
 
 
+class CloudNumbers:
+    """Tells the point clouds of an object from one another at all times, by their order in a depsgraph's list."""
+
+    def __init__(self) -> None:
+        self._met: dict[int, list[int]] = {}  # by object: its clouds
+
+    def of(self, owner: Any, cloud: Any) -> int:
+        """The number of a cloud that is met in a walk over the list."""
+        met, pointer = self._met.setdefault(owner.original.as_pointer(), []), cloud.as_pointer()
+        if pointer not in met:
+            met.append(pointer)
+        return met.index(pointer)
+
+
 @dataclass
 class _Track:
     """Where one instance is, by time; None where it was not there."""
@@ -159,6 +174,7 @@ class _Gatherer:
         self._views: list[tuple[Matrix, tuple[float, ...]]] = []
         self._forms = Forms(core, depsgraph, check)
         self._forms_of: dict[int, list[dict[Part, Form] | None]] = {}  # of objects that may deform, by time
+        self._clouds_of: dict[tuple[int, Part], list[Form | None]] = {}  # of the point clouds of objects, by time
 
     def motions(self) -> Motions:
         """Ends in the shutter's middle."""
@@ -166,9 +182,8 @@ class _Gatherer:
         self._start()
         views = 0 if self._camera_object is None else _times([self._level(self._camera_object)])
         self._views = [self._view()] * views if views else []
-        most = max(
-            [views, *map(len, self._forms_of.values()), *(len(t.places) for t in self._tracks.values())], default=0
-        )
+        by_time = [*self._forms_of.values(), *self._clouds_of.values(), *(t.places for t in self._tracks.values())]
+        most = max([views, *map(len, by_time)])
         for number in range(most):
             if 2 * number == most - 1:
                 continue
@@ -204,9 +219,11 @@ class _Gatherer:
             deque(listed, maxlen=0)
 
     def _start(self) -> None:
+        clouds = CloudNumbers()
         for instance in self._shown():
             owners = [instance.instance_object or instance.object]
             self._start_forms(instance, owners[0])
+            self._start_cloud(instance, owners[0], clouds)
             if instance.is_instance and instance.parent is not None:
                 owners.append(instance.parent)
             count = _times([self._level(owner) for owner in owners])
@@ -217,11 +234,13 @@ class _Gatherer:
                 self._tracks[_key_of(instance)] = _Track(places, not is_particle)
 
     def _take(self, number: int, most: int) -> None:
+        clouds = CloudNumbers()
         for instance in self._shown():
             track = self._tracks.get(_key_of(instance))
             if track is not None and number * (len(track.places) - 1) % (most - 1) == 0:
                 track.places[number * (len(track.places) - 1) // (most - 1)] = _matrix(instance.matrix_world)
             self._take_forms(instance, number, most)
+            self._take_cloud(instance, clouds, number, most)
         views = len(self._views)
         if views and number * (views - 1) % (most - 1) == 0:
             self._views[number * (views - 1) // (most - 1)] = self._view()
@@ -245,6 +264,26 @@ class _Gatherer:
         if forms[step] is None and not _is_beside_mesh(owner, mesh):
             forms[step] = self._forms.of(owner, mesh)
 
+    def _start_cloud(self, instance: Any, owner: Any, clouds: "CloudNumbers") -> None:
+        if not instance.show_self or instance.object.type != "POINTCLOUD":
+            return
+        pointer, part = owner.original.as_pointer(), (POINTS, clouds.of(owner, instance.object.data))
+        count = _times([self._level(owner)])
+        if count and (pointer, part) not in self._clouds_of and self._forms.is_wanted(owner, self._shutter.by_object):
+            self._clouds_of[pointer, part] = [None] * count
+            self._clouds_of[pointer, part][count // 2] = of_points(instance.object.data)
+
+    def _take_cloud(self, instance: Any, clouds: "CloudNumbers", number: int, most: int) -> None:
+        if not self._clouds_of or not instance.show_self or instance.object.type != "POINTCLOUD":
+            return
+        owner = instance.instance_object or instance.object
+        part = POINTS, clouds.of(owner, instance.object.data)
+        forms = self._clouds_of.get((owner.original.as_pointer(), part))
+        if forms is None or number * (len(forms) - 1) % (most - 1) != 0:
+            return
+        step = number * (len(forms) - 1) // (most - 1)
+        forms[step] = forms[step] or of_points(instance.object.data)
+
     def _deformations(self) -> dict[tuple[int, Part], Deformation | str]:
         found: dict[tuple[int, Part], Deformation | str] = {}
         for pointer, forms in self._forms_of.items():
@@ -252,6 +291,10 @@ class _Gatherer:
                 deformation = deformation_of([None if form is None else form.get(part) for form in forms])
                 if deformation is not None:
                     found[pointer, part] = deformation
+        for cloud, known in self._clouds_of.items():
+            deformation = deformation_of(known)
+            if deformation is not None:
+                found[cloud] = deformation
         return found
 
     def _view(self) -> tuple[Matrix, tuple[float, ...]]:

@@ -50,7 +50,14 @@ def add_points(core: ModuleType, scene: Any, name: str, arrays: StrandArrays) ->
     """Send balls; the shape's index. Raises the core's InputError."""
     attributes = {scene.attribute(key): values for key, values in arrays.attributes.items()}
     balls = core.Strands(
-        name, arrays.points, arrays.radii, arrays.offsets, basis=arrays.basis, form="ROUND", attributes=attributes
+        name,
+        arrays.points,
+        arrays.radii,
+        arrays.offsets,
+        basis=arrays.basis,
+        form="ROUND",
+        attributes=attributes,
+        moved_points=arrays.moved_points,
     )
     index = int(scene.add_shape(balls))
     scene.set_texture_space(index, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))  # Generated coordinates are the object's

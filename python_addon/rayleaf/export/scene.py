@@ -47,7 +47,7 @@ _EVALUATED_REASONS = {"META": "metaball"}
 def _is_thread(group: Group) -> bool:
     """Whether a group is an exact curve, hair or points, which displacement leaves as they are."""
     is_curve = group.exact and group.owner.type != "SURFACE"
-    return is_curve or group.points or group.hair is not None or group.owner.type == "CURVES"
+    return is_curve or group.cloud is not None or group.hair is not None or group.owner.type == "CURVES"
 
 
 def _subject_of(problem: str) -> Subject | None:

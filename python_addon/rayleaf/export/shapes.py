@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..messages import Messages, Subject
 from ..names import name_of
 from . import CancelCheck, curves, meshes, points, strand_arrays, strands, subdivision, surfaces, volumes
-from .deformation import CAGE, CURVES, HAIR, MESH, SPLINES, Deformation, Part
+from .deformation import CAGE, CURVES, HAIR, MESH, POINTS, SPLINES, Deformation, Part
 from .instances import Group
 from .motion import Motions
 
@@ -74,7 +74,7 @@ class ShapeExporter:
     def _export_shape(self, group: Group, wanted: frozenset[str], judged: dict[Any, curves.Judged]) -> int | None:
         if group.volume:
             return self._export_volume(group, wanted)
-        if group.points:
+        if group.cloud is not None:
             return self._export_points(group, wanted)
         if group.hair is not None or group.owner.type == "CURVES":
             return self._export_strands(group, wanted)
@@ -105,12 +105,19 @@ class ShapeExporter:
         if arrays is None:
             self._messages.note(f"Object '{name}' has no points; left out", Subject("Object", name))
             return None
+        self._move_points(group, (POINTS, group.cloud or 0), arrays)
         self._drop_bad_points(name, arrays, "points have places")
         try:
             return points.add_points(self._core, self.scene, name, arrays)
         except self._core.InputError as error:
             self._leave_out(name, str(error))
             return None
+
+    def _move_points(self, group: Group, part: Part, arrays: strand_arrays.StrandArrays) -> None:
+        """Where strands, or balls, are at other times of the shutter."""
+        deformation = self._deformation(group, part)
+        if deformation is not None and deformation.points.shape[1] == len(arrays.points):
+            arrays.moved_points = np.array(deformation.points, np.float64)
 
     def _drop_bad_points(self, name: str, arrays: strand_arrays.StrandArrays, what: str) -> None:
         dropped = strand_arrays.without_bad_points(arrays)
@@ -128,9 +135,7 @@ class ShapeExporter:
         if arrays is None:
             self._messages.note(f"Object '{name}' has no hair; left out", Subject("Object", name))
             return None
-        deformation = self._deformation(group, (CURVES, 0) if group.hair is None else (HAIR, group.hair))
-        if deformation is not None and deformation.points.shape[1] == len(arrays.points):
-            arrays.moved_points = np.array(deformation.points, np.float64)
+        self._move_points(group, (CURVES, 0) if group.hair is None else (HAIR, group.hair), arrays)
         self._drop_bad_points(name, arrays, "strands have points")
         try:
             settings = strands.curve_settings(self._blender_scene.rayleaf)
