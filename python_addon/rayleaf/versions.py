@@ -290,6 +290,11 @@ def voronoi_hash() -> str:
     return "JENKINS" if bpy.app.version < (5, 0, 0) else "PCG"
 
 
+def default_surface_is_principled() -> bool:
+    """Whether objects without a material look like a Principled node; before, like a Diffuse one. 4.5 has the latter."""
+    return bpy.app.version >= (5, 0, 0)
+
+
 def thin_films_are_newer() -> bool:
     """Whether films cover metals too, and their colours are those of the standard observer."""
     return bpy.app.version >= (5, 0, 0)

@@ -60,8 +60,8 @@ def build():
     add_ball((0.0, 0.6, 0.5), "BsdfGlass", "GGX", Roughness=0.0)
     add_ball((1.1, 0.6, 0.5), "BsdfGlossy", "BECKMANN", Roughness=0.1)
     add_ball((-1.1, -0.6, 0.5), "BsdfRefraction", "BECKMANN", Roughness=0.1)
-    add_ball((0.0, -0.6, 0.5), "BsdfPrincipled", Transmission=0.6, Roughness=0.05)
-    add_ball((1.1, -0.6, 0.5), "BsdfPrincipled", Clearcoat=1.0, Metallic=0.5, Roughness=0.3)
+    add_ball((0.0, -0.6, 0.5), "BsdfPrincipled", Roughness=0.05, **{scenes.TRANSMISSION: 0.6})
+    add_ball((1.1, -0.6, 0.5), "BsdfPrincipled", Metallic=0.5, Roughness=0.3, **{scenes.COAT: 1.0})
     lamp = bpy.data.lights.new("area", "AREA")
     lamp.energy, lamp.size = 150, 2.0
     scenes.add(lamp).location = (0, 0, 3)

@@ -36,7 +36,7 @@ def opaque_shadows(scene):
     bpy.data.lights["sun"].angle = 0.0
     for ball in [item for item in scene.objects if item.name.startswith("Sphere")]:
         bpy.data.objects.remove(ball)  # they would throw small bright specks of its light
-    bpy.data.materials["screen"].cycles.use_transparent_shadow = False
+    scenes.cast_solid_shadows(bpy.data.materials["screen"])
     bpy.data.materials["screen"].update_tag()
 
 

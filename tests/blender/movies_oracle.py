@@ -38,7 +38,7 @@ def write_movie(folder):
     scenes.empty_file()
     scene = bpy.context.scene
     editor = scene.sequence_editor_create()
-    strips = getattr(editor, "strips", None) or editor.sequences
+    strips = editor.strips if hasattr(editor, "strips") else editor.sequences
     strip = strips.new_image("frames", str(folder / "step_0001.png"), 1, 1)
     for number in range(2, LENGTH + 1):
         strip.elements.append(f"step_{number:04d}.png")

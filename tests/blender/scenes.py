@@ -7,6 +7,8 @@ import bpy
 # Where Blender's versions differ for the tests.
 LINEAR, XYZ = ("Linear", "XYZ") if bpy.app.version < (4, 0, 0) else ("Linear Rec.709", "Linear CIE-XYZ D65")
 SUBSURFACE = "Subsurface" if bpy.app.version < (4, 0, 0) else "Subsurface Weight"
+TRANSMISSION = "Transmission" if bpy.app.version < (4, 0, 0) else "Transmission Weight"
+COAT = "Clearcoat" if bpy.app.version < (4, 0, 0) else "Coat Weight"
 
 
 def group(name, input_type, output_type, kind="ShaderNodeTree"):
@@ -27,6 +29,21 @@ def sharpen_edges_above(item, angle):
         item.data.use_auto_smooth, item.data.auto_smooth_angle = True, angle
     else:
         item.data.set_sharp_from_angle(angle=angle)
+
+
+def cast_solid_shadows(material):
+    """Shadows of a material do not respect its transparency."""
+    owner = material if hasattr(material, "use_transparent_shadow") else material.cycles
+    owner.use_transparent_shadow = False
+
+
+def set_shadow_terminator(item, kind, offset):
+    """The GEOMETRY or SHADING offset of an object; since 4.2 a setting for all engines."""
+    name = f"shadow_terminator_{kind.lower()}_offset"
+    if hasattr(item, name):
+        setattr(item, name, offset)
+    else:
+        setattr(item.cycles, "shadow_terminator_offset" if kind == "SHADING" else name, offset)
 
 
 def empty_file():

@@ -49,7 +49,8 @@ def build(kind, scale, offset, lamp_kind):
     scenes.plain_world((0, 0, 0))
     scene = bpy.context.scene
     body = add_body(kind)
-    body.scale, body.cycles.shadow_terminator_geometry_offset = scale, offset
+    body.scale = scale
+    scenes.set_shadow_terminator(body, "GEOMETRY", offset)
     material, tree, _ = scenes.material("white")
     scenes.diffuse_alone(tree).inputs[0].default_value = (0.8, 0.8, 0.8, 1)
     body.data.materials.append(material)

@@ -259,7 +259,7 @@ SETTINGS = {
         "View layer 'ViewLayer'",
     ),
     "shadow catchers": ("item.is_shadow_catcher = True; scene.rayleaf.integrator = 'DISTRIBUTION'", "Object 'Quad'"),
-    "shading offset": ("item.cycles.shadow_terminator_offset = 0.1; item.update_tag()", "Object 'Quad'"),
+    "shading offset": ("scenes.set_shadow_terminator(item, 'SHADING', 0.1); item.update_tag()", "Object 'Quad'"),
 }
 
 

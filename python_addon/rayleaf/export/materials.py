@@ -14,10 +14,11 @@ from .nodes.compiler import Compiler
 from .nodes.resources import Resources
 from .nodes.displacement import bend_normal, compile_displacement
 from .nodes.emitter import Emitter
+from .nodes.principled import write_default_surface
 from .nodes.volumes import write_default_volume
 from .ray_interpolation import volume_of
 
-_NEUTRAL = -1  # the core's grey, for slots without a material
+_NEUTRAL = -1  # the core's grey: for slots without a material before Blender 5.0, and for materials that are rejected
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ class MaterialLibrary:
         self._materials: dict[int, int] = {}  # by the pointer of the original
         self._lists: dict[tuple[int, ...], int] = {}
         self._holdout: int | None = None
+        self._default = _NEUTRAL  # of slots without a material
         self._volumes: dict[int, VolumeMaterial | None] = {}  # by the pointer of the original; 0: of no material
         self._displacing: set[int] = set()
         self._former = former
@@ -58,14 +60,21 @@ class MaterialLibrary:
         return self.material(material) in self._displacing
 
     def material(self, material: Any) -> int:
-        """The index of a material; the neutral one for None and for what the core rejects."""
+        """The index of a material; Blender's default for None, the neutral one for what the core rejects."""
         if material is None:
-            return _NEUTRAL
+            return self._default_material()
         key = material.original.as_pointer()
         if key not in self._materials:
             self._check_cancel()
             self._materials[key] = self._add(material.evaluated_get(self._depsgraph))
         return self._materials[key]
+
+    def _default_material(self) -> int:
+        if self._default == _NEUTRAL and versions.default_surface_is_principled():
+            emitter = Emitter(self._core, "default")
+            write_default_surface(emitter)
+            self._default = int(self._scene.add_material("default", emitter.program))
+        return self._default
 
     def index_of(self, pointer: int) -> int | None:
         """The index of the material of that original; None where no object shows it."""
@@ -191,7 +200,7 @@ class MaterialLibrary:
         if holdout:
             indices = tuple(self.holdout() for _ in materials or [None])
         else:
-            indices = tuple(self.material(material) for material in materials)
+            indices = tuple(self.material(material) for material in materials or [None])
         if all(index == _NEUTRAL for index in indices):
             return -1
         if indices not in self._lists:

@@ -3,7 +3,7 @@
 from ...versions import thin_films_are_newer
 from .closures import may_be_other_than, tangent_of, tell_of_facets, thin_film
 from .compiler import NodeView, closure_node
-from .emitter import UNCONNECTED, Register
+from .emitter import UNCONNECTED, Emitter, Register
 from .spread import method_of
 
 
@@ -85,3 +85,12 @@ def _of_layers(view: NodeView) -> list[Register]:
         tangent,
         view.input("Diffuse Roughness"),  # since 4.3
     ]
+
+
+def write_default_surface(emitter: Emitter) -> None:
+    """What objects without a material look like since Blender 5.0: a node with all its defaults."""
+    zero, half, one = emitter.scalar(0.0), emitter.scalar(0.5), emitter.scalar(1.0)
+    grey, white, ior = emitter.constant(0.8, 0.8, 0.8), emitter.constant(1.0, 1.0, 1.0), emitter.scalar(1.5)
+    body, sheen, coat = [grey, zero, half, white, half, zero, zero], [zero, half, white], [zero, zero, ior, white]
+    rest = [white, zero, one, ior, zero, UNCONNECTED, UNCONNECTED, UNCONNECTED, zero]
+    emitter.operation("principled_layers", [one, *body, *sheen, *coat, *rest], text="MULTI_GGX")
