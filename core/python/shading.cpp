@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace rayleaf {
@@ -224,10 +225,16 @@ py::dict sample_closures(const Closures& closures, const Vector& outgoing, const
     return result;
 }
 
+constexpr std::pair<const char*, BumpShadow> kBumpShadows[] = {
+    {"NONE", BumpShadow::None}, {"CUBIC", BumpShadow::Cubic}, {"FACETS", BumpShadow::Facets}};
+
 void bind_program(py::module_& module) {
     py::class_<Program, std::shared_ptr<Program>>(
         module, "Program", "A flat shader program. The operations are those of core/shading/operations.def.")
-        .def(py::init<std::string>(), py::arg("name"))
+        .def(py::init([](const std::string& name, const std::string& bump_shadow) {
+                 return std::make_shared<Program>(name, named(name, "bump_shadow", bump_shadow, kBumpShadows));
+             }),
+             py::arg("name"), py::arg("bump_shadow") = "CUBIC")
         .def(
             "constant",
             [](Program& program, float x, float y, float z, float w) { return program.constant(Vec4f(x, y, z, w)); },

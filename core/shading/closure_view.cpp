@@ -15,7 +15,8 @@ Side side_of(const Vec3f& outgoing, const Vec3f& incoming, const Vec3f& facet_no
 LobeValue evaluate_one(const Closures& closures, int i, const LobeView& view, const DirectionPair& pair) {
     LobeValue result = evaluate_lobe(closures[i], view, pair);
     if (view.bent) {
-        const float shadow = bump_shadow(closures.smooth_normal, closures[i].normal, pair.incoming);
+        const float shadow =
+            bump_shadow(closures.bump_shadow, closures.smooth_normal, closures[i].normal, pair.incoming);
         result.numbers *= Float4{shadow, shadow, shadow, 1.0f};
     }
     return result;
@@ -42,7 +43,8 @@ struct Scattering {
 Scattering scattering(const Closures& closures, const ClosureView& view, int chosen, const LobeDirection& by,
                       Side side) {
     Color own = by.weight;
-    if (view.lobes[chosen].bent) own *= bump_shadow(closures.smooth_normal, closures[chosen].normal, by.direction);
+    if (view.lobes[chosen].bent)
+        own *= bump_shadow(closures.bump_shadow, closures.smooth_normal, closures[chosen].normal, by.direction);
     const bool counts = by.weighed && by.side == side;
     if (by.weighed && closures.size() == 1) return {own, counts ? by.density : 0.0f};
     LobeValue all = evaluate_all(closures, view, by.direction, side, by.weighed ? chosen : -1);
@@ -72,7 +74,8 @@ void ClosureView::look(const Closures& closures, const Vec3f& from) {
     halves = false;
     const int count = closures.size();
     if (count == 1) {
-        look_at(closures[0], from, closures.smooth_normal, lobes[0]);
+        look_at(closures[0], from, lobes[0]);
+        lobes[0].bent = is_bent(closures[0], closures);
         lobes[0].probability = 1.0f;
         any = true;
         halves = uses_half(closures[0]);
@@ -80,7 +83,8 @@ void ClosureView::look(const Closures& closures, const Vec3f& from) {
     }
     float sum = 0.0f;
     for (int i = 0; i < count; ++i) {
-        look_at(closures[i], from, closures.smooth_normal, lobes[i]);
+        look_at(closures[i], from, lobes[i]);
+        lobes[i].bent = is_bent(closures[i], closures);
         lobes[i].probability = choice_weight(closures[i], lobes[i].cosine);
         sum += lobes[i].probability;
         halves |= uses_half(closures[i]);

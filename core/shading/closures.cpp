@@ -137,6 +137,7 @@ Closures& Closures::operator=(const Closures& other) {
     transparency = other.transparency;
     holdout = other.holdout;
     smooth_normal = other.smooth_normal;
+    bump_shadow = other.bump_shadow;
     aovs = other.aovs;
     medium = other.medium;
     count_ = other.count_;

@@ -116,6 +116,18 @@ struct LobeSample {
     bool fibre = false;  ///< of a hair
 };
 
+/// How the smooth surface's own shadow darkens bumps of diffuse lobes.
+enum class BumpShadow : uint8_t {
+    None,
+    /// By a cubic of how much of the light the smooth surface gets: M. J. Chiang, Y. K. Li, B. Burley, *Taming the
+    /// Shadow Terminator*, 2019. Cycles up to 4.4.
+    Cubic,
+    /// As the facets of a GGX distribution shadow one another, the rougher the further the bump leans: A. Conty
+    /// Estevez, P. Lecocq, C. Stein, *A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem*,
+    /// 2019. Cycles since 4.5.
+    Facets,
+};
+
 class Closures {
   public:
     static constexpr int kMaxLobes = 16;
@@ -126,6 +138,7 @@ class Closures {
     /// The surface's own normal, unit, towards the viewer: diffuse lobes whose normal is another are darkened where it
     /// faces away from the light (lobes.h). Zero: none is. `clear` leaves it.
     Vec3f smooth_normal{0, 0, 0};
+    BumpShadow bump_shadow = BumpShadow::Cubic;  ///< how; `clear` leaves it too
     /// Where the program writes its AOVs, by slot; empty: nowhere. Its caller sets it.
     std::span<Vec4f> aovs;
     MediumClosures medium;  ///< of a program of a volume; its emission is per world unit

@@ -68,6 +68,7 @@ void EvenClosures::copy(const ShadingInputs& inputs, Closures& result) const {
     result.take_turned(of[behind][after_diffuse],
                        clearing_normal(facing_facet_normal(inputs), inputs.outgoing, facing_normal(inputs)));
     result.smooth_normal = facing_normal(inputs);
+    result.bump_shadow = of[behind][after_diffuse].bump_shadow;
 }
 
 }  // namespace rayleaf

@@ -7,12 +7,28 @@
 #include "shading/lobe_toon.h"
 
 namespace rayleaf {
+namespace {
 
-float bump_shadow(const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming) {
-    const float product = bent.dot(incoming) * smooth.dot(bent);
-    const float g = product != 0.0f ? smooth.dot(incoming) / product : 0.0f;
-    if (!(g > 0.0f)) return 0.0f;
+/// `g`: the cosine of the light at the smooth surface over what the bump lets one expect.
+float shadow_by_cubic(float g) {
     return g < 1.0f ? g * (1.0f + g * (1.0f - g)) : 1.0f;
+}
+
+/// By the cosines, positive, of the light and of the bump at the smooth surface.
+float shadow_of_facets(float light, float bump) {
+    if (!(light < 1.0f) || !(bump < 1.0f)) return 1.0f;
+    const float alpha2 = std::min(0.125f * (1.0f / (bump * bump) - 1.0f), 1.0f);
+    const float tangent2 = 1.0f / (light * light) - 1.0f;
+    return 2.0f / (1.0f + std::sqrt(1.0f + alpha2 * tangent2));
+}
+
+}  // namespace
+
+float bump_shadow(BumpShadow kind, const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming) {
+    const float light = smooth.dot(incoming), bump = smooth.dot(bent), product = bent.dot(incoming) * bump;
+    const float g = product != 0.0f ? light / product : 0.0f;
+    if (!(g > 0.0f)) return 0.0f;
+    return kind == BumpShadow::Facets ? shadow_of_facets(std::abs(light), std::abs(bump)) : shadow_by_cubic(g);
 }
 
 LobeValue evaluate_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
@@ -84,8 +100,9 @@ bool is_shadowed_where_bent(const Lobe& lobe) {
 
 }  // namespace
 
-bool is_bent(const Lobe& lobe, const Vec3f& smooth) {
-    return lobe.normal != smooth && !is_black(smooth) && is_shadowed_where_bent(lobe);
+bool is_bent(const Lobe& lobe, const Closures& of) {
+    return of.bump_shadow != BumpShadow::None && lobe.normal != of.smooth_normal && !is_black(of.smooth_normal) &&
+           is_shadowed_where_bent(lobe);
 }
 
 float choice_weight(const Lobe& lobe, float cosine) {
@@ -99,10 +116,10 @@ float choice_weight(const Lobe& lobe, float cosine) {
     return mean * (is_singular(lobe) ? share : std::max(share, kLeastShare));
 }
 
-void look_at(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& smooth, LobeView& view) {
+void look_at(const Lobe& lobe, const Vec3f& outgoing, LobeView& view) {
     view.cosine = lobe.normal.dot(outgoing);
     view.masking = view.mirrored = 0.0f;
-    view.bent = is_bent(lobe, smooth);
+    view.bent = false;
     if (has_facets(lobe)) look_at_facets(lobe, outgoing, view);
 }
 

@@ -87,12 +87,11 @@ struct LobeDirection {
     bool through = false;  ///< of hair: came out of the fibre, not off it
 };
 
-/// What is left of light from `incoming` that meets a bump: 1 where the bump's slope is in the light as the smooth
-/// surface would be, and smoothly down to 0 where the smooth surface is in its own shadow (M. J. Chiang, Y. K. Li, B.
-/// Burley: Taming the Shadow Terminator, 2019).
-float bump_shadow(const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming);
-/// Whether that darkens a lobe; `smooth` as Closures::smooth_normal.
-bool is_bent(const Lobe& lobe, const Vec3f& smooth);
+/// What is left of light from `incoming` that meets a bump: smoothly down to 0 where the smooth surface is in its own
+/// shadow. `kind` is not None.
+float bump_shadow(BumpShadow kind, const Vec3f& smooth, const Vec3f& bent, const Vec3f& incoming);
+/// Whether that darkens a lobe of these closures.
+bool is_bent(const Lobe& lobe, const Closures& of);
 /// 0 for singular lobes.
 LobeValue evaluate_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair);
 /// `random` in [0,1)³; z as in Closures::needs_third_number. Empty where there is no such direction (total internal
@@ -101,8 +100,8 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const LobeView& view,
                                          const Vec3f& random);
 /// How often a lobe seen under `cosine` is chosen, relative to others; positive wherever its value is.
 float choice_weight(const Lobe& lobe, float cosine);
-/// Sets `view`, but for its probability, to the lobe seen from `outgoing`; `smooth` as Closures::smooth_normal.
-void look_at(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& smooth, LobeView& view);
+/// Sets `view`, but for its probability, to the lobe seen from `outgoing`; not bent.
+void look_at(const Lobe& lobe, const Vec3f& outgoing, LobeView& view);
 /// Weighted albedo that falls in the family `kind`; Fresnel taken at the lobe's normal.
 Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind);
 /// The family of a direction scattered to `side`: the lobe's own, but for glass, which has two.

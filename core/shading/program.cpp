@@ -310,6 +310,7 @@ void Program::differentiate(Register target) {
 }
 
 void Program::add_to(ContentHasher& hasher) const {
+    hasher.add(static_cast<int>(bump_shadow_));
     for (const Instruction& instruction : instructions_) {
         hasher.add(static_cast<int>(instruction.operation));
         hasher.add(int{instruction.variant});

@@ -33,7 +33,9 @@ inline constexpr size_t kMostPoints = 32;
 /// Once built it is only read, by all threads.
 class Program {
   public:
-    explicit Program(std::string name) : name_(std::move(name)) {}
+    /// `bump_shadow`: of its closures.
+    explicit Program(std::string name, BumpShadow bump_shadow = BumpShadow::Cubic)
+        : name_(std::move(name)), bump_shadow_(bump_shadow) {}
 
     /// A register that holds a constant; its numbers must be finite.
     Register constant(const Vec4f& value);
@@ -142,6 +144,7 @@ class Program {
     void execute(Inputs inputs, float* numbers, Results results) const;
 
     std::string name_;
+    BumpShadow bump_shadow_;
     std::vector<Instruction> instructions_;
     std::vector<Register> operands_;
     std::vector<int32_t> ints_;

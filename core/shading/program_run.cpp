@@ -340,6 +340,7 @@ void Program::evaluate(std::span<const ShadingInputs* const> inputs, std::span<C
     for (size_t i = 0; i < results.size(); ++i) {
         results[i]->clear();
         results[i]->smooth_normal = inputs[i]->point ? facing_normal(*inputs[i]) : Vec3f(0.0f);
+        results[i]->bump_shadow = bump_shadow_;
     }
     with_registers(inputs.size(), [&](float* numbers) { execute(inputs, numbers, results); });
     for (Closures* result : results) {

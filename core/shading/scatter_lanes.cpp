@@ -98,12 +98,20 @@ struct Light {
     Float3 weight;
 };
 
-HWY_INLINE Float bump_shadow(const Float3& smooth, const Float3& bent, const Float3& incoming) {
-    const Float product = hn::Mul(dot(bent, incoming), dot(smooth, bent));
-    const Float g = hn::Div(dot(smooth, incoming), product);
+HWY_INLINE Float bump_shadow(Truth by_facets, const Float3& smooth, const Float3& bent, const Float3& incoming) {
+    const Float light = dot(smooth, incoming), bump = dot(smooth, bent), product = hn::Mul(dot(bent, incoming), bump);
+    const Float g = hn::Div(light, product), one = all(1.0f);
     const Truth lit = hn::And(hn::Ne(product, hn::Zero(Floats())), is_positive(g));
-    const Float soft = hn::Mul(g, hn::Add(all(1.0f), hn::Mul(g, less_than_one(g))));
-    return hn::IfThenElseZero(lit, hn::IfThenElse(hn::Lt(g, all(1.0f)), soft, all(1.0f)));
+    const Float cubic = hn::Mul(g, hn::Add(one, hn::Mul(g, less_than_one(g))));
+    const Float cosine = hn::Abs(light), lean = hn::Abs(bump);
+    const auto tangent2 = [&](Float x) HWY_ATTR { return hn::Sub(hn::Div(one, square(x)), one); };
+    const Float alpha2 = hn::Min(hn::Mul(all(0.125f), tangent2(lean)), one);
+    const Float root = hn::Sqrt(hn::Add(one, hn::Mul(alpha2, tangent2(cosine))));
+    const Float facets = hn::Div(all(2.0f), hn::Add(one, root));
+    const Truth is_soft = hn::Or(by_facets, hn::Lt(g, one));
+    const Truth is_whole = hn::And(by_facets, hn::Or(hn::Ge(cosine, one), hn::Ge(lean, one)));
+    const Float soft = hn::IfThenElse(by_facets, facets, cubic);
+    return hn::IfThenElseZero(lit, hn::IfThenElse(hn::AndNot(is_whole, is_soft), soft, one));
 }
 
 HWY_INLINE Light diffuse_light(const ScatterLanes& lanes, size_t first, const Float3& outgoing, const Views& v,
@@ -119,8 +127,9 @@ HWY_INLINE Light diffuse_light(const ScatterLanes& lanes, size_t first, const Fl
     const Float disney =
         hn::IfThenElseZero(is_positive(v.diffuse_cosine), hn::Mul(rise(cosine), rise(v.diffuse_cosine)));
     const Float shape = hn::IfThenElse(holds(lanes.is_disney + first), disney, one);
-    const Float shadow = hn::IfThenElse(holds(lanes.is_bent + first),
-                                        bump_shadow(load(lanes.smooth_normal, first), normal, c.direction), one);
+    const Float shadow = hn::IfThenElse(
+        holds(lanes.is_bent + first),
+        bump_shadow(holds(lanes.is_by_facets + first), load(lanes.smooth_normal, first), normal, c.direction), one);
     const Truth lit = hn::And(holds(lanes.diffuse.is_there + first), is_positive(cosine));
     Light light;
     light.weight = times(times(weight, shape), shadow);
@@ -252,7 +261,8 @@ void set_query(const ScatterQuery& query, const KnownLobes& lobes, size_t i, Sca
         set_lobe(*lobes.diffuse, i, lanes.diffuse);
         set(smooth, i, lanes.smooth_normal);
         lanes.is_disney[i] = answer(lobes.diffuse->type == LobeType::PrincipledDiffuse);
-        lanes.is_bent[i] = answer(is_bent(*lobes.diffuse, smooth));
+        lanes.is_bent[i] = answer(is_bent(*lobes.diffuse, *query.closures));
+        lanes.is_by_facets[i] = answer(query.closures->bump_shadow == BumpShadow::Facets);
         lanes.roughness[i] = lobes.diffuse->roughness;
     }
     if (lobes.facets) {

@@ -22,7 +22,7 @@ struct ScatterLanes {
     Row random_x, random_y;
     LobeRows diffuse, facets;
     // Of the diffuse lobe.
-    Row is_disney, is_bent, roughness;
+    Row is_disney, is_bent, is_by_facets, roughness;
     // Of the facets.
     Row alpha_x, alpha_y, ior, is_schlick, is_joint;
     Rows3 fresnel_0;

@@ -37,7 +37,7 @@ Color hemispherical_albedo(const Lobe& lobe, const Vec3f& outgoing) {
     constexpr int kRings = 4, kSectors = 8;
     const LobeFrame frame(lobe);
     LobeView view;
-    look_at(lobe, outgoing, Vec3f(0.0f), view);
+    look_at(lobe, outgoing, view);
     Color sum(0.0f);
     for (int ring = 0; ring < kRings; ++ring)
         for (int sector = 0; sector < kSectors; ++sector) {
@@ -67,6 +67,7 @@ SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, co
         *alone = closures;
     } else {
         diffuse_.smooth_normal = glossy_.smooth_normal = closures.smooth_normal;
+        diffuse_.bump_shadow = glossy_.bump_shadow = closures.bump_shadow;
         for (int i = 0; i < closures.size(); ++i)
             if (Closures* of_class = class_of(closures[i]))
                 of_class->add(closures[i]);
@@ -80,7 +81,7 @@ SplitClosures::SplitClosures(const Closures& closures, const Vec3f& outgoing, co
 void SplitClosures::add_singular(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& facet_normal) {
     const bool glass = lobe.type == LobeType::Glass;
     LobeView view;
-    look_at(lobe, outgoing, Vec3f(0.0f), view);
+    look_at(lobe, outgoing, view);
     const float reflected = glass ? dielectric_fresnel(view.cosine, lobe.ior) : 1.0f;
     for (const float random : {kReflect, kRefract}) {
         const bool second = random == kRefract;

@@ -28,7 +28,9 @@ class InputError(ValueError):
 class Program:
     """A flat shader program. The operations are those of core/shading/operations.def."""
 
-    def __init__(self, name: str) -> None: ...
+    def __init__(self, name: str, bump_shadow: str = "CUBIC") -> None:
+        """bump_shadow: how the smooth surface's own shadow darkens bumps of diffuse closures: NONE, CUBIC (Chiang et al.
+        2019, Cycles up to 4.4) or FACETS (Conty Estevez et al. 2019, Cycles since 4.5)."""
     def constant(self, x: float, y: float, z: float, w: float) -> int:
         """A register that holds four finite numbers."""
     def operation(

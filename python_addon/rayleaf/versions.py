@@ -290,6 +290,13 @@ def voronoi_hash() -> str:
     return "JENKINS" if bpy.app.version < (5, 0, 0) else "PCG"
 
 
+def bump_shadow(material: Any) -> str:
+    """How the core darkens bumps of a material, as Cycles does; since 4.2 a material may ask for none. 4.4 has the cubic."""
+    if not cycles_setting(material, "use_bump_map_correction", True):
+        return "NONE"
+    return "CUBIC" if bpy.app.version < (4, 5, 0) else "FACETS"
+
+
 def default_surface_is_principled() -> bool:
     """Whether objects without a material look like a Principled node; before, like a Diffuse one. 4.5 has the latter."""
     return bpy.app.version >= (5, 0, 0)

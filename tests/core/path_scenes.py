@@ -19,9 +19,9 @@ def picture(core, scene, **settings):
     return render(core, scene, **settings).pass_pixels("combined")[..., :3]
 
 
-def material(core, scene, *closures, name="material"):
+def material(core, scene, *closures, name="material", bump_shadow="CUBIC"):
     """A material of the sum of closures (operation, arguments…, keyword text), as a list for an instance."""
-    program = core.Program(name)
+    program = core.Program(name, bump_shadow)
     for operation, *arguments in closures:
         text = arguments.pop() if isinstance(arguments[-1], str) else ""
         operands = [program.constant(*(a if isinstance(a, tuple) else (a,) * 3), 1) for a in arguments]

@@ -18,9 +18,11 @@ def scalar(program: Any, value: float) -> int:
     return int(program.constant(value, value, value, value))
 
 
-def program_with(identifier: str, operands: Sequence[Any], text: str = "", ints: Sequence[int] = ()) -> Any:
+def program_with(
+    identifier: str, operands: Sequence[Any], text: str = "", ints: Sequence[int] = (), bump_shadow: str = "CUBIC"
+) -> Any:
     """A program of one operation; operands are numbers, triples, or None for unconnected ones."""
-    program = _core.Program("Test")
+    program = _core.Program("Test", bump_shadow)
     registers = []
     for operand in operands:
         if operand is None:

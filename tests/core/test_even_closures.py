@@ -20,6 +20,9 @@ PLAIN = {
     "transparent": lambda: program_with("transparent", [0.5, (0.2, 0.9, 0.4)]),
     "emission": lambda: program_with("emission", [1.0, WHITE, 3.0]),
     "bent": lambda: program_with("diffuse", [1.0, WHITE, 0.3, (0.3, 0.1, 0.9)]),
+    "bent, shadowed by facets": lambda: program_with(
+        "diffuse", [1.0, WHITE, 0.3, (0.3, 0.1, 0.9)], bump_shadow="FACETS"
+    ),
     "principled": lambda: principled(metallic=0.3, clearcoat=1.0, sheen=0.5, transmission=0.4, alpha=0.8),
     "principled, compensated": lambda: principled("MULTI_GGX", metallic=0.3, roughness=0.8, transmission=0.4),
     "principled, stretched": lambda: principled(metallic=1.0, roughness=0.6, anisotropic=0.8),

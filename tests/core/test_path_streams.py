@@ -86,7 +86,7 @@ def test_streams_of_curves_and_hair_give_the_bits_of_single_paths(core, any_targ
             np.testing.assert_array_equal(together[name], alone[name], err_msg=f"{name} by {target}")
 
 
-def scene_of_lobes(core):
+def scene_of_lobes(core, bump_shadow):
     """Balls that scatter by a diffuse lobe, by rough facets, or by both; some with normals bent from the surface's."""
     scene = path_scenes.varied_scene(core)
     bent, facing = (0.3, -0.2, 1.0), (0.0, 0.0, 1.0)
@@ -108,7 +108,7 @@ def scene_of_lobes(core):
     ball = scene.add_surface("small ball", [path_scenes.sphere_spline(core)])
     for i, each in enumerate(materials):
         if isinstance(each, list):
-            of_ball = path_scenes.material(core, scene, *each, name=f"ball {i}")
+            of_ball = path_scenes.material(core, scene, *each, name=f"ball {i}", bump_shadow=bump_shadow)
         else:
             of_ball = scene.add_material_list([scene.add_material(f"ball {i}", each)])
         place = (0.6 * (i % 4) - 0.9, 0.6 * (i // 4) - 0.6, 0.9)
@@ -116,8 +116,9 @@ def scene_of_lobes(core):
     return scene
 
 
-def test_lobes_seen_in_lanes_give_the_bits_of_single_paths(core, any_target):
-    scene = scene_of_lobes(core)
+@pytest.mark.parametrize("bump_shadow", ["CUBIC", "FACETS"])
+def test_lobes_seen_in_lanes_give_the_bits_of_single_paths(core, any_target, bump_shadow):
+    scene = scene_of_lobes(core, bump_shadow)
     settings = {"size": 32, "samples": 4, "passes": path_scenes.ALL_PASSES, "filter_glossy": 0.5}
     alone = path_scenes.render(core, scene, stream_paths=0, **settings)
     assert np.ptp(alone.pass_pixels("glossy_indirect")) > 0

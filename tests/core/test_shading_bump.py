@@ -131,6 +131,29 @@ def test_a_bump_is_in_the_shadow_of_the_smooth_surface(tilt):
     np.testing.assert_allclose(lobes.evaluate(outgoing, incoming, UP)[:, 0], expected, rtol=1e-4, atol=1e-6)
 
 
+@pytest.mark.parametrize("tilt", (0.2, 0.5, 0.75))
+def test_a_bump_is_in_the_shadow_of_facets_as_rough_as_it_leans(tilt):
+    """Conty Estevez, Lecocq, Stein (2019): Lambert's law of the bumped normal, times Smith's term of GGX for a roughness
+    by the bump's lean; nothing where the smooth surface is not lit."""
+    bent, outgoing = np.float32((np.sin(tilt), 0, np.cos(tilt))), np.float32((0, 0, 1))
+    program = program_with("diffuse", [1.0, (1.0, 1.0, 1.0), 0.0, tuple(map(float, bent))], bump_shadow="FACETS")
+    angles = np.linspace(-1.5, 1.5, 61)
+    incoming = np.stack([np.sin(angles), 0 * angles, np.cos(angles)], 1).astype(np.float32)
+    lambert = np.maximum(incoming @ bent, 0.0)
+    alpha2 = np.tan(tilt) ** 2 / 8
+    expected = lambert / np.pi * 2 / (1 + np.sqrt(1 + alpha2 * np.tan(angles) ** 2))
+    found = closures(program, outgoing).evaluate(outgoing, incoming, UP)[:, 0]
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-6)
+
+
+def test_without_bump_shadow_a_bump_follows_lamberts_law():
+    bent, outgoing = np.float32((0.6, 0, 0.8)), np.float32((0, 0, 1))
+    program = program_with("diffuse", [1.0, (1.0, 1.0, 1.0), 0.0, (0.6, 0.0, 0.8)], bump_shadow="NONE")
+    incoming = np.float32([(np.sin(angle), 0, np.cos(angle)) for angle in np.linspace(-1.5, 1.5, 31)])
+    found = closures(program, outgoing).evaluate(outgoing, incoming, UP)[:, 0]
+    np.testing.assert_allclose(found, np.maximum(incoming @ bent, 0.0) / np.pi, rtol=1e-5, atol=1e-7)
+
+
 def test_a_bump_does_not_fade_where_the_surface_is_seen_at_grazing():
     """Its steps are as wide as the ray, not as its footprint, which is long there."""
     width, cosine = 0.5, 0.2

@@ -101,7 +101,7 @@ class MaterialLibrary:
     def compile(self, material: Any) -> CompiledMaterial:
         """An evaluated material's program. Raises InputError, RecursionError."""
         subject = Subject("Material", name_of(material))
-        emitter, has_surface = Emitter(self._core, subject.name), True
+        emitter, has_surface = Emitter(self._core, subject.name, versions.bump_shadow(material)), True
         with self._resources.noted() as asked:
             if material.use_nodes and material.node_tree is not None:
                 compiler = self._compiler(emitter, subject)
