@@ -4,7 +4,6 @@
 
 #include "base/vector.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -46,6 +45,7 @@ class ContentHasher {
 
   private:
     static constexpr uint64_t kGolden = 0x9e3779b97f4a7c15, kOther = 0xd1b54a32d192ed03;
+    static constexpr size_t kWays = 4;
     ContentHash lanes_{0x243f6a8885a308d3, 0x13198a2e03707344};  // digits of pi
 
     static uint64_t mixed(uint64_t x) {
@@ -53,10 +53,24 @@ class ContentHasher {
         x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
         return x ^ (x >> 31);
     }
+    static uint64_t word_at(std::span<const unsigned char> bytes, size_t word) {
+        uint64_t result;
+        std::memcpy(&result, bytes.data() + word * sizeof result, sizeof result);
+        return result;
+    }
     void add_bytes(std::span<const unsigned char> bytes) {
-        for (size_t i = 0; i < bytes.size(); i += sizeof(uint64_t)) {
+        const size_t words = bytes.size() / sizeof(uint64_t), whole = words / kWays * kWays;
+        if (whole > 0) {  // in several ways at once, which need not wait for each other
+            std::array<ContentHasher, kWays> ways;
+            for (size_t i = 0; i < whole; i += kWays)
+                for (size_t way = 0; way < kWays; ++way) ways[way].add(word_at(bytes, i + way));
+            for (const ContentHasher& way : ways)
+                for (const uint64_t lane : way.lanes_) add(lane);
+        }
+        for (size_t i = whole; i < words; ++i) add(word_at(bytes, i));
+        if (const size_t rest = bytes.size() % sizeof(uint64_t); rest > 0) {
             uint64_t word = 0;
-            std::memcpy(&word, bytes.data() + i, std::min(sizeof word, bytes.size() - i));
+            std::memcpy(&word, bytes.data() + words * sizeof word, rest);
             add(word);
         }
     }

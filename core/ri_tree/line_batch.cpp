@@ -1,6 +1,6 @@
 #include "ri_tree/line_batch.h"
 
-#include "base/simd.h"
+#include "base/simd_choice.h"
 
 #include <algorithm>
 #include <bit>
@@ -329,8 +329,7 @@ HWY_EXPORT(evaluate_one);
 HWY_EXPORT(differentiate);
 
 BatchFunctions batch_functions() {
-    // The first call through the table chooses; the pointers must be taken after that.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    choose_kernels();
     return {&HWY_DYNAMIC_DISPATCH(prepare), &HWY_DYNAMIC_DISPATCH(rays_in), &HWY_DYNAMIC_DISPATCH(evaluate),
             &HWY_DYNAMIC_DISPATCH(evaluate_one), &HWY_DYNAMIC_DISPATCH(differentiate)};
 }

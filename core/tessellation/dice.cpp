@@ -80,31 +80,59 @@ HWY_INLINE void evaluate_along_v(const DiceTask& task, int degree_v, CurvePoints
     }
 }
 
+/// Sums up points in lanes; `term` makes the terms of a component.
+template <typename Points, typename Term>
+HWY_INLINE void sum_points(int components, int degree, const Term& term, Points (&points)[3]) {
+    for (int c = 0; c < 3; ++c) points[c] = symmetric_sum(degree, [&](int i) HWY_ATTR { return term(c, i); });
+    if (components < 4) return;
+    const auto w = symmetric_sum(degree, [&](int i) HWY_ATTR { return term(3, i); });
+    for (Points& axis : points) axis = hn::Div(axis, w);
+}
+
+/// The vertices of all rows but their last.
 template <int kCells>
-HWY_INLINE void evaluate_along_u(const DiceTask& task, int degree_u, const CurvePoints& curves) {
+HWY_INLINE void evaluate_rows(const DiceTask& task, int degree_u, const CurvePoints& curves) {
     const typename Row<kCells>::Lanes lanes;
     for (int row = 0; row < Row<kCells>::kVertices; ++row) {
-        for (int chunk = 0; chunk < Row<kCells>::kChunks; ++chunk) {
-            const int start = Row<kCells>::chunk_start(chunk), index = row * Row<kCells>::kVertices + start;
-            const auto component = [&](int c) HWY_ATTR {
-                return symmetric_sum(degree_u, [&](int i) HWY_ATTR {
-                    return hn::Mul(hn::LoadU(lanes, task.basis_u->values(i, task.first_u + start)),
-                                   // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): evaluate_along_v filled it
-                                   hn::Set(lanes, curves.rows[c][i][row]));
-                });
+        for (int start = 0; start < kCells; start += Row<kCells>::kWidth) {
+            typename Row<kCells>::Vector points[3];
+            const auto term = [&](int c, int i) HWY_ATTR {
+                return hn::Mul(hn::LoadU(lanes, task.basis_u->values(i, task.first_u + start)),
+                               // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): evaluate_along_v filled it
+                               hn::Set(lanes, curves.rows[c][i][row]));
             };
-            auto x = component(0), y = component(1), z = component(2);
-            if (task.components == 4) {
-                const auto w = component(3);
-                x = hn::Div(x, w);
-                y = hn::Div(y, w);
-                z = hn::Div(z, w);
-            }
-            hn::StoreU(x, lanes, task.out[0] + index);
-            hn::StoreU(y, lanes, task.out[1] + index);
-            hn::StoreU(z, lanes, task.out[2] + index);
+            sum_points(task.components, degree_u, term, points);
+            for (int axis = 0; axis < 3; ++axis)
+                hn::StoreU(points[axis], lanes, task.out[axis] + row * Row<kCells>::kVertices + start);
         }
     }
+}
+
+/// The last vertices of all rows.
+template <int kCells>
+HWY_INLINE void evaluate_last_column(const DiceTask& task, int degree_u, const CurvePoints& curves) {
+    const typename Row<kCells>::Lanes lanes;
+    for (int chunk = 0; chunk < Row<kCells>::kChunks; ++chunk) {
+        const int start = Row<kCells>::chunk_start(chunk);
+        typename Row<kCells>::Vector points[3];
+        const auto term = [&](int c, int i) HWY_ATTR {
+            return hn::Mul(hn::Set(lanes, *task.basis_u->values(i, task.first_u + kCells)),
+                           hn::LoadU(lanes, &curves.rows[c][i][start]));
+        };
+        sum_points(task.components, degree_u, term, points);
+        for (int axis = 0; axis < 3; ++axis) {
+            HWY_ALIGN float column[Row<kCells>::kWidth];
+            hn::Store(points[axis], lanes, column);
+            for (int k = 0; k < Row<kCells>::kWidth; ++k)
+                task.out[axis][(start + k) * Row<kCells>::kVertices + kCells] = column[k];
+        }
+    }
+}
+
+template <int kCells>
+HWY_INLINE void evaluate_along_u(const DiceTask& task, int degree_u, const CurvePoints& curves) {
+    evaluate_rows<kCells>(task, degree_u, curves);
+    evaluate_last_column<kCells>(task, degree_u, curves);
 }
 
 template <int kCells>

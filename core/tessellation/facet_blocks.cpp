@@ -71,6 +71,66 @@ void dice_needed(const LevelDicer& dicer, uint32_t subpatch, int log2_cells, con
             rows.vertices[axis][(k / 2 * kGridVertices + k % 2) * kGridCells] = detail.corners[axis][k];
 }
 
+/// For each vertex of a block, whether the one so many places after it lies at the same point.
+template <typename Number>
+std::array<uint8_t, kBlockSize> equals_after(const Number (&vertices)[3][kBlockSize], int places) {
+    std::array<uint8_t, kBlockSize> equal{};
+    for (int k = 0; k + places < kBlockSize; ++k)
+        equal[static_cast<size_t>(k)] = static_cast<uint8_t>((vertices[0][k] == vertices[0][k + places] ? 1 : 0) &
+                                                             (vertices[1][k] == vertices[1][k + places] ? 1 : 0) &
+                                                             (vertices[2][k] == vertices[2][k + places] ? 1 : 0));
+    return equal;
+}
+
+/// A bit for each triangle whose corners differ.
+template <typename Number>
+uint32_t triangles_with_area(const Number (&vertices)[3][kBlockSize]) {
+    const auto along = equals_after(vertices, 1), up = equals_after(vertices, kBlockVertices),
+               across = equals_after(vertices, kBlockVertices + 1);
+    uint32_t triangles = 0;
+    for (uint32_t j = 0, cell = 0; j < kBlockCells; ++j) {
+        for (uint32_t i = 0; i < kBlockCells; ++i, ++cell) {
+            const uint32_t low = j * kBlockVertices + i, high = low + kBlockVertices;
+            const uint32_t below = across[low] | along[low] | up[low + 1], above = across[low] | up[low] | along[high];
+            triangles |= (below == 0 ? 1u : 0u) << 2 * cell | (above == 0 ? 2u : 0u) << 2 * cell;
+        }
+    }
+    return triangles;
+}
+
+/// Where vertex `at` of a subpatch's cells lies along a border in its grid, once it is drawn to one of the border's.
+/// Half a step goes up. At corners nothing moves: they are whole steps of every border.
+int drawn_along(const Resolution& resolution, size_t border, int at) {
+    const int step = Resolution::kFinest - resolution.border[border];
+    return ((at << (Resolution::kFinest - resolution.own)) + (1 << step >> 1)) >> step << step;
+}
+
+/// The vertices of a subpatch's cells, with those of its borders drawn to the borders'.
+class DrawnBorders {
+  public:
+    explicit DrawnBorders(const Resolution& resolution)
+        : cells_(resolution.cells()), apart_(Resolution::kFinest - resolution.own) {
+        for (size_t border = 0; border < kBorders; ++border)
+            for (int at = 0; at <= cells_; ++at)
+                at_[border][at] = static_cast<uint8_t>(drawn_along(resolution, border, at));
+    }
+    /// The place of vertex (i, j) in the grid's rows.
+    int place(int i, int j) const {
+        i = std::min(i, cells_);
+        j = std::min(j, cells_);
+        int x = i << apart_, y = j << apart_;
+        if (j == 0) x = at_[0][i];
+        if (j == cells_) x = at_[2][i];
+        if (i == cells_) y = at_[1][j];
+        if (i == 0) y = at_[3][j];
+        return y * kGridVertices + x;
+    }
+
+  private:
+    int cells_, apart_;
+    uint8_t at_[kBorders][kGridVertices];
+};
+
 }  // namespace
 
 Resolution resolution_for(std::span<const DicedForm> forms, uint32_t subpatch, const FacetTolerance& tolerance) {
@@ -94,15 +154,10 @@ GridVertex drawn_vertex(const Resolution& resolution, int i, int j) {
     i = std::min(i, cells);
     j = std::min(j, cells);
     GridVertex vertex{i << apart, j << apart};
-    // Half a step goes up. At corners nothing moves: they are whole steps of every border.
-    const auto draw = [](int at, int log2) {
-        const int step = Resolution::kFinest - log2;
-        return (at + (1 << step >> 1)) >> step << step;
-    };
-    if (j == 0) vertex.i = draw(vertex.i, resolution.border[0]);
-    if (j == cells) vertex.i = draw(vertex.i, resolution.border[2]);
-    if (i == cells) vertex.j = draw(vertex.j, resolution.border[1]);
-    if (i == 0) vertex.j = draw(vertex.j, resolution.border[3]);
+    if (j == 0) vertex.i = drawn_along(resolution, 0, i);
+    if (j == cells) vertex.i = drawn_along(resolution, 2, i);
+    if (i == cells) vertex.j = drawn_along(resolution, 1, j);
+    if (i == 0) vertex.j = drawn_along(resolution, 3, j);
     return vertex;
 }
 
@@ -112,11 +167,7 @@ FacetCorners FacetBlock::corners(uint32_t triangle, VertexFormat format) const {
 }
 
 void FacetBlock::note_facets(VertexFormat format) {
-    facets = 0;
-    for (uint32_t triangle = 0; triangle < kBlockTriangles; ++triangle) {
-        const FacetCorners at = corners(triangle, format);
-        if (at[0] != at[1] && at[1] != at[2] && at[2] != at[0]) facets |= 1u << triangle;
-    }
+    facets = format == VertexFormat::Fixed ? triangles_with_area(fixed) : triangles_with_area(vertices);
 }
 
 FacetBlocks::FacetBlocks(std::span<const DicedForm> forms, const FacetTolerance& tolerance)
@@ -166,6 +217,7 @@ void FacetBlocks::fill_levels(const LevelDicer& dicer, uint32_t subpatch, const 
     const Resolution& resolution = resolutions_[subpatch];
     GridRows rows;
     dice_needed(dicer, subpatch, resolution.own, detail, rows);
+    const DrawnBorders drawn(resolution);
     int number = 0;
     for (int row = 0; row < resolution.blocks(); ++row) {
         for (int column = 0; column < resolution.blocks(); ++column) {
@@ -174,10 +226,8 @@ void FacetBlocks::fill_levels(const LevelDicer& dicer, uint32_t subpatch, const 
             block->column = static_cast<uint8_t>(column * kBlockCells);
             block->row = static_cast<uint8_t>(row * kBlockCells);
             for (int k = 0; k < kBlockSize; ++k) {
-                const GridVertex from =
-                    drawn_vertex(resolution, block->column + k % kBlockVertices, block->row + k / kBlockVertices);
-                for (int axis = 0; axis < 3; ++axis)
-                    block->vertices[axis][k] = rows.vertices[axis][from.j * kGridVertices + from.i];
+                const int from = drawn.place(block->column + k % kBlockVertices, block->row + k / kBlockVertices);
+                for (int axis = 0; axis < 3; ++axis) block->vertices[axis][k] = rows.vertices[axis][from];
             }
             block->note_facets(format_);
         }

@@ -1,6 +1,6 @@
 #include "tessellation/grid_intersection.h"
 
-#include "base/simd.h"
+#include "base/simd_choice.h"
 
 #include <bit>
 
@@ -246,8 +246,7 @@ HWY_EXPORT(add_fixed_block);
 HWY_EXPORT(add_block_of_floats);
 
 GridKernels grid_kernels() {
-    // The first call through the table chooses; the pointers must be taken after that.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    choose_kernels();
     return {&HWY_DYNAMIC_DISPATCH(add_candidates), &HWY_DYNAMIC_DISPATCH(find_blocks),
             &HWY_DYNAMIC_DISPATCH(find_near_blocks), &HWY_DYNAMIC_DISPATCH(add_fixed_block),
             &HWY_DYNAMIC_DISPATCH(add_block_of_floats)};

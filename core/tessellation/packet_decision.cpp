@@ -1,6 +1,6 @@
 #include "tessellation/packet_decision.h"
 
-#include "base/simd.h"
+#include "base/simd_choice.h"
 
 #include <bit>
 #include <limits>
@@ -201,13 +201,12 @@ HWY_EXPORT(meet_closest);
 HWY_EXPORT(meet_any);
 
 MeetFacets decision_kernel() {
-    // The first call through the table chooses; the pointer must be taken after that.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    choose_kernels();
     return &HWY_DYNAMIC_DISPATCH(meet_facets);
 }
 
 MeetFewFacets few_facets_kernel() {
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    choose_kernels();
     return {&HWY_DYNAMIC_DISPATCH(meet_closest), &HWY_DYNAMIC_DISPATCH(meet_any)};
 }
 

@@ -1,6 +1,6 @@
 #include "tessellation/packet_intersection.h"
 
-#include "base/simd.h"
+#include "base/simd_choice.h"
 #include "tessellation/grid_intersection.h"
 
 #include <array>
@@ -362,8 +362,7 @@ HWY_EXPORT(shear);
 HWY_EXPORT(to_floats);
 
 PacketKernels packet_kernels() {
-    // The first call through the table chooses; the pointers must be taken after that.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    choose_kernels();
     return {&HWY_DYNAMIC_DISPATCH(to_floats), &HWY_DYNAMIC_DISPATCH(shear), &HWY_DYNAMIC_DISPATCH(find_in_block)};
 }
 

@@ -1,6 +1,6 @@
 #include "tessellation/step_intersection.h"
 
-#include "base/simd.h"
+#include "base/simd_choice.h"
 
 #include <bit>
 
@@ -159,8 +159,7 @@ HWY_EXPORT(find_near_steps);
 HWY_EXPORT(find_step_triangles);
 
 StepKernels step_kernels() {
-    // The first call through the table chooses; the pointers must be taken after that.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    choose_kernels();
     return {&HWY_DYNAMIC_DISPATCH(find_near_steps), &HWY_DYNAMIC_DISPATCH(find_step_triangles)};
 }
 

@@ -1,6 +1,6 @@
 #include "trace/box_traversal.h"
 
-#include "base/simd.h"
+#include "base/simd_choice.h"
 
 #include <bit>
 #include <cmath>
@@ -314,8 +314,7 @@ HWY_EXPORT(traverse_moving_packet);
 HWY_EXPORT(traverse_moving_alone);
 
 BoxTraversal box_traversal() {
-    // The first call through the table chooses; the pointers must be taken after that.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    choose_kernels();
     return {&HWY_DYNAMIC_DISPATCH(traverse_packet), &HWY_DYNAMIC_DISPATCH(traverse_alone),
             &HWY_DYNAMIC_DISPATCH(traverse_moving_packet), &HWY_DYNAMIC_DISPATCH(traverse_moving_alone)};
 }

@@ -1,6 +1,6 @@
 #include "trace/capsules.h"
 
-#include "base/simd.h"
+#include "base/simd_choice.h"
 
 #include <bit>
 
@@ -78,8 +78,7 @@ namespace rayleaf {
 HWY_EXPORT(meet_capsules);
 
 MeetCapsules capsule_kernel() {
-    // The first call through the table chooses; the pointer must be taken after that.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    choose_kernels();
     return &HWY_DYNAMIC_DISPATCH(meet_capsules);
 }
 

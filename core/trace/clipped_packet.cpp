@@ -1,6 +1,6 @@
 #include "trace/clipped_packet.h"
 
-#include "base/simd.h"
+#include "base/simd_choice.h"
 #include "trace/local_ray.h"
 
 #include <bit>
@@ -171,8 +171,7 @@ namespace rayleaf {
 HWY_EXPORT(clip_packet);
 
 ClipPacket clip_kernel() {
-    // The first call through the table chooses; the pointer must be taken after that.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    choose_kernels();
     return &HWY_DYNAMIC_DISPATCH(clip_packet);
 }
 

@@ -123,8 +123,31 @@ void InstanceTable::update(ChunkedVector<TracedInstance> instances_now, const Di
 }
 
 /// Shapes of equal content are one: copies of an object that the artist did not link are traced as if they were.
-/// Also finds of which shapes the tolerances are to be found: of those that have changed, or any of whose instances
-/// has.
+void InstanceTable::number_shapes_anew() {
+    std::vector<std::shared_ptr<const Shape>> all;
+    std::unordered_map<const Shape*, uint32_t> places;  // in `all`
+    shape_of.clear();
+    shape_of.reserve(instances.size());
+    for (const TracedInstance& instance : instances) {
+        const auto [entry, added] = places.try_emplace(instance.shape.get(), static_cast<uint32_t>(all.size()));
+        if (added) all.push_back(instance.shape);
+        shape_of.push_back(entry->second);
+    }
+    std::vector<TracedShapeKey> keys(all.size());
+    tbb::parallel_for(size_t{0}, all.size(), [&](size_t i) { keys[i] = key_of(*all[i], {}); });
+    unique.clear();
+    std::map<TracedShapeKey, uint32_t> of_content;
+    std::vector<uint32_t> numbers;
+    for (size_t i = 0; i < all.size(); ++i) {
+        const auto next = static_cast<uint32_t>(unique.size());
+        numbers.push_back(of_content.try_emplace(keys[i], next).first->second);
+        if (numbers.back() == next) unique.push_back(std::move(all[i]));
+    }
+    for (uint32_t& shape : shape_of) shape = numbers[shape];
+}
+
+/// Finds which shapes there are, and of which the tolerances are to be found: of those that have changed, or any of
+/// whose instances has.
 void InstanceTable::number_shapes(Changes& changes, bool same_view) {
     const std::vector<std::shared_ptr<const Shape>> before = std::move(unique);
     const std::vector<uint32_t> shape_before = std::move(shape_of);
@@ -135,20 +158,7 @@ void InstanceTable::number_shapes(Changes& changes, bool same_view) {
         unique = before;
         shape_of = shape_before;
     } else {
-        unique.clear();
-        shape_of.clear();
-        std::unordered_map<const Shape*, uint32_t> numbers;
-        std::map<TracedShapeKey, uint32_t> of_content;
-        shape_of.reserve(instances.size());
-        for (const TracedInstance& instance : instances) {
-            const auto [entry, added] = numbers.try_emplace(instance.shape.get(), 0u);
-            if (added) {
-                const auto next = static_cast<uint32_t>(unique.size());
-                entry->second = of_content.try_emplace(key_of(*instance.shape, {}), next).first->second;
-                if (entry->second == next) unique.push_back(instance.shape);
-            }
-            shape_of.push_back(entry->second);
-        }
+        number_shapes_anew();
     }
     const bool same_numbers = same_view && before.size() == unique.size() && shape_before == shape_of;
     changes.of_tolerances.assign(unique.size(), same_numbers ? 0 : 1);

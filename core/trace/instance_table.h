@@ -52,6 +52,7 @@ struct InstanceTable {
         std::vector<uint8_t> of_tolerances;  ///< shapes of which the tolerance is not known
     };
     void number_shapes(Changes& changes, bool same_view);
+    void number_shapes_anew();
     void find_tolerances(const Changes& changes);
     void trace_shapes(Changes& changes, TracedShapeStore* store, const CancelToken& cancel);
     std::vector<uint32_t> place_instances(const Changes& changes);
