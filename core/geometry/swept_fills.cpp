@@ -1,7 +1,6 @@
 #include "geometry/swept_fills.h"
 
 #include "geometry/swept_surface.h"
-#include "splines/outline_crossings.h"
 
 #include <algorithm>
 
@@ -102,12 +101,6 @@ std::vector<SweptFill> swept_fills(const SweptCurveDescription& curve, const Swe
     for (SweptFill& fill : fills) fill.outlines.shrink_to_fit();
     fills.shrink_to_fit();
     return fills;
-}
-
-bool borders_cross(const SweptCurveDescription& curve) {
-    const SweptSurface surface(curve);
-    return std::any_of(surface.fills().begin(), surface.fills().end(),
-                       [](const SweptFill& fill) { return outlines_cross(fill.outlines, fill.begins); });
 }
 
 }  // namespace rayleaf

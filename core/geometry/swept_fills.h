@@ -49,7 +49,4 @@ std::vector<FillBorder> fill_borders(const SweptCurveDescription& curve, const s
 std::vector<SweptFill> swept_fills(const SweptCurveDescription& curve, const SweepPath& path,
                                    const std::vector<FillBorder>& borders);
 
-/// Whether borders of an area cross each other or themselves: then the filled area is undefined.
-bool borders_cross(const SweptCurveDescription& curve);
-
 }  // namespace rayleaf

@@ -1,5 +1,4 @@
-#include "geometry/swept_curve.h"
-#include "geometry/swept_fills.h"
+#include "geometry/swept_curve_making.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "splines/curve_splines.h"
@@ -78,15 +77,15 @@ CurveSplines make_splines(const std::string& type, const Array<int32_t>& counts,
     return splines;
 }
 
-SweptCurveDescription make_curve(const std::string& name, const std::vector<CurveSplines>& splines,
-                                 const std::string& dimensions, const std::string& twist,
-                                 const std::string& closed_twist, double bevel_depth, double extrude, double offset,
-                                 const std::string& fill, int bevel_resolution,
-                                 const std::optional<std::vector<CurveSplines>>& profile,
-                                 const std::optional<CurveSplines>& taper, const std::string& taper_radius,
-                                 bool taper_fits_bevel, double bevel_start, double bevel_end,
-                                 const std::string& start_mapping, const std::string& end_mapping, bool fill_caps,
-                                 const std::vector<int>& fill_materials) {
+std::unique_ptr<SweptCurve> make_curve(const std::string& name, const std::vector<CurveSplines>& splines,
+                                       const std::string& dimensions, const std::string& twist,
+                                       const std::string& closed_twist, double bevel_depth, double extrude,
+                                       double offset, const std::string& fill, int bevel_resolution,
+                                       const std::optional<std::vector<CurveSplines>>& profile,
+                                       const std::optional<CurveSplines>& taper, const std::string& taper_radius,
+                                       bool taper_fits_bevel, double bevel_start, double bevel_end,
+                                       const std::string& start_mapping, const std::string& end_mapping, bool fill_caps,
+                                       const std::vector<int>& fill_materials) {
     SweptCurveDescription curve;
     curve.name = name;
     curve.splines = splines;
@@ -110,7 +109,7 @@ SweptCurveDescription make_curve(const std::string& name, const std::vector<Curv
     curve.fill_materials = fill_materials;
     if (const auto problem = find_problem(curve))
         throw InputError(name, problem->argument, problem->got, problem->wanted);
-    return curve;
+    return std::make_unique<SweptCurve>(std::move(curve));
 }
 
 }  // namespace
@@ -124,14 +123,15 @@ void bind_curves(py::module_& module) {
              "tilt_interpolation"_a = "LINEAR", "resolution"_a = 12, "material_slot"_a = 0, "smooth"_a = true,
              "fill_group"_a = 0, "ends_at_seam"_a = false)
         .def("__len__", &CurveSplines::spline_count);
-    py::class_<SweptCurveDescription>(module, "SweptCurve")
+    py::class_<SweptCurve>(module, "SweptCurve")
         .def(py::init(&make_curve), "name"_a, "splines"_a, py::kw_only(), "dimensions"_a = "3D", "twist"_a = "MINIMUM",
              "closed_twist"_a = "SPREAD", "bevel_depth"_a = 0.0, "extrude"_a = 0.0, "offset"_a = 0.0, "fill"_a = "FULL",
              "bevel_resolution"_a = 4, "profile"_a = py::none(), "taper"_a = py::none(), "taper_radius"_a = "OVERRIDE",
              "taper_fits_bevel"_a = false, "bevel_start"_a = 0.0, "bevel_end"_a = 1.0, "start_mapping"_a = "RESOLUTION",
              "end_mapping"_a = "RESOLUTION", "fill_caps"_a = false, "fill_materials"_a = std::vector<int>())
-        .def("borders_cross", &borders_cross, py::call_guard<py::gil_scoped_release>())
-        .def_readonly("name", &SweptCurveDescription::name);
+        .def("begin", &SweptCurve::begin)
+        .def("borders_cross", &SweptCurve::borders_cross, py::call_guard<py::gil_scoped_release>())
+        .def_property_readonly("name", [](const SweptCurve& curve) { return curve.description().name; });
 }
 
 }  // namespace rayleaf

@@ -1,4 +1,5 @@
 #include "geometry/patch_surface.h"
+#include "geometry/swept_curve_making.h"
 #include "geometry/swept_surface.h"
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
@@ -101,8 +102,13 @@ int add_surface(SceneDescription& scene, const std::string& name, const std::vec
     return scene.add_shape(std::make_shared<const PatchSurface>(name, splines, moved_splines));
 }
 
-int add_curve(SceneDescription& scene, const SweptCurveDescription& curve) {
-    return scene.add_shape(std::make_shared<const SweptSurface>(curve));
+int add_curve(SceneDescription& scene, const SweptCurve& curve) {
+    std::shared_ptr<const Shape> surface;
+    {
+        const py::gil_scoped_release others_may_run;
+        surface = curve.surface();
+    }
+    return scene.add_shape(std::move(surface));
 }
 
 using DisplacementTuple = std::optional<std::tuple<std::shared_ptr<Program>, int, int>>;

@@ -1,6 +1,7 @@
 #include "geometry/strands.h"
 
 #include "geometry/curve_fits.h"
+#include "geometry/swept_curve_making.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 
@@ -87,8 +88,9 @@ void bind_strands(py::module_& module) {
         "strands"_a, "rings"_a, "sides"_a, "facets"_a = "TRIANGLES");
     module.def(
         "strands_along",
-        [](const SweptCurveDescription& curve, const std::string& form, int spheres_per_segment) {
-            return strands_along(curve, named(curve.name, "form", form, kForms), spheres_per_segment);
+        [](const SweptCurve& curve, const std::string& form, int spheres_per_segment) {
+            const SweptCurveDescription& described = curve.description();
+            return strands_along(described, named(described.name, "form", form, kForms), spheres_per_segment);
         },
         "curve"_a, "form"_a = "ROUND", "spheres_per_segment"_a = 16);
 }

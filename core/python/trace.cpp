@@ -1,4 +1,5 @@
 #include "geometry/patch_surface.h"
+#include "geometry/swept_curve_making.h"
 #include "geometry/swept_surface.h"
 #include "geometry/triangle_mesh.h"
 #include "python/arrays.h"
@@ -352,7 +353,7 @@ void bind_trace(py::module_& parent) {
              "Shading normal and the number of limit normals by stage so far, for a hit on a facet that faces +z.");
 
     py::class_<SweptSurface, Shape, std::shared_ptr<SweptSurface>>(module, "SweptSurface", "A bevelled curve.")
-        .def(py::init<const SweptCurveDescription&>(), py::arg("curve"))
+        .def(py::init([](const SweptCurve& curve) { return curve.surface(); }), py::arg("curve"))
         .def("rings", &rings, py::arg("places"),
              "Centre, x and y direction, and their derivatives, (n, 6, 3) in local space, at (n) places: piece + u.");
 

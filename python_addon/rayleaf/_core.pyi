@@ -260,6 +260,8 @@ class SweptCurve:
         fill_caps: bool = False,
         fill_materials: Sequence[int] = (),
     ) -> None: ...
+    def begin(self) -> None:
+        """Have another thread make its surface, which a scene that it is added to then need not."""
     def borders_cross(self) -> bool:
         """Whether borders of filled areas cross each other or themselves."""
 

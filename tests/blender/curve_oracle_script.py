@@ -107,6 +107,7 @@ def surface_distances(item, depsgraph):
 
     evaluated = item.evaluated_get(depsgraph)
     judged = curves.judge(core, evaluated, evaluated.data)
+    judged.settle(core)
     if judged.curve is None:
         return None
     vertices, normals, middles = faces_by_vertices(evaluated.to_mesh())

@@ -26,6 +26,7 @@ def compared(items, seed):
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = items[1].evaluated_get(depsgraph)
     judged = curves.judge(core, evaluated, evaluated.data)
+    judged.settle(core)
     if judged.curve is None:
         return {"reason": judged.reason or judged.problem or "thread"}
     coarse, fine = (curve_silhouettes.mesh_triangles(item, depsgraph) for item in items)

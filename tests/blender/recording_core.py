@@ -83,6 +83,9 @@ class SweptCurve:
     def __init__(self, name, splines, **settings):
         self.name, self.splines, self.settings = name, splines, settings
 
+    def begin(self):
+        pass
+
     def borders_cross(self):
         return self.name == "Crossed"
 

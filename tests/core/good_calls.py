@@ -124,6 +124,7 @@ CALLS: dict[str, Call] = {
         profile=lambda: [splines()],
         taper=splines,
     ),
+    "SweptCurve.begin": method(swept, "begin"),
     "SweptCurve.borders_cross": method(swept, "borders_cross"),
     "RayInterpolation": ctor(_core.RayInterpolation, mode="ON"),
     "VolumeVisualisation": ctor(_core.VolumeVisualisation, kind="EMISSION", density=1.0, color=(1.0, 1.0, 1.0)),

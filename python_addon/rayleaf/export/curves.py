@@ -59,10 +59,23 @@ class Judged:
     reason: str | None = None  # why as Blender's evaluated mesh
     curve: Any | None = None  # the core's SweptCurve of one that is exact
     problem: str | None = None  # why an exact one cannot be rendered
+    is_open: bool = False  # `settle` is still to be called
+
+    def settle(self, core: ModuleType) -> None:
+        """Find out whether the outlines of a filled area cross. That takes the whole surface, which the core may be making."""
+        if not self.is_open:
+            return
+        self.is_open = False
+        try:
+            if self.curve.borders_cross():
+                self.reason, self.curve = "filled area whose outlines cross", None
+        except core.InputError as error:
+            self.problem, self.curve = str(error), None
 
 
 def judge(core: ModuleType, curve_object: Any, curve: Any) -> Judged:
-    """Find out what an object is rendered as, and describe it to the core; `curve` holds its splines."""
+    """Find out what an object is rendered as, as far as that does not take its surface, and describe it to the core; `curve`
+    holds its splines."""
     if not makes_faces(curve):
         return Judged(False)
     reason = _reason_by_settings(curve_object, curve)
@@ -77,9 +90,7 @@ def judge(core: ModuleType, curve_object: Any, curve: Any) -> Judged:
         described = _describe(core, curve_object, curve, table)
         if described is None:
             return Judged(True, "profile widget of too many points")
-        if filled and described.borders_cross():
-            return Judged(True, "filled area whose outlines cross")
-        return Judged(True, curve=described)
+        return Judged(True, curve=described, is_open=filled)
     except core.InputError as error:
         return Judged(True, problem=str(error))
 

@@ -16,7 +16,7 @@ from . import curves, surfaces
 from .deformation import MESH, WITH_MESH_TWIN, Deformation, is_own_data
 from .motion import CloudNumbers, Motions
 from .random_numbers import random_of_name
-from .strands import hair_systems
+from .strands import curve_settings, hair_systems
 from .subdivision import last_subdivision
 from .volumes import gas_domain
 
@@ -107,17 +107,45 @@ class _ExactForms:
         self.curves: dict[Any, curves.Judged] = {}
         self._core, self._depsgraph, self._motions = core, depsgraph, motions
         self._known: dict[int, bool] = {}
+        self._open: dict[int, tuple[Any, curves.Judged]] = {}  # by pointer: who may still turn out not to be
+        self._sweeps = curve_settings(depsgraph.scene_eval.rayleaf).primitive == "EXACT"
 
     def has(self, owner: Any) -> bool:
-        """Whether an object of a type with an exact form is."""
+        """Whether an object of a type with an exact form is; of some `settle` tells in the end."""
         pointer = owner.as_pointer()
         if pointer not in self._known:
             judged = None if owner.type == "SURFACE" else self._judged(owner)
-            reason = judged.reason or self._deforms(owner) if judged else surfaces.fallback_reason(owner)
+            reason = self._reason(owner, judged) if judged else surfaces.fallback_reason(owner)
             if reason is not None:
                 self.reasons[name_of(owner)] = reason
             self._known[pointer] = reason is None and (judged is None or judged.has_faces)
+            if judged is not None and judged.is_open:
+                self._open[pointer] = owner, judged
         return self._known[pointer]
+
+    def is_open(self, owner: Any) -> bool:
+        """Whether `settle` may take back what `has` said."""
+        return owner.as_pointer() in self._open
+
+    def settle(self) -> set[int]:
+        """Pointers of those objects that are not after all. The core has had time to make their surfaces."""
+        failed = set()
+        for pointer, (owner, judged) in self._open.items():
+            judged.settle(self._core)
+            if judged.reason is not None:
+                self.reasons[name_of(owner)] = judged.reason
+                failed.add(pointer)
+        self._open = {}
+        self.curves = {key: judged for key, judged in self.curves.items() if judged.reason is None}
+        return failed
+
+    def _reason(self, owner: Any, judged: curves.Judged) -> str | None:
+        if judged.reason is not None:
+            return judged.reason
+        reason = self._deforms(owner)
+        if reason is not None:
+            judged.settle(self._core)
+        return judged.reason or reason
 
     def _deforms(self, owner: Any) -> str | None:
         """A curve's rings are exact at one time only: what its polygons can follow is blurred as these are."""
@@ -133,6 +161,8 @@ class _ExactForms:
             judged = curves.judge(self._core, owner, splines)
         if judged.has_faces and judged.reason is None:
             self.curves[key] = judged
+        if judged.curve is not None and self._sweeps:
+            judged.curve.begin()
         return judged
 
 
@@ -152,6 +182,7 @@ class _Collector:
         self._makers: dict[int, tuple[int, bool]] = {}
         self._hair: dict[int, list[Group]] = {}
         self._clouds = CloudNumbers()
+        self._twins: list[Group] = []  # the meshes beside splines that may turn out not to be exact
         self._matrices, self._randoms = array("f"), array("d")
         self._result = Instances(np.empty((0, 4, 4)), np.empty(0, np.float32))
 
@@ -225,10 +256,20 @@ class _Collector:
         result = self._result
         result.matrices = np.frombuffer(self._matrices, np.float32).reshape(-1, 4, 4).astype(np.float64)
         result.randoms = np.frombuffer(self._randoms, np.float64).astype(np.float32)
+        self._settle()
         result.reasons, result.judged = self._exact.reasons, self._exact.curves
         with_faces = {group.owner.as_pointer() for group in result.groups}
         result.without_faces = [owner for owner in result.without_faces if owner.as_pointer() not in with_faces]
         return result
+
+    def _settle(self) -> None:
+        """Keep one of each two groups of which one was too many."""
+        result, failed = self._result, self._exact.settle()
+        taken_back = [group for group in result.groups if group.exact and group.owner.as_pointer() in failed]
+        result.without_faces += [group.owner for group in taken_back]
+        needless = [group for group in self._twins if group.owner.as_pointer() not in failed]
+        dropped = {id(group) for group in taken_back + needless}
+        result.groups = [group for group in result.groups if id(group) not in dropped]
 
     def _take_hair(self, owner: Any, place: int) -> None:
         """The particle hair of an object, one group a system."""
@@ -250,11 +291,15 @@ class _Collector:
     def _group_of(self, item: Any, settings: Any, data: Any) -> Group | None:
         kind = item.type
         if kind == "MESH":
-            if settings.type in WITH_EXACT_FORM and self._exact.has(settings):
-                return None  # the mesh beside exact splines
+            beside_splines = settings.type in WITH_EXACT_FORM and self._exact.has(settings)
+            if beside_splines and not self._exact.is_open(settings):
+                return None
             own = data is None or is_own_data(settings, data)
             smokes = own and settings.type == "MESH" and gas_domain(settings) is not None
-            return Group(settings, data, exact=False, from_owner=own, members=[], volume=smokes)
+            group = Group(settings, data, exact=False, from_owner=own, members=[], volume=smokes)
+            if beside_splines:
+                self._twins.append(group)
+            return group
         if kind in WITH_EXACT_FORM and settings.type == kind and self._exact.has(settings):
             return Group(settings, data, exact=True, from_owner=True, members=[])
         if kind == "VOLUME":
