@@ -53,7 +53,8 @@ void merge_collapsed_borders(BezierNet& net) {
     lines(net.u, [&](size_t column) { merge_collapsed_spans({&net.points[column], width}, net.v); });
 }
 
-void require_sound(const std::string& name, size_t index, const NurbsSpline& spline) {
+/// Whether Blender draws a spline. Throws InputError for one that is not sound.
+bool is_drawn(const std::string& name, size_t index, const NurbsSpline& spline) {
     const std::string prefix = "splines[" + std::to_string(index) + "].";
     const std::optional<SplineProblem> problem = find_problem(spline.surface);
     if (problem && problem->kind == SplineProblemKind::BadData)
@@ -64,6 +65,7 @@ void require_sound(const std::string& name, size_t index, const NurbsSpline& spl
                          "2 to " + std::to_string(kLargestSurfaceDegree + 1));
     if (spline.material_slot < 0)
         throw InputError(name, prefix + "material_slot", std::to_string(spline.material_slot), "0 or more");
+    return !problem;
 }
 
 /// The control points of one border of a patch.
@@ -155,8 +157,7 @@ PatchSurface::PatchSurface(std::string name, const Splines& splines, const Box3d
     : Shape(ShapeKind::PatchSurface, std::move(name)) {
     std::vector<const NurbsSpline*> drawn;
     for (size_t i = 0; i < splines.size(); ++i) {
-        require_sound(this->name(), i, splines[i]);
-        if (find_problem(splines[i].surface)) continue;
+        if (!is_drawn(this->name(), i, splines[i])) continue;
         drawn.push_back(&splines[i]);
         for (const Vec4d& point : splines[i].surface.points) object_bounds_.extendBy(spatial_part(point));
     }
@@ -187,10 +188,14 @@ void PatchSurface::add_spline(const NurbsSpline& spline) {
     patches.material_slot = static_cast<uint32_t>(spline.material_slot);
     patches.first_patch = patch_count_;
     patches.first_point = points_.size();
-    for (size_t v = 0; v < net.v.spans.size(); ++v) {
-        for (size_t u = 0; u < net.u.spans.size(); ++u) {
-            const BezierPatch patch = net.patch(u, v);
-            points_.insert(points_.end(), patch.points.begin(), patch.points.end());
+    const auto columns = static_cast<size_t>(net.u.degree) + 1, rows = static_cast<size_t>(net.v.degree) + 1;
+    const size_t count = points_.size() + net.u.spans.size() * net.v.spans.size() * columns * rows;
+    if (count > points_.capacity()) points_.reserve(std::max(count, 2 * points_.capacity()));
+    for (const SplineSpan& v : net.v.spans) {
+        for (const SplineSpan& u : net.u.spans) {
+            const Vec4d* row = &net.points[size_t{v.first_point} * net.u.point_count + u.first_point];
+            for (size_t j = 0; j < rows; ++j, row += net.u.point_count)
+                points_.insert(points_.end(), row, row + columns);
         }
     }
     patches.spans_u = std::move(net.u.spans);

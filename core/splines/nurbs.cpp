@@ -77,14 +77,15 @@ Refinement refine(int count, const NurbsDirection& direction) {
 }
 
 /// Applies a refinement to one line of points: `count` of them, `stride` apart.
-void apply(const Refinement& refinement, const Vec4d* points, int count, size_t stride, Vec4d* refined,
+void apply(const Refinement& refinement, const Vec4d* points, size_t count, size_t stride, Vec4d* refined,
            size_t refined_stride) {
     for (size_t i = 0; i < refinement.points.size(); ++i) {
         const RefinedPoint& recipe = refinement.points[i];
         Vec4d sum(0.0);
-        for (size_t k = 0; k < recipe.weights.size(); ++k) {
-            const size_t index = (static_cast<size_t>(recipe.first_point) + k) % static_cast<size_t>(count);
-            sum += points[index * stride] * recipe.weights[k];
+        size_t index = static_cast<size_t>(recipe.first_point) % count;
+        for (const double weight : recipe.weights) {
+            sum += points[index * stride] * weight;
+            if (++index == count) index = 0;
         }
         refined[i * refined_stride] = sum;
     }
@@ -129,11 +130,11 @@ std::optional<SplineProblem> find_direction_problem(int count, const NurbsDirect
 std::optional<SplineProblem> find_point_problem(const std::vector<Vec4d>& points) {
     for (size_t i = 0; i < points.size(); ++i) {
         const Vec4d& p = points[i];
-        const std::string name = "points[" + std::to_string(i) + ']';
+        const auto name = [i] { return "points[" + std::to_string(i) + ']'; };
         if (!is_place(spatial_part(p)))
-            return SplineProblem{SplineProblemKind::BadData, name, place_text(spatial_part(p)), kCoordinatesWanted};
+            return SplineProblem{SplineProblemKind::BadData, name(), place_text(spatial_part(p)), kCoordinatesWanted};
         if (!(p.w > 0.0) || !is_length(p.w))
-            return SplineProblem{SplineProblemKind::BadData, name + ".weight", number_text(p.w),
+            return SplineProblem{SplineProblemKind::BadData, name() + ".weight", number_text(p.w),
                                  "a positive number up to 1e100"};
     }
     return std::nullopt;
@@ -222,26 +223,24 @@ BezierNet to_bezier(const NurbsSurface& surface) {
     std::vector<Vec4d> given;
     net.rational = to_homogeneous(surface.points, given);
     const size_t columns = net.u.point_count, rows = static_cast<size_t>(surface.count_v);
-    const size_t given_columns = static_cast<size_t>(surface.count_u);
+    const auto given_columns = static_cast<size_t>(surface.count_u);
     std::vector<Vec4d> half(columns * rows);
     for (size_t j = 0; j < rows; ++j)
-        apply(along_u, given.data() + j * given_columns, surface.count_u, 1, half.data() + j * columns, 1);
+        apply(along_u, given.data() + j * given_columns, given_columns, 1, half.data() + j * columns, 1);
     net.points.resize(columns * net.v.point_count);
-    for (size_t i = 0; i < columns; ++i)
-        apply(along_v, half.data() + i, surface.count_v, columns, net.points.data() + i, columns);
+    for (size_t i = 0; i < columns; ++i) apply(along_v, half.data() + i, rows, columns, net.points.data() + i, columns);
     if (!net.rational) make_polynomial(net.points);
     return net;
 }
 
 BezierChain to_bezier(const NurbsCurve& curve) {
     RAYLEAF_ASSERT_EQ(find_problem(curve).has_value(), false);
-    const int count = static_cast<int>(curve.points.size());
-    const Refinement refinement = refine(count, curve.direction);
+    const Refinement refinement = refine(static_cast<int>(curve.points.size()), curve.direction);
     BezierChain chain{refinement.axis, false, {}};
     std::vector<Vec4d> given;
     chain.rational = to_homogeneous(curve.points, given);
     chain.points.resize(chain.axis.point_count);
-    apply(refinement, given.data(), count, 1, chain.points.data(), 1);
+    apply(refinement, given.data(), given.size(), 1, chain.points.data(), 1);
     if (!chain.rational) make_polynomial(chain.points);
     return chain;
 }
