@@ -4,6 +4,7 @@
 #include "trace/embree.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <memory>
 #include <vector>
@@ -29,6 +30,7 @@ struct Leaf : BuildPart {
 /// What the callbacks share.
 struct Build {
     const CancelToken& cancel;
+    bool has_leaves;  ///< of several items; else each item hangs from a node
     std::atomic<uint32_t> nodes{0};
 };
 
@@ -39,8 +41,7 @@ bool goes_on(void* build, double /*share*/) {
     return true;
 }
 
-void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void* user) {
-    Build& build = *static_cast<Build*>(user);
+Node* new_node(RTCThreadLocalAllocator allocator, uint32_t count, Build& build) {
     build.cancel.throw_if_cancelled();
     build.nodes.fetch_add(1, std::memory_order_relaxed);  // read when all threads have ended
     auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(Node), alignof(Node))) Node;
@@ -49,9 +50,17 @@ void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void* user)
     return node;
 }
 
+void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void* user) {
+    return static_cast<BuildPart*>(new_node(allocator, count, *static_cast<Build*>(user)));
+}
+
+/// Embree is given parts.
+Node& node_at(void* part) {
+    return static_cast<Node&>(*static_cast<BuildPart*>(part));
+}
+
 void set_children(void* parent, void** children, unsigned count, void*) {
-    for (unsigned i = 0; i < count; ++i)
-        static_cast<Node*>(parent)->children[i] = static_cast<const BuildPart*>(children[i]);
+    for (unsigned i = 0; i < count; ++i) node_at(parent).children[i] = static_cast<const BuildPart*>(children[i]);
 }
 
 void set_box(BoxNode& node, unsigned child, const RTCBounds& box) {
@@ -61,16 +70,36 @@ void set_box(BoxNode& node, unsigned child, const RTCBounds& box) {
 }
 
 void set_bounds(void* parent, const RTCBounds** boxes, unsigned count, void*) {
-    for (unsigned i = 0; i < count; ++i) set_box(static_cast<Node*>(parent)->boxes, i, *boxes[i]);
+    for (unsigned i = 0; i < count; ++i) set_box(node_at(parent).boxes, i, *boxes[i]);
 }
 
-void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* items, size_t count, void*) {
+Leaf* new_leaf(RTCThreadLocalAllocator allocator, std::span<const RTCBuildPrimitive> items) {
     auto* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(Leaf), alignof(Leaf))) Leaf;
     leaf->is_leaf = true;
-    leaf->count = static_cast<uint32_t>(count);
-    for (size_t i = 0; i < count; ++i) leaf->items[i] = items[i].primID;
-    std::sort(leaf->items, leaf->items + count);
+    leaf->count = static_cast<uint32_t>(items.size());
+    for (size_t i = 0; i < items.size(); ++i) leaf->items[i] = items[i].primID;
+    std::sort(leaf->items, leaf->items + items.size());
     return leaf;
+}
+
+/// What Embree takes for a leaf of several items.
+Node* node_of_items(RTCThreadLocalAllocator allocator, std::span<const RTCBuildPrimitive> items, Build& build) {
+    Node* node = new_node(allocator, static_cast<uint32_t>(items.size()), build);
+    std::array<RTCBuildPrimitive, BoxNode::kMostChildren> sorted;
+    std::ranges::partial_sort_copy(items, sorted, {}, &RTCBuildPrimitive::primID, &RTCBuildPrimitive::primID);
+    for (unsigned i = 0; i < items.size(); ++i) {
+        const RTCBuildPrimitive& item = sorted[i];
+        set_box(node->boxes, i,
+                {item.lower_x, item.lower_y, item.lower_z, 0.0f, item.upper_x, item.upper_y, item.upper_z, 0.0f});
+        node->children[i] = new_leaf(allocator, {&item, 1});
+    }
+    return node;
+}
+
+void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* items, size_t count, void* user) {
+    Build& build = *static_cast<Build*>(user);
+    if (count == 1 || build.has_leaves) return static_cast<BuildPart*>(new_leaf(allocator, {items, count}));
+    return static_cast<BuildPart*>(node_of_items(allocator, {items, count}, build));
 }
 
 /// Copies a tree, parents before children. Without `leaves`, each leaf has one item and gets its number.
@@ -143,9 +172,13 @@ LargeArray<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToke
     const std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseTree> tree(rtcNewBVH(embree_device()));
     RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.maxBranchingFactor = BoxNode::kMostChildren;
-    arguments.maxDepth = BoxNode::kDeepest;
-    arguments.maxLeafSize = most_in_leaf;
-    arguments.sahBlockSize = most_in_leaf;  // a leaf's items are tested together
+    arguments.maxDepth = BoxNode::kDeepest - 1;  // and a node of items
+    if (leaves) {
+        arguments.maxLeafSize = most_in_leaf;
+        arguments.sahBlockSize = most_in_leaf;  // a leaf's items are tested together
+    } else {                                    // nodes of items are full, and quickly made
+        arguments.minLeafSize = arguments.maxLeafSize = BoxNode::kMostChildren;
+    }
     arguments.bvh = tree.get();
     arguments.primitives = items.data();
     arguments.primitiveCount = arguments.primitiveArrayCapacity = items.size();
@@ -154,7 +187,7 @@ LargeArray<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToke
     arguments.setNodeBounds = set_bounds;
     arguments.createLeaf = create_leaf;
     arguments.buildProgress = goes_on;
-    Build state{cancel};
+    Build state{cancel, leaves != nullptr};
     arguments.userPtr = &state;
     const auto* root = static_cast<const BuildPart*>(rtcBuildBVH(&arguments));
     if (cancel.cancelled()) {
