@@ -1,6 +1,5 @@
 """The splines of CURVE objects as plain arrays: up to millions of splines or points in seconds."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
@@ -169,21 +168,41 @@ def _read_points(splines: Any, kinds: list[int], counts: list[int], total: int) 
     return arrays
 
 
-def groups(table: SplineTable) -> Iterator[tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.bool_]]]:
-    """(settings, counts, which points): splines of equal settings together, in their order."""
-    # One number a spline, for numbers sort faster than rows.
-    largest = table.settings.max(axis=0, initial=0).astype(np.int64) + 1
-    numbers = np.ravel_multi_index(tuple(table.settings.T), tuple(largest)) if len(table.settings) else np.empty(0)
-    _, examples, inverse = np.unique(numbers, return_index=True, return_inverse=True)
-    of_points = np.repeat(inverse, table.counts)
-    for number, example in enumerate(examples):
-        yield table.settings[example], table.counts[inverse == number], of_points == number
+def _numbers(table: SplineTable) -> NDArray[np.int64]:
+    """(splines,): equal for equal settings. One number a spline, for numbers sort faster than rows."""
+    if not len(table.settings):
+        return np.empty(0, np.int64)
+    largest = table.settings.max(axis=0).astype(np.int64) + 1
+    return np.asarray(np.ravel_multi_index(tuple(table.settings.T), tuple(largest)))
+
+
+def _by_settings(table: SplineTable) -> tuple[SplineTable, NDArray[np.int64]]:
+    """The splines with those of equal settings together, else in their order; where each such group begins."""
+    numbers = _numbers(table)
+    if (numbers == numbers[:1]).all():
+        return table, np.arange(min(len(numbers), 1))
+    order = np.argsort(numbers, kind="stable")
+    of_points = np.argsort(np.repeat(numbers, table.counts), kind="stable")
+    together = SplineTable(
+        table.settings[order],
+        table.counts[order],
+        table.points[of_points],
+        table.handles[of_points],
+        table.radii[of_points],
+        table.tilts[of_points],
+        table.straight[of_points],
+    )
+    return together, np.flatnonzero(np.diff(numbers[order], prepend=-1))
 
 
 def send(core: ModuleType, table: SplineTable) -> list[Any]:
     """The core's CurveSplines. Raises its InputError."""
     result = []
-    for settings, counts, chosen in groups(table):
+    table, begins = _by_settings(table)
+    firsts = np.append(table.firsts, len(table.points))
+    for begin, end in zip(begins.tolist(), [*begins[1:].tolist(), len(table.counts)], strict=False):
+        settings, counts = table.settings[begin].tolist(), table.counts[begin:end]
+        chosen = slice(firsts[begin], firsts[end])
         kind = KINDS[settings[KIND]]
         is_bezier = kind == "BEZIER"
         result.append(
@@ -195,16 +214,16 @@ def send(core: ModuleType, table: SplineTable) -> list[Any]:
                 radii=table.radii[chosen],
                 tilts=table.tilts[chosen],
                 straight=table.straight[chosen] if is_bezier else None,
-                order=int(settings[ORDER]),
+                order=settings[ORDER],
                 cyclic=bool(settings[CYCLIC]),
                 endpoint=bool(settings[ENDPOINT]),
                 bezier=bool(settings[BEZIER]),
                 radius_interpolation=_INTERPOLATIONS[settings[RADIUS]],
                 tilt_interpolation=_INTERPOLATIONS[settings[TILT]],
-                resolution=int(settings[RESOLUTION]),
-                material_slot=int(settings[MATERIAL]),
+                resolution=settings[RESOLUTION],
+                material_slot=settings[MATERIAL],
                 smooth=bool(settings[SMOOTH]),
-                fill_group=int(settings[FILL]),
+                fill_group=settings[FILL],
                 ends_at_seam=bool(settings[ENDS_AT_SEAM]),
             )
         )
