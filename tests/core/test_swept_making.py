@@ -50,3 +50,4 @@ def test_curves_may_be_forgotten_while_they_are_made():
         begun.begin()
         del begun
     gc.collect()
+    assert _core.SceneDescription().add_curve(tube()) == 0
