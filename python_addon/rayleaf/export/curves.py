@@ -63,7 +63,7 @@ class Judged:
 
     def settle(self, core: ModuleType) -> None:
         """Find out whether the outlines of a filled area cross. That takes the whole surface, which the core may be making."""
-        if not self.is_open:
+        if not self.is_open or self.curve is None:
             return
         self.is_open = False
         try:

@@ -127,10 +127,11 @@ class _ExactForms:
         """Whether `settle` may take back what `has` said."""
         return owner.as_pointer() in self._open
 
-    def settle(self) -> set[int]:
+    def settle(self, check_cancel: Callable[[], None]) -> set[int]:
         """Pointers of those objects that are not after all. The core has had time to make their surfaces."""
         failed = set()
         for pointer, (owner, judged) in self._open.items():
+            check_cancel()
             judged.settle(self._core)
             if judged.reason is not None:
                 self.reasons[name_of(owner)] = judged.reason
@@ -251,20 +252,20 @@ class _Collector:
         shown = instance.parent if instance.is_instance else instance.object
         return shown is not None and not shown.visible_in_viewport_get(self._space)
 
-    def result(self) -> Instances:
+    def result(self, check_cancel: Callable[[], None]) -> Instances:
         """What was taken."""
         result = self._result
         result.matrices = np.frombuffer(self._matrices, np.float32).reshape(-1, 4, 4).astype(np.float64)
         result.randoms = np.frombuffer(self._randoms, np.float64).astype(np.float32)
-        self._settle()
+        self._settle(check_cancel)
         result.reasons, result.judged = self._exact.reasons, self._exact.curves
         with_faces = {group.owner.as_pointer() for group in result.groups}
         result.without_faces = [owner for owner in result.without_faces if owner.as_pointer() not in with_faces]
         return result
 
-    def _settle(self) -> None:
+    def _settle(self, check_cancel: Callable[[], None]) -> None:
         """Keep one of each two groups of which one was too many."""
-        result, failed = self._result, self._exact.settle()
+        result, failed = self._result, self._exact.settle(check_cancel)
         taken_back = [group for group in result.groups if group.exact and group.owner.as_pointer() in failed]
         result.without_faces += [group.owner for group in taken_back]
         needless = [group for group in self._twins if group.owner.as_pointer() not in failed]
@@ -339,7 +340,7 @@ def collect(
             collector.take(place, instance, check_cancel)
     finally:
         deque(listed, maxlen=0)
-    return collector.result()
+    return collector.result(check_cancel)
 
 
 def has_shadow_catchers(depsgraph: Any) -> bool:
