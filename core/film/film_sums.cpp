@@ -47,14 +47,14 @@ void FilmSums::add_mattes(int x, int y, int samples, const PixelMattes& mattes) 
 void FilmSums::add_terms(size_t pixel, Pass pass, PixelSums& sums) const {
     const size_t channels = info(pass).channels.size();
     for (const std::vector<double>& term : terms(pass))
-        for (size_t c = 0; c < channels; ++c) sums.sum(pass, c).add_term(term[pixel * channels + c]);
+        for (size_t c = 0; c < channels; ++c) sums.of(pass).add_term(c, term[pixel * channels + c]);
 }
 
 void FilmSums::keep_terms(size_t pixel, Pass pass, PixelSums& sums) {
     const size_t channels = info(pass).channels.size();
     std::vector<std::vector<double>>& kept = terms_[static_cast<size_t>(pass)];
     for (size_t c = 0; c < channels; ++c) {
-        const ExactSum::Terms found = sums.sum(pass, c).terms();
+        const ExactSums::Terms found = sums.of(pass).terms(c);
         for (size_t i = 0; i < found.size(); ++i) {
             if (i == kept.size() && found[i] != 0.0) kept.emplace_back(kept.front().size(), 0.0);
             if (i < kept.size()) kept[i][pixel * channels + c] = found[i];

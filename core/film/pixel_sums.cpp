@@ -86,25 +86,19 @@ std::vector<Pass> computed_passes(const std::vector<Pass>& wanted) {
 void PixelSums::add(const PixelSample& sample, int number, std::span<const Pass> passes) {
     for (const Pass pass : passes) {
         if (number > 0 && is_of_first_sample(pass)) continue;
-        const Vec4f& value = sample[pass];
-        // Those beyond the pass's channels are not read.
-        std::array<ExactSum, 4>& sums = sums_[pass];
-        sums[0].add(value.x);
-        sums[1].add(value.y);
-        sums[2].add(value.z);
-        sums[3].add(value.w);
+        sums_[pass].add(sample[pass]);  // those beyond the pass's channels are not read
     }
 }
 
 void PixelSums::clear(std::span<const Pass> passes) {
-    for (const Pass pass : passes) sums_[pass].fill(ExactSum());
+    for (const Pass pass : passes) sums_[pass] = ExactSums();
 }
 
 PixelValues PixelSums::values(std::span<const Pass> passes, int count, bool as_means) const {
     RoundedSums rounded;
     for (const Pass pass : passes)
         for (size_t c = 0; c < 4; ++c)
-            rounded[pass][static_cast<int>(c)] = c < info(pass).channels.size() ? sums_[pass][c].terms()[0] : 0.0;
+            rounded[pass][static_cast<int>(c)] = c < info(pass).channels.size() ? sums_[pass].terms(c)[0] : 0.0;
     PixelValues values;
     for (const Pass pass : passes) values[pass] = value(pass, rounded, count, as_means);
     return values;

@@ -45,13 +45,13 @@ class PixelSums {
     /// `number`: which sample of the pixel it is.
     void add(const PixelSample& sample, int number, std::span<const Pass> passes);
     void clear(std::span<const Pass> passes);
-    ExactSum& sum(Pass pass, size_t channel) { return sums_[pass][channel]; }
+    ExactSums& of(Pass pass) { return sums_[pass]; }
     /// The values of `count` samples, or of fewer if there are fewer; `as_means`: neither divided nor limited yet, as
     /// more samples follow.
     PixelValues values(std::span<const Pass> passes, int count, bool as_means = false) const;
 
   private:
-    PerPass<std::array<ExactSum, 4>> sums_;
+    PerPass<ExactSums> sums_;  ///< of the channels
 };
 
 }  // namespace rayleaf

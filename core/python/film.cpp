@@ -42,11 +42,11 @@ void check_terms(const Array<double>& array, Pass pass) {
     const int channels = static_cast<int>(info(pass).channels.size());
     const std::string name(info(pass).identifier);
     check_shape(kObject, name.c_str(), array, {-1, -1, channels, -1});
-    if (array.shape(3) > ExactSum::kMostTerms)
+    if (array.shape(3) > ExactSums::kMostTerms)
         throw InputError(kObject, name, std::to_string(array.shape(3)) + " terms",
-                         "at most " + std::to_string(ExactSum::kMostTerms));
+                         "at most " + std::to_string(ExactSums::kMostTerms));
     for (const double term : span_of(array))
-        if (!ExactSum::is_term(term)) throw InputError(kObject, name, number_text(term), "terms of sums of floats");
+        if (!ExactSums::is_term(term)) throw InputError(kObject, name, number_text(term), "terms of sums of floats");
 }
 
 using NamedSums = std::map<std::string, Array<double>>;
@@ -106,7 +106,7 @@ void add_pixel(FilmSums& film, const FilmPart& part, int column, int row, int sa
         const size_t place = static_cast<size_t>(row) * static_cast<size_t>(part.width) + static_cast<size_t>(column);
         const double* term = array.data() + place * channels * terms;
         for (size_t c = 0; c < channels; ++c)
-            for (size_t i = 0; i < terms; ++i) pixel.sum(pass, c).add_term(*term++);
+            for (size_t i = 0; i < terms; ++i) pixel.of(pass).add_term(c, *term++);
     }
     film.add(part.x + column, part.y + row, samples, pixel);
     if (!film.mattes()) return;
