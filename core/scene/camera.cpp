@@ -25,10 +25,9 @@ void require(bool condition, const char* argument, double got, const char* wante
     if (!condition) throw InputError(kCamera, argument, number_text(got), wanted);
 }
 
-/// Change of the unit vector along `v` of that length when `v` changes by `dv`.
-Vec3d change_of_unit(const Vec3d& v, double length, const Vec3d& dv) {
-    const double square = length * length;
-    return (dv * square - v * v.dot(dv)) / (square * length);
+/// Change of the unit vector that is `scale` times another when that one changes by `dv`.
+Vec3d change_of_unit(const Vec3d& unit, double scale, const Vec3d& dv) {
+    return (dv - unit * unit.dot(dv)) * scale;
 }
 
 /// A uniform point of the unit disk (Shirley and Chiu 1997, concentric map).
@@ -113,7 +112,7 @@ Camera::Camera(const CameraDescription& description, int width, int height)
     info_.window_min = description.window_min;
     info_.window_size = description.window_max - description.window_min;
     info_.perspective = description.kind != CameraKind::Orthographic;
-    still_ = {to_world_, info_.window_min, size_of_pixel(info_.window_size)};
+    still_ = placed(to_world_, info_.window_min, info_.window_size);
 }
 
 Vec2d Camera::lens_point(const Vec2f& random) const {
@@ -124,20 +123,29 @@ Vec2d Camera::lens_point(const Vec2f& random) const {
     return Vec2d(unit.x / description_.aperture_ratio, unit.y) * description_.aperture_radius;
 }
 
+Camera::Placement Camera::placed(const Affine3d& to_world, const Vec2d& window_min, const Vec2d& window_size) const {
+    const Vec2d step(window_size.x / width_, window_size.y / height_);
+    const double depth = info_.perspective ? 1.0 : 0.0;
+    return {to_world,
+            window_min,
+            step,
+            to_world.vector({window_min.x, window_min.y, -depth}),
+            to_world.x * step.x,
+            to_world.y * step.y};
+}
+
 Camera::Placement Camera::at(float time) const {
-    Placement now = still_;
-    if (motion_) now.to_world = motion_->at(time);
+    const Affine3d to_world = motion_ ? motion_->at(time) : to_world_;
     const auto& windows = description_.windows;
-    if (windows.empty()) return now;
+    if (windows.empty()) return placed(to_world, info_.window_min, info_.window_size);
     const double place = static_cast<double>(time) * static_cast<double>(windows.size() - 1);
     const size_t first = std::min(static_cast<size_t>(place), windows.size() - 2);
     const double share = place - static_cast<double>(first);
     const auto mixed = [&](size_t corner) {
         return windows[first][corner] * (1.0 - share) + windows[first + 1][corner] * share;
     };
-    now.window_min = mixed(0);
-    now.step = size_of_pixel(mixed(1) - now.window_min);
-    return now;
+    const Vec2d window_min = mixed(0);
+    return placed(to_world, window_min, mixed(1) - window_min);
 }
 
 CameraRay Camera::panoramic_ray(const Affine3d& to_world, const Vec2d& pixel, const Vec2f& lens) const {
@@ -187,49 +195,44 @@ CameraRay Camera::ray(const Placement& now, const Vec2d& pixel, const Vec2f& len
 }
 
 CameraRay Camera::windowed_ray(const Placement& now, const Vec2d& pixel, const Vec2f& lens, Footprint footprint) const {
-    const auto& [to_world, window_min, step] = now;
-    const bool open = description_.aperture_radius > 0;
-    const Vec2d window = window_min + Vec2d(pixel.x * step.x, pixel.y * step.y),
-                on_lens = open ? lens_point(lens) : Vec2d(0.0, 0.0);
-    const double focus = open ? description_.focus_distance : 1.0;
-
-    // In camera space: the ray runs from `from` through the point in focus.
-    Vec3d from(on_lens.x, on_lens.y, 0.0), towards;
-    if (info_.perspective) {
-        towards = Vec3d(window.x, window.y, -1.0) * focus - from;
-    } else {
-        towards = Vec3d(0.0, 0.0, -focus) - from;
-        from += Vec3d(window.x, window.y, 0.0);
+    const Vec3d on_window = now.corner + now.dx * pixel.x + now.dy * pixel.y;
+    Vec3d from = now.to_world.translation, along = info_.perspective ? on_window : -now.to_world.z;
+    if (!info_.perspective) from += on_window;
+    double depth = 1.0;  // of the point that it goes through
+    if (description_.aperture_radius > 0) {
+        const Vec2d on_lens = lens_point(lens);
+        const Vec3d aside = now.to_world.x * on_lens.x + now.to_world.y * on_lens.y;
+        depth = description_.focus_distance;
+        from += aside;
+        along = along * depth - aside;
     }
 
     CameraRay result;
-    const Vec3d along = to_world.vector(towards);
-    const double length = along.length(), per_depth = length / focus;
-    result.ray.origin = to_world.point(from);
-    result.ray.direction = along / length;
+    const double length = along.length(), inverse = 1.0 / length, per_depth = length / depth;
+    result.ray.origin = from;
+    result.ray.direction = along * inverse;
     result.ray.t_min = description_.clip_start * per_depth;
     result.ray.t_max = description_.clip_end * per_depth;
     if (footprint == Footprint::Unknown) return result;
-    const Vec3d dx = to_world.x * step.x, dy = to_world.y * step.y;
     if (info_.perspective) {
-        result.differential.dd_dx = Vec3f(change_of_unit(along, length, dx * focus));
-        result.differential.dd_dy = Vec3f(change_of_unit(along, length, dy * focus));
+        result.differential.dd_dx = Vec3f(change_of_unit(result.ray.direction, inverse * depth, now.dx));
+        result.differential.dd_dy = Vec3f(change_of_unit(result.ray.direction, inverse * depth, now.dy));
     } else {
-        result.differential.dp_dx = Vec3f(dx);
-        result.differential.dp_dy = Vec3f(dy);
+        result.differential.dp_dx = Vec3f(now.dx);
+        result.differential.dp_dy = Vec3f(now.dy);
     }
     return result;
 }
 
 Vec2d Camera::seen_at(const Vec3d& world, float time) const {
-    const auto [to_world, window_min, step] = at(time);
-    const Vec3d p = to_world.inverse().point(world);
+    const Placement now = at(time);
+    const Vec3d p = now.to_world.inverse().point(world);
     if (is_panoramic()) {
         const Vec2d place = panorama_place(description_.panorama, p);
         return {place.x * width_, place.y * height_};
     }
     const Vec2d window = info_.perspective ? Vec2d(p.x, p.y) / -p.z : Vec2d(p.x, p.y);
-    return {(window.x - window_min.x) / step.x, (window.y - window_min.y) / step.y};
+    return {(window.x - now.window_min.x) / now.step.x, (window.y - now.window_min.y) / now.step.y};
 }
 
 double Camera::depth(const Vec3d& world) const {

@@ -83,10 +83,11 @@ class Camera {
     struct Placement {
         Affine3d to_world;
         Vec2d window_min, step;  ///< the window's corner, and what a pixel spans of it
+        Vec3d corner, dx, dy;    ///< the same in the world; the corner from the camera's location
     };
     Placement still_;  ///< where nothing moves
     Placement at(float time) const;
-    Vec2d size_of_pixel(const Vec2d& window) const { return {window.x / width_, window.y / height_}; }
+    Placement placed(const Affine3d& to_world, const Vec2d& window_min, const Vec2d& window_size) const;
     Vec2d lens_point(const Vec2f& random) const;
     bool is_panoramic() const { return description_.kind == CameraKind::Panoramic; }
     CameraRay ray(const Placement& now, const Vec2d& pixel, const Vec2f& lens, Footprint footprint) const;
