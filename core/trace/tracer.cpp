@@ -31,6 +31,7 @@ Tracer::Tracer(ChunkedVector<TracedInstance> instances, const DicingView& view, 
     }
     table.update(std::move(instances), view, cache.resident_budget, kept, cancel);
     implementation_->build_cache(cache);
+    has_levels_ = implementation_->cache != nullptr;
     implementation_->embree_held = embree_bytes() - std::min(before, embree_bytes());
     implementation_->store = kept;
 }
@@ -126,10 +127,6 @@ void Tracer::set_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> c
 
 const LocalRayCache* Tracer::cache(uint32_t instance) const {
     return implementation_->records[instance].cache;
-}
-
-bool Tracer::has_levels() const {
-    return implementation_->cache != nullptr;
 }
 
 const TracedInstance& Tracer::instance(uint32_t index) const {

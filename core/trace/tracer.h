@@ -131,7 +131,7 @@ class Tracer {
     /// Whether any instance moves while the shutter is open.
     bool has_motion() const;
     /// Whether any surface is diced by the width of rays.
-    bool has_levels() const;
+    bool has_levels() const { return has_levels_; }
     /// Bounds of everything at all times, world space; empty for an empty scene.
     Box3d bounds() const;
     Box3d bounds(uint32_t instance) const;
@@ -142,6 +142,7 @@ class Tracer {
   private:
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
+    bool has_levels_;
 };
 
 }  // namespace rayleaf

@@ -3,6 +3,7 @@
 #include "trace/float_environment.h"
 
 #include <limits>
+#include <new>
 
 namespace rayleaf {
 namespace {
@@ -121,7 +122,9 @@ void Tracer::Implementation::finish(const Ray& ray, Maybe<ShapeHit>& traced, Clo
     if (!result.hit) return;
     Hit& hit = *result.hit;
     if (hit.answer != RayAnswer::NotAsked) result.answer = hit.answer;
-    if (!hit.is_interpolated()) hit.local = records[hit.instance].scene->hit_at(*traced, shutter_time(ray.time));
+    // In place: copied there, it would wait for its parts, which have just been written.
+    if (!hit.is_interpolated())
+        new (&hit.local) LocalHit(records[hit.instance].scene->hit_at(*traced, shutter_time(ray.time)));
 }
 
 /// What a ray that starts at a hit knows about the ray that found it.
