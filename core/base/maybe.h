@@ -41,10 +41,10 @@ class Maybe {
     const T* operator->() const { return &value_; }
 
   private:
+    bool has_value_ = false;  ///< beside what is read first of the value
     union {
         T value_;
     };
-    bool has_value_ = false;
 };
 
 }  // namespace rayleaf

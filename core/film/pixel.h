@@ -61,8 +61,8 @@ class PixelSample {
   private:
     static inline const Vec4f kNothing{0, 0, 0, 0};
     uint64_t passes_;
-    std::array<Vec4f, kPassCount> values_;  ///< those of passes that are off are never touched
     Vec4f nowhere_;
+    std::array<Vec4f, kPassCount> values_;  ///< those of passes that are off are never touched
 };
 
 }  // namespace rayleaf

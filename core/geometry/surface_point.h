@@ -25,7 +25,7 @@ struct SurfacePoint {
     const Shape* shape = nullptr;
     LocalHit local;
     uint32_t instance = 0;
-    RaySight sight;             ///< of the ray whose width decided how finely the surface was diced here
+    Maybe<RaySight> sight;      ///< of the ray whose width decided how finely the surface was diced here
     bool inside = false;        ///< in a medium that the shape holds, not on its surface: only `position` is known
     bool interpolated = false;  ///< not on a facet, and only approximate; derivatives are by the picture's x and y
 
@@ -43,7 +43,8 @@ struct SurfacePoint {
     /// Sets up a ray that leaves the surface here towards `direction` (unit).
     void release(Ray& ray, const Vec3f& direction) const {
         ray.origin = ray_origin(direction);
-        ray.start = {anchor(), sight};
+        static_cast<RayAnchor&>(ray.start) = anchor();
+        ray.start.sight = sight;
         ray.leaves = instance;
         ray.time = time;
     }

@@ -24,8 +24,10 @@ inline const ByKind kMediumFirst{.in_medium = true};
 inline constexpr std::array kLobeKinds = {LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission};
 
 class Contributions {
+    const PathSettings& settings_;
+
   public:
-    explicit Contributions(const PathSettings& settings) : sample(settings.held_passes), settings_(settings) {}
+    explicit Contributions(const PathSettings& settings) : settings_(settings), sample(settings.held_passes) {}
 
     /// Light the camera sees without any scattering: emitted by a surface, or the world's. Here and below `group` is
     /// the slot of the light's group, -1 for none.
@@ -46,8 +48,6 @@ class Contributions {
     void finish(float alpha);
 
   private:
-    const PathSettings& settings_;
-
     void add_split(const Color& light, const ByKind& shares, bool direct, int group);
 };
 

@@ -23,8 +23,8 @@ class MediumStack {
     bool varies() const;
 
   private:
-    std::array<const SceneMedium*, kMost> media_;
     size_t count_ = 0;
+    std::array<const SceneMedium*, kMost> media_;
 };
 
 /// The media at a point that lies on no surface, where a path starts; `time` of the shutter.

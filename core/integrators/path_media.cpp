@@ -64,7 +64,7 @@ void PathTracer::scatter_in_medium(const MediumPassage& passage, const PhaseSamp
         differential_ =
             widened(differential_.transferred(direction, *passage.t, -direction), sample.direction, kScatteredWidth);
     const Vec3d position = ray_.at(*passage.t);
-    departure_ = {lit_in(scene_, media_, position), sample.density};
+    departure_ = {sample.density, lit_in(scene_, media_, position)};
     has_departed_ = scene_.has_blocked_lights();
     const float time = ray_.time;
     ray_ = Ray{};

@@ -1,7 +1,6 @@
 #include "integrators/path_stream.h"
 
 #include "integrators/shadow.h"
-#include "shading/scatter_lanes.h"
 
 #include <array>
 #include <new>
@@ -37,7 +36,8 @@ PathStream::PathStream(const Scene& scene, const PathSettings& settings, size_t 
       cancel_(cancel),
       counts_(counts),
       vertices_(kMostPoints),
-      inputs_(kMostPoints) {
+      inputs_(kMostPoints),
+      scatter_queries_(kMostPoints) {
     paths_.reserve(most);
     light_rays_.reserve(most);
 }
@@ -162,13 +162,13 @@ void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
 
 /// What the vertices' lights and scattered rays ask of their closures.
 void PathStream::foresee(std::span<const VertexNumbers> numbers) {
-    std::array<ScatterQuery, kMostPoints> queries;
+    const std::span<ScatterQuery> queries(scatter_queries_.data(), numbers.size());
     for (size_t i = 0; i < numbers.size(); ++i) {
         Vertex& vertex = vertices_[i];
         queries[i] = {&vertex.closures,   vertex.outgoing, vertex.point.facet_normal,
                       numbers[i].scatter, &vertex.view,    &vertex.scattered};
     }
-    sample_together({queries.data(), numbers.size()});
+    sample_together(queries);
     for (size_t i = 0; i < numbers.size(); ++i) vertices_[i].is_foreseen = queries[i].answered;
 }
 

@@ -10,6 +10,7 @@
 #include "base/cancel.h"
 #include "integrators/material_bins.h"
 #include "integrators/path_tracer.h"
+#include "shading/scatter_lanes.h"
 
 #include <cstdint>
 #include <vector>
@@ -55,6 +56,7 @@ class PathStream {
     std::vector<Split> splits_;
     std::vector<Vertex> vertices_;  ///< of the paths that are shaded together
     std::vector<ShadingInputs> inputs_;
+    std::vector<ScatterQuery> scatter_queries_;
 
     void trace_all();
     void trace_active(Coherence coherence);

@@ -17,7 +17,7 @@ namespace {
 constexpr float kLeastSurvival = 0.05f;
 
 /// What a scattered ray is before it has a place: copied, which costs less than to make one.
-constexpr Ray kNewRay;
+const Ray kNewRay;
 
 /// Lights that are sampled where the camera looks, if there are several. Which light is chosen makes noise, and one
 /// more costs little beside the rest of the path. Further along it is not worth it.
@@ -40,7 +40,8 @@ Arrival PathTracer::arrive(ClosestHit& found) {
     const double end = hit_ ? hit_->t : std::numeric_limits<double>::infinity();
     add_lamps(end);
     const int vertex = vertex_;
-    if (!media_.empty() && pass_media(end)) return vertex_ > vertex ? Arrival::GoesOn : Arrival::Ends;
+    if (scene_.has_media() && !media_.empty() && pass_media(end))
+        return vertex_ > vertex ? Arrival::GoesOn : Arrival::Ends;
     if (!hit_) return leave_scene() ? Arrival::InWorld : Arrival::Ends;
     material_ = &scene_.material(hit_->instance, hit_->local);
     if (scene_.has_media() && material_->bounds_medium_alone) {
@@ -187,16 +188,16 @@ void PathTracer::add_emission(const Vertex& vertex) {
         scene_.light_group(vertex.point.instance));
 }
 
-void PathTracer::add_direct_light(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
+void PathTracer::add_direct_light(Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
     const LightSet& lights = scene_.lights();
-    lit_ = lit(scene_, vertex);
+    vertex.lit = lit(scene_, vertex);
     if (!vertex.closures.has_smooth_lobes() || lights.empty()) return;
-    lights.weigh(lit_);
+    lights.weigh(vertex.lit);
     const PathState state = lights.asks_path() ? bounces_.of_sampled_light() : PathState();
     const int count = bounces_.count() == 0 && lights.holds_several() ? kFirstLightRays : 1;
     for (int i = 0; i < count; ++i) {
         const Vec2f numbers = count == 1 ? random : numbers_of_part(random, i, count);
-        Maybe<LightSample> light = lights.sample(lit_, numbers, vertex.point.time, state);
+        Maybe<LightSample> light = lights.sample(vertex.lit, numbers, vertex.point.time, state);
         if (!light) continue;
         if (bounces_.is_in_footage()) see_in_footage(*light);
         add_sampled_light(vertex, *light, {i, count}, light_rays);
@@ -314,7 +315,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
     const bool enters = sample->singular && sample->transmitted && vertex.outgoing.dot(facet) > 0.0f;
     if (has_footprint_)
         differential_ = scattered_differential(vertex.differential, -vertex.outgoing, vertex.point, *sample);
-    departure_ = {lit_, sample->singular ? 0.0f : sample->density};
+    departure_ = {sample->singular ? 0.0f : sample->density, vertex.lit};
     has_departed_ = scene_.has_blocked_lights();
     leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
     ray_ = kNewRay;
@@ -332,7 +333,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
 }
 
 bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry, std::vector<LightRay>& light_rays) {
-    const std::optional<SubsurfaceVertex> exit =
+    std::optional<SubsurfaceVertex> exit =
         leave_below(scene_, {vertex, entry, bounces_.at(0), sampler_, dimension(vertex_, PathDimension::Walk)});
     if (!exit) return false;
     throughput_ *= exit->throughput;

@@ -36,8 +36,8 @@ struct VertexNumbers {
 
 /// How the ray under way came about: what light sampling would have done instead.
 struct Departure {
-    LitPoint from;      ///< where lights were sampled
     float density = 0;  ///< with which scattering chose the direction; 0: no light sampling could have
+    LitPoint from;      ///< where lights were sampled
 
     float weight(float light_density) const {
         return density > 0.0f && light_density > 0.0f ? power_heuristic(density, light_density) : 1.0f;
@@ -58,21 +58,21 @@ enum class Arrival : uint8_t {
     GoesOn      ///< by its next ray: a medium scattered it, or began or ended
 };
 
-class PathTracer {
+class alignas(64) PathTracer {  // begins with a line of the cache
   public:
     PathTracer(const Scene& scene, const PathSettings& settings, const CameraRay& camera_ray, const Sampler& sampler,
                RayCounts& counts)
         : scene_(scene),
           settings_(settings),
-          sampler_(sampler),
           counts_(counts),
-          ray_(camera_ray.ray),
-          differential_(camera_ray.differential),
-          departure_{{camera_ray.ray.origin}},
+          sampler_(sampler),
           bounces_(settings),
           has_footprint_(scene.needs_footprints()),
           sees_(camera_ray.exists),
+          ray_(from_camera(camera_ray.ray)),
+          departure_{.from = {camera_ray.ray.origin}},
           light_(settings) {
+        if (has_footprint_) differential_ = camera_ray.differential;
         if (scene.has_media()) media_ = media_around(scene, ray_.at(ray_.t_min), ray_.time);
     }
 
@@ -129,34 +129,44 @@ class PathTracer {
     const PixelSample& finish();
 
   private:
+    // What each step needs lies together: streams hold more paths than the nearest cache.
     const Scene& scene_;
     const PathSettings& settings_;
-    Sampler sampler_;
     RayCounts& counts_;
+    Sampler sampler_;
+    const Hit* hit_ = nullptr;  ///< of the vertex; null: the ray met nothing
+    const Material* material_ = nullptr;
+    Color throughput_{1, 1, 1};
+    float alpha_ = 1;
+    Bounces bounces_;
+    int vertex_ = 0;
+    uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
+    float world_density_ = 0;      ///< with which light sampling would have chosen the direction in which the path left
+    RayUse use_ = RayUse::Camera;  ///< of the ray under way
+    bool has_footprint_;           ///< differentials count, and are kept
+    bool sees_;                    ///< false: the camera shows nothing there
+    bool surface_recorded_ = false;
+    bool has_departed_ = false;  ///< was scattered, and has met nothing yet
     Ray ray_;
     RayDifferential differential_;
     Departure departure_;
-    LitPoint lit_;  ///< where lights were sampled last
-    Color throughput_{1, 1, 1};
-    Bounces bounces_;
-    float alpha_ = 1;
-    float world_density_ = 0;  ///< with which light sampling would have chosen the direction in which the path left
-    bool has_footprint_;       ///< differentials count, and are kept
-    bool sees_;                ///< false: the camera shows nothing there
-    bool surface_recorded_ = false;
-    bool has_departed_ = false;  ///< was scattered, and has met nothing yet
-    int vertex_ = 0;
-    RayUse use_ = RayUse::Camera;     ///< of the ray under way
-    uint32_t outside_of_ = kNowhere;  ///< instance of glass that the ray under way has just left
-    const Hit* hit_ = nullptr;        ///< of the vertex; null: the ray met nothing
-    const Material* material_ = nullptr;
-    ByKind first_shares_;  ///< of the first scattering
-    Contributions light_;
+    Maybe<CaughtPath> caught_;  ///< once it has met a shadow catcher
+    ByKind first_shares_;       ///< of the first scattering
     DenoisingFeatures features_;
-    MediumStack media_;                 ///< that the ray under way starts in
-    std::optional<CaughtPath> caught_;  ///< once it has met a shadow catcher
+    MediumStack media_;  ///< that the ray under way starts in
+    Contributions light_;
     static constexpr uint32_t kNowhere = RayAnchor::kNone;
 
+    /// The same ray, made of what cameras say of it. As a whole it would be read while its parts are still written.
+    static Ray from_camera(const Ray& ray) {
+        Ray result;
+        result.origin = ray.origin;
+        result.direction = ray.direction;
+        result.t_min = ray.t_min;
+        result.t_max = ray.t_max;
+        result.time = ray.time;
+        return result;
+    }
     float importance() const { return max_component(throughput_); }
     RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
     void take_hit(ClosestHit& found);
@@ -181,7 +191,7 @@ class PathTracer {
     /// With which footprint to look up textures. Light sampling looks at points: where it might have found the same
     /// emission, both must see it alike, or their weights would not add up to one.
     RayDifferential footprint_on_surface(const RayDifferential& differential) const {
-        const bool sampled = departure_.density > 0.0f && material_->surface->emits();
+        const bool sampled = material_->surface->emits() && departure_.density > 0.0f;
         return sampled ? RayDifferential{} : differential;
     }
     /// Records light that the ray under way met, before the path's throughput; `seen` is its pass where the camera sees
@@ -196,7 +206,7 @@ class PathTracer {
     /// Whether the world's program must be asked what the world shows.
     bool leave_scene();
     void add_emission(const Vertex& vertex);
-    void add_direct_light(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
+    void add_direct_light(Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
     /// One of several sampled lights.
     struct Sibling {
         int index, count;
@@ -206,7 +216,7 @@ class PathTracer {
     void record_surface(const Vertex& vertex);
     /// Where programs write their AOVs at the vertex; empty where none are wanted.
     std::span<Vec4f> aovs() const {
-        const bool seen = light_.sample.extras && bounces_.count() == 0 && !surface_recorded_;
+        const bool seen = settings_.slots > 0 && bounces_.count() == 0 && !surface_recorded_ && light_.sample.extras;
         return seen ? std::span<Vec4f>(light_.sample.extras->slots) : std::span<Vec4f>();
     }
 

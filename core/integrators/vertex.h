@@ -39,6 +39,7 @@ struct Vertex {
     SurfacePoint point;
     Vec3f outgoing{0, 0, 1};
     RayDifferential differential;
+    LitPoint lit;  ///< to lights, once they are sampled
     Closures closures;
     ClosureView view;  ///< of the closures, for light and scattering
     /// Where the view and the direction to go on by were found together with those of other vertices: the latter.

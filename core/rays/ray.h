@@ -1,6 +1,7 @@
 // A ray in world space, or in a shape's local space where the name says so.
 #pragma once
 
+#include "base/maybe.h"
 #include "base/vector.h"
 #include "rays/motion.h"
 
@@ -46,13 +47,18 @@ struct RayBeam {
 /// finely as this one did: otherwise the back of a thin wall could be diced more finely than its front, and its facets
 /// could lie before those of the front.
 struct RaySight {
-    Vec3d origin{0, 0, 0}, direction{0, 0, 1};  ///< world space
+    Vec3d origin, direction;  ///< world space
     RayBeam beam;
-    float reach = 0;  ///< world units; 0: there was no such ray
+    float reach = 0;  ///< world units
+
+    RaySight(const Vec3d& from, const Vec3d& along, const RayBeam& wide) : origin(from), direction(along), beam(wide) {}
+    // Not inline: few rays have one to copy.
+    RaySight(const RaySight& other);
+    RaySight& operator=(const RaySight& other);
 };
 
 struct RayStart : RayAnchor {
-    RaySight sight;
+    Maybe<RaySight> sight;
 };
 
 struct Ray {
@@ -61,18 +67,17 @@ struct Ray {
     double t_min = 0.0;                                      ///< hits nearer than this are ignored, world units
     double t_max = std::numeric_limits<double>::infinity();  ///< and those beyond this
 
-    /// Decides how finely surfaces are diced; without a width, the view does. World units.
-    RayBeam beam;
-    RayStart start;
-    RayAnchor end;
-
+    float time = kMiddleTime;  ///< of the shutter (rays/motion.h)
     /// For ray caches: the instance that the ray leaves, if any, and how far the rays of this picture beside it are.
     /// Both zero: as close as can be.
     uint32_t leaves = RayAnchor::kNone;
     float neighbour_distance = 0.0f;  ///< at the origin, world units
     float neighbour_angle = 0.0f;     ///< radians
 
-    float time = kMiddleTime;  ///< of the shutter (rays/motion.h)
+    /// Decides how finely surfaces are diced; without a width, the view does. World units.
+    RayBeam beam;
+    RayAnchor end;
+    RayStart start;  ///< last: few rays have a sight
 
     Vec3d at(double t) const { return origin + direction * t; }
 };

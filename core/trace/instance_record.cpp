@@ -138,10 +138,10 @@ Maybe<LocalRay> InstanceRecord::local_ray(uint32_t index, const Ray& world_ray, 
     if (!scene->has_levels()) return local;
     local->beam = local_beam(world_ray.beam);
     local->stretch = 1.0f / widening;
-    const RaySight& before = world_ray.start.sight;
-    if (before.reach > 0.0f && is_within(scene->box(), local->origin, before.reach * shrink))
-        local->before.emplace(LocalSight{point_to_local(before.origin), vector_to_local(before.direction),
-                                         local_beam(before.beam), before.reach * shrink});
+    const Maybe<RaySight>& before = world_ray.start.sight;
+    if (before && is_within(scene->box(), local->origin, before->reach * shrink))
+        local->before.emplace(LocalSight{point_to_local(before->origin), vector_to_local(before->direction),
+                                         local_beam(before->beam), before->reach * shrink});
     if (world_ray.start.instance == index) local->anchors[0] = world_ray.start;
     if (world_ray.end.instance == index) local->anchors[1] = world_ray.end;
     return local;

@@ -287,9 +287,11 @@ void Tracer::surface_points(std::span<const SurfaceQuery> queries, SurfaceDetail
     SurfaceBatch batch(*this, detail);
     for (const SurfaceQuery& query : queries) batch.add(query, implementation_->records[query.hit->instance]);
     batch.finish();
-    for (const SurfaceQuery& query : queries)
-        query.point->sight =
-            query.hit->local.subpatch_length > 0.0f ? implementation_->sight_from(*query.ray, *query.hit) : RaySight();
+    for (const SurfaceQuery& query : queries) {
+        query.point->sight.reset();
+        if (query.hit->local.subpatch_length > 0.0f)
+            query.point->sight = implementation_->sight_from(*query.ray, *query.hit);
+    }
 }
 
 }  // namespace rayleaf

@@ -130,7 +130,7 @@ void Tracer::Implementation::finish(const Ray& ray, Maybe<ShapeHit>& traced, Clo
 /// What a ray that starts at a hit knows about the ray that found it.
 RaySight Tracer::Implementation::sight_from(const Ray& ray, const Hit& hit) const {
     RaySight sight =
-        hit.local.seen_by == SeenBy::RayBefore ? ray.start.sight : RaySight{ray.origin, ray.direction, ray.beam, 0.0f};
+        hit.local.seen_by == SeenBy::RayBefore ? *ray.start.sight : RaySight(ray.origin, ray.direction, ray.beam);
     Maybe<InstanceRecord> room;
     sight.reach = kSightReach * hit.local.subpatch_length / records[hit.instance].at(ray.time, room)->shrink;
     return sight;
