@@ -174,9 +174,9 @@ LargeArray<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToke
     arguments.maxBranchingFactor = BoxNode::kMostChildren;
     arguments.maxDepth = BoxNode::kDeepest - 1;  // and a node of items
     if (leaves) {
-        arguments.maxLeafSize = most_in_leaf;
-        arguments.sahBlockSize = most_in_leaf;  // a leaf's items are tested together
-    } else {                                    // nodes of items are full, and quickly made
+        arguments.minLeafSize = arguments.maxLeafSize = most_in_leaf;  // a leaf's items are tested together
+        arguments.sahBlockSize = most_in_leaf;
+    } else {  // nodes of items are full, and quickly made
         arguments.minLeafSize = arguments.maxLeafSize = BoxNode::kMostChildren;
     }
     arguments.bvh = tree.get();

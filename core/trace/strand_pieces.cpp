@@ -15,8 +15,8 @@ constexpr double kWorthHalving = 0.75;
 /// ...so often at most: memory doubles each time.
 constexpr uint16_t kMostHalvings = 3;
 
-/// Pieces beside each other that the tree does not part: leaves hold about three pieces anyway, and the tree is built
-/// in half the time.
+/// Pieces beside each other that the tree does not part: a leaf holds several anyway, and the tree is built in half
+/// the time.
 constexpr uint32_t kPiecesOfItem = 2;
 
 double surface_area(const Box3d& box) {

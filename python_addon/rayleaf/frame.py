@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
 from types import ModuleType
 from typing import Any
 
@@ -41,6 +42,11 @@ def _layer_argument(depsgraph: Any) -> str:
     return ""
 
 
+def _tell(engine: Any, message: Message) -> None:
+    kept_messages.keep(message)
+    engine.report({message.kind}, message.text)
+
+
 class FrameRender:
     """Renders one view layer through Blender's engine object."""
 
@@ -50,7 +56,7 @@ class FrameRender:
         """`ray_caches`: a RayCacheStore, `parts`: SceneParts that outlive the frame, or None."""
         self._engine, self.depsgraph, self.core = engine, depsgraph, core
         self._ray_caches, self._parts = ray_caches, parts
-        self._messages = Messages(self._tell)
+        self._messages = Messages(partial(_tell, engine))  # no method: in a circle, what this holds would stay too long
         self._scene = depsgraph.scene_eval
         self._layer_name = name_of(depsgraph.view_layer)
         self._layer = ""  # what Blender's result is told of the name; empty: any layer
@@ -59,10 +65,6 @@ class FrameRender:
         self.crop: CropRectangle = crop_of(self._scene, self.frame)
         self._passes = passes.enabled(depsgraph.view_layer, self._scene)
         self._status_text = ""
-
-    def _tell(self, message: Message) -> None:
-        kept_messages.keep(message)
-        self._engine.report({message.kind}, message.text)
 
     def run(self) -> None:
         """Render to the end or until cancelled. What goes wrong is reported and ends this render alone."""

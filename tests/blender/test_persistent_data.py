@@ -48,3 +48,16 @@ bpy.ops.render.render()
 report(kept=kept)
 """
     assert run_blender(SETUP + script).report["kept"] == [0, 2, 1, 0, 0]
+
+
+def test_what_a_render_built_is_freed_when_it_ends(run_blender):
+    """Not when Python next looks for circles, perhaps after another frame has been built beside it."""
+    script = """
+import gc
+from rayleaf.frame import FrameRender
+gc.disable()
+bpy.ops.render.render()
+left = [item for item in gc.get_objects() if type(item) is FrameRender]
+report(left=len(left), kept=kept)
+"""
+    assert run_blender(SETUP + script).report == {"left": 0, "kept": [0]}
