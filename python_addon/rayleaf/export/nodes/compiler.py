@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from ... import versions
@@ -99,6 +100,11 @@ def volume_node(*identifiers: str) -> Callable[[ClosureFunction], ClosureFunctio
     return _writer(VOLUME_NODES, identifiers)
 
 
+def _warn(owner: Subject, messages: Messages, node: Any, text: str) -> None:
+    subject = replace(owner, node=name_of(node))
+    messages.warn(f"{subject}: {text}", subject)
+
+
 class Compiler:
     """Compiles one material's or world's tree."""
 
@@ -118,19 +124,18 @@ class Compiler:
         self.emitter, self.resources, self.is_world, self._displaces = emitter, resources, is_world, displaces
         self._is_volume, self.is_lamp = False, subject.kind == "Light"
         self.reads_grids = False  # what is compiled fills an object that grids are of
-        self._subject, self._messages = subject, messages
+        self._warn = partial(_warn, subject, messages)  # no method: in a circle, what this holds would stay too long
         # What stands for the surface's normal, where displacement is bump only.
         self.bent_normal: Register = UNCONNECTED
         # What functions raise where a node is in a mode that they, or the core, do not know.
         self._unknown = (emitter.rejected, LookupError, ValueError, AttributeError)
-        self.links = Links(self.warn)
+        self.links = Links(self._warn)
         self._done: dict[Any, Register] = {}
         self._open: set[Any] = set()
 
     def warn(self, node: Any, text: str) -> None:
         """Tell about a node, once."""
-        subject = replace(self._subject, node=name_of(node))
-        self._messages.warn(f"{subject}: {text}", subject)
+        self._warn(node, text)
 
     def bend_normal(self, normal: Register) -> None:
         """From now on this stands for the surface's normal."""
