@@ -157,7 +157,7 @@ class alignas(64) PathTracer {  // begins with a line of the cache
     Contributions light_;
     static constexpr uint32_t kNowhere = RayAnchor::kNone;
 
-    /// The same ray, made of what cameras say of it. As a whole it would be read while its parts are still written.
+    /// A copy of what cameras set. A copy of the whole ray would wait for their writes.
     static Ray from_camera(const Ray& ray) {
         Ray result;
         result.origin = ray.origin;

@@ -9,7 +9,7 @@
 namespace rayleaf {
 namespace {
 
-/// `g`: the cosine of the light at the smooth surface over what the bump lets one expect.
+/// `g`: the light's cosine at the smooth normal, over its cosine at the bent one and that between the two normals.
 float shadow_by_cubic(float g) {
     return g < 1.0f ? g * (1.0f + g * (1.0f - g)) : 1.0f;
 }

@@ -173,12 +173,9 @@ LargeArray<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToke
     RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.maxBranchingFactor = BoxNode::kMostChildren;
     arguments.maxDepth = BoxNode::kDeepest - 1;  // and a node of items
-    if (leaves) {
-        arguments.minLeafSize = arguments.maxLeafSize = most_in_leaf;  // a leaf's items are tested together
-        arguments.sahBlockSize = most_in_leaf;
-    } else {  // nodes of items are full, and quickly made
-        arguments.minLeafSize = arguments.maxLeafSize = BoxNode::kMostChildren;
-    }
+    // Leaves, and nodes of items, are as full as can be.
+    arguments.minLeafSize = arguments.maxLeafSize = leaves ? most_in_leaf : BoxNode::kMostChildren;
+    if (leaves) arguments.sahBlockSize = most_in_leaf;  // a leaf's items are tested together
     arguments.bvh = tree.get();
     arguments.primitives = items.data();
     arguments.primitiveCount = arguments.primitiveArrayCapacity = items.size();

@@ -56,7 +56,8 @@ class FrameRender:
         """`ray_caches`: a RayCacheStore, `parts`: SceneParts that outlive the frame, or None."""
         self._engine, self.depsgraph, self.core = engine, depsgraph, core
         self._ray_caches, self._parts = ray_caches, parts
-        self._messages = Messages(partial(_tell, engine))  # no method: in a circle, what this holds would stay too long
+        # No method of this: a reference cycle would hold the scene until Python collects it.
+        self._messages = Messages(partial(_tell, engine))
         self._scene = depsgraph.scene_eval
         self._layer_name = name_of(depsgraph.view_layer)
         self._layer = ""  # what Blender's result is told of the name; empty: any layer

@@ -51,7 +51,7 @@ report(kept=kept)
 
 
 def test_what_a_render_made_is_freed_when_it_ends(run_blender):
-    """Not when Python next looks for circles, perhaps after another frame has been made beside it."""
+    """Not when Python next collects reference cycles, perhaps after another frame has been made beside it."""
     script = """
 import gc
 material = bpy.data.materials.new("grey")

@@ -111,7 +111,7 @@ class _ExactForms:
         self._sweeps = curve_settings(depsgraph.scene_eval.rayleaf).primitive == "EXACT"
 
     def has(self, owner: Any) -> bool:
-        """Whether an object of a type with an exact form is; of some `settle` tells in the end."""
+        """Whether an object is rendered from its control points. Of filled curves `settle` may still take it back."""
         pointer = owner.as_pointer()
         if pointer not in self._known:
             judged = None if owner.type == "SURFACE" else self._judged(owner)

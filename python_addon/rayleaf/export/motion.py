@@ -134,6 +134,12 @@ class CloudNumbers:
         return met.index(pointer)
 
 
+def _step(number: int, most: int, count: int) -> int | None:
+    """Which of `count` even times is the one of this number among `most`; None if it is between two."""
+    step, rest = divmod(number * (count - 1), most - 1)
+    return step if rest == 0 else None
+
+
 @dataclass
 class _Track:
     """Where one instance is, by time; None where it was not there."""
@@ -237,13 +243,14 @@ class _Gatherer:
         clouds = CloudNumbers()
         for instance in self._shown():
             track = self._tracks.get(_key_of(instance))
-            if track is not None and number * (len(track.places) - 1) % (most - 1) == 0:
-                track.places[number * (len(track.places) - 1) // (most - 1)] = _matrix(instance.matrix_world)
+            step = None if track is None else _step(number, most, len(track.places))
+            if track is not None and step is not None:
+                track.places[step] = _matrix(instance.matrix_world)
             self._take_forms(instance, number, most)
             self._take_cloud(instance, clouds, number, most)
-        views = len(self._views)
-        if views and number * (views - 1) % (most - 1) == 0:
-            self._views[number * (views - 1) // (most - 1)] = self._view()
+        step = _step(number, most, len(self._views)) if self._views else None
+        if step is not None:
+            self._views[step] = self._view()
 
     def _start_forms(self, instance: Any, owner: Any) -> None:
         pointer, count = owner.original.as_pointer(), _times([self._level(owner)])
@@ -258,9 +265,10 @@ class _Gatherer:
     def _take_forms(self, instance: Any, number: int, most: int) -> None:
         owner = instance.instance_object or instance.object
         forms = self._forms_of.get(owner.original.as_pointer()) if self._forms_of else None
-        if forms is None or number * (len(forms) - 1) % (most - 1) != 0:
+        step = None if forms is None else _step(number, most, len(forms))
+        if forms is None or step is None:
             return
-        step, mesh = number * (len(forms) - 1) // (most - 1), _own_mesh(instance)
+        mesh = _own_mesh(instance)
         if forms[step] is None and not _is_beside_mesh(owner, mesh):
             forms[step] = self._forms.of(owner, mesh)
 
@@ -279,9 +287,9 @@ class _Gatherer:
         owner = instance.instance_object or instance.object
         part = POINTS, clouds.of(owner, instance.object.data)
         forms = self._clouds_of.get((owner.original.as_pointer(), part))
-        if forms is None or number * (len(forms) - 1) % (most - 1) != 0:
+        step = None if forms is None else _step(number, most, len(forms))
+        if forms is None or step is None:
             return
-        step = number * (len(forms) - 1) // (most - 1)
         forms[step] = forms[step] or of_points(instance.object.data)
 
     def _deformations(self) -> dict[tuple[int, Part], Deformation | str]:

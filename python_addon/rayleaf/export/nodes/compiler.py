@@ -124,18 +124,15 @@ class Compiler:
         self.emitter, self.resources, self.is_world, self._displaces = emitter, resources, is_world, displaces
         self._is_volume, self.is_lamp = False, subject.kind == "Light"
         self.reads_grids = False  # what is compiled fills an object that grids are of
-        self._warn = partial(_warn, subject, messages)  # no method: in a circle, what this holds would stay too long
+        # Tells about a node, once. No method: `links` keeps it, and a reference cycle would hold what was exported.
+        self.warn: Callable[[Any, str], None] = partial(_warn, subject, messages)
         # What stands for the surface's normal, where displacement is bump only.
         self.bent_normal: Register = UNCONNECTED
         # What functions raise where a node is in a mode that they, or the core, do not know.
         self._unknown = (emitter.rejected, LookupError, ValueError, AttributeError)
-        self.links = Links(self._warn)
+        self.links = Links(self.warn)
         self._done: dict[Any, Register] = {}
         self._open: set[Any] = set()
-
-    def warn(self, node: Any, text: str) -> None:
-        """Tell about a node, once."""
-        self._warn(node, text)
 
     def bend_normal(self, normal: Register) -> None:
         """From now on this stands for the surface's normal."""
