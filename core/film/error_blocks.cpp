@@ -26,6 +26,8 @@ constexpr double kEvenPower = 1.1;
 constexpr double kNeighbors = 0.3;
 /// And its changes, beside a target error: squares do not see how evenly samples are spread.
 constexpr double kChanges = 0.2;
+/// What is rendered together has as many paths at least: streams are full, and what is made for each part is worth it.
+constexpr uint64_t kPathsOfPart = 4096;
 /// A block of less than this share of a noise threshold is not noisy at all.
 constexpr double kCalm = 0.01;
 
@@ -130,8 +132,18 @@ std::vector<std::vector<WindowSamples>> ErrorBlocks::next(int most) const {
         const Window place = window(i);
         if (count > 0) found[group(place.x, place.y)].push_back({place, {has, count}, has});
     }
-    std::erase_if(found, [](const auto& each) { return each.empty(); });
-    return found;
+    std::vector<std::vector<WindowSamples>> parts;
+    uint64_t paths = kPathsOfPart;
+    for (const std::vector<WindowSamples>& each : found) {
+        if (paths >= kPathsOfPart) {
+            parts.emplace_back();
+            paths = 0;
+        }
+        for (const WindowSamples& block : each) paths += block.paths();
+        parts.back().insert(parts.back().end(), each.begin(), each.end());
+    }
+    std::erase_if(parts, [](const auto& part) { return part.empty(); });
+    return parts;
 }
 
 double ErrorBlocks::samples_missing(int most) const {
@@ -176,10 +188,10 @@ void ErrorBlocks::add_changes(Block& block, const Window& place, std::span<const
     }
 }
 
-void ErrorBlocks::add_rays(std::span<const WindowSamples> blocks, uint64_t rays) {
-    Cost& cost = costs_[group(blocks.front().window.x, blocks.front().window.y)];
+void ErrorBlocks::add_rays(const WindowSamples& block, uint64_t rays) {
+    Cost& cost = costs_[group(block.window.x, block.window.y)];
     cost.rays += rays;
-    for (const WindowSamples& each : blocks) cost.samples += each.paths();
+    cost.samples += block.paths();
 }
 
 double ErrorBlocks::numbers_of_all() const {
@@ -288,7 +300,7 @@ double ErrorBlocks::samples_per_worth(std::span<const double> worths, double roo
         }
         return sum;
     };
-    constexpr int kSteps = 50;
+    constexpr int kSteps = 16;  // the factor is known to a thousandth
     double low = 0, high = kMostDoublings;
     for (int step = 0; step < kSteps; ++step) {
         const double middle = (low + high) / 2;

@@ -54,21 +54,21 @@ struct ErrorGoal {
 
 class ErrorBlocks {
   public:
-    static constexpr int kSide = 2;  ///< of a block, pixels
-    static constexpr int kGroup =
-        8;  ///< pixels along the side of what is rendered together; they are cut at the border
+    static constexpr int kSide = 2;   ///< of a block, pixels
+    static constexpr int kGroup = 8;  ///< pixels along the side of what samples cost alike; cut at the border
 
     /// Of a film; blocks begin at its lower left corner.
     ErrorBlocks(int width, int height, const ErrorGoal& goal);
 
-    /// Of blocks that are not done yet what they should have next, `most` at most of a pixel; group by group.
+    /// Of blocks that are not done yet what they should have next, `most` at most of a pixel; in parts, for one thread
+    /// each. All blocks of a group are in one part.
     std::vector<std::vector<WindowSamples>> next(int most) const;
     /// Of all pixels, as far as one can see.
     double samples_missing(int most) const;
     /// After further samples of all of a block's pixels, row by row. Blocks may be added to by different threads.
     void add(const WindowSamples& block, std::span<const PixelMoments> pixels);
-    /// How many rays the samples of blocks of one group took.
-    void add_rays(std::span<const WindowSamples> blocks, uint64_t rays);
+    /// How many rays the samples of a block took. Groups may be added to by different threads.
+    void add_rays(const WindowSamples& block, uint64_t rays);
     /// After each round.
     void decide();
     /// Less is left for noise, where a shortcut makes an error.

@@ -26,7 +26,7 @@ void DistributionTracer::begin(const CameraRay& camera_ray, const Sampler& sampl
 RayQuery DistributionTracer::next_ray() {
     branch_.emplace(std::move(pending_.back()));
     pending_.pop_back();
-    ++counts_[branch_->use];
+    ++(*counts_)[branch_->use];
     if (has_footprint_) branch_->ray = ray_of(*branch_);
     return {&branch_->ray, branch_->bounces.ray_kind(), differential_of(*branch_)};
 }
@@ -172,7 +172,7 @@ void DistributionTracer::add_blocked_lights(const Branch& branch) {
     shadow.state.shadow = true;
     shadow.widening = settings_.widening(branch.importance(), false);
     find_blocked_lights(scene_, way, shadow, branch.departure.from, [&](const BlockedLight& light) {
-        ++counts_[RayUse::Shadow];
+        ++(*counts_)[RayUse::Shadow];
         add(branch, light.radiance * branch.departure.weight(light.density), Pass::emission, light.light_group);
     });
 }

@@ -16,7 +16,7 @@ HemisphereRay DistributionTracer::trace_hemisphere(const Branch& ray) {
     branch.ray = ray_of(ray);
     const double whole = branch.ray.t_max;
     if (!carries_light) branch.ray.t_max = reach;
-    ++counts_[ray.use];
+    ++(*counts_)[ray.use];
     const ClosestHit found = scene_.tracer().closest(branch.ray, branch.bounces.ray_kind(), differential_of(branch));
     Ray limited = branch.ray;
     const Maybe<Hit>& hit = found.hit;
@@ -52,7 +52,7 @@ void DistributionTracer::add_occlusion(const Branch& branch, const Vertex& verte
         if (cached) return light_.sample.add(Pass::ambient_occlusion, cached->free / kPi);
     }
     const int count = rays(branch, distribution_.hemisphere_rays);
-    counts_[RayUse::Occlusion] += static_cast<uint64_t>(count);
+    (*counts_)[RayUse::Occlusion] += static_cast<uint64_t>(count);
     const uint32_t use = dimension(branch.vertex, PathDimension::Occlusion);
     light_.sample.add(Pass::ambient_occlusion,
                       ambient_occlusion(scene_, settings_, vertex, {count, branch.sampler, use, widening(branch)}));
@@ -62,10 +62,10 @@ void DistributionTracer::scatter_over_hemisphere(const Branch& branch, const Ver
                                                  const SplitClosures& lobes) {
     if (lobes.diffuse().size() == 0 || !hemisphere_brings_light(frame_)) return;
     if (frame_.cache && add_cached_hemisphere(branch, vertex, lobes.diffuse())) {
-        ++counts_.hemispheres_interpolated;
+        ++counts_->hemispheres_interpolated;
         return;
     }
-    ++counts_.hemispheres_sampled;
+    ++counts_->hemispheres_sampled;
     const int count = rays(branch, distribution_.hemisphere_rays);
     const uint32_t use = dimension(branch.vertex, PathDimension::Hemisphere);
     constexpr int kAtOnce = SamplePairs::kMost / 2;
@@ -108,7 +108,7 @@ void DistributionTracer::send_over_hemisphere(const Branch& branch, const Vertex
 void DistributionTracer::ask_world(const Branch& branch, const Vertex& vertex, const Closures& lobes,
                                    const HemisphereSample& chosen) {
     if (world_rays_.size() == kPacketSize) receive_world_alone();
-    ++counts_[RayUse::Hemisphere];
+    ++(*counts_)[RayUse::Hemisphere];
     const LobeSample& sample = chosen.sample;
     const auto count = static_cast<float>(chosen.count);
     Bounces bounces = branch.bounces;

@@ -21,7 +21,7 @@ void DistributionTracer::add_scattered_light(const Branch& branch, const MediumS
     if (!light) return;
     Color value = branch.throughput * light->value;
     if (light->way) {
-        ++counts_[RayUse::Shadow];
+        ++(*counts_)[RayUse::Shadow];
         value *= free_share(scene_, *light->way);
     }
     if (is_black(value)) return;

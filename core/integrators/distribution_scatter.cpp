@@ -44,7 +44,7 @@ void DistributionTracer::send_light(const Branch& branch, const Vertex& vertex, 
     const float each = 1.0f / static_cast<float>(count);
     const Color arriving = branch.throughput * value * (light.radiance / light.density) * each;
     if (is_black(arriving)) return;
-    ++counts_[RayUse::Shadow];
+    ++(*counts_)[RayUse::Shadow];
     const int siblings = branch.spread == Spread::One ? kPathSiblings : count;
     const bool waits = send_on_way(branch, vertex, light, siblings);
     const int scatterings = branch.bounces.count() + 1;

@@ -13,12 +13,14 @@ void for_each_part_of(std::span<Item> items, size_t most, const Visit& visit) {
 
 }  // namespace
 
-DistributionStream::DistributionStream(const DistributionFrame& frame, const CancelToken& cancel, RayCounts& counts)
-    : frame_(frame), cancel_(cancel), counts_(counts), vertices_(kMostPoints) {}
+DistributionStream::DistributionStream(const DistributionFrame& frame, const CancelToken& cancel)
+    : frame_(frame), cancel_(cancel), vertices_(kMostPoints) {}
 
-void DistributionStream::add(const CameraRay& ray, const Sampler& sampler) {
-    if (trees_.size() == size_) trees_.emplace_back(frame_, counts_);
-    trees_[size_++].begin(ray, sampler);
+void DistributionStream::add(const CameraRay& ray, const Sampler& sampler, RayCounts& counts) {
+    if (trees_.size() == size_) trees_.emplace_back(frame_, counts);
+    DistributionTracer& tree = trees_[size_++];
+    tree.count_in(counts);
+    tree.begin(ray, sampler);
 }
 
 void DistributionStream::trace_all() {

@@ -18,10 +18,11 @@ class DistributionStream {
     /// What as many trees hold fits a thread's own cache: each has a packet of rays that wait.
     static constexpr size_t kMost = 64;
 
-    /// `counts` gets the rays. Tracing throws Cancelled soon after `cancel` says so.
-    DistributionStream(const DistributionFrame& frame, const CancelToken& cancel, RayCounts& counts);
+    /// Tracing throws Cancelled soon after `cancel` says so.
+    DistributionStream(const DistributionFrame& frame, const CancelToken& cancel);
 
-    void add(const CameraRay& ray, const Sampler& sampler);
+    /// `counts` gets the tree's rays.
+    void add(const CameraRay& ray, const Sampler& sampler, RayCounts& counts);
     size_t size() const { return size_; }
     /// Traces what was added and forgets it; calls `take` with what each camera ray contributes, in the order in which
     /// they were added.
@@ -35,7 +36,6 @@ class DistributionStream {
   private:
     const DistributionFrame& frame_;
     const CancelToken& cancel_;
-    RayCounts& counts_;
     size_t size_ = 0;
     std::vector<DistributionTracer> trees_;  ///< the first `size_` of them; the others keep their memory
     std::vector<SampleExtras> extras_;       ///< by tree, where the settings ask for some

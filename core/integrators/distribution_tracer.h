@@ -48,15 +48,18 @@ struct HemisphereSample {
 
 class DistributionTracer {
   public:
+    /// `counts` gets the rays.
     DistributionTracer(const DistributionFrame& frame, RayCounts& counts)
         : frame_(frame),
           scene_(frame.scene),
           distribution_(frame.settings),
           settings_(frame.settings.path),
-          counts_(counts),
+          counts_(&counts),
           has_footprint_(frame.scene.needs_footprints()),
           light_(frame.settings.path) {}
 
+    /// Gets the rays from now on.
+    void count_in(RayCounts& counts) { counts_ = &counts; }
     /// Begins with a camera ray, and forgets the one before.
     void begin(const CameraRay& camera_ray, const Sampler& sampler);
     /// What the settings ask for beside passes goes there.
@@ -88,7 +91,7 @@ class DistributionTracer {
     const Scene& scene_;
     const DistributionSettings& distribution_;
     const PathSettings& settings_;
-    RayCounts& counts_;
+    RayCounts* counts_;
     bool has_footprint_;  ///< differentials count, and are kept
     Contributions light_;
     std::vector<Branch> pending_;   ///< last in, first out

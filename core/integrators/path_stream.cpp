@@ -29,12 +29,10 @@ void for_each_packet(std::span<T> all, const Visit& visit) {
 
 }  // namespace
 
-PathStream::PathStream(const Scene& scene, const PathSettings& settings, size_t most, const CancelToken& cancel,
-                       RayCounts& counts)
+PathStream::PathStream(const Scene& scene, const PathSettings& settings, size_t most, const CancelToken& cancel)
     : scene_(scene),
       settings_(settings),
       cancel_(cancel),
-      counts_(counts),
       vertices_(kMostPoints),
       inputs_(kMostPoints),
       scatter_queries_(kMostPoints) {
@@ -42,8 +40,8 @@ PathStream::PathStream(const Scene& scene, const PathSettings& settings, size_t 
     light_rays_.reserve(most);
 }
 
-void PathStream::add(const CameraRay& ray, const Sampler& sampler) {
-    paths_.emplace_back(scene_, settings_, ray, sampler, counts_);
+void PathStream::add(const CameraRay& ray, const Sampler& sampler, RayCounts& counts) {
+    paths_.emplace_back(scene_, settings_, ray, sampler, counts);
 }
 
 void PathStream::trace_all() {

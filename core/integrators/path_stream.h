@@ -19,11 +19,11 @@ namespace rayleaf {
 
 class PathStream {
   public:
-    /// There is room for `most` paths. `counts` gets the rays. Tracing throws Cancelled soon after `cancel` says so.
-    PathStream(const Scene& scene, const PathSettings& settings, size_t most, const CancelToken& cancel,
-               RayCounts& counts);
+    /// There is room for `most` paths. Tracing throws Cancelled soon after `cancel` says so.
+    PathStream(const Scene& scene, const PathSettings& settings, size_t most, const CancelToken& cancel);
 
-    void add(const CameraRay& ray, const Sampler& sampler);
+    /// `counts` gets the path's rays.
+    void add(const CameraRay& ray, const Sampler& sampler, RayCounts& counts);
     size_t size() const { return paths_.size(); }
     /// Traces the paths that were added and forgets them; calls `take` with what each contributes, in the order in
     /// which they were added.
@@ -40,7 +40,6 @@ class PathStream {
     const Scene& scene_;
     const PathSettings& settings_;
     const CancelToken& cancel_;
-    RayCounts& counts_;
     std::vector<PathTracer> paths_;
     std::vector<SampleExtras> extras_;  ///< by path, where the settings ask for some
     std::vector<uint32_t> active_;      ///< paths that go on

@@ -193,59 +193,63 @@ void Session::render_group(const WindowGroup& group, const Frame& frame) {
     const bool is_error_asked = error_ && frame.step == 1, shows_mattes = film_.has_mattes() && frame.step == 1;
     const Window whole = part(settings_);
     WindowGroup of_film = group;
-    WindowSums sums;
     for (WindowSamples& each : of_film) {
         each.window.x -= whole.x;
         each.window.y -= whole.y;
-        sums.add_window(TileSums(each.window, each.samples, film_.summed_passes(),
-                                 {sums_.get(), is_error_asked, shows_mattes, film_.holds_means()}));
     }
-    RayCounts counts;
+    WindowSums sums(of_film, film_.summed_passes(), {sums_.get(), is_error_asked, shows_mattes, film_.holds_means()});
+    std::vector<RayCounts> counts(group.size());  // by window
     // Which pixel caused a tessellation is known for single paths only.
     const bool alone = settings_.stream_paths == 0 || frame.path.wants(Pass::geometry_misses);
     if (!(alone ? render_paths(group, frame, sums, counts) : render_streams(group, frame, sums, counts))) return;
-    for (size_t i = 0; i < of_film.size(); ++i) store(of_film[i], frame, sums[i]);
-    if (is_error_asked) error_->add_rays(of_film, counts.sum());
-    add_counts(counts);
+    RayCounts all;
+    for (size_t i = 0; i < of_film.size(); ++i) {
+        store(of_film[i], frame, sums[i]);
+        if (is_error_asked) error_->add_rays(of_film[i], counts[i].sum());
+        all += counts[i];
+    }
+    add_counts(all);
 }
 
 /// Puts a window of the film's pixels, or blocks of them, where it belongs.
-void Session::store(const WindowSamples& of_film, const Frame& frame, const TileSums& sums) {
+void Session::store(const WindowSamples& of_film, const Frame& frame, const WindowSums::Sums& sums) {
     const int count = of_film.samples.count, taken = of_film.taken;
     if (frame.step > 1)
-        film_.put_blocks(of_film.window, sums.values(), frame.step);
+        film_.put_blocks(of_film.window, sums.values, frame.step);
     else if (taken == 0)
-        film_.put(of_film.window, sums.values());
+        film_.put(of_film.window, sums.values);
     else
-        film_.refine(of_film.window, sums.values(), static_cast<float>(count) / static_cast<float>(taken + count));
-    if (film_.has_mattes() && frame.step == 1) film_.add_mattes(of_film.window, count, sums.mattes());
-    if (error_ && frame.step == 1) error_->add(of_film, sums.moments());
-    finished_paths_ += sums.values().size() * static_cast<uint64_t>(count);
+        film_.refine(of_film.window, sums.values, static_cast<float>(count) / static_cast<float>(taken + count));
+    if (film_.has_mattes() && frame.step == 1) film_.add_mattes(of_film.window, count, sums.mattes);
+    if (error_ && frame.step == 1) error_->add(of_film, sums.moments);
+    finished_paths_ += sums.values.size() * static_cast<uint64_t>(count);
 }
 
 /// One path after the other.
-bool Session::render_paths(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const {
-    return for_each_pixel(group, [&](int x, int y, const SampleRange& range) {
-        return render_pixel(sample_of(x, y, frame), range, frame, sums, counts);
+bool Session::render_paths(const WindowGroup& group, const Frame& frame, WindowSums& sums,
+                           std::span<RayCounts> counts) const {
+    return for_each_pixel(group, [&](size_t window, int x, int y) {
+        return render_pixel(sample_of(x, y, frame), group[window].samples, frame, sums, counts[window]);
     });
 }
 
-bool Session::render_streams(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const {
+bool Session::render_streams(const WindowGroup& group, const Frame& frame, WindowSums& sums,
+                             std::span<RayCounts> counts) const {
     size_t paths = 0;
     for (const WindowSamples& each : group) paths += each.paths();
     const size_t most = std::min(static_cast<size_t>(settings_.stream_paths), paths);
     if (frame.integrator == IntegratorKind::Distribution) {
-        DistributionStream stream(frame.distribution, cancel_, counts);
-        return render_stream(group, frame, std::min(most, DistributionStream::kMost), stream, sums);
+        DistributionStream stream(frame.distribution, cancel_);
+        return render_stream(group, frame, std::min(most, DistributionStream::kMost), stream, sums, counts);
     }
-    PathStream stream(*scene_, frame.path, most, cancel_, counts);
-    return render_stream(group, frame, most, stream, sums);
+    PathStream stream(*scene_, frame.path, most, cancel_);
+    return render_stream(group, frame, most, stream, sums, counts);
 }
 
 /// The paths of windows, pixel by pixel, at most so many at once.
 template <typename Stream>
-bool Session::render_stream(const WindowGroup& group, const Frame& frame, size_t most, Stream& stream,
-                            WindowSums& sums) const {
+bool Session::render_stream(const WindowGroup& group, const Frame& frame, size_t most, Stream& stream, WindowSums& sums,
+                            std::span<RayCounts> counts) const {
     const auto trace = [&] {
         if (cancel_.cancelled()) return false;
         stream.trace([&](const PixelSample& value) { sums.add(value); });
@@ -257,10 +261,13 @@ bool Session::render_stream(const WindowGroup& group, const Frame& frame, size_t
         add_paths({samples.data(), std::exchange(count, 0)}, frame, stream);
         return stream.size() < most || trace();
     };
-    const bool finished = for_each_pixel(group, [&](int x, int y, const SampleRange& range) {
-        const CameraSample pixel = sample_of(x, y, frame);
+    const bool finished = for_each_pixel(group, [&](size_t window, int x, int y) {
+        CameraSample pixel = sample_of(x, y, frame);
+        pixel.counts = &counts[window];
+        const SampleRange& range = group[window].samples;
         for (int i = 0; i < range.count; ++i) {
-            samples[count++] = {pixel.middle, pixel.sampler.of_sample(static_cast<uint32_t>(range.first + i))};
+            samples[count] = pixel;
+            samples[count++].sampler = pixel.sampler.of_sample(static_cast<uint32_t>(range.first + i));
             const bool is_full = count == kMostCameraSamples || stream.size() + count == most;
             if (is_full && !add()) return false;
         }
@@ -304,7 +311,7 @@ void Session::add_paths(std::span<const CameraSample> samples, const Frame& fram
         CameraNumbers random{pairs.pair(pair++)};
         if (frame.has_lens) random.lens = pairs.pair(pair++);
         if (frame.has_time) random.time = pairs.pair(pair++).x;
-        stream.add(camera_ray(sample, random, frame), sample.sampler);
+        stream.add(camera_ray(sample, random, frame), sample.sampler, *sample.counts);
     }
 }
 

@@ -5,7 +5,7 @@
 #include "base/random.h"
 #include "film/error_blocks.h"
 #include "film/film.h"
-#include "film/tile_sums.h"
+#include "film/window_sums.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/ray_counts.h"
 #include "render/curve_statistics.h"
@@ -124,11 +124,12 @@ class Session {
     const IrradianceCache* filled_cache();
     struct Frame;  ///< what all tiles share
     void render_group(const WindowGroup& group, const Frame& frame);
-    void store(const WindowSamples& of_film, const Frame& frame, const TileSums& sums);
+    void store(const WindowSamples& of_film, const Frame& frame, const WindowSums::Sums& sums);
     /// A sample of a pixel.
     struct CameraSample {
         Vec2d middle{0, 0};  ///< of the pixel
         Sampler sampler{0, 0, 0};
+        RayCounts* counts = nullptr;  ///< of its window
     };
     /// The first of a pixel, or of the one in the middle of a block.
     CameraSample sample_of(int x, int y, const Frame& frame) const;
@@ -140,11 +141,14 @@ class Session {
     CameraRay camera_ray(const CameraSample& sample, const CameraNumbers& random, const Frame& frame) const;
     template <typename Stream>
     void add_paths(std::span<const CameraSample> samples, const Frame& frame, Stream& stream) const;
-    bool render_paths(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const;
-    bool render_streams(const WindowGroup& group, const Frame& frame, WindowSums& sums, RayCounts& counts) const;
+    // `counts`: a window's each.
+    bool render_paths(const WindowGroup& group, const Frame& frame, WindowSums& sums,
+                      std::span<RayCounts> counts) const;
+    bool render_streams(const WindowGroup& group, const Frame& frame, WindowSums& sums,
+                        std::span<RayCounts> counts) const;
     template <typename Stream>
-    bool render_stream(const WindowGroup& group, const Frame& frame, size_t most, Stream& stream,
-                       WindowSums& sums) const;
+    bool render_stream(const WindowGroup& group, const Frame& frame, size_t most, Stream& stream, WindowSums& sums,
+                       std::span<RayCounts> counts) const;
     bool render_pixel(const CameraSample& pixel, const SampleRange& range, const Frame& frame, WindowSums& sums,
                       RayCounts& counts) const;
     void add_counts(const RayCounts& counts);

@@ -20,13 +20,15 @@ inline std::vector<Window> tiles_of(const Window& window, int size) {
     return tiles;
 }
 
-/// Calls `visit` with each pixel of windows and its samples, until it returns false; then returns false.
+/// Calls `visit` with the number of each window and each of its pixels, until it returns false; then returns false.
 template <typename Visit>
 bool for_each_pixel(std::span<const WindowSamples> windows, const Visit& visit) {
-    for (const auto& [window, samples, taken] : windows)
+    for (size_t i = 0; i < windows.size(); ++i) {
+        const Window& window = windows[i].window;
         for (int y = window.y; y < window.y + window.height; ++y)
             for (int x = window.x; x < window.x + window.width; ++x)
-                if (!visit(x, y, samples)) return false;
+                if (!visit(i, x, y)) return false;
+    }
     return true;
 }
 

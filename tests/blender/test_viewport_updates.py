@@ -129,7 +129,7 @@ MEANWHILE = """
 preferences.view.render_display_type = "NONE"
 render.resolution_x, render.resolution_y = 320, 240
 render.threads_mode, render.threads = "FIXED", 1
-scene.rayleaf.samples = 64
+scene.rayleaf.samples = 512
 
 def steps():
     yield 0.5

@@ -12,10 +12,10 @@ STEPS, WHOLE = 2624, 5184
 
 def bytes_of_a_grid(tracer, rays) -> float:
     """Memory of the fine level per grid. A thread without a slot dices into its own memory, so rays are repeated
-    until every grid is kept."""
+    until every grid is kept. They are one chunk, for one thread: each thread may keep a slot that it did not fill."""
     for _ in range(10):
         before = tracer.statistics()["geometry_cache"]["levels"]["fine"]
-        tracer.closest_hits(*rays)
+        tracer.closest_hits(*rays, together=len(rays[0]))
         level = tracer.statistics()["geometry_cache"]["levels"]["fine"]
         if level["diced"] == before["diced"]:
             return level["bytes"] / level["cold"]
@@ -31,7 +31,7 @@ def traced(depth: float, pixel_angle: float):
     for angle in (pixel_angle, 1e-6):
         surface = swept.bend(bevel_depth=depth, fill_caps=True)
         tracer = _core.trace.Tracer([(surface, np.eye(4), shapes.EVERYTHING)], pixel_angle=angle, eye=(0, 0, 5))
-        found.append((tracer, tracer.closest_hits(*rays)["t"]))
+        found.append((tracer, tracer.closest_hits(*rays, together=len(rays[0]))["t"]))
     (tracer, t), (_, exact) = found
     both = np.isfinite(t) & np.isfinite(exact)
     # Chords of a thin strand lie up to a quarter of its radius beside it.
