@@ -8,6 +8,7 @@
 // is the angle around the axis, of a ribbon the place across it, both from 0 to 1.
 #pragma once
 
+#include "base/prefetch.h"
 #include "geometry/shape.h"
 #include "geometry/strand_curve.h"
 
@@ -101,6 +102,10 @@ class Strands final : public Shape {
     };
     Place place(uint32_t segment) const;
     StrandSegment segment(uint32_t segment, const Place& place, float time = kMiddleTime) const;
+    /// Brings its points into the cache, as far as they rest.
+    void prefetch(const Place& place) const {
+        if ((place.ends & Place::kClosed) == 0) prefetch_lines(&points_[place.first], 4 * sizeof(StrandPoint));
+    }
     /// The segment before (step -1) or after (+1) one of the same strand, wrapped around on a closed strand; empty at
     /// an end.
     std::optional<uint32_t> neighbour(uint32_t segment, int step) const;

@@ -103,12 +103,15 @@ StrandSpans StrandScene::spans(const Query& query, const Piece& piece, double ne
                        needs_leave_before);
 }
 
-/// The nearest first: a hit rules out those behind it.
+/// The nearest first: a hit rules out those behind it. Pieces and their points lie anywhere in memory, so they are
+/// asked for as soon as it is known which.
 void StrandScene::visit_leaf(Query& query, uint32_t leaf, float& farthest) const {
     Maybe<Capsules> room;
     const Capsules& capsules = this->capsules(leaf, query.ray->time, room);
     float nears[Capsules::kMost];
+    prefetch_lines(&pieces_[capsules.first_piece], capsules.count * sizeof(Piece));
     uint32_t met = meet_capsules_(capsules, query.float_frame, {-kAlongError, farthest}, nears);
+    for_each_lane(met, [&](size_t lane) { strands_->prefetch(pieces_[capsules.first_piece + lane].place); });
     while (met != 0) {
         auto nearest = static_cast<uint32_t>(__builtin_ctz(met));
         for_each_lane(met, [&](size_t lane) {
