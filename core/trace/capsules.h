@@ -15,7 +15,7 @@ struct alignas(64) Capsules {
     static constexpr uint32_t kMost = BoxTree::kMostInLeaf;
 
     float begin[3][kMost] = {}, way[3][kMost] = {}, radius[kMost] = {};
-    uint32_t first_piece = 0, count = 0;
+    uint32_t count = 0;
 };
 
 /// A ray with two directions across it: unit and orthogonal.

@@ -28,12 +28,11 @@ double surface_area(const Box3d& box) {
 
 StrandScene::StrandScene(const Strands& strands, const CancelToken& cancel)
     : ShapeScene(strands, FacetKind::Strands), strands_(&strands), meet_capsules_(capsule_kernel()) {
-    add_pieces(cancel);
-    build_tree(cancel);
+    build_tree(all_pieces(cancel), cancel);
     if (!tree_.empty()) set_box(strands.bounds());
 }
 
-void StrandScene::add_pieces(const CancelToken& cancel) {
+std::vector<StrandScene::Piece> StrandScene::all_pieces(const CancelToken& cancel) const {
     const bool spheres = strands_->form() == StrandForm::Spheres;
     constexpr uint16_t kNone = std::numeric_limits<uint16_t>::max();
     std::vector<uint16_t> levels(strands_->element_count(), kNone);
@@ -51,14 +50,16 @@ void StrandScene::add_pieces(const CancelToken& cancel) {
     };
     size_t count = 0;
     for (const uint16_t level : levels) count += pieces_of(level);
-    pieces_.reserve(count);
+    std::vector<Piece> pieces;
+    pieces.reserve(count);
     for (uint32_t segment = 0; segment < levels.size(); ++segment) {
         cancel.throw_if_cancelled();
         const uint16_t level = levels[segment];
         const Strands::Place place = strands_->place(segment);
         for (uint32_t index = 0; index < pieces_of(level); ++index)
-            pieces_.push_back({segment, static_cast<uint16_t>(index), level, place});
+            pieces.push_back({segment, static_cast<uint16_t>(index), level, place});
     }
+    return pieces;
 }
 
 bool StrandScene::can_be_hit(uint32_t segment) const {
@@ -72,58 +73,50 @@ bool StrandScene::can_be_hit(uint32_t segment) const {
 }
 
 /// The first piece of each item of the tree, and at the end the number of pieces: runs of a segment's pieces.
-std::vector<uint32_t> StrandScene::items() const {
+std::vector<uint32_t> StrandScene::items(std::span<const Piece> pieces) {
     std::vector<uint32_t> first;
-    for (uint32_t i = 0; i < pieces_.size(); ++i) {
-        const bool goes_on = !first.empty() && i - first.back() < kPiecesOfItem && pieces_[i].index > 0;
+    for (uint32_t i = 0; i < pieces.size(); ++i) {
+        const bool goes_on = !first.empty() && i - first.back() < kPiecesOfItem && pieces[i].index > 0;
         if (!goes_on) first.push_back(i);
     }
-    first.push_back(static_cast<uint32_t>(pieces_.size()));
+    first.push_back(static_cast<uint32_t>(pieces.size()));
     return first;
 }
 
-void StrandScene::build_tree(const CancelToken& cancel) {
-    const std::vector<uint32_t> first = items();
+void StrandScene::build_tree(std::span<const Piece> pieces, const CancelToken& cancel) {
+    const std::vector<uint32_t> first = items(pieces);
     BoxLeaves leaves;
     const size_t steps = strands_->steps();
     const auto time_of = [steps](size_t step) { return steps > 1 ? time_of_step(step, steps) : kMiddleTime; };
     const auto box_of = [&](uint32_t item) {
         Box3f box;
         for (uint32_t i = first[item]; i < first[item + 1]; ++i)
-            for (size_t step = 0; step < steps; ++step) box.extendBy(float_box(pieces_[i], time_of(step)));
+            for (size_t step = 0; step < steps; ++step) box.extendBy(float_box(pieces[i], time_of(step)));
         return box;
     };
     constexpr uint32_t kMostItems = BoxTree::kMostInLeaf / kPiecesOfItem;
     BoxTree tree(static_cast<uint32_t>(first.size() - 1), box_of, cancel, kMostItems, leaves);
-    std::vector<Piece> sorted;
-    sorted.reserve(pieces_.size());
-    for (uint32_t leaf = 0; leaf < leaves.count(); ++leaf) {
-        cancel.throw_if_cancelled();
-        const uint32_t begin = leaves.first[leaf];
-        leaves.first[leaf] = static_cast<uint32_t>(sorted.size());
-        for (uint32_t i = begin; i < leaves.first[leaf + 1]; ++i)
-            sorted.insert(sorted.end(), pieces_.begin() + first[leaves.items[i]],
-                          pieces_.begin() + first[leaves.items[i] + 1]);
-    }
-    leaves.first.back() = static_cast<uint32_t>(sorted.size());
-    pieces_ = std::move(sorted);
-    tree_ = MovingTree(std::move(tree), steps, [&](uint32_t leaf, size_t step) {
-        cancel.throw_if_cancelled();
-        Box3f box;
-        for (uint32_t i = leaves.first[leaf]; i < leaves.first[leaf + 1]; ++i)
-            box.extendBy(float_box(pieces_[i], time_of(step)));
-        return box;
-    });
+    piece_count_ = pieces.size();
+    pieces_ = LargeArray<LeafPieces>(leaves.count());
     capsules_ = LargeArray<Capsules>(leaves.count() * steps);
     tbb::parallel_for(uint32_t{0}, leaves.count(), [&](uint32_t leaf) {
         cancel.throw_if_cancelled();
+        LeafPieces& its = pieces_[leaf] = {};
+        uint32_t count = 0;
+        for (uint32_t i = leaves.first[leaf]; i < leaves.first[leaf + 1]; ++i)
+            for (uint32_t k = first[leaves.items[i]]; k < first[leaves.items[i] + 1]; ++k) its.of[count++] = pieces[k];
         for (size_t step = 0; step < steps; ++step) {
             Capsules& capsules = capsules_[leaf * steps + step] = {};
-            capsules.first_piece = leaves.first[leaf];
-            capsules.count = leaves.first[leaf + 1] - capsules.first_piece;
-            for (uint32_t lane = 0; lane < capsules.count; ++lane)
-                set_capsule(capsules, lane, pieces_[capsules.first_piece + lane], time_of(step));
+            capsules.count = count;
+            for (uint32_t lane = 0; lane < count; ++lane) set_capsule(capsules, lane, its.of[lane], time_of(step));
         }
+    });
+    tree_ = MovingTree(std::move(tree), steps, [&](uint32_t leaf, size_t step) {
+        cancel.throw_if_cancelled();
+        Box3f box;
+        for (uint32_t i = 0; i < capsules_[leaf * steps].count; ++i)
+            box.extendBy(float_box(pieces_[leaf].of[i], time_of(step)));
+        return box;
     });
 }
 
@@ -143,7 +136,6 @@ const Capsules& StrandScene::mixed_capsules(uint32_t leaf, float time, Maybe<Cap
         mix(from->way[axis], to.way[axis], room.way[axis]);
     }
     mix(from->radius, to.radius, room.radius);
-    room.first_piece = from->first_piece;
     room.count = from->count;
     return room;
 }

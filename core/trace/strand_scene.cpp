@@ -103,23 +103,25 @@ StrandSpans StrandScene::spans(const Query& query, const Piece& piece, double ne
                        needs_leave_before);
 }
 
-/// The nearest first: a hit rules out those behind it. Pieces and their points lie anywhere in memory, so they are
-/// asked for as soon as it is known which.
-void StrandScene::visit_leaf(Query& query, uint32_t leaf, float& farthest) const {
+/// Pieces and their points lie anywhere in memory, so they are fetched as soon as it is known where they are.
+void StrandScene::meet_leaf(const Query& query, uint32_t leaf, float farthest, MetPieces& met) const {
+    prefetch_lines(&pieces_[leaf], sizeof(LeafPieces));
     Maybe<Capsules> room;
     const Capsules& capsules = this->capsules(leaf, query.ray->time, room);
-    float nears[Capsules::kMost];
-    prefetch_lines(&pieces_[capsules.first_piece], capsules.count * sizeof(Piece));
-    uint32_t met = meet_capsules_(capsules, query.float_frame, {-kAlongError, farthest}, nears);
-    for_each_lane(met, [&](size_t lane) { strands_->prefetch(pieces_[capsules.first_piece + lane].place); });
-    while (met != 0) {
-        auto nearest = static_cast<uint32_t>(__builtin_ctz(met));
-        for_each_lane(met, [&](size_t lane) {
-            if (nears[lane] < nears[nearest]) nearest = static_cast<uint32_t>(lane);
+    met.lanes = meet_capsules_(capsules, query.float_frame, {-kAlongError, farthest}, met.nears);
+    for_each_lane(met.lanes, [&](size_t lane) { strands_->prefetch(pieces_[leaf].of[lane].place); });
+}
+
+/// The nearest first: a hit rules out those behind it.
+void StrandScene::visit_pieces(Query& query, uint32_t leaf, const MetPieces& met, float& farthest) const {
+    for (uint32_t lanes = met.lanes; lanes != 0;) {
+        auto nearest = static_cast<uint32_t>(__builtin_ctz(lanes));
+        for_each_lane(lanes, [&](size_t lane) {
+            if (met.nears[lane] < met.nears[nearest]) nearest = static_cast<uint32_t>(lane);
         });
-        met &= ~(1u << nearest);
-        if (!(nears[nearest] <= farthest)) return;
-        visit(query, pieces_[capsules.first_piece + nearest]);
+        lanes &= ~(1u << nearest);
+        if (!(met.nears[nearest] <= farthest)) return;
+        visit(query, pieces_[leaf].of[nearest]);
         if (query.found) farthest = query.float_farthest();
     }
 }
@@ -203,7 +205,7 @@ void StrandScene::visit_holding(Query& query, uint32_t leaf) const {
     const auto place = static_cast<float>(query.wanted_distance);
     float nears[Capsules::kMost];
     const uint32_t met = meet_capsules_(capsules, query.float_frame, {place - kAlongError, place + kAlongError}, nears);
-    for_each_lane(met, [&](size_t lane) { hold(query, pieces_[capsules.first_piece + lane]); });
+    for_each_lane(met, [&](size_t lane) { hold(query, pieces_[leaf].of[lane]); });
 }
 
 void StrandScene::hold(Query& query, const Piece& piece) const {
@@ -259,7 +261,9 @@ void StrandScene::find(const LocalRay& ray, Query& query) const {
     if (tree_.empty()) return;
     const auto visit_one = [](void* owner, uint32_t leaf, uint32_t, float* farthest) {
         Query& asked = *static_cast<Query*>(owner);
-        asked.scene->visit_leaf(asked, leaf, *farthest);
+        MetPieces met;
+        asked.scene->meet_leaf(asked, leaf, *farthest, met);
+        asked.scene->visit_pieces(asked, leaf, met, *farthest);
     };
     for (;;) {
         float farthest = ray.float_distance(query.farthest);
@@ -312,9 +316,14 @@ void StrandScene::find(PacketQuery& packet, Wanted wanted) const {
     Packet asked(*this, packet, wanted);
     const auto visit_lanes = [](void* owner, uint32_t leaf, uint32_t lanes, float* farthest) {
         Packet& all = *static_cast<Packet*>(owner);
+        std::array<MetPieces, kPacketSize> met;
+        for_each_lane(lanes, [&](size_t lane) {
+            const Query& query = *all.queries[lane];
+            if (farthest[lane] >= 0.0f) query.scene->meet_leaf(query, leaf, farthest[lane], met[lane]);
+        });
         for_each_lane(lanes, [&](size_t lane) {
             Query& query = *all.queries[lane];
-            if (farthest[lane] >= 0.0f) query.scene->visit_leaf(query, leaf, farthest[lane]);
+            query.scene->visit_pieces(query, leaf, met[lane], farthest[lane]);
         });
     };
     alignas(64) float farthest[kPacketSize] = {};

@@ -34,9 +34,9 @@ class StrandScene final : public ShapeScene {
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override { return hit; }
     double float_error() const override { return kStrandError; }
-    uint64_t strand_pieces() const override { return pieces_.size(); }
+    uint64_t strand_pieces() const override { return piece_count_; }
     uint64_t tree_bytes() const override { return tree_.bytes() + capsules_.bytes(); }
-    uint64_t record_bytes() const override { return pieces_.capacity() * sizeof(Piece); }
+    uint64_t record_bytes() const override { return pieces_.bytes(); }
 
   private:
     /// How far a hit may lie from the strand's exact surface, local units: coordinates of the order of 1 in double, and
@@ -54,12 +54,18 @@ class StrandScene final : public ShapeScene {
     enum class Wanted : uint8_t { Closest, Any };
 
     const Strands* strands_;
-    std::vector<Piece> pieces_;      ///< leaf by leaf
+    /// Where they are is known before the leaf's capsules have been read.
+    struct alignas(64) LeafPieces {
+        Piece of[Capsules::kMost];
+    };
+    uint64_t piece_count_ = 0;
+    LargeArray<LeafPieces> pieces_;  ///< by leaf
     LargeArray<Capsules> capsules_;  ///< leaf by leaf, each at all steps
     MeetCapsules meet_capsules_;
     MovingTree tree_;  ///< of capsules_
 
-    void add_pieces(const CancelToken& cancel);
+    /// Segment by segment.
+    std::vector<Piece> all_pieces(const CancelToken& cancel) const;
     uint16_t split_level(const StrandSegment& segment) const;
     StrandPoint ball(const Piece& piece, float time) const;
     Box3f float_box(const Piece& piece, float time) const;
@@ -71,8 +77,8 @@ class StrandScene final : public ShapeScene {
         return deforms() ? mixed_capsules(leaf, time, room) : capsules_[leaf];
     }
     const Capsules& mixed_capsules(uint32_t leaf, float time, Maybe<Capsules>& room) const;
-    std::vector<uint32_t> items() const;
-    void build_tree(const CancelToken& cancel);
+    static std::vector<uint32_t> items(std::span<const Piece> pieces);
+    void build_tree(std::span<const Piece> pieces, const CancelToken& cancel);
     void set_capsule(Capsules& capsules, uint32_t lane, const Piece& piece, float time) const;
     StrandSpans spans(const Query& query, const Piece& piece, double needs_leave_before) const;
     StrandSegment segment_of(const Piece& piece, float time) const {
@@ -81,7 +87,13 @@ class StrandScene final : public ShapeScene {
     double place_of(const Piece& piece, double s) const;
     void find(const LocalRay& ray, Query& query) const;
     void find(PacketQuery& packet, Wanted wanted) const;
-    void visit_leaf(Query& query, uint32_t leaf, float& farthest) const;
+    /// The pieces of a leaf that a ray may meet, a bit each, and where at the earliest.
+    struct MetPieces {
+        uint32_t lanes = 0;
+        float nears[Capsules::kMost];
+    };
+    void meet_leaf(const Query& query, uint32_t leaf, float farthest, MetPieces& met) const;
+    void visit_pieces(Query& query, uint32_t leaf, const MetPieces& met, float& farthest) const;
     void visit(Query& query, const Piece& piece) const;
     void enter(Query& query, const Piece& piece, const StrandSpan& span) const;
     void follow_out(Query& query, uint32_t strand, StrandLeave place) const;

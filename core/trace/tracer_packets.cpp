@@ -82,7 +82,7 @@ void Tracer::Implementation::ask_above(Packet& packet) const {
     };
     alignas(64) float farthest[kPacketSize];
     std::copy_n(packet.above.farthest, kPacketSize, farthest);
-    traversal.packet(tree.nodes(), packet.above, lanes, kFewAboveInstances, farthest, {visit_lanes, &asked});
+    traversal.packet(tree.nodes(), packet.above, lanes, kFewAboveInstances, farthest, visitor(visit_lanes, &asked));
 }
 
 uint32_t Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lanes) const {

@@ -113,7 +113,7 @@ bool Tracer::Implementation::ask_above(Query& query) const {
         *farthest = all.query->result ? all.ray->float_distance(all.query->farthest) : kDone;
     };
     float farthest = ray->float_distance(ray->t_max);
-    traversal.alone(tree.nodes(), ray->float_origin, ray->float_direction, &farthest, {visit_one, &asked});
+    traversal.alone(tree.nodes(), ray->float_origin, ray->float_direction, &farthest, visitor(visit_one, &asked));
     return asked.found;
 }
 

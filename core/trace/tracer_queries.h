@@ -53,6 +53,10 @@ struct Tracer::Implementation : InstanceTable {
     Maybe<LocalRay> ray_above(const Ray& ray) const;
     bool ask_all(Query& query) const;
     bool ask_above(Query& query) const;
+    /// Of the tree above the instances.
+    BoxVisitor visitor(BoxVisitor::Visit visit_instance, void* owner) const {
+        return {visit_instance, owner, records.data(), sizeof(InstanceRecord)};
+    }
     void finish(const Ray& ray, Maybe<ShapeHit>& traced, ClosestHit& result) const;
     RaySight sight_from(const Ray& ray, const Hit& hit) const;
 
