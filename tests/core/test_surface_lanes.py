@@ -59,7 +59,9 @@ def swept_shapes():
     yield swept.surface("BEZIER", points, swept.BEND_HANDLES, dimensions="2D", bevel_depth=0.1, extrude=0.3)
     yield swept.surface("POLY", corners, bevel_depth=0.1, cyclic=True)
     for order in (2, 3, 4):
-        yield swept.surface("NURBS", weights, bevel_depth=0.1, cyclic=True, order=order, tilts=np.array([0, 1.0, -2, 0]))
+        yield swept.surface(
+            "NURBS", weights, bevel_depth=0.1, cyclic=True, order=order, tilts=np.array([0, 1.0, -2, 0])
+        )
         yield swept.surface("NURBS", corners, bevel_depth=0.1, endpoint=True, order=order)
 
 
