@@ -133,16 +133,16 @@ std::vector<std::vector<WindowSamples>> ErrorBlocks::next(int most) const {
         if (count > 0) found[group(place.x, place.y)].push_back({place, {has, count}, has});
     }
     std::vector<std::vector<WindowSamples>> parts;
-    uint64_t paths = kPathsOfPart;
+    uint64_t paths = 0;  // of the last part
     for (const std::vector<WindowSamples>& each : found) {
-        if (paths >= kPathsOfPart) {
+        if (each.empty()) continue;
+        if (parts.empty() || paths >= kPathsOfPart) {
             parts.emplace_back();
             paths = 0;
         }
         for (const WindowSamples& block : each) paths += block.paths();
         parts.back().insert(parts.back().end(), each.begin(), each.end());
     }
-    std::erase_if(parts, [](const auto& part) { return part.empty(); });
     return parts;
 }
 

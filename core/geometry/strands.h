@@ -104,7 +104,8 @@ class Strands final : public Shape {
     StrandSegment segment(uint32_t segment, const Place& place, float time = kMiddleTime) const;
     /// Brings its points into the cache, as far as they rest.
     void prefetch(const Place& place) const {
-        if ((place.ends & Place::kClosed) == 0) prefetch_lines(&points_[place.first], 4 * sizeof(StrandPoint));
+        if ((place.ends & Place::kClosed) == 0 && !deforms())
+            prefetch_lines(&points_[place.first], 4 * sizeof(StrandPoint));
     }
     /// The segment before (step -1) or after (+1) one of the same strand, wrapped around on a closed strand; empty at
     /// an end.
