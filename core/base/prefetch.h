@@ -2,17 +2,15 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 namespace rayleaf {
 
-/// Brings `bytes` bytes from `first` on into the processor's cache, line by line. Addresses that are not mapped do no
-/// harm.
+/// Brings the lines of the cache that hold `bytes` bytes from `first` on; beyond mapped memory nothing happens.
 inline void prefetch_lines(const void* first, size_t bytes) {
     constexpr size_t kLine = 64;
     const char* const begin = static_cast<const char*>(first);
-    const size_t before = reinterpret_cast<uintptr_t>(first) % kLine;  // of the first line
-    for (size_t offset = 0; offset < bytes + before; offset += kLine) __builtin_prefetch(begin - before + offset);
+    for (size_t offset = 0; offset < bytes; offset += kLine) __builtin_prefetch(begin + offset);
+    if (bytes > 0) __builtin_prefetch(begin + bytes - 1);
 }
 
 }  // namespace rayleaf

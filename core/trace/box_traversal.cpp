@@ -1,6 +1,5 @@
 #include "trace/box_traversal.h"
 
-#include "base/prefetch.h"
 #include "base/simd_choice.h"
 
 #include <bit>
@@ -9,6 +8,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "trace/box_traversal.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -37,7 +37,9 @@ HWY_INLINE void fetch(const BoxNode* nodes, uint32_t child, const BoxVisitor& vi
     const bool is_leaf = (child & BoxNode::kLeaf) != 0;
     const auto* first = static_cast<const char*>(is_leaf ? visitor.items : nodes);
     const uint32_t bytes = is_leaf ? visitor.item_bytes : sizeof(BoxNode);
-    prefetch_lines(first + size_t{child & ~BoxNode::kLeaf} * bytes, bytes);
+    first += size_t{child & ~BoxNode::kLeaf} * bytes;
+    constexpr uint32_t kLine = 64;
+    for (uint32_t offset = 0; offset < bytes; offset += kLine) hwy::Prefetch(first + offset);
 }
 
 using Boxes = hn::CappedTag<float, BoxNode::kMostChildren>;
