@@ -16,7 +16,7 @@ constexpr double kAim = 0.95;
 /// Standard deviations of the estimate that are kept free beside that.
 constexpr double kDeviations = 3;
 /// Samples of a pixel in the first round, of which two doublings are judged.
-constexpr int kFirstRound = 8;
+constexpr int kFirstRound = 4;
 /// What is taken for p at most. What falls faster does so at first, until what is random in every sample makes most of
 /// the error.
 constexpr double kMostPower = 1.3;
@@ -72,8 +72,8 @@ void PixelMoments::add(const PixelSample& sample, int number) {
     for (int c = 0; c < 3; ++c)
         if (!std::isnan(shown[c])) finite[c] = std::clamp(double{shown[c]}, -kLargest, kLargest);
     color += finite;
-    if (number < 4) first_four += finite;
     if (number < 2) first_two += finite;
+    if (number < 1) first = finite;
     const double sum = finite.x + finite.y + finite.z;
     squares_of_brightness += sum * sum;
     squares_of_channels += finite.length2();
@@ -181,8 +181,8 @@ void ErrorBlocks::add_changes(Block& block, const Window& place, std::span<const
     for (size_t i = 0; i < added.size(); ++i) {
         Pixel& pixel = pixel_of(place, i);
         const Vec3d now = pixel.color / block.samples;
-        const Vec3d before = is_first ? added[i].first_four / 4.0 : Vec3d(pixel.before);
-        if (is_first) block.change_before += squares_of_change(added[i].first_two / 2.0, before);
+        const Vec3d before = is_first ? added[i].first_two / 2.0 : Vec3d(pixel.before);
+        if (is_first) block.change_before += squares_of_change(added[i].first, before);
         block.change += squares_of_change(before, now);
         pixel.before = Vec3f(now);
     }

@@ -38,7 +38,7 @@ namespace rayleaf {
 struct PixelMoments {
     Vec3d color{0, 0, 0};
     double squares_of_brightness = 0, squares_of_channels = 0;
-    Vec3d first_two{0, 0, 0}, first_four{0, 0, 0};  ///< colours of those, as far as they are here
+    Vec3d first{0, 0, 0}, first_two{0, 0, 0};  ///< colours of those, as far as they are here
 
     /// A sample by its number from 0 of all that the pixel takes.
     void add(const PixelSample& sample, int number);

@@ -62,17 +62,21 @@ class Pictures:
 
     def _fixed(self, measure, wanted: float, count: int) -> tuple[float, float]:
         """Seconds and samples, the same for all pixels, that reach what is wanted of a measure: looked for twice, since
-        errors fall a little faster than those of independent samples."""
-        seconds = error = 0.0
+        errors fall faster than those of independent samples."""
+        power, taken, error = 0.5, 0, 0.0
         for _ in range(2):
-            taken = count
+            before, error_before, taken = taken, error, count
             _, picture, seconds = self._rendered(samples=taken, seed=7)
             error = measure(picture)
-            count = max(round(taken * (error / wanted) ** 2), 1)
-        return seconds * (error / wanted) ** 2, taken * (error / wanted) ** 2
+            if before not in (0, taken) and 0.0 not in (error, error_before):
+                power = min(max(math.log(error_before / error) / math.log(taken / before), 0.5), 1.0)
+            more = (error / wanted) ** (1 / power)
+            count = max(round(taken * more), 1)
+        return seconds * more, taken * more
 
     def row(self, setting: str, value: float, most: int) -> dict[str, float]:
         """What comes of one value of a setting."""
+        self._rendered(samples=1, seed=7, **{setting: value})  # facets and textures are there when time counts
         session, picture, seconds = self._rendered(samples=most, seed=7, **{setting: value})
         counts = session.pass_pixels("sample_count")
         mean, achieved, worst = float(counts.mean()), self._off_by(picture), self._worst(picture)
