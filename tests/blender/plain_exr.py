@@ -1,7 +1,7 @@
 """Reads the plainest OpenEXR files: scan lines, 32-bit floats, no compression (Blender's codec NONE).
 
-Since 5.0 Blender writes a part for each pass, before that one for all, and gives passes full names: here they have those
-of before.
+Since 5.0 Blender writes a part for each pass and view, before that one for all, and gives passes full names: here they
+have those of before.
 """
 
 import struct
@@ -68,6 +68,12 @@ def _short(channel):
     return f"{layer}.{SHORT_NAMES[name]}.{letter}" if name in SHORT_NAMES else channel
 
 
+def _in_view(channel, view):
+    """ "ViewLayer.Depth.left.Z" of "ViewLayer.Depth.Z"."""
+    layer_and_pass, _, letter = channel.rpartition(".")
+    return f"{layer_and_pass}.{view}.{letter}" if view else channel
+
+
 def _part(data, channels, window, at, before):
     """Channel name -> (height, width); the table of offsets is at `at`, `before` bytes lie before each row's number."""
     x_min, y_min, x_max, y_max = window
@@ -84,14 +90,14 @@ def read(path):
     """Channel name -> (height, width), rows bottom to top as Blender counts them."""
     data = Path(path).read_bytes()
     is_multipart = bool(struct.unpack_from("<I", data, 4)[0] & MULTIPART)
-    channels, window, at = _header(data, 8)
-    headers = [(channels, window)]
-    while is_multipart and data[at] != 0:
-        channels, window, at = _header(data, at)
-        headers.append((channels, window))
+    at, headers = 8, []
+    while not headers or (is_multipart and data[at] != 0):
+        attributes = {}
+        channels, window, at = _header(data, at, attributes)
+        headers.append((channels, window, attributes.get("view", "")))
     at += is_multipart  # headers of several parts end with an empty one
     pixels = {}
-    for channels, window in headers:
+    for channels, window, view in headers:
         part, at = _part(data, channels, window, at, 4 if is_multipart else 0)
-        pixels |= part
+        pixels |= {_in_view(name, view): channel for name, channel in part.items()}
     return pixels

@@ -6,6 +6,7 @@ from pathlib import Path
 import both_engines
 import bpy
 import scenes
+from rayleaf.versions import animation_curves
 
 report = globals()["report"]  # given by the test
 SIZE, SAMPLES = 40, 256
@@ -101,7 +102,7 @@ def move(scene):
     for frame, x in ((0, -0.5), (2, 0.5)):
         scene.camera.location.x = x
         scene.camera.keyframe_insert("location", frame=frame)
-    for curve in scene.camera.animation_data.action.fcurves:
+    for curve in animation_curves(scene.camera):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 

@@ -15,6 +15,7 @@ folder, views_format, *orders = sys.argv[1:]
 bpy.ops.wm.read_factory_settings()
 import addon_utils
 addon_utils.enable("rayleaf")
+from rayleaf import versions
 scene = bpy.context.scene
 scene.render.engine = "RAYLEAF"
 scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 32, 24, 100
@@ -23,9 +24,10 @@ scene.render.use_multiview = True
 scene.camera.data.stereo.interocular_distance = 0.5
 bpy.context.view_layer.use_pass_z = True
 settings = scene.render.image_settings
-settings.file_format, settings.exr_codec = "OPEN_EXR_MULTILAYER", "NONE"
+versions.choose_file_format(settings, "OPEN_EXR_MULTILAYER")
+settings.exr_codec = "NONE"
 if views_format == "STEREO_3D":
-    settings.file_format = "PNG"
+    versions.choose_file_format(settings, "PNG")
 settings.views_format = views_format
 bpy.ops.wm.save_as_mainfile(filepath=folder + "/file.blend")
 for order in orders:

@@ -14,32 +14,13 @@ from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
 from . import CancelCheck
+from .color_spaces import BY_DEFAULT, ColorSpaces
 
-# What needs no configuration: names in Blender's own, 3.4 and later.
-_COLOR_SPACES = {
-    "sRGB": "SRGB",
-    "Linear": "LINEAR",
-    "Linear Rec.709": "LINEAR",
-    "Linear BT.709": "LINEAR",
-    "Non-Color": "NON_COLOR",
-    "Raw": "NON_COLOR",
-}
-_BY_DEFAULT = ("SRGB", "")
 # What the core calls alphas that are not the colours' opacity.
 _OTHER_ALPHAS = {"CHANNEL_PACKED": "SEPARATE", "NONE": "IGNORED"}
 
 # As many tiles as the core takes of one image.
 _MOST_TILES = 1000
-
-
-def _configuration() -> tuple[bool, str]:
-    """Whether Blender's colours are by its own configuration of OpenColorIO, and where that, or the other one, is."""
-    other = os.environ.get("OCIO", "")
-    if os.path.isfile(other):
-        return False, other
-    folders = [bpy.utils.user_resource("DATAFILES"), bpy.utils.system_resource("DATAFILES")]
-    files = [os.path.join(folder, "colormanagement", "config.ocio") for folder in folders if folder]
-    return True, next(filter(os.path.isfile, files), files[-1] if files else "config.ocio")
 
 
 def shown_frame(user: Any, frame: int) -> int:
@@ -82,7 +63,7 @@ class ImageLibrary:
         self._core, self.scene, self._messages = core, scene, messages
         self.known: dict[tuple[int, str, int], int | None] = {}  # textures by image, path and picture
         self._computed: dict[tuple[Any, ...], int] = {}
-        self._configuration: tuple[bool, str] | None = None  # looked for once
+        self._color_spaces = ColorSpaces()
         self.asked = 0  # how often something was
         self.added = 0
 
@@ -148,7 +129,7 @@ class ImageLibrary:
         if image.source == "VIEWER":
             self._warn(image, "viewer images are not supported; rendered pink")
             return None
-        space = self._color_space(image)
+        space = self._color_spaces.of(image)
         if image.packed_file is not None and image.source == "FILE" and not image.is_dirty and _tells_alpha(image):
             return self._add_packed(image, path, space)
         tile = _packed_tile(image, path)
@@ -177,21 +158,10 @@ class ImageLibrary:
         except self._core.InputError as error:
             if not space[1] or "colour space" not in str(error):
                 raise
-            self._warn(image, f"{error}; taken as sRGB")
-            return self._send(add, image, what, _BY_DEFAULT, opacity)
-
-    def _color_space(self, image: Any) -> tuple[str, str]:
-        """What the core knows it by: a name, and the configuration that it is of, if it needs one."""
-        settings = image.colorspace_settings
-        name = name_of(settings)
-        if getattr(settings, "is_data", False):
-            return "NON_COLOR", ""
-        if self._configuration is None:
-            self._configuration = _configuration()
-        own, configuration = self._configuration
-        if own and name in _COLOR_SPACES:
-            return _COLOR_SPACES[name], ""
-        return name, configuration
+            readable = self._color_spaces.for_older(space)
+            if readable is None:
+                self._warn(image, f"{error}; taken as sRGB")
+            return self._send(add, image, what, readable or BY_DEFAULT, opacity)
 
     def _add_packed(self, image: Any, path: str, space: tuple[str, str]) -> int | None:
         """By the file that is packed, which is far smaller than Blender's pixels; by these where the core cannot read it."""
