@@ -16,7 +16,7 @@ BezierPatch bicubic_of(const PatchSurface& surface, uint32_t index) {
     if (view.rational || view.degree_u > 3 || view.degree_v > 3)
         throw InputError(surface.name(), "splines", "a rational one or one of a degree above 3",
                          "polynomial splines of degree 3 at most");
-    BezierPatch patch{view.degree_u, view.degree_v, false, {view.points, view.points + view.point_count()}};
+    BezierPatch patch = BezierPatch::copy_of(view);
     while (patch.degree_u < 3) patch = patch.elevated(PatchDirection::U);
     while (patch.degree_v < 3) patch = patch.elevated(PatchDirection::V);
     return patch;

@@ -71,15 +71,14 @@ bool is_drawn(const std::string& name, size_t index, const NurbsSpline& spline) 
 /// The control points of one border of a patch.
 struct BorderPoints {
     const Vec4d* first;
-    int stride, count;
+    size_t stride;
+    int count;
 
-    BorderPoints(const PatchView& patch, bool along_v, bool at_end) {
-        const int columns = patch.columns();
-        first = patch.points + (at_end ? (along_v ? patch.degree_u : patch.degree_v * columns) : 0);
-        stride = along_v ? columns : 1;
-        count = along_v ? patch.rows() : columns;
-    }
-    const Vec4d& operator[](int i) const { return first[i * stride]; }
+    BorderPoints(const PatchView& patch, bool along_v, bool at_end)
+        : first(along_v ? patch.points + (at_end ? patch.degree_u : 0) : patch.row(at_end ? patch.degree_v : 0)),
+          stride(along_v ? patch.stride : 1),
+          count(along_v ? patch.rows() : patch.columns()) {}
+    const Vec4d& operator[](int i) const { return first[static_cast<size_t>(i) * stride]; }
     bool is_point() const {
         for (int i = 1; i < count; ++i)
             if (project((*this)[i]) != project((*this)[0])) return false;
@@ -188,16 +187,11 @@ void PatchSurface::add_spline(const NurbsSpline& spline) {
     patches.material_slot = static_cast<uint32_t>(spline.material_slot);
     patches.first_patch = patch_count_;
     patches.first_point = points_.size();
-    const auto columns = static_cast<size_t>(net.u.degree) + 1, rows = static_cast<size_t>(net.v.degree) + 1;
-    const size_t count = points_.size() + net.u.spans.size() * net.v.spans.size() * columns * rows;
-    if (count > points_.capacity()) points_.reserve(std::max(count, 2 * points_.capacity()));
-    for (const SplineSpan& v : net.v.spans) {
-        for (const SplineSpan& u : net.u.spans) {
-            const Vec4d* row = &net.points[size_t{v.first_point} * net.u.point_count + u.first_point];
-            for (size_t j = 0; j < rows; ++j, row += net.u.point_count)
-                points_.insert(points_.end(), row, row + columns);
-        }
-    }
+    patches.stride = net.u.point_count;
+    if (points_.empty())
+        points_ = std::move(net.points);
+    else
+        points_.insert(points_.end(), net.points.begin(), net.points.end());
     patches.spans_u = std::move(net.u.spans);
     patches.spans_v = std::move(net.v.spans);
     patch_count_ += patches.patch_count();
@@ -255,12 +249,15 @@ PatchSurface::PatchAt::PatchAt(const PatchSurface& surface, uint32_t patch, cons
     if (!surface.deforms()) return;
     surface.mix_points(patch, spline, time, mixed_.data());
     view_.points = mixed_.data();
+    view_.stride = static_cast<size_t>(view_.columns());
 }
 
 void PatchSurface::mix_points(uint32_t patch, const SplinePatches& spline, float time, Vec4d* points) const {
     const StepShare step = step_share(time, steps());
-    rayleaf::mix_points(form(step.first).patch(patch, spline).points, form(step.first + 1).patch(patch, spline).points,
-                        step.share, spline.points_per_patch(), points);
+    const PatchView from = form(step.first).patch(patch, spline), to = form(step.first + 1).patch(patch, spline);
+    const auto columns = static_cast<size_t>(from.columns());
+    for (int j = 0; j < from.rows(); ++j, points += columns)
+        rayleaf::mix_points(from.row(j), to.row(j), step.share, columns, points);
 }
 
 Box3d PatchSurface::patch_box(uint32_t patch) const {

@@ -1,7 +1,7 @@
 // A surface of NURBS splines, held as Bezier patches in local space.
 //
-// Patches are numbered spline by spline, within one first along u, then along v. Control points are in double; a border
-// that two patches of a spline share has the same bits in both. A border row whose control points coincide (the pole of
+// Patches are numbered spline by spline, within one first along u, then along v. Control points are in double.
+// Those of a spline's patches are one net: patches share the points of the border between them. A border row whose control points coincide (the pole of
 // a sphere) is moved to one point that is exact in single precision, so that every evaluation gives exactly that
 // point.
 //
@@ -30,10 +30,15 @@ struct SplinePatches {
     uint32_t material_slot = 0;
     uint32_t first_patch = 0;
     std::vector<SplineSpan> spans_u, spans_v;
-    size_t first_point = 0;  ///< into the surface's control points
+    size_t first_point = 0;  ///< into the surface's control points: the net of all patches, u fastest
+    size_t stride = 0;       ///< of the net's rows
 
     uint32_t patch_count() const { return static_cast<uint32_t>(spans_u.size() * spans_v.size()); }
     size_t points_per_patch() const { return (degree_u + size_t{1}) * (degree_v + size_t{1}); }
+    /// The patch's first control point, into the surface's.
+    size_t corner(uint32_t patch) const {
+        return first_point + span_v(patch).first_point * stride + span_u(patch).first_point;
+    }
     const SplineSpan& span_u(uint32_t patch) const { return spans_u[(patch - first_patch) % spans_u.size()]; }
     const SplineSpan& span_v(uint32_t patch) const { return spans_v[(patch - first_patch) / spans_u.size()]; }
 };
@@ -64,15 +69,14 @@ class PatchSurface final : public Shape {
     const PatchSurface& form(size_t step) const {
         return deforms() ? static_cast<const PatchSurface&>(moments_[step]) : *this;
     }
-    /// Of a surface that deforms, a patch's control points at a time.
+    /// Of a surface that deforms, a patch's control points at a time, one row after the other.
     void mix_points(uint32_t patch, const SplinePatches& spline, float time, Vec4d* points) const;
     /// Around the control points of a patch, at all times.
     Box3d patch_box(uint32_t patch) const;
     /// In the middle of the shutter's time, local space.
     PatchView patch(uint32_t patch) const { return this->patch(patch, spline_of(patch)); }
     PatchView patch(uint32_t patch, const SplinePatches& spline) const {
-        const Vec4d* points = &points_[spline.first_point + (patch - spline.first_patch) * spline.points_per_patch()];
-        return {spline.degree_u, spline.degree_v, spline.rational, points};
+        return {spline.degree_u, spline.degree_v, spline.rational, &points_[spline.corner(patch)], spline.stride};
     }
     /// The same point by its owner, on borders within a spline and at poles; all that meet there use the owner's.
     BorderPlace owner_place(const BorderPlace& place) const;

@@ -75,7 +75,9 @@ class SubdivisionSurface final : public Shape {
     /// Local space.
     const Vec3d& node(uint32_t index) const { return nodes_[index]; }
     /// The bicubic patch of an element that has one.
-    PatchView net(const SubdivisionElement& element) const { return {3, 3, false, &nets_[size_t{16} * element.net]}; }
+    PatchView net(const SubdivisionElement& element) const {
+        return {3, 3, false, &nets_[size_t{16} * element.net], 4};
+    }
     /// The point of an element, evaluated by the element even on borders.
     PatchPoint evaluate(uint32_t element, double u, double v) const;
     Vec3d position(uint32_t element, double u, double v) const;

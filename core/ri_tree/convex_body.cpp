@@ -127,9 +127,7 @@ ConvexBody::ConvexBody(const PatchSurface& surface) {
 void ConvexBody::add_patches(const PatchSurface& surface) {
     patches_.resize(surface.element_count());
     for (uint32_t i = 0; i < surface.element_count(); ++i) {
-        const PatchView view = surface.patch(i);
-        BezierPatch patch{view.degree_u, view.degree_v, view.rational,
-                          std::vector<Vec4d>(view.points, view.points + view.point_count())};
+        BezierPatch patch = BezierPatch::copy_of(surface.patch(i));
         while (patch.degree_u < 3) patch = patch.elevated(PatchDirection::U);
         while (patch.degree_v < 3) patch = patch.elevated(PatchDirection::V);
         for (size_t k = 0; k < patch.points.size(); ++k)

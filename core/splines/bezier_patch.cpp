@@ -29,7 +29,7 @@ PatchPoint plain(const HomogeneousPatchPoint& a) {
 Vec3d PatchView::position(double u, double v) const {
     const BernsteinBasis basis_u(degree_u, u), basis_v(degree_v, v);
     RowBuffer row(static_cast<size_t>(rows()));
-    for (int j = 0; j < rows(); ++j) row[j] = basis_u.value(points + j * columns());
+    for (int j = 0; j < rows(); ++j) row[j] = basis_u.value(this->row(j));
     const Vec4d a = basis_v.value(row.data());
     return rational ? rayleaf::project(a) : spatial_part(a);
 }
@@ -43,7 +43,7 @@ PatchColumn::PatchColumn(const PatchView& patch, double u)
     const BernsteinBasis basis(patch.degree_u, u);
     Vec4d *value = value_.data(), *first = first_.data(), *second = second_.data();
     for (int j = 0; j < patch.rows(); ++j) {
-        const Vec4d* row = patch.points + j * patch.columns();
+        const Vec4d* row = patch.row(j);
         value[j] = basis.value(row);
         first[j] = basis.first(row);
         second[j] = basis.second(row);
@@ -77,14 +77,15 @@ struct Double4 {
 
 /// PatchColumn's steps for degrees that are compile-time constants.
 template <int kDegreeU, int kDegreeV>
-HomogeneousPatchPoint evaluate_fixed(const Vec4d* points, double u, double v) {
+HomogeneousPatchPoint evaluate_fixed(const PatchView& patch, double u, double v) {
     const FixedBernsteinBasis<kDegreeU> basis_u(u);
     const FixedBernsteinBasis<kDegreeV> basis_v(v);
     Double4 value[kDegreeV + 1], first[kDegreeV + 1], second[kDegreeV + 1];
     for (int j = 0; j <= kDegreeV; ++j) {
+        const Vec4d* points = patch.row(j);
         Double4 row[kDegreeU + 1];
         for (int i = 0; i <= kDegreeU; ++i) {
-            const Vec4d& p = points[j * (kDegreeU + 1) + i];
+            const Vec4d& p = points[i];
             row[i] = Double4{Double4::Pair{p.x, p.y}, Double4::Pair{p.z, p.w}};
         }
         value[j] = basis_u.value(row);
@@ -99,8 +100,8 @@ HomogeneousPatchPoint evaluate_fixed(const Vec4d* points, double u, double v) {
 }  // namespace
 
 HomogeneousPatchPoint PatchView::evaluate_homogeneous(double u, double v) const {
-    if (degree_u == 3 && degree_v == 3) return evaluate_fixed<3, 3>(points, u, v);
-    if (degree_u == 2 && degree_v == 2) return evaluate_fixed<2, 2>(points, u, v);
+    if (degree_u == 3 && degree_v == 3) return evaluate_fixed<3, 3>(*this, u, v);
+    if (degree_u == 2 && degree_v == 2) return evaluate_fixed<2, 2>(*this, u, v);
     return PatchColumn(*this, u).evaluate_homogeneous(v);
 }
 
@@ -119,6 +120,13 @@ PatchPoint project(const HomogeneousPatchPoint& a) {
     p.duv = (spatial_part(a.duv) - p.du * a.dv.w - p.dv * a.du.w - p.position * a.duv.w) / w;
     p.dvv = (spatial_part(a.dvv) - p.dv * (2.0 * a.dv.w) - p.position * a.dvv.w) / w;
     return p;
+}
+
+BezierPatch BezierPatch::copy_of(const PatchView& patch) {
+    BezierPatch copy{patch.degree_u, patch.degree_v, patch.rational, {}};
+    for (int j = 0; j < patch.rows(); ++j)
+        copy.points.insert(copy.points.end(), patch.row(j), patch.row(j) + patch.columns());
+    return copy;
 }
 
 std::pair<BezierPatch, BezierPatch> BezierPatch::split(PatchDirection direction, double t) const {

@@ -25,16 +25,18 @@ struct HomogeneousPatchPoint {
 
 enum class PatchDirection { U, V };
 
-/// A patch that does not own its control points, for evaluation. Points: u fastest, (degree_v+1) x (degree_u+1).
+/// A patch that does not own its control points, for evaluation: (degree_v+1) rows of (degree_u+1), u fastest. They may
+/// be part of a larger net, whose rows are `stride` points apart.
 struct PatchView {
     int degree_u = 0, degree_v = 0;
     bool rational = false;          ///< false: every w is 1 and is ignored
     const Vec4d* points = nullptr;  ///< homogeneous (wx,wy,wz,w), w > 0
+    size_t stride;                  ///< at least columns(); not initialized, so that no view goes without
 
     int columns() const { return degree_u + 1; }
     int rows() const { return degree_v + 1; }
-    int point_count() const { return columns() * rows(); }
-    const Vec4d& point(int i, int j) const { return points[j * columns() + i]; }
+    const Vec4d* row(int j) const { return points + static_cast<size_t>(j) * stride; }
+    const Vec4d& point(int i, int j) const { return row(j)[i]; }
 
     Vec3d position(double u, double v) const;
     PatchPoint evaluate(double u, double v) const;
@@ -65,7 +67,8 @@ struct BezierPatch {
                                 ///< between its patches would round differently
     std::vector<Vec4d> points;  ///< homogeneous (wx,wy,wz,w), w > 0; u fastest, (degree_v+1) x (degree_u+1)
 
-    PatchView view() const { return {degree_u, degree_v, rational, points.data()}; }
+    static BezierPatch copy_of(const PatchView& patch);
+    PatchView view() const { return {degree_u, degree_v, rational, points.data(), degree_u + size_t{1}}; }
     Vec4d& point(int i, int j) { return points[j * (degree_u + 1) + i]; }
     const Vec4d& point(int i, int j) const { return points[j * (degree_u + 1) + i]; }
 

@@ -3,6 +3,7 @@
 #include "splines/bernstein.h"
 
 #include <limits>
+#include <span>
 
 namespace rayleaf {
 
@@ -17,14 +18,26 @@ double rounding_share(int terms) {
     return (4.0 * terms + 8.0) * std::numeric_limits<double>::epsilon();
 }
 
-Box3d hull_box(const Vec4d* points, int count, bool rational, double share) {
+/// Rows of control points, `stride` apart.
+struct ControlRows {
+    const Vec4d* first;
+    size_t count, length, stride;
+};
+
+ControlRows rows_of(const PatchView& patch) {
+    return {patch.points, static_cast<size_t>(patch.rows()), static_cast<size_t>(patch.columns()), patch.stride};
+}
+
+Box3d hull_box(const ControlRows& rows, bool rational, double share) {
     Box3d box;
-    if (count > 0) box.min = box.max = position_of(points[0], rational);
-    for (int i = 1; i < count; ++i) {
-        const Vec3d here = position_of(points[i], rational);
-        for (int axis = 0; axis < 3; ++axis) {
-            box.min[axis] = std::min(box.min[axis], here[axis]);
-            box.max[axis] = std::max(box.max[axis], here[axis]);
+    box.min = box.max = position_of(rows.first[0], rational);
+    for (size_t j = 0; j < rows.count; ++j) {
+        for (const Vec4d& point : std::span(rows.first + j * rows.stride, rows.length)) {
+            const Vec3d here = position_of(point, rational);
+            for (int axis = 0; axis < 3; ++axis) {
+                box.min[axis] = std::min(box.min[axis], here[axis]);
+                box.max[axis] = std::max(box.max[axis], here[axis]);
+            }
         }
     }
     for (int axis = 0; axis < 3; ++axis) {
@@ -92,16 +105,19 @@ struct WeightRange {
 
 WeightRange weight_range(const PatchView& patch) {
     WeightRange range;
-    for (int i = 0; i < patch.point_count(); ++i) {
-        range.lowest = std::min(range.lowest, patch.points[i].w);
-        range.highest = std::max(range.highest, patch.points[i].w);
+    for (int j = 0; j < patch.rows(); ++j) {
+        for (int i = 0; i < patch.columns(); ++i) {
+            range.lowest = std::min(range.lowest, patch.point(i, j).w);
+            range.highest = std::max(range.highest, patch.point(i, j).w);
+        }
     }
     return range;
 }
 
 CurvatureBounds rational_bounds(const PatchView& patch, const WeightRange& weights, const Box3d& box) {
     const Vec3d center = box.center();
-    BezierPatch moved{patch.degree_u, patch.degree_v, true, {patch.points, patch.points + patch.point_count()}};
+    BezierPatch moved = BezierPatch::copy_of(patch);
+    moved.rational = true;
     double radius = 0;
     for (Vec4d& p : moved.points) {
         const Vec3d offset = project(p) - center;
@@ -122,8 +138,9 @@ CurvatureBounds rational_bounds(const PatchView& patch, const WeightRange& weigh
 CurvatureBounds bounds_by_quarters(const PatchView& patch, int quarterings) {
     const WeightRange weights = weight_range(patch);
     if (weights.highest <= kTameWeightRatio * weights.lowest || quarterings == 0)
-        return rational_bounds(patch, weights, hull_box(patch.points, patch.point_count(), true, 0.0));
-    const BezierPatch whole{patch.degree_u, patch.degree_v, true, {patch.points, patch.points + patch.point_count()}};
+        return rational_bounds(patch, weights, hull_box(rows_of(patch), true, 0.0));
+    BezierPatch whole = BezierPatch::copy_of(patch);
+    whole.rational = true;
     const auto [low, high] = whole.split(PatchDirection::U, 0.5);
     CurvatureBounds largest;
     for (const BezierPatch* half : {&low, &high}) {
@@ -142,11 +159,11 @@ CurvatureBounds bounds_by_quarters(const PatchView& patch, int quarterings) {
 }  // namespace
 
 Box3d hull_bounds(const PatchView& patch) {
-    return hull_box(patch.points, patch.point_count(), patch.rational, rounding_share(patch.degree_u + patch.degree_v));
+    return hull_box(rows_of(patch), patch.rational, rounding_share(patch.degree_u + patch.degree_v));
 }
 
 Box3d hull_bounds(const BezierCurve& curve) {
-    return hull_box(curve.points.data(), curve.degree + 1, curve.rational, rounding_share(curve.degree));
+    return hull_box({curve.points.data(), 1, curve.points.size(), 0}, curve.rational, rounding_share(curve.degree));
 }
 
 Box3f outward_float(const Box3d& box) {

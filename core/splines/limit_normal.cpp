@@ -3,6 +3,7 @@
 #include "splines/bernstein.h"
 
 #include <limits>
+#include <span>
 
 namespace rayleaf {
 
@@ -15,12 +16,13 @@ constexpr double kCancellationShare = 1e-8;
 /// coordinate, times how far the weights differ (P_u w_u amplifies errors by that much).
 double noise_length(const PatchView& patch) {
     double largest = 0, low = std::numeric_limits<double>::infinity(), high = 0;
-    for (int i = 0; i < patch.point_count(); ++i) {
-        const Vec4d& p = patch.points[i];
-        const double w = patch.rational ? p.w : 1.0;
-        largest = std::max(largest, max_abs(spatial_part(p)) / w);
-        low = std::min(low, w);
-        high = std::max(high, w);
+    for (int j = 0; j < patch.rows(); ++j) {
+        for (const Vec4d& p : std::span(patch.row(j), static_cast<size_t>(patch.columns()))) {
+            const double w = patch.rational ? p.w : 1.0;
+            largest = std::max(largest, max_abs(spatial_part(p)) / w);
+            low = std::min(low, w);
+            high = std::max(high, w);
+        }
     }
     const double roundings = 16.0 * (patch.degree_u + patch.degree_v + 1);
     return roundings * std::numeric_limits<double>::epsilon() * largest * (high / low);

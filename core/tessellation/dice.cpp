@@ -226,8 +226,9 @@ void prepare(const PatchView& patch, DiceTask& task) {
     task.degree_u = patch.degree_u;
     task.degree_v = patch.degree_v;
     task.components = patch.rational ? 4 : 3;
-    for (int i = 0; i < patch.point_count(); ++i)
-        for (int c = 0; c < task.components; ++c) task.control[c][i] = static_cast<float>(patch.points[i][c]);
+    for (int j = 0, k = 0; j < patch.rows(); ++j)
+        for (int i = 0; i < patch.columns(); ++i, ++k)
+            for (int c = 0; c < task.components; ++c) task.control[c][k] = static_cast<float>(patch.point(i, j)[c]);
 }
 
 Vec3f float_position(const PatchView& patch, int i, int j) {

@@ -10,13 +10,15 @@ namespace {
 /// The coordinates of a border's control points, in the direction that makes them lexicographically less; empty for a
 /// pole, which is a single point.
 std::vector<double> border_key(const PatchView& patch, int across, bool at_end) {
-    const int columns = patch.columns(), count = across == 0 ? patch.rows() : columns;
-    const Vec4d* const first = patch.points + (at_end ? (across == 0 ? patch.degree_u : patch.degree_v * columns) : 0);
-    const int stride = across == 0 ? columns : 1;
+    const int count = across == 0 ? patch.rows() : patch.columns();
+    const Vec4d* const first =
+        across == 0 ? patch.points + (at_end ? patch.degree_u : 0) : patch.row(at_end ? patch.degree_v : 0);
+    const size_t stride = across == 0 ? patch.stride : 1;
     bool is_pole = true;
     std::vector<double> forward, backward;
     for (int i = 0; i < count; ++i) {
-        const Vec4d &here = first[i * stride], &back = first[(count - 1 - i) * stride];
+        const Vec4d &here = first[static_cast<size_t>(i) * stride],
+                    &back = first[static_cast<size_t>(count - 1 - i) * stride];
         is_pole = is_pole && here == *first;
         for (int axis = 0; axis < 4; ++axis) {
             forward.push_back(here[axis]);

@@ -13,7 +13,7 @@ constexpr int kRationalParts = 4;
 
 CurvatureBounds tight_curvature_bounds(const PatchView& patch) {
     if (!patch.rational) return curvature_bounds(patch);
-    const BezierPatch whole{patch.degree_u, patch.degree_v, true, {patch.points, patch.points + patch.point_count()}};
+    const BezierPatch whole = BezierPatch::copy_of(patch);
     constexpr double kSize = 1.0 / kRationalParts;
     CurvatureBounds bounds;
     for (int j = 0; j < kRationalParts; ++j) {

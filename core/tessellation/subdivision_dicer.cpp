@@ -64,7 +64,7 @@ void SubdivisionDicer::dice_spans(uint32_t index, const Span& u, const Span& v, 
         return;
     }
     const std::array<Vec4d, 16> frame = frame_of(*surface_, element);
-    rayleaf::dice({kDegree, kDegree, false, frame.data()}, axis_u, axis_v, target);
+    rayleaf::dice({kDegree, kDegree, false, frame.data(), kDegree + 1}, axis_u, axis_v, target);
     evaluate_irregular(index, u, v, target);
 }
 

@@ -18,19 +18,33 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "base/lanes.inl"
 #include "trace/surface_vectors.inl"
 
+/// The control points of each lane's patch.
+struct Nets {
+    OfEach<Vec4d> corners;
+    int64_t stride;   ///< of the first lane's rows, points
+    Offsets further;  ///< by how much more a lane's row is away from the one before, bytes
+
+    HWY_INLINE Nets(const Vec4d* const* points, const int64_t* strides) : corners(points), stride(strides[0]) {
+        const hn::RebindToSigned<Doubles> integers;
+        const auto points_more = hn::Sub(hn::LoadU(integers, strides), hn::Set(integers, stride));
+        further = hn::ShiftLeft<5>(points_more);
+        static_assert(sizeof(Vec4d) == 1 << 5);
+    }
+};
+
 /// Of one coordinate of the patches.
 struct Derivatives {
     Double value, du, dv, duu, duv, dvv;
 };
 
 template <typename Degree, SurfaceDetail kDetail>
-HWY_INLINE Derivatives evaluate(const OfEach<Vec4d>& points, int coordinate, const Basis<Degree>& u,
-                                const Basis<Degree>& v) {
+HWY_INLINE Derivatives evaluate(const Nets& nets, int coordinate, const Basis<Degree>& u, const Basis<Degree>& v) {
     Double value[Degree::kMost + 1], first[Degree::kMost + 1], second[Degree::kMost + 1];
-    for (int j = 0; j <= v.degree; ++j) {
+    const Vec4d* points = &nets.corners.first();
+    auto further = hn::Zero(hn::RebindToSigned<Doubles>());
+    for (int j = 0; j <= v.degree; ++j, points += nets.stride, further = hn::Add(further, nets.further)) {
         Double row[Degree::kMost + 1];
-        for (int i = 0; i <= u.degree; ++i)
-            row[i] = points.number((&(&points.first())[j * (u.degree + 1) + i].x)[coordinate]);
+        for (int i = 0; i <= u.degree; ++i) row[i] = nets.corners.number((&points[i].x)[coordinate], further);
         value[j] = u.value(row);
         first[j] = u.first(row);
         if (kDetail == SurfaceDetail::Curvature) second[j] = u.second(row);
@@ -62,7 +76,7 @@ HWY_INLINE void divide_by_weight(Point& p, const Derivatives& w) {
 }
 
 template <typename Degree, bool kRational, SurfaceDetail kDetail>
-HWY_INLINE Point evaluate(const OfEach<Vec4d>& points, const PatchForm& form, Double at_u, Double at_v) {
+HWY_INLINE Point evaluate(const Nets& points, const PatchForm& form, Double at_u, Double at_v) {
     const Basis<Degree> u(Degree(form.degree_u), at_u), v(Degree(form.degree_v), at_v);
     const Derivatives x = evaluate<Degree, kDetail>(points, 0, u, v), y = evaluate<Degree, kDetail>(points, 1, u, v),
                       z = evaluate<Degree, kDetail>(points, 2, u, v);
@@ -102,7 +116,7 @@ HWY_INLINE Normal normal_of(const Point& p, Mask& sound) {
 template <typename Degree, bool kRational, SurfaceDetail kDetail>
 HWY_INLINE uint32_t compute(SurfaceLanes& lanes, const PatchForm& form, size_t first) {
     const auto row = [&](const double* numbers) HWY_ATTR { return hn::Load(Doubles(), numbers + first); };
-    const OfEach<Vec4d> points(lanes.points + first);
+    const Nets points(lanes.points + first, lanes.strides + first);
     Mask sound = hn::FirstN(Doubles(), kWidth);
     const Point p = evaluate<Degree, kRational, kDetail>(points, form, row(lanes.u), row(lanes.v));
     const Normal exact = normal_of<kDetail>(p, sound);

@@ -36,6 +36,7 @@ struct SurfaceLanes {
 
     // Of hits on patches:
     const Vec4d* points[kMost];
+    int64_t strides[kMost];                                                   ///< of the rows of points
     alignas(64) double u[kMost], v[kMost], length_u[kMost], length_v[kMost];  ///< parameters, and the spans' lengths
 
     // The surface at the hits, first local, as in LocalHit and LocalSurface, then in the world, as in SurfacePoint:

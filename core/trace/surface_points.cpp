@@ -83,10 +83,13 @@ void add_patch(LaneGroup& group, const SurfaceQuery& query, const InstanceRecord
     const SplineSpan &u = spline.span_u(hit.primitive), &v = spline.span_v(hit.primitive);
     group.uv[i] = Vec2f(static_cast<float>(u.begin + hit.u * (u.end - u.begin)),
                         static_cast<float>(v.begin + hit.v * (v.end - v.begin)));
-    lanes.points[i] = surface.patch(hit.primitive, spline).points;
+    const PatchView patch = surface.patch(hit.primitive, spline);
+    lanes.points[i] = patch.points;
+    lanes.strides[i] = static_cast<int64_t>(patch.stride);
     if (surface.deforms()) {
         surface.mix_points(hit.primitive, spline, hit.time, mixed[i].data());
         lanes.points[i] = mixed[i].data();
+        lanes.strides[i] = patch.columns();
     }
     lanes.u[i] = hit.u;
     lanes.v[i] = hit.v;
@@ -229,7 +232,7 @@ class SurfaceBatch {
     }
     void place_patches(const PatchForm& form) {
         place(patches_, [&](SurfaceLanes& lanes) {
-            fill_up(lanes.count, lanes.points, lanes.u, lanes.v, lanes.length_u, lanes.length_v);
+            fill_up(lanes.count, lanes.points, lanes.strides, lanes.u, lanes.v, lanes.length_u, lanes.length_v);
             compute_patches(form, detail_, lanes);
         });
     }

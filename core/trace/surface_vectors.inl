@@ -32,6 +32,8 @@ HWY_INLINE Vec3 to_doubles(const FloatVec3& a) {
     return {hn::PromoteTo(tag, a.x), hn::PromoteTo(tag, a.y), hn::PromoteTo(tag, a.z)};
 }
 
+using Offsets = hn::Vec<hn::RebindToSigned<Doubles>>;
+
 /// Numbers that lie at the same place of something that each lane has one of.
 template <typename T>
 class OfEach {
@@ -50,12 +52,17 @@ class OfEach {
     HWY_INLINE Double number(const double& number) const {
         return is_one_ ? all(number) : hn::GatherOffset(Doubles(), &number, offsets_);
     }
+    /// The same where a lane's number lies so many bytes further from its object than the first lane's. Lanes that have
+    /// one object have no such bytes.
+    HWY_INLINE Double number(const double& number, Offsets further) const {
+        return is_one_ ? all(number) : hn::GatherOffset(Doubles(), &number, hn::Add(offsets_, further));
+    }
     HWY_INLINE Vec3 vector(const Vec3d& v) const { return {number(v.x), number(v.y), number(v.z)}; }
 
   private:
     const T* first_;
     bool is_one_ = true;
-    hn::Vec<hn::RebindToSigned<Doubles>> offsets_;
+    Offsets offsets_;
 };
 
 /// normalized_or() where there is a direction; clears the lanes of `sound` that have none.

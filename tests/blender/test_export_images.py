@@ -67,7 +67,9 @@ packed = saved("packed")
 packed.pack()
 import os
 os.remove(f"{folder}/packed.png")
+packed.buffers_free()
 shot(packed, "packed")
+report(decoded=packed.has_data)
 shot(picture("generated"), "generated")
 edited = saved("edited")
 edited.pixels.foreach_set([0.0] * 16)
@@ -77,6 +79,7 @@ os.remove(f"{folder}/edited.png")
 shot(edited, "edited")
 """
     run = run_blender(SCENE + lines, tmp_path)
+    assert not run.report["decoded"]  # Blender need not: the core has
     for name in ("file", "packed", "generated", "edited"):
         assert run.report[name] == [], name
         assert np.allclose(quadrants(tmp_path / f"{name}.exr"), linear(COLORS), atol=2e-3), name
@@ -92,8 +95,8 @@ shot(picture("float", float_buffer=True), "float")
 image = saved("strange")
 image.colorspace_settings.name = scenes.XYZ
 shot(image, "strange")
-from rayleaf.export import images
-images._configuration = lambda: (True, f"{folder}/gone.ocio")
+from rayleaf.export import color_spaces
+color_spaces._configuration = lambda: (True, f"{folder}/gone.ocio")
 scene.rayleaf.seed += 1
 other = saved("lost")
 other.colorspace_settings.name = scenes.XYZ

@@ -58,7 +58,7 @@ MEET_BLENDER = {
         "versions.py",
     ),
     *(
-        "export/images.py",
+        "export/color_spaces.py",
         "report/panel.py",
         "report/render_points.py",
         "report/render_silhouettes.py",

@@ -6,7 +6,6 @@ from functools import partial
 from types import ModuleType
 from typing import Any
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,9 +39,17 @@ def _of_tile(path: str, number: int) -> str:
     return path.replace("<UDIM>", str(number)).replace("<UVTILE>", f"u{column + 1}_v{row + 1}")
 
 
+def _begins_as_bytes(data: bytes) -> bool:
+    """Whether a file is a JPEG, or a PNG of 8 bits at most: no floats to Blender, which had to decode it to tell."""
+    return data[:3] == b"\xff\xd8\xff" or (data[:8] == b"\x89PNG\r\n\x1a\n" and data[24:25] <= b"\x08")
+
+
 def _tells_alpha(image: Any) -> bool:
     """Whether colours are multiplied by alpha as it is usual in such files, of which the file that is packed tells."""
-    return image.alpha_mode != ("STRAIGHT" if image.is_float else "PREMUL")
+    if image.alpha_mode not in ("STRAIGHT", "PREMUL"):
+        return True
+    of_bytes = _begins_as_bytes(image.packed_file.data) or not image.is_float
+    return image.alpha_mode != ("PREMUL" if of_bytes else "STRAIGHT")
 
 
 def _packed_tile(image: Any, path: str) -> bytes | None:
