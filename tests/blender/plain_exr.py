@@ -39,7 +39,7 @@ def _header(data, at, texts=None):
         (size,) = struct.unpack_from("<i", data, at)
         value, at = data[at + 4 : at + 4 + size], at + 4 + size
         if kind == "string" and texts is not None:
-            texts[name] = value.decode()
+            texts[name] = value.decode(errors="replace")
         if name == "channels":
             place = 0
             while value[place] != 0:
