@@ -1,9 +1,9 @@
 // A surface of NURBS splines, held as Bezier patches in local space.
 //
-// Patches are numbered spline by spline, within one first along u, then along v. Control points are in double.
-// Those of a spline's patches are one net: patches share the points of the border between them. A border row whose control points coincide (the pole of
-// a sphere) is moved to one point that is exact in single precision, so that every evaluation gives exactly that
-// point.
+// Patches are numbered spline by spline, within one first along u, then along v. Control points are in double. Those of
+// a spline's patches are one net: patches share the points of the border between them. A border row whose control
+// points coincide (the pole of a sphere) is moved to one point that is exact in single precision, so that every
+// evaluation gives exactly that point.
 //
 // The outside is the side of P_v x P_u: Blender's own surfaces are wound that way.
 #pragma once
