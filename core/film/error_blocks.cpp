@@ -15,8 +15,6 @@ using Unit = ErrorGoal::Unit;
 constexpr double kAim = 0.95;
 /// Standard deviations of the estimate that are kept free beside that.
 constexpr double kDeviations = 3;
-/// Samples of a pixel in the first round, of which two doublings are judged.
-constexpr int kFirstRound = 4;
 /// What is taken for p at most. What falls faster does so at first, until what is random in every sample makes most of
 /// the error.
 constexpr double kMostPower = 1.3;

@@ -54,7 +54,9 @@ struct ErrorGoal {
 
 class ErrorBlocks {
   public:
-    static constexpr int kSide = 2;   ///< of a block, pixels
+    static constexpr int kSide = 2;  ///< of a block, pixels
+    /// Samples of a pixel in the first round of a target error, of which two doublings are judged.
+    static constexpr int kFirstRound = 4;
     static constexpr int kGroup = 8;  ///< pixels along the side of what samples cost alike; cut at the border
 
     /// Of a film; blocks begin at its lower left corner.

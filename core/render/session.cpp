@@ -38,8 +38,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// None: all pixels take all samples.
 std::optional<ErrorGoal> error_goal(const Settings& settings) {
     using Unit = ErrorGoal::Unit;
-    constexpr int kLeast = 4;  // of a target error
-    if (settings.target_error > 0.0) return ErrorGoal{Unit::Displayed, settings.target_error, kLeast};
+    if (settings.target_error > 0.0) return ErrorGoal{Unit::Displayed, settings.target_error, ErrorBlocks::kFirstRound};
     if (settings.noise_threshold > 0.0)
         return ErrorGoal{Unit::CyclesNoise, settings.noise_threshold, least_samples(settings)};
     return std::nullopt;

@@ -3,7 +3,6 @@
 #include "splines/bernstein.h"
 
 #include <limits>
-#include <span>
 
 namespace rayleaf {
 
@@ -18,22 +17,12 @@ double rounding_share(int terms) {
     return (4.0 * terms + 8.0) * std::numeric_limits<double>::epsilon();
 }
 
-/// Rows of control points, `stride` apart.
-struct ControlRows {
-    const Vec4d* first;
-    size_t count, length, stride;
-};
-
-ControlRows rows_of(const PatchView& patch) {
-    return {patch.points, static_cast<size_t>(patch.rows()), static_cast<size_t>(patch.columns()), patch.stride};
-}
-
-Box3d hull_box(const ControlRows& rows, bool rational, double share) {
+Box3d hull_box(const PatchView& patch, double share) {
     Box3d box;
-    box.min = box.max = position_of(rows.first[0], rational);
-    for (size_t j = 0; j < rows.count; ++j) {
-        for (const Vec4d& point : std::span(rows.first + j * rows.stride, rows.length)) {
-            const Vec3d here = position_of(point, rational);
+    box.min = box.max = position_of(patch.points[0], patch.rational);
+    for (int j = 0; j < patch.rows(); ++j) {
+        for (int i = 0; i < patch.columns(); ++i) {
+            const Vec3d here = position_of(patch.point(i, j), patch.rational);
             for (int axis = 0; axis < 3; ++axis) {
                 box.min[axis] = std::min(box.min[axis], here[axis]);
                 box.max[axis] = std::max(box.max[axis], here[axis]);
@@ -117,7 +106,6 @@ WeightRange weight_range(const PatchView& patch) {
 CurvatureBounds rational_bounds(const PatchView& patch, const WeightRange& weights, const Box3d& box) {
     const Vec3d center = box.center();
     BezierPatch moved = BezierPatch::copy_of(patch);
-    moved.rational = true;
     double radius = 0;
     for (Vec4d& p : moved.points) {
         const Vec3d offset = project(p) - center;
@@ -138,9 +126,8 @@ CurvatureBounds rational_bounds(const PatchView& patch, const WeightRange& weigh
 CurvatureBounds bounds_by_quarters(const PatchView& patch, int quarterings) {
     const WeightRange weights = weight_range(patch);
     if (weights.highest <= kTameWeightRatio * weights.lowest || quarterings == 0)
-        return rational_bounds(patch, weights, hull_box(rows_of(patch), true, 0.0));
-    BezierPatch whole = BezierPatch::copy_of(patch);
-    whole.rational = true;
+        return rational_bounds(patch, weights, hull_box(patch, 0.0));
+    const BezierPatch whole = BezierPatch::copy_of(patch);
     const auto [low, high] = whole.split(PatchDirection::U, 0.5);
     CurvatureBounds largest;
     for (const BezierPatch* half : {&low, &high}) {
@@ -159,11 +146,11 @@ CurvatureBounds bounds_by_quarters(const PatchView& patch, int quarterings) {
 }  // namespace
 
 Box3d hull_bounds(const PatchView& patch) {
-    return hull_box(rows_of(patch), patch.rational, rounding_share(patch.degree_u + patch.degree_v));
+    return hull_box(patch, rounding_share(patch.degree_u + patch.degree_v));
 }
 
 Box3d hull_bounds(const BezierCurve& curve) {
-    return hull_box({curve.points.data(), 1, curve.points.size(), 0}, curve.rational, rounding_share(curve.degree));
+    return hull_box({curve.degree, 0, curve.rational, curve.points.data(), 0}, rounding_share(curve.degree));
 }
 
 Box3f outward_float(const Box3d& box) {

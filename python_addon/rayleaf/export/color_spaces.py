@@ -53,7 +53,7 @@ def _configuration() -> tuple[bool, str]:
 
 
 def _open_color_io() -> ModuleType | None:
-    """That of Blender, where it comes with one (5.0 and later do). Blender as a Python module keeps it beside its data."""
+    """That of Blender, where it comes with one. Blender as a Python module keeps it beside its data."""
     name = "PyOpenColorIO"
     if name not in sys.modules:
         version = f"python{sys.version_info[0]}.{sys.version_info[1]}"

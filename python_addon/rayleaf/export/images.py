@@ -153,10 +153,16 @@ class ImageLibrary:
         return self._send(add, image, os.fsencode(path), space)
 
     def _send(
-        self, add: Callable[..., int], image: Any, what: Any, space: tuple[str, str], opacity: str = "OPACITY"
+        self,
+        add: Callable[..., int],
+        image: Any,
+        what: Any,
+        space: tuple[str, str],
+        opacity: str = "OPACITY",
+        refused: str = "",
     ) -> int:
         """Hand an image to the core, which converts it: seconds for a large one. `opacity`: what its alpha is, where it is
-        the colours' opacity."""
+        the colours' opacity. `refused`: what the core said of its colour space, in place of which `space` is tried."""
         alpha = _OTHER_ALPHAS.get(image.alpha_mode, opacity)
         name = name_of(image)
         self.added += 1
@@ -165,10 +171,10 @@ class ImageLibrary:
         except self._core.InputError as error:
             if not space[1] or "colour space" not in str(error):
                 raise
-            readable = self._color_spaces.for_older(space)
+            refused, readable = refused or str(error), self._color_spaces.for_older(space)
             if readable is None:
-                self._warn(image, f"{error}; taken as sRGB")
-            return self._send(add, image, what, readable or BY_DEFAULT, opacity)
+                self._warn(image, f"{refused}; taken as sRGB")
+            return self._send(add, image, what, readable or BY_DEFAULT, opacity, refused)
 
     def _add_packed(self, image: Any, path: str, space: tuple[str, str]) -> int | None:
         """By the file that is packed, which is far smaller than Blender's pixels; by these where the core cannot read it."""
