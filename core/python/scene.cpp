@@ -255,7 +255,7 @@ Panorama make_panorama(const std::string& kind, std::pair<double, double> longit
     return panorama;
 }
 
-// Converting a large image takes seconds; Python goes on meanwhile.
+// Large images take long, even though most is done by other threads; Python goes on meanwhile.
 int add_image_file(SceneDescription& scene, const std::string& name, const std::string& path, const std::string& space,
                    const std::string& config, int picture, const std::string& alpha) {
     if (picture < 0) throw InputError(name, "picture", std::to_string(picture), "0 or more");
@@ -280,6 +280,15 @@ int add_image_pixels(SceneDescription& scene, const std::string& name, const Arr
     const py::gil_scoped_release released;
     return scene.textures()->add_pixels(name, values, width, height, channels,
                                         image_colors(name, {space, config, alpha}));
+}
+
+std::vector<std::pair<std::string, std::string>> leave_out_unreadable_images(SceneDescription& scene) {
+    const py::gil_scoped_release released;
+    std::vector<std::pair<std::string, std::string>> found;
+    if (const std::shared_ptr<TextureStore>& textures = scene.existing_textures())
+        for (TextureStore::Unreadable& image : textures->leave_out_unreadable(kNeverCancelled))
+            found.emplace_back(std::move(image.name), std::move(image.reason));
+    return found;
 }
 
 }  // namespace
@@ -364,6 +373,7 @@ void bind_scene(py::module_& module) {
              "alpha"_a = "OPACITY")
         .def("add_packed_image", &add_packed_image, "name"_a, "content"_a, "color_space"_a, "config"_a = "",
              "alpha"_a = "OPACITY")
+        .def("leave_out_unreadable_images", &leave_out_unreadable_images)
         .def("add_image_pixels", &add_image_pixels, "name"_a, "pixels"_a, "color_space"_a, "config"_a = "",
              "alpha"_a = "OPACITY")
         .def_readwrite("texture_memory", &SceneDescription::texture_memory);

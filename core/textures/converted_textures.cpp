@@ -151,40 +151,82 @@ oiio::TextureSystem& texture_system() {
     return *system;
 }
 
-ConvertedTexture::ConvertedTexture(std::string name, Picture picture, ImageColors colors, const ContentHash& key)
+ConvertedTexture::ConvertedTexture(std::string name, ImageSource source, ImageColors colors, const ContentHash& key)
     : name_(std::move(name)),
       colors_(std::move(colors)),
       key_(key),
       folder_(temporary_folder()),
-      file_(folder_->file()) {
+      file_(folder_->file()),
+      source_(std::move(source.read)) {
+    normalize(source.outline);
+    channels_ = source.outline.channels;
+    width_ = source.outline.width;
+    height_ = source.outline.height;
+    associated_ = source.outline.alpha_channel() >= 0 && source.outline.alpha != Alpha::Separate &&
+                  colors_.space != ColorSpace::NonColor;
+    encoded_ = colors_.space == ColorSpace::Srgb && !source.outline.precise;
+}
+
+size_t ConvertedTexture::picture_bytes() const {
+    return static_cast<size_t>(width_) * static_cast<size_t>(height_) * static_cast<size_t>(channels_) * sizeof(float);
+}
+
+/// The channels that are wanted, and what the fourth is.
+void ConvertedTexture::normalize(Picture& picture) const {
     normalize_channels(picture, colors_.alpha);
     if (colors_.alpha == ImageAlpha::Multiplied) picture.alpha = Alpha::Associated;
     if (colors_.alpha == ImageAlpha::Separate || colors_.alpha == ImageAlpha::Ignored) picture.alpha = Alpha::Separate;
-    channels_ = picture.channels;
-    width_ = picture.width;
-    height_ = picture.height;
-    associated_ =
-        picture.alpha_channel() >= 0 && picture.alpha != Alpha::Separate && colors_.space != ColorSpace::NonColor;
-    encoded_ = colors_.space == ColorSpace::Srgb && !picture.precise;
-    picture_ = std::move(picture);
 }
 
-void ConvertedTexture::convert(const CancelToken& cancel) const {
+/// Waits until no other thread is at it.
+std::unique_lock<std::mutex> ConvertedTexture::alone(const CancelToken& cancel) const {
     constexpr std::chrono::milliseconds kPatience(1);
-    if (is_converted()) return;
     std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
     while (!lock.owns_lock()) {
         cancel.throw_if_cancelled();
         std::this_thread::sleep_for(kPatience);
         lock = std::unique_lock<std::mutex>(mutex_, std::try_to_lock);
     }
+    return lock;
+}
+
+/// Takes the pixels from where they come from; under the lock.
+void ConvertedTexture::take() const {
+    if (is_read()) return;
+    try {
+        picture_ = source_();
+        normalize(picture_);
+    } catch (const InputError& error) {
+        refusal_ = error;
+    }
+    source_ = nullptr;
+    read_.store(true, std::memory_order_release);
+}
+
+void ConvertedTexture::read(const CancelToken& cancel) const {
+    if (is_read()) return;
+    const std::unique_lock<std::mutex> lock = alone(cancel);
+    take();
+}
+
+void ConvertedTexture::read_unless_busy() const {
+    const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+    if (lock.owns_lock()) take();
+}
+
+void ConvertedTexture::convert(const CancelToken& cancel) const {
     if (is_converted()) return;
+    const std::unique_lock<std::mutex> lock = alone(cancel);
+    if (is_converted()) return;
+    cancel.throw_if_cancelled();
     // Isolated: a thread that waits for parts of one image must not begin with another.
     tbb::this_task_arena::isolate([&] { make(cancel); });
     converted_.store(true, std::memory_order_release);
 }
 
 void ConvertedTexture::make(const CancelToken& cancel) const {
+    take();
+    if (refusal_) return;
     prepare(picture_, colors_, cancel);
     if (bytes_ == 0) bytes_ = folder_->take(bytes_of(picture_));
     fault_ = write_levels(picture_, file_, bytes_ > 0 ? "none" : "zip", cancel);

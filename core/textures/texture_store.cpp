@@ -6,16 +6,14 @@
 #include "base/append_list.h"
 #include "base/error.h"
 #include "textures/converted_textures.h"
-#include "textures/picture.h"
+#include "textures/image_source.h"
 #include "textures/texture_system.h"
 
 #include <algorithm>
 #include <atomic>
-#include <string_view>
+#include <optional>
 #include <vector>
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
 #include <sys/stat.h>
@@ -33,6 +31,9 @@ constexpr int kLargestAnisotropy = 1;
 constexpr size_t kLarge = size_t{64} << 20;
 /// Smaller images that wait to be converted hold at most so many bytes together; another is converted at once.
 constexpr size_t kMostWaiting = size_t{256} << 20;
+
+/// What stands for an image that cannot be read, as in Cycles: pink.
+const Vec4f kUnreadable(1.0f, 0.0f, 1.0f, 1.0f);
 
 /// Tiles read from files since the process began.
 size_t tiles_read() {
@@ -78,18 +79,6 @@ oiio::TextureOpt options(TextureExtension extension, TextureInterpolation interp
             break;
     }
     return result;
-}
-
-/// Refuses files that hold no flat picture, or one so large that it cannot be meant: a header says any size.
-void check_spec(const std::string& name, const std::string& source, const oiio::ImageSpec& spec) {
-    const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels, " +
-                             std::to_string(spec.nchannels) + " channels";
-    if (spec.deep || spec.depth > 1) throw InputError(name, source, "deep or a volume", "a flat picture");
-    constexpr int kLargestSide = 1 << 17;
-    constexpr double kMostPixels = 1u << 30;
-    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.width > kLargestSide ||
-        spec.height > kLargestSide || static_cast<double>(spec.width) * spec.height > kMostPixels)
-        throw InputError(name, source, size, "at least 1 x 1 and at most 2^30 pixels, 2^17 a side");
 }
 
 Vec2f finite_coordinates(const Vec2f& v) {
@@ -155,34 +144,43 @@ struct TextureStore::Implementation {
         arena.execute([this] { conversions.wait(); });
     }
 
-    /// The texture of that key; `picture` gives its pixels where they are wanted.
-    template <typename GetPicture>
-    TextureId add(const std::string& name, const ImageColors& colors, const ContentHash& key,
-                  const GetPicture& picture) {
+    /// The texture of that key; `source` tells where its pixels come from, if they are wanted.
+    template <typename GetSource>
+    TextureId add(const std::string& name, const ImageColors& colors, const ContentHash& key, const GetSource& source) {
         std::shared_ptr<const ConvertedTexture> texture = converted->find(key);
-        if (!texture || (texture->is_converted() && !texture->fault().empty())) {
-            Picture pixels = picture();
-            const size_t bytes = pixels.count() * sizeof(float);
-            texture = std::make_shared<const ConvertedTexture>(name, std::move(pixels), colors, key);
+        if (!texture || texture->has_failed()) {
+            texture = std::make_shared<const ConvertedTexture>(name, source(), colors, key);
             converted->keep(key, texture);
-            convert_soon(texture, bytes);
+            begin(texture);
         }
         textures.append(std::move(texture));
         return static_cast<TextureId>(textures.size()) - 1;
     }
 
-    void convert_soon(const std::shared_ptr<const ConvertedTexture>& texture, size_t bytes) {
-        if (bytes >= kLarge) return;
+    /// Other threads read and convert it. A large one they read alone.
+    void begin(const std::shared_ptr<const ConvertedTexture>& texture) {
+        const size_t bytes = texture->picture_bytes();
+        if (bytes >= kLarge) return run([texture] { texture->read(); });
         if (waiting.fetch_add(bytes) + bytes > kMostWaiting) {
             waiting -= bytes;
             return texture->convert();
         }
-        const auto task = [this, texture, bytes] {
+        run([this, texture, bytes] {
             try {
                 texture->convert(gone);
-            } catch (const std::exception&) {  // `finish` tries again, and throws what it meets
+            } catch (const Cancelled&) {  // nobody waits for it
             }
             waiting -= bytes;
+        });
+    }
+
+    template <typename Work>
+    void run(Work work) {
+        const auto task = [work = std::move(work)] {
+            try {
+                work();
+            } catch (const std::exception&) {  // who waits for it tries again, and throws what it meets
+            }
         };
         arena.execute([&] { conversions.run(task); });
     }
@@ -214,97 +212,12 @@ ContentHash key_of_file(const std::string& path, const ImageColors& colors, int 
     return hasher.value();
 }
 
-/// Straight alpha is left as it is.
-oiio::ImageSpec reading_hints() {
-    oiio::ImageSpec hints;
-    hints.attribute("oiio:UnassociatedAlpha", 1);
-    return hints;
-}
-
-/// Into the picture. Bytes stay as they are: the library takes long to make numbers of them.
-bool read_numbers(oiio::ImageInput& input, int number, Picture& picture) {
-    if (input.spec().format != oiio::TypeDesc::UINT8) {
-        picture.pixels.resize(picture.count());
-        return input.read_image(number, 0, 0, picture.channels, oiio::TypeDesc::FLOAT, picture.pixels.data());
-    }
-    picture.bytes.resize(picture.count());
-    return input.read_image(number, 0, 0, picture.channels, oiio::TypeDesc::UINT8, picture.bytes.data());
-}
-
-/// `source` is what a message calls it.
-Picture read_picture(const std::string& name, const std::string& source, oiio::ImageInput& input, int number) {
-    const oiio::ImageSpec& spec = input.spec();
-    check_spec(name, source, spec);
-    Picture picture;
-    picture.width = spec.width;
-    picture.height = spec.height;
-    picture.channels = std::min(spec.nchannels, 4);
-    picture.alpha = spec.get_int_attribute("oiio:UnassociatedAlpha") != 0 ? Alpha::Straight : Alpha::Associated;
-    picture.precise = spec.format.basesize() > 2;
-    if (!read_numbers(input, number, picture)) throw InputError(name, source, input.geterror(), "a readable image");
-    return picture;
-}
-
-Picture read_file(const std::string& name, const std::string& path, int number) {
-    const std::string source = "image file '" + path + "'";
-    const oiio::ImageSpec hints = reading_hints();
-    const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::open(path, &hints);
-    if (!input) throw InputError(name, source, oiio::geterror(), "a readable image");
-    if (number != 0 && !input->seek_subimage(number, 0))
-        throw InputError(name, source, "no picture " + std::to_string(number + 1), "a picture that the file has");
-    return read_picture(name, source, *input, number);
-}
-
-/// The name that a file of such bytes could have, from which the library knows the format: it tells by names alone.
-const char* name_by_content(std::span<const std::byte> bytes) {
-    struct Format {
-        std::string_view begins, name;
-    };
-    using namespace std::string_view_literals;
-    constexpr Format kFormats[] = {
-        {"\x89PNG", "packed.png"}, {"\xff\xd8\xff", "packed.jpg"}, {"v/1\x01", "packed.exr"}, {"II*\0"sv, "packed.tif"},
-        {"MM\0*"sv, "packed.tif"}, {"#?RADIANCE", "packed.hdr"},   {"RIFF", "packed.webp"},   {"BM", "packed.bmp"}};
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    const auto* found = std::find_if(std::begin(kFormats), std::end(kFormats),
-                                     [&](const Format& format) { return text.starts_with(format.begins); });
-    return found == std::end(kFormats) ? nullptr : found->name.data();
-}
-
-Picture read_packed(const std::string& name, std::span<const std::byte> bytes) {
-    const std::string source = "packed image";
-    const char* file = name_by_content(bytes);
-    if (!file)
-        throw InputError(name, source, "of an unknown format", "PNG, JPEG, OpenEXR, TIFF, Radiance, WebP or BMP");
-    oiio::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
-    oiio::Filesystem::IOProxy* proxy = &reader;
-    oiio::ImageSpec hints = reading_hints();
-    hints.attribute("oiio:ioproxy", oiio::TypeDesc::PTR, static_cast<const void*>(&proxy));  // 2.4 reads it here alone
-    const std::unique_ptr<oiio::ImageInput> input = oiio::ImageInput::open(file, &hints, proxy);
-    if (!input) throw InputError(name, source, oiio::geterror(), "a readable image");
-    return read_picture(name, source, *input, 0);
-}
-
-/// `pixels` are rows bottom to top.
-Picture turned_over(std::span<const float> pixels, int width, int height, int channels) {
-    Picture picture;
-    picture.width = width;
-    picture.height = height;
-    picture.channels = channels;
-    picture.pixels.reserve(pixels.size());
-    const size_t row = static_cast<size_t>(width) * static_cast<size_t>(channels);
-    for (size_t y = static_cast<size_t>(height); y-- > 0;) {
-        const std::span<const float> line = pixels.subspan(y * row, row);
-        picture.pixels.insert(picture.pixels.end(), line.begin(), line.end());
-    }
-    return picture;
-}
-
 }  // namespace
 
 TextureId TextureStore::add_file(const std::string& name, const std::string& path, const ImageColors& colors,
                                  int picture) {
     return implementation_->add(name, colors, key_of_file(path, colors, picture),
-                                [&] { return read_file(name, path, picture); });
+                                [&] { return image_file(name, path, picture); });
 }
 
 TextureId TextureStore::add_packed(const std::string& name, std::span<const std::byte> bytes,
@@ -312,7 +225,7 @@ TextureId TextureStore::add_packed(const std::string& name, std::span<const std:
     ContentHasher hasher;
     colors.add_to(hasher);
     hasher.add(bytes);
-    return implementation_->add(name, colors, hasher.value(), [&] { return read_packed(name, bytes); });
+    return implementation_->add(name, colors, hasher.value(), [&] { return packed_image(name, bytes); });
 }
 
 TextureId TextureStore::add_pixels(const std::string& name, std::span<const float> pixels, int width, int height,
@@ -330,13 +243,28 @@ TextureId TextureStore::add_pixels(const std::string& name, std::span<const floa
     for (const int number : {width, height, channels}) hasher.add(number);
     hasher.add(pixels);
     return implementation_->add(name, colors, hasher.value(),
-                                [&] { return turned_over(pixels, width, height, channels); });
+                                [&] { return image_pixels(pixels, width, height, channels); });
+}
+
+std::vector<TextureStore::Unreadable> TextureStore::leave_out_unreadable(const CancelToken& cancel) {
+    const AppendList<std::shared_ptr<const ConvertedTexture>>& textures = implementation_->textures;
+    for (size_t i = 0; i < textures.size(); ++i) textures[i]->read_unless_busy();
+    std::vector<Unreadable> found;
+    for (size_t i = 0; i < textures.size(); ++i) {
+        textures[i]->read(cancel);
+        const std::optional<InputError>& refusal = textures[i]->refusal();
+        if (!refusal) continue;
+        textures[i]->leave_out();
+        found.push_back({textures[i]->name(), refusal->what()});
+    }
+    return found;
 }
 
 void TextureStore::finish(const CancelToken& cancel) const {
     for (size_t i = 0; i < implementation_->textures.size(); ++i) {
         const ConvertedTexture& texture = *implementation_->textures[i];
         texture.convert(cancel);
+        if (texture.refusal() && !texture.is_left_out()) throw InputError(*texture.refusal());
         if (!texture.fault().empty())
             throw InputError(texture.name(), "image", "not convertible (" + texture.fault() + ")",
                              "an image that OpenEXR can hold, and room in the temporary folder");
@@ -353,6 +281,8 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
                            TextureExtension extension, const TextureReading& reading) const {
     if (id < 0 || static_cast<size_t>(id) >= implementation_->textures.size()) return Vec4f(0.0f, 0.0f, 0.0f, 0.0f);
     const ConvertedTexture& texture = *implementation_->textures[static_cast<size_t>(id)];
+    texture.convert();
+    if (texture.refusal()) return kUnreadable;
     const Vec2f p = near_coordinates(finite_coordinates(uv), extension), dx = finite_coordinates(duv_dx),
                 dy = finite_coordinates(duv_dy);
     // Without a channel that says how much of a pixel is there, the border pixels go on, and are faded by hand.
@@ -362,7 +292,6 @@ Vec4f TextureStore::lookup(TextureId id, const Vec2f& uv, const Vec2f& duv_dx, c
     oiio::TextureOpt lookup_options = options(is_faded ? TextureExtension::Extend : extension, reading.interpolation);
     // A point needs no level of the pyramid to be found.
     if (dx == Vec2f(0.0f) && dy == Vec2f(0.0f)) lookup_options.mipmode = oiio::TextureOpt::MipModeNoMIP;
-    texture.convert();
     if (texture.handle() == nullptr) return Vec4f(0.0f, 0.0f, 0.0f, 0.0f);
     float value[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     // OpenImageIO's t runs down the picture.

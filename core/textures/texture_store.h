@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace rayleaf {
 
@@ -66,17 +67,26 @@ class TextureStore {
     TextureStore(const TextureStore&) = delete;
     TextureStore& operator=(const TextureStore&) = delete;
 
-    /// An image file. Throws InputError that names `name` and the path if it is missing or cannot be read.
+    // Adding reads a header; pixels are read and converted by other threads from then on.
+
+    /// An image file. Throws InputError that names `name` and the path if it is missing or its header cannot be read.
     /// `picture`: which one of a file that has several, like a movie.
     TextureId add_file(const std::string& name, const std::string& path, const ImageColors& colors, int picture = 0);
-    /// What an image file holds, as bytes in memory. Throws InputError that names `name` where they cannot be read.
+    /// What an image file holds, as bytes in memory. Throws InputError that names `name` where the header cannot be
+    /// read.
     TextureId add_packed(const std::string& name, std::span<const std::byte> bytes, const ImageColors& colors);
     /// Pixels as Blender holds them: `channels` floats each (1, 3 or 4), rows bottom to top.
     TextureId add_pixels(const std::string& name, std::span<const float> pixels, int width, int height, int channels,
                          const ImageColors& colors);
 
-    /// Waits until all images are converted, which goes on from when they are added, by other threads. Throws
-    /// InputError that names one that could not be, Cancelled soon after `cancel` says so.
+    /// An image by its name, and what is wrong with it.
+    struct Unreadable {
+        std::string name, reason;
+    };
+    /// Waits until all images are read. Those that cannot be are pink from now on, and said.
+    std::vector<Unreadable> leave_out_unreadable(const CancelToken& cancel);
+    /// Waits until all images are converted. Throws InputError that names one that could not be, unless it was left
+    /// out, Cancelled soon after `cancel` says so.
     void finish(const CancelToken& cancel) const;
 
     /// All that lookups depend on.

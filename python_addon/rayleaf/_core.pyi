@@ -637,7 +637,10 @@ class SceneDescription:
         """color_space: SRGB, LINEAR or NON_COLOR; or, by a configuration of OpenColorIO at the path `config`, one of its
         spaces. picture: of a movie, from 0 on. alpha: OPACITY of the colours, which a file says to come multiplied by it
         or not; MULTIPLIED, the same whatever the file says; SEPARATE from them; or IGNORED. Returns a texture id for the
-        operations image and environment."""
+        operations image and environment. The header is read at once, the rest in the background; a session refuses a
+        scene with images that cannot be read, unless they are left out."""
+    def leave_out_unreadable_images(self) -> list[tuple[str, str]]:
+        """Waits until all images are read. Those that cannot be are pink from now on; returns their names and reasons."""
     def add_packed_image(
         self, name: str, content: bytes, color_space: str, config: str | bytes = "", alpha: str = "OPACITY"
     ) -> int:

@@ -85,6 +85,27 @@ shot(edited, "edited")
         assert np.allclose(quadrants(tmp_path / f"{name}.exr"), linear(COLORS), atol=2e-3), name
 
 
+@pytest.mark.parametrize("place", ["file", "packed"])
+def test_an_image_of_which_the_end_is_missing_is_named_and_pink(run_blender, tmp_path, place):
+    lines = f"""
+import os
+torn = picture("torn")
+torn.scale(64, 64)
+torn.filepath_raw, torn.file_format = f"{{folder}}/torn.png", "PNG"
+torn.save()
+os.truncate(f"{{folder}}/torn.png", os.path.getsize(f"{{folder}}/torn.png") // 2)
+loaded = bpy.data.images.load(f"{{folder}}/torn.png")
+if {place == "packed"}:
+    loaded.pack()
+    os.remove(f"{{folder}}/torn.png")
+shot(loaded, "shown")
+"""
+    run = run_blender(SCENE + lines, tmp_path)
+    (text,) = run.report["shown"]
+    assert "torn.png" in text and text.endswith("rendered pink")
+    assert np.allclose(quadrants(tmp_path / "shown.exr"), [[1, 0, 1]] * 4, atol=2e-3)
+
+
 def test_colour_spaces_and_float_images_mean_what_blender_means(run_blender, tmp_path):
     lines = """
 for space, name in (("Non-Color", "data"), (scenes.LINEAR, "linear")):

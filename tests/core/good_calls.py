@@ -247,6 +247,7 @@ CALLS: dict[str, Call] = {
     "SceneDescription.add_image_file": method(
         scene, "add_image_file", name="a", path="nowhere", color_space="SRGB", config="", picture=0, alpha="OPACITY"
     ),
+    "SceneDescription.leave_out_unreadable_images": method(scene, "leave_out_unreadable_images"),
     "SceneDescription.add_packed_image": method(
         scene, "add_packed_image", name="a", content=ONE_PIXEL, color_space="SRGB", config="", alpha="IGNORED"
     ),

@@ -1,8 +1,10 @@
 """Textures: decoding, filtering, borders, memory."""
 
 import os
+import struct
 import subprocess
 import sys
+import zlib
 
 import numpy as np
 import pytest
@@ -184,6 +186,40 @@ def test_a_file_that_is_no_image_is_named(store, tmp_path):
 def test_packed_bytes_that_are_no_image_are_named(content):
     with pytest.raises(_core.InputError, match="Words.*packed image"):
         _core.SceneDescription().add_packed_image("Words", content, "SRGB")
+
+
+def torn_png():
+    """A header, and half of the pixels."""
+    rows = np.random.default_rng(5).integers(0, 256, (64, 1 + 3 * 64), dtype=np.uint8)
+    rows[:, 0] = 0  # the filter
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", 64, 64, 8, 2, 0, 0, 0)
+    whole = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows.tobytes()))
+    return whole[: len(whole) // 2]
+
+
+def test_an_image_that_is_torn_is_refused_unless_it_is_left_out():
+    scene = _core.SceneDescription()
+    scene.set_camera("PERSPECTIVE", np.eye(4), (-0.5, -0.5), (0.5, 0.5), 0.01, 1000.0)
+    scene.add_packed_image("Torn", torn_png(), "SRGB")
+    scene.add_image_pixels("Whole", picture(8, 8, 3), "SRGB")
+    settings = _core.Settings(width=4, height=4, samples=1)
+    with pytest.raises(_core.InputError, match="Torn.*packed image.*readable"):
+        _core.Session(scene, settings).render()
+    ((name, reason),) = scene.leave_out_unreadable_images()
+    assert name == "Torn" and "packed image" in reason
+    _core.Session(scene, settings).render()
+
+
+def test_a_torn_image_is_pink_everywhere(store, tmp_path):
+    path = tmp_path / "torn.png"
+    path.write_bytes(torn_png())
+    texture = store.add_file("Torn", str(path), tests.ColorSpace.SRGB)
+    found = look(store, texture, [(0.5, 0.5), (7.0, -3.0)], extension=CLIP)
+    np.testing.assert_array_equal(found, [(1, 0, 1, 1)] * 2)
 
 
 @pytest.mark.parametrize("shape", [(0, 4, 3), (4, 4, 2), (4, 4)])

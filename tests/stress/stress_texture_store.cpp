@@ -1,5 +1,6 @@
 // Textures whose tiles do not fit the memory allowed, looked up by many threads while other stores come and go: the
 // colours are those that one thread finds. Stores share what is converted, and leave while it is.
+#include "base/error.h"
 #include "stress.h"
 #include "textures/converted_textures.h"
 #include "textures/texture_store.h"
@@ -37,6 +38,10 @@ std::vector<Vec4f> colours(const TextureStore& store, int number, int count) {
     return found;
 }
 
+/// A bitmap of 4 x 4 pixels, of which there are none.
+constexpr uint8_t kTorn[54] = {'B', 'M', 102, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40,
+                               0,   0,   0,   4, 0, 0, 0, 4, 0, 0, 0,  1, 0, 24};
+
 /// Stores that share what is converted: most are gone, or have been cancelled, while another thread still converts for
 /// them.
 void share_conversions(const std::shared_ptr<ConvertedTextures>& converted, int thread) {
@@ -47,12 +52,17 @@ void share_conversions(const std::shared_ptr<ConvertedTextures>& converted, int 
             const auto shift = static_cast<float>((thread + round + i) % 7);
             store.add_pixels("shared", picture(kSmall, shift), kSmall, kSmall, 4, ColorSpace::Srgb);
         }
+        store.add_packed("torn", std::as_bytes(std::span(kTorn)), ColorSpace::Srgb);
+        if (round == 3) stress::require(store.leave_out_unreadable({}).size() == 1, "an image that nobody can read");
         CancelToken cancel;
         if (round == 1) cancel.cancel();
         if (round == 2) continue;
         try {
             store.finish(cancel);
         } catch (const Cancelled&) {
+            continue;
+        } catch (const InputError&) {
+            stress::require(round == 0, "an image refused that was left out");
             continue;
         }
         const Vec4f found =

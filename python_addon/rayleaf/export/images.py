@@ -119,6 +119,13 @@ class ImageLibrary:
                 found += [tile.number, texture]
         return found
 
+    def leave_out_unreadable(self) -> None:
+        """Names the images that cannot be read, of which the core knows only after all; they are pink."""
+        if self.added == 0:
+            return
+        for name, reason in self._check_cancel.while_waiting_for(self.scene.leave_out_unreadable_images):
+            self._messages.warn(f"{reason}; rendered pink", Subject("Image", name))
+
     def _warn(self, image: Any, text: str) -> None:
         subject = Subject("Image", name_of(image))
         self._messages.warn(f"{subject}: {text}", subject)
@@ -161,7 +168,7 @@ class ImageLibrary:
         opacity: str = "OPACITY",
         refused: str = "",
     ) -> int:
-        """Hand an image to the core, which converts it: seconds for a large one. `opacity`: what its alpha is, where it is
+        """Hand an image to the core, which may take seconds for a large one. `opacity`: what its alpha is, where it is
         the colours' opacity. `refused`: what the core said of its colour space, in place of which `space` is tried."""
         alpha = _OTHER_ALPHAS.get(image.alpha_mode, opacity)
         name = name_of(image)

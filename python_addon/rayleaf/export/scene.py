@@ -147,7 +147,12 @@ class SceneExporter(ShapeExporter, LightExporter):
         shapes = self._export_shapes(listed)
         self._note_undisplaced(listed.groups)
         self._export_instances(listed, shapes, material_lists)
+        self.leave_out_unreadable_images()
         return self.scene
+
+    def leave_out_unreadable_images(self) -> None:
+        """The last step, also of an edit: images are read meanwhile."""
+        self._resources.images.leave_out_unreadable()
 
     @property
     def left(self) -> KeptExport:

@@ -121,7 +121,9 @@ def _edit(exporter: SceneExporter, depsgraph: Any, changes: Changes) -> bool:
         _replace_lights(exporter, depsgraph, changes)
         # Programs that are made now add to what is wanted; shapes and instances carry what was wanted before.
         done = exporter.wanted_attributes <= carried and _place(exporter, depsgraph, rows)
-    if not done:
+    if done:
+        exporter.leave_out_unreadable_images()
+    else:
         exporter.edit(before, depsgraph)
     return done
 
