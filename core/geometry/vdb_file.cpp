@@ -3,7 +3,9 @@
 #include "base/error.h"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
+#include <span>
 
 #include <openvdb/openvdb.h>
 
@@ -30,11 +32,12 @@ Vec3i voxel_of(const openvdb::Coord& c) {
     return {c.x(), c.y(), c.z()};
 }
 
-/// A value stands in the middle of its voxel, which begins at the whole coordinates: as Cycles has it.
-Affine3d map_of(const VdbSource& source, const openvdb::math::Transform& transform) {
+/// From a voxel's whole coordinates to where its value stands.
+Affine3d map_of(const VdbSource& source, const openvdb::math::Transform& transform, ValuePlace value_place) {
+    const double before = value_place == ValuePlace::Middle ? 0.5 : 0.0;
     if (!transform.isLinear()) source.refuse("in the frustum of a camera", "one that straight lines bound");
     const auto at = [&](double x, double y, double z) {
-        return vector_of(transform.indexToWorld(openvdb::Vec3d(x + 0.5, y + 0.5, z + 0.5)));
+        return vector_of(transform.indexToWorld(openvdb::Vec3d(x + before, y + before, z + before)));
     };
     const Vec3d origin = at(0, 0, 0);
     return {at(1, 0, 0) - origin, at(0, 1, 0) - origin, at(0, 0, 1) - origin, origin};
@@ -60,9 +63,14 @@ std::vector<float> numbers_of(const Value& value) {
     return numbers;
 }
 
+/// Whether the largest of an active voxel's numbers is not below `least`.
+bool is_there(std::span<const float> numbers, float least) {
+    return std::ranges::any_of(numbers, [&](float number) { return !(std::abs(number) < least); });
+}
+
 /// Values of a tree above its leaves: each is one of a whole cube.
 template <typename Tree>
-void take_tiles(const Tree& tree, VoxelGrid& grid) {
+void take_tiles(const Tree& tree, VoxelGrid& grid, float least) {
     auto value = tree.cbeginValueAll();
     value.setMaxDepth(Tree::ValueAllCIter::LEAF_DEPTH - 1);
     for (; value; ++value) {
@@ -70,28 +78,32 @@ void take_tiles(const Tree& tree, VoxelGrid& grid) {
         const openvdb::CoordBBox box = value.getBoundingBox();
         const auto level = std::find_if(VoxelGrid::kTileBits.begin(), VoxelGrid::kTileBits.end(),
                                         [&](int bits) { return box.dim().x() == 1 << bits; });
+        const std::vector<float> numbers = numbers_of(*value);
         if (level != VoxelGrid::kTileBits.end())
-            grid.add_tile(voxel_of(box.min()), *level, numbers_of(*value), value.isValueOn());
+            grid.add_tile(voxel_of(box.min()), *level, numbers, value.isValueOn() && is_there(numbers, least));
     }
 }
 
 template <typename Grid>
-std::shared_ptr<const VoxelGrid> taken(const VdbSource& source, const openvdb::GridBase::ConstPtr& base) {
+std::shared_ptr<const VoxelGrid> taken(const VdbSource& source, const openvdb::GridBase::ConstPtr& base,
+                                       const VdbReading& reading) {
     const auto typed = openvdb::gridConstPtrCast<Grid>(base);
     if (!typed) return nullptr;
     using Value = typename Grid::ValueType;
     const auto& tree = typed->tree();
-    auto grid =
-        std::make_shared<VoxelGrid>(source.object, source.grid, kChannelsOf<Value>, map_of(source, typed->transform()));
+    constexpr auto kChannels = size_t{kChannelsOf<Value>};
+    auto grid = std::make_shared<VoxelGrid>(source.object, source.grid, kChannelsOf<Value>,
+                                            map_of(source, typed->transform(), reading.rules.place), reading.rules);
     grid->set_background(numbers_of(tree.background()));
-    take_tiles(tree, *grid);
+    take_tiles(tree, *grid, reading.least);
     VoxelGrid::Active active;
     std::vector<float> values;
     for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
         values.clear();
         for (openvdb::Index i = 0; i < VoxelGrid::kVoxels; ++i) {
             append(values, leaf->getValue(i));
-            active[i] = leaf->isValueOn(i);
+            const std::span<const float> numbers = std::span(values).last(kChannels);
+            active[i] = leaf->isValueOn(i) && is_there(numbers, reading.least);
         }
         const Vec3i first = voxel_of(leaf->origin());
         grid->add_block(
@@ -102,23 +114,26 @@ std::shared_ptr<const VoxelGrid> taken(const VdbSource& source, const openvdb::G
 }
 
 template <typename... Grids>
-std::shared_ptr<const VoxelGrid> taken_as_any(const VdbSource& source, const openvdb::GridBase::ConstPtr& base) {
+std::shared_ptr<const VoxelGrid> taken_as_any(const VdbSource& source, const openvdb::GridBase::ConstPtr& base,
+                                              const VdbReading& reading) {
     std::shared_ptr<const VoxelGrid> grid;
-    ((grid = grid ? grid : taken<Grids>(source, base)), ...);
+    ((grid = grid ? grid : taken<Grids>(source, base, reading)), ...);
     if (!grid) source.refuse("of the type " + quotable(base->type()), "one of numbers or vectors");
     return grid;
 }
 
-std::shared_ptr<const VoxelGrid> taken_grid(const VdbSource& source, const openvdb::GridBase::ConstPtr& base) {
+std::shared_ptr<const VoxelGrid> taken_grid(const VdbSource& source, const openvdb::GridBase::ConstPtr& base,
+                                            const VdbReading& reading) {
     using namespace openvdb;
-    return taken_as_any<FloatGrid, Vec3SGrid, DoubleGrid, Int32Grid, Int64Grid, BoolGrid, Vec3DGrid, Vec3IGrid>(source,
-                                                                                                                base);
+    return taken_as_any<FloatGrid, Vec3SGrid, DoubleGrid, Int32Grid, Int64Grid, BoolGrid, Vec3DGrid, Vec3IGrid>(
+        source, base, reading);
 }
 
 }  // namespace
 
 std::map<std::string, std::shared_ptr<const VoxelGrid>> read_vdb(const std::string& object, const std::string& path,
-                                                                 const std::vector<std::string>& names) {
+                                                                 const std::vector<std::string>& names,
+                                                                 const VdbReading& reading) {
     static std::once_flag initialized;
     std::call_once(initialized, [] { openvdb::initialize(); });
     std::map<std::string, std::shared_ptr<const VoxelGrid>> grids;
@@ -126,7 +141,7 @@ std::map<std::string, std::shared_ptr<const VoxelGrid>> read_vdb(const std::stri
         openvdb::io::File file(path);
         file.open(false);
         for (const std::string& name : names)
-            if (file.hasGrid(name)) grids[name] = taken_grid({object, name}, file.readGrid(name));
+            if (file.hasGrid(name)) grids[name] = taken_grid({object, name}, file.readGrid(name), reading);
     } catch (const InputError&) {
         throw;
     } catch (const std::exception& error) {  // OpenVDB's own, and what broken lengths make of memory

@@ -11,12 +11,23 @@ namespace {
 /// Outside of what is held, as a share of the size: rounding then loses nothing of it.
 constexpr double kBoxMargin = 1e-4;
 
-Box3d box_of(const VolumeGrids& grids) {
-    Box3d box;
-    for (const NamedGrid& each : grids.grids) box.extendBy(each.grid->bounds());
+Box3d with_margin(const Box3d& box) {
     if (box.isEmpty()) return box;
     const Vec3d margin(max_component(box.size()) * kBoxMargin);
     return {box.min - margin, box.max + margin};
+}
+
+/// Around the active voxels of all grids, in terms of the first.
+Box3d body_box(const std::vector<NamedGrid>& grids) {
+    Box3d box;
+    for (const NamedGrid& each : grids) {
+        const Box3d active = each.grid->active_box();
+        if (active.isEmpty()) continue;
+        const bool is_first = each.grid == grids.front().grid;
+        box.extendBy(is_first ? active
+                              : image_of(image_of(active, each.grid->to_object()), grids.front().grid->to_index()));
+    }
+    return box;
 }
 
 std::string names_of(const VolumeGrids& grids) {
@@ -59,8 +70,16 @@ size_t VolumeGrids::bytes() const {
     return sum;
 }
 
+Box3d VolumeGrids::bounds() const {
+    if (body == VolumeBody::Box) return box.isEmpty() ? box : image_of(box, grids.front().grid->to_object());
+    Box3d found;
+    for (const NamedGrid& each : grids) found.extendBy(each.grid->bounds());
+    return found;
+}
+
 std::shared_ptr<Shape> volume_box(const std::string& name, VolumeGrids grids) {
-    const Box3d box = box_of(grids);
+    if (grids.body == VolumeBody::Box) grids.box = body_box(grids.grids);
+    const Box3d box = with_margin(grids.bounds());
     if (box.isEmpty()) throw InputError(name, names_of(grids), "empty", "at least one active voxel");
     std::vector<float> vertices;
     for (int i = 0; i < 8; ++i)
@@ -78,7 +97,7 @@ std::shared_ptr<Shape> volume_box(const std::string& name, VolumeGrids grids) {
 }
 
 std::shared_ptr<VoxelGrid> dense_grid(const std::string& object, const DenseVoxels& voxels) {
-    auto grid = std::make_shared<VoxelGrid>(object, voxels.name, voxels.channels, voxels.to_object);
+    auto grid = std::make_shared<VoxelGrid>(object, voxels.name, voxels.channels, voxels.to_object, voxels.rules);
     std::vector<float> values(size_t{VoxelGrid::kVoxels} * static_cast<size_t>(voxels.channels));
     VoxelGrid::Active active;
     const auto blocks = [](int size) { return (size + VoxelGrid::kSide - 1) >> VoxelGrid::kSideBits; };

@@ -18,9 +18,15 @@ struct NamedGrid {
 /// Whether densities are per unit of the object's space, so that a larger object is as dense as a small one.
 enum class DensityUnit : uint8_t { World, Object };
 
+/// What a volume fills: the blocks of 8³ voxels about active ones; or, as Cycles since 5.0, a box around all of these.
+enum class VolumeBody : uint8_t { Blocks, Box };
+
 struct VolumeGrids {
     std::vector<NamedGrid> grids;
     DensityUnit unit = DensityUnit::World;
+    VolumeBody body = VolumeBody::Blocks;
+    /// Of a body that is a box: it, in terms of the first grid's `to_index`. `volume_box` sets it.
+    Box3d box;
 
     /// Null where there is none of that name.
     const VoxelGrid* find(AttributeId id) const {
@@ -30,10 +36,13 @@ struct VolumeGrids {
     }
     /// Whether there is anything about a point of object space.
     bool holds(const Vec3d& object) const {
+        if (body == VolumeBody::Box) return box.intersects(grids.front().grid->to_index().point(object));
         for (const NamedGrid& each : grids)
             if (each.grid->holds(object)) return true;
         return false;
     }
+    /// Of all that is held, in object space.
+    Box3d bounds() const;
     size_t bytes() const;
 };
 
@@ -47,7 +56,8 @@ struct DenseVoxels {
     int channels = 1;
     std::span<const float> values;
     Affine3d to_object;  ///< from whole coordinates, those of the first voxel being 0
-    float least = 0;     ///< a voxel is active if its largest channel is not below this, and not 0
+    GridRules rules = {};
+    float least = 0;  ///< a voxel is active if its largest channel is not below this, and not 0
 };
 
 /// Throws InputError.

@@ -1,6 +1,10 @@
 #include "geometry/voxel_grid.h"
 
 #include "base/error.h"
+#include "base/random.h"
+
+#include <bit>
+#include <limits>
 
 namespace rayleaf {
 namespace {
@@ -45,11 +49,21 @@ void for_cells(const Box3d& box, int cells, const Box3d& touched, const Visit& v
 
 }  // namespace
 
-VoxelGrid::VoxelGrid(const std::string& object, std::string name, int channels, const Affine3d& to_object)
-    : object_(object), name_(std::move(name)), channels_(channels), to_object_(to_object) {
+VoxelGrid::VoxelGrid(const std::string& object, std::string name, int channels, const Affine3d& to_object,
+                     const GridRules& rules)
+    : object_(object),
+      name_(std::move(name)),
+      channels_(channels),
+      to_object_(to_object),
+      before_value_(rules.place == ValuePlace::Middle ? 0.5 : 0.0),
+      is_stochastic_(rules.mixing == ValueMixing::Stochastic),
+      seed_(0),
+      least_active_(std::numeric_limits<int>::max()),
+      most_active_(std::numeric_limits<int>::lowest()) {
     if (channels != 1 && channels != 3 && channels != 4)
         throw InputError(object, "grid '" + name_ + "'", std::to_string(channels) + " channels", "1, 3 or 4");
     to_index_ = to_object.inverse();
+    for (const char letter : name_) seed_ = hash_combine(seed_, static_cast<uint8_t>(letter));
     for (const Affine3d& map : {to_object_, to_index_})
         if (!is_finite(map.x) || !is_finite(map.y) || !is_finite(map.z) || !is_finite(map.translation))
             throw InputError(object, "grid '" + name_ + "'", "without a place in space", "one that has an inverse");
@@ -109,12 +123,21 @@ void VoxelGrid::hold(const Vec3i& block, const Active& active) {
     for (int voxel = 0; voxel < kVoxels; ++voxel) {
         if (!active[static_cast<size_t>(voxel)]) continue;
         const Vec3i in_block(voxel >> (2 * kSideBits), (voxel >> kSideBits) & (kSide - 1), voxel & (kSide - 1));
+        extend_active(block * kSide + in_block, block * kSide + in_block);
         for (int axis = 0; axis < 3; ++axis) {
             Vec3i beside = block;
             if (in_block[axis] == 0) --beside[axis];
             if (in_block[axis] == kSide - 1) ++beside[axis];
             if (beside != block) held_[0].insert(beside, 0);
         }
+    }
+}
+
+/// By the voxels from the first to the last.
+void VoxelGrid::extend_active(const Vec3i& first, const Vec3i& last) {
+    for (int axis = 0; axis < 3; ++axis) {
+        least_active_[axis] = std::min(least_active_[axis], first[axis]);
+        most_active_[axis] = std::max(most_active_[axis], last[axis]);
     }
 }
 
@@ -126,7 +149,10 @@ void VoxelGrid::add_tile(const Vec3i& first, int side_bits, std::span<const floa
         if (!tile_levels_[level].insert(tile, static_cast<uint32_t>(tiles_.size()))) return;
         tiles_.push_back(sound(value));
         if (active && level == 0) hold(tile, Active().set());
-        if (active && level > 0) held_[level].insert(tile, 0);
+        if (active && level > 0) {
+            held_[level].insert(tile, 0);
+            extend_active(first, first + Vec3i((1 << side_bits) - 1));
+        }
         return;
     }
     throw InputError(object_, "grid '" + name_ + "'", "a tile of 2^" + std::to_string(side_bits), "2^3, 2^7 or 2^12");
@@ -147,9 +173,26 @@ Vec4f VoxelGrid::stored(const Vec3i& voxel) const {
     return tile != nullptr ? *tile : background_;
 }
 
+/// One of the eight voxels about a place, by their weights.
+Vec3i VoxelGrid::chosen(const Vec3d& place) const {
+    uint32_t bits = seed_;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto number = std::bit_cast<uint64_t>(place[axis]);
+        bits = hash_combine(hash_combine(bits, static_cast<uint32_t>(number)), static_cast<uint32_t>(number >> 32));
+    }
+    Vec3i voxel;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double low = std::floor(place[axis]);
+        bits = hash_combine(bits, static_cast<uint32_t>(axis));
+        voxel[axis] = static_cast<int>(low) + (unit_float(bits) < place[axis] - low ? 1 : 0);
+    }
+    return voxel;
+}
+
 Vec4f VoxelGrid::at(const Vec3d& object) const {
     const Vec3d place = to_index_.point(object);
     if (!(max_abs(place) < kFarthestVoxel)) return background_;
+    if (is_stochastic_) return shown(stored(chosen(place)));
     const Vec3d low(std::floor(place.x), std::floor(place.y), std::floor(place.z));
     const Vec3i first(static_cast<int>(low.x), static_cast<int>(low.y), static_cast<int>(low.z));
     const Vec3f share(place - low);
@@ -176,7 +219,7 @@ Vec4f VoxelGrid::at(const Vec3d& object) const {
 }
 
 bool VoxelGrid::holds(const Vec3d& object) const {
-    const Vec3d place = to_index_.point(object) + Vec3d(0.5);
+    const Vec3d place = to_index_.point(object) + Vec3d(before_value_);
     if (!(max_abs(place) < kFarthestVoxel)) return false;
     const Vec3i voxel(static_cast<int>(std::floor(place.x)), static_cast<int>(std::floor(place.y)),
                       static_cast<int>(std::floor(place.z)));
@@ -208,8 +251,14 @@ Box3d VoxelGrid::reach(const Vec3i& place, int side_bits, double before, double 
 
 /// Where `holds` is true because of a block or tile, or a little more.
 Box3d VoxelGrid::held_box(const Vec3i& place, size_t level) const {
-    const double margin = level == 0 ? 0.5 : kSide + 0.5;
-    return reach(place, kTileBits[level], margin, margin);
+    const double margin = level == 0 ? 0.0 : kSide;
+    return reach(place, kTileBits[level], margin + before_value_, margin + 1.0 - before_value_);
+}
+
+Box3d VoxelGrid::active_box() const {
+    if (least_active_.x > most_active_.x) return {};
+    const Vec3d least(least_active_), most(most_active_);
+    return {least - Vec3d(1.0 + before_value_), most + Vec3d(2.0 - before_value_)};
 }
 
 Box3d VoxelGrid::bounds() const {

@@ -11,11 +11,18 @@ namespace {
 constexpr std::pair<const char*, DensityUnit> kDensityUnits[] = {{"WORLD", DensityUnit::World},
                                                                  {"OBJECT", DensityUnit::Object}};
 
+constexpr std::pair<const char*, VolumeBody> kVolumeBodies[] = {{"BLOCKS", VolumeBody::Blocks},
+                                                                {"BOX", VolumeBody::Box}};
+constexpr std::pair<const char*, ValuePlace> kValuePlaces[] = {{"MIDDLE", ValuePlace::Middle},
+                                                               {"CORNER", ValuePlace::Corner}};
+constexpr std::pair<const char*, ValueMixing> kValueMixings[] = {{"TRILINEAR", ValueMixing::Trilinear},
+                                                                 {"STOCHASTIC", ValueMixing::Stochastic}};
+
 /// Python sees nothing that could change a grid.
 using SharedGrid = std::shared_ptr<VoxelGrid>;
 
 SharedGrid make_dense(const std::string& object, const std::string& name, const Array<float>& values,
-                      const Array<double>& to_object, float least) {
+                      const Array<double>& to_object, float least, const std::string& mixing) {
     check_shape(object, "values", values, {-1, -1, -1, -1});
     DenseVoxels voxels;
     voxels.name = name;
@@ -25,22 +32,28 @@ SharedGrid make_dense(const std::string& object, const std::string& name, const 
     voxels.values = span_of(values);
     voxels.to_object = affine_of(object, to_object);
     voxels.least = least;
+    voxels.rules.mixing = named(object, "mixing", mixing, kValueMixings);
     return dense_grid(object, voxels);
 }
 
 /// Reading a large file takes seconds; Python goes on meanwhile.
 std::map<std::string, SharedGrid> read_file(const std::string& object, const std::string& path,
-                                            const std::vector<std::string>& names) {
+                                            const std::vector<std::string>& names, const std::string& value_place,
+                                            const std::string& mixing, float least) {
+    const VdbReading reading{
+        {named(object, "place of values", value_place, kValuePlaces), named(object, "mixing", mixing, kValueMixings)},
+        least};
     const py::gil_scoped_release released;
     std::map<std::string, SharedGrid> grids;
-    for (const auto& [name, grid] : read_vdb(object, path, names))
+    for (const auto& [name, grid] : read_vdb(object, path, names, reading))
         grids[name] = std::const_pointer_cast<VoxelGrid>(grid);
     return grids;
 }
 
 std::shared_ptr<Shape> make_volume(const std::string& name, const std::map<int, SharedGrid>& grids,
-                                   const std::string& unit) {
-    VolumeGrids volume{{}, named(name, "density unit", unit, kDensityUnits)};
+                                   const std::string& unit, const std::string& body) {
+    VolumeGrids volume{
+        {}, named(name, "density unit", unit, kDensityUnits), named(name, "body", body, kVolumeBodies), {}};
     for (const auto& [id, grid] : grids) {
         if (!grid) throw InputError(name, "grids", "None", "grids of voxels");
         volume.grids.push_back({id, grid});
@@ -69,13 +82,15 @@ std::pair<std::array<double, 3>, std::array<double, 3>> bounds_of(const VoxelGri
 void bind_volumes(py::module_& module) {
     using namespace py::literals;
     py::class_<VoxelGrid, SharedGrid>(module, "VoxelGrid", "Numbers, vectors or colours at the points of a lattice.")
-        .def(py::init(&make_dense), "object"_a, "name"_a, "values"_a, "to_object"_a, "least"_a = 0.0f)
+        .def(py::init(&make_dense), "object"_a, "name"_a, "values"_a, "to_object"_a, "least"_a = 0.0f,
+             "mixing"_a = "TRILINEAR")
         .def("values", &values_at, "points"_a)
         .def("bounds", &bounds_of)
         .def_property_readonly("bad_numbers", &VoxelGrid::bad_numbers)
         .def_property_readonly("bytes", &VoxelGrid::bytes);
-    module.def("read_vdb", &read_file, "object"_a, "path"_a, "names"_a);
-    module.def("volume", &make_volume, "name"_a, "grids"_a, "density_unit"_a = "WORLD");
+    module.def("read_vdb", &read_file, "object"_a, "path"_a, "names"_a, "value_place"_a = "MIDDLE",
+               "mixing"_a = "TRILINEAR", "least"_a = 0.0f);
+    module.def("volume", &make_volume, "name"_a, "grids"_a, "density_unit"_a = "WORLD", "body"_a = "BLOCKS");
 }
 
 }  // namespace rayleaf

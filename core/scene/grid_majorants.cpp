@@ -42,7 +42,10 @@ class GridBounds {
   public:
     GridBounds(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box, int cells)
         : box_(box), cells_(cells), held_(count(), 0) {
-        for (const NamedGrid& each : grids.grids) each.grid->mark_held(box, cells, held_);
+        if (grids.body == VolumeBody::Box)
+            std::ranges::fill(held_, uint8_t{1});
+        else
+            for (const NamedGrid& each : grids.grids) each.grid->mark_held(box, cells, held_);
         for (const AttributeId id : read)
             if (const VoxelGrid* grid = grids.find(id)) {
                 ids_.push_back(id);
@@ -54,10 +57,10 @@ class GridBounds {
     bool is_held(size_t cell) const { return held_[cell] != 0; }
 
     GridProbe probe(size_t cell, int number) const {
-        const auto side = static_cast<size_t>(cells_);
-        const Vec3d first(static_cast<double>(cell % side), static_cast<double>(cell / side % side),
-                          static_cast<double>(cell / (side * side)));
-        GridProbe probe{box_.min + box_.size() * (first + place_in_cell(number)) / static_cast<double>(cells_), {}};
+        const auto place = static_cast<int>(cell);
+        const Vec3i first(place % cells_, place / cells_ % cells_, place / (cells_ * cells_));
+        GridProbe probe{box_.min + box_.size() * (Vec3d(first) + place_in_cell(number)) / static_cast<double>(cells_),
+                        {}};
         for (size_t i = 0; i < ids_.size(); ++i) {
             const VoxelRange& range = ranges_[i][cell];
             const float share = share_of_range(number, static_cast<int>(i));

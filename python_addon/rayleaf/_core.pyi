@@ -352,23 +352,41 @@ class VoxelGrid:
 
     values (z, y, x, channels): 1 channel, 3 of a vector, or 4 of a colour that its alpha has multiplied. to_object (4, 4): from
     whole coordinates, 0 for the first, to object space. A voxel counts as there if its largest number is not below `least`, nor 0.
+    mixing: TRILINEAR, or STOCHASTIC, one of the eight values about a place, chosen by its bits, with that mean.
     """
 
     bad_numbers: int  # that were not finite, and are 0
     bytes: int
 
-    def __init__(self, object: str, name: str, values: Floats, to_object: Doubles, least: float = 0.0) -> None: ...
+    def __init__(
+        self,
+        object: str,
+        name: str,
+        values: Floats,
+        to_object: Doubles,
+        least: float = 0.0,
+        mixing: str = "TRILINEAR",
+    ) -> None: ...
     def values(self, points: Doubles) -> Floats:
         """(n, 4) at points of object space (n, 3), interpolated."""
     def bounds(self) -> tuple[list[float], list[float]]:
         """Of the blocks of 8³ voxels where something is, in object space."""
 
-def read_vdb(object: str, path: str, names: Sequence[str]) -> dict[str, VoxelGrid]:
-    """Those grids of an OpenVDB file that it has; `object` is named in messages."""
+def read_vdb(
+    object: str,
+    path: str,
+    names: Sequence[str],
+    value_place: str = "MIDDLE",
+    mixing: str = "TRILINEAR",
+    least: float = 0.0,
+) -> dict[str, VoxelGrid]:
+    """Those grids of an OpenVDB file that it has; `object` is named in messages. value_place: where in its voxel a value
+    stands, MIDDLE or CORNER. mixing: as of VoxelGrid. Active voxels whose largest number is below `least` count as inactive."""
 
-def volume(name: str, grids: dict[int, VoxelGrid], density_unit: str = "WORLD") -> Any:
+def volume(name: str, grids: dict[int, VoxelGrid], density_unit: str = "WORLD", body: str = "BLOCKS") -> Any:
     """The shape of a volume: a box around what grids hold, which a program reads by their ids. density_unit: WORLD, or
-    OBJECT, by which densities are per unit of object space."""
+    OBJECT, by which densities are per unit of object space. body: what it fills, BLOCKS of 8³ voxels about active ones,
+    or a BOX around all of these."""
 
 class SubdivisionSurface:
     """The limit of a polygon mesh; see core/geometry/subdivision_cage.h. A corner is a vertex of a face.

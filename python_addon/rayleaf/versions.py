@@ -285,6 +285,22 @@ def follows_light_between_facets() -> bool:
     return bpy.app.version < (4, 0, 0)
 
 
+def place_of_grid_values() -> str:
+    """Where in its voxel a value of an OpenVDB grid stands in Cycles, as the core calls it."""
+    return "MIDDLE" if bpy.app.version < (5, 0, 0) else "CORNER"
+
+
+def mixing_of_grid_values() -> str:
+    """What Cycles finds between the values of a grid, as the core calls it."""
+    return "TRILINEAR" if bpy.app.version < (5, 0, 0) else "STOCHASTIC"
+
+
+def volume_body(scene: Any) -> str:
+    """What grids fill in Cycles, as the core calls it; the steps of its biased volumes go through blocks still."""
+    is_box = bpy.app.version >= (5, 0, 0) and not cycles_setting(scene, "volume_biased", False)
+    return "BOX" if is_box else "BLOCKS"
+
+
 def voronoi_hash() -> str:
     """What chooses the points of Voronoi's cells."""
     return "JENKINS" if bpy.app.version < (5, 0, 0) else "PCG"

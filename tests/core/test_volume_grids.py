@@ -1,9 +1,11 @@
 """Grids of voxels: lookups, what programs read of them, light through them, and input that nobody wants."""
 
 import numpy as np
+import pyopenvdb
 import pytest
 from path_scenes import picture, render
 from scenes import background, look_down, matrix
+from vdb_files import write
 
 WHITE = (1.0, 1.0, 1.0)
 DENSITY, COLOR, HEAT = 0, 1, 2
@@ -241,3 +243,61 @@ def test_smoke_beyond_many_cells_scatters_the_sun(core):
     alone = far_smoke(False)
     assert alone > 0.005
     assert far_smoke(True) == pytest.approx(alone, rel=0.05)
+
+
+def corner_file(core, tmp_path, **reading):
+    """A number in a few voxels, two units apart."""
+    grid = pyopenvdb.FloatGrid()
+    grid.name = "density"
+    grid.fill((2, 3, 4), (5, 7, 6), 2.0)
+    grid.fill((20, 3, 4), (20, 3, 4), 0.5)
+    path = write(tmp_path / "corner.vdb", grid)
+    return core.read_vdb("cloud", path, ["density"], **reading)["density"]
+
+
+def test_values_stand_in_the_middle_of_voxels_or_in_their_corners(core, tmp_path):
+    points = np.random.default_rng(8).uniform(1.0, 9.0, (300, 3))
+    middle, corner = (corner_file(core, tmp_path, value_place=place) for place in ("MIDDLE", "CORNER"))
+    np.testing.assert_allclose(middle.values(points + 0.5), corner.values(points), atol=1e-6)
+    np.testing.assert_array_equal(corner.values([[2.0, 3.0, 4.0], [1.0, 3.0, 4.0]])[:, 0], [2.0, 0.0])
+
+
+def test_stochastic_mixing_finds_values_around_of_which_it_is_the_mean(core, tmp_path):
+    mean, chosen = (corner_file(core, tmp_path, mixing=mixing) for mixing in ("TRILINEAR", "STOCHASTIC"))
+    points = np.random.default_rng(9).uniform((1.9, 4, 5), (2.1, 4.001, 5.001), (20000, 3))
+    found = chosen.values(points)[:, 0]
+    assert set(found) == {0.0, 2.0}
+    assert found.mean() == pytest.approx(mean.values(points)[:, 0].mean(), abs=5 * found.std() / len(found) ** 0.5)
+
+
+@pytest.mark.parametrize(
+    ("place", "least", "low", "high"),
+    [
+        ("MIDDLE", 0.0, (1, 2, 3), (22, 9, 8)),
+        ("CORNER", 0.0, (1, 2, 3), (22, 9, 8)),
+        ("CORNER", 1.0, (1, 2, 3), (7, 9, 8)),
+    ],
+)
+def test_a_volume_may_fill_the_box_of_all_active_voxels(core, tmp_path, place, least, low, high):
+    """It shines where rays cross it, however little is in it: one voxel further than what is active."""
+    grid = corner_file(core, tmp_path, value_place=place, least=least)
+    program = core.Program("glow")
+    one = program.constant(1, 1, 1, 1)
+    read = program.operation("component", [program.operation("grid_value", [one], [DENSITY])], [0])
+    program.operation("volume_absorption", [one, one, read])  # of white: nothing is absorbed
+    program.operation("emission", [one, one, one])
+    scene = core.SceneDescription()
+    shape = scene.add_shape(core.volume("volume", {DENSITY: grid}, "WORLD", "BOX"))
+    materials = scene.add_material_list([scene.add_material("volume", None, medium=program)])
+    scene.add_instance("volume", shape, np.eye(4), materials)
+    across = high[0] - low[0]
+    for x, seen in (
+        (low[0] - 0.3, 0),
+        (low[0] + 0.3, 1),
+        (low[0] + 0.5 * across, 1),
+        (high[0] - 0.3, 1),
+        (high[0] + 0.3, 0),
+    ):
+        scene.set_camera("PERSPECTIVE", matrix((x, 5.0, 40.0)), (-1e-6, -1e-6), (1e-6, 1e-6), 0.01, 1000.0)
+        got = picture(core, scene, samples=4).mean((0, 1))
+        np.testing.assert_allclose(got[:3], seen * (high[2] - low[2]), rtol=0.02)  # noise

@@ -188,8 +188,9 @@ class _Gatherer:
         self._start()
         views = 0 if self._camera_object is None else _times([self._level(self._camera_object)])
         self._views = [self._view()] * views if views else []
-        by_time = [*self._forms_of.values(), *self._clouds_of.values(), *(t.places for t in self._tracks.values())]
-        most = max([views, *map(len, by_time)])
+        counts = [len(forms) for forms in (*self._forms_of.values(), *self._clouds_of.values())]
+        counts += [len(track.places) for track in self._tracks.values()]
+        most = max([views, *counts])
         for number in range(most):
             if 2 * number == most - 1:
                 continue

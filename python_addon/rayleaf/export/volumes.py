@@ -50,15 +50,17 @@ def _volume_grids(core: ModuleType, owner: Any, data: Any, reads: list[str]) -> 
     name = name_of(owner)
     loaded = data.grids.load()
     path = text_of(data.grids, "frame_filepath")
+    rule: dict[str, Any] = dict(value_place=versions.place_of_grid_values(), mixing=versions.mixing_of_grid_values())
+    rule["least"] = float(data.render.clipping)
     # What modifiers make is in no file but the one that Blender writes of it.
     if text_of(data, "filepath") and not len(owner.modifiers):
-        return dict(core.read_vdb(name, path if loaded and path else _said_path(data), reads))
+        return dict(core.read_vdb(name, path if loaded and path else _said_path(data), reads, **rule))
     if not len(data.grids):
         return {}
     with tempfile.TemporaryDirectory() as folder:
         made = str(Path(folder) / "volume.vdb")
         data.grids.save(filepath=made)
-        return dict(core.read_vdb(name, made, reads))
+        return dict(core.read_vdb(name, made, reads, **rule))
 
 
 def _said_path(data: Any) -> str:
@@ -82,7 +84,8 @@ def _simulated_grids(core: ModuleType, owner: Any, frame: int, reads: list[str])
         if len(values) > 0 and len(values) == size.prod() * channels:
             shape = (*(int(length) for length in size[::-1]), channels)
             to_object = _in_texture_space(owner.data, size)
-            grids[name] = core.VoxelGrid(name_of(owner), name, values.reshape(shape), to_object, domain.clipping)
+            described = (name_of(owner), name, values.reshape(shape), to_object, domain.clipping)
+            grids[name] = core.VoxelGrid(*described, mixing=versions.mixing_of_grid_values())
     return grids
 
 
