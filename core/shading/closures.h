@@ -59,6 +59,10 @@ struct ThinFilm {
     bool operator==(const ThinFilm&) const = default;
 };
 
+/// How light enters a body that it scatters in: all ways alike, refracted by rough facets, or by chance the one or the
+/// other.
+enum class EntryKind : uint8_t { Diffuse, Refracted, Either };
+
 /// One lobe. `normal`, `tangent`, `weight` count for all types, the rest where named.
 struct Lobe {
     LobeType type = LobeType::Diffuse;
@@ -67,13 +71,15 @@ struct Lobe {
     Masking masking = Masking::Separate;
     bool stays_sharp = false;  ///< Reflection, Refraction, Glass: `widen` passes it by
     bool in_front = false;     ///< ToonGlossy: nothing at right angles to the mirror direction and beyond
-    Color weight{0, 0, 0};     ///< factor on the lobe's value
-    Vec3f normal{0, 0, 1};     ///< unit; faces the viewer
+    bool is_reduced = true;    ///< Subsurface: `radius` is as of a phase function that prefers no direction
+    EntryKind entry = EntryKind::Diffuse;
+    Color weight{0, 0, 0};  ///< factor on the lobe's value
+    Vec3f normal{0, 0, 1};  ///< unit; faces the viewer
     /// For anisotropy, made orthogonal to `normal` by `add`; without, `add` chooses one. Of hair: along the fibre.
     /// Microfibres: towards the viewer.
     Vec3f tangent{0, 0, 0};
-    /// Microfacet roughness (already squared); both 0: singular. Of hair: how wide it scatters along and around the
-    /// fibre; HairFibre: a variance and a scale. Microfibres: their narrowing and skew.
+    /// Microfacet roughness (already squared), of Subsurface where light enters; both 0: singular. Of hair: how wide it
+    /// scatters along and around the fibre; HairFibre: a variance and a scale. Microfibres: their narrowing and skew.
     float alpha_x = 0, alpha_y = 0;
     float ior = 1.5f;  ///< index beyond the surface over that on the viewer's side
     /// Diffuse: Oren-Nayar's sigma, 0..1; PrincipledDiffuse: Disney's roughness; Velvet: its sigma; Toon: the cone's

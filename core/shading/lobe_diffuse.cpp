@@ -115,7 +115,7 @@ LobeDirection sample_diffuse_lobe(const Lobe& lobe, const LobeView& view, const 
     LobeDirection result;
     result.density = local.z * kInversePi;
     result.weight = lobe.weight;
-    if (lobe.type == LobeType::Translucent || lobe.type == LobeType::Subsurface) {
+    if (lobe.type == LobeType::Translucent) {
         local.z = -local.z;
         result.side = Side::Transmitted;
     }

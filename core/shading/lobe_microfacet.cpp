@@ -189,6 +189,29 @@ std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Lobe
     return result;
 }
 
+LobeDirection sample_entry(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing, const Vec3f& random) {
+    constexpr float kDiffuseShare = 0.5f;  // as Cycles
+    const bool refracts =
+        lobe.entry == EntryKind::Refracted || (lobe.entry == EntryKind::Either && random.z >= kDiffuseShare);
+    const LobeFrame frame(lobe);
+    LobeDirection result;
+    result.side = Side::Transmitted;
+    result.weight = lobe.weight;
+    if (refracts && view.cosine > 0.0f) {
+        const Vec3f o = frame.to_local(outgoing);
+        const bool is_flat = lobe.alpha_x == 0.0f;
+        const Vec3f h = is_flat ? Vec3f(0, 0, 1) : microfacets(lobe).sample_visible(o, Vec2f(random.x, random.y));
+        const std::optional<Vec3f> i = refracted_direction(o, h, lobe.ior);
+        if (i && i->z < 0.0f) {
+            result.direction = frame.to_world(*i);
+            return result;
+        }
+    }
+    const Vec3f local = cosine_hemisphere(random.x, random.y);
+    result.direction = frame.to_world({local.x, local.y, -local.z});
+    return result;
+}
+
 LobeValue evaluate_clearcoat(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
     if (pair.side == Side::Transmitted || !(view.mirrored > 0.0f)) return {};
     const LobeFrame frame(lobe);

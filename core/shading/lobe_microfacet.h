@@ -13,6 +13,9 @@ LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const LobeView& view, const
 std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing,
                                                     const Vec3f& random);
 
+/// Of a Subsurface lobe: the way into the body.
+LobeDirection sample_entry(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing, const Vec3f& random);
+
 LobeValue evaluate_clearcoat(const Lobe& lobe, const LobeView& view, const DirectionPair& pair);
 std::optional<LobeDirection> sample_clearcoat(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random);
 

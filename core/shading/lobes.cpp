@@ -73,6 +73,8 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const LobeView& view,
             return sample_fibre_lobe(lobe, outgoing, random);
         case LobeType::Microfibres:
             return sample_microfibres(lobe, random);
+        case LobeType::Subsurface:
+            return sample_entry(lobe, view, outgoing, random);
         default:
             return sample_diffuse_lobe(lobe, view, outgoing, random);
     }

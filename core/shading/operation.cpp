@@ -68,13 +68,13 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::vector_rotate:
         case Operation::wireframe:
         case Operation::bump:
-        case Operation::subsurface:
         case Operation::principled:
         case Operation::metal:
             return {0, 1};
         case Operation::mix:
         case Operation::normal_map:
         case Operation::tangent:
+        case Operation::subsurface:
         case Operation::principled_layers:
             return {0, 2};
         case Operation::image:

@@ -128,14 +128,17 @@ float index_of_reflectance(float reflectance) {
     return (1.0f + root) / (1.0f - root);
 }
 
+/// Index of the body's surface: that which reflects as the specular level wants.
+float index_of_surface(const PrincipledLayers& p) {
+    if (p.specular_level == 0.5f) return p.ior;
+    const float ior = index_of_reflectance(normal_fresnel(p.ior) * 2.0f * p.specular_level);
+    return p.ior < 1.0f ? 1.0f / ior : ior;
+}
+
 Color add_reflection(const PrincipledLayers& p, const Color& weight, Closures& closures) {
-    float ior = p.ior, fresnel_0 = normal_fresnel(p.ior);
-    if (p.specular_level != 0.5f) {
-        fresnel_0 *= 2.0f * p.specular_level;
-        ior = index_of_reflectance(fresnel_0);
-        if (p.ior < 1.0f) ior = 1.0f / ior;
-    }
+    const float ior = index_of_surface(p);
     if (ior == 1.0f) return weight;
+    const float fresnel_0 = normal_fresnel(p.ior) * (2.0f * p.specular_level);
     Lobe lobe = anisotropic_lobe(p, weight);
     lobe.fresnel = Lobe::Fresnel::Schlick;
     lobe.ior = ior;
@@ -161,6 +164,9 @@ void add_body(const PrincipledLayers& p, const Color& weight, Closures& closures
         body.ior = p.subsurface_ior;
         body.anisotropy = p.subsurface_anisotropy;
         body.method = p.subsurface_method;
+        body.entry = p.subsurface_entry;
+        body.entry_alpha = p.roughness * p.roughness;
+        body.entry_ior = index_of_surface(p);
         body.normal = p.normal;
         add_subsurface(body, closures);
     }

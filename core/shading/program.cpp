@@ -72,11 +72,12 @@ IntRange int_range(Operation operation, size_t i) {
         case Operation::ambient_occlusion:
         case Operation::bevel:
             return i == 0 ? IntRange{1, 1024} : IntRange{0, 1};
+        case Operation::subsurface:
+        case Operation::principled_layers:
+            return {0, i == 0 ? 2 : 1};
         case Operation::diffuse:
         case Operation::toon:
-        case Operation::subsurface:
         case Operation::principled:
-        case Operation::principled_layers:
         case Operation::metal:
         case Operation::table:
         case Operation::math:

@@ -5,6 +5,9 @@
 namespace rayleaf {
 namespace {
 
+/// Walks end.
+constexpr float kMostAlbedo = 0.999999f;
+
 /// Diffuse reflectance of a half space by the dipole with an extended source (Jensen et al. 2001, equation 15), for an
 /// albedo of one scattering and a boundary.
 float dipole_reflectance(float albedo, float boundary) {
@@ -14,9 +17,9 @@ float dipole_reflectance(float albedo, float boundary) {
 
 /// The albedo of one scattering that gives a reflectance.
 float dipole_albedo(float reflectance, float boundary) {
-    constexpr float kBlack = 1e-4f, kWhite = 0.995f, kMost = 0.999999f;
+    constexpr float kBlack = 1e-4f, kWhite = 0.995f;
     if (reflectance < kBlack) return 0.0f;
-    if (reflectance >= kWhite) return kMost;
+    if (reflectance >= kWhite) return kMostAlbedo;
     constexpr int kHalvings = 12;  // as many as Cycles makes
     float low = 0.0f, high = 1.0f, middle = 0.5f;
     for (int i = 0; i < kHalvings; ++i) {
@@ -26,8 +29,9 @@ float dipole_albedo(float reflectance, float boundary) {
     return middle;
 }
 
-/// Mean free paths, reduced by the phase function, for what an artist calls radius.
+/// Mean free paths for what an artist calls radius; reduced by the phase function but for the method of that name.
 Color free_paths(const SubsurfaceParameters& p) {
+    if (p.method == SubsurfaceMethod::MeanFreePath) return p.radius;
     if (p.method == SubsurfaceMethod::FixedRadius) return p.radius * (0.25f / kPi);
     const float inverse = 1.0f / std::clamp(p.ior, 1.01f, 3.8f), ior = 1.0f / inverse;
     // Mean reflectance inside (Jensen et al. 2001, section 2.2).
@@ -71,8 +75,15 @@ float scattering_albedo(float color, float g) {
     const float share = std::sqrt(std::sqrt(color));
     const float albedo =
         (1.0f - share) * a * std::pow(std::atan(b * color), c) + share * d * std::pow(std::atan(e * color), f);
-    constexpr float kMost = 0.999999f;
-    return std::clamp(albedo, 0.0f, kMost);
+    return std::clamp(albedo, 0.0f, kMostAlbedo);
+}
+
+/// The same by van de Hulst's fit, for a phase function that prefers a direction by similarity (OpenPBR Surface 1.1,
+/// section 3.6.4).
+float similar_albedo(float color, float g) {
+    const float root = std::sqrt(9.59217f + color * (41.6808f + color * 17.7126f));
+    const float s = 4.09712f + 4.20863f * color - root;
+    return std::clamp((1.0f - s * s) / (1.0f - g * s * s), 0.0f, kMostAlbedo);
 }
 
 Lobe lobe_of(const SubsurfaceParameters& p, LobeType type, const Color& weight) {
@@ -96,6 +107,11 @@ void add_subsurface(const SubsurfaceParameters& p, Closures& closures) {
     Lobe lobe = lobe_of(p, LobeType::Subsurface, spread);
     lobe.fresnel_0 = p.albedo;
     lobe.radius = free_paths(p);
+    lobe.is_reduced = p.method != SubsurfaceMethod::MeanFreePath;
+    lobe.entry = p.entry;
+    // The skin of bodies that follow from an index is as rough as can be, as in Cycles.
+    lobe.alpha_x = lobe.alpha_y = p.entry == EntryKind::Either ? 1.0f : p.entry_alpha;
+    lobe.ior = std::max(p.entry == EntryKind::Either ? p.ior : p.entry_ior, 1.0f);
     lobe.softness = std::clamp(p.anisotropy, 0.0f, 0.9f);  // Cycles' limits up to 4.4
     lobe.fresnel = p.is_disney ? Lobe::Fresnel::Schlick : Lobe::Fresnel::None;
     closures.add(lobe);
@@ -107,9 +123,10 @@ SubsurfaceMedium subsurface_medium(const Lobe& lobe) {
     SubsurfaceMedium medium;
     medium.anisotropy = lobe.softness;
     for (int c = 0; c < 3; ++c) {
-        const float color = std::min(lobe.fresnel_0[c], 1.0f);
-        const float albedo = scattering_albedo(color, medium.anisotropy);
-        medium.extinction[c] = 1.0f / (std::max(lobe.radius[c], kLeastPath) * (1.0f - medium.anisotropy));
+        const float color = std::clamp(lobe.fresnel_0[c], 0.0f, 1.0f);
+        const float g = medium.anisotropy, path = std::max(lobe.radius[c], kLeastPath);
+        const float albedo = lobe.is_reduced ? scattering_albedo(color, g) : similar_albedo(color, g);
+        medium.extinction[c] = 1.0f / (lobe.is_reduced ? path * (1.0f - g) : path);
         // The lobe's weight holds the surface's albedo, which the walk applies itself.
         medium.factor[c] = lobe.fresnel_0[c] > 0.0f ? std::min(albedo / kLeastAlbedo, 1.0f) / lobe.fresnel_0[c] : 0.0f;
         medium.albedo[c] = std::max(albedo, kLeastAlbedo);

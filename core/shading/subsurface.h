@@ -1,7 +1,8 @@
 // Light that enters a body and leaves it elsewhere: the lobe that stands for it, and the medium that a walk goes
 // through (Chiang, Kutz, Burley: "Practical and Controllable Subsurface Scattering for Production Path Tracing",
 // SIGGRAPH 2016; the fit to anisotropic media of Wrenninge, Villemin, Hery: "Path Traced Subsurface Scattering using
-// Anisotropic Phase Functions and Non-Exponential Free Flights", 2017).
+// Anisotropic Phase Functions and Non-Exponential Free Flights", 2017; with a mean free path, van de Hulst's albedo as
+// the OpenPBR Surface specification gives it, section "Subsurface").
 #pragma once
 
 #include "shading/closures.h"
@@ -10,8 +11,9 @@
 
 namespace rayleaf {
 
-/// How the radius is meant: scaled as in older models, or such that light spreads that far in a body of that index.
-enum class SubsurfaceMethod : uint8_t { FixedRadius, Physical };
+/// How the radius is meant: scaled as in older models; such that light spreads that far in a body of that index; or as
+/// the mean way between two scatterings.
+enum class SubsurfaceMethod : uint8_t { FixedRadius, Physical, MeanFreePath };
 
 struct SubsurfaceParameters {
     Color weight{0, 0, 0};  ///< times the albedo already
@@ -20,6 +22,8 @@ struct SubsurfaceParameters {
     float ior = 1.4f;
     float anisotropy = 0;  ///< -1..1
     SubsurfaceMethod method = SubsurfaceMethod::FixedRadius;
+    EntryKind entry = EntryKind::Diffuse;
+    float entry_alpha = 1, entry_ior = 1.4f;  ///< Refracted: of its facets
     Vec3f normal{0, 0, 1};
     bool is_disney = false;  ///< darkened at grazing, where light enters and leaves, with Disney's retro-reflection
     float roughness = 0;     ///< of that

@@ -348,8 +348,8 @@ def glow_counts_its_weight_twice() -> bool:
     return bpy.app.version >= (4, 4, 0)
 
 
-def random_walk_is_newer() -> bool:
-    """Whether "Random Walk" is another model than the one of fixed radius, which is called "Legacy" then."""
+def random_walk_has_mean_free_path() -> bool:
+    """Whether the radius of "Random Walk" is a mean free path; the one of fixed radius is called "Legacy" then."""
     return bpy.app.version >= (5, 2, 0)
 
 

@@ -17,7 +17,7 @@ from oracle_case import described
 from spread_oracle_cases import hair_cases, shader_cases, subsurface_cases
 
 PIXELS = 12
-SAMPLES = {"subsurface": 128, "hair": 256, "shaders": 1024}
+SAMPLES = {"subsurface": 256, "hair": 256, "shaders": 1024}
 
 
 def sources(tree):

@@ -15,14 +15,19 @@ FIXED, PHYSICAL = (
 )
 
 
+NEWER = ["RANDOM_WALK"] if bpy.app.version >= (5, 2, 0) else []
+
+
 def subsurface_cases():
     """The node and the Principled shader, by method, index, anisotropy and share."""
     color = {"Color": (0.8, 0.5, 0.3, 1), "Radius": RADIUS}
     node = "ShaderNodeSubsurfaceScattering"
     found = []
-    for falloff in (FIXED, PHYSICAL):
+    for falloff in (FIXED, PHYSICAL, *NEWER):
         for more in ({}, {"Scale": 4.0}, {"Anisotropy": 0.8}, {"Radius": (0.3, 0.0, 0.08)}):
             found.append(Case(node, {"falloff": falloff}, {**color, **more}))
+    if bpy.app.version >= (4, 2, 0):
+        found += [Case(node, {"falloff": FIXED}, {**color, "Roughness": each, "Scale": 4.0}) for each in (0.2, 0.8)]
     found.append(Case(node, {"falloff": PHYSICAL}, {**color, "IOR": 2.5}))
     found.append(Case(node, {"falloff": PHYSICAL}, {**color, "Color": (1.0, 0.02, 0.0, 1)}))
     found.append(Case(node, {"falloff": PHYSICAL}, {**color, "Normal": "leaning"}))
@@ -30,7 +35,7 @@ def subsurface_cases():
     both = {"Base Color": (0.8, 0.5, 0.3, 1), "Subsurface Radius": RADIUS}
     both |= {"Subsurface Color": (0.3, 0.7, 0.8, 1)} if bpy.app.version < (4, 0, 0) else {"Subsurface Scale": 1.0}
     share = scenes.SUBSURFACE
-    for method in (FIXED, PHYSICAL):
+    for method in (FIXED, PHYSICAL, *NEWER):
         for more in ({share: 1.0}, {share: 0.3, "Roughness": 1.0}, {share: 1.0, "Metallic": 0.5}):
             found.append(Case(node, {"subsurface_method": method}, {**both, **more}))
     inputs = {share: 1.0, "Subsurface IOR": 1.8, "Subsurface Anisotropy": 0.5}

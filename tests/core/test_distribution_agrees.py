@@ -91,11 +91,11 @@ def bodies(core):
     """Light goes through a ball, below a matte share and a mirror, and is seen in a floor of its kind."""
     scene = core.SceneDescription()
     slots = []
-    for name, scale, method, share in (("skin", 0.3, 1, 0.7), ("wax", 0.1, 0, 1.0)):
+    for name, scale, ints, share in (("skin", 0.3, [1, 1], 0.7), ("wax", 0.1, [0], 1.0)):
         program = core.Program(name)
         values = [share, (0.8, 0.5, 0.3), scale, (1.0, 0.4, 0.2), 1.4, 0.3]
         operands = [program.constant(*(v if isinstance(v, tuple) else (v,) * 3), 1) for v in values]
-        program.operation("subsurface", operands, ints=[method])
+        program.operation("subsurface", operands, ints=ints)
         if share < 1:
             rest, white, clear = (program.constant(*(v,) * 4) for v in (0.15, 0.9, 0.0))
             program.operation("diffuse", [rest, white])

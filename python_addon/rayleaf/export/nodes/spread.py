@@ -7,7 +7,7 @@ from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
 
 # The core's methods of subsurface scattering, by Blender's names.
-_FIXED_RADIUS, _PHYSICAL = 0, 1
+_FIXED_RADIUS, _PHYSICAL, _MEAN_FREE_PATH = 0, 1, 2
 _METHODS = {
     "RANDOM_WALK_FIXED_RADIUS": _FIXED_RADIUS,
     "RANDOM_WALK": _PHYSICAL,
@@ -19,10 +19,8 @@ _METHODS = {
 
 def method_of(view: NodeView, identifier: str) -> int:
     """The core's method; Christensen and Burley's profiles become a walk of that radius."""
-    if identifier == "RANDOM_WALK" and versions.random_walk_is_newer():
-        view.warn(
-            "the method Random Walk is rendered as Random Walk (Legacy); choose that one to see the same in Cycles"
-        )
+    if identifier == "RANDOM_WALK" and versions.random_walk_has_mean_free_path():
+        return _MEAN_FREE_PATH
     if identifier == "BURLEY":
         view.warn("the method Christensen-Burley is rendered as a random walk with fixed radius")
     # Since 4.0 "Random Walk" is the one of fixed radius, and the other is called "Skin".
@@ -42,11 +40,13 @@ def subsurface(view: NodeView, weight: Register) -> None:
     """Subsurface Scattering."""
     operands = [weight, view.input("Color"), view.input("Scale"), view.input("Radius")]
     operands += [view.input("IOR", default=1.4), view.input("Anisotropy", "Subsurface Anisotropy")]
-    roughness = view.socket("Roughness")  # 4.2
-    if roughness is not None and roughness.enabled and may_be_other_than(view, view.input("Roughness"), 1.0):
-        view.warn("light enters as below a matte surface; Roughness is not supported")
-    method = method_of(view, view.node.falloff)
-    view.emitter.operation("subsurface", [*operands, view.normal("Normal")], [method])
+    operands.append(view.normal("Normal"))
+    roughness = view.socket("Roughness")  # 4.2: light enters refracted
+    if roughness is not None and view.node.falloff != "BURLEY":
+        ints, more = [method_of(view, view.node.falloff), 1], [view.input("Roughness")]
+    else:
+        ints, more = [method_of(view, view.node.falloff)], []
+    view.emitter.operation("subsurface", [*operands, *more], ints)
 
 
 @closure_node("ShaderNodeBsdfHair")
