@@ -15,6 +15,7 @@ bool is_clear(const Lobe& lobe) {
         case LobeType::Reflection:
         case LobeType::Refraction:
         case LobeType::Glass:
+        case LobeType::Sheet:
         case LobeType::Clearcoat:
             return lobe.alpha_x * lobe.alpha_y <= kMostClearAlpha * kMostClearAlpha;
         default:

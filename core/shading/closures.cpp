@@ -10,6 +10,7 @@
 namespace rayleaf {
 namespace {
 
+constexpr float kLeastLobeWeight = 1e-30f;  // what is chosen by less is divided by numbers that have no inverse
 /// Below this product of the two roughnesses a lobe is singular (Cycles' limit; float cannot resolve narrower ones).
 constexpr float kSingularAlphaProduct = 1e-7f;
 /// The narrower direction of a lobe that is not singular.
@@ -155,7 +156,7 @@ void Closures::clear() {
 void Closures::add(const Lobe& lobe) {
     Lobe clean = lobe;
     mend(clean);
-    if (is_black(clean.weight)) return;
+    if (!(max_component(clean.weight) > kLeastLobeWeight)) return;
     for (int i = 0; i < count_; ++i) {
         if (!differ_in_weight_alone(lobes_[i], clean)) continue;
         lobes_[i].weight += clean.weight;
@@ -199,7 +200,7 @@ void Closures::drop_caustics(bool reflective, bool refractive) {
         const bool reflects_alone =
             lobe.type == LobeType::Reflection || lobe.type == LobeType::Clearcoat || lobe.type == LobeType::ToonGlossy;
         if (reflects_alone && reflective) continue;
-        if (lobe.type == LobeType::Refraction && refractive) continue;
+        if ((lobe.type == LobeType::Refraction || lobe.type == LobeType::Sheet) && refractive) continue;
         if (lobe.type == LobeType::Glass && (reflective || refractive)) {
             if (reflective && refractive) continue;
             lobe.type = reflective ? LobeType::Refraction : LobeType::Reflection;
@@ -237,7 +238,8 @@ Vec3f Closures::lit_side() const {
     for (int i = 0; i < count_; ++i) {
         const Lobe& lobe = lobes_[i];
         if (!takes_light(lobe)) continue;
-        if (refracts(lobe) || is_fibre(lobe) || lobe.type == LobeType::Translucent) return Vec3f(0.0f);
+        const bool passes_on = lobe.type == LobeType::Sheet || lobe.type == LobeType::Translucent;
+        if (refracts(lobe) || is_fibre(lobe) || passes_on) return Vec3f(0.0f);
         if (side == Vec3f(0.0f)) side = lobe.normal;
     }
     return side;

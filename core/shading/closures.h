@@ -28,6 +28,7 @@ enum class LobeType : uint8_t {
     Reflection,         ///< GGX or Beckmann microfacets, reflection; roughness 0 is a mirror
     Refraction,         ///< the same, refraction
     Glass,              ///< both, weighted by Fresnel
+    Sheet,              ///< what a thin sheet lets through: Reflection, its directions mirrored by the surface
     Sheen,              ///< Disney's
     Microfibres,        ///< sheen of a layer of fibres (shading/microfibres.h)
     Velvet,             ///< Ashikhmin's velvet
@@ -154,7 +155,7 @@ class Closures {
     Closures& operator=(const Closures& other);
 
     void clear();
-    /// Drops lobes of zero or negative weight; lobes that differ in weight alone become one. Past kMaxLobes the two of
+    /// Drops lobes of next to no weight; lobes that differ in weight alone become one. Past kMaxLobes the two of
     /// one type that are most alike become one, the heavier, with the weight of both. Numbers that are not finite
     /// become harmless ones; roughness too small for floating point, or an index too near 1 to spread, becomes
     /// singular.

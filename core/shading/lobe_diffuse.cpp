@@ -35,12 +35,12 @@ float rough_share(float cosine) {
 /// What rough surfaces of an albedo reflect more than once, over the albedo, times the cosine (the same, section 3,
 /// with a factor of the albedo more, as Cycles has it).
 Color repeated_oren_nayar(float sigma, const Color& albedo, float cos_i, float cos_o) {
-    const float base = kPi / (kPi + (3.0f * kPi - 4.0f) / 6.0f * sigma), slope = base * sigma / kPi;
-    const float mean = base + slope * (2.0f * kPi - 5.6f) / 3.0f;
-    const float lost_i = 1.0f - (base + slope * rough_share(cos_i));
-    const float lost_o = 1.0f - (base + slope * rough_share(std::max(cos_o, 0.0f)));
-    const Color again = albedo * albedo * mean / (Color(1.0f) - albedo * (1.0f - mean));
-    return again * (cos_i / kPi * lost_i * lost_o / (1.0f - mean));
+    // Shares that are lost, over `slope`: those of next to no roughness are too small for the difference to 1.
+    constexpr float kMost = (3.0f * kPi - 4.0f) / 6.0f, kMean = kMost - (2.0f * kPi - 5.6f) / 3.0f;
+    const float slope = sigma / (kPi + kMost * sigma), lost = slope * kMean;
+    const float lost_i = kMost - rough_share(cos_i), lost_o = kMost - rough_share(std::max(cos_o, 0.0f));
+    const Color again = albedo * albedo * (1.0f - lost) / (Color(1.0f) - albedo * lost);
+    return again * (cos_i / kPi * slope * lost_i * lost_o / kMean);
 }
 
 /// Disney diffuse with retro-reflection over Lambert's (Burley 2012, section 5.3); `cos2_half` is squared.

@@ -75,6 +75,11 @@ LobeValue evaluate_refraction(const Lobe& lobe, const LobeView& view, const Dire
     return {lobe.weight * chosen_share(lobe, Side::Transmitted, cos_o) * (density * lit), density};
 }
 
+LobeValue evaluate_sheet(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
+    const Vec3f back = pair.incoming - lobe.normal * (2.0f * lobe.normal.dot(pair.incoming));
+    return evaluate_reflection(lobe, view, {pair.outgoing, back, Side::Reflected, true});
+}
+
 /// Singular glass, mirror or refraction about the lobe's own normal.
 std::optional<LobeDirection> sample_singular(const Lobe& lobe, float cosine, const Vec3f& outgoing, float random) {
     if (!(cosine > 0.0f)) return std::nullopt;
@@ -86,6 +91,10 @@ std::optional<LobeDirection> sample_singular(const Lobe& lobe, float cosine, con
     result.weight = lobe.weight * chosen_share(lobe, result.side, cosine);
     if (reflects) {
         result.direction = mirrored(outgoing, lobe.normal);
+        return result;
+    }
+    if (lobe.type == LobeType::Sheet) {
+        result.direction = -outgoing;
         return result;
     }
     const std::optional<Vec3f> direction = refracted_direction(outgoing, lobe.normal, lobe.ior);
@@ -162,6 +171,8 @@ void look_at_facets(const Lobe& lobe, const Vec3f& outgoing, LobeView& view) {
 
 LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
     if (!(view.mirrored > 0.0f)) return {};
+    if (lobe.type == LobeType::Sheet)
+        return pair.side == Side::Reflected ? LobeValue{} : evaluate_sheet(lobe, view, pair);
     if (pair.side == Side::Reflected)
         return lobe.type == LobeType::Refraction ? LobeValue{} : evaluate_reflection(lobe, view, pair);
     return lobe.type == LobeType::Reflection ? LobeValue{} : evaluate_refraction(lobe, view, pair);
@@ -175,10 +186,14 @@ std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Lobe
     const Vec3f o = frame.to_local(outgoing);
     const Vec3f h = microfacets(lobe).sample_visible(o, Vec2f(random.x, random.y));
     LobeDirection result;
-    if (lobe.type == LobeType::Reflection ||
+    if (lobe.type == LobeType::Reflection || lobe.type == LobeType::Sheet ||
         (lobe.type == LobeType::Glass && random.z < reflection_share(lobe, o.dot(h)))) {
-        const Vec3f i = mirrored(o, h);
+        Vec3f i = mirrored(o, h);
         if (!(i.z > 0.0f)) return std::nullopt;
+        if (lobe.type == LobeType::Sheet) {
+            i.z = -i.z;
+            result.side = Side::Transmitted;
+        }
         result.direction = frame.to_world(i);
         return result;
     }

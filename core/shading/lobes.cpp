@@ -36,6 +36,7 @@ LobeValue evaluate_lobe(const Lobe& lobe, const LobeView& view, const DirectionP
         case LobeType::Reflection:
         case LobeType::Refraction:
         case LobeType::Glass:
+        case LobeType::Sheet:
             return evaluate_microfacet_lobe(lobe, view, pair);
         case LobeType::Clearcoat:
             return evaluate_clearcoat(lobe, view, pair);
@@ -61,6 +62,7 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const LobeView& view,
         case LobeType::Reflection:
         case LobeType::Refraction:
         case LobeType::Glass:
+        case LobeType::Sheet:
             return sample_microfacet_lobe(lobe, view, outgoing, random);
         case LobeType::Clearcoat:
             return sample_clearcoat(lobe, outgoing, random);
@@ -148,6 +150,7 @@ float lobe_width(const Lobe& lobe) {
         case LobeType::Reflection:
         case LobeType::Refraction:
         case LobeType::Glass:
+        case LobeType::Sheet:
         case LobeType::Clearcoat:
             return std::min(std::sqrt(std::max(lobe.alpha_x, lobe.alpha_y)), 1.0f);
         case LobeType::ToonGlossy:

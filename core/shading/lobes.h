@@ -12,8 +12,8 @@ namespace rayleaf {
 enum class Side : uint8_t { Reflected, Transmitted };
 
 inline bool is_singular(const Lobe& lobe) {
-    const bool microfacets =
-        lobe.type == LobeType::Reflection || lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
+    const bool microfacets = lobe.type == LobeType::Reflection || lobe.type == LobeType::Refraction ||
+                             lobe.type == LobeType::Glass || lobe.type == LobeType::Sheet;
     return microfacets && lobe.alpha_x == 0.0f;
 }
 inline bool is_fibre(const Lobe& lobe) {
@@ -25,7 +25,8 @@ inline bool refracts(const Lobe& lobe) {
 }
 /// Whether the lobe is of microfacets.
 inline bool has_facets(const Lobe& lobe) {
-    return refracts(lobe) || lobe.type == LobeType::Reflection || lobe.type == LobeType::Clearcoat;
+    return refracts(lobe) || lobe.type == LobeType::Reflection || lobe.type == LobeType::Sheet ||
+           lobe.type == LobeType::Clearcoat;
 }
 
 /// Two directions at a point, and what many lobes ask of them.

@@ -28,8 +28,11 @@ struct Microfacets {
     float normal_density(float cosine, float crossed2) const {
         if (!(cosine > 0.0f)) return 0.0f;
         const float product = alpha_x * alpha_y, product2 = product * product, z2 = cosine * cosine;
-        if (distribution == MicrofacetDistribution::Beckmann)
-            return std::exp(-crossed2 / (product2 * z2)) / (kPi * product * z2 * z2);
+        if (distribution == MicrofacetDistribution::Beckmann) {
+            const float divisor =
+                kPi * product * z2 * z2;  // too small: facets at right angles, of which there are none
+            return divisor > 0.0f ? std::exp(-crossed2 / (product2 * z2)) / divisor : 0.0f;
+        }
         const float spread = crossed2 + z2 * product2;
         return product * product2 / (kPi * spread * spread);
     }

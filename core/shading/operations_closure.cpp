@@ -273,6 +273,7 @@ PrincipledLayers principled_layers(PrincipledVariant variant, const Operands& op
         p.film.observer = FilmObserver::Gaussians;
         p.film_on_metal = false;
     }
+    p.is_sheet = operands.scalar(30) > 0.0f;
     p.after_diffuse = is_after_diffuse(inputs);
     return p;
 }

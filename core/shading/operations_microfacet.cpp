@@ -101,8 +101,13 @@ Lobe metal_lobe(MicrofacetVariant variant, const Operands& operands, std::span<c
     lobe.weight = weight_of(operands);
     if (!ints.empty() && ints[0] != 0) {
         lobe.fresnel = Lobe::Fresnel::Conductor;
-        lobe.fresnel_0 = not_negative(operands.vector(1));
-        lobe.radius = not_negative(operands.vector(2));
+        // Beyond, Fresnel's formulas divide nothing by nothing, or what overflows by what overflows.
+        constexpr float kLeast = 1e-4f, kMost = 1e4f;
+        const Color index = operands.vector(1), extinction = operands.vector(2);
+        for (int c = 0; c < 3; ++c) {
+            lobe.fresnel_0[c] = std::clamp(index[c], kLeast, kMost);
+            lobe.radius[c] = std::clamp(extinction[c], 0.0f, kMost);
+        }
     } else {
         lobe.fresnel = Lobe::Fresnel::Metal;
         lobe.fresnel_0 = saturate(operands.vector(1));

@@ -121,6 +121,60 @@ void add_glass(const PrincipledLayers& p, const Color& weight, Closures& closure
     closures.add(lobe);
 }
 
+/// What a sheet of glass sends back and lets through, all reflections inside together; light is tinted once each way.
+struct SheetShares {
+    Color reflected, passed;
+};
+SheetShares sheet_shares(const Color& reflectance, const Color& tint, float cosine, float ior) {
+    const float inside2 = 1.0f - (1.0f - cosine * cosine) / (ior * ior);
+    SheetShares shares{reflectance, Color(0.0f)};
+    if (!(inside2 > 0.0f)) return shares;  // total reflection
+    const Color left = power(tint, 1.0f / std::sqrt(inside2));
+    for (int c = 0; c < 3; ++c) {
+        const float r = reflectance[c], entered = 1.0f - r;
+        if (!(entered > 0.0f)) continue;
+        shares.passed[c] = entered * entered * left[c] / (1.0f - r * r * left[c] * left[c]);
+        shares.reflected[c] += shares.passed[c] * r * left[c];
+    }
+    return shares;
+}
+
+/// How rough what passes a sheet is, by its facets: two refractions of which the second undoes much of the first
+/// (Kulla, Conty, "Revisiting Physically Based Shading at Imageworks", 2017, with the factor of Cycles).
+float sheet_alpha(float alpha, float ior) {
+    constexpr float kFactor = 3.4f;
+    const float inverse = ior < 1.0f ? ior : 1.0f / ior, step = 1.0f - 0.5f * inverse;
+    return saturate(alpha * std::sqrt(kFactor * (1.0f - inverse)) * step);
+}
+
+void add_sheet(const PrincipledLayers& p, const Color& weight, Closures& closures) {
+    constexpr float kClear = 1e-3f;
+    const float alpha = p.roughness * p.roughness, cosine = cosine_to_viewer(p, p.normal);
+    const auto even_factor = [&](float of) {
+        return energy_compensation(Color(1.0f), ggx_reflection_albedo(of, cosine, Masking::Joint));
+    };
+    Lobe lobe = microfacet_lobe(LobeType::Reflection, LobeKind::Glossy, p.normal, alpha, Color(0.0f));
+    lobe.fresnel = Lobe::Fresnel::Schlick;
+    lobe.ior = p.ior;
+    lobe.fresnel_0 = p.specular_tint * normal_fresnel(p.ior);
+    lobe.film = p.film;
+    const SheetShares shares = sheet_shares(reflectance(lobe, cosine), at_most_one(p.base_color), cosine, p.ior);
+    lobe.fresnel = Lobe::Fresnel::None;
+    lobe.film = {};
+    lobe.weight = weight * shares.reflected * even_factor(alpha);
+    closures.add(lobe);
+    const float through = sheet_alpha(alpha, p.ior);
+    if (through < kClear) {  // shadows are as light as what is seen
+        closures.transparency += weight * shares.passed;
+        return;
+    }
+    lobe.type = LobeType::Sheet;
+    lobe.kind = LobeKind::Transmission;
+    lobe.alpha_x = lobe.alpha_y = through;
+    lobe.weight = weight * shares.passed * even_factor(through);
+    closures.add(lobe);
+}
+
 /// Index of refraction of a reflectance at normal incidence.
 float index_of_reflectance(float reflectance) {
     constexpr float kMost = 0.99f;  // beyond, the index runs to infinity
@@ -154,9 +208,24 @@ Color add_reflection(const PrincipledLayers& p, const Color& weight, Closures& c
     return below(weight, weight * counted * blended(lobe.fresnel_0, Color(1.0f), rise));
 }
 
+/// Light that is scattered in a sheet leaves it on both sides, the more on the far one the more it keeps its direction.
+void add_scattering_sheet(const PrincipledLayers& p, const Color& weight, Closures& closures) {
+    const float forward = std::clamp(0.5f * (1.0f + p.subsurface_anisotropy), 0.0f, 1.0f);
+    Lobe lobe;
+    lobe.normal = p.normal;
+    lobe.weight = weight * p.base_color * (1.0f - forward);
+    closures.add(lobe);
+    lobe.type = LobeType::Translucent;
+    lobe.weight = weight * p.base_color * forward;
+    closures.add(lobe);
+}
+
 void add_body(const PrincipledLayers& p, const Color& weight, Closures& closures) {
-    const float spread = p.after_diffuse ? 0.0f : p.subsurface;
-    if (spread > 0.0f) {
+    float spread = p.after_diffuse ? 0.0f : p.subsurface;
+    if (p.is_sheet && p.subsurface > 0.0f) {
+        add_scattering_sheet(p, weight * p.subsurface, closures);
+        spread = p.subsurface;
+    } else if (spread > 0.0f) {
         SubsurfaceParameters body;
         body.albedo = at_most_one(p.base_color);
         body.weight = weight * body.albedo * spread;
@@ -189,7 +258,8 @@ void add_principled_layers(const PrincipledLayers& p, Closures& closures) {
     closures.emission += weight * p.emission;
     if (p.metallic > 0.0f) add_metal(p, weight * p.metallic, closures);
     weight = weight * (1.0f - p.metallic);
-    if (p.transmission > 0.0f && !is_black(weight)) add_glass(p, weight * p.transmission, closures);
+    if (p.transmission > 0.0f && !is_black(weight))
+        (p.is_sheet ? add_sheet : add_glass)(p, weight * p.transmission, closures);
     weight = weight * (1.0f - p.transmission);
     if (is_black(weight)) return;
     add_body(p, add_reflection(p, weight, closures), closures);

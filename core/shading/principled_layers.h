@@ -21,6 +21,7 @@ struct PrincipledLayers {
     float ior = 1.45f;                    ///< of the body over what surrounds it
     bool from_inside = false;             ///< seen from within the body
     float transmission = 0;
+    bool is_sheet = false;  ///< so thin that light leaves where it entered, unbent (since Blender 5.2)
     float sheen = 0, sheen_roughness = 0.5f;
     Color sheen_tint{1, 1, 1};
     float coat = 0, coat_roughness = 0, coat_ior = 1.5f;

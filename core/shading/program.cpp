@@ -269,6 +269,7 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::principled_layers:
             emits_ |= !surely(15, 0.0f) && !surely(16, 0.0f);
             transparent_ |= operands[17] >= 0 && !surely(17, 1.0f);
+            transparent_ |= operands.size() > 30 && operands[30] >= 0 && !surely(30, 0.0f) && !surely(19, 0.0f);
             break;
         default:
             break;

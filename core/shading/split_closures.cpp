@@ -19,6 +19,7 @@ bool is_hemispherical(const Lobe& lobe) {
         case LobeType::Reflection:
         case LobeType::Refraction:
         case LobeType::Glass:
+        case LobeType::Sheet:
         case LobeType::Clearcoat:
         case LobeType::ToonGlossy:
         case LobeType::HairReflection:

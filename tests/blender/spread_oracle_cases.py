@@ -123,6 +123,10 @@ def _principled():
             {"Clearcoat": 1.0, "Clearcoat Roughness": 0.4, "Clearcoat Normal": "leaning"},
             {"Specular Tint": 0.9, "Specular": 1.0},
         ]
+    if bpy.app.version >= (5, 2, 0):
+        sheet = {through: 1.0, "Thin Wall": True}
+        varied += [sheet, {**sheet, "Roughness": 0.2, "IOR": 2.0}, {**sheet, through: 0.5, "Roughness": 0.0}]
+        varied.append({"Thin Wall": True, "Subsurface Weight": 0.8, "Subsurface Anisotropy": 0.5})
     node = "ShaderNodeBsdfPrincipled"
     return [Case(node, {"distribution": name}, {**color, **more}) for more in varied for name in _distributions(node)]
 

@@ -83,6 +83,11 @@ WITH_NAMED = {
     ("ShaderNodeTexSky", "ground_albedo"): ("sky_type", "HOSEK_WILKIE"),
     # Since 4.0 and later:
     **{("ShaderNodeBsdfHairPrincipled", f"input {name}"): ("model", "HUANG") for name in _OF_HUANG},
+    ("ShaderNodeBsdfPrincipled", "input Transmission Dispersion Abbe Number"): (
+        "input Transmission Dispersion Scale",
+        1.0,
+    ),
+    **{("ShaderNodeBsdfGlass", f"input {name}"): ("input Anisotropy", "other") for name in ("Rotation", "Tangent")},
     **{("ShaderNodeVolumeScatter", f"input {name}"): ("phase", phase) for name, phase in _PHASES.items()},
     **{("ShaderNodeVolumeCoefficients", f"input {name}"): ("phase", phase) for name, phase in _PHASES.items()},
 }
@@ -92,6 +97,7 @@ UNREAD = {
     "input Temperature Attribute": "the same",
     **{f"input {name}_Rotation": "of geometry nodes: shaders have no rotations" for name in "AB"},
     "input Weight": "hidden, and Blender's own",
+    "input LightIndex": "of loops over lights, which are Eevee's",
     "use_alpha": "of the compositor's node, which shares the definition",
 }
 

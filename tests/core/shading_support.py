@@ -56,7 +56,8 @@ LAYERS_DEFAULTS = {
     **{"sheen": 0.0, "sheen_roughness": 0.5, "sheen_tint": (1.0, 1.0, 1.0), "coat": 0.0, "coat_roughness": 0.03},
     **{"coat_ior": 1.5, "coat_tint": (1.0, 1.0, 1.0), "emission_color": (0.0, 0.0, 0.0), "emission_strength": 1.0},
     **{"alpha": 1.0, "ior": 1.45, "transmission": 0.0, "normal": None, "coat_normal": None, "tangent": None},
-    **{"diffuse_roughness": 0.0},
+    **{"diffuse_roughness": 0.0, "subsurface": 0.0, "subsurface_radius": (1.0, 0.2, 0.1), "subsurface_ior": 1.4},
+    **{"subsurface_anisotropy": 0.0, "film_thickness": 0.0, "film_ior": 1.33, "thin_wall": 0.0},
 }
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from rayleaf._core import Program, shading
 from shading_support import (
@@ -39,6 +39,8 @@ def rough_lobes():
         "microfibres_smooth": program_with("microfibres", [1.0, WHITE, 0.25, None]),
         "layers": layers(metallic=0.2, coat=1.0, coat_roughness=0.4, sheen=0.7, transmission=0.4),
         "metal": layers("GGX", base_color=(1.0, 0.7, 0.2), metallic=1.0, specular_tint=(0.3, 0.6, 1.0)),
+        "sheet": layers(base_color=WHITE, roughness=0.7, transmission=1.0, thin_wall=1.0),
+        "scattering_sheet": layers(subsurface=0.7, subsurface_anisotropy=0.4, transmission=0.3, thin_wall=1.0),
         "toon_in_front": program_with("toon", [1.0, WHITE, 0.8, 0.4, None], "GLOSSY", ints=[1]),
         "principled": principled(metallic=0.3, clearcoat=1.0, clearcoat_roughness=0.4, sheen=0.5, transmission=0.4),
     }
@@ -299,8 +301,16 @@ def test_principled_is_finite_for_any_numbers(numbers, text, view, light, tilt):
     check_finite(lobes, outgoing, incoming)
 
 
+def _layers(**at):
+    """White layers, by the place of a number."""
+    return [at.get(f"n{i}", 1.0 if i in (0, 1, 17) else 0.0) for i in range(27)]
+
+
+@example(_layers(n0=4.7e-38, n11=1.0, n14=1.0, n18=1.0, n19=1.0), "", (0.0, 0.0), (0.0, 0.0), 0.0)
+@example(_layers(n23=2.0**-24), "", (1.0, 0.0), (1.0, 0.0), 0.0)
+@example(_layers(n18=3e38, n19=1.0, n26=1.0), "", (0.5, 0.0), (0.5, 0.0), 0.0)
 @given(
-    st.lists(extreme, min_size=26, max_size=26),
+    st.lists(extreme, min_size=27, max_size=27),
     st.sampled_from(["", "MULTI_GGX"]),
     unit,
     unit,
@@ -314,6 +324,9 @@ def test_layers_are_finite_for_any_numbers(numbers, text, view, light, tilt):
     check_finite(lobes, outgoing, incoming)
 
 
+@example("conductor", "GGX", [1.0, 0.0, 0.0, 1.0, 1.0, 0.0], (1.0, 0.0), (1.0, 0.0))
+@example("conductor", "GGX", [1.0, 0.0, 3e38, 1.0, 0.0, 0.0], (1.0, 0.0), (1.0, 0.0))
+@example("glossy", "BECKMANN", [1.0, 1.0, 1.0, 0.0, 0.0, 0.0], (2.0**-38, 0.0), (2.0**-39, 0.0))
 @given(
     st.sampled_from(["glossy", "glass", "refraction", "film", "metal", "conductor"]),
     st.sampled_from(["SHARP", "GGX", "MULTI_GGX", "BECKMANN", "ASHIKHMIN_SHIRLEY"]),

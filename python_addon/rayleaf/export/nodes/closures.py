@@ -93,6 +93,8 @@ def tell_of_facets(view: NodeView) -> None:
 
 def _dielectric(view: NodeView, weight: Register, operation: str) -> None:
     tell_of_facets(view)
+    if view.socket("Anisotropy") is not None and may_be_other_than(view, view.input("Anisotropy"), 0.0):  # 5.3
+        view.warn("Anisotropy is not supported; as rough all around")
     operands = [weight, view.input("Color"), view.input("Roughness"), view.input("IOR"), view.normal("Normal")]
     view.emitter.operation(operation, operands + thin_film(view), text=view.node.distribution)
 

@@ -88,6 +88,9 @@ def vector_rotate(view: NodeView, output: str) -> Register:
 def vector_transform(view: NodeView, output: str) -> Register:
     """Vector Transform."""
     node, spaces = view.node, ("WORLD", "OBJECT", "CAMERA")
+    if "LIGHT" in (node.convert_from, node.convert_to):  # 5.3
+        view.warn("spaces of lights are not supported; rendered unchanged")
+        return view.input("Vector")
     ints = [spaces.index(node.convert_from), spaces.index(node.convert_to), *([1] if transforms_normals() else [])]
     return view.emitter.operation("transform", [view.input("Vector")], ints, text=node.vector_type)
 

@@ -16,11 +16,14 @@ def principled(view: NodeView, weight: Register) -> None:
     has_layers = view.socket("Coat Weight") is not None
     operation, operands = ("principled_layers", _of_layers) if has_layers else ("principled", _of_disney)
     scattered, ints = _subsurface(view, has_layers)
-    film = thin_film(view)
+    film, wall = thin_film(view), _thin_wall(view)
     if film:
-        scattered = scattered or [UNCONNECTED] * _OF_SUBSURFACE
         ints = [*(ints or [0]), int(not thin_films_are_newer())]
-    registers = [weight, *operands(view), *scattered, *film]
+    if film or wall:
+        scattered = scattered or [UNCONNECTED] * _OF_SUBSURFACE
+    if wall:
+        film = film or [UNCONNECTED] * 2
+    registers = [weight, *operands(view), *scattered, *film, *wall]
     view.emitter.operation(operation, registers, ints, text=getattr(view.node, "distribution", ""))
 
 
@@ -63,15 +66,23 @@ def _of_disney(view: NodeView) -> list[Register]:
     ]
 
 
-def _name_thin_wall(view: NodeView) -> None:
-    """Since 5.2 a surface may stand for a thin sheet."""
-    wall = view.socket("Thin Wall")
-    if wall is not None and may_be_other_than(view, view.input("Thin Wall"), 0.0):
-        view.warn("Thin Wall is not supported; rendered as the surface of a body")
+def _thin_wall(view: NodeView) -> list[Register]:
+    """Whether the surface stands for a thin sheet, since 5.2; nothing where it does not."""
+    if view.socket("Thin Wall") is None:
+        return []
+    wall = view.input("Thin Wall")
+    return [wall] if may_be_other_than(view, wall, 0.0) else []
+
+
+def _name_dispersion(view: NodeView) -> None:
+    """Since 5.3 glass may refract each colour another way."""
+    name = "Transmission Dispersion Scale"
+    if view.socket(name) is not None and may_be_other_than(view, view.input(name), 0.0):
+        view.warn("dispersion is not supported; all colours are refracted alike")
 
 
 def _of_layers(view: NodeView) -> list[Register]:
-    _name_thin_wall(view)
+    _name_dispersion(view)
     anisotropic, tangent = _anisotropy(view)
     return [
         *(view.input(name) for name in ("Base Color", "Metallic", "Specular IOR Level", "Specular Tint", "Roughness")),
