@@ -65,6 +65,10 @@ def _bumps() -> list[Case]:
     for space in ("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
         inputs = {"Color": (0.3, 0.6, 0.9, 1), "Strength": 0.7}
         found.append(Case("ShaderNodeNormalMap", {"space": space}, inputs))
+    if "convention" in bpy.types.ShaderNodeNormalMap.bl_rna.properties:  # 5.1
+        for space in ("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
+            inputs = {"Color": (0.3, 0.6, 0.9, 1), "Strength": 0.7}
+            found.append(Case("ShaderNodeNormalMap", {"space": space, "convention": "DIRECTX"}, inputs))
     return found
 
 

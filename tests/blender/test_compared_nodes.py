@@ -12,8 +12,15 @@ SCRIPT = Path(__file__).parent / "node_inventory.py"
 NOT_COMPARED = {
     "ShaderNodeMixRGB": {"use_alpha=True": "of the compositor's node, which shares the definition"},
     "ShaderNodeBump": {"input Filter Width": "named by a message where it is another than at first"},
-    "ShaderNodeSubsurfaceScattering": {"input Roughness": "named by a message where it is another than at first"},
-    "ShaderNodeBsdfPrincipled": {"subsurface_method=BURLEY": "named by a message where there is subsurface scattering"},
+    "ShaderNodeBsdfPrincipled": {
+        "subsurface_method=BURLEY": "named by a message where there is subsurface scattering",
+        "input Transmission Dispersion Scale": "named by a message where it is not 0",
+        "input Transmission Dispersion Abbe Number": "named with the scale",
+    },
+    "ShaderNodeBsdfGlass": {
+        "input Anisotropy": "named by a message where it is not 0",
+        **dict.fromkeys(("input Rotation", "input Tangent"), "named with the anisotropy"),
+    },
 }
 
 

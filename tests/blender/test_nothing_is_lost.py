@@ -77,16 +77,14 @@ kinds = supported_kinds()
 """
 
 _OF_HUANG = ("Aspect Ratio", "R lobe", "TT lobe", "TRT lobe")
+_DISPERSION = "Transmission Dispersion"
 _PHASES = {"IOR": "FOURNIER_FORAND", "Backscatter": "FOURNIER_FORAND", "Alpha": "DRAINE", "Diameter": "MIE"}
 # What counts only together with something that is named when it is set.
 WITH_NAMED = {
     ("ShaderNodeTexSky", "ground_albedo"): ("sky_type", "HOSEK_WILKIE"),
     # Since 4.0 and later:
     **{("ShaderNodeBsdfHairPrincipled", f"input {name}"): ("model", "HUANG") for name in _OF_HUANG},
-    ("ShaderNodeBsdfPrincipled", "input Transmission Dispersion Abbe Number"): (
-        "input Transmission Dispersion Scale",
-        1.0,
-    ),
+    ("ShaderNodeBsdfPrincipled", f"input {_DISPERSION} Abbe Number"): (f"input {_DISPERSION} Scale", "other"),
     **{("ShaderNodeBsdfGlass", f"input {name}"): ("input Anisotropy", "other") for name in ("Rotation", "Tangent")},
     **{("ShaderNodeVolumeScatter", f"input {name}"): ("phase", phase) for name, phase in _PHASES.items()},
     **{("ShaderNodeVolumeCoefficients", f"input {name}"): ("phase", phase) for name, phase in _PHASES.items()},

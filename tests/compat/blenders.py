@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "rayleaf" / "compat"
 LAUNCHER = Path(__file__).with_name("blender_of_module.py")
 # Blender as a Python module: version -> the Python that it needs. The newest patch is taken.
-MODULES = {"4.2": "3.11", "4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
+MODULES = {"4.2": "3.11", "4.5": "3.11", "5.0": "3.11", "5.2": "3.13", "5.3": "3.13"}
 # Of other Debian releases, those whose Blender there is.
 RELEASES = ("trixie", "sid")
 # Blender's libraries that have the names of ours, in the global scope of its official programs.

@@ -125,11 +125,11 @@ def normal_map(view: NodeView, output: str) -> Register:
             "a normal map that is relative to the surface before its displacement is taken as relative to what it is then"
         )
     of_blender = space != view.node.space
-    if of_blender or space == "TANGENT" and getattr(view.node, "convention", "OPENGL") == "DIRECTX":  # 5.1
+    is_downward = getattr(view.node, "convention", "OPENGL") == "DIRECTX"  # 5.1
+    if of_blender or is_downward:
         red, green, blue = (emitter.component(color, index) for index in range(3))
-        color = emitter.operation(
-            "combine", [red, emitter.complement(green), emitter.complement(blue) if of_blender else blue]
-        )
+        green = green if of_blender and is_downward else emitter.complement(green)
+        color = emitter.operation("combine", [red, green, emitter.complement(blue) if of_blender else blue])
     ints = [-1]
     if space == "TANGENT":
         name = text_of(view.node, "uv_map")
