@@ -74,9 +74,10 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::mix:
         case Operation::normal_map:
         case Operation::tangent:
+            return {0, 2};
         case Operation::subsurface:
         case Operation::principled_layers:
-            return {0, 2};
+            return {0, 3};
         case Operation::image:
             return {1, 4 + 2 * kMostTiles};
         case Operation::environment:

@@ -153,9 +153,11 @@ Lobe hair_fibre_lobe(HairColoring coloring, const Operands& operands, const Shad
     return lobe;
 }
 
-/// Light that a diffuse lobe has scattered before leaves bodies where it entered them: the difference is not visible.
-bool is_after_diffuse(const ShadingInputs& inputs) {
-    return inputs.path.diffuse_depth > 0;
+/// Light that a diffuse lobe has scattered before may leave bodies where it entered them, which is faster: but what is
+/// lit from behind lights nothing then.
+bool leaves_where_it_entered(std::span<const int32_t> ints, const ShadingInputs& inputs) {
+    const bool always_spreads = ints.size() > 2 && ints[2] != 0;
+    return !always_spreads && inputs.path.diffuse_depth > 0;
 }
 
 SubsurfaceMethod subsurface_method(std::span<const int32_t> ints) {
@@ -174,7 +176,7 @@ SubsurfaceParameters subsurface_parameters(const Operands& operands, std::span<c
     SubsurfaceParameters p;
     p.albedo = operands.vector(1);
     p.weight = weight_of(operands) * p.albedo;
-    p.radius = operands.vector(3) * (is_after_diffuse(inputs) ? 0.0f : operands.scalar(2));
+    p.radius = operands.vector(3) * (leaves_where_it_entered(ints, inputs) ? 0.0f : operands.scalar(2));
     p.ior = operands.scalar(4);
     p.anisotropy = operands.scalar(5);
     p.method = subsurface_method(ints);
@@ -219,7 +221,7 @@ PrincipledParameters principled_parameters(PrincipledVariant variant, const Oper
     p.subsurface_ior = operands.scalar(24, p.subsurface_ior);
     p.subsurface_anisotropy = operands.scalar(25);
     p.subsurface_method = subsurface_method(ints);
-    p.after_diffuse = is_after_diffuse(inputs);
+    p.after_diffuse = leaves_where_it_entered(ints, inputs);
     return p;
 }
 
@@ -274,7 +276,7 @@ PrincipledLayers principled_layers(PrincipledVariant variant, const Operands& op
         p.film_on_metal = false;
     }
     p.is_sheet = operands.scalar(30) > 0.0f;
-    p.after_diffuse = is_after_diffuse(inputs);
+    p.after_diffuse = leaves_where_it_entered(ints, inputs);
     return p;
 }
 

@@ -348,6 +348,11 @@ def glow_counts_its_weight_twice() -> bool:
     return bpy.app.version >= (4, 4, 0)
 
 
+def bodies_scatter_after_diffuse_bounces() -> bool:
+    """Whether light that was scattered by a diffuse surface still goes through bodies, as in Cycles since 5.0."""
+    return bpy.app.version >= (5, 0, 0)
+
+
 def random_walk_has_mean_free_path() -> bool:
     """Whether the radius of "Random Walk" is a mean free path; the one of fixed radius is called "Legacy" then."""
     return bpy.app.version >= (5, 2, 0)

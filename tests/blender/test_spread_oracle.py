@@ -20,13 +20,12 @@ ALONG_THE_STRANDS = 0.13
 ONE_BOUNCE = 0.03
 # The same of strands whose tangent is another than the way they grow: without bounces 0.01.
 ACROSS_THE_STRANDS = 0.25
-# Walks by the version they are since: up to 0.018 of the strongest channel where they are anisotropic; since 5.0 Cycles' bring
-# 0.02 to 0.04 more of the channel that goes farthest, why is not known.
-WALKS = {(4, 0): 0.02, (5, 0): 0.045}
+# Since 4.0 walks are up to 0.018 of the strongest channel dimmer where they are anisotropic.
+WALKS = {(4, 0): 0.02}
 # In 4.2 and 4.3 up to 0.17 off, where they are anisotropic or of one saturated colour; no more in 4.5. Why is not known.
 EARLIER_WALKS = 0.19
-# The same in 5.2, of the saturated colour alone.
-LATER_WALKS = 0.06
+# The same in 5.2, of the saturated colour alone, which is brighter here.
+LATER_WALKS = 0.09
 # Where Rayleaf is another than Cycles, by the words of a case, and by how much at most.
 OTHERWISE = {
     # Rendered as Beckmann's.

@@ -16,6 +16,9 @@ PLAIN = {
     "glass": lambda: program_with("glass", [1.0, WHITE, 0.3, 1.45], "GGX"),
     "glass, compensated": lambda: program_with("glass", [1.0, WHITE, 0.7, 1.45], "MULTI_GGX"),
     "subsurface": lambda: program_with("subsurface", [1.0, WHITE, 0.5, (1.0, 0.4, 0.2), 1.4, 0.0]),
+    "subsurface, refracted": lambda: program_with(
+        "subsurface", [1.0, WHITE, 0.5, (1.0, 0.4, 0.2), 1.4, 0.0, None, 0.5], ints=[1, 1, 1]
+    ),
     "microfibres": lambda: program_with("microfibres", [1.0, WHITE, 0.4, None]),
     "transparent": lambda: program_with("transparent", [0.5, (0.2, 0.9, 0.4)]),
     "emission": lambda: program_with("emission", [1.0, WHITE, 3.0]),

@@ -19,8 +19,9 @@ PIXEL_TOLERANCE = 0.02  # absolute, of linear light, plus the same share of the 
 PIXELS_OUTSIDE = 0.01  # share of pixels that may lie outside of it
 MEAN_TOLERANCE = 0.002  # of the picture's mean, relative
 # The references are Blender 3.4's. What the Principled node of Blender 4 makes otherwise, as it does in Cycles, has a second
-# reference, from Blender 5.0, in references_since_4. Opening the scenes, Blender 4 turns a specular of 0.5 (4 % reflectance) into an index
-# of refraction of 1.45 (3.4 %), and its spots do not darken from their axis: measured 1.8 % of pixels, 1.3 % of the mean.
+# reference, from Blender 5.0, in references_since_4; what 5 makes otherwise again, one in references_since_5.
+# Opening the scenes, Blender 4 turns a specular of 0.5 (4 % reflectance) into an index of refraction of 1.45 (3.4 %), and its
+# spots do not darken from their axis: measured 1.8 % of pixels, 1.3 % of the mean.
 LATER_PIXELS_OUTSIDE = 0.03
 # Since 3.5 a closed curve's minimum twist is spread, so facets lie otherwise under the knot's glass, and more of its paths
 # take other turns: 4.7 % of pixels by that alone, 6.3 % together.
@@ -33,12 +34,14 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-scene_file, reference, reference_since_4, folder, size, samples = sys.argv[1:]
+scene_file, reference, folder, size, samples = sys.argv[1:]
 bpy.ops.wm.open_mainfile(filepath=scene_file)
 later = bpy.app.version >= (4, 0, 0)
-report(later=later)
-if later and Path(reference_since_4).exists():
-    reference = reference_since_4
+first = Path(reference)
+for since in range(4, bpy.app.version[0] + 1):
+    newer = first.parent.with_name(f"{first.parent.name}_since_{since}") / first.name
+    reference = str(newer) if newer.exists() else reference
+report(later=later, reference=reference)
 scene, render = bpy.context.scene, bpy.context.scene.render
 longest = max(render.resolution_x, render.resolution_y)
 render.resolution_x = render.resolution_x * int(size) // longest

@@ -45,7 +45,8 @@ def subsurface(view: NodeView, weight: Register) -> None:
     if roughness is not None and view.node.falloff != "BURLEY":
         ints, more = [method_of(view, view.node.falloff), 1], [view.input("Roughness")]
     else:
-        ints, more = [method_of(view, view.node.falloff)], []
+        ints, more = [method_of(view, view.node.falloff), 0], []
+    ints.append(int(versions.bodies_scatter_after_diffuse_bounces()))
     view.emitter.operation("subsurface", [*operands, *more], ints)
 
 
