@@ -17,11 +17,11 @@ Box3d with_margin(const Box3d& box) {
     return {box.min - margin, box.max + margin};
 }
 
-/// Around the active voxels of all grids, in terms of the first.
-Box3d body_box(const std::vector<NamedGrid>& grids) {
+/// Around the active voxels of all grids, in terms of the first; `after`: as of VoxelGrid::active_box.
+Box3d body_box(const std::vector<NamedGrid>& grids, int after) {
     Box3d box;
     for (const NamedGrid& each : grids) {
-        const Box3d active = each.grid->active_box();
+        const Box3d active = each.grid->active_box(after);
         if (active.isEmpty()) continue;
         const bool is_first = each.grid == grids.front().grid;
         box.extendBy(is_first ? active
@@ -71,14 +71,14 @@ size_t VolumeGrids::bytes() const {
 }
 
 Box3d VolumeGrids::bounds() const {
-    if (body == VolumeBody::Box) return box.isEmpty() ? box : image_of(box, grids.front().grid->to_object());
+    if (body != VolumeBody::Blocks) return box.isEmpty() ? box : image_of(box, grids.front().grid->to_object());
     Box3d found;
     for (const NamedGrid& each : grids) found.extendBy(each.grid->bounds());
     return found;
 }
 
 std::shared_ptr<Shape> volume_box(const std::string& name, VolumeGrids grids) {
-    if (grids.body == VolumeBody::Box) grids.box = body_box(grids.grids);
+    if (grids.body != VolumeBody::Blocks) grids.box = body_box(grids.grids, grids.body == VolumeBody::Box ? 1 : 0);
     const Box3d box = with_margin(grids.bounds());
     if (box.isEmpty()) throw InputError(name, names_of(grids), "empty", "at least one active voxel");
     std::vector<float> vertices;

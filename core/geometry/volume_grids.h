@@ -18,14 +18,15 @@ struct NamedGrid {
 /// Whether densities are per unit of the object's space, so that a larger object is as dense as a small one.
 enum class DensityUnit : uint8_t { World, Object };
 
-/// What a volume fills: the blocks of 8³ voxels about active ones; or, as Cycles since 5.0, a box around all of these.
-enum class VolumeBody : uint8_t { Blocks, Box };
+/// What a volume fills: the blocks of 8³ voxels about active ones; as Cycles since 5.0, a box around all of these and
+/// one voxel more; or, since 5.2, one that ends where the last of them do.
+enum class VolumeBody : uint8_t { Blocks, Box, NarrowBox };
 
 struct VolumeGrids {
     std::vector<NamedGrid> grids;
     DensityUnit unit = DensityUnit::World;
     VolumeBody body = VolumeBody::Blocks;
-    /// Of a body that is a box: it, in terms of the first grid's `to_index`. `volume_box` sets it.
+    /// Of a body that is a box: this, in terms of the first grid's `to_index`. `volume_box` sets it.
     Box3d box;
 
     /// Null where there is none of that name.
@@ -36,7 +37,7 @@ struct VolumeGrids {
     }
     /// Whether there is anything about a point of object space.
     bool holds(const Vec3d& object) const {
-        if (body == VolumeBody::Box) return box.intersects(grids.front().grid->to_index().point(object));
+        if (body != VolumeBody::Blocks) return box.intersects(grids.front().grid->to_index().point(object));
         for (const NamedGrid& each : grids)
             if (each.grid->holds(object)) return true;
         return false;

@@ -255,10 +255,10 @@ Box3d VoxelGrid::held_box(const Vec3i& place, size_t level) const {
     return reach(place, kTileBits[level], margin + before_value_, margin + 1.0 - before_value_);
 }
 
-Box3d VoxelGrid::active_box() const {
+Box3d VoxelGrid::active_box(int after) const {
     if (least_active_.x > most_active_.x) return {};
     const Vec3d least(least_active_), most(most_active_);
-    return {least - Vec3d(1.0 + before_value_), most + Vec3d(2.0 - before_value_)};
+    return {least - Vec3d(1.0 + before_value_), most + Vec3d(1.0 + after - before_value_)};
 }
 
 Box3d VoxelGrid::bounds() const {

@@ -66,8 +66,8 @@ class VoxelGrid {
     bool holds(const Vec3d& object) const;
     /// Of the blocks for which `holds` is true, in object space.
     Box3d bounds() const;
-    /// Of all active voxels and one voxel around them, in terms of `to_index`; empty if none is.
-    Box3d active_box() const;
+    /// Of all active voxels, one before them and `after` behind, in terms of `to_index`; empty if none is.
+    Box3d active_box(int after) const;
     /// From object space to where values stand: those of the voxel at whole coordinates stand at these.
     const Affine3d& to_index() const { return to_index_; }
     const Affine3d& to_object() const { return to_object_; }

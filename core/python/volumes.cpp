@@ -11,8 +11,8 @@ namespace {
 constexpr std::pair<const char*, DensityUnit> kDensityUnits[] = {{"WORLD", DensityUnit::World},
                                                                  {"OBJECT", DensityUnit::Object}};
 
-constexpr std::pair<const char*, VolumeBody> kVolumeBodies[] = {{"BLOCKS", VolumeBody::Blocks},
-                                                                {"BOX", VolumeBody::Box}};
+constexpr std::pair<const char*, VolumeBody> kVolumeBodies[] = {
+    {"BLOCKS", VolumeBody::Blocks}, {"BOX", VolumeBody::Box}, {"NARROW_BOX", VolumeBody::NarrowBox}};
 constexpr std::pair<const char*, ValuePlace> kValuePlaces[] = {{"MIDDLE", ValuePlace::Middle},
                                                                {"CORNER", ValuePlace::Corner}};
 constexpr std::pair<const char*, ValueMixing> kValueMixings[] = {{"TRILINEAR", ValueMixing::Trilinear},

@@ -42,7 +42,7 @@ class GridBounds {
   public:
     GridBounds(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box, int cells)
         : box_(box), cells_(cells), held_(count(), 0) {
-        if (grids.body == VolumeBody::Box)
+        if (grids.body != VolumeBody::Blocks)
             std::ranges::fill(held_, uint8_t{1});
         else
             for (const NamedGrid& each : grids.grids) each.grid->mark_held(box, cells, held_);

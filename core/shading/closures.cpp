@@ -3,7 +3,6 @@
 #include "shading/fresnel.h"
 #include "shading/lobes.h"
 
-#include <cstring>
 #include <limits>
 #include <memory>
 
@@ -176,7 +175,7 @@ void Closures::take_turned(const Closures& other, const Vec3f& normal) {
     count_ = other.count_;
     const Vec3f tangent = any_tangent(normal);
     for (int i = 0; i < count_; ++i) {
-        std::memcpy(static_cast<void*>(&lobes_[i]), &other.lobes_[i], sizeof(Lobe));
+        std::construct_at(&lobes_[i], other.lobes_[i]);
         lobes_[i].normal = normal;
         lobes_[i].tangent = tangent;
     }

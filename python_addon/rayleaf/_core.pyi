@@ -386,7 +386,7 @@ def read_vdb(
 def volume(name: str, grids: dict[int, VoxelGrid], density_unit: str = "WORLD", body: str = "BLOCKS") -> Any:
     """The shape of a volume: a box around what grids hold, which a program reads by their ids. density_unit: WORLD, or
     OBJECT, by which densities are per unit of object space. body: what it fills, BLOCKS of 8³ voxels about active ones,
-    or a BOX around all of these."""
+    a BOX around all of these and a voxel, or a NARROW_BOX, without that voxel behind the last."""
 
 class SubdivisionSurface:
     """The limit of a polygon mesh; see core/geometry/subdivision_cage.h. A corner is a vertex of a face.

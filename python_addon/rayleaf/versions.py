@@ -297,8 +297,9 @@ def mixing_of_grid_values() -> str:
 
 def volume_body(scene: Any) -> str:
     """What grids fill in Cycles, as the core calls it; the steps of its biased volumes go through blocks still."""
-    is_box = bpy.app.version >= (5, 0, 0) and not cycles_setting(scene, "volume_biased", False)
-    return "BOX" if is_box else "BLOCKS"
+    if bpy.app.version < (5, 0, 0) or cycles_setting(scene, "volume_biased", False):
+        return "BLOCKS"
+    return "BOX" if bpy.app.version < (5, 2, 0) else "NARROW_BOX"
 
 
 def voronoi_hash() -> str:
