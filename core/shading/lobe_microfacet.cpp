@@ -76,7 +76,7 @@ LobeValue evaluate_refraction(const Lobe& lobe, const LobeView& view, const Dire
 }
 
 LobeValue evaluate_sheet(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
-    const Vec3f back = pair.incoming - lobe.normal * (2.0f * lobe.normal.dot(pair.incoming));
+    const Vec3f back = -mirrored(pair.incoming, lobe.normal);
     return evaluate_reflection(lobe, view, {pair.outgoing, back, Side::Reflected, true});
 }
 

@@ -161,14 +161,7 @@ bool leaves_where_it_entered(std::span<const int32_t> ints, const ShadingInputs&
 }
 
 SubsurfaceMethod subsurface_method(std::span<const int32_t> ints) {
-    constexpr SubsurfaceMethod kMethods[] = {SubsurfaceMethod::FixedRadius, SubsurfaceMethod::Physical,
-                                             SubsurfaceMethod::MeanFreePath};
-    const size_t number = ints.empty() || ints[0] < 0 ? 0 : static_cast<size_t>(ints[0]);
-    return kMethods[std::min(number, std::size(kMethods) - 1)];
-}
-
-EntryKind refracted_entry(SubsurfaceMethod method) {
-    return method == SubsurfaceMethod::Physical ? EntryKind::Either : EntryKind::Refracted;
+    return ints.empty() ? SubsurfaceMethod::FixedRadius : static_cast<SubsurfaceMethod>(ints[0]);
 }
 
 SubsurfaceParameters subsurface_parameters(const Operands& operands, std::span<const int32_t> ints,
@@ -183,7 +176,7 @@ SubsurfaceParameters subsurface_parameters(const Operands& operands, std::span<c
     p.normal = scattering_normal(operands, 6, inputs);
     if (ints.size() > 1 && ints[1] != 0) {
         const float roughness = saturate(operands.scalar(7, 1.0f));
-        p.entry = refracted_entry(p.method);
+        p.is_refracted = true;
         p.entry_alpha = roughness * roughness;
         p.entry_ior = p.ior;
     }
@@ -269,7 +262,6 @@ PrincipledLayers principled_layers(PrincipledVariant variant, const Operands& op
     p.subsurface_ior = operands.scalar(26, p.subsurface_ior);
     p.subsurface_anisotropy = operands.scalar(27);
     p.subsurface_method = subsurface_method(ints);
-    p.subsurface_entry = refracted_entry(p.subsurface_method);
     p.film = {operands.scalar(28), operands.scalar(29, p.film.ior)};
     if (ints.size() > 1 && ints[1] != 0) {
         p.film.observer = FilmObserver::Gaussians;

@@ -233,7 +233,7 @@ void add_body(const PrincipledLayers& p, const Color& weight, Closures& closures
         body.ior = p.subsurface_ior;
         body.anisotropy = p.subsurface_anisotropy;
         body.method = p.subsurface_method;
-        body.entry = p.subsurface_entry;
+        body.is_refracted = true;
         body.entry_alpha = p.roughness * p.roughness;
         body.entry_ior = index_of_surface(p);
         body.normal = p.normal;

@@ -32,10 +32,9 @@ struct PrincipledLayers {
     Color subsurface_radius{0, 0, 0};
     float subsurface_ior = 1.4f, subsurface_anisotropy = 0;
     SubsurfaceMethod subsurface_method = SubsurfaceMethod::FixedRadius;
-    EntryKind subsurface_entry = EntryKind::Refracted;  ///< Refracted: as `ior` and `roughness` say
-    ThinFilm film;                                      ///< over the body, seen from outside
-    bool film_on_metal = true;                          ///< over metal too
-    Vec3f normal, coat_normal, tangent;                 ///< world; normals unit and on the viewer's side
+    ThinFilm film;                       ///< over the body, seen from outside
+    bool film_on_metal = true;           ///< over metal too
+    Vec3f normal, coat_normal, tangent;  ///< world; normals unit and on the viewer's side
     Vec3f outgoing;
     bool after_diffuse = false;  ///< light was scattered by a diffuse lobe before: nobody sees where it leaves a body
     bool multiple_scattering = false;  ///< give back the energy that single scattering loses

@@ -108,10 +108,11 @@ void add_subsurface(const SubsurfaceParameters& p, Closures& closures) {
     lobe.fresnel_0 = p.albedo;
     lobe.radius = free_paths(p);
     lobe.is_reduced = p.method != SubsurfaceMethod::MeanFreePath;
-    lobe.entry = p.entry;
-    // The skin of bodies that follow from an index is as rough as can be, as in Cycles.
-    lobe.alpha_x = lobe.alpha_y = p.entry == EntryKind::Either ? 1.0f : p.entry_alpha;
-    lobe.ior = std::max(p.entry == EntryKind::Either ? p.ior : p.entry_ior, 1.0f);
+    const bool is_physical = p.method == SubsurfaceMethod::Physical;
+    if (p.is_refracted) lobe.entry = is_physical ? EntryKind::Either : EntryKind::Refracted;
+    // The physical method's surface is as rough as can be, and has the index of the body, as in Cycles.
+    lobe.alpha_x = lobe.alpha_y = is_physical ? 1.0f : p.entry_alpha;
+    lobe.ior = std::max(is_physical ? p.ior : p.entry_ior, 1.0f);
     lobe.softness = std::clamp(p.anisotropy, 0.0f, 0.9f);  // Cycles' limits up to 4.4
     lobe.fresnel = p.is_disney ? Lobe::Fresnel::Schlick : Lobe::Fresnel::None;
     closures.add(lobe);

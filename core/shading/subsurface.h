@@ -22,8 +22,9 @@ struct SubsurfaceParameters {
     float ior = 1.4f;
     float anisotropy = 0;  ///< -1..1
     SubsurfaceMethod method = SubsurfaceMethod::FixedRadius;
-    EntryKind entry = EntryKind::Diffuse;
-    float entry_alpha = 1, entry_ior = 1.4f;  ///< Refracted: of its facets
+    /// By facets of `entry_alpha` and `entry_ior`, not all ways alike; by the physical method either, by chance.
+    bool is_refracted = false;
+    float entry_alpha = 1, entry_ior = 1.4f;
     Vec3f normal{0, 0, 1};
     bool is_disney = false;  ///< darkened at grazing, where light enters and leaves, with Disney's retro-reflection
     float roughness = 0;     ///< of that

@@ -19,7 +19,7 @@ from write_wheel import write_wheel
 
 MANIFEST = "blender_manifest.toml"
 # The first with another Python, or not tried yet. Debian's Blender runs Debian's Python, whatever its version.
-NEXT_BLENDER = {"cp311": "5.1.0", "cp313": "5.4.0", "cp314": "5.4.0"}
+NEXT_BLENDER = {"cp311": "5.1.0", "cp313": "5.4.0", "cp314": "5.3.0"}
 PLATFORM = "manylinux_2_36_x86_64"  # what a module made on Debian 12 runs on
 
 
