@@ -150,11 +150,12 @@ void Session::render_tiles(const SampleRange& samples, int step) {
     whole.width = (whole.width + step - 1) / step;
     whole.height = (whole.height + step - 1) / step;
     std::vector<WindowGroup> groups;
-    for (const Window& each : tiles_of(whole, settings_.tile_size)) groups.push_back({{each, samples, samples_taken_}});
+    const int threads = oneapi::tbb::this_task_arena::max_concurrency();
+    for (const Window& each : tiles_of(whole, tile_side(whole, samples.count, threads, settings_.tile_size)))
+        groups.push_back({{each, samples, samples_taken_}});
     if (samples_taken_ == 0 && step == 1)
         planned_paths_ =
-            static_cast<uint64_t>(film_.width()) * static_cast<uint64_t>(film_.height()) *
-            static_cast<uint64_t>(settings_.time_limit > 0.0 ? sample_range(settings_).count : samples.count);
+            WindowSamples{whole, settings_.time_limit > 0.0 ? sample_range(settings_) : samples, 0}.paths();
     render_groups(groups, step);
 }
 

@@ -5,10 +5,20 @@
 #include "scene/settings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <vector>
 
 namespace rayleaf {
+
+/// Pixels along the side of a tile, `most` at most, where each pixel takes so many samples. A tile is a few streams of
+/// paths, and smaller where threads would have few tiles each: at the end, all wait for the slowest.
+inline int tile_side(const Window& window, int samples, int threads, int most) {
+    constexpr double kMostPaths = 4096, kLeastPaths = 512, kTilesOfThread = 32;
+    const double paths = static_cast<double>(window.width) * window.height * samples;
+    const double of_tile = std::clamp(paths / (threads * kTilesOfThread), kLeastPaths, kMostPaths);
+    return std::clamp(static_cast<int>(std::sqrt(of_tile / samples)), 1, most);
+}
 
 /// The window cut into tiles, row by row from below.
 inline std::vector<Window> tiles_of(const Window& window, int size) {

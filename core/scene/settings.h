@@ -49,8 +49,10 @@ struct Settings {
     /// For a first look, soon: coarse facets, nothing displaced, a coarse table of the world's light.
     bool draft = false;
     uint32_t seed = 0;
-    int threads = 0;     ///< 0: all the machine's
-    int tile_size = 32;  ///< pixels
+    int threads = 0;  ///< 0: all the machine's
+    /// Pixels along the side of what a thread takes at a time, at most (render/tiles.h). The picture is the same for
+    /// any.
+    int tile_size = 64;
     /// Paths that a thread traces at once (integrators/path_stream.h); 0: one after the other, ray by ray. For tests:
     /// the picture is the same for any.
     int stream_paths = 512;

@@ -296,13 +296,6 @@ class RayleafSceneSettings(LightPaths, bpy.types.PropertyGroup):
         default=True,
     )
 
-    tile_size: IntProperty(  # type: ignore
-        name="Tile Size",
-        description="Pixels along the side of what one thread renders at a time. The picture is the same for any",
-        default=32,
-        min=8,
-        max=512,
-    )
     texture_memory: IntProperty(  # type: ignore
         name="Texture Memory",
         description="Megabytes of image textures kept at once. Raise it where many large pictures make a render slow",

@@ -55,7 +55,6 @@ def core_settings(
         time_limit=own.time_limit,
         seed=(own.seed + (scene.frame_current if own.use_animated_seed else 0)) & _LARGEST_SEED,
         threads=render.threads if render.threads_mode == "FIXED" else 0,
-        tile_size=own.tile_size,
         max_bounces=own.max_bounces,
         diffuse_bounces=own.diffuse_bounces,
         glossy_bounces=own.glossy_bounces,

@@ -223,7 +223,6 @@ class RAYLEAF_PT_performance(_Panel, bpy.types.Panel):
         threads = column.row()
         threads.enabled = render.threads_mode == "FIXED"
         threads.prop(render, "threads")
-        column.prop(context.scene.rayleaf, "tile_size")
         column.prop(context.scene.rayleaf, "texture_memory")
 
 
