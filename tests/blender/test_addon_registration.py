@@ -124,8 +124,8 @@ report(unset=[name for name in names if name not in sent],
 """
     ).report
     of_parts = {"first_sample", "sample_count", "keep_sums", "part_x", "part_y", "part_width", "part_height"}
-    # One is for views, and the last for tests: the picture is the same for any.
-    assert set(run["unset"]) == {*of_parts, "draft", "stream_paths"}
+    # The first is for views, the others for tests: the picture is the same for any.
+    assert set(run["unset"]) == {*of_parts, "draft", "stream_paths", "tile_size"}
     # The core is exact by default. An artist's default blurs what diffuse light meets in mirrors, as Cycles' does.
     assert set(run["different"]) == {"width", "height", "crop_width", "crop_height", "filter_glossy"}
 
