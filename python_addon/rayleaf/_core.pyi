@@ -381,7 +381,8 @@ def read_vdb(
     least: float = 0.0,
 ) -> dict[str, VoxelGrid]:
     """Those grids of an OpenVDB file that it has; `object` is named in messages. value_place: where in its voxel a value
-    stands, MIDDLE or CORNER. mixing: as of VoxelGrid. Active voxels whose largest number is below `least` count as inactive."""
+    stands, MIDDLE or CORNER. mixing: as of VoxelGrid. Active voxels whose largest number is below `least` count as inactive.
+    """
 
 def volume(name: str, grids: dict[int, VoxelGrid], density_unit: str = "WORLD", body: str = "BLOCKS") -> Any:
     """The shape of a volume: a box around what grids hold, which a program reads by their ids. density_unit: WORLD, or

@@ -188,7 +188,8 @@ class _Gatherer:
         self._start()
         views = 0 if self._camera_object is None else _times([self._level(self._camera_object)])
         self._views = [self._view()] * views if views else []
-        counts = [len(forms) for forms in (*self._forms_of.values(), *self._clouds_of.values())]
+        counts = [len(forms) for forms in self._forms_of.values()]
+        counts += [len(forms) for forms in self._clouds_of.values()]
         counts += [len(track.places) for track in self._tracks.values()]
         most = max([views, *counts])
         for number in range(most):
