@@ -142,33 +142,43 @@ struct ReleaseTree {
     void operator()(RTCBVH tree) const { rtcReleaseBVH(tree); }
 };
 
-std::vector<RTCBuildPrimitive> build_items(uint32_t count, const std::function<Box3f(uint32_t)>& box_of,
-                                           const CancelToken& cancel) {
-    std::vector<RTCBuildPrimitive> items(count);
+/// What the tree is built of. Embree moves them about.
+struct BuildItems {
+    LargeArray<RTCBuildPrimitive> all;
+    size_t count = 0;  ///< of those that have a box; they come first
+};
+
+BuildItems build_items(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel) {
+    BuildItems items{LargeArray<RTCBuildPrimitive>(count), count};
+    std::atomic<bool> any_empty{false};
     tbb::parallel_for(uint32_t{0}, count, [&](uint32_t i) {
         cancel.throw_if_cancelled();
         const Box3f box = box_of(i);
-        items[i] = {box.min.x, box.min.y, box.min.z, 0, box.max.x, box.max.y, box.max.z, i};
+        items.all[i] = {box.min.x, box.min.y, box.min.z, 0, box.max.x, box.max.y, box.max.z, i};
+        if (box.isEmpty()) any_empty.store(true, std::memory_order_relaxed);  // read when all threads have ended
     });
-    std::erase_if(items, [](const RTCBuildPrimitive& item) { return item.lower_x > item.upper_x; });
+    if (any_empty) {
+        const auto is_empty = [](const RTCBuildPrimitive& item) { return item.lower_x > item.upper_x; };
+        RTCBuildPrimitive* const first = items.all.data();
+        items.count = static_cast<size_t>(std::remove_if(first, first + count, is_empty) - first);
+    }
     return items;
 }
 
-RTCBounds box_around(const std::vector<RTCBuildPrimitive>& items) {
+RTCBounds box_around(const BuildItems& items) {
     Box3f box;
-    for (const RTCBuildPrimitive& item : items) {
+    for (size_t i = 0; i < items.count; ++i) {
+        const RTCBuildPrimitive& item = items.all[i];
         box.extendBy(Vec3f(item.lower_x, item.lower_y, item.lower_z));
         box.extendBy(Vec3f(item.upper_x, item.upper_y, item.upper_z));
     }
     return {box.min.x, box.min.y, box.min.z, 0.0f, box.max.x, box.max.y, box.max.z, 0.0f};
 }
 
-LargeArray<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToken& cancel, uint32_t most_in_leaf,
-                          BoxLeaves* leaves) {
+LargeArray<BoxNode> build(BuildItems items, const CancelToken& cancel, uint32_t most_in_leaf, BoxLeaves* leaves) {
     if (leaves) leaves->first.assign(1, 0);
-    if (items.empty()) return {};
-    if (leaves) leaves->items.reserve(items.size());
-    const RTCBounds box = box_around(items);
+    if (items.count == 0) return {};
+    if (leaves) leaves->items.reserve(items.count);
     const std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseTree> tree(rtcNewBVH(embree_device()));
     RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.maxBranchingFactor = BoxNode::kMostChildren;
@@ -177,8 +187,8 @@ LargeArray<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToke
     arguments.minLeafSize = arguments.maxLeafSize = leaves ? most_in_leaf : BoxNode::kMostChildren;
     if (leaves) arguments.sahBlockSize = most_in_leaf;  // a leaf's items are tested together
     arguments.bvh = tree.get();
-    arguments.primitives = items.data();
-    arguments.primitiveCount = arguments.primitiveArrayCapacity = items.size();
+    arguments.primitives = items.all.data();
+    arguments.primitiveCount = arguments.primitiveArrayCapacity = items.count;
     arguments.createNode = create_node;
     arguments.setNodeChildren = set_children;
     arguments.setNodeBounds = set_bounds;
@@ -194,7 +204,7 @@ LargeArray<BoxNode> build(std::vector<RTCBuildPrimitive> items, const CancelToke
     throw_embree_error();
     TreeCopy copy{LargeArray<BoxNode>(std::max(state.nodes.load(), 1u)), leaves, cancel};
     if (root->is_leaf)
-        copy.add_root(static_cast<const Leaf&>(*root), box);
+        copy.add_root(static_cast<const Leaf&>(*root), box_around(items));
     else
         copy.add(*root);
     RAYLEAF_ASSERT_EQ(root->is_leaf ? 0 : copy.count, state.nodes.load());

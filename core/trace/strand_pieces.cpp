@@ -32,34 +32,53 @@ StrandScene::StrandScene(const Strands& strands, const CancelToken& cancel)
     if (!tree_.empty()) set_box(strands.bounds());
 }
 
-std::vector<StrandScene::Piece> StrandScene::all_pieces(const CancelToken& cancel) const {
-    const bool spheres = strands_->form() == StrandForm::Spheres;
-    constexpr uint16_t kNone = std::numeric_limits<uint16_t>::max();
-    std::vector<uint16_t> levels(strands_->element_count(), kNone);
+/// Segments are taken in parts, which count first, so that each knows where what it makes belongs.
+StrandScene::Pieces StrandScene::all_pieces(const CancelToken& cancel) const {
     constexpr uint32_t kAtOnce = 1u << 12;
-    tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(levels.size() + kAtOnce - 1) / kAtOnce, [&](uint32_t part) {
-        cancel.throw_if_cancelled();
-        const auto end = std::min(static_cast<uint32_t>(levels.size()), (part + 1) * kAtOnce);
-        for (uint32_t segment = part * kAtOnce; segment < end; ++segment) {
-            if (can_be_hit(segment)) levels[segment] = spheres ? 0 : split_level(strands_->segment(segment));
-        }
-    });
+    constexpr uint16_t kNone = std::numeric_limits<uint16_t>::max();
+    const bool spheres = strands_->form() == StrandForm::Spheres;
+    const auto segments = static_cast<uint32_t>(strands_->element_count());
+    const uint32_t parts = (segments + kAtOnce - 1) / kAtOnce;
+    const auto for_parts = [&](const auto& visit) {
+        tbb::parallel_for(uint32_t{0}, parts, [&](uint32_t part) {
+            cancel.throw_if_cancelled();
+            const uint32_t first = part * kAtOnce, end = std::min(segments, first + kAtOnce);
+            for (uint32_t segment = first; segment < end; ++segment) visit(part, segment);
+        });
+    };
     const auto pieces_of = [&](uint16_t level) -> uint32_t {
         if (level == kNone) return 0;
         return spheres ? static_cast<uint32_t>(strands_->spheres_per_segment()) + 1 : 1u << level;
     };
-    size_t count = 0;
-    for (const uint16_t level : levels) count += pieces_of(level);
-    std::vector<Piece> pieces;
-    pieces.reserve(count);
-    for (uint32_t segment = 0; segment < levels.size(); ++segment) {
-        cancel.throw_if_cancelled();
-        const uint16_t level = levels[segment];
-        const Strands::Place place = strands_->place(segment);
-        for (uint32_t index = 0; index < pieces_of(level); ++index)
-            pieces.push_back({segment, static_cast<uint16_t>(index), level, place});
+    struct Room {
+        uint32_t pieces = 0, items = 0;
+    };
+    std::vector<uint16_t> levels(segments, kNone);
+    std::vector<Room> rooms(parts + 1);  // of each part, behind that of the part before
+    for_parts([&](uint32_t part, uint32_t segment) {
+        if (can_be_hit(segment)) levels[segment] = spheres ? 0 : split_level(strands_->segment(segment));
+        const uint32_t count = pieces_of(levels[segment]);
+        rooms[part + 1].pieces += count;
+        rooms[part + 1].items += (count + kPiecesOfItem - 1) / kPiecesOfItem;
+    });
+    for (uint32_t part = 0; part < parts; ++part) {
+        rooms[part + 1].pieces += rooms[part].pieces;
+        rooms[part + 1].items += rooms[part].items;
     }
-    return pieces;
+    Pieces found{LargeArray<Piece>(rooms[parts].pieces), LargeArray<uint32_t>(rooms[parts].items + 1)};
+    found.items[rooms[parts].items] = rooms[parts].pieces;
+    std::vector<Room> next = rooms;
+    for_parts([&](uint32_t part, uint32_t segment) {
+        const uint16_t level = levels[segment];
+        const uint32_t count = pieces_of(level);
+        if (count == 0) return;
+        const Strands::Place place = strands_->place(segment);
+        for (uint32_t index = 0; index < count; ++index) {
+            if (index % kPiecesOfItem == 0) found.items[next[part].items++] = next[part].pieces;
+            found.all[next[part].pieces++] = {segment, static_cast<uint16_t>(index), level, place};
+        }
+    });
+    return found;
 }
 
 bool StrandScene::can_be_hit(uint32_t segment) const {
@@ -72,31 +91,20 @@ bool StrandScene::can_be_hit(uint32_t segment) const {
     return false;
 }
 
-/// The first piece of each item of the tree, and at the end the number of pieces: runs of a segment's pieces.
-std::vector<uint32_t> StrandScene::items(std::span<const Piece> pieces) {
-    std::vector<uint32_t> first;
-    for (uint32_t i = 0; i < pieces.size(); ++i) {
-        const bool goes_on = !first.empty() && i - first.back() < kPiecesOfItem && pieces[i].index > 0;
-        if (!goes_on) first.push_back(i);
-    }
-    first.push_back(static_cast<uint32_t>(pieces.size()));
-    return first;
-}
-
-void StrandScene::build_tree(std::span<const Piece> pieces, const CancelToken& cancel) {
-    const std::vector<uint32_t> first = items(pieces);
+void StrandScene::build_tree(const Pieces& pieces, const CancelToken& cancel) {
+    const LargeArray<uint32_t>& first = pieces.items;
     BoxLeaves leaves;
     const size_t steps = strands_->steps();
     const auto time_of = [steps](size_t step) { return steps > 1 ? time_of_step(step, steps) : kMiddleTime; };
     const auto box_of = [&](uint32_t item) {
         Box3f box;
         for (uint32_t i = first[item]; i < first[item + 1]; ++i)
-            for (size_t step = 0; step < steps; ++step) box.extendBy(float_box(pieces[i], time_of(step)));
+            for (size_t step = 0; step < steps; ++step) box.extendBy(float_box(pieces.all[i], time_of(step)));
         return box;
     };
     constexpr uint32_t kMostItems = BoxTree::kMostInLeaf / kPiecesOfItem;
     BoxTree tree(static_cast<uint32_t>(first.size() - 1), box_of, cancel, kMostItems, leaves);
-    piece_count_ = pieces.size();
+    piece_count_ = pieces.all.size();
     pieces_ = LargeArray<LeafPieces>(leaves.count());
     capsules_ = LargeArray<Capsules>(leaves.count() * steps);
     tbb::parallel_for(uint32_t{0}, leaves.count(), [&](uint32_t leaf) {
@@ -104,7 +112,8 @@ void StrandScene::build_tree(std::span<const Piece> pieces, const CancelToken& c
         LeafPieces& its = pieces_[leaf] = {};
         uint32_t count = 0;
         for (uint32_t i = leaves.first[leaf]; i < leaves.first[leaf + 1]; ++i)
-            for (uint32_t k = first[leaves.items[i]]; k < first[leaves.items[i] + 1]; ++k) its.of[count++] = pieces[k];
+            for (uint32_t k = first[leaves.items[i]]; k < first[leaves.items[i] + 1]; ++k)
+                its.of[count++] = pieces.all[k];
         for (size_t step = 0; step < steps; ++step) {
             Capsules& capsules = capsules_[leaf * steps + step] = {};
             capsules.count = count;

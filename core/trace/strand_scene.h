@@ -64,8 +64,12 @@ class StrandScene final : public ShapeScene {
     MeetCapsules meet_capsules_;
     MovingTree tree_;  ///< of capsules_
 
-    /// Segment by segment.
-    std::vector<Piece> all_pieces(const CancelToken& cancel) const;
+    /// Segment by segment. Items of the tree are runs of a segment's pieces.
+    struct Pieces {
+        LargeArray<Piece> all;
+        LargeArray<uint32_t> items;  ///< the first piece of each, and at the end the number of pieces
+    };
+    Pieces all_pieces(const CancelToken& cancel) const;
     uint16_t split_level(const StrandSegment& segment) const;
     StrandPoint ball(const Piece& piece, float time) const;
     Box3f float_box(const Piece& piece, float time) const;
@@ -77,8 +81,7 @@ class StrandScene final : public ShapeScene {
         return deforms() ? mixed_capsules(leaf, time, room) : capsules_[leaf];
     }
     const Capsules& mixed_capsules(uint32_t leaf, float time, Maybe<Capsules>& room) const;
-    static std::vector<uint32_t> items(std::span<const Piece> pieces);
-    void build_tree(std::span<const Piece> pieces, const CancelToken& cancel);
+    void build_tree(const Pieces& pieces, const CancelToken& cancel);
     void set_capsule(Capsules& capsules, uint32_t lane, const Piece& piece, float time) const;
     StrandSpans spans(const Query& query, const Piece& piece, double needs_leave_before) const;
     StrandSegment segment_of(const Piece& piece, float time) const {

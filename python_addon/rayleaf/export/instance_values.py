@@ -92,7 +92,7 @@ def of_particle(known: tuple[Any, int] | None, name: str, frame: int) -> Value:
 
 
 def of_instancer(depsgraph: Any, name: str) -> Floats:
-    """(n, 4): a texture coordinate of what makes them, of all places in the depsgraph's list; 0 where nothing does. Generated
+    """(n, 4): a texture coordinate of what makes them, of all in the depsgraph's list; 0 where nothing does. Generated
     ones are halved and moved as Cycles does it."""
     rows: list[tuple[float, ...]] = []
     for instance in depsgraph.object_instances:  # to the end: see instances.collect

@@ -4,7 +4,6 @@ from array import array
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import chain
 from types import ModuleType
 from typing import Any
 
@@ -42,7 +41,7 @@ class Group:
     given: Any  # what is rendered: a Mesh, or the data of an exact surface or curve; None: the owner's subdivided mesh
     exact: bool  # splines, not a mesh
     from_owner: bool  # the data is the owner's own, so its material slots count
-    members: list[int]  # places in the depsgraph's list of instances
+    members: list[int]  # places in Instances
     hair: int | None = None  # which of the owner's hair particle systems, in place of the data
     instanced: bool = False  # some member is made by another object
     in_footage: bool = False  # what makes them is a shadow catcher
@@ -86,10 +85,11 @@ def _exact_shape_key(owner: Any, data: Any) -> tuple[int, int | None]:
 class Instances:
     """All that a view layer shows."""
 
-    matrices: NDArray[np.float64]  # (n, 4, 4) of every place
+    matrices: NDArray[np.float64]  # (n, 4, 4) by place: the number of what is rendered
+    numbers: NDArray[np.int64]  # (n,) in the depsgraph's list
     randoms: NDArray[np.float32]  # (n,) 0..1
     groups: list[Group] = field(default_factory=list)
-    lamps: list[tuple[Any, int]] = field(default_factory=list)  # evaluated lamp object, place in the list
+    lamps: list[tuple[Any, int]] = field(default_factory=list)  # evaluated lamp object, place
     instanced_lamps: bool = False  # some lamp is made by another object
     skipped: dict[str, str] = field(default_factory=dict)  # object name -> why it is not rendered
     without_faces: list[Any] = field(default_factory=list)  # curves, texts and the like of which Blender makes no mesh
@@ -167,6 +167,10 @@ class _ExactForms:
         return judged
 
 
+# Of what makes an instance: visibility bits that it leaves, whether it cuts out of the picture, whether it catches shadows.
+_Left = tuple[int, bool, bool]
+
+
 class _Collector:
     """Walks over Blender's list of instances once.
 
@@ -178,26 +182,20 @@ class _Collector:
         self._exact = _ExactForms(core, depsgraph, motions)
         self._depsgraph, self._motions = depsgraph, motions
         self._space, self._linked = space, linked
-        self._known: dict[tuple[int, int, bool, int, int, bool], Group | None] = {}
+        self._known: dict[tuple[int, int, int, _Left], Group | None] = {}
         self._has_catchers = has_shadow_catchers(depsgraph)
-        self._makers: dict[int, tuple[int, bool]] = {}
+        self._left: dict[int, _Left] = {}  # by what makes instances
         self._hair: dict[int, list[Group]] = {}
         self._clouds = CloudNumbers()
         self._twins: list[Group] = []  # the meshes beside splines that may turn out not to be exact
-        self._matrices, self._randoms = array("f"), array("d")
-        self._result = Instances(np.empty((0, 4, 4)), np.empty(0, np.float32))
+        self._rows, self._randoms = array("f"), array("d")  # three rows of each matrix; 0..1
+        self._numbers = array("q")
+        self._result = Instances(np.empty((0, 4, 4)), np.empty(0, np.int64), np.empty(0, np.float32))
 
-    def take(self, place: int, instance: Any, check_cancel: Callable[[], None]) -> None:
-        """The instance at a place of the list."""
-        self._matrices.extend(chain.from_iterable(instance.matrix_world))
-        self._randoms.append((instance.random_id & _RANDOM_RANGE) / _RANDOM_RANGE)
+    def take(self, number: int, instance: Any, check_cancel: Callable[[], None]) -> None:
+        """The instance of a number of the list. Scattered things are hundreds of thousands, so little is asked of each."""
         shown, with_particles = instance.show_self, instance.show_particles
-        if not shown and not with_particles:
-            return
-        motion = self._motions.of(instance)
-        if motion is not None:
-            self._result.motions[place] = motion
-        if self._space is not None and self._is_hidden(instance):
+        if not shown and not with_particles or self._space is not None and self._is_hidden(instance):
             return
         item, owner = instance.object, instance.instance_object
         is_subdivided = owner is None and last_subdivision(item, self._depsgraph) is not None
@@ -205,47 +203,66 @@ class _Collector:
         if data is None and not is_subdivided:
             return
         settings = item if owner is None else owner
+        pointer, place = settings.as_pointer(), None
         if with_particles:
-            self._take_hair(settings, place)
+            hair = self._hair.get(pointer)
+            if hair is None:
+                hair = self._hair[pointer] = self._hair_of(settings)
+            if hair:
+                place = self._add_place(number, instance)
+                for group in hair:
+                    group.members.append(place)
         if not shown:
             return
-        in_footage = self._has_catchers and owner is not None and instance.parent.is_shadow_catcher
-        maker = instance.parent if self._linked and owner is not None else None
-        key = (
-            settings.as_pointer(),
-            0 if data is None else data.as_pointer(),
-            in_footage,
-            0 if maker is None else maker.as_pointer(),
-            *self._left_by(instance.parent if owner is not None else None),
-        )
+        maker = instance.parent if owner is not None else None
+        maker_pointer = 0 if maker is None else maker.as_pointer()
+        left = self._left.get(maker_pointer)
+        if left is None:
+            left = self._left[maker_pointer] = self._left_by(maker)
+        of_maker = maker_pointer if self._linked else 0
+        key = (pointer, 0 if data is None else data.as_pointer(), of_maker, left)
         try:
-            group = self._known[key]
+            known = self._known[key]
         except KeyError:
             check_cancel()
-            group = self._known[key] = self._new_group(item, owner, data)
-        if group is not None:
-            group.members.append(place)
-            group.in_footage, group.maker = in_footage, maker
-            group.shown, group.held_out = key[-2:]
-            group.instanced |= owner is not None
-            system = None if owner is None else instance.particle_system
-            if system is not None:
-                self._result.particles[place] = (system, instance.persistent_id[0])
-            if owner is None:
-                self._randoms[place] = random_of_name(bytes_of_name(item))
-        elif item.type == "LIGHT":
+            known = self._known[key] = self._new_group(item, owner, data, maker, left)
+        is_lamp = known is None and item.type == "LIGHT"
+        if known is None and not is_lamp:
+            return
+        if place is None:
+            place = self._add_place(number, instance)
+        if known is None:
             self._result.lamps.append((settings, place))
             self._result.instanced_lamps |= owner is not None
+            return
+        known.members.append(place)
+        if owner is None:
+            self._randoms[place] = random_of_name(bytes_of_name(item))
+            return
+        known.instanced = True
+        system = instance.particle_system
+        if system is not None:
+            self._result.particles[place] = (system, instance.persistent_id[0])
 
-    def _left_by(self, maker: Any) -> tuple[int, bool]:
-        """The visibility bits that an object leaves to what it makes, and whether it cuts that out of the picture."""
+    def _add_place(self, number: int, instance: Any) -> int:
+        """A number for an instance that is rendered."""
+        place = len(self._numbers)
+        self._numbers.append(number)
+        # Rows of a copy do not ask the instance for each of their numbers.
+        first, second, third, _ = instance.matrix_world.copy()
+        self._rows.fromlist([*first, *second, *third])
+        self._randoms.append((instance.random_id & _RANDOM_RANGE) / _RANDOM_RANGE)
+        motion = self._motions.of(instance)
+        if motion is not None:
+            self._result.motions[place] = motion
+        return place
+
+    def _left_by(self, maker: Any) -> _Left:
         if maker is None:
-            return ~0, False
-        pointer = maker.as_pointer()
-        if pointer not in self._makers:
-            layer = self._depsgraph.view_layer
-            self._makers[pointer] = visibility(maker, layer) | IN_FOOTAGE, is_holdout(maker, layer)
-        return self._makers[pointer]
+            return ~0, False, False
+        layer = self._depsgraph.view_layer
+        in_footage = self._has_catchers and maker.is_shadow_catcher
+        return visibility(maker, layer) | IN_FOOTAGE, is_holdout(maker, layer), in_footage
 
     def _is_hidden(self, instance: Any) -> bool:
         """Whether a 3-D view hides what others show, as local view does."""
@@ -255,7 +272,9 @@ class _Collector:
     def result(self, check_cancel: Callable[[], None]) -> Instances:
         """What was taken."""
         result = self._result
-        result.matrices = np.frombuffer(self._matrices, np.float32).reshape(-1, 4, 4).astype(np.float64)
+        result.matrices = np.tile(np.eye(4), (len(self._randoms), 1, 1))
+        result.matrices[:, :3] = np.frombuffer(self._rows, np.float32).reshape(-1, 3, 4)
+        result.numbers = np.frombuffer(self._numbers, np.int64)
         result.randoms = np.frombuffer(self._randoms, np.float64).astype(np.float32)
         self._settle(check_cancel)
         result.reasons, result.judged = self._exact.reasons, self._exact.curves
@@ -272,20 +291,19 @@ class _Collector:
         dropped = {id(group) for group in taken_back + needless}
         result.groups = [group for group in result.groups if id(group) not in dropped]
 
-    def _take_hair(self, owner: Any, place: int) -> None:
-        """The particle hair of an object, one group a system."""
-        pointer = owner.as_pointer()
-        if pointer not in self._hair:
-            count = len(hair_systems(owner)) if owner.type == "MESH" else 0
-            self._hair[pointer] = [Group(owner, owner.data, False, True, [], hair=number) for number in range(count)]
-            self._result.groups += self._hair[pointer]
-        for group in self._hair[pointer]:
-            group.members.append(place)
+    def _hair_of(self, owner: Any) -> list[Group]:
+        """New groups for the particle hair of an object, one a system."""
+        count = len(hair_systems(owner)) if owner.type == "MESH" else 0
+        groups = [Group(owner, owner.data, False, True, [], hair=number) for number in range(count)]
+        self._result.groups += groups
+        return groups
 
-    def _new_group(self, item: Any, owner: Any, data: Any) -> Group | None:
+    def _new_group(self, item: Any, owner: Any, data: Any, maker: Any, left: _Left) -> Group | None:
         """The group an instance of a new kind opens; None for what is no shape."""
         group = self._group_of(item, item if owner is None else owner, data)
         if group is not None:
+            group.shown, group.held_out, group.in_footage = left
+            group.maker = maker if self._linked else None
             self._result.groups.append(group)
         return group
 
@@ -334,10 +352,10 @@ def collect(
     collector = _Collector(core, depsgraph, space, motions or Motions(), linked)
     listed = iter(depsgraph.object_instances)
     try:
-        for place, instance in enumerate(listed):
-            if place % _CANCEL_STRIDE == 0:
+        for number, instance in enumerate(listed):
+            if number % _CANCEL_STRIDE == 0:
                 check_cancel()
-            collector.take(place, instance, check_cancel)
+            collector.take(number, instance, check_cancel)
     finally:
         deque(listed, maxlen=0)
     return collector.result(check_cancel)

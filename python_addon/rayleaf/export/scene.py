@@ -355,10 +355,10 @@ class SceneExporter(ShapeExporter, LightExporter):
         for name in filter(instance_values.is_instance_value, self._resources.wanted_attributes):
             rows: list[Any] = []
             made = name.startswith(instance_values.INSTANCER)
-            places = instance_values.of_instancer(self._depsgraph, name) if made else None
+            of_place = instance_values.of_instancer(self._depsgraph, name)[listed.numbers] if made else None
             for owner, members in owned:
-                if places is not None:
-                    rows += places[members].tolist()
+                if of_place is not None:
+                    rows += of_place[members].tolist()
                 elif name.startswith(instance_values.PARTICLE):
                     frame, particles = self._resources.frame, listed.particles
                     rows += [instance_values.of_particle(particles.get(place), name, frame) for place in members]
