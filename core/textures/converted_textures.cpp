@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "textures/mip_level.h"
 #include "textures/picture.h"
+#include "textures/texture_file.h"
 #include "textures/texture_system.h"
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <bit>
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <mutex>
 #include <span>
 #include <thread>
@@ -145,9 +147,26 @@ std::string write_levels(const Picture& picture, const std::string& file, const 
 
 }  // namespace
 
+namespace {
+
+// Plain pointers until OpenImageIO 2.5, shared ones since 3.0: behind a reference neither is ever destroyed.
+const auto& image_cache() {
+    static const auto& cache = *new auto([] {
+        auto made = oiio::ImageCache::create(false);
+        made->attribute("max_open_files", std::numeric_limits<int>::max());  // see texture_file.h
+        return made;
+    }());
+    return cache;
+}
+
+}  // namespace
+
+oiio::ImageCache& texture_files() {
+    return *image_cache();
+}
+
 oiio::TextureSystem& texture_system() {
-    // A plain pointer until OpenImageIO 2.5, a shared one since 3.0: behind a reference neither is ever destroyed.
-    static const auto& system = *new auto(oiio::TextureSystem::create(false));
+    static const auto& system = *new auto(oiio::TextureSystem::create(false, image_cache()));
     return *system;
 }
 
@@ -232,6 +251,11 @@ void ConvertedTexture::make(const CancelToken& cancel) const {
     fault_ = write_levels(picture_, file_, bytes_ > 0 ? "none" : "zip", cancel);
     picture_ = {};
     if (!fault_.empty()) return;
+    opened_ = std::make_unique<TextureFile>(file_);
+    oiio::ImageSpec how;
+    void* const opened = static_cast<oiio::Filesystem::IOProxy*>(opened_.get());
+    how.attribute("oiio:ioproxy", oiio::TypeDesc::PTR, &opened);
+    texture_files().add_file(oiio::ustring(file_), nullptr, &how);
     auto* handle = texture_system().get_texture_handle(oiio::ustring(file_));
     if (handle != nullptr && texture_system().good(handle))
         handle_ = handle;

@@ -18,6 +18,7 @@
 namespace rayleaf {
 
 class TemporaryFolder;
+class TextureFile;
 
 /// An image that is converted, or will be before it is looked up; its file goes with it. Thread-safe.
 class ConvertedTexture {
@@ -72,7 +73,8 @@ class ConvertedTexture {
     mutable Picture picture_;                  ///< from then until it is converted
     mutable std::optional<InputError> refusal_;
     mutable std::string fault_;
-    mutable uint64_t bytes_ = 0;  ///< that its file takes of the folder's
+    mutable uint64_t bytes_ = 0;                   ///< that its file takes of the folder's
+    mutable std::unique_ptr<TextureFile> opened_;  ///< what the handle reads from
     mutable void* handle_ = nullptr;
     // From then on nothing changes of what it leaves behind.
     mutable std::atomic<bool> read_{false}, converted_{false};
