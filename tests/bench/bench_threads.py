@@ -101,7 +101,7 @@ def measured(file: Path, options: argparse.Namespace) -> list[dict[str, Any]]:
         first = best[point.label, least]
         for threads in options.threads:
             found = best[point.label, threads]
-            speedup = least * first.passed / found.passed if least == 1 else None
+            speedup = first.passed / found.passed if least == 1 else None
             rows.append(row(f"{file.stem}, {point.label}, {threads}", found, speedup))
         if options.alone and least == 1:
             together = alone(file, point, most, options)
@@ -115,7 +115,9 @@ def run(quick: bool = False, options: argparse.Namespace | None = None) -> list[
     if options is None:
         parser = argparse.ArgumentParser()
         add_options(parser)
-        options = parser.parse_args(["bezier_sheet", "--samples", "4", "--percentage", "20"] if quick else [])
+        options = parser.parse_args([])
+    if quick:
+        options.scene, options.samples, options.percentage = options.scene or ["bezier_sheet"], 4, 20
     scenes = FrameScenes(ROOT, os.environ.get("BLENDER", "blender"), ROOT / "out" / "frames" / "scenes")
     print(f"{'scene, engine, threads':<44} {'frame':>10} {'processor':>10} {'times faster':>12}", flush=True)
     return [row for name in options.scene or SCENES for row in measured(scenes.file(name), options)]
