@@ -1,5 +1,6 @@
 """The files of many textures: they are open all at the same time."""
 
+import os
 import resource
 import subprocess
 import sys
@@ -45,8 +46,8 @@ assert np.allclose(shown, colors, atol=2e-3), np.abs(shown - colors).max()
 def test_threads_that_look_up_hundreds_of_files_do_not_wait_for_each_other(addons, descriptors):
     if resource.getrlimit(resource.RLIMIT_NOFILE)[1] < descriptors:
         pytest.skip("not so many descriptors on this machine")
-    path = {"PYTHONPATH": f"{addons}:{Path(__file__).parent}"}
+    environment = os.environ | {"PYTHONPATH": f"{addons}:{Path(__file__).parent}"}
     done = subprocess.run(
-        [sys.executable, "-c", CODE, str(descriptors)], env=path, timeout=60, capture_output=True, text=True
+        [sys.executable, "-c", CODE, str(descriptors)], env=environment, timeout=60, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
