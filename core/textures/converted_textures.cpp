@@ -145,10 +145,6 @@ std::string write_levels(const Picture& picture, const std::string& file, const 
     }
 }
 
-}  // namespace
-
-namespace {
-
 // Plain pointers until OpenImageIO 2.5, shared ones since 3.0: behind a reference neither is ever destroyed.
 const auto& image_cache() {
     static const auto& cache = *new auto([] {

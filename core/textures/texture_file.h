@@ -1,8 +1,8 @@
 // The file of a converted texture, as OpenImageIO reads it.
 //
-// OpenImageIO keeps so many files open, and closes others beyond: threads that do so at the same time wait for each
-// other's files without end, and files of many textures are opened again and again. So all stay open, and it is here
-// that their descriptors are shared out: some files keep one, others are opened for each read.
+// By default OpenImageIO has at most a hundred files open, and closes one to open another. Two threads that do so at
+// the same time can wait for each other's file without end. So to OpenImageIO all files stay open, and this class
+// limits the descriptors: the first files keep one, and any other is opened for each read.
 #pragma once
 
 #include <array>

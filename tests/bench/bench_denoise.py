@@ -58,12 +58,8 @@ def likeness(file: Path, engine: str, options: argparse.Namespace, folder: Path)
     return error.ssim, error.rmse
 
 
-def run(quick: bool = False, options: argparse.Namespace | None = None) -> list[dict[str, Any]]:
+def run(options: argparse.Namespace, quick: bool = False) -> list[dict[str, Any]]:
     """Prints a line for each scene and engine."""
-    if options is None:
-        parser = argparse.ArgumentParser()
-        add_options(parser)
-        options = parser.parse_args([])
     if quick:
         options.scene, options.width, options.converged = ["bezier_sheet"], 32, 32
     print(f"{'':<20} {'':<8} {'SSIM':>7} {'error':>8}   of {SAMPLES} samples, denoised")

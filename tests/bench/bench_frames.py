@@ -106,16 +106,8 @@ def row_of(frame: Frame) -> dict[str, Any]:
     return {"name": f"{frame.name}, second render", "unit": "s", "values": frame.second, **asdict(frame)}
 
 
-def by_default() -> argparse.Namespace:
-    """What is measured if nobody asks for anything else."""
-    parser = argparse.ArgumentParser()
-    add_options(parser)
-    return parser.parse_args([])
-
-
-def run(quick: bool = False, options: argparse.Namespace | None = None) -> list[dict[str, Any]]:
+def run(options: argparse.Namespace, quick: bool = False) -> list[dict[str, Any]]:
     """Prints the table, and what it means."""
-    options = options or by_default()
     folder, blender = options.output, os.environ.get("BLENDER", "blender")
     scenes = FrameScenes(ROOT, blender, folder / "scenes")
     found, asked = chosen(options.scene, scenes, quick), plan(options, quick)

@@ -44,12 +44,8 @@ def measured(motion: str, options: argparse.Namespace) -> dict[str, dict[str, li
         return found
 
 
-def run(quick: bool = False, options: argparse.Namespace | None = None) -> list[dict[str, Any]]:
+def run(options: argparse.Namespace, quick: bool = False) -> list[dict[str, Any]]:
     """Prints a line for each motion and engine."""
-    if options is None:
-        parser = argparse.ArgumentParser()
-        add_options(parser)
-        options = parser.parse_args([])
     if quick:
         options.motion, options.samples, options.percentage, options.rounds = ["sheet"], 1, 5, 1
     print(f"{'':<6} {'':<8} {'sharp, s':>9} {'blurred, s':>10} {'ratio':>6}")

@@ -62,12 +62,8 @@ def measured(scene: str, options: Any) -> list[dict[str, float]]:
         return [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
 
 
-def run(quick: bool = False, small: bool = False, options: Any = None) -> list[dict[str, Any]]:
+def run(options: argparse.Namespace, quick: bool = False, small: bool = False) -> list[dict[str, Any]]:
     """Prints a line for each picture."""
-    if options is None:
-        parser = argparse.ArgumentParser()
-        add_options(parser)
-        options = parser.parse_args([])
     if small or options.small:
         options.targets, options.width, options.converged, options.minutes = TARGETS[:2], 64, 1024, 5.0
     if quick:

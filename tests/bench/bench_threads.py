@@ -110,12 +110,8 @@ def measured(file: Path, options: argparse.Namespace) -> list[dict[str, Any]]:
     return rows
 
 
-def run(quick: bool = False, options: argparse.Namespace | None = None) -> list[dict[str, Any]]:
+def run(options: argparse.Namespace, quick: bool = False) -> list[dict[str, Any]]:
     """Prints the table."""
-    if options is None:
-        parser = argparse.ArgumentParser()
-        add_options(parser)
-        options = parser.parse_args([])
     if quick:
         options.scene, options.samples, options.percentage = options.scene or ["bezier_sheet"], 4, 20
     scenes = FrameScenes(ROOT, os.environ.get("BLENDER", "blender"), ROOT / "out" / "frames" / "scenes")

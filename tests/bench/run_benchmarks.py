@@ -4,7 +4,7 @@ Each benchmark is a module with `run() -> list[dict]`: it checks its answers fir
 benchmark), then measures, and returns rows {"name": what, "unit": of the values, "values": every single measurement}.
 The first line of its docstring says what it measures. One with PRINTS_ITSELF prints its own tables. `run` may take
 `quick`: small and once, to see that it works; and `small`: sizes at which the ratios already hold, in minutes. One with
-`add_options(parser)` takes all words after its name, and `run` gets them as `options`; None if it is run among others.
+`add_options(parser)` takes all words after its name, and `run` gets them as `options`; what is not given is as it says.
 """
 
 import argparse
@@ -89,6 +89,16 @@ def asked(words: list[str], known: dict[str, Path]) -> argparse.Namespace:
     return options
 
 
+def arguments(module: ModuleType, options: argparse.Namespace) -> dict[str, Any]:
+    """What a benchmark's `run` is called with. One with options of its own that is run among others gets their defaults."""
+    given = {name: getattr(options, name) for name in inspect.signature(module.run).parameters}
+    if "options" in given and given["options"] is None:
+        parser = argparse.ArgumentParser()
+        module.add_options(parser)
+        given["options"] = parser.parse_args([])
+    return given
+
+
 def main() -> int:
     known = cases()
     addons = Path(os.environ["RAYLEAF_PACKAGE_DIR"])
@@ -106,7 +116,7 @@ def main() -> int:
         module = load(known[name])
         print(f"\n{name}: {(module.__doc__ or '').strip().splitlines()[0]}", flush=True)
         try:
-            rows = module.run(**{name: getattr(options, name) for name in inspect.signature(module.run).parameters})
+            rows = module.run(**arguments(module, options))
         except AssertionError:
             traceback.print_exc()
             failed.append(name)

@@ -226,8 +226,7 @@ class _Collector:
         except KeyError:
             check_cancel()
             known = self._known[key] = self._new_group(item, owner, data, maker, left)
-        is_lamp = known is None and item.type == "LIGHT"
-        if known is None and not is_lamp:
+        if known is None and item.type != "LIGHT":
             return
         if place is None:
             place = self._add_place(number, instance)
