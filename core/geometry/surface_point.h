@@ -4,6 +4,7 @@
 #include "base/vector.h"
 #include "geometry/shape.h"
 
+#include <cmath>
 #include <cstdint>
 
 namespace rayleaf {
@@ -35,15 +36,20 @@ struct SurfacePoint {
         if (local.subpatch == RayAnchor::kNone) return {};
         return {instance, local.subpatch, local.levels, local.facet};
     }
-    /// The origin of a ray that leaves towards `direction` (unit): the facet point, moved to the ray's side.
-    Vec3d ray_origin(const Vec3f& direction) const {
-        const double side = direction.dot(facet_normal) < 0.0f ? -start_offset : start_offset;
+    /// The origin of a ray that leaves towards `direction` (unit): the facet point, moved to the ray's side. In double:
+    /// a ray along the facet that starts on the wrong side of it would go through it unseen.
+    Vec3d ray_origin(const Vec3d& direction) const {
+        const double side = direction.dot(Vec3d(facet_normal)) < 0.0 ? -start_offset : start_offset;
         return facet_position + Vec3d(facet_normal) * side;
     }
-    /// Sets up a ray that leaves the surface here towards `direction` (unit).
-    void release(Ray& ray, const Vec3f& direction) const {
+    /// Sets up a ray that leaves the surface here towards `direction` (unit): its start, direction and time.
+    void release(Ray& ray, const Vec3d& direction) const {
+        /// The sine up to which rounding of the facet's normal may tell the wrong side: the facet is looked at, too.
+        constexpr double kAlongFacet = 1e-6;
         ray.origin = ray_origin(direction);
+        ray.direction = direction;
         static_cast<RayAnchor&>(ray.start) = anchor();
+        if (std::abs(direction.dot(Vec3d(facet_normal))) < kAlongFacet) ray.start.facet = RayAnchor::kNone;
         ray.start.sight = sight;
         ray.leaves = instance;
         ray.time = time;
@@ -52,7 +58,7 @@ struct SurfacePoint {
     /// as far behind it, but on its own line, so that the background does not shift.
     Ray behind(Ray ray) const {
         const Vec3d before = ray.origin, direction = ray.direction;
-        release(ray, Vec3f(direction));
+        release(ray, direction);
         if (interpolated) {
             constexpr double kLeastSlope = 0.01;  // below what is interpolated at all, but where maps flatten
             const double slope = std::max(std::abs(direction.dot(Vec3d(facet_normal))), kLeastSlope);

@@ -35,8 +35,7 @@ Color ambient_occlusion(const Scene& scene, const PathSettings& settings, const 
         // A shading normal bent from the facet has part of its hemisphere inside the surface.
         if (direction.dot(vertex.point.facet_normal) * vertex.outgoing.dot(vertex.point.facet_normal) <= 0.0f) continue;
         Ray ray;
-        vertex.point.release(ray, direction);
-        ray.direction = ray_direction(direction);
+        vertex.point.release(ray, ray_direction(direction));
         ray.t_max = settings.occlusion_distance;
         const RayDifferential differential =
             hemisphere_differential(vertex.differential, direction, local.z, std::max(rays.count, kPathSiblings));

@@ -19,7 +19,7 @@ Color share_up_to(const Scene& scene, const FreeWay& shadow, const Ray& end, int
 /// From the ray's start to a surface, off its facet.
 Ray ray_up_to(const Ray& ray, const SurfacePoint& point) {
     Ray result = ray;
-    const Vec3d way = point.ray_origin(-Vec3f(ray.direction)) - ray.origin;
+    const Vec3d way = point.ray_origin(-ray.direction) - ray.origin;
     result.end = point.anchor();
     result.direction = normalized_or(way, ray.direction);
     result.t_max = way.length();

@@ -15,8 +15,7 @@ Branch Branch::scattered(const Scene& scene, const Vertex& from, const Closures&
                          int count) const {
     Branch child = *this;
     child.ray = Ray{};
-    from.point.release(child.ray, sample.direction);
-    child.ray.direction = ray_direction(sample.direction);
+    from.point.release(child.ray, ray_direction(sample.direction));
     child.departure = {};
     child.departure.from = lit(scene, from);
     child.has_departed = scene.has_blocked_lights();

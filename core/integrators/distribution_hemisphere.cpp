@@ -114,8 +114,7 @@ void DistributionTracer::ask_world(const Branch& branch, const Vertex& vertex, c
     Bounces bounces = branch.bounces;
     bounces.scatter(sample);
     FreeWay& way = world_ways_.emplace_back();
-    vertex.point.release(way.ray, sample.direction);
-    way.ray.direction = ray_direction(sample.direction);
+    vertex.point.release(way.ray, ray_direction(sample.direction));
     way.ray.t_max = settings_.occlusion_distance;
     way.kind = bounces.ray_kind();
     way.state = bounces.at(0);

@@ -76,8 +76,7 @@ std::optional<GlassExit> traced_exit(const Scene& scene, const GlassBody& body, 
         exit.differential = scattered_differential(exit.differential.transferred(incoming, hit->t, point.facet_normal),
                                                    incoming, point, sample);
         ++(through ? exit.crossings : exit.total_reflections);
-        point.release(ray, sample.direction);
-        ray.direction = direction;
+        point.release(ray, direction);
         // Where the ray goes by the facet is where it is: a shading normal may differ from it.
         if (direction.dot(facet) >= 0.0) return exit;
     }

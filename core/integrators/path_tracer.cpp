@@ -319,8 +319,7 @@ bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<
     has_departed_ = scene_.has_blocked_lights();
     leave_towards(scene_, vertex.point, vertex.outgoing, sample->direction, media_);
     ray_ = kNewRay;
-    vertex.point.release(ray_, sample->direction);
-    ray_.direction = ray_direction(sample->direction);
+    vertex.point.release(ray_, ray_direction(sample->direction));
     outside_of_ = kNowhere;
     if (!enters) return true;
     const GlassOutcome crossing =

@@ -29,10 +29,10 @@ Vec3d way_to_smooth_surface(const Scene& scene, const SurfacePoint& point, const
     return way * double{std::min(rest / cutoff, 1.0f)};
 }
 
-/// Moves the origin of a shadow ray that was released from the point, if it has to start elsewhere. Near the terminator
-/// a facet may face away from a light that the surface itself still sees, or stand in the light of its neighbour where
-/// the two meet in a dent. The facet's point would then lie in shadow, in steps as large as facets; the surface's own
-/// point lies outside all facets around it where the surface is convex.
+/// Moves the origin of a shadow ray that was released from the point towards `direction`, or nearly so, if it has to
+/// start elsewhere. Near the terminator a facet may face away from a light that the surface itself still sees, or stand
+/// in the light of its neighbour where the two meet in a dent. The facet's point would then lie in shadow, in steps as
+/// large as facets; the surface's own point lies outside all facets around it where the surface is convex.
 void move_origin(const Scene& scene, const SurfacePoint& point, const Vec3f& direction, Ray& ray) {
     /// Sine of the angle to a facet and to the surface above which neighbours never matter: facets of a tenth of a
     /// pixel meet at less. At a pole they are narrow, and may be turned farther from the surface than that.
@@ -45,8 +45,10 @@ void move_origin(const Scene& scene, const SurfacePoint& point, const Vec3f& dir
     if (is_open && !is_smoothed) return;
     const Vec3d side = Vec3d(point.normal) * (by_surface > 0.0f ? 1.0 : -1.0);
     const double rise = (point.position - point.facet_position).dot(side);
-    // Corners and edges of facets lie on the surface, but for rounding.
-    if (!is_smoothed && rise < -point.facet_error) return;
+    // Corners and edges of facets lie on the surface, but for rounding. Where a facet lies above the surface, that is
+    // hollow, and light from behind the facet does not come: a ray from its back would start inside the body.
+    const bool is_behind = (ray.direction.dot(Vec3d(point.facet_normal)) > 0.0) != (by_surface > 0.0f);
+    if (!is_smoothed && rise < -point.facet_error && !is_behind) return;
     const Vec3d start = is_smoothed ? point.facet_position + way : rise > 0.0 ? point.position : point.facet_position;
     ray.origin = start + side * point.start_offset;
     ray.start.facet = RayAnchor::kNone;  // beside it
@@ -57,19 +59,20 @@ void move_origin(const Scene& scene, const SurfacePoint& point, const Vec3f& dir
 bool set_shadow_ray(const Scene& scene, const SurfacePoint& point, const LightSample& light, Ray& ray) {
     if (!light.casts_shadow) return false;
     ray.t_min = scene.shadow_bias();
-    point.release(ray, light.direction);
+    const bool is_far = !std::isfinite(light.distance);
+    // From the facet: the light was sampled from the surface, and its direction from there may lie on the facet's other
+    // side.
+    const Vec3d sampled = ray_direction(light.direction);
+    point.release(ray, is_far ? sampled : normalized_or(light.target - point.facet_position, sampled));
     move_origin(scene, point, light.direction, ray);
     ray.end = light.target_anchor;
-    if (!std::isfinite(light.distance)) {
-        ray.direction = ray_direction(light.direction);
-        return true;
-    }
+    if (is_far) return true;
     // From the very start to the very end, both off their facets: a ray parallel to the sampled direction would miss
     // the end by the start's offset.
     const Vec3d way = light.target - ray.origin;
     ray.t_max = way.length();
     // A length out of range says nothing of the direction.
-    ray.direction = std::isnormal(ray.t_max) ? way * (1.0 / ray.t_max) : normalized_or(way, Vec3d(light.direction));
+    ray.direction = std::isnormal(ray.t_max) ? way * (1.0 / ray.t_max) : normalized_or(way, sampled);
     return ray.t_max > 0;
 }
 

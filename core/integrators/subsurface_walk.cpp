@@ -132,8 +132,7 @@ std::optional<SubsurfaceVertex> leave_below(const Scene& scene, const Subsurface
     SubsurfaceEntry entry;
     entry.instance = from.point.instance;
     entry.medium = subsurface_medium(*start.entry.subsurface);
-    from.point.release(entry.ray, start.entry.direction);
-    entry.ray.direction = normalized_or(Vec3d(start.entry.direction), Vec3d(0, 0, 1));
+    from.point.release(entry.ray, normalized_or(Vec3d(start.entry.direction), Vec3d(0, 0, 1)));
     if (scene.needs_widths()) set_width(entry.ray, from.differential);
     const std::optional<SubsurfaceExit> exit = walk_below(scene, entry, start.sampler, start.dimension);
     if (!exit) return std::nullopt;

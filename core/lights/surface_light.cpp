@@ -42,8 +42,7 @@ constexpr float kLookTimes[] = {0.0f, 0.25f, 0.5f, 0.75f, 1.0f}, kStillTimes[] =
 /// Whether a ray that leaves the surface meets the same object.
 bool is_shut_in(const Tracer& tracer, const SurfacePoint& point, const Vec3f& direction) {
     Ray ray;
-    point.release(ray, direction);
-    ray.direction = Vec3d(direction);
+    point.release(ray, Vec3d(direction));
     const Maybe<Hit> hit = tracer.closest_hit(ray, kVisibleDiffuse);
     return hit && hit->instance == point.instance;
 }
@@ -207,7 +206,7 @@ Maybe<LightSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, c
     LightSample& sample = result.emplace();
     sample.direction = Vec3f(offset * (1.0 / distance));
     sample.distance = distance;
-    sample.target = point.ray_origin(-sample.direction);  // off the facet, on the side that looks here
+    sample.target = point.ray_origin(offset * (-1.0 / distance));  // off the facet, on the side that looks here
     sample.target_anchor = point.anchor();
     sample.density = static_cast<float>(density);
     sample.radiance = even ? *even : emission_(point, -sample.direction, of_length(path, distance));

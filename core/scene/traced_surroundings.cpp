@@ -88,8 +88,7 @@ float TracedSurroundings::openness(const SurfacePoint& point, const Openness& as
         const Vec3f local = cosine_hemisphere(random.x, random.y);
         const Vec3f direction = tangent * local.x + bitangent * local.y + asked.axis * local.z;
         Ray ray;
-        point.release(ray, direction);
-        ray.direction = normalized_or(Vec3d(direction), Vec3d(asked.axis));
+        point.release(ray, normalized_or(Vec3d(direction), Vec3d(asked.axis)));
         ray.t_max = static_cast<double>(asked.distance);
         ray.beam = RayBeam::cone(0.0f, kProbeSpread);
         const bool hidden = asked.only_local ? tracer_.closest_on(point.instance, ray).has_value()

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scenes
+import shapes
 from core import swept_support as swept
 
 SUN = np.array([1.0, 1.0, 1.0])
@@ -111,14 +112,24 @@ def test_a_bent_tube_looks_the_same_at_any_size_and_place(core, size, offset):
     assert np.mean(~same) < 0.01
 
 
-def test_no_light_leaves_a_closed_tube(core):
+HOLLOW = {
+    "ring": lambda core, scene: solid(core, scene, "ring"),
+    "torus": lambda core, scene: scene.add_shape(shapes.nurbs_torus()),
+    "torus with dents": lambda core, scene: scene.add_shape(shapes.lumpy_torus()),
+}
+
+
+@pytest.mark.parametrize("integrator", ["PATH", "DISTRIBUTION"])
+@pytest.mark.parametrize("name", HOLLOW)
+def test_no_light_leaves_a_closed_tube(core, name, integrator):
+    """Where a surface is hollow, light from inside the body may lie above the surface and below its facet."""
     scene = core.SceneDescription()
     white = scene.add_material_list([scene.add_material("white", scenes.diffuse(core))])
-    scene.add_instance("ring", solid(core, scene, "ring"), np.eye(4), white, 1)
+    scene.add_instance(name, HOLLOW[name](core, scene), np.eye(4), white, 1)
     scene.add_instance("floor", scenes.quad(scene, "floor", 3.0, -0.5), np.eye(4), white, 2)
-    scene.add_lamp("lamp", "POINT", scenes.matrix((0.6, 0, 0)), np.full(3, 1e6), radius=0.05)
-    scenes.look_down(scene, 5.0, 1.0)
-    passes = scenes.render(core, scene, width=64, height=64, samples=16, passes=["combined"])
+    scene.add_lamp("lamp", "POINT", scenes.matrix((0.68, 0, 0)), np.full(3, 1e6), radius=0.05)
+    scenes.look_down(scene, 5.0, 0.4)
+    passes = scenes.render(core, scene, width=64, height=64, samples=256, integrator=integrator, passes=["combined"])
     assert passes["combined"][..., :3].max() == 0
 
 

@@ -49,30 +49,41 @@ def scene_of(core, shape: Any, from_hit: bool, moves: bool = False) -> Any:
     return scene
 
 
+# Whoever runs no program for light from these does not look for its facet, and begins shadow rays farther from it: where
+# they graze the shape, they may end on its other side.
+KEEPS_FROM_FACETS = {"a spline surface", "a flat spline surface"}
+
+
 def picture(core, scene: Any) -> Any:
     """What it looks like."""
-    return scenes.render(core, scene, width=8, height=8, samples=4)["combined"]
+    return scenes.render(core, scene, width=32, height=32, samples=1)["combined"]
 
 
-@pytest.mark.parametrize("make", SHAPES.values(), ids=SHAPES.keys())
-def test_an_even_emitter_is_sampled_as_one_whose_program_runs(core, make):
-    shape = make()
+def assert_same(pictures: list[Any], shape: str) -> None:
+    """To the bit, but for few that graze the shape."""
+    differs = (pictures[0] != pictures[1]).any(-1).mean()
+    assert differs <= (0.005 if shape in KEEPS_FROM_FACETS else 0.0)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_an_even_emitter_is_sampled_as_one_whose_program_runs(core, name):
+    shape = SHAPES[name]()
     plain, slow = (scene_of(core, shape, from_hit) for from_hit in (False, True))
     random = np.random.default_rng(1).random((5000, 2)).astype(np.float32).clip(0, np.float32(1 - 2**-24))
     samples, expected = (core.LightProbe(scene).sample(POSITION, random) for scene in (plain, slow))
     assert (expected["density"] > 0).mean() > 0.3
-    for name, values in expected.items():
-        np.testing.assert_array_equal(samples[name], values, err_msg=name)
+    for key, values in expected.items():
+        np.testing.assert_array_equal(samples[key], values, err_msg=key)
     pictures = [picture(core, scene) for scene in (plain, slow)]
     assert pictures[1].max() > 0
-    np.testing.assert_array_equal(*pictures)
+    assert_same(pictures, name)
 
 
-@pytest.mark.parametrize("make", SHAPES.values(), ids=SHAPES.keys())
-def test_an_even_emitter_that_moves_looks_as_one_whose_program_runs(core, make):
-    shape = make()
+@pytest.mark.parametrize("name", SHAPES)
+def test_an_even_emitter_that_moves_looks_as_one_whose_program_runs(core, name):
+    shape = SHAPES[name]()
     moving = [picture(core, scene_of(core, shape, from_hit, moves=True)) for from_hit in (False, True)]
-    np.testing.assert_array_equal(*moving)
+    assert_same(moving, name)
     assert not np.array_equal(moving[0], picture(core, scene_of(core, shape, from_hit=False)))
 
 
