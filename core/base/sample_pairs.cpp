@@ -73,6 +73,17 @@ HWY_INLINE Word sobol_second_reversed(Word index) {
     return folded<16>(index, 0xffff0000u);
 }
 
+HWY_INLINE Word times_matrix(Word index, Word matrix) {
+    const hn::RebindToSigned<Words> places;
+    const auto digits = [&](int step) HWY_ATTR {
+        return hn::GatherIndex(Words(), kMatrixDigits[step], hn::BitCast(places, matrix));
+    };
+    index = hn::Xor(index, hn::ShiftRight<kMatrixShifts[0]>(hn::And(index, digits(0))));
+    index = hn::Xor(index, hn::ShiftRight<kMatrixShifts[1]>(hn::And(index, digits(1))));
+    index = hn::Xor(index, hn::ShiftRight<kMatrixShifts[2]>(hn::And(index, digits(2))));
+    return hn::Xor(index, hn::ShiftRight<kMatrixShifts[3]>(hn::And(index, digits(3))));
+}
+
 HWY_INLINE hn::Vec<hn::RebindToFloat<Words>> unit_float(Word bits) {
     const hn::RebindToFloat<Words> floats;
     const hn::RebindToSigned<Words> ints;
@@ -83,10 +94,13 @@ void compute_pairs(SamplePairs& pairs) {
     const Words words;
     const hn::RebindToFloat<Words> floats;
     for (size_t first = 0; first < pairs.count; first += kWidth) {
-        const Word seed =
-            hash_combine(hn::Load(words, pairs.pixel_hash + first), hn::Load(words, pairs.dimension + first));
+        const Word pixel_hash = hn::Load(words, pairs.pixel_hash + first);
+        const Word dimension = hn::Load(words, pairs.dimension + first);
+        const Word seed = hash_combine(pixel_hash, dimension);
+        const Word shuffle = hn::IfThenElse(hn::Lt(dimension, all(kJoined)), hash_combine(pixel_hash, all(0u)), seed);
         const Word sample = hn::Load(words, pairs.sample + first);
-        const Word index = reverse_bits(laine_karras(reverse_bits(sample), seed));
+        const Word shuffled = reverse_bits(laine_karras(reverse_bits(sample), shuffle));
+        const Word index = times_matrix(shuffled, hn::Min(dimension, all(kJoined)));
         // Reversals that cancel are left out.
         const Word x = reverse_bits(laine_karras(index, hash_combine(seed, all(1u))));
         const Word y = reverse_bits(laine_karras(sobol_second_reversed(index), hash_combine(seed, all(2u))));

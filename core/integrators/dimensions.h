@@ -1,10 +1,14 @@
 // Which random numbers an integrator uses for what: the one table of the sampler's dimensions.
 //
-//   0..15                 the camera: filter, lens, time (render/session.cpp)
-//   16 + 16 * v + ...     vertex v of the path, counted from the camera, transparent surfaces included
+//   0..2                  the camera: filter, lens, time (render/session.cpp)
+//   3..6                  Light and Scatter of the first two vertices
+//   16 + 16 * v + ...     what else is for vertex v of the path, counted from the camera, transparent surfaces included
 //
+// The first seven are those that are spread evenly together (base/random.h).
 // The sampler gives two stratified numbers a dimension, and three by joining a second one.
 #pragma once
+
+#include "base/random.h"
 
 #include <cstdint>
 
@@ -34,7 +38,12 @@ enum class PathDimension : uint32_t {
 constexpr uint32_t kFirstPathDimension = 16;
 constexpr uint32_t kDimensionsPerVertex = 16;
 
+constexpr uint32_t kFirstJoined = 3;  ///< after the camera's
+
 constexpr uint32_t dimension(int vertex, PathDimension use) {
+    constexpr uint32_t kUses = 2;
+    const uint32_t joined = kFirstJoined + kUses * static_cast<uint32_t>(vertex) + static_cast<uint32_t>(use);
+    if (static_cast<uint32_t>(use) < kUses && joined < kJoined) return joined;
     return kFirstPathDimension + kDimensionsPerVertex * static_cast<uint32_t>(vertex) + static_cast<uint32_t>(use);
 }
 

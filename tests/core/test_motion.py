@@ -191,9 +191,9 @@ def test_a_moving_light_lights_as_the_mean_of_sub_frames(core):
         return scene
 
     swing = SWING + matrix((0, 0, 1)) - np.eye(4)
-    mean = sub_frames(lambda t: picture(core, lit(place=trace.moved(swing, t)), samples=32, **SMALL))
-    sharp = picture(core, lit(place=trace.moved(swing, 0.5)), samples=32, **SMALL)
-    assert_like(picture(core, lit(swing), samples=512, **SMALL), mean, sharp)
+    mean = sub_frames(lambda t: picture(core, lit(place=trace.moved(swing, t)), samples=128, **SMALL))
+    sharp = picture(core, lit(place=trace.moved(swing, 0.5)), samples=128, **SMALL)
+    assert_like(picture(core, lit(swing), samples=4096, **SMALL), mean, sharp)
 
 
 CAMERA = np.array([turned(0, place=(-0.5, 0, 6)), turned(0.4, place=(0, 0.3, 6)), turned(0.2, (1, 0, 1), (0.5, 0, 5))])

@@ -1,5 +1,8 @@
 """Random numbers and the pixel filter."""
 
+import itertools
+
+import joined_pairs
 import numpy as np
 import pytest
 from rayleaf._core import trace as core_trace
@@ -13,6 +16,31 @@ def test_every_elementary_interval_holds_one_sample(core, pixel, dimension):
         cells = np.floor(pairs * [2**a, 2 ** (6 - a)]).astype(int)
         index = cells[:, 0] * 2 ** (6 - a) + cells[:, 1]
         assert sorted(index) == list(range(64)), f"pixel {pixel} dimension {dimension} split {a}"
+
+
+def is_even(numbers, digits):
+    """Whether elementary intervals of so many digits in each number hold as many samples each."""
+    cells = np.floor(numbers * np.exp2(digits)).astype(int)
+    index = np.ravel_multi_index(cells.T, [2**d for d in digits])
+    return len(set(np.bincount(index, minlength=2 ** sum(digits)))) == 1
+
+
+def is_joined(core, pixel, dimensions):
+    """Whether two pairs are spread evenly together, in all intervals of up to five digits."""
+    numbers = np.hstack([core.sampler_pairs(pixel, 512, dimension) for dimension in dimensions])
+    shapes = [shape for digits in range(2, 6) for shape in joined_pairs.intervals(digits, 4)]
+    return all(is_even(numbers, shape) for shape in shapes)
+
+
+def test_the_first_pairs_are_spread_evenly_together(core):
+    for pixel in (0, 12345):
+        for first, second in itertools.combinations(range(len(joined_pairs.ORDER)), 2):
+            assert is_joined(core, pixel, (first, second)), (first, second)
+
+
+def test_later_pairs_meet_at_random(core):
+    joined = len(joined_pairs.ORDER)
+    assert not any(is_joined(core, pixel, (first, joined)) for pixel in (0, 12345) for first in range(joined))
 
 
 def test_numbers_lie_in_the_half_open_unit_square(core):
@@ -62,7 +90,7 @@ def test_a_filter_of_no_width_puts_samples_at_the_centre(core):
 @pytest.mark.parametrize("target", core_trace.simd_targets())
 def test_numbers_that_are_computed_together_have_the_bits_of_single_ones(core, target, any_target):
     assert core_trace.use_simd_target(target)
-    for pixel, dimension, seed in ((0, 0, 0), (12345, 17, 3), (2**31 + 5, 0x40000011, 2**32 - 1)):
+    for pixel, dimension, seed in ((0, 0, 0), (7, 5, 1), (12345, 17, 3), (2**31 + 5, 0x40000011, 2**32 - 1)):
         alone = core.sampler_pairs(pixel, 300, dimension, seed)
         for together in (2, 15, 16, 17, 128):
             np.testing.assert_array_equal(core.sampler_pairs(pixel, 300, dimension, seed, together=together), alone)
