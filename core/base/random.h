@@ -5,14 +5,15 @@
 // k uses its own shuffle, so any number of dimensions may be asked for.
 //
 // Padded pairs meet at random: where an edge crosses a pixel in the shadow of a lamp, 64 samples are spread evenly over
-// the pixel and over the lamp, but not over both. So the first few pairs (`kJoined`), for what makes most noise, share
+// the pixel and over the lamp, but not over both. So the first few pairs (`kSharing`), for what makes most noise, share
 // one shuffle, and each has a matrix of its own that the index's digits are multiplied by: over GF(2), upper
 // triangular, ones on the diagonal, which leaves it a (0,2)-sequence. The matrices are the best of a search for those
-// by which four numbers of two pairs fill as many elementary intervals as can be (tests/core/joined_pairs.py).
+// by which four numbers of two pairs fill as many elementary intervals as can be (tests/core/pair_matrices.py).
 #pragma once
 
 #include "base/vector.h"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace rayleaf {
@@ -70,25 +71,18 @@ inline uint32_t sobol_second_reversed(uint32_t index) {
     return index;
 }
 
-/// The dimensions that share a shuffle: 0 to kJoined - 1.
-inline constexpr uint32_t kJoined = 7;
-/// Their matrices, as steps that add digits to those so many places before them; zeros for all other dimensions.
+/// Dimensions below this one share a shuffle.
+inline constexpr uint32_t kSharing = 7;
+/// Their matrices as steps: each adds the digits of a mask to those that lie so many places before them. The last mask
+/// of a step is that of all other dimensions, and adds none.
 inline constexpr int kMatrixSteps = 4;
 inline constexpr int kMatrixShifts[kMatrixSteps] = {1, 2, 3, 5};
-alignas(32) inline constexpr uint32_t kMatrixDigits[kMatrixSteps][kJoined + 1] = {
+alignas(32) inline constexpr uint32_t kMatrixDigits[kMatrixSteps][kSharing + 1] = {
     {0, 0xbec1f6c2, 0x13076ca6, 0x7863fe00, 0x8a309dc8, 0x763abce0, 0xadead50a, 0},
     {0, 0xcc4338b8, 0x2a8381d0, 0x861918cc, 0x8d72db14, 0x565405c0, 0x7f04241c, 0},
     {0, 0x040578d8, 0x336d9df0, 0xa392eb88, 0x0ffc95b8, 0x644455e8, 0x025d6270, 0},
     {0, 0x6b5499e0, 0xff3cc4e0, 0x4744ede0, 0xee133a60, 0x96157060, 0xc4bac520, 0},
 };
-
-/// The row of kMatrixDigits, and the dimension whose shuffle is taken.
-constexpr uint32_t matrix_of(uint32_t dimension) {
-    return dimension < kJoined ? dimension : kJoined;
-}
-constexpr uint32_t shuffled_as(uint32_t dimension) {
-    return dimension < kJoined ? 0 : dimension;
-}
 
 inline uint32_t times_matrix(uint32_t index, uint32_t matrix) {
     for (int step = 0; step < kMatrixSteps; ++step)
@@ -140,8 +134,8 @@ class Sampler {
 
 inline Vec2f Sampler::get2(uint32_t dimension) const {
     const uint32_t seed = hash_combine(pixel_hash_, dimension);
-    const uint32_t shuffle = hash_combine(pixel_hash_, shuffled_as(dimension));
-    const uint32_t index = times_matrix(owen_scramble(sample_, shuffle), matrix_of(dimension));
+    const uint32_t shuffle = dimension < kSharing ? hash_combine(pixel_hash_, 0) : seed;
+    const uint32_t index = times_matrix(owen_scramble(sample_, shuffle), std::min(dimension, kSharing));
     // owen_scramble() of both dimensions, without the reversals that cancel.
     const uint32_t x = reverse_bits(laine_karras(index, hash_combine(seed, 1)));
     const uint32_t y = reverse_bits(laine_karras(sobol_second_reversed(index), hash_combine(seed, 2)));

@@ -97,10 +97,10 @@ void compute_pairs(SamplePairs& pairs) {
         const Word pixel_hash = hn::Load(words, pairs.pixel_hash + first);
         const Word dimension = hn::Load(words, pairs.dimension + first);
         const Word seed = hash_combine(pixel_hash, dimension);
-        const Word shuffle = hn::IfThenElse(hn::Lt(dimension, all(kJoined)), hash_combine(pixel_hash, all(0u)), seed);
+        const Word shuffle = hn::IfThenElse(hn::Lt(dimension, all(kSharing)), hash_combine(pixel_hash, all(0u)), seed);
         const Word sample = hn::Load(words, pairs.sample + first);
         const Word shuffled = reverse_bits(laine_karras(reverse_bits(sample), shuffle));
-        const Word index = times_matrix(shuffled, hn::Min(dimension, all(kJoined)));
+        const Word index = times_matrix(shuffled, hn::Min(dimension, all(kSharing)));
         // Reversals that cancel are left out.
         const Word x = reverse_bits(laine_karras(index, hash_combine(seed, all(1u))));
         const Word y = reverse_bits(laine_karras(sobol_second_reversed(index), hash_combine(seed, all(2u))));

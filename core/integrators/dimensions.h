@@ -2,9 +2,9 @@
 //
 //   0..2                  the camera: filter, lens, time (render/session.cpp)
 //   3..6                  Light and Scatter of the first two vertices
-//   16 + 16 * v + ...     what else is for vertex v of the path, counted from the camera, transparent surfaces included
+//   16 + 16 * v + ...     all else at vertex v of the path, counted from the camera, transparent surfaces included
 //
-// The first seven are those that are spread evenly together (base/random.h).
+// The first seven are spread evenly together (base/random.h).
 // The sampler gives two stratified numbers a dimension, and three by joining a second one.
 #pragma once
 
@@ -38,12 +38,11 @@ enum class PathDimension : uint32_t {
 constexpr uint32_t kFirstPathDimension = 16;
 constexpr uint32_t kDimensionsPerVertex = 16;
 
-constexpr uint32_t kFirstJoined = 3;  ///< after the camera's
-
 constexpr uint32_t dimension(int vertex, PathDimension use) {
-    constexpr uint32_t kUses = 2;
-    const uint32_t joined = kFirstJoined + kUses * static_cast<uint32_t>(vertex) + static_cast<uint32_t>(use);
-    if (static_cast<uint32_t>(use) < kUses && joined < kJoined) return joined;
+    constexpr uint32_t kFirst = kTimeDimension + 1, kUses = 2, kVertices = 2;
+    static_assert(kFirst + kUses * kVertices == kSharing);
+    const uint32_t sharing = kFirst + kUses * static_cast<uint32_t>(vertex) + static_cast<uint32_t>(use);
+    if (use <= PathDimension::Scatter && static_cast<uint32_t>(vertex) < kVertices) return sharing;
     return kFirstPathDimension + kDimensionsPerVertex * static_cast<uint32_t>(vertex) + static_cast<uint32_t>(use);
 }
 

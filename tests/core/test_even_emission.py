@@ -49,8 +49,8 @@ def scene_of(core, shape: Any, from_hit: bool, moves: bool = False) -> Any:
     return scene
 
 
-# Whoever runs no program for light from these does not look for its facet, and begins shadow rays farther from it: where
-# they graze the shape, they may end on its other side.
+# Light that is the same everywhere is sampled on these without looking for the facet, so shadow rays end farther from the
+# surface: one that grazes the shape may be blocked where the other is not.
 KEEPS_FROM_FACETS = {"a spline surface", "a flat spline surface"}
 
 

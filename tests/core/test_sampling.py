@@ -2,7 +2,7 @@
 
 import itertools
 
-import joined_pairs
+import pair_matrices
 import numpy as np
 import pytest
 from rayleaf._core import trace as core_trace
@@ -25,22 +25,24 @@ def is_even(numbers, digits):
     return len(set(np.bincount(index, minlength=2 ** sum(digits)))) == 1
 
 
-def is_joined(core, pixel, dimensions):
+def are_even_together(core, pixel, dimensions):
     """Whether two pairs are spread evenly together, in all intervals of up to five digits."""
     numbers = np.hstack([core.sampler_pairs(pixel, 512, dimension) for dimension in dimensions])
-    shapes = [shape for digits in range(2, 6) for shape in joined_pairs.intervals(digits, 4)]
+    shapes = [shape for digits in range(2, 6) for shape in pair_matrices.intervals(digits, 4)]
     return all(is_even(numbers, shape) for shape in shapes)
 
 
 def test_the_first_pairs_are_spread_evenly_together(core):
     for pixel in (0, 12345):
-        for first, second in itertools.combinations(range(len(joined_pairs.ORDER)), 2):
-            assert is_joined(core, pixel, (first, second)), (first, second)
+        for first, second in itertools.combinations(range(len(pair_matrices.ORDER)), 2):
+            assert are_even_together(core, pixel, (first, second)), (first, second)
 
 
 def test_later_pairs_meet_at_random(core):
-    joined = len(joined_pairs.ORDER)
-    assert not any(is_joined(core, pixel, (first, joined)) for pixel in (0, 12345) for first in range(joined))
+    first_apart = len(pair_matrices.ORDER)
+    assert not any(
+        are_even_together(core, pixel, (first, first_apart)) for pixel in (0, 12345) for first in range(first_apart)
+    )
 
 
 def test_numbers_lie_in_the_half_open_unit_square(core):

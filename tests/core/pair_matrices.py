@@ -5,7 +5,7 @@ C2 Pascal's triangle, which are the first two dimensions of Sobol, and M the pai
 on its diagonal. An elementary interval of d1..d4 digits in four numbers holds as many samples as any other if the first
 d1..d4 rows of the four matrices are independent (Niederreiter 1992, theorem 4.28); scrambling does not change that.
 
-`python3 joined_pairs.py` prints steps for core/base/random.h, pair by pair in the order of `ORDER`.
+`python3 pair_matrices.py` prints steps for core/base/random.h, pair by pair in the order of `ORDER`.
 """
 
 import functools
