@@ -1,6 +1,7 @@
 #include "scene/material_displacement.h"
 
 #include "base/error.h"
+#include "base/maybe.h"
 #include "scene/scene_parts.h"
 
 #include <algorithm>
@@ -75,9 +76,8 @@ class ByMaterial final : public Displacement {
         return std::min<size_t>(base.material_slot(point.hit), slots_.size() - 1);
     }
 
-    SurfacePoint point_of(const Shape& base, const PlacedPoint& placed) const {
+    void set_point(const Shape& base, const PlacedPoint& placed, SurfacePoint& point) const {
         const LocalSurface& surface = placed.surface;
-        SurfacePoint point;
         point.position = point.facet_position = map_.point(surface.position);
         point.normal = Vec3f(normalized_or(map_.normal(Vec3d(surface.normal)) * side_, Vec3d(0, 0, 1)));
         point.facet_normal = point.normal;
@@ -86,7 +86,6 @@ class ByMaterial final : public Displacement {
         point.uv = surface.uv;
         point.shape = &base;
         point.local = placed.hit;
-        return point;
     }
 
     /// Of at most kMostPoints points of one material.
@@ -95,18 +94,19 @@ class ByMaterial final : public Displacement {
         std::fill_n(offsets, placed.size(), Vec3d(0.0));
         const MaterialDisplacement& displacement = material.displacement;
         if (!displacement.program) return;
-        std::vector<SurfacePoint> points(placed.size());
-        std::vector<ShadingInputs> inputs(placed.size());
+        std::array<Maybe<SurfacePoint>, kMostPoints> points;
+        std::array<Maybe<ShadingInputs>, kMostPoints> inputs;
         std::array<const ShadingInputs*, kMostPoints> asked;
         for (size_t i = 0; i < placed.size(); ++i) {
-            points[i] = point_of(base, placed[i]);
-            inputs[i].point = &points[i];
-            inputs[i].instance = &instance_;
-            inputs[i].camera = surroundings_.camera ? &*surroundings_.camera : nullptr;
-            inputs[i].textures = surroundings_.textures.get();
-            inputs[i].outgoing = points[i].normal;
-            inputs[i].material_index = material.pass_index;
-            asked[i] = &inputs[i];
+            set_point(base, placed[i], points[i].emplace());
+            ShadingInputs& input = inputs[i].emplace();
+            input.point = &*points[i];
+            input.instance = &instance_;
+            input.camera = surroundings_.camera ? &*surroundings_.camera : nullptr;
+            input.textures = surroundings_.textures.get();
+            input.outgoing = input.point->normal;
+            input.material_index = material.pass_index;
+            asked[i] = &input;
         }
         const auto add = [&](Register target, const auto& in_object) {
             if (target < 0) return;

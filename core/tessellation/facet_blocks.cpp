@@ -61,11 +61,11 @@ void dice_medium(const LevelDicer& dicer, uint32_t subpatch, GridRows& rows) {
                 medium.vertices[axis][k];
 }
 
-/// Sets the vertices of 2^log2_cells cells along a side, and maybe others.
-void dice_needed(const LevelDicer& dicer, uint32_t subpatch, int log2_cells, const SubpatchDetail& detail,
+/// Sets the vertices of a resolution's cells, and maybe others.
+void dice_needed(const LevelDicer& dicer, uint32_t subpatch, const Resolution& resolution, const SubpatchDetail& detail,
                  GridRows& rows) {
-    if (1 << log2_cells > kBlockCells) return dicer.dice_rows(subpatch, rows);
-    if (log2_cells > 0) return dice_medium(dicer, subpatch, rows);
+    if (resolution.needs_fine_grid()) return dicer.dice_rows(subpatch, rows);
+    if (resolution.cells() > 1) return dice_medium(dicer, subpatch, rows);
     for (int axis = 0; axis < 3; ++axis)
         for (int k = 0; k < kCorners; ++k)
             rows.vertices[axis][(k / 2 * kGridVertices + k % 2) * kGridCells] = detail.corners[axis][k];
@@ -191,8 +191,8 @@ void FacetBlocks::fill(std::span<const DicedForm> forms, const CancelToken& canc
         cancel.throw_if_cancelled();
         for (size_t step = 0; step < steps_; ++step) {
             const DicedForm& form = forms[step];
-            if (const LevelDicer* levels = form.dicer->levels())
-                fill_levels(*levels, subpatch, form.details[subpatch], step);
+            if (form.dicer->levels())
+                fill_levels(form, subpatch, step);
             else
                 fill_fixed(*form.dicer, subpatch);
         }
@@ -213,10 +213,12 @@ void FacetBlocks::mix(uint32_t index, float time, FacetBlock& room) const {
     room.row = from.row;
 }
 
-void FacetBlocks::fill_levels(const LevelDicer& dicer, uint32_t subpatch, const SubpatchDetail& detail, size_t step) {
+void FacetBlocks::fill_levels(const DicedForm& form, uint32_t subpatch, size_t step) {
     const Resolution& resolution = resolutions_[subpatch];
-    GridRows rows;
-    dice_needed(dicer, subpatch, resolution.own, detail, rows);
+    const GridRows* known = form.grids.empty() ? nullptr : form.grids[subpatch].get();
+    GridRows diced;
+    if (!known) dice_needed(*form.dicer->levels(), subpatch, resolution, form.details[subpatch], diced);
+    const GridRows& rows = known ? *known : diced;
     const DrawnBorders drawn(resolution);
     int number = 0;
     for (int row = 0; row < resolution.blocks(); ++row) {

@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -27,14 +28,20 @@ struct Resolution {
     std::array<uint8_t, kBorders> border{kFinest, kFinest, kFinest, kFinest};
 
     int cells() const { return 1 << own; }
+    /// Whether its vertices are more than those of a MediumGrid.
+    bool needs_fine_grid() const { return cells() > kBlockCells; }
     /// Blocks along a side.
     int blocks() const { return own <= 2 ? 1 : cells() / kBlockCells; }
 };
+
+/// Of each subpatch its fine grid, or null.
+using MeasuredGrids = std::vector<std::unique_ptr<const GridRows>>;
 
 /// A surface as it is at one time, diced as it is at the others, and its subpatches; none for dicers without levels.
 struct DicedForm {
     const Dicer* dicer;
     std::span<const SubpatchDetail> details;
+    std::span<const MeasuredGrids::value_type> grids;  ///< those that are known need not be diced; may be empty
 };
 
 /// The coarsest resolution of a subpatch whose facets lie within the tolerance of the surface at all times.
@@ -114,7 +121,7 @@ class FacetBlocks {
         return blocks_[(first_[subpatch] + static_cast<uint64_t>(number)) * steps_ + step];
     }
     void mix(uint32_t block, float time, FacetBlock& room) const;
-    void fill_levels(const LevelDicer& dicer, uint32_t subpatch, const SubpatchDetail& detail, size_t step);
+    void fill_levels(const DicedForm& form, uint32_t subpatch, size_t step);
     void fill_fixed(const Dicer& dicer, uint32_t subpatch);
 };
 

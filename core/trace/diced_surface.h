@@ -7,6 +7,7 @@
 #include "tessellation/facet_blocks.h"
 #include "tessellation/level.h"
 
+#include <atomic>
 #include <memory>
 #include <vector>
 
@@ -16,15 +17,28 @@ namespace rayleaf {
 /// neighbouring vertices, between which a second derivative may rise a little.
 inline constexpr float kPartDistance = 2.0f;
 
+/// How many grids that were diced to be measured may wait to become facets, so that they are not diced twice. What is
+/// diced has the same bits either way. Thread-safe.
+class WaitingGrids {
+  public:
+    /// Whether there is room for one more.
+    bool take() { return room_.fetch_sub(1, std::memory_order_relaxed) > 0; }
+
+  private:
+    std::atomic<int64_t> room_{int64_t{1} << 14};  ///< 57 MB
+};
+
 struct DicedSurface {
     std::unique_ptr<const Dicer> dicer;
     std::vector<SubpatchDetail> details;      ///< none where the dicer has no levels
+    MeasuredGrids grids;                      ///< of subpatches whose facets will be as fine
     std::vector<SubpatchBounds::Tube> tubes;  ///< of subpatches without levels
     std::vector<Box3f> boxes;                 ///< of subpatches, at all levels
     Box3f box;                                ///< of all
 
     /// Measures every subpatch. Throws Cancelled soon after `cancel` says so.
-    DicedSurface(std::unique_ptr<const Dicer> dicer, const CancelToken& cancel);
+    DicedSurface(std::unique_ptr<const Dicer> dicer, const FacetTolerance& tolerance, WaitingGrids& waiting,
+                 const CancelToken& cancel);
 };
 
 /// Surfaces as the facets of all see them.

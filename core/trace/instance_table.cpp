@@ -45,7 +45,8 @@ TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique,
     std::vector<std::optional<ShapePlan>> plans(count);
     std::vector<uint64_t> bytes(count);
     if (store) store->next_user();
-    const auto plan = [&](size_t i) { plans[i] = plan_shape(*unique[i], tolerances[i].tolerance, cancel); };
+    WaitingGrids waiting;
+    const auto plan = [&](size_t i) { plans[i] = plan_shape(*unique[i], tolerances[i].tolerance, waiting, cancel); };
     tbb::parallel_for(size_t{0}, count, [&](size_t i) {
         if (store) {
             keys[i] = key_of(*unique[i], tolerances[i].key);

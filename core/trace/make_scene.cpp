@@ -47,13 +47,16 @@ std::unique_ptr<const Dicer> form_dicer(const Shape& shape, size_t step, const D
 }
 
 std::vector<DicedSurface> diced_forms(const Shape& shape, std::unique_ptr<const Dicer> dicer,
+                                      const FacetTolerance& tolerance, WaitingGrids& waiting,
                                       const CancelToken& cancel) {
     std::vector<DicedSurface> forms;
-    if (!shape.deforms()) {
-        forms.emplace_back(std::move(dicer), cancel);
-        return forms;
-    }
-    for (size_t step = 0; step < shape.steps(); ++step) forms.emplace_back(form_dicer(shape, step, *dicer), cancel);
+    const auto add = [&](std::unique_ptr<const Dicer> form) {
+        forms.emplace_back(std::move(form), tolerance, waiting, cancel);
+    };
+    if (!shape.deforms())
+        add(std::move(dicer));
+    else
+        for (size_t step = 0; step < shape.steps(); ++step) add(form_dicer(shape, step, *dicer));
     return forms;
 }
 
@@ -85,7 +88,8 @@ uint64_t ShapePlan::resident_bytes() const {
     return blocks->block_count() * (blocks->block_bytes() + kTreeBytes);
 }
 
-ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel) {
+ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, WaitingGrids& waiting,
+                     const CancelToken& cancel) {
     cancel.throw_if_cancelled();
     ShapePlan plan;
     plan.shape = &shape;
@@ -95,7 +99,7 @@ ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const 
         return tolerance(box);
     });
     if (!dicer) return plan;
-    plan.forms = diced_forms(shape, std::move(dicer), cancel);
+    plan.forms = diced_forms(shape, std::move(dicer), tolerance, waiting, cancel);
     plan.blocks.emplace(diced(plan.forms), tolerance);
     plan.facet_distance = facet_distance_of(shape, tolerance);
     return plan;

@@ -25,7 +25,8 @@ struct ShapePlan {
     uint64_t resident_bytes() const;
 };
 /// The tolerance is for shapes that are diced. Throws Cancelled soon after `cancel` says so.
-ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, const CancelToken& cancel);
+ShapePlan plan_shape(const Shape& shape, const FacetTolerance& tolerance, WaitingGrids& waiting,
+                     const CancelToken& cancel);
 std::unique_ptr<ShapeScene> make_scene(ShapePlan plan, Residence residence, const CancelToken& cancel);
 
 /// Which of the shapes stay in memory: those whose facets cost the least for each instance, as long as the budget

@@ -26,6 +26,7 @@ ResidentScene::ResidentScene(const Shape& shape, std::vector<DicedSurface> forms
       meet_facets_(decision_kernel()),
       blocks_(std::move(blocks)) {
     blocks_.fill(diced(forms), cancel);
+    for (DicedSurface& form : forms) form.grids = MeasuredGrids();
     BoxTree tree(
         static_cast<uint32_t>(blocks_.block_count()), [&](uint32_t i) { return blocks_.box(i); }, cancel);
     tree_ =
