@@ -8,12 +8,17 @@ namespace rayleaf {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr float kLargestRandom = 0x1.fffffep-1f;
 /// Share of samples that are uniform over the sphere, whatever the table says.
 constexpr double kUniformShare = 0.02;
 /// By how much a coarser table may raise the second moment of what a sample counts, as a factor.
 constexpr double kMostLoss = 1.01;
 /// Fewer rows are not worth joining.
 constexpr int kLeastHeight = 16;
+/// A sun's radiance is looked up at this many places, squared.
+constexpr int kSunLookups = 16;
+/// By how much of its own a sun's disc is sampled larger.
+constexpr double kSunMargin = 1e-4;
 /// Radiance is looked up at this many places along each side of a cell.
 constexpr int kLookupsPerSide = 2;
 constexpr size_t kLookupsPerCell = kLookupsPerSide * kLookupsPerSide;
@@ -115,14 +120,21 @@ struct RowRadiance {
     double low = std::numeric_limits<double>::infinity(), high = 0;
 };
 
-RowRadiance row_radiance(const WorldEmissions& world, const std::vector<Vec3f>& directions) {
+double brightness(const Color& color) {
+    return is_finite(color) ? std::max(0.0f, max_component(color)) : 0.0f;
+}
+
+/// Places that `is_left_out` says count nothing.
+template <typename IsLeftOut>
+RowRadiance row_radiance(const WorldEmissions& world, const std::vector<Vec3f>& directions, IsLeftOut is_left_out) {
     std::vector<Color> colors(directions.size());
     world(directions, colors.data());
     RowRadiance row;
     for (size_t first = 0; first < colors.size(); first += kLookupsPerCell) {
         double sum = 0;
         for (size_t i = first; i < first + kLookupsPerCell; ++i) {
-            const double radiance = is_finite(colors[i]) ? std::max(0.0f, max_component(colors[i])) : 0.0f;
+            if (is_left_out(directions[i])) continue;
+            const double radiance = brightness(colors[i]);
             row.low = std::min(row.low, radiance);
             row.high = std::max(row.high, radiance);
             sum += radiance;
@@ -134,15 +146,18 @@ RowRadiance row_radiance(const WorldEmissions& world, const std::vector<Vec3f>& 
 
 }  // namespace
 
-WorldLight::WorldLight(const WorldEmissions& world, int width, WorldShare share, const CancelToken& cancel)
+WorldLight::WorldLight(const WorldEmissions& world, std::span<const SunDisc> suns, int width, WorldShare share,
+                       const CancelToken& cancel)
     : width_(std::max(width, 2)), height_(std::max(width / 2, 1)) {
+    add_suns(world, suns);
     std::vector<double> weights(static_cast<size_t>(width_) * height_), row_weights(height_), lows(height_),
         highs(height_);
     for (int y = 0; y <= height_; ++y) heights_.push_back(row_height(y, height_));
     const CellDirections directions(width_, height_);
     tbb::parallel_for(0, height_, [&](int y) {
         cancel.throw_if_cancelled();
-        const RowRadiance row = row_radiance(world, directions.of_row(y));
+        const RowRadiance row =
+            row_radiance(world, directions.of_row(y), [&](const Vec3f& at) { return is_in_sun(at); });
         lows[y] = row.low;
         highs[y] = row.high;
         const double area = heights_[y] - heights_[y + 1];
@@ -156,7 +171,10 @@ WorldLight::WorldLight(const WorldEmissions& world, int width, WorldShare share,
     for (const double weight : row_weights) total += weight;
     const double low = *std::min_element(lows.begin(), lows.end()),
                  high = *std::max_element(highs.begin(), highs.end());
-    is_uniform_ = !(total > 0) || !std::isfinite(total) || low == high;
+    const double cell = kTwoPi / width_;  // weights are of this share of a turn
+    double light = cell * total;
+    for (const Sun& sun : suns_) light += sun.light;
+    is_uniform_ = !(light > 0) || !std::isfinite(light) || (low == high && suns_.empty());
     if (is_uniform_) return;
 
     const double mean = total / (2.0 * width_), left_out = share == WorldShare::AboveMean ? mean : 0.0;
@@ -169,10 +187,55 @@ WorldLight::WorldLight(const WorldEmissions& world, int width, WorldShare share,
             total += weight;
         }
     }
-    share_ = std::min(1.0, total / (2.0 * width_ * mean));
-    mean_ = mean * share_;
+    set_probabilities(cell * total);
+    double sampled = cell * total;
+    for (const Sun& sun : suns_) sampled += sun.light;
+    share_ = std::min(1.0, sampled / light);
+    mean_ = light * share_ / (2.0 * kTwoPi);
     coarsen(weights);
     fill_tables(weights);
+}
+
+void WorldLight::add_suns(const WorldEmissions& world, std::span<const SunDisc> suns) {
+    for (const SunDisc& disc : suns) {
+        Sun sun{{disc.direction, disc.half_angle * (1.0 + kSunMargin)}, ConeFrame(Vec3d(disc.direction))};
+        std::vector<Vec3f> directions;
+        for (int i = 0; i < kSunLookups; ++i)
+            for (int k = 0; k < kSunLookups; ++k)
+                directions.emplace_back(sample_cone(sun.towards, sun.one_minus_cosine(),
+                                                    Vec2f(static_cast<float>(i) + 0.5f, static_cast<float>(k) + 0.5f) /
+                                                        static_cast<float>(kSunLookups))
+                                            .direction);
+        std::vector<Color> colors(directions.size());
+        world(directions, colors.data());
+        double sum = 0;
+        for (const Color& color : colors) sum += brightness(color);
+        sun.light = sum / static_cast<double>(colors.size()) * sun.disc.solid_angle();
+        if (sun.light > 0.0) suns_.push_back(sun);
+    }
+}
+
+bool WorldLight::is_in_sun(const Vec3f& direction) const {
+    return std::ranges::any_of(suns_, [&](const Sun& sun) { return sun.disc.contains(direction); });
+}
+
+/// Of the suns and of the table, by what is to be sampled of each.
+void WorldLight::set_probabilities(double light_of_table) {
+    double all = light_of_table, sum = 0;
+    for (const Sun& sun : suns_) all += sun.light;
+    for (Sun& sun : suns_) {
+        sum += sun.light;
+        sun.until = sum / all;
+        sun.density = sun.light / all / sun.disc.solid_angle();
+    }
+    table_probability_ = light_of_table / all;
+}
+
+double WorldLight::sun_density(const Vec3f& direction) const {
+    double sum = 0;
+    for (const Sun& sun : suns_)
+        if (sun.disc.contains(direction)) sum += sun.density;
+    return sum;
 }
 
 /// Joins cells, two by two each way, as long as that costs nearly nothing: a small table stays in the processor's
@@ -247,23 +310,36 @@ int WorldLight::row_at(double z) const {
 }
 
 Maybe<LightSample> WorldLight::sample(const Vec2f& random) const {
-    double x_within = 0, y_within = 0;
-    const int y = find_cell(rows_.data(), row_guide_.data(), height_, random.y, y_within);
-    const int x = find_cell(row(y), cell_guides_.data() + guide_of_row(y), width_, random.x, x_within);
-    const double top = heights_[y], bottom = heights_[y + 1];
     Maybe<LightSample> result;
     LightSample& sample = result.emplace();
-    sample.direction = Vec3f(direction_of((x + x_within) / width_, top + (bottom - top) * y_within));
     sample.distance = std::numeric_limits<double>::infinity();
-    sample.density = static_cast<float>(cell_density(x, y));
     sample.world = true;
+    double before = 0.0;
+    for (const Sun& sun : suns_) {
+        if (random.y < sun.until) {
+            const auto y = static_cast<float>((random.y - before) / (sun.until - before));
+            sample.direction = Vec3f(
+                sample_cone(sun.towards, sun.one_minus_cosine(), {random.x, std::min(y, kLargestRandom)}).direction);
+            sample.density = static_cast<float>(density(sample.direction));
+            return result;
+        }
+        before = sun.until;
+    }
+    const auto left = static_cast<float>((random.y - before) / (1.0 - before));
+    double x_within = 0, y_within = 0;
+    const int y = find_cell(rows_.data(), row_guide_.data(), height_, std::min(left, kLargestRandom), y_within);
+    const int x = find_cell(row(y), cell_guides_.data() + guide_of_row(y), width_, random.x, x_within);
+    const double top = heights_[y], bottom = heights_[y + 1];
+    sample.direction = Vec3f(direction_of((x + x_within) / width_, top + (bottom - top) * y_within));
+    sample.density = static_cast<float>(table_probability_ * cell_density(x, y) + sun_density(sample.direction));
     return result;
 }
 
 double WorldLight::density(const Vec3f& direction) const {
     const int y = row_at(std::clamp(static_cast<double>(direction.z), -1.0, 1.0));
     const double turns = turns_of(double{direction.x}, double{direction.y});
-    return cell_density(std::min(static_cast<int>(turns * width_), width_ - 1), y);
+    const double in_table = cell_density(std::min(static_cast<int>(turns * width_), width_ - 1), y);
+    return table_probability_ * in_table + sun_density(direction);
 }
 
 size_t WorldLight::bytes() const {

@@ -3,6 +3,9 @@
 // Inside a cell the density is constant per solid angle (longitude and height are uniform there), so that the density
 // asked for a direction is exactly the one it is sampled with. A small share is uniform, for what the table missed.
 //
+// The sun of a sky is smaller than a cell and thousands of times as bright as what is around it: suns are sampled
+// apart, evenly over their discs, and the table is that of what is left without them.
+//
 // Where scattered rays find the world as well and both are weighed, light is better sampled where the world is brighter
 // than its mean, and the rest is left to them (O. Karlik et al.: MIS Compensation: Optimizing Sampling Techniques in
 // Multiple Importance Sampling, SIGGRAPH Asia 2019, the part on image-based lighting).
@@ -12,6 +15,7 @@
 #include "base/kept_by_key.h"
 #include "lights/lamp_sample.h"
 #include "lights/light.h"
+#include "shading/sky.h"
 
 #include <compare>
 #include <cstdint>
@@ -42,8 +46,9 @@ using WorldEmissions = std::function<void(std::span<const Vec3f> directions, Col
 class WorldLight {
   public:
     /// At most `width` cells around, half as many from pole to pole: fewer where more would tell next to nothing.
-    /// Throws Cancelled soon after `cancel` says so.
-    WorldLight(const WorldEmissions& world, int width, WorldShare share, const CancelToken& cancel);
+    /// `suns`: where it is so bright. Throws Cancelled soon after `cancel` says so.
+    WorldLight(const WorldEmissions& world, std::span<const SunDisc> suns, int width, WorldShare share,
+               const CancelToken& cancel);
 
     /// True where the table found nothing, or the same everywhere: scattering alone samples such a world.
     bool is_uniform() const { return is_uniform_; }
@@ -68,6 +73,23 @@ class WorldLight {
     double mean_ = 0, share_ = 1;
     bool is_uniform_ = true;
 
+    /// A disc that is sampled apart.
+    struct Sun {
+        SunDisc disc;  ///< a little larger, so that rounding leaves nothing out
+        ConeFrame towards;
+        double light = 0;    ///< radiance times solid angle
+        double until = 0;    ///< the probability of it and of those before it
+        double density = 0;  ///< in it
+
+        double one_minus_cosine() const { return disc.solid_angle() / (2.0 * std::numbers::pi); }
+    };
+    std::vector<Sun> suns_;
+    double table_probability_ = 1;
+
+    void add_suns(const WorldEmissions& world, std::span<const SunDisc> suns);
+    bool is_in_sun(const Vec3f& direction) const;
+    void set_probabilities(double light_of_table);
+    double sun_density(const Vec3f& direction) const;
     const float* row(int y) const { return cells_.data() + static_cast<size_t>(y) * (static_cast<size_t>(width_) + 1); }
     void coarsen(std::vector<double>& weights);
     void fill_tables(const std::vector<double>& weights);

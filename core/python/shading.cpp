@@ -242,10 +242,12 @@ void bind_program(py::module_& module) {
         .def(
             "operation",
             [](Program& program, const std::string& identifier, const std::vector<Register>& operands,
-               const std::vector<int32_t>& ints, const std::vector<float>& floats,
-               const std::string& text) { return program.operation(identifier, operands, ints, floats, text); },
+               const std::vector<int32_t>& ints, const Array<float>& floats, const std::string& text) {
+                check_numbers(program.name(), "floats", floats);
+                return program.operation(identifier, operands, ints, span_of(floats), text);
+            },
             py::arg("identifier"), py::arg("operands") = std::vector<Register>{},
-            py::arg("ints") = std::vector<int32_t>{}, py::arg("floats") = std::vector<float>{}, py::arg("text") = "",
+            py::arg("ints") = std::vector<int32_t>{}, py::arg("floats") = Array<float>(0), py::arg("text") = "",
             "Appends an operation; the register of its result, -1 for closures.")
         .def_property_readonly("name", &Program::name)
         .def_property_readonly("emits", &Program::emits)

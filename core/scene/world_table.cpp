@@ -60,7 +60,7 @@ std::shared_ptr<const WorldLight> world_table(const SceneDescription& descriptio
     const auto emissions = [&](std::span<const Vec3f> directions, Color* radiances) {
         emissions_of(*description.world, inputs, directions, radiances);
     };
-    table = std::make_shared<const WorldLight>(emissions, key.width, share, cancel);
+    table = std::make_shared<const WorldLight>(emissions, description.world->suns(), key.width, share, cancel);
     store.keep(key, table);
     return table;
 }

@@ -95,7 +95,7 @@ constexpr OperationInfo describe(Operation operation, std::string_view identifie
             family(operation),
             ints.least,
             ints.most,
-            operation == Operation::table || operation == Operation::ies};
+            operation == Operation::table || operation == Operation::ies || operation == Operation::sky};
 }
 
 constexpr std::array kOperations = {

@@ -139,6 +139,8 @@ Program::Instruction Program::checked(const std::string& identifier, std::span<c
         reject("table of '" + identifier + "'", "not finite", "finite numbers");
     if (*operation == Operation::ies && !is_ies_table(floats))
         reject("table of 'ies'", "no table of intensities over angles", "one as shading/ies.h has it");
+    if (*operation == Operation::sky && !is_sky_table(floats))
+        reject("table of 'sky'", "no table of a sky", "one as shading/sky.h has it");
 
     Instruction instruction{};
     instruction.operation = *operation;

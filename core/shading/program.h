@@ -10,6 +10,7 @@
 #include "shading/closures.h"
 #include "shading/inputs.h"
 #include "shading/operation.h"
+#include "shading/sky.h"
 
 #include <cstdint>
 #include <memory>
@@ -86,6 +87,8 @@ class Program {
     /// Of a world's program: the textures that it shows around, where nothing in it can have finer detail than they
     /// have. Else empty.
     std::vector<int32_t> sole_environments() const;
+    /// Of a world's program: the suns of its skies that lie where these show them.
+    std::vector<SunDisc> suns() const;
     /// Whether it asks what is around (ShadingInputs::surroundings).
     bool asks_surroundings() const { return asks_surroundings_; }
 
@@ -117,6 +120,7 @@ class Program {
 
     Operands operands_of(const Instruction& instruction, const RegisterBank& registers, uint32_t point) const;
     std::span<const int32_t> ints_of(const Instruction& instruction) const;
+    std::span<const float> floats_of(const Instruction& instruction) const;
     bool flag_of(const Instruction& instruction) const;  ///< its first integer
     Vec4f arithmetic(const Instruction& instruction, const Operands& operands) const;
     Vec4f input_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const;

@@ -1,4 +1,5 @@
-// How fine the detail of a world can be: as that of its pictures, where nothing else differs between directions.
+// How fine the detail of a world can be: as that of its pictures, where nothing else differs between directions. And
+// where its suns are.
 #include "shading/operands.h"
 #include "shading/program.h"
 #include "shading/variants.h"
@@ -105,6 +106,19 @@ std::vector<int32_t> Program::sole_environments() const {
             return {};
     }
     return environments;
+}
+
+std::vector<SunDisc> Program::suns() const {
+    const auto is_direction = [&](Register r) {
+        const int32_t origin = r >= 0 && r < kFirstConstant ? origins_[static_cast<size_t>(r)] : kConstant;
+        return origin != kConstant && instructions_[static_cast<size_t>(origin)].operation == Operation::generated;
+    };
+    std::vector<SunDisc> found;
+    for (const Instruction& instruction : instructions_) {
+        if (instruction.operation != Operation::sky || !is_direction(operands_[instruction.first_operand])) continue;
+        if (const std::optional<SunDisc> sun = sun_of_sky(floats_of(instruction))) found.push_back(*sun);
+    }
+    return found;
 }
 
 }  // namespace rayleaf

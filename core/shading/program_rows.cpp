@@ -132,7 +132,7 @@ void Program::compute_checker(const Instruction& instruction, const RegisterBank
 
 void Program::compute_table(const Instruction& instruction, const RegisterBank& registers) const {
     const Rows rows(*this, instruction, registers);
-    const std::span<const float> entries{floats_.data() + instruction.first_float, instruction.float_count};
+    const std::span<const float> entries = floats_of(instruction);
     const NumberRow x = rows.row(0, 0, kZero);
     const bool linear = flag_of(instruction);
     for (uint32_t i = 0; i < rows.count(); ++i)

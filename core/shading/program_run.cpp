@@ -12,6 +12,7 @@
 #include "shading/operations_surroundings.h"
 #include "shading/operations_texture.h"
 #include "shading/program.h"
+#include "shading/sky.h"
 #include "shading/spectrum.h"
 
 #include <array>
@@ -73,6 +74,10 @@ Operands Program::operands_of(const Instruction& instruction, const RegisterBank
 
 std::span<const int32_t> Program::ints_of(const Instruction& instruction) const {
     return {ints_.data() + instruction.first_int, instruction.int_count};
+}
+
+std::span<const float> Program::floats_of(const Instruction& instruction) const {
+    return {floats_.data() + instruction.first_float, instruction.float_count};
 }
 
 bool Program::flag_of(const Instruction& instruction) const {
@@ -138,11 +143,11 @@ Vec4f Program::arithmetic(const Instruction& instruction, const Operands& operan
             return extended(hue_saturation(operands.vector(4), operands.scalar(0), operands.scalar(1),
                                            operands.scalar(2), operands.scalar(3)));
         case Operation::ies:
-            return spread(
-                ies_value({floats_.data() + instruction.first_float, instruction.float_count}, operands.vector(0)));
+            return spread(ies_value(floats_of(instruction), operands.vector(0)));
+        case Operation::sky:
+            return extended(sky_value(floats_of(instruction), operands.vector(0)));
         case Operation::table:
-            return table_value({floats_.data() + instruction.first_float, instruction.float_count}, operands.scalar(0),
-                               flag(0));
+            return table_value(floats_of(instruction), operands.scalar(0), flag(0));
         default:
             return pattern_value(instruction.operation, variant, operands, ints);
     }

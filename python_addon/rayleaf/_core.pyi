@@ -38,7 +38,7 @@ class Program:
         identifier: str,
         operands: Sequence[int] = (),
         ints: Sequence[int] = (),
-        floats: Sequence[float] = (),
+        floats: Sequence[float] | Floats = (),
         text: str = "",
     ) -> int:
         """Appends an operation; the register of its result, -1 for closures."""

@@ -37,17 +37,9 @@ def node(kind):
 class Images:
     """Stands for the library of images: numbers."""
 
-    tables = []
-
     def texture(self, image, user, frame):
         """By the file."""
         return list(bpy.data.images).index(image)
-
-    def computed(self, name, key, make):
-        """By what it is made of."""
-        if key not in Images.tables:
-            Images.tables.append(key)
-        return 10 + Images.tables.index(key)
 
 
 @dataclass

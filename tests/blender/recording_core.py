@@ -36,8 +36,9 @@ class Program:
         if identifier not in CLOSURES:
             self.registers.append(f"%{len(self.registers)}")
             result = len(self.registers) - 1
+        numbers = [float(each) for each in floats]
         self.lines.append(
-            dict(op=identifier, operands=list(operands), ints=list(ints), floats=list(floats), text=text, result=result)
+            dict(op=identifier, operands=list(operands), ints=list(ints), floats=numbers, text=text, result=result)
         )
         return result
 

@@ -1,4 +1,6 @@
-"""Runs inside Blender: a camera looks at the sun of Sky Textures, by Cycles and by Rayleaf; one sample in each pixel's middle."""
+"""Runs inside Blender: a camera looks at the sun of Sky Textures, by Cycles and by Rayleaf; one sample in each pixel's middle.
+Then at a diffuse ground under them.
+"""
 
 import math
 import sys
@@ -53,6 +55,29 @@ def turn_to(scene, sky, sun):
     scene.camera.rotation_euler = (0.5 * math.pi + sun["sun_elevation"], 0.0, -sun["sun_rotation"])
 
 
+def light_on_ground(scene, sky, sun, folder):
+    """The mean colour of a diffuse ground under a sun, by Cycles and by Rayleaf."""
+    for name, value in sun.items():
+        setattr(sky, name, value)
+    bpy.ops.mesh.primitive_plane_add(size=100.0)
+    material = bpy.data.materials.new("Ground")
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+    material.node_tree.links.new(diffuse.outputs[0], nodes["Material Output"].inputs["Surface"])
+    ground = bpy.context.object
+    ground.data.materials.append(material)
+    ground.location = (0.0, 0.0, -1.0)
+    scene.camera.rotation_euler = (0.0, 0.0, 0.0)
+    scene.camera.data.angle = 0.5
+    found = []
+    for engine in ("CYCLES", "RAYLEAF"):
+        scene.cycles.samples = scene.rayleaf.samples = 16
+        found.append(look(scene, engine, folder / f"ground_{engine}.exr").mean((0, 1)).tolist())
+    bpy.data.objects.remove(ground)
+    return found
+
+
 def compared_nodes():
     """By case: the nodes as they are compared."""
     scene, sky = build()
@@ -76,6 +101,17 @@ def main(folder):
     return found
 
 
+def ground(folder):
+    """Under suns as small as the true one, which are a hundred thousand times as bright as the sky."""
+    scene, sky = build()
+    return [light_on_ground(scene, sky, {**sun, "sun_size": math.radians(0.5)}, folder) for sun in SUNS]
+
+
 if __name__ == "__main__":
     report = globals()["report"]  # given by the test
-    report(found=main(Path(sys.argv[1])), version=bpy.app.version[0], nodes=compared_nodes())
+    report(
+        found=main(Path(sys.argv[1])),
+        ground=ground(Path(sys.argv[1])),
+        version=bpy.app.version[0],
+        nodes=compared_nodes(),
+    )

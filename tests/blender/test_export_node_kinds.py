@@ -17,9 +17,6 @@ class Images:
     def texture(self, image, user, frame):
         return 0
 
-    def computed(self, name, key, make):
-        return 0
-
 def variants(node):
     "The node with each value of each of its own enumerations in turn."
     yield ""

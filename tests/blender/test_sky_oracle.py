@@ -1,4 +1,4 @@
-"""The sun of a Sky Texture is where Cycles has it, as bright, and as dark towards its edge."""
+"""The sun of a Sky Texture is where Cycles has it, as bright, and as dark towards its edge; and it lights as much."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from measured_nodes import keep_comparison
 pytestmark = pytest.mark.nodes
 
 
-def test_the_suns_disc_is_cycles(run_blender, tmp_path):
+def test_the_suns_disc_and_its_light_are_cycles(run_blender, tmp_path):
     run = run_blender(Path(__file__).parent / "sky_oracle.py", tmp_path)
     for number, (ordered, share) in enumerate(run.report["found"], 1):
         assert 0.05 < share < 0.4  # the camera sees the disc, and the sky around it
@@ -19,3 +19,6 @@ def test_the_suns_disc_is_cycles(run_blender, tmp_path):
         median, allowed = ordered[int(len(ordered) * 0.5)], ordered[int(len(ordered) * 0.95)]
         keep_comparison("the sun's disc", f"sun {number}", run.report["nodes"][f"sun {number}"], allowed, median, most)
         assert median < half and allowed < most
+    for cycles, rayleaf in run.report["ground"]:
+        allowed = 0.01 if run.report["version"] < 5 else 0.1
+        assert min(cycles) > 0.1 and rayleaf == pytest.approx(cycles, rel=allowed)

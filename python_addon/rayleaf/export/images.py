@@ -69,7 +69,6 @@ class ImageLibrary:
         self._check_cancel = check_cancel or CancelCheck(lambda: False)
         self._core, self.scene, self._messages = core, scene, messages
         self.known: dict[tuple[int, str, int], int | None] = {}  # textures by image, path and picture
-        self._computed: dict[tuple[Any, ...], int] = {}
         self._color_spaces = ColorSpaces()
         self.asked = 0  # how often something was
         self.added = 0
@@ -78,7 +77,6 @@ class ImageLibrary:
         """What is asked for from now on, which may have changed, is added to another scene."""
         self.scene = scene
         self.known.clear()
-        self._computed.clear()
 
     def texture(self, image: Any, user: Any, frame: int) -> int | None:
         """The texture id of an image as a node uses it, or None if it cannot be read."""
@@ -97,16 +95,6 @@ class ImageLibrary:
                 self._messages.warn(f"{error}; rendered pink", Subject("Image", name_of(image)))
                 self.known[key] = None
         return self.known[key]
-
-    def computed(self, name: str, key: tuple[Any, ...], make: Callable[[], NDArray[np.float32]]) -> int:
-        """The texture id of a table that is computed, linear colours in rows from below; once for each key."""
-        self.asked += 1
-        if (name, *key) not in self._computed:
-            table = np.ascontiguousarray(make(), np.float32)
-            add = self.scene.add_image_pixels
-            self.added += 1
-            self._computed[(name, *key)] = int(self._check_cancel.while_waiting_for(lambda: add(name, table, "LINEAR")))
-        return self._computed[(name, *key)]
 
     def tiles(self, image: Any) -> list[int]:
         """The UDIM tiles of an image: number and texture id of each in turn."""

@@ -4,6 +4,9 @@ from collections.abc import Sequence
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 Register = int
 UNCONNECTED: Register = -1
 
@@ -43,13 +46,14 @@ class Emitter:
         identifier: str,
         operands: Sequence[Register] = (),
         ints: Sequence[int] = (),
-        floats: Sequence[float] = (),
+        floats: Sequence[float] | NDArray[np.float32] = (),
         text: str = "",
     ) -> Register:
         """Append an operation of core/shading/operations.def, unless an equal one has been written; its result."""
-        key = (identifier, tuple(operands), tuple(ints), tuple(floats), text)
+        numbers = np.asarray(floats, np.float32)
+        key = (identifier, tuple(operands), tuple(ints), numbers.tobytes(), text)
         if key not in self._operations:
-            result = int(self.program.operation(identifier, list(operands), list(ints), list(floats), text))
+            result = int(self.program.operation(identifier, list(operands), list(ints), numbers, text))
             if result == UNCONNECTED:  # closures add up: a second equal one counts
                 return result
             self._operations[key] = result

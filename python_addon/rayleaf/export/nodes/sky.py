@@ -2,18 +2,16 @@
 Daylight", SIGGRAPH 1999)."""
 
 import math
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..atmosphere import FROM_XYZ, Air, sky_table, sun_disc
 from .compiler import NodeView, value_node
 from .emitter import Register
 from .textures import name_hidden_mapping
 
-_EXTEND, _LINEAR, _FLAT = 1, 0, 0
-_LIMB_DARKENING = 0.6
-# Below this height the ground is black, and above it the sky fades.
-_GROUND = -0.4
 # Perez' five parameters of Y, x and y: factors on the turbidity, and what is added.
 _PEREZ = (
     ((0.1787, -1.4630), (-0.3554, 0.4275), (-0.0227, 5.3251), (0.1206, -2.5771), (-0.0670, 0.3703)),
@@ -36,16 +34,19 @@ _ZENITH = (
 _BRIGHTNESS = 0.06  # Cycles' factor on Preetham's luminance
 
 
+def _direction(view: NodeView) -> Register:
+    """With the sun's disc, Blender takes the vector away; a link to it may still be there."""
+    socket = view.socket("Vector")
+    is_asked = socket is not None and socket.enabled
+    return view.vector("Vector") if is_asked else view.compiler.generated()
+
+
 class _Sky:
     """A direction, and arithmetic with what is known of it."""
 
     def __init__(self, view: NodeView) -> None:
         self.emitter = view.emitter
-        # With the sun's disc, Blender takes the vector away; a link to it may still be there.
-        socket = view.socket("Vector")
-        is_asked = socket is not None and socket.enabled
-        along = view.vector("Vector") if is_asked else view.compiler.generated()
-        self.direction = self.vector("NORMALIZE", along)
+        self.direction = self.vector("NORMALIZE", _direction(view))
         self.height = self.emitter.component(self.direction, 2)
 
     def vector(self, name: str, *operands: Register) -> Register:
@@ -138,46 +139,19 @@ def _nishita(view: NodeView) -> Register:
         rotation += math.pi
     altitude = min(max(node.altitude, 1.0), 59999.0)
     air = Air(elevation, altitude, node.air_density, dust, node.ozone_density)
-    found = _Sky(view)
-    shade = _nishita_sky(view, found, air, rotation)
-    return _with_sun(view, found, air, rotation, shade) if node.sun_disc else shade
+    return view.emitter.operation("sky", [_direction(view)], floats=_sky_floats(node, air, rotation))
 
 
-def _nishita_sky(view: NodeView, found: _Sky, air: Air, rotation: float) -> Register:
-    """By the table, and below the horizon its lowest row, fading."""
-    emitter = view.emitter
-    elevation = found.number("ARCSINE", found.number("MAXIMUM", found.height, 0.0))
-    row = found.number("SQRT", found.number("DIVIDE", elevation, 0.5 * math.pi))
-    x, y = (emitter.component(found.direction, axis) for axis in (0, 1))
-    azimuth = found.number("ADD", found.number("ARCTAN2", x, y), math.pi - rotation)
-    column = found.number("FRACT", found.number("DIVIDE", azimuth, 2.0 * math.pi))
-    table = view.resources.images.computed("Sky", (air,), lambda: sky_table(air))
-    place = emitter.operation("combine", [column, row, emitter.scalar(0.0)])
-    color = emitter.operation("image", [place], [table, _EXTEND, _LINEAR, _FLAT])
-    below = found.number("MAXIMUM", found.number("MULTIPLY_ADD", found.height, -1.0 / _GROUND, 1.0), 0.0)
-    fade = found.number("POWER", found.number("MINIMUM", below, 1.0), 3.0)
-    return found.vector("MULTIPLY", color, fade)
-
-
-def _with_sun(view: NodeView, found: _Sky, air: Air, rotation: float, shade: Register) -> Register:
-    """With the disc over the sky, darker towards its edge, and redder towards the horizon."""
-    emitter, diameter, e = view.emitter, view.node.sun_size, air.elevation
-    half = 0.5 * diameter
-    if e + half <= 0.0 or half <= 0.0:
-        return shade
-    low, high = sun_disc(air, diameter)
-    sun = (math.cos(e) * math.sin(rotation), math.cos(e) * math.cos(rotation), math.sin(e))
-    apart = found.number("DIVIDE", found.angle_to(sun), half)
-    lowest = max(e - half, 0.0)
-    above = found.number("SUBTRACT", found.number("ARCSINE", found.height), lowest)
-    share = found.number("DIVIDE", above, e + half - lowest)
-    radiance = emitter.operation("mix", [share, emitter.constant(*low), emitter.constant(*high)], [1, 0], text="MIX")
-    rim = found.number("SUBTRACT", 1.0, found.number("MULTIPLY", apart, apart))
-    rim = found.number("SQRT", found.number("MAXIMUM", rim, 0.0))
-    limb = found.number("MULTIPLY_ADD", rim, _LIMB_DARKENING, 1.0 - _LIMB_DARKENING)
-    seen = found.number("MULTIPLY", limb, float(view.node.sun_intensity))
-    inside = found.number(
-        "MULTIPLY", found.number("LESS_THAN", apart, 1.0), found.number("GREATER_THAN", found.height, 0.0)
-    )
-    disc = found.vector("MAXIMUM", found.vector("MULTIPLY", radiance, seen), emitter.scalar(0.0))
-    return emitter.operation("mix", [inside, shade, disc], [1, 0], text="MIX")
+def _sky_floats(node: Any, air: Air, rotation: float) -> NDArray[np.float32]:
+    """The table of core/shading/sky.h."""
+    table = sky_table(air)
+    height, width = table.shape[:2]
+    half, e = 0.5 * node.sun_size, air.elevation
+    header = np.zeros((4, 4), np.float32)
+    if node.sun_disc and half > 0.0 and e + half > 0.0:
+        low, high = (edge * node.sun_intensity for edge in sun_disc(air, node.sun_size))
+        header[0] = (math.cos(e) * math.sin(rotation), math.cos(e) * math.cos(rotation), math.sin(e), half)
+        header[1] = (*low, max(e - half, 0.0))
+        header[2] = (*high, e + half)
+    header[3] = (rotation - math.pi, width, height, 0.0)
+    return np.concatenate([header.ravel(), table.ravel()])

@@ -1,0 +1,149 @@
+"""The sky that a table tells: what it shows, and that its sun is sampled as the small bright disc that it is."""
+
+import numpy as np
+import pytest
+
+SUN, HALF = np.array([0.6, 0.0, 0.8]), 0.005
+LOW, HIGH = (1000.0, 500.0, 100.0), (3000.0, 2500.0, 1100.0)
+WIDTH, HEIGHT = 16, 8
+BEGIN = 0.4
+
+
+def sky_colors():
+    return np.random.default_rng(1).random((HEIGHT, WIDTH, 3)).astype(np.float32)
+
+
+def table(colors, half=HALF, sun=SUN):
+    elevation = np.arcsin(sun[2])
+    height, width = colors.shape[:2]
+    header = [*sun, half, *LOW, elevation - half, *HIGH, elevation + half, BEGIN, width, height, 0.0]
+    return np.concatenate([np.array(header, np.float32), np.ravel(colors)])
+
+
+def directions_at(rows, columns):
+    """Of places in the table, in rows and columns from 0."""
+    elevation = 0.5 * np.pi * (np.asarray(rows) / HEIGHT) ** 2
+    azimuth = BEGIN + 2.0 * np.pi * np.asarray(columns) / WIDTH
+    return np.stack([np.cos(elevation) * np.sin(azimuth), np.cos(elevation) * np.cos(azimuth), np.sin(elevation)], -1)
+
+
+def seen(core, numbers, directions, together=1):
+    """What a world shows along directions of different lengths."""
+    program = core.Program("world")
+    register = program.operation("sky", [program.operation("position")], floats=numbers)
+    lengths = np.linspace(0.5, 2.0, len(directions))[:, None]
+    up = np.broadcast_to(np.array([0.0, 0.0, 1.0], np.float32), (len(directions), 3))
+    points = core.shading.surface_points(np.asarray(directions) * lengths, up, up)
+    return points.values(program, register, together)[:, :3]
+
+
+def test_the_table_is_shown_where_it_says(core):
+    colors, wanted = sky_colors(), []
+    rows, columns = np.meshgrid(np.arange(HEIGHT) + 0.5, np.arange(WIDTH) + 0.5, indexing="ij")
+    found = seen(core, table(colors, half=0.0), directions_at(rows.ravel(), columns.ravel()), 17)
+    np.testing.assert_allclose(found.reshape(colors.shape), colors, atol=2e-4)
+    middle = seen(core, table(colors, half=0.0), directions_at([3.0], [5.0]))[0]
+    wanted = colors[2:4, 4:6].mean((0, 1))
+    np.testing.assert_allclose(middle, wanted, atol=2e-4)
+
+
+def test_below_the_horizon_the_lowest_row_fades(core):
+    colors = np.broadcast_to(np.array([1.0, 2.0, 4.0], np.float32), (HEIGHT, WIDTH, 3))
+    heights = np.array([0.0, -0.1, -0.2, -0.4, -0.9])
+    directions = np.stack([np.sqrt(1.0 - heights**2), 0.0 * heights, heights], -1)
+    found = seen(core, table(colors, half=0.0), directions)
+    wanted = np.clip(1.0 + heights / 0.4, 0.0, 1.0) ** 3
+    np.testing.assert_allclose(found, wanted[:, None] * colors[0, 0], atol=1e-5)
+
+
+def test_the_disc_covers_the_sky_and_is_darker_towards_its_edge(core):
+    up = np.array([-0.8, 0.0, 0.6])  # along the great circle over the sun
+    for share in (-0.9, -0.3, 0.0, 0.5, 0.99, 1.01):
+        angle = share * HALF
+        found = seen(core, table(np.ones((HEIGHT, WIDTH, 3))), [SUN * np.cos(angle) + up * np.sin(angle)])[0]
+        mixed = np.array(LOW) + (np.array(HIGH) - LOW) * (1.0 + share) / 2.0
+        limb = 0.4 + 0.6 * np.sqrt(max(1.0 - share**2, 0.0))
+        np.testing.assert_allclose(found, mixed * limb if share < 1.0 else 1.0, rtol=3e-3)
+
+
+def test_points_together_have_the_same_bits(core):
+    directions = np.random.default_rng(2).normal(size=(50, 3))
+    numbers = table(sky_colors(), half=0.3)
+    np.testing.assert_array_equal(seen(core, numbers, directions, 1), seen(core, numbers, directions, 32))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda t: t[:12],
+        lambda t: t[:-4],
+        lambda t: np.where(np.arange(len(t)) == 13, 2.5, t),
+        lambda t: np.where(np.arange(len(t)) == 3, -1.0, t),
+        lambda t: np.where(np.arange(len(t)) == 0, 3.0, t),
+        lambda t: np.where(np.arange(len(t)) == 11, 0.0, t),
+    ],
+    ids=["no header", "too few colours", "half a column", "a negative disc", "no unit vector", "no height"],
+)
+def test_what_is_no_table_is_refused(core, change):
+    program = core.Program("world")
+    with pytest.raises(core.InputError, match="world.*table of 'sky'.*sky.h"):
+        program.operation("sky", [program.operation("position")], floats=change(table(sky_colors())))
+
+
+def lit_plane(core, sky_brightness, samples, half=HALF, visible_sun=True):
+    """A diffuse plane of albedo 1/2 under the sky: its pixels, and what the sun brings of them."""
+    scene, world = core.SceneDescription(), core.Program("world")
+    colors = np.full((HEIGHT, WIDTH, 3), sky_brightness, np.float32)
+    one = world.constant(1, 1, 1, 1)
+    sky = world.operation("sky", [world.operation("generated")], floats=table(colors, half if visible_sun else 0.0))
+    world.operation("background", [one, sky, one])
+    scene.set_world(world, 64)
+    program = core.Program("grey")
+    program.operation("diffuse", [program.constant(1, 1, 1, 1), program.constant(0.5, 0.5, 0.5, 1)])
+    grey = scene.add_material_list([scene.add_material("grey", program)])
+    corners = np.array([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], np.float32)
+    plane = scene.add_mesh("plane", corners, np.array([(0, 1, 2), (0, 2, 3)], np.int32))
+    scene.add_instance("plane", plane, np.eye(4), grey)
+    above = np.eye(4)
+    above[2, 3] = 3
+    scene.set_camera("ORTHOGRAPHIC", above, (-1, -1), (1, 1), 0.1, 10)
+    session = core.Session(scene, core.Settings(width=16, height=16, samples=samples))
+    assert session.render()
+    return session.pass_pixels("combined")[..., :3].reshape(-1, 3)
+
+
+def test_a_plane_has_all_light_of_a_sun_that_is_smaller_than_a_cell_of_the_worlds_table(core):
+    pixels = lit_plane(core, sky_brightness=0.0, samples=16)
+    # The mean of 0.4 + 0.6 sqrt(1 - r²) over a disc is 0.8.
+    wanted = 0.5 * (np.array(LOW) + HIGH) / 2.0 * 0.8 * np.pi * HALF**2 * SUN[2] / np.pi
+    np.testing.assert_allclose(pixels.mean(0), wanted, rtol=2e-3)
+    assert pixels.std(0).max() < 0.1 * wanted.max(), "a fifth of one sample's noise, which the disc's own makes"
+
+
+def test_the_sky_and_its_sun_add_up(core):
+    sky = lit_plane(core, sky_brightness=0.05, samples=64, visible_sun=False)
+    sun = lit_plane(core, sky_brightness=0.0, samples=64)
+    both = lit_plane(core, sky_brightness=0.05, samples=64)
+    np.testing.assert_allclose(both.mean(0), sky.mean(0) + sun.mean(0), rtol=5e-3)
+    assert sky.mean() > 0.2 * sun.mean(), "the sky counts"
+
+
+def test_what_is_sampled_of_a_sky_adds_up_to_all_light(core):
+    scene, world = core.SceneDescription(), core.Program("world")
+    one = world.constant(1, 1, 1, 1)
+    numbers = table(np.full((HEIGHT, WIDTH, 3), 0.05))
+    world.operation("background", [one, world.operation("sky", [world.operation("generated")], floats=numbers), one])
+    scene.set_world(world, 64)
+    scene.set_camera("PERSPECTIVE", np.eye(4), (-1, -1), (1, 1), 0.1, 10)
+    probe = core.LightProbe(scene)
+    random = np.random.default_rng(3).random((20_000, 2)).astype(np.float32).clip(0, np.float32(1 - 2**-24))
+    samples = probe.sample(np.zeros(3), random)
+    radiance, density = probe.look(np.zeros(3), samples["direction"].astype(float))
+    is_sampled = samples["density"] > 0.0  # not where it is black
+    assert is_sampled.mean() > 0.98 and np.isclose(samples["density"], density, rtol=1e-3)[is_sampled].mean() > 0.999
+    in_disc = radiance[:, 0] > 1.0
+    sun = 3000.0 / 2.0 + 500.0  # the mean of the brightest channel at both edges
+    light_of_sun = sun * 0.8 * np.pi * HALF**2
+    shares = radiance[:, 0] / density
+    assert shares[in_disc].sum() / len(shares) == pytest.approx(light_of_sun, rel=0.02)
+    assert 0.05 < in_disc.mean() < 0.95
