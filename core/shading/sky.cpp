@@ -3,7 +3,7 @@
 namespace rayleaf {
 namespace {
 
-constexpr size_t kSkyHeader = 16;
+constexpr size_t kSkyHeader = 20;
 constexpr float kMostAlong = 4096.0f;
 constexpr float kLimbDarkening = 0.6f;
 /// The height (z) at which the sky has faded to black.
@@ -13,8 +13,9 @@ constexpr float kQuarterTurn = 0.5f * kPi, kFullTurn = 2.0f * kPi;
 /// The header of a table.
 struct SkySettings {
     Vec3f sun, low, high;
-    float half_angle, lowest, highest, begin;
+    float half_angle, lowest, highest, begin, horizon;
     size_t width, height;
+    bool is_whole;
 
     explicit SkySettings(std::span<const float> t)
         : sun(t[0], t[1], t[2]),
@@ -24,8 +25,10 @@ struct SkySettings {
           lowest(t[7]),
           highest(t[11]),
           begin(t[12]),
+          horizon(t[17]),
           width(static_cast<size_t>(t[13])),
-          height(static_cast<size_t>(t[14])) {}
+          height(static_cast<size_t>(t[14])),
+          is_whole(t[16] != 0.0f) {}
 };
 
 bool is_side(float x) {
@@ -45,12 +48,33 @@ struct Between {
     }
 };
 
-/// Radiance of the disc at a share of its half angle from its middle.
-Vec3f disc_radiance(const SkySettings& sky, float height, float apart) {
-    const float share = std::clamp((std::asin(height) - sky.lowest) / (sky.highest - sky.lowest), 0.0f, 1.0f);
+/// Radiance of the disc in a direction; black beside it.
+Vec3f disc_radiance(const SkySettings& sky, const Vec3f& unit, float elevation) {
+    if (!(sky.half_angle > 0.0f && elevation > sky.horizon)) return Vec3f(0.0f);
+    // Exact where it is small, too.
+    const float apart = 2.0f * std::atan2((unit - sky.sun).length(), (unit + sky.sun).length()) / sky.half_angle;
+    if (!(apart < 1.0f)) return Vec3f(0.0f);
+    const float share = std::clamp((elevation - sky.lowest) / (sky.highest - sky.lowest), 0.0f, 1.0f);
     const float rim = std::sqrt(std::max(1.0f - apart * apart, 0.0f));
     const Vec3f radiance = (sky.low + (sky.high - sky.low) * share) * (1.0f - kLimbDarkening + kLimbDarkening * rim);
     return {std::max(radiance.x, 0.0f), std::max(radiance.y, 0.0f), std::max(radiance.z, 0.0f)};
+}
+
+/// That of the sky, between the table's places.
+Vec3f table_radiance(std::span<const float> table, const SkySettings& sky, const Vec3f& unit, float elevation) {
+    const float root = std::sqrt(std::abs(elevation) / kQuarterTurn), up = elevation < 0.0f ? -root : root;
+    const float row = sky.is_whole ? 0.5f * up + 0.5f : std::max(up, 0.0f);
+    const float turns = (std::atan2(unit.x, unit.y) - sky.begin) / kFullTurn, column = turns - std::floor(turns);
+    const Between x(column * static_cast<float>(sky.width), sky.width),
+        y(row * static_cast<float>(sky.height), sky.height);
+    const auto at = [&](size_t i, size_t j) {
+        const float* const rgb = table.data() + kSkyHeader + 3 * (j * sky.width + i);
+        return Vec3f(rgb[0], rgb[1], rgb[2]);
+    };
+    const Vec3f lower = at(x.first, y.first) + (at(x.second, y.first) - at(x.first, y.first)) * x.share,
+                upper = at(x.first, y.second) + (at(x.second, y.second) - at(x.first, y.second)) * x.share;
+    const float fade = sky.is_whole ? 1.0f : std::clamp(1.0f - unit.z / kGround, 0.0f, 1.0f);
+    return (lower + (upper - lower) * y.share) * (fade * fade * fade);
 }
 
 }  // namespace
@@ -67,23 +91,10 @@ bool is_sky_table(std::span<const float> table) {
 Vec3f sky_value(std::span<const float> table, const Vec3f& direction) {
     const SkySettings sky(table);
     const Vec3f unit = normalized_or(direction, Vec3f(0.0f));
-    if (sky.half_angle > 0.0f && unit.z > 0.0f) {
-        // Exact where it is small, too.
-        const float apart = 2.0f * std::atan2((unit - sky.sun).length(), (unit + sky.sun).length()) / sky.half_angle;
-        if (apart < 1.0f) return disc_radiance(sky, unit.z, apart);
-    }
-    const float row = std::sqrt(std::asin(std::clamp(unit.z, 0.0f, 1.0f)) / kQuarterTurn);
-    const float turns = (std::atan2(unit.x, unit.y) - sky.begin) / kFullTurn, column = turns - std::floor(turns);
-    const Between x(column * static_cast<float>(sky.width), sky.width),
-        y(row * static_cast<float>(sky.height), sky.height);
-    const auto at = [&](size_t i, size_t j) {
-        const float* const rgb = table.data() + kSkyHeader + 3 * (j * sky.width + i);
-        return Vec3f(rgb[0], rgb[1], rgb[2]);
-    };
-    const Vec3f lower = at(x.first, y.first) + (at(x.second, y.first) - at(x.first, y.first)) * x.share,
-                upper = at(x.first, y.second) + (at(x.second, y.second) - at(x.first, y.second)) * x.share;
-    const float fade = std::clamp(1.0f - unit.z / kGround, 0.0f, 1.0f);
-    return (lower + (upper - lower) * y.share) * (fade * fade * fade);
+    const float elevation = std::asin(std::clamp(unit.z, -1.0f, 1.0f));
+    const Vec3f disc = disc_radiance(sky, unit, elevation);
+    if (!sky.is_whole && disc != Vec3f(0.0f)) return disc;
+    return disc + table_radiance(table, sky, unit, elevation);
 }
 
 std::optional<SunDisc> sun_of_sky(std::span<const float> table) {

@@ -1,5 +1,6 @@
 """The nodes that test_nodes_oracle.py compares with Cycles, each with settings that show its differences."""
 
+import itertools
 from typing import Any, Callable
 
 import bpy
@@ -139,24 +140,28 @@ def _textures(case: Callable[..., Any], make_image: Callable[[str], Any]) -> lis
 
 
 def _skies(case: Callable[..., Any]) -> list[Any]:
-    """Both models, the sun high, low, below the horizon and behind the zenith; its disc: test_sky_oracle.py."""
+    """All models, the sun high, low, below the horizon and behind the zenith; its disc: test_sky_oracle.py."""
     looked, found = {"Vector": "direction"}, []
     for sun, turbidity in (((0.3, 0.2, 0.9), 2.2), ((0.9, 0.1, 0.2), 5.0)):
         settings = {"sky_type": "PREETHAM", "sun_direction": sun, "turbidity": turbidity}
         found.append(case("ShaderNodeTexSky", settings, looked))
     # Names of 3 and of 5.
-    nishita, dust = (
-        ("NISHITA", "dust_density") if bpy.app.version < (5, 0, 0) else ("SINGLE_SCATTERING", "aerosol_density")
+    kinds, dust = (
+        (["NISHITA"], "dust_density")
+        if bpy.app.version < (5, 0, 0)
+        else (["SINGLE_SCATTERING", "MULTIPLE_SCATTERING"], "aerosol_density")
     )
-    base = {"sky_type": nishita, "sun_disc": False}
-    for more in (
-        {"sun_elevation": 0.26, "sun_rotation": 1.9},
-        {"sun_elevation": 1.2, "sun_rotation": -0.7, "air_density": 2.0, dust: 4.0, "ozone_density": 3.0},
-        {"sun_elevation": 0.02, "altitude": 3000.0},
-        {"sun_elevation": -0.05},
-        {"sun_elevation": 2.6, "sun_rotation": 0.4},
+    for kind, more in itertools.product(
+        kinds,
+        (
+            {"sun_elevation": 0.26, "sun_rotation": 1.9},
+            {"sun_elevation": 1.2, "sun_rotation": -0.7, "air_density": 2.0, dust: 4.0, "ozone_density": 3.0},
+            {"sun_elevation": 0.02, "altitude": 3000.0},
+            {"sun_elevation": -0.05},
+            {"sun_elevation": 2.6, "sun_rotation": 0.4},
+        ),
     ):
-        found.append(case("ShaderNodeTexSky", {**base, **more}, looked))
+        found.append(case("ShaderNodeTexSky", {"sky_type": kind, "sun_disc": False, **more}, looked))
     return found
 
 

@@ -13,11 +13,19 @@ import scenes
 from oracle_case import described_nodes
 
 # Names of Blender 3 and of 5.
-NISHITA, DUST = ("NISHITA", "dust_density") if bpy.app.version < (5, 0, 0) else ("SINGLE_SCATTERING", "aerosol_density")
-SUNS = (
-    {"sun_elevation": 0.5, "sun_rotation": 0.7, "sun_size": 0.2},
-    {"sun_elevation": 0.3, "sun_rotation": -2.0, "sun_size": 0.3, "sun_intensity": 0.4, DUST: 3.0},
+KINDS, DUST = (
+    (["NISHITA"], "dust_density")
+    if bpy.app.version < (5, 0, 0)
+    else (["SINGLE_SCATTERING", "MULTIPLE_SCATTERING"], "aerosol_density")
 )
+SUNS = [
+    {"sky_type": kind, **sun}
+    for kind in KINDS
+    for sun in (
+        {"sun_elevation": 0.5, "sun_rotation": 0.7, "sun_size": 0.2},
+        {"sun_elevation": 0.3, "sun_rotation": -2.0, "sun_size": 0.3, "sun_intensity": 0.4, DUST: 3.0},
+    )
+]
 
 
 def look(scene, engine, path):
@@ -41,7 +49,6 @@ def build():
     scene.world.use_nodes = True
     tree = scene.world.node_tree
     sky = tree.nodes.new("ShaderNodeTexSky")
-    sky.sky_type = NISHITA
     tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs["Color"])
     tree.nodes["Background"].inputs["Strength"].default_value = 0.7
     return scene, sky
@@ -112,6 +119,6 @@ if __name__ == "__main__":
     report(
         found=main(Path(sys.argv[1])),
         ground=ground(Path(sys.argv[1])),
-        version=bpy.app.version[0],
+        kinds=[sun["sky_type"] for sun in SUNS],
         nodes=compared_nodes(),
     )

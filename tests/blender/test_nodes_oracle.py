@@ -15,6 +15,10 @@ HALF = 2.0**-11
 LUMINANCE = 1e-4
 # Cycles fits polynomials to Planck's law.
 FITTED = 1e-3
+# Skies are long sums, in single precision there.
+SUMS = 5e-4
+# Of what passes through dense air, that of many scatterings takes ratios.
+RATIOS = 2e-3
 # The observer's table has four digits.
 TABLE = 1e-4
 # Since 5.0, where it has this name, Cycles' Nishita sky is by so much another than 3.4's with the same settings: 0.5 % at most
@@ -28,7 +32,8 @@ TOLERANCES = {
     "TexEnvironment {'projection': 'EQUIRECTANGULAR', 'interpolation': 'Smart'": POLES,
     "TexImage": HALF,
     "TexSky {'sky_type': 'SINGLE_SCATTERING'": ANOTHER_SKY,
-    "TexSky": HALF,
+    "TexSky {'sky_type': 'MULTIPLE_SCATTERING'": RATIOS,
+    "TexSky": SUMS,
     "TexEnvironment": HALF,
     "Blackbody": FITTED,
     "Wavelength": TABLE,

@@ -13,10 +13,11 @@ def sky_colors():
     return np.random.default_rng(1).random((HEIGHT, WIDTH, 3)).astype(np.float32)
 
 
-def table(colors, half=HALF, sun=SUN):
+def table(colors, half=HALF, sun=SUN, is_whole=False, horizon=0.0):
     elevation = np.arcsin(sun[2])
     height, width = colors.shape[:2]
     header = [*sun, half, *LOW, elevation - half, *HIGH, elevation + half, BEGIN, width, height, 0.0]
+    header += [is_whole, horizon, 0.0, 0.0]
     return np.concatenate([np.array(header, np.float32), np.ravel(colors)])
 
 
@@ -54,6 +55,29 @@ def test_below_the_horizon_the_lowest_row_fades(core):
     found = seen(core, table(colors, half=0.0), directions)
     wanted = np.clip(1.0 + heights / 0.4, 0.0, 1.0) ** 3
     np.testing.assert_allclose(found, wanted[:, None] * colors[0, 0], atol=1e-5)
+
+
+def test_a_whole_table_is_shown_below_the_horizon_too(core):
+    colors = np.random.default_rng(5).random((2 * HEIGHT, WIDTH, 3)).astype(np.float32)
+    rows, columns = np.meshgrid(np.arange(HEIGHT) + 0.5, np.arange(WIDTH) + 0.5, indexing="ij")
+    above = directions_at(rows.ravel(), columns.ravel())
+    numbers = table(colors, half=0.0, is_whole=True)
+    found = seen(core, numbers, above)
+    np.testing.assert_allclose(found.reshape(HEIGHT, WIDTH, 3), colors[HEIGHT:], atol=2e-4)
+    found = seen(core, numbers, above * (1, 1, -1))
+    np.testing.assert_allclose(found.reshape(HEIGHT, WIDTH, 3), colors[HEIGHT - 1 :: -1], atol=2e-4)
+
+
+def test_the_disc_of_a_whole_table_adds_to_the_sky_down_to_the_earth(core):
+    even = np.ones((2 * HEIGHT, WIDTH, 3))
+    sun = np.array([1.0, 0.0, 0.0])
+    directions = [[np.cos(e), 0.0, np.sin(e)] for e in (0.002, -0.0005, -0.002)]
+    found = seen(core, table(even, sun=sun, is_whole=True, horizon=-0.001), directions)
+    for color, angle in zip(found, (0.002, -0.0005)):
+        mixed = np.array(LOW) + (np.array(HIGH) - LOW) * (1.0 + angle / HALF) / 2.0
+        limb = 0.4 + 0.6 * np.sqrt(1.0 - (angle / HALF) ** 2)
+        np.testing.assert_allclose(color, mixed * limb + 1.0, rtol=3e-3)
+    np.testing.assert_allclose(found[2], 1.0)
 
 
 def test_the_disc_covers_the_sky_and_is_darker_towards_its_edge(core):

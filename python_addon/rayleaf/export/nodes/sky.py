@@ -1,5 +1,5 @@
-"""Sky Texture: Nishita's sky with its sun, and Preetham's (Preetham, Shirley, Smits: "A Practical Analytic Model for
-Daylight", SIGGRAPH 1999)."""
+"""Sky Texture: skies of scattered light with their sun, and Preetham's (Preetham, Shirley, Smits: "A Practical Analytic Model
+for Daylight", SIGGRAPH 1999)."""
 
 import math
 from typing import Any
@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..atmosphere import FROM_XYZ, Air, sky_table, sun_disc
+from ..spectral_atmosphere import horizon, whole_sky_table
+from ..spectral_atmosphere import sun_disc as spectral_sun_disc
 from .compiler import NodeView, value_node
 from .emitter import Register
 from .textures import name_hidden_mapping
@@ -74,9 +76,9 @@ def sky(view: NodeView, output: str) -> Register:
     if view.node.sky_type == "HOSEK_WILKIE":
         view.warn("the sky of Hosek and Wilkie is rendered as Preetham's")
         return _preetham(view)
-    if view.node.sky_type not in ("NISHITA", "SINGLE_SCATTERING"):
+    if view.node.sky_type not in ("NISHITA", "SINGLE_SCATTERING", "MULTIPLE_SCATTERING"):
         view.warn(f"the sky type {view.node.sky_type} is rendered as Nishita's")
-    return _nishita(view)
+    return _scattering(view)
 
 
 # --- Preetham -----------------------------------------------------------------------------------------------------------
@@ -125,10 +127,10 @@ def _preetham(view: NodeView) -> Register:
     return found.vector("MAXIMUM", emitter.operation("combine", rgb), emitter.scalar(0.0))
 
 
-# --- Nishita ------------------------------------------------------------------------------------------------------------
+# --- Scattering, once or more ---------------------------------------------------------------------------------------------
 
 
-def _nishita(view: NodeView) -> Register:
+def _scattering(view: NodeView) -> Register:
     node = view.node
     dust = node.dust_density if hasattr(node, "dust_density") else node.aerosol_density  # 5.0
     elevation, rotation = node.sun_elevation, node.sun_rotation
@@ -137,21 +139,25 @@ def _nishita(view: NodeView) -> Register:
     if abs(elevation) > 0.5 * math.pi:
         elevation = math.copysign(math.pi, elevation) - elevation
         rotation += math.pi
-    altitude = min(max(node.altitude, 1.0), 59999.0)
+    is_whole = node.sky_type == "MULTIPLE_SCATTERING"
+    altitude = min(max(node.altitude, 1.0), 99999.0 if is_whole else 59999.0)
     air = Air(elevation, altitude, node.air_density, dust, node.ozone_density)
-    return view.emitter.operation("sky", [_direction(view)], floats=_sky_floats(node, air, rotation))
+    return view.emitter.operation("sky", [_direction(view)], floats=_sky_floats(node, air, rotation, is_whole))
 
 
-def _sky_floats(node: Any, air: Air, rotation: float) -> NDArray[np.float32]:
+def _sky_floats(node: Any, air: Air, rotation: float, is_whole: bool) -> NDArray[np.float32]:
     """The table of core/shading/sky.h."""
-    table = sky_table(air)
+    table = whole_sky_table(air) if is_whole else sky_table(air)
     height, width = table.shape[:2]
     half, e = 0.5 * node.sun_size, air.elevation
-    header = np.zeros((4, 4), np.float32)
-    if node.sun_disc and half > 0.0 and e + half > 0.0:
-        low, high = (edge * node.sun_intensity for edge in sun_disc(air, node.sun_size))
+    lowest = horizon(air) if is_whole else 0.0
+    header = np.zeros((5, 4), np.float32)
+    if node.sun_disc and half > 0.0 and e + half > lowest:
+        edges = (spectral_sun_disc if is_whole else sun_disc)(air, node.sun_size)
+        low, high = (edge * node.sun_intensity for edge in edges)
         header[0] = (math.cos(e) * math.sin(rotation), math.cos(e) * math.cos(rotation), math.sin(e), half)
-        header[1] = (*low, max(e - half, 0.0))
+        header[1] = (*low, e - half if is_whole else max(e - half, 0.0))
         header[2] = (*high, e + half)
     header[3] = (rotation - math.pi, width, height, 0.0)
+    header[4] = (is_whole, lowest, 0.0, 0.0)
     return np.concatenate([header.ravel(), table.ravel()])
