@@ -97,6 +97,8 @@ class LevelDicer : public Dicer {
     void dice_part(uint32_t subpatch, const GridPart& part, Grid& grid) const;
     /// Rays that ask for a finer level see this one.
     virtual int finest_level() const { return kFinestLevel; }
+    /// Whether dicing takes far longer than keeping what was diced.
+    virtual bool is_slow() const { return false; }
 
   private:
     /// Dices the fine or the medium level.

@@ -25,6 +25,7 @@ class DisplacedDicer final : public LevelDicer {
     }
     size_t bytes() const override { return sizeof(*this) + below_->bytes(); }
     int finest_level() const override { return kFine; }
+    bool is_slow() const override { return true; }
 
   private:
     const DisplacedSurface* surface_;

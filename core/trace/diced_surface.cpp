@@ -31,6 +31,7 @@ void measure_subpatch(DicedSurface& surface, uint32_t subpatch, const FacetToler
     const GridMeasure measure = measure_grid(rows);
     const SubpatchDetail& detail = surface.details[subpatch] = detail_of(rows, measure);
     surface.boxes[subpatch] = box_of(measure, kBlockPadding + kPartDistance * fine_facet_distance(detail));
+    if (!levels->is_slow()) return;
     const DicedForm form{levels, surface.details, {}};
     if (resolution_for({&form, 1}, subpatch, tolerance).needs_fine_grid() && waiting.take())
         surface.grids[subpatch] = std::make_unique<const GridRows>(rows);
@@ -45,7 +46,7 @@ DicedSurface::DicedSurface(std::unique_ptr<const Dicer> made_of, const FacetTole
     boxes.resize(count);
     if (dicer->levels()) {
         details.resize(count);
-        grids.resize(count);
+        if (dicer->levels()->is_slow()) grids.resize(count);
     } else {
         tubes.resize(count);
     }

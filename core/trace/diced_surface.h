@@ -17,8 +17,8 @@ namespace rayleaf {
 /// neighbouring vertices, between which a second derivative may rise a little.
 inline constexpr float kPartDistance = 2.0f;
 
-/// How many grids that were diced to be measured may wait to become facets, so that they are not diced twice. What is
-/// diced has the same bits either way. Thread-safe.
+/// How many grids that were diced slowly to be measured may wait to become facets, so that they are not diced twice.
+/// What is diced has the same bits either way. Thread-safe.
 class WaitingGrids {
   public:
     /// Whether there is room for one more.
@@ -31,7 +31,7 @@ class WaitingGrids {
 struct DicedSurface {
     std::unique_ptr<const Dicer> dicer;
     std::vector<SubpatchDetail> details;      ///< none where the dicer has no levels
-    MeasuredGrids grids;                      ///< of subpatches whose facets will be as fine
+    MeasuredGrids grids;                      ///< of slow subpatches whose facets will be as fine
     std::vector<SubpatchBounds::Tube> tubes;  ///< of subpatches without levels
     std::vector<Box3f> boxes;                 ///< of subpatches, at all levels
     Box3f box;                                ///< of all
