@@ -4,6 +4,7 @@
 #include "base/vector.h"
 #include "rays/ray.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -43,6 +44,11 @@ struct ConeDirection {
     double one_minus_cosine = 0;
 };
 ConeDirection sample_cone(const ConeFrame& frame, double one_minus_cosine, const Vec2f& random);
+
+/// What a choice leaves of a random number, as a float in [0,1) again.
+inline float below_one(double left_over) {
+    return static_cast<float>(std::clamp(left_over, 0.0, 1.0 - 0x1p-24));
+}
 
 /// Whether a colour can be multiplied on without leaving the range of floats.
 inline bool is_usable(const Color& c) {

@@ -15,11 +15,6 @@
 namespace rayleaf {
 namespace {
 
-/// What a choice leaves of a random number, as a float in [0,1) again.
-float below_one(double left_over) {
-    return static_cast<float>(std::clamp(left_over, 0.0, 1.0 - 0x1p-24));
-}
-
 bool shines(const Lamp& lamp) {
     return is_finite(lamp.strength) && !is_black(lamp.strength);
 }

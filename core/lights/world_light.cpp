@@ -8,7 +8,6 @@ namespace rayleaf {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr float kLargestRandom = 0x1.fffffep-1f;
 /// Share of samples that are uniform over the sphere, whatever the table says.
 constexpr double kUniformShare = 0.02;
 /// By how much a coarser table may raise the second moment of what a sample counts, as a factor.
@@ -149,7 +148,7 @@ RowRadiance row_radiance(const WorldEmissions& world, const std::vector<Vec3f>& 
 WorldLight::WorldLight(const WorldEmissions& world, std::span<const SunDisc> suns, int width, WorldShare share,
                        const CancelToken& cancel)
     : width_(std::max(width, 2)), height_(std::max(width / 2, 1)) {
-    add_suns(world, suns);
+    const double light_of_suns = add_suns(world, suns);
     std::vector<double> weights(static_cast<size_t>(width_) * height_), row_weights(height_), lows(height_),
         highs(height_);
     for (int y = 0; y <= height_; ++y) heights_.push_back(row_height(y, height_));
@@ -172,8 +171,7 @@ WorldLight::WorldLight(const WorldEmissions& world, std::span<const SunDisc> sun
     const double low = *std::min_element(lows.begin(), lows.end()),
                  high = *std::max_element(highs.begin(), highs.end());
     const double cell = kTwoPi / width_;  // weights are of this share of a turn
-    double light = cell * total;
-    for (const Sun& sun : suns_) light += sun.light;
+    const double light = cell * total + light_of_suns;
     is_uniform_ = !(light > 0) || !std::isfinite(light) || (low == high && suns_.empty());
     if (is_uniform_) return;
 
@@ -187,16 +185,17 @@ WorldLight::WorldLight(const WorldEmissions& world, std::span<const SunDisc> sun
             total += weight;
         }
     }
-    set_probabilities(cell * total);
-    double sampled = cell * total;
-    for (const Sun& sun : suns_) sampled += sun.light;
+    const double sampled = cell * total + light_of_suns;
+    set_probabilities(sampled);
     share_ = std::min(1.0, sampled / light);
     mean_ = light * share_ / (2.0 * kTwoPi);
     coarsen(weights);
     fill_tables(weights);
 }
 
-void WorldLight::add_suns(const WorldEmissions& world, std::span<const SunDisc> suns) {
+/// Returns the light of all.
+double WorldLight::add_suns(const WorldEmissions& world, std::span<const SunDisc> suns) {
+    double light = 0;
     for (const SunDisc& disc : suns) {
         Sun sun{{disc.direction, disc.half_angle * (1.0 + kSunMargin)}, ConeFrame(Vec3d(disc.direction))};
         std::vector<Vec3f> directions;
@@ -212,23 +211,23 @@ void WorldLight::add_suns(const WorldEmissions& world, std::span<const SunDisc> 
         for (const Color& color : colors) sum += brightness(color);
         sun.light = sum / static_cast<double>(colors.size()) * sun.disc.solid_angle();
         if (sun.light > 0.0) suns_.push_back(sun);
+        light += sun.light;
     }
+    return light;
 }
 
 bool WorldLight::is_in_sun(const Vec3f& direction) const {
     return std::ranges::any_of(suns_, [&](const Sun& sun) { return sun.disc.contains(direction); });
 }
 
-/// Of the suns and of the table, by what is to be sampled of each.
-void WorldLight::set_probabilities(double light_of_table) {
-    double all = light_of_table, sum = 0;
-    for (const Sun& sun : suns_) all += sun.light;
+/// Of the suns, by their share of the light that is sampled.
+void WorldLight::set_probabilities(double sampled) {
+    double sum = 0;
     for (Sun& sun : suns_) {
         sum += sun.light;
-        sun.until = sum / all;
-        sun.density = sun.light / all / sun.disc.solid_angle();
+        sun.until = sum / sampled;
+        sun.density = sun.light / sampled / sun.disc.solid_angle();
     }
-    table_probability_ = light_of_table / all;
 }
 
 double WorldLight::sun_density(const Vec3f& direction) const {
@@ -286,9 +285,10 @@ void WorldLight::fill_tables(const std::vector<double>& weights) {
         fill_guide(cells, width_, cell_guides_.data() + guide_of_row(y));
     }
     cumulate(row_weights.data(), height_, rows_.data());
+    const double probability = suns_.empty() ? 1.0 : 1.0 - suns_.back().until;  // of the table
     for (int y = 0; y < height_; ++y) {
         const double cell = kTwoPi / width_ * (heights_[y] - heights_[y + 1]);  // its solid angle
-        row_densities_.push_back((double{rows_[y + 1]} - double{rows_[y]}) / cell);
+        row_densities_.push_back(probability * (double{rows_[y + 1]} - double{rows_[y]}) / cell);
     }
     fill_guide(rows_.data(), height_, row_guide_.data());
 }
@@ -317,29 +317,27 @@ Maybe<LightSample> WorldLight::sample(const Vec2f& random) const {
     double before = 0.0;
     for (const Sun& sun : suns_) {
         if (random.y < sun.until) {
-            const auto y = static_cast<float>((random.y - before) / (sun.until - before));
-            sample.direction = Vec3f(
-                sample_cone(sun.towards, sun.one_minus_cosine(), {random.x, std::min(y, kLargestRandom)}).direction);
+            const float y = below_one((random.y - before) / (sun.until - before));
+            sample.direction = Vec3f(sample_cone(sun.towards, sun.one_minus_cosine(), {random.x, y}).direction);
             sample.density = static_cast<float>(density(sample.direction));
             return result;
         }
         before = sun.until;
     }
-    const auto left = static_cast<float>((random.y - before) / (1.0 - before));
+    const float left = below_one((random.y - before) / (1.0 - before));
     double x_within = 0, y_within = 0;
-    const int y = find_cell(rows_.data(), row_guide_.data(), height_, std::min(left, kLargestRandom), y_within);
+    const int y = find_cell(rows_.data(), row_guide_.data(), height_, left, y_within);
     const int x = find_cell(row(y), cell_guides_.data() + guide_of_row(y), width_, random.x, x_within);
     const double top = heights_[y], bottom = heights_[y + 1];
     sample.direction = Vec3f(direction_of((x + x_within) / width_, top + (bottom - top) * y_within));
-    sample.density = static_cast<float>(table_probability_ * cell_density(x, y) + sun_density(sample.direction));
+    sample.density = static_cast<float>(cell_density(x, y) + sun_density(sample.direction));
     return result;
 }
 
 double WorldLight::density(const Vec3f& direction) const {
     const int y = row_at(std::clamp(static_cast<double>(direction.z), -1.0, 1.0));
     const double turns = turns_of(double{direction.x}, double{direction.y});
-    const double in_table = cell_density(std::min(static_cast<int>(turns * width_), width_ - 1), y);
-    return table_probability_ * in_table + sun_density(direction);
+    return cell_density(std::min(static_cast<int>(turns * width_), width_ - 1), y) + sun_density(direction);
 }
 
 size_t WorldLight::bytes() const {

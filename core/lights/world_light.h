@@ -84,11 +84,10 @@ class WorldLight {
         double one_minus_cosine() const { return disc.solid_angle() / (2.0 * std::numbers::pi); }
     };
     std::vector<Sun> suns_;
-    double table_probability_ = 1;
 
-    void add_suns(const WorldEmissions& world, std::span<const SunDisc> suns);
+    double add_suns(const WorldEmissions& world, std::span<const SunDisc> suns);
     bool is_in_sun(const Vec3f& direction) const;
-    void set_probabilities(double light_of_table);
+    void set_probabilities(double sampled);
     double sun_density(const Vec3f& direction) const;
     const float* row(int y) const { return cells_.data() + static_cast<size_t>(y) * (static_cast<size_t>(width_) + 1); }
     void coarsen(std::vector<double>& weights);

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from test_integrators_world_image import lit_plane
 
 SUN, HALF = np.array([0.6, 0.0, 0.8]), 0.005
 LOW, HIGH = (1000.0, 500.0, 100.0), (3000.0, 2500.0, 1100.0)
@@ -39,7 +40,7 @@ def seen(core, numbers, directions, together=1):
 
 
 def test_the_table_is_shown_where_it_says(core):
-    colors, wanted = sky_colors(), []
+    colors = sky_colors()
     rows, columns = np.meshgrid(np.arange(HEIGHT) + 0.5, np.arange(WIDTH) + 0.5, indexing="ij")
     found = seen(core, table(colors, half=0.0), directions_at(rows.ravel(), columns.ravel()), 17)
     np.testing.assert_allclose(found.reshape(colors.shape), colors, atol=2e-4)
@@ -114,40 +115,29 @@ def test_what_is_no_table_is_refused(core, change):
         program.operation("sky", [program.operation("position")], floats=change(table(sky_colors())))
 
 
-def lit_plane(core, sky_brightness, samples, half=HALF, visible_sun=True):
-    """A diffuse plane of albedo 1/2 under the sky: its pixels, and what the sun brings of them."""
+def plane_under_sky(core, sky_brightness, samples, visible_sun=True):
+    """Pixels of a diffuse plane of albedo 1/2."""
     scene, world = core.SceneDescription(), core.Program("world")
     colors = np.full((HEIGHT, WIDTH, 3), sky_brightness, np.float32)
     one = world.constant(1, 1, 1, 1)
-    sky = world.operation("sky", [world.operation("generated")], floats=table(colors, half if visible_sun else 0.0))
-    world.operation("background", [one, sky, one])
+    numbers = table(colors, half=HALF if visible_sun else 0.0)
+    world.operation("background", [one, world.operation("sky", [world.operation("generated")], floats=numbers), one])
     scene.set_world(world, 64)
-    program = core.Program("grey")
-    program.operation("diffuse", [program.constant(1, 1, 1, 1), program.constant(0.5, 0.5, 0.5, 1)])
-    grey = scene.add_material_list([scene.add_material("grey", program)])
-    corners = np.array([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], np.float32)
-    plane = scene.add_mesh("plane", corners, np.array([(0, 1, 2), (0, 2, 3)], np.int32))
-    scene.add_instance("plane", plane, np.eye(4), grey)
-    above = np.eye(4)
-    above[2, 3] = 3
-    scene.set_camera("ORTHOGRAPHIC", above, (-1, -1), (1, 1), 0.1, 10)
-    session = core.Session(scene, core.Settings(width=16, height=16, samples=samples))
-    assert session.render()
-    return session.pass_pixels("combined")[..., :3].reshape(-1, 3)
+    return lit_plane(core, scene, samples)
 
 
 def test_a_plane_has_all_light_of_a_sun_that_is_smaller_than_a_cell_of_the_worlds_table(core):
-    pixels = lit_plane(core, sky_brightness=0.0, samples=16)
+    pixels = plane_under_sky(core, sky_brightness=0.0, samples=16)
     # The mean of 0.4 + 0.6 sqrt(1 - r²) over a disc is 0.8.
     wanted = 0.5 * (np.array(LOW) + HIGH) / 2.0 * 0.8 * np.pi * HALF**2 * SUN[2] / np.pi
     np.testing.assert_allclose(pixels.mean(0), wanted, rtol=2e-3)
-    assert pixels.std(0).max() < 0.1 * wanted.max(), "a fifth of one sample's noise, which the disc's own makes"
+    assert pixels.std(0).max() < 0.1 * wanted.max(), "the disc alone makes noise"
 
 
 def test_the_sky_and_its_sun_add_up(core):
-    sky = lit_plane(core, sky_brightness=0.05, samples=64, visible_sun=False)
-    sun = lit_plane(core, sky_brightness=0.0, samples=64)
-    both = lit_plane(core, sky_brightness=0.05, samples=64)
+    sky = plane_under_sky(core, sky_brightness=0.05, samples=64, visible_sun=False)
+    sun = plane_under_sky(core, sky_brightness=0.0, samples=64)
+    both = plane_under_sky(core, sky_brightness=0.05, samples=64)
     np.testing.assert_allclose(both.mean(0), sky.mean(0) + sun.mean(0), rtol=5e-3)
     assert sky.mean() > 0.2 * sun.mean(), "the sky counts"
 

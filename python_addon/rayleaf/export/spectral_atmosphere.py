@@ -111,20 +111,16 @@ class _Light:
         return np.asarray(of_ground[:, None] * lit + of_air, np.float64)
 
 
-def _altitude(air: Air) -> float:
-    return min(max(air.altitude, 1.0), 99999.0) / 1000.0
-
-
 def horizon(air: Air) -> float:
     """The elevation below which the earth is seen."""
-    return math.asin(_EARTH / (_EARTH + _altitude(air))) - 0.5 * math.pi
+    return math.asin(_EARTH / (_EARTH + air.altitude / 1000.0)) - 0.5 * math.pi
 
 
 @lru_cache(maxsize=4)
 def whole_sky_table(air: Air, width: int = 512, height: int = 256) -> NDArray[np.float32]:
     """(height, width, 3), linear: rows from the nadir to the zenith, by the root of the elevation to either side; columns by
     the azimuth, the sun in the middle. Not to be changed."""
-    light, start = _Light(air), _EARTH + _altitude(air)
+    light, start = _Light(air), _EARTH + air.altitude / 1000.0
     share = 2.0 * (np.arange(height) + 0.5) / height - 1.0
     elevation = np.copysign(share**2, share) * 0.5 * np.pi
     upward, level = np.sin(elevation)[:, None], np.cos(elevation)[:, None]
@@ -156,6 +152,6 @@ def sun_disc(air: Air, diameter: float) -> tuple[Array, Array]:
     half = 0.5 * diameter
     solid_angle = 4.0 * math.pi * math.sin(0.5 * half) ** 2
     edges = np.sin([air.elevation - half, air.elevation + half])
-    spectra = _IRRADIANCE * _passed(edges, np.array(_altitude(air)), air) / solid_angle
+    spectra = _IRRADIANCE * _passed(edges, np.array(air.altitude / 1000.0), air) / solid_angle
     low, high = spectra @ _XYZ @ FROM_XYZ.T
     return low, high
