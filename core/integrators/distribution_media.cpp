@@ -1,6 +1,7 @@
 // Distribution ray tracing through participating media: one ray goes on from a place that scatters.
 #include "integrators/distribution_tracer.h"
 #include "integrators/medium_light.h"
+#include "integrators/medium_majorants.h"
 
 namespace rayleaf {
 Color DistributionTracer::free_of_media(const Branch& branch, double t) const {
@@ -10,14 +11,15 @@ Color DistributionTracer::free_of_media(const Branch& branch, double t) const {
     return transmittance({scene_, branch.media, seen.ray, t - seen.from, branch.bounces.at(0)}, random);
 }
 
-void DistributionTracer::add_scattered_light(const Branch& branch, const MediumSegment& segment) {
+void DistributionTracer::add_scattered_light(const Branch& branch, const MediumSegment& segment,
+                                             const SegmentBounds& bounds) {
     FreeWay shadow = way_of(branch, branch.ray);
     shadow.differential = {};
     shadow.kind = kVisibleShadow;
     shadow.state = branch.bounces.of_shadow_ray();
     shadow.widening = settings_.widening(branch.importance(), false);
     const std::optional<ScatteredLight> light =
-        scattered_light(segment, branch.throughput, branch.sampler, branch.vertex, shadow);
+        scattered_light(segment, bounds, branch.throughput, branch.sampler, branch.vertex, shadow);
     if (!light) return;
     Color value = branch.throughput * light->value;
     if (light->way) {
@@ -35,10 +37,16 @@ bool DistributionTracer::pass_media(Branch& branch, double end) {
     const SeenRay seen(branch.ray, branch.vertex);
     const MediumSegment segment{scene_, branch.media, seen.ray, end - seen.from, branch.bounces.at(0)};
     const bool scatters = !branch.bounces.is_last();
-    if (scatters) add_scattered_light(branch, segment);
     RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::MediumWalk));
-    const Vec2f distance = branch.sampler.get2(dimension(branch.vertex, PathDimension::Medium));
-    MediumPassage passage = pass(segment, branch.throughput, scatters, distance, random);
+    MediumPassage passage;
+    if (scatters) {
+        const SegmentBounds bounds(segment);
+        add_scattered_light(branch, segment, bounds);
+        passage = pass(segment, bounds, branch.throughput,
+                       branch.sampler.get2(dimension(branch.vertex, PathDimension::Medium)), random);
+    } else {
+        passage = pass_unscattered(segment, random);
+    }
     if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission, -1);
     branch.throughput *= passage.weight;
     if (!is_finite(branch.throughput) || is_black(branch.throughput)) return true;

@@ -137,7 +137,7 @@ class DistributionTracer {
     bool pass_media(Branch& branch, double end);
     Color free_of_media(const Branch& branch, double t) const;
     void pass_boundary(const Branch& branch, const Hit& hit);
-    void add_scattered_light(const Branch& branch, const MediumSegment& segment);
+    void add_scattered_light(const Branch& branch, const MediumSegment& segment, const SegmentBounds& bounds);
     /// Records light that a ray met, before its throughput; `seen` is its pass where the camera sees it.
     void add(const Branch& branch, const Color& radiance, Pass seen, int group);
     /// Where programs write their AOVs at the end of the ray; empty where none are wanted.

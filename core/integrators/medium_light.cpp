@@ -6,17 +6,18 @@
 
 namespace rayleaf {
 
-std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, const Color& throughput,
-                                              const Sampler& sampler, int vertex, const FreeWay& shadow) {
+std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, const SegmentBounds& bounds,
+                                              const Color& throughput, const Sampler& sampler, int vertex,
+                                              const FreeWay& shadow) {
     const LightSet& lights = segment.scene.lights();
     if (lights.empty()) return std::nullopt;
     RandomStream random(sampler, dimension(vertex, PathDimension::MediumPlace));
-    const double likely_t = lights.weighs_passed() ? likely_distance(segment, random.next()) : 0.0;
+    const double likely_t = lights.weighs_passed() ? likely_distance(segment, bounds, random.next()) : 0.0;
     const Vec3d likely = segment.ray.at(likely_t);
     const PassedLights passed =
         lights.passed(segment.ray, segment.end, lit_in(segment.scene, segment.media, likely), random.next());
     const Vec2f numbers = sampler.get2(dimension(vertex, PathDimension::MediumPlace));
-    const std::optional<LitPlace> place = place_of_light(segment, throughput, passed, numbers, random);
+    const std::optional<LitPlace> place = place_of_light(segment, bounds, throughput, passed, numbers, random);
     if (!place) return std::nullopt;
     const Vec3d position = segment.ray.at(place->t);
     PathState path = shadow.state;

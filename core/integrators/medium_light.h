@@ -18,8 +18,9 @@ struct ScatteredLight {
 
 /// One light from one place on the segment, by the random numbers of vertex `vertex` of a path. `shadow`: the way that
 /// shadow rays go from there, but for the ray itself.
-std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, const Color& throughput,
-                                              const Sampler& sampler, int vertex, const FreeWay& shadow);
+std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, const SegmentBounds& bounds,
+                                              const Color& throughput, const Sampler& sampler, int vertex,
+                                              const FreeWay& shadow);
 
 /// Where a medium scatters a path at a point on `segment`; `goes_on`: light may be scattered once more after that.
 std::optional<PhaseSample> scattered_direction(const MediumSegment& segment, const MediumPassage& passage, bool goes_on,

@@ -1,65 +1,84 @@
 #include "integrators/medium_majorants.h"
 
+#include <algorithm>
+
 namespace rayleaf {
 
-Majorants::Majorants(const MediumSegment& segment) {
+BoundWalk::BoundWalk(const MediumSegment& segment) {
     const SceneMedia& media = segment.scene.media();
     for (const SceneMedium* medium : segment.media.all()) {
         if (medium->grid) {
             const Affine3d map = media.to_grid(*medium);
-            lines_[count_++] = {medium->grid.get(), {map.point(segment.ray.origin), map.vector(segment.ray.direction)}};
+            const GridLine line(map.point(segment.ray.origin), map.vector(segment.ray.direction));
+            walks_[count_++] = GridWalk(*medium->grid, line);
             continue;
         }
         Closures closures;
         media.evaluate(*medium, segment.ray.origin, segment.outgoing(), segment.state, closures);
-        even_ += max_component(closures.medium.extinction);
+        even_.majorant += max_component(closures.medium.extinction);
+        even_.mean += closures.medium.extinction;
+        const Color& extinction = closures.medium.extinction;
+        if (closures.medium.scatters()) even_.certain += std::min({extinction.x, extinction.y, extinction.z});
     }
+    is_alone_ = count_ == 1 && segment.media.all().size() == 1;
+    add_up();
 }
 
-MajorantStep Majorants::at(double t) const {
-    MajorantStep sum{even_, std::numeric_limits<double>::infinity()};
+void BoundWalk::advance() {
+    for (size_t i = 0; i < count_; ++i)
+        if (walks_[i].end() <= end_) walks_[i].advance();
+    add_up();
+}
+
+void BoundWalk::add_up() {
+    if (is_alone_) {
+        end_ = walks_[0].end();
+        return;
+    }
+    bounds_ = even_;
+    end_ = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < count_; ++i) {
-        const MajorantStep own = lines_[i].grid->at(lines_[i].ray, t);
-        sum.majorant += own.majorant;
-        sum.end = std::min(sum.end, own.end);
+        bounds_ += walks_[i].bounds();
+        end_ = std::min(end_, walks_[i].end());
     }
-    return sum;
 }
 
-namespace {
-
-/// The mean of the bound from `t` to an end that is finite.
-double mean_majorant(const Majorants& majorants, double t, double end) {
-    double sum = 0.0;
-    for (double from = t; from < end;) {
-        const MajorantStep step = majorants.at(from);
-        const double to = step.end > from ? std::min(step.end, end) : end;
-        if (step.majorant > 0.0f) sum += static_cast<double>(step.majorant) * (to - from);
-        from = to;
-    }
-    return sum / (end - t);
-}
-
-}  // namespace
-
-RoughDepth::RoughDepth(const Majorants& majorants, double end) : end_(end) {
-    constexpr double kShareOfBound = 0.5;
-    double t = 0.0;
-    while (count_ < kMost && t < end) {
-        const MajorantStep step = majorants.at(t);
-        const bool is_last = count_ + 1 == kMost || !(step.end > t);
-        const double border = is_last ? end : std::min(step.end, end);
-        // The last piece stands for all that is left.
-        const bool is_many = is_last && step.end < end && std::isfinite(end);
-        const double majorant = is_many ? mean_majorant(majorants, t, end) : static_cast<double>(step.majorant);
-        const double extinction = kShareOfBound * majorant;
-        pieces_[count_++] = {t, extinction, depth_};
-        if (extinction > 0.0) depth_ += extinction * (border - t);
+SegmentBounds::SegmentBounds(const MediumSegment& segment) : end_(segment.end) {
+    BoundWalk walk(segment);
+    for (double t = 0.0; t < end_; walk.advance()) {
+        const double border = std::min(walk.end(), end_);
+        append(walk.bounds(), t, border);
         t = border;
     }
 }
 
-double RoughDepth::sample(float random) const {
+void SegmentBounds::append(const DensityBounds& bounds, double begin, double end) {
+    // Where a cell's mean overlooks what it holds.
+    constexpr float kLeastOfMajorant = 0.1f;
+    const float mean = (bounds.mean.x + bounds.mean.y + bounds.mean.z) / 3.0f;
+    const auto extinction = static_cast<double>(std::max(mean, kLeastOfMajorant * bounds.majorant));
+    const double depth = extinction > 0.0 ? extinction * (end - begin) : 0.0;
+    if (count_ < kMost) {
+        pieces_[count_++] = {begin, extinction, depth_, bounds};
+    } else {
+        // The last stands for all that is left.
+        Piece& last = pieces_[kMost - 1];
+        last.bounds.majorant = std::max(last.bounds.majorant, bounds.majorant);
+        last.bounds.residual = last.bounds.majorant;
+        last.bounds.certain = 0.0f;
+        if (std::isfinite(end) && end > last.begin)
+            last.extinction = (depth_ + depth - last.depth) / (end - last.begin);
+    }
+    depth_ += depth;
+}
+
+size_t SegmentBounds::piece_of(double t) const {
+    const auto after = std::upper_bound(pieces_.begin(), pieces_.begin() + static_cast<std::ptrdiff_t>(count_), t,
+                                        [](double at, const Piece& piece) { return at < piece.begin; });
+    return static_cast<size_t>(std::max<std::ptrdiff_t>(after - pieces_.begin() - 1, 0));
+}
+
+double SegmentBounds::sample(float random) const {
     const double depth = -std::log1p(static_cast<double>(random) * std::expm1(-depth_));
     for (size_t i = count_; i-- > 0;)
         if (pieces_[i].extinction > 0.0 && depth >= pieces_[i].depth)
@@ -67,19 +86,15 @@ double RoughDepth::sample(float random) const {
     return end_;
 }
 
-double RoughDepth::density(double t) const {
+double SegmentBounds::density(double t) const {
     if (!(depth_ > 0.0)) return 0.0;
-    for (size_t i = count_; i-- > 0;)
-        if (t >= pieces_[i].begin)
-            return pieces_[i].extinction *
-                   std::exp(-pieces_[i].depth - pieces_[i].extinction * (t - pieces_[i].begin)) / -std::expm1(-depth_);
-    return 0.0;
+    return pieces_[piece_of(t)].extinction * dimmed(t, 0.0) / -std::expm1(-depth_);
 }
 
-double RoughDepth::dimmed(double t, double /*beside*/) const {
-    for (size_t i = count_; i-- > 0;)
-        if (t >= pieces_[i].begin) return std::exp(-pieces_[i].depth - pieces_[i].extinction * (t - pieces_[i].begin));
-    return 1.0;
+double SegmentBounds::dimmed(double t, double /*beside*/) const {
+    if (count_ == 0) return 1.0;
+    const Piece& piece = pieces_[piece_of(t)];
+    return std::exp(-piece.depth - piece.extinction * (t - piece.begin));
 }
 
 }  // namespace rayleaf

@@ -26,8 +26,12 @@ struct MediumSegment {
     Closures at(double t) const;
 };
 
+class SegmentBounds;
+
 /// The share of light that gets through. Of media that vary an estimate.
 Color transmittance(const MediumSegment& segment, RandomStream& random);
+/// Of a segment that `bounds` are of, or of a part of it from its origin.
+Color transmittance(const MediumSegment& segment, const SegmentBounds& bounds, RandomStream& random);
 
 /// What becomes of light that goes along a segment.
 struct MediumPassage {
@@ -37,9 +41,12 @@ struct MediumPassage {
     MediumClosures medium;    ///< there
 };
 
-/// Of a path that carries `throughput`; with `scatters` false it gets to the end, whatever is scattered.
-MediumPassage pass(const MediumSegment& segment, const Color& throughput, bool scatters, const Vec2f& distance,
-                   RandomStream& random);
+/// Of a path that carries `throughput`. `bounds`: of the segment.
+MediumPassage pass(const MediumSegment& segment, const SegmentBounds& bounds, const Color& throughput,
+                   const Vec2f& distance, RandomStream& random);
+
+/// Of one that gets to the end, whatever is scattered.
+MediumPassage pass_unscattered(const MediumSegment& segment, RandomStream& random);
 
 /// A place on the segment from which sampled light is to be looked for.
 struct LitPlace {
@@ -50,10 +57,11 @@ struct LitPlace {
 
 /// By distance, and by the light that arrives, weighed by the balance heuristic. Empty where nothing scatters. `place`:
 /// which technique, and where.
-std::optional<LitPlace> place_of_light(const MediumSegment& segment, const Color& throughput,
-                                       const PassedLights& passed, const Vec2f& place, RandomStream& random);
+std::optional<LitPlace> place_of_light(const MediumSegment& segment, const SegmentBounds& bounds,
+                                       const Color& throughput, const PassedLights& passed, const Vec2f& place,
+                                       RandomStream& random);
 
 /// How far along the segment scattering is likely, for the choice of a light.
-double likely_distance(const MediumSegment& segment, float random);
+double likely_distance(const MediumSegment& segment, const SegmentBounds& bounds, float random);
 
 }  // namespace rayleaf

@@ -1,5 +1,6 @@
 // Paths through participating media.
 #include "integrators/medium_light.h"
+#include "integrators/medium_majorants.h"
 #include "integrators/path_tracer.h"
 
 namespace rayleaf {
@@ -14,10 +15,15 @@ bool PathTracer::pass_media(double end) {
     const SeenRay seen(ray_, vertex_);
     const MediumSegment segment{scene_, media_, seen.ray, end - seen.from, bounces_.at(0)};
     const bool scatters = !bounces_.is_last();
-    if (scatters) add_scattered_light(segment);
     RandomStream random(sampler_, dimension(vertex_, PathDimension::MediumWalk));
-    const Vec2f distance = sampler_.get2(dimension(vertex_, PathDimension::Medium));
-    MediumPassage passage = pass(segment, throughput_, scatters, distance, random);
+    MediumPassage passage;
+    if (scatters) {
+        const SegmentBounds bounds(segment);
+        add_scattered_light(segment, bounds);
+        passage = pass(segment, bounds, throughput_, sampler_.get2(dimension(vertex_, PathDimension::Medium)), random);
+    } else {
+        passage = pass_unscattered(segment, random);
+    }
     if (!is_black(passage.emission)) add(passage.emission, Pass::emission, -1);
     throughput_ *= passage.weight;
     if (!is_finite(throughput_) || is_black(throughput_)) return true;
@@ -30,14 +36,15 @@ bool PathTracer::pass_media(double end) {
 }
 
 /// Whether anything hides the light is found out at once: few paths of a stream are in media.
-void PathTracer::add_scattered_light(const MediumSegment& segment) {
+void PathTracer::add_scattered_light(const MediumSegment& segment, const SegmentBounds& bounds) {
     FreeWay shadow;
     shadow.kind = bounces_.kind_of_shadow_ray();
     shadow.state = bounces_.of_shadow_ray();
     shadow.transparent_left = bounces_.transparent_left();
     shadow.widening = settings_.widening(importance(), false);
     shadow.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
-    const std::optional<ScatteredLight> light = scattered_light(segment, throughput_, sampler_, vertex_, shadow);
+    const std::optional<ScatteredLight> light =
+        scattered_light(segment, bounds, throughput_, sampler_, vertex_, shadow);
     if (!light) return;
     Color value = throughput_ * light->value;
     if (light->way) {

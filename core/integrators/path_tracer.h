@@ -178,7 +178,7 @@ class alignas(64) PathTracer {  // begins with a line of the cache
     void pass_volumes();
     /// True if a medium scattered the path's light before the ray's end.
     bool pass_media(double end);
-    void add_scattered_light(const MediumSegment& segment);
+    void add_scattered_light(const MediumSegment& segment, const SegmentBounds& bounds);
     void scatter_in_medium(const MediumPassage& passage, const PhaseSample& sample);
     void pass_boundary();
     Vec2f random2(PathDimension use) const { return sampler_.get2(dimension(vertex_, use)); }

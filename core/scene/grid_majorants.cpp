@@ -12,6 +12,8 @@ namespace {
 
 /// Probes of a cell: the first go through the ranges step by step.
 constexpr int kProbesOfCell = static_cast<int>(kMostPoints), kRangeSteps = 8;
+/// Places of a cell for its mean.
+constexpr int kShownOfCell = 8;
 /// Ends of so many grids are tried in all combinations.
 constexpr int kCombined = 4;
 constexpr int kCombinations = 1 << kCombined;
@@ -56,11 +58,14 @@ class GridBounds {
     size_t count() const { return static_cast<size_t>(cells_) * cells_ * cells_; }
     bool is_held(size_t cell) const { return held_[cell] != 0; }
 
-    GridProbe probe(size_t cell, int number) const {
+    /// With what the grids do hold.
+    GridProbe shown(size_t cell, int number) const {
         const auto place = static_cast<int>(cell);
         const Vec3i first(place % cells_, place / cells_ % cells_, place / (cells_ * cells_));
-        GridProbe probe{box_.min + box_.size() * (Vec3d(first) + place_in_cell(number)) / static_cast<double>(cells_),
-                        {}};
+        return {box_.min + box_.size() * (Vec3d(first) + place_in_cell(number)) / static_cast<double>(cells_), {}};
+    }
+    GridProbe probe(size_t cell, int number) const {
+        GridProbe probe = shown(cell, number);
         for (size_t i = 0; i < ids_.size(); ++i) {
             const VoxelRange& range = ranges_[i][cell];
             const float share = share_of_range(number, static_cast<int>(i));
@@ -80,20 +85,23 @@ class GridBounds {
 
 }  // namespace
 
-std::vector<float> grid_majorants(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box,
-                                  int cells, const GridExtinctions& extinctions, const CancelToken& cancel) {
+std::vector<DensityBounds> grid_majorants(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box,
+                                          int cells, const ProbeLookup& lookup, const CancelToken& cancel) {
     const GridBounds bounds(grids, read, box, cells);
-    std::vector<float> majorants(bounds.count(), 0.0f);
-    tbb::parallel_for(size_t{0}, majorants.size(), [&](size_t cell) {
+    std::vector<DensityBounds> all(bounds.count(), DensityBounds::none());
+    tbb::parallel_for(size_t{0}, all.size(), [&](size_t cell) {
         if (!bounds.is_held(cell)) return;
         cancel.throw_if_cancelled();
         std::array<GridProbe, kProbesOfCell> probes;
         for (int i = 0; i < kProbesOfCell; ++i) probes[static_cast<size_t>(i)] = bounds.probe(cell, i);
-        std::array<float, kProbesOfCell> found{};
-        extinctions(probes, found.data());
-        majorants[cell] = *std::max_element(found.begin(), found.end()) * kProbeReserve;
+        std::array<GridProbe, kShownOfCell> shown;
+        for (int i = 0; i < kShownOfCell; ++i) shown[static_cast<size_t>(i)] = bounds.shown(cell, i);
+        std::array<FoundDensity, kProbesOfCell + kShownOfCell> found;
+        lookup(probes, found.data());
+        lookup(shown, found.data() + kProbesOfCell);
+        all[cell] = bounds_of(found, std::span(found).last<kShownOfCell>(), kProbeReserve);
     });
-    return majorants;
+    return all;
 }
 
 }  // namespace rayleaf

@@ -2,11 +2,13 @@
 //
 // What the grids hold in a cell is known: at least and at most. The program runs with values of that range in their
 // place: steps through it, all ends together, and others between, each at another place of the cell. So a bound is
-// sound where the medium grows, or falls, with what each grid holds, however fine the grids are.
+// sound where the medium grows, or falls, with what each grid holds, however fine the grids are. The mean is that of
+// some places.
 #pragma once
 
 #include "base/cancel.h"
 #include "geometry/volume_grids.h"
+#include "scene/majorant_grid.h"
 #include "shading/inputs.h"
 
 #include <functional>
@@ -21,12 +23,12 @@ struct GridProbe {
     std::vector<InstanceAttribute> assumed;
 };
 
-/// The extinctions' largest channels at probes; up to kMostPoints at once (shading/program.h).
-using GridExtinctions = std::function<void(std::span<const GridProbe> probes, float* extinctions)>;
+/// At probes; up to kMostPoints at once (shading/program.h).
+using ProbeLookup = std::function<void(std::span<const GridProbe> probes, FoundDensity* found)>;
 
 /// For a lattice of `cells`³ over `box`, x fastest. `read`: the grids that the program reads. 0 where nothing is held.
 /// Throws Cancelled soon after `cancel` says so.
-std::vector<float> grid_majorants(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box,
-                                  int cells, const GridExtinctions& extinctions, const CancelToken& cancel);
+std::vector<DensityBounds> grid_majorants(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box,
+                                          int cells, const ProbeLookup& lookup, const CancelToken& cancel);
 
 }  // namespace rayleaf

@@ -6,7 +6,7 @@ namespace rayleaf {
 namespace {
 
 /// Cells along a side of the box of a medium that varies, and cells of all of them together.
-constexpr int kMostOccupiedCells = 16, kMostGridCells = 32;
+constexpr int kMostOccupiedCells = 24, kMostGridCells = 32;
 constexpr double kMostCellsInAll = 1 << 18;
 
 /// Lookups across the box of what emits where there is nothing else: fire without smoke.
@@ -48,7 +48,7 @@ void SceneMedia::add(uint32_t instance, const Material& material) {
     place->second.voxels = placed.shape->grids();
     if (place->second.voxels != nullptr && place->second.voxels->unit == DensityUnit::Object)
         place->second.density_factor = density_per_world_unit(placed.object_to_world);
-    material_indices_[key] = material.pass_index;
+    place->second.material_index = material.pass_index;
     if (instances_.empty() || instances_.back() != instance) instances_.push_back(instance);
 }
 
@@ -82,10 +82,10 @@ void SceneMedia::bound(SceneMedium& medium, int cells, const CancelToken& cancel
     const Box3d box = is_world ? widened(tracer.bounds()) : tracer.instance(medium.instance).shape->object_bounds();
     const Affine3d to_world = is_world ? Affine3d() : tracer.instance(medium.instance).object_to_world;
     if (!is_world) medium.glow_rate = static_cast<float>(kGlowLookups / image_of(box, to_world).size().length());
-    const auto probed = [&](std::span<const GridProbe> probes, float* values) {
+    const auto probed = [&](std::span<const GridProbe> probes, FoundDensity* found) {
         std::array<GridProbe, kMostPoints> world;
         for (size_t i = 0; i < probes.size(); ++i) world[i] = {to_world.point(probes[i].point), probes[i].assumed};
-        extinctions(medium, {world.data(), probes.size()}, values);
+        look_up(medium, {world.data(), probes.size()}, found);
     };
     if (medium.voxels != nullptr) {
         const Box3d around = padded(box);
@@ -93,12 +93,12 @@ void SceneMedia::bound(SceneMedium& medium, int cells, const CancelToken& cancel
             around, cells, grid_majorants(*medium.voxels, medium.program->attributes(), around, cells, probed, cancel));
         return;
     }
-    const auto looked_up = [&](std::span<const Vec3d> points, float* values) {
+    const auto at_points = [&](std::span<const Vec3d> points, FoundDensity* found) {
         std::array<GridProbe, kMostPoints> probes;
         for (size_t i = 0; i < points.size(); ++i) probes[i].point = points[i];
-        probed({probes.data(), points.size()}, values);
+        probed({probes.data(), points.size()}, found);
     };
-    medium.grid = std::make_unique<const MajorantGrid>(box, cells, looked_up, cancel);
+    medium.grid = std::make_unique<const MajorantGrid>(box, cells, at_points, cancel);
 }
 
 const SceneMedium* SceneMedia::find(uint32_t instance, const Material& material) const {
@@ -126,7 +126,7 @@ ShadingInputs SceneMedia::inputs_at(const SceneMedium& medium, const SurfacePoin
     inputs.path = path;
     if (medium.instance == SceneMedium::kWorld) return inputs;
     inputs.instance = &(*surroundings_.instances)[medium.instance];
-    inputs.material_index = material_indices_.at({medium.instance, medium.program});
+    inputs.material_index = medium.material_index;
     return inputs;
 }
 
@@ -149,8 +149,7 @@ bool SceneMedia::is_empty_at(const SceneMedium& medium, const SurfacePoint& poin
     return !medium.voxels->holds((*surroundings_.instances)[medium.instance].world_to_object.point(point.position));
 }
 
-/// As null collisions go by: also where there is nothing but light.
-void SceneMedia::extinctions(const SceneMedium& medium, std::span<const GridProbe> probes, float* values) const {
+void SceneMedia::look_up(const SceneMedium& medium, std::span<const GridProbe> probes, FoundDensity* found) const {
     std::array<SurfacePoint, kMostPoints> places;
     std::array<ShadingInputs, kMostPoints> inputs;
     std::array<const ShadingInputs*, kMostPoints> of_point;
@@ -166,10 +165,12 @@ void SceneMedia::extinctions(const SceneMedium& medium, std::span<const GridProb
     }
     medium.program->evaluate({of_point.data(), probes.size()}, {results.data(), probes.size()});
     for (size_t i = 0; i < probes.size(); ++i) {
-        values[i] = max_component(closures[i].medium.extinction) * medium.density_factor;
+        found[i].extinction = closures[i].medium.extinction * medium.density_factor;
+        found[i].scatters = closures[i].medium.scatters();
         // What has no grids is sampled as often as it is dense; only where it is not would its light be overlooked.
-        const bool is_faint = medium.voxels != nullptr ? values[i] < medium.glow_rate : values[i] == 0.0f;
-        if (is_faint && !is_black(closures[i].emission)) values[i] = medium.glow_rate;
+        const float largest = max_component(found[i].extinction);
+        const bool is_faint = medium.voxels != nullptr ? largest < medium.glow_rate : largest == 0.0f;
+        found[i].lookups = is_faint && !is_black(closures[i].emission) ? medium.glow_rate : 0.0f;
     }
 }
 

@@ -52,13 +52,12 @@ class SceneMedia {
     std::shared_ptr<const Program> world_program_;
     SceneMedium world_;
     std::map<Key, SceneMedium> all_;
-    std::map<Key, float> material_indices_;
     std::vector<uint32_t> instances_;
 
     SurfacePoint point_in(const SceneMedium& medium, const Vec3d& position, const Vec3f& outgoing) const;
     ShadingInputs inputs_at(const SceneMedium& medium, const SurfacePoint& point, const PathState& path) const;
     bool is_empty_at(const SceneMedium& medium, const SurfacePoint& point) const;
-    void extinctions(const SceneMedium& medium, std::span<const GridProbe> probes, float* values) const;
+    void look_up(const SceneMedium& medium, std::span<const GridProbe> probes, FoundDensity* found) const;
     void note_if_even(SceneMedium& medium) const;
     void bound(SceneMedium& medium, int cells, const CancelToken& cancel) const;
 };

@@ -21,6 +21,7 @@ struct SceneMedium {
 
     uint32_t instance = kWorld;
     const Program* program = nullptr;
+    float material_index = 0;
     std::unique_ptr<const MajorantGrid> grid = nullptr;  ///< of one that varies from place to place, in object space
     std::optional<EvenMedium> even = std::nullopt;       ///< where its program need not run
     const VolumeGrids* voxels = nullptr;                 ///< outside of what they hold there is nothing; null: none

@@ -58,15 +58,51 @@ def test_absorption_is_beers_law(core, integrator):
     np.testing.assert_allclose(image, np.broadcast_to(expected, image.shape), rtol=3e-3)  # rays slant
 
 
-@pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_an_uneven_medium_absorbs_by_its_integral(core, integrator):
-    """Density is the height above the box's bottom, 0 to 1."""
+def uneven(core, kind, closure, color):
+    """A medium whose density depends on the height above its box's bottom, 0 to 1, and the mean of that."""
     program = core.Program("medium")
-    height = program.operation("component", [program.operation("generated")], [2])
-    operands = [program.constant(1, 1, 1, 1), program.constant(0.5, 0.0, 1.0, 1), height]
-    program.operation("volume_absorption", operands)
+    one, zero = program.constant(1, 1, 1, 1), program.constant(0, 0, 0, 0)
+    amount = program.operation("component", [program.operation("generated")], [2])
+
+    def math(name, value):
+        return program.operation("math", [amount, program.constant(*[value] * 4)], [0], text=name)
+
+    if kind == "layers":  # with nothing between them
+        amount = math("MULTIPLY", 8 * np.pi)
+        amount = math("SINE", 0)
+        amount = math("MAXIMUM", 0)
+        mean = 1 / np.pi
+    if kind == "slots":  # narrower than whatever is looked up before the picture
+        amount = math("MULTIPLY", 240)
+        amount = math("FRACT", 0)
+        amount = math("LESS_THAN", 0.5)
+        amount = math("MULTIPLY", 0.5)
+        mean = 0.25
+    if kind == "slope":
+        mean = 0.5
+    program.operation(closure, [one, program.constant(*color, 1), amount, *[zero] * (closure == "volume_scatter")])
+    return program, mean
+
+
+KINDS = ["slope", "layers", "slots"]
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_uneven_medium_absorbs_by_its_integral(core, integrator, kind):
+    program, mean = uneven(core, kind, "volume_absorption", (0.5, 0.0, 1.0))
     image = picture(core, in_front_of_the_world(core, program), samples=4000, size=2, integrator=integrator)
-    np.testing.assert_allclose(image.mean((0, 1)), np.exp([-0.5, -1.0, 0.0]), rtol=0.02)
+    np.testing.assert_allclose(image.mean((0, 1)), np.exp(-2 * mean * np.array([0.5, 1.0, 0.0])), rtol=0.02)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("color", [WHITE, (1.0, 0.6, 0.2)], ids=["grey", "coloured"])
+def test_an_uneven_medium_that_loses_nothing_is_invisible_in_even_light(core, integrator, kind, color):
+    program, _ = uneven(core, kind, "volume_scatter", color)
+    settings = dict(samples=4096, size=4, max_bounces=200, volume_bounces=200, roulette_start=200)
+    image = picture(core, in_front_of_the_world(core, program), integrator=integrator, **settings)
+    np.testing.assert_allclose(image.mean((0, 1)), 1.0, atol=1e-2)
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
