@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/random.h"
+#include "integrators/subsurface_guide.h"
 #include "integrators/vertex.h"
 #include "scene/scene.h"
-#include "shading/subsurface.h"
 
 #include <optional>
 
@@ -21,6 +21,8 @@ struct SubsurfaceEntry {
     Ray ray;
     uint32_t instance = 0;
     SubsurfaceMedium medium;
+    Vec3f normal{0, 0, 1};   ///< outwards, of the facet
+    Color carried{1, 1, 1};  ///< what of light enters: channels that carry more have more samples
 };
 
 /// Scatters until the surface of the instance is met again, and meets nothing else; empty where light is lost on the

@@ -111,6 +111,12 @@ bool is_bent(const Lobe& lobe, const Closures& of) {
 
 float choice_weight(const Lobe& lobe, float cosine) {
     const float mean = average(lobe.weight);
+    // The root of the mean square over directions that a cosine chooses: of what these two reflect, most is at grazing.
+    if (lobe.type == LobeType::RetroReflection) return mean * lobe.roughness * (0.14f + 1.05f * schlick_weight(cosine));
+    if (lobe.type == LobeType::Sheen) {
+        const float away = 1.0f - std::clamp(cosine, 0.0f, 1.0f);
+        return mean * (0.001f + 0.23f * away * away);
+    }
     const bool plain = lobe.type == LobeType::Glass || lobe.type == LobeType::Subsurface;
     if (plain || lobe.fresnel == Lobe::Fresnel::None) return mean;
     const Color f = lobe.type == LobeType::Refraction ? transmittance(lobe, cosine) : reflectance(lobe, cosine);
