@@ -26,16 +26,28 @@ using Coefficients = std::array<double, 7>;
 struct At {
     double x, y, z, r, dx, dy, dz, dr, ddx, ddy, ddz, ddr;
 
+    /// At the begin of a piece, or at its end.
+    static At first(const StrandSegment& piece) {
+        const Double4 a(piece.points[0]), b(piece.points[1]), c(piece.points[2]);
+        return {a, (b - a) * 3.0, ((c - b) - (b - a)) * 6.0};
+    }
+    static At last(const StrandSegment& piece) {
+        const Double4 b(piece.points[1]), c(piece.points[2]), d(piece.points[3]);
+        return {d, (d - c) * 3.0, ((d - c) - (c - b)) * 6.0};
+    }
+    At(const Double4& value, const Double4& first, const Double4& second) { set(value, first, second); }
+    void set(const Double4& value, const Double4& first, const Double4& second) {
+        x = value.x(), y = value.y(), z = value.z(), r = value.w();
+        dx = first.x(), dy = first.y(), dz = first.z(), dr = first.w();
+        ddx = second.x(), ddy = second.y(), ddz = second.z(), ddr = second.w();
+    }
     At(const StrandSegment& piece, double s) {
         const Double4 p[] = {Double4(piece.points[0]), Double4(piece.points[1]), Double4(piece.points[2]),
                              Double4(piece.points[3])};
         const double t = 1.0 - s;
         const Double4 a = p[0] * t + p[1] * s, b = p[1] * t + p[2] * s, c = p[2] * t + p[3] * s;
         const Double4 d = a * t + b * s, e = b * t + c * s;
-        const Double4 value = d * t + e * s, first = (e - d) * 3.0, second = ((c - b) - (b - a)) * 6.0;
-        x = value.x(), y = value.y(), z = value.z(), r = value.w();
-        dx = first.x(), dy = first.y(), dz = first.z(), dr = first.w();
-        ddx = second.x(), ddy = second.y(), ddz = second.z(), ddr = second.w();
+        set(d * t + e * s, (e - d) * 3.0, ((c - b) - (b - a)) * 6.0);
     }
     double inside() const { return r * r - (x * x + y * y); }  ///< -2 phi
     double phi_first() const { return x * dx + y * dy - r * dr; }
@@ -137,24 +149,30 @@ struct Ends {
     At first, last;
 };
 
-/// Where the axis comes nearest to the ray, radius counted (`Kind` of phi).
-double nearest_parameter(const StrandSegment& piece, const Ends& ends, double step) {
-    const auto evaluate = [&](double s) {
+/// About where the axis comes nearest to the ray, radius counted, and how far inside the ray is there.
+struct Nearest {
+    double s, inside;
+    double bend, dz;  ///< there: phi'' and z'
+
+    Nearest(const StrandSegment& piece, const Ends& ends) {
+        const auto& [first, last] = ends;
+        const double dx = last.x - first.x, dy = last.y - first.y, length2 = dx * dx + dy * dy;
+        s = length2 > 0.0 ? std::clamp(-(first.x * dx + first.y * dy) / length2, 0.0, 1.0) : 0.5;
         const At at(piece, s);
-        return Slope{at.phi_first(), at.phi_second(), step, true};
-    };
-    const auto& [first, last] = ends;
-    if (first.phi_first() >= 0.0) return 0.0;
-    if (last.phi_first() <= 0.0) return 1.0;
-    const double dx = last.x - first.x, dy = last.y - first.y, length2 = dx * dx + dy * dy;
-    const double start = length2 > 0.0 ? -(first.x * dx + first.y * dy) / length2 : 0.5;
-    return rising_zero(evaluate, 0.0, 1.0, start);
-}
+        inside = at.inside();
+        bend = at.phi_second();
+        dz = at.dz;
+        if (!(bend > 0.0)) return;
+        const double step = at.phi_first() / bend;
+        s -= step;
+        inside += at.phi_first() * step;
+    }
+};
 
 /// The least of  side z - sqrt(inside)  over [0,1]: where its derivative times the root changes sign. Outside the balls
 /// the root counts as zero, and the sign is that of the way back to them.
-double extreme_parameter(const StrandSegment& piece, const Ends& ends, double side, double nearest,
-                         const At& at_nearest, double step) {
+double extreme_parameter(const StrandSegment& piece, const Ends& ends, double side, const Nearest& nearest,
+                         double step) {
     const auto slope_of = [&](const At& at) {
         const double inside = at.inside(), root = inside > 0.0 ? std::sqrt(inside) : 0.0;
         const double value = side * at.dz * root + at.phi_first();
@@ -165,27 +183,66 @@ double extreme_parameter(const StrandSegment& piece, const Ends& ends, double si
     if (slope_of(ends.first).value >= 0.0) return 0.0;
     if (slope_of(ends.last).value <= 0.0) return 1.0;
     // As if straight and of one radius: phi = A x² - W, so the extremum lies at -k sqrt(W / (A² + k² A)).
-    const double a = at_nearest.phi_second(), k = side * at_nearest.dz, w = std::max(at_nearest.inside(), 0.0);
+    const double a = nearest.bend, k = side * nearest.dz, w = std::max(nearest.inside, 0.0);
     const double offset = a > 0.0 ? -k * std::sqrt(w / (a * (a + k * k))) : 0.0;
-    return rising_zero([&](double s) { return slope_of(At(piece, s)); }, 0.0, 1.0, nearest + offset);
+    return rising_zero([&](double s) { return slope_of(At(piece, s)); }, 0.0, 1.0, nearest.s + offset);
 }
 
 /// The span of a piece that has one nearest place at most.
 std::optional<StrandSpan> simple_span(const StrandSegment& piece, double radius, double needs_leave_before) {
-    const Ends ends{At(piece, 0.0), At(piece, 1.0)};
-    const double step = step_of(piece, radius), nearest = nearest_parameter(piece, ends, step);
-    const At at_nearest(piece, nearest);
-    if (!(at_nearest.inside() > 0.0)) return std::nullopt;
-    const auto end_of = [&](double side, double& s) {
-        s = extreme_parameter(piece, ends, side, nearest, at_nearest, step);
+    const Ends ends{At::first(piece), At::last(piece)};
+    const double step = step_of(piece, radius);
+    const Nearest nearest(piece, ends);
+    // Of a ray that passes by, both extrema are where it is nearest.
+    const auto find_end = [&](double side, double& s, double& distance) {
+        s = extreme_parameter(piece, ends, side, nearest, step);
         const At at(piece, s);
-        return at.z - side * std::sqrt(std::max(at.inside(), 0.0));
+        const double inside = at.inside();
+        distance = at.z - side * std::sqrt(std::max(inside, 0.0));
+        return inside > 0.0;
     };
     StrandSpan span;
-    span.enter = end_of(1.0, span.s_enter);
+    if (!find_end(1.0, span.s_enter, span.enter)) return std::nullopt;
     span.leave = std::numeric_limits<double>::infinity();
-    if (span.enter < needs_leave_before) span.leave = end_of(-1.0, span.s_leave);
+    if (span.enter < needs_leave_before) find_end(-1.0, span.s_leave, span.leave);
     return span;
+}
+
+/// The same for a piece that hardly bends, however its parameter runs along it. It is told by u, the place along the
+/// chord: of a straight piece all functions are linear in it, squares apart. Second derivatives by u are
+/// (C'' u' - C' u'') / u'^3, the numerator is bounded by its Bernstein coefficients.
+bool is_nearly_straight(const StrandSegment& piece, double radius) {
+    const std::array<StrandPoint, 4>& p = piece.points;
+    const StrandPoint chord = p[3] - p[0];
+    const double length2 = axis_point(chord).length2();
+    if (!(length2 > 0.0)) return false;
+    std::array<StrandPoint, 3> d;
+    std::array<double, 3> u;
+    for (size_t i = 0; i < 3; ++i) {
+        d[i] = p[i + 1] - p[i];
+        u[i] = axis_point(d[i]).dot(axis_point(chord)) / length2;
+    }
+    const double slowest = std::min(u[0], std::min(u[1], u[2]));
+    if (!(slowest > 0.0)) return false;
+    const StrandPoint e[2] = {d[1] - d[0], d[2] - d[1]};
+    const double b[2] = {u[1] - u[0], u[2] - u[1]};
+    const std::array<StrandPoint, 4> numerator = {
+        e[0] * u[0] - d[0] * b[0], (e[1] * u[0] + e[0] * (2.0 * u[1]) - d[0] * b[1] - d[1] * (2.0 * b[0])) / 3.0,
+        (e[1] * (2.0 * u[1]) + e[0] * u[2] - d[1] * (2.0 * b[1]) - d[2] * b[0]) / 3.0, e[1] * u[2] - d[2] * b[1]};
+    double across2 = 0.0, along = 0.0, change = 0.0, farthest2 = 0.0;
+    for (size_t i = 0; i < 4; ++i) {
+        across2 = std::max(across2, numerator[i].x * numerator[i].x + numerator[i].y * numerator[i].y);
+        along = std::max(along, std::abs(numerator[i].z));
+        change = std::max(change, std::abs(numerator[i].w));
+        farthest2 = std::max(farthest2, p[i].x * p[i].x + p[i].y * p[i].y);
+    }
+    // Both derivatives of C by s have factors, 3 and 6, as have those of u; a little more than all that rounding adds.
+    const double scale = 1.001 * (3.0 * 6.0) / (27.0 * slowest * slowest * slowest);
+    const double bend = scale * std::sqrt(across2), speed = std::sqrt(chord.x * chord.x + chord.y * chord.y) - bend;
+    const double widening = std::abs(chord.w) + scale * change;
+    // phi'' must outweigh z'' by the radius, as below.
+    const double least = speed * speed - std::sqrt(farthest2) * bend - widening * widening - radius * scale * change;
+    return speed > 0.0 && least > radius * scale * along;
 }
 
 /// Whether the ray enters the balls at one place of the piece at most, and leaves them at one, as far as can be told
@@ -197,6 +254,7 @@ bool has_one_extremum(const StrandSegment& piece, double radius) {
     const double least = least_second_difference(c);
     const double bend = std::max(std::abs(p[0].z - 2.0 * p[1].z + p[2].z), std::abs(p[1].z - 2.0 * p[2].z + p[3].z));
     if (least > 0.0 && 5.0 * least >= 2.0 * radius * bend) return true;
+    if (is_nearly_straight(piece, radius)) return true;
     // Along the axis, inside it: z' >= 3 rise outweighs the root's slope, at most 3 change / sqrt(-phi).
     const double nearest = *std::max_element(c.begin(), c.end());
     if (!(nearest < 0.0)) return false;

@@ -47,6 +47,37 @@ def test_a_hit_lies_on_the_balls_around_the_axis(radius):
     assert np.abs(distances - np.float32(radius)).max() < 1e-13 + 1e-9 * radius
 
 
+UNEVEN = {
+    "fast at an end": np.array([[0, 0, 0], [0.6, 0, 0], [0.8, 0, 0], [1, 0, 0]]),
+    "slow at both": np.array([[0, 0, 0], [0.05, 0, 0], [0.95, 0, 0], [1, 0, 0]]),
+    "bent a little": np.array([[0, 0, 0], [0.6, 0.02, 0], [0.8, 0.01, 0.02], [1, 0, 0.05]]),
+}
+
+
+@pytest.mark.parametrize("radii", [(0.1, 0.1), (0.1, 0.02), (0.01, 0.008)], ids=["even", "tapered", "thin"])
+@pytest.mark.parametrize("name", UNEVEN)
+def test_strands_whose_parameter_runs_unevenly_are_the_balls_around_their_axis(name, radii):
+    """Rays at all angles, most of them nearly along the axis: the first of many balls that each meets."""
+    points, random = UNEVEN[name], np.random.default_rng(17)
+    places = np.linspace(0.0, 1.0, 4001)
+    centers = bezier_points(points, places)
+    ball_radii = np.float32(radii[0]) * (1 - places) + np.float32(radii[1]) * places
+    target = bezier_points(points, random.random(400)) + random.normal(size=(400, 3)) * radii[0] * 0.7
+    direction = np.array([1.0, 0, 0]) + random.normal(size=(400, 3)) * 10.0 ** random.uniform(-2, 0.5, (400, 1))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    origins = target - direction * 3.0
+    given = np.linspace(*radii, 4).astype(np.float32)
+    hits = tracer(strand(points, given, basis="BEZIER")).closest_hits(origins, direction)["t"]
+    way = centers[None] - origins[:, None]
+    along = np.einsum("rbk,rk->rb", way, direction)
+    inside = ball_radii**2 - (np.einsum("rbk,rbk->rb", way, way) - along**2)
+    expected = np.where(inside > 0, along - np.sqrt(np.maximum(inside, 0)), np.inf).min(axis=1)
+    sure = inside.max(axis=1) > 1e-3 * radii[1] ** 2  # of rays that graze, some pass between the balls
+    assert sure.sum() > 100
+    np.testing.assert_allclose(hits[sure], expected[sure], rtol=0, atol=3e-4)  # about from ball to ball
+    assert not np.isfinite(hits[inside.max(axis=1) < -1e-3 * radii[1] ** 2]).any()
+
+
 RODS = {
     "straight": lambda: strand([[0, 0, 0], [1, 0.2, 0.1]], 0.05, basis="LINEAR"),
     "bent at corners": lambda: strand([[0, 0, 0], [1, 0, 0], [0.3, 0.4, 0.1], [0, 0.1, 0]], 0.1, basis="LINEAR"),
