@@ -125,6 +125,15 @@ class Cells {
         for (int i = 0; i < N; ++i) p[i] = offset[i] + p[i] * randomness_;
         return p;
     }
+    /// How far the point of a neighbouring cell is at least, by the metric: it lies in a cube of `randomness_`.
+    float least_distance(const LatticePoint<N>& offset) const {
+        constexpr float kRounding = 1e-5f;
+        if (parameters_.metric == VoronoiMetric::Minkowski) return 0.0f;  // its exponent may be anything
+        LatticePoint<N> gap;
+        for (int i = 0; i < N; ++i)
+            gap[i] = std::max({offset[i] - local_[i], local_[i] - offset[i] - randomness_, 0.0f});
+        return distance(gap, LatticePoint<N>{}) * (1.0f - kRounding) - kRounding;
+    }
     /// The cell whose point is nearest by Euclid's distance.
     LatticePoint<N> nearest_cell(const LatticePoint<N>& from, const LatticePoint<N>* but) const;
     VoronoiResult result(float distance, const LatticePoint<N>& offset) const;
@@ -174,7 +183,10 @@ template <int N>
 VoronoiResult Cells<N>::nearest() const {
     float least = kFarthestPoint;
     LatticePoint<N> found{};
+    // Most cells are farther than the point of the own one; of those as far as each other the first counts.
+    const float own = distance(point_in(found), local_);
     around(1, [&](const LatticePoint<N>& offset) {
+        if (least_distance(offset) > std::min(least, own)) return;
         const float d = distance(point_in(offset), local_);
         if (!(d < least)) return;
         least = d;
@@ -188,6 +200,7 @@ VoronoiResult Cells<N>::second_nearest() const {
     float first = kFarthestPoint, second = kFarthestPoint;
     LatticePoint<N> first_cell{}, second_cell{};
     around(1, [&](const LatticePoint<N>& offset) {
+        if (least_distance(offset) > second) return;
         const float d = distance(point_in(offset), local_);
         if (d < first) {
             second = first;
