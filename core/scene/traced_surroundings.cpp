@@ -2,7 +2,9 @@
 
 #include "shading/lobe_frame.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 
 namespace rayleaf {
 namespace {
@@ -75,6 +77,12 @@ float axis_weight(const ProbeAxes& chosen, const Vec3f& facet_normal) {
     return sum > 0.0f ? densities[0] / sum : 0.0f;
 }
 
+int hidden_locally(const Tracer& tracer, uint32_t instance, std::span<const RayQuery> rays) {
+    return static_cast<int>(std::count_if(rays.begin(), rays.end(), [&](const RayQuery& query) {
+        return tracer.closest_on(instance, *query.ray).has_value();
+    }));
+}
+
 }  // namespace
 
 float TracedSurroundings::openness(const SurfacePoint& point, const Openness& asked,
@@ -82,19 +90,25 @@ float TracedSurroundings::openness(const SurfacePoint& point, const Openness& as
     if (!(asked.distance > 0.0f) || asked.rays < 1 || point.inside) return 1.0f;
     Vec3f tangent, bitangent;
     orthonormal_basis(asked.axis, tangent, bitangent);
-    int open = 0;
-    for (int i = 0; i < asked.rays; ++i) {
-        const Vec2f random = numbers.get(i, asked.rays);
-        const Vec3f local = cosine_hemisphere(random.x, random.y);
-        const Vec3f direction = tangent * local.x + bitangent * local.y + asked.axis * local.z;
-        Ray ray;
-        point.release(ray, normalized_or(Vec3d(direction), Vec3d(asked.axis)));
-        ray.t_max = static_cast<double>(asked.distance);
-        ray.beam = RayBeam::cone(0.0f, kProbeSpread);
-        const bool hidden = asked.only_local ? tracer_.closest_on(point.instance, ray).has_value()
-                                             : tracer_.occluded(ray, kVisibleShadow);
-        open += hidden ? 0 : 1;
+    int hidden = 0;
+    for (int first = 0; first < asked.rays; first += static_cast<int>(kPacketSize)) {
+        std::array<Maybe<Ray>, kPacketSize> rays;
+        std::array<RayQuery, kPacketSize> queries;
+        const auto count = static_cast<size_t>(std::min(static_cast<int>(kPacketSize), asked.rays - first));
+        for (size_t i = 0; i < count; ++i) {
+            const Vec2f random = numbers.get(first + static_cast<int>(i), asked.rays);
+            const Vec3f local = cosine_hemisphere(random.x, random.y);
+            const Vec3f direction = tangent * local.x + bitangent * local.y + asked.axis * local.z;
+            Ray& ray = rays[i].emplace();
+            point.release(ray, normalized_or(Vec3d(direction), Vec3d(asked.axis)));
+            ray.t_max = static_cast<double>(asked.distance);
+            ray.beam = RayBeam::cone(0.0f, kProbeSpread);
+            queries[i] = {&ray, kVisibleShadow};
+        }
+        hidden += asked.only_local ? hidden_locally(tracer_, point.instance, {queries.data(), count})
+                                   : std::popcount(tracer_.occluded({queries.data(), count}, Coherence::Incoherent));
     }
+    const int open = asked.rays - hidden;
     return static_cast<float>(open) / static_cast<float>(asked.rays);
 }
 
