@@ -1,18 +1,13 @@
 #include "integrators/subsurface_walk.h"
 
+#include "integrators/medium_weights.h"
+
 namespace rayleaf {
 namespace {
 
 constexpr int kMostScatterings = 256;  // as Cycles
 /// What a step uses of the walk's own dimensions.
 constexpr uint32_t kDistance = 0, kDirection = 1, kRoulette = 2, kTechnique = 3, kDimensionsPerStep = 4;
-
-/// A colour's share in choosing the channel that a distance is sampled for: by what it would still bring.
-Color channel_shares(const Color& carried, const Color& albedo) {
-    const Color brought = carried * albedo;
-    const float sum = brought.x + brought.y + brought.z;
-    return sum > 0.0f ? brought / sum : Color(1.0f / 3.0f);
-}
 
 /// After some scatterings direction is forgotten: isotropic ones that lead as far are fewer (Wyman et al. 1989,
 /// similarity relations; Cycles does so after as many).
@@ -56,16 +51,18 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const SubsurfaceEnt
                                          uint32_t dimension) {
     // So many diffusion lengths below, the other side of the body is not felt.
     constexpr float kFeltLengths = 4.0f;
-    const GuidedMedium remembering(entry.medium), forgetting(isotropic(entry.medium));
+    const GuidedMedium remembering(entry.medium);
+    std::optional<GuidedMedium> forgetting;  // few walks go on so long
     const Sampler own = sampler.branch(0, 1, dimension);
     const auto depth_of = [&](const Vec3d& place) { return (entry.ray.origin - place).dot(Vec3d(entry.normal)); };
     SubsurfaceGuide guide(entry.normal);
     Ray ray = entry.ray;
     Color throughput(1.0f);
     for (uint32_t step = 0; step < kMostScatterings; ++step) {
-        const GuidedMedium& medium = step <= kRememberedScatterings ? remembering : forgetting;
+        if (step == kRememberedScatterings + 1) forgetting.emplace(isotropic(entry.medium));
+        const GuidedMedium& medium = forgetting ? *forgetting : remembering;
         const uint32_t first = step * kDimensionsPerStep;
-        const Color shares = channel_shares(throughput * entry.carried, medium.medium().albedo);
+        const Color shares = shares_of(throughput * entry.carried * medium.medium().albedo);
         const Vec2f distance = own.get2(first + kDistance);
         float length = 0.0f;
         if (step == 0) {
