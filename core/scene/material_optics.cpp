@@ -66,11 +66,12 @@ MaterialOptics optics_of(const Program& surface) {
     optics.glass = {*index, Color(0.0f), Color(0.0f)};
     for (int i = 0; i < inside.size(); ++i) {
         const Lobe& lobe = inside[i];
-        // Under a film every angle has a colour of its own.
-        if (!is_even_singular(lobe) || lobe.film.thickness > 0.0f) return optics;
+        // Under a film, and where only what is met at right angles is tinted, every angle has a colour of its own.
+        const bool has_colors = lobe.film.thickness > 0.0f || lobe.fresnel == Lobe::Fresnel::Schlick;
+        if (!is_even_singular(lobe) || has_colors) return optics;
         // A pair weighted by Fresnel's reflectance and the rest adds up to one of its two.
         const bool reflects = lobe.type == LobeType::Reflection;
-        if (!reflects || lobe.fresnel == Lobe::Fresnel::None) optics.glass.leaving += lobe.weight;
+        if (!reflects || lobe.fresnel == Lobe::Fresnel::None) optics.glass.leaving += lobe.weight * lobe.refracted;
         if (lobe.type != LobeType::Refraction) optics.glass.reflected += lobe.weight;
     }
     optics.surface = SurfaceOptics::Glass;

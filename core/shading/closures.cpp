@@ -69,6 +69,7 @@ bool is_unbent(const Lobe& lobe) {
 void mend(Lobe& lobe) {
     lobe.weight = positive(lobe.weight);
     lobe.fresnel_0 = positive(lobe.fresnel_0);
+    lobe.refracted = positive(lobe.refracted);
     if (is_fibre(lobe)) return mend_fibre(lobe);
     if (lobe.type == LobeType::Microfibres) {
         mend_microfibres(lobe);
@@ -101,7 +102,7 @@ bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
            a.roughness == b.roughness && a.softness == b.softness && a.fresnel_0 == b.fresnel_0 &&
            a.masking == b.masking && a.stays_sharp == b.stays_sharp && a.in_front == b.in_front &&
            a.is_reduced == b.is_reduced && a.entry == b.entry && a.fresnel == b.fresnel && a.radius == b.radius &&
-           a.across == b.across && a.tilt == b.tilt && a.film == b.film;
+           a.refracted == b.refracted && a.across == b.across && a.tilt == b.tilt && a.film == b.film;
 }
 
 /// How far two lobes are from each other; infinite for those that nothing makes alike: of two types, or a mirror and
@@ -204,7 +205,9 @@ void Closures::drop_caustics(bool reflective, bool refractive) {
             if (reflective && refractive) continue;
             lobe.type = reflective ? LobeType::Refraction : LobeType::Reflection;
             lobe.kind = reflective ? LobeKind::Transmission : LobeKind::Glossy;
-            lobe.fresnel = Lobe::Fresnel::Dielectric;
+            if (lobe.fresnel == Lobe::Fresnel::None) lobe.fresnel = Lobe::Fresnel::Dielectric;
+            if (reflective) lobe.weight = lobe.weight * lobe.refracted;
+            lobe.refracted = Color(1.0f);
         }
         lobes_[kept++] = lobe;
     }

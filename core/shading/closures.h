@@ -27,7 +27,7 @@ enum class LobeType : uint8_t {
     Translucent,        ///< Lambert on the far side
     Reflection,         ///< GGX or Beckmann microfacets, reflection; roughness 0 is a mirror
     Refraction,         ///< the same, refraction
-    Glass,              ///< both, weighted by Fresnel
+    Glass,              ///< both, weighted by Fresnel: a facet is chosen first, and then its way
     Sheet,              ///< what a thin sheet lets through: Reflection, its directions mirrored by the surface
     Sheen,              ///< Disney's
     Microfibres,        ///< sheen of a layer of fibres (shading/microfibres.h)
@@ -74,8 +74,9 @@ struct Lobe {
     bool in_front = false;     ///< ToonGlossy: nothing at right angles to the mirror direction and beyond
     bool is_reduced = true;    ///< Subsurface: `radius` is as of a phase function that prefers no direction
     EntryKind entry = EntryKind::Diffuse;
-    Color weight{0, 0, 0};  ///< factor on the lobe's value
-    Vec3f normal{0, 0, 1};  ///< unit; faces the viewer
+    Color weight{0, 0, 0};     ///< factor on the lobe's value
+    Color refracted{1, 1, 1};  ///< Glass: a further factor on what it refracts
+    Vec3f normal{0, 0, 1};     ///< unit; faces the viewer
     /// For anisotropy, made orthogonal to `normal` by `add`; without, `add` chooses one. Of hair: along the fibre.
     /// Microfibres: towards the viewer.
     Vec3f tangent{0, 0, 0};
@@ -95,12 +96,12 @@ struct Lobe {
                             ///< Conductor: its extinction
     float across = 0;       ///< HairFibre: sine of the angle around the fibre from the viewer to the point
     float tilt = 0;         ///< of hair: of the cuticle's scales, radians
-    /// Dielectric: Reflection is weighted by the reflectance of `ior`, Refraction by the rest. Schlick: Reflection is
-    /// coloured, from `fresnel_0` to white along the dielectric curve of `ior` (shading/fresnel.h), Refraction by the
-    /// rest. Subsurface with Schlick: darkened at grazing where light enters and leaves, as Disney's diffuse. Metal,
-    /// Conductor: by `fresnel_0`, and `radius`.
+    /// Dielectric: Reflection is weighted by the reflectance of `ior`, Refraction by the rest; None means the same for
+    /// Glass. Schlick: Reflection is coloured, from `fresnel_0` to white along the dielectric curve of `ior`
+    /// (shading/fresnel.h), Refraction by the rest. Subsurface with Schlick: darkened at grazing where light enters and
+    /// leaves, as Disney's diffuse. Metal, Conductor: by `fresnel_0`, and `radius`.
     enum class Fresnel : uint8_t { None, Dielectric, Schlick, Metal, Conductor } fresnel = Fresnel::None;
-    /// Of Reflection and Refraction with any of these.
+    /// Of Reflection, Refraction and Glass with any of these.
     ThinFilm film;
 };
 

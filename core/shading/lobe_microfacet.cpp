@@ -12,11 +12,6 @@ Microfacets microfacets(const Lobe& lobe) {
     return {lobe.distribution, lobe.alpha_x, lobe.alpha_y};
 }
 
-/// Share of samples that a glass facet reflects.
-float reflection_share(const Lobe& lobe, float cosine) {
-    return lobe.type == LobeType::Glass ? dielectric_fresnel(cosine, lobe.ior) : 1.0f;
-}
-
 /// Direction of the refracted ray about unit `normal` on the side of `outgoing`; empty under total reflection.
 std::optional<Vec3f> refracted_direction(const Vec3f& outgoing, const Vec3f& normal, float ior) {
     const float cosine = normal.dot(outgoing);
@@ -39,22 +34,31 @@ float crossed2(const Lobe& lobe, const Vec3f& h) {
     return microfacets(lobe).crossed2(LobeFrame(lobe).to_local(h));
 }
 
-/// What light that goes a way has of the lobe's weight, over the density of that choice: glass chooses by what its
-/// facet sends each way.
-inline Color chosen_share(const Lobe& lobe, Side way, float cosine) {
-    if (lobe.type == LobeType::Glass) return Color(1.0f);
-    return way == Side::Reflected ? reflectance(lobe, cosine) : transmittance(lobe, cosine);
+/// A way that light takes at a facet: the probability with which sampling takes it, and what it has of the lobe's
+/// weight, over that.
+struct FacetWay {
+    float probability = 0;
+    Color share{0, 0, 0};
+};
+FacetWay way_at(const Lobe& lobe, Side side, float cosine) {
+    const bool reflects = side == Side::Reflected;
+    if (lobe.type != LobeType::Glass) return {1.0f, reflects ? reflectance(lobe, cosine) : transmittance(lobe, cosine)};
+    const GlassShares shares = glass_shares(lobe, cosine);
+    const float probability = reflects ? shares.reflects : 1.0f - shares.reflects;
+    if (!(probability > 0.0f)) return {};
+    return {probability, (reflects ? shares.reflected : shares.refracted) / probability};
 }
 
 LobeValue evaluate_reflection(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
     const float cosine = lobe.normal.dot(pair.incoming);
     if (!(cosine > 0.0f)) return {};
     const Microfacets facets = microfacets(lobe);
-    const float density = facets.normal_density(lobe.normal.dot(pair.half), crossed2(lobe, pair.half)) * view.mirrored *
-                          reflection_share(lobe, pair.cosine_half);
+    const FacetWay way = way_at(lobe, Side::Reflected, pair.cosine_half);
+    const float density =
+        facets.normal_density(lobe.normal.dot(pair.half), crossed2(lobe, pair.half)) * view.mirrored * way.probability;
     const float masking = facets.masking(cosine, spread2(lobe, pair.incoming, cosine));
     const float lit = Microfacets::shadowing(view.masking, masking, lobe.masking);
-    return {lobe.weight * chosen_share(lobe, Side::Reflected, pair.cosine_half) * (density * lit), density};
+    return {lobe.weight * way.share * (density * lit), density};
 }
 
 LobeValue evaluate_refraction(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
@@ -67,12 +71,12 @@ LobeValue evaluate_refraction(const Lobe& lobe, const LobeView& view, const Dire
     const Microfacets facets = microfacets(lobe);
     const float change = cos_o + lobe.ior * cos_i;
     const float jacobian = lobe.ior * lobe.ior * -cos_i / (change * change);  // Walter et al. 2007, equation 17
-    const float share = lobe.type == LobeType::Glass ? 1.0f - reflection_share(lobe, cos_o) : 1.0f;
+    const FacetWay way = way_at(lobe, Side::Transmitted, cos_o);
     const float density = facets.normal_density(lobe.normal.dot(h), crossed2(lobe, h)) * view.mirrored *
-                          (4.0f * cos_o) * jacobian * share;
+                          (4.0f * cos_o) * jacobian * way.probability;
     const float masking = facets.masking(cosine, spread2(lobe, pair.incoming, cosine));
     const float lit = Microfacets::shadowing(view.masking, masking, lobe.masking);
-    return {lobe.weight * chosen_share(lobe, Side::Transmitted, cos_o) * (density * lit), density};
+    return {lobe.weight * way.share * (density * lit), density};
 }
 
 LobeValue evaluate_sheet(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
@@ -83,12 +87,12 @@ LobeValue evaluate_sheet(const Lobe& lobe, const LobeView& view, const Direction
 /// Singular glass, mirror or refraction about the lobe's own normal.
 std::optional<LobeDirection> sample_singular(const Lobe& lobe, float cosine, const Vec3f& outgoing, float random) {
     if (!(cosine > 0.0f)) return std::nullopt;
-    const bool reflects =
-        lobe.type == LobeType::Reflection || (lobe.type == LobeType::Glass && random < reflection_share(lobe, cosine));
+    const bool reflects = lobe.type == LobeType::Reflection ||
+                          (lobe.type == LobeType::Glass && random < glass_shares(lobe, cosine).reflects);
     LobeDirection result;
     result.weighed = true;
     result.side = reflects ? Side::Reflected : Side::Transmitted;
-    result.weight = lobe.weight * chosen_share(lobe, result.side, cosine);
+    result.weight = lobe.weight * way_at(lobe, result.side, cosine).share;
     if (reflects) {
         result.direction = mirrored(outgoing, lobe.normal);
         return result;
@@ -160,6 +164,12 @@ Color transmittance(const Lobe& lobe, float cosine) {
     return fresnel ? Color(1.0f) - reflectance(lobe, cosine) : Color(1.0f);
 }
 
+GlassShares glass_shares(const Lobe& lobe, float cosine) {
+    const Color reflected = reflectance(lobe, cosine), refracted = (Color(1.0f) - reflected) * lobe.refracted;
+    const float sum = average(reflected) + average(refracted);
+    return {reflected, refracted, sum > 0.0f ? average(reflected) / sum : 1.0f};
+}
+
 void look_at_facets(const Lobe& lobe, const Vec3f& outgoing, LobeView& view) {
     const float cosine = view.cosine;
     if (is_singular(lobe) || !(cosine > 0.0f)) return;
@@ -187,7 +197,7 @@ std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Lobe
     const Vec3f h = microfacets(lobe).sample_visible(o, Vec2f(random.x, random.y));
     LobeDirection result;
     if (lobe.type == LobeType::Reflection || lobe.type == LobeType::Sheet ||
-        (lobe.type == LobeType::Glass && random.z < reflection_share(lobe, o.dot(h)))) {
+        (lobe.type == LobeType::Glass && random.z < glass_shares(lobe, o.dot(h)).reflects)) {
         Vec3f i = mirrored(o, h);
         if (!(i.z > 0.0f)) return std::nullopt;
         if (lobe.type == LobeType::Sheet) {

@@ -29,4 +29,11 @@ inline Color reflectance(const Lobe& lobe, float cosine) {
 /// What the interface lets through: 1 without Fresnel.
 Color transmittance(const Lobe& lobe, float cosine);
 
+/// What a facet of glass seen under `cosine` sends each way, before the weight, and how often sampling reflects there.
+struct GlassShares {
+    Color reflected, refracted;
+    float reflects = 0;
+};
+GlassShares glass_shares(const Lobe& lobe, float cosine);
+
 }  // namespace rayleaf

@@ -109,6 +109,16 @@ bool is_bent(const Lobe& lobe, const Closures& of) {
            is_shadowed_where_bent(lobe);
 }
 
+namespace {
+
+/// What a facet of glass sends both ways.
+Color seen_of_glass(const Lobe& lobe, float cosine) {
+    const GlassShares shares = glass_shares(lobe, cosine);
+    return shares.reflected + shares.refracted;
+}
+
+}  // namespace
+
 float choice_weight(const Lobe& lobe, float cosine) {
     const float mean = average(lobe.weight);
     // The root of the mean square over directions that a cosine chooses: of what these two reflect, most is at grazing.
@@ -117,10 +127,11 @@ float choice_weight(const Lobe& lobe, float cosine) {
         const float away = 1.0f - std::clamp(cosine, 0.0f, 1.0f);
         return mean * (0.001f + 0.23f * away * away);
     }
-    const bool plain = lobe.type == LobeType::Glass || lobe.type == LobeType::Subsurface;
-    if (plain || lobe.fresnel == Lobe::Fresnel::None) return mean;
-    const Color f = lobe.type == LobeType::Refraction ? transmittance(lobe, cosine) : reflectance(lobe, cosine);
-    const float share = average(f);
+    const bool plain = lobe.type == LobeType::Glass && lobe.refracted == Color(1.0f);
+    if (plain || lobe.type == LobeType::Subsurface || lobe.fresnel == Lobe::Fresnel::None) return mean;
+    const float share = average(lobe.type == LobeType::Refraction ? transmittance(lobe, cosine)
+                                : lobe.type == LobeType::Glass    ? seen_of_glass(lobe, cosine)
+                                                                  : reflectance(lobe, cosine));
     // Facets of a rough surface tilt, so their Fresnel factor may be far from that at the normal.
     constexpr float kLeastShare = 0.05f;
     return mean * (is_singular(lobe) ? share : std::max(share, kLeastShare));
@@ -142,7 +153,8 @@ Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind) {
     const float cosine = lobe.normal.dot(outgoing);
     if (lobe.type == LobeType::Glass) {
         if (kind == LobeKind::Diffuse) return Color(0.0f);
-        return lobe.weight * (kind == LobeKind::Glossy ? reflectance(lobe, cosine) : transmittance(lobe, cosine));
+        const GlassShares shares = glass_shares(lobe, cosine);
+        return lobe.weight * (kind == LobeKind::Glossy ? shares.reflected : shares.refracted);
     }
     if (lobe.kind != kind) return Color(0.0f);
     if (lobe.type == LobeType::Subsurface) return lobe.weight;

@@ -65,21 +65,15 @@ Lobe glass_lobe(MicrofacetVariant variant, const Operands& operands, const Shadi
     return lobe;
 }
 
-/// Under a film reflection and refraction have a colour each.
-void add_glass_lobes(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs,
-                     Closures& closures) {
+Lobe filmed_glass_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
     Lobe lobe = glass_lobe(variant, operands, inputs);
     const ThinFilm film{operands.scalar(5), operands.scalar(6, lobe.film.ior)};
     if (film.thickness > 0.0f) {
         lobe.film = film;
         if (is_backfacing(inputs)) lobe.film.ior *= lobe.ior;  // which is 1 over that of the glass
         lobe.fresnel = Lobe::Fresnel::Dielectric;
-        lobe.type = LobeType::Refraction;
-        closures.add(lobe);
-        lobe.type = LobeType::Reflection;
-        lobe.kind = LobeKind::Glossy;
     }
-    closures.add(lobe);
+    return lobe;
 }
 
 /// The reflectance of a metal over all directions; that of a conductor by the metal which it is like (Cycles'
@@ -141,7 +135,7 @@ void add_microfacets(Operation operation, MicrofacetVariant variant, const Opera
         case Operation::refraction:
             return closures.add(refraction_lobe(variant, operands, inputs));
         case Operation::glass:
-            return add_glass_lobes(variant, operands, inputs, closures);
+            return closures.add(filmed_glass_lobe(variant, operands, inputs));
         default:
             return closures.add(metal_lobe(variant, operands, ints, inputs));
     }

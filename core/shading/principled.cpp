@@ -86,23 +86,31 @@ void add_specular(const Parameters& p, const Color& weight, Closures& closures) 
 
 void add_transmission(const Parameters& p, const Color& weight, Closures& closures) {
     const float alpha = p.roughness * p.roughness;
-    // Cycles applies the transmission's own roughness with single scattering only.
-    const float refraction_roughness =
-        p.multiple_scattering ? p.roughness : 1.0f - (1.0f - p.roughness) * (1.0f - p.transmission_roughness);
     const float cosine = std::max(p.normal.dot(p.outgoing), 0.0f);
     const Color scale =
         p.multiple_scattering ? energy_compensation(Color(1.0f), ggx_glass_albedo(alpha, cosine, p.ior)) : Color(1.0f);
     const Color reflection_color = mixed(Color(1.0f), p.base_color, p.specular_tint);
-    Lobe reflection = lobe_of(LobeType::Reflection, LobeKind::Glossy, p, weight * reflection_color * scale);
-    reflection.alpha_x = reflection.alpha_y = alpha;
-    reflection.fresnel = Lobe::Fresnel::Dielectric;
-    reflection.ior = p.ior;
-    closures.add(reflection);
-    Lobe refraction = lobe_of(LobeType::Refraction, LobeKind::Transmission, p, weight * p.base_color * scale);
-    refraction.alpha_x = refraction.alpha_y = refraction_roughness * refraction_roughness;
-    refraction.fresnel = Lobe::Fresnel::Dielectric;
-    refraction.ior = p.ior;
-    closures.add(refraction);
+    Lobe lobe = lobe_of(LobeType::Glass, LobeKind::Transmission, p, weight * reflection_color * scale);
+    lobe.alpha_x = lobe.alpha_y = alpha;
+    lobe.fresnel = Lobe::Fresnel::Dielectric;
+    lobe.ior = p.ior;
+    // Cycles applies the transmission's own roughness with single scattering only.
+    if (p.multiple_scattering || p.transmission_roughness == 0.0f) {
+        // Where the reflection has nothing of a colour, the base has nothing of it either.
+        for (int c = 0; c < 3; ++c)
+            if (reflection_color[c] > 0.0f) lobe.refracted[c] = p.base_color[c] / reflection_color[c];
+        closures.add(lobe);
+        return;
+    }
+    lobe.type = LobeType::Reflection;
+    lobe.kind = LobeKind::Glossy;
+    closures.add(lobe);
+    lobe.type = LobeType::Refraction;
+    lobe.kind = LobeKind::Transmission;
+    lobe.weight = weight * p.base_color * scale;
+    const float roughness = 1.0f - (1.0f - p.roughness) * (1.0f - p.transmission_roughness);
+    lobe.alpha_x = lobe.alpha_y = roughness * roughness;
+    closures.add(lobe);
 }
 
 void add_clearcoat(const Parameters& p, const Color& weight, Closures& closures) {

@@ -108,16 +108,13 @@ void add_glass(const PrincipledLayers& p, const Color& weight, Closures& closure
     const Color scale = p.multiple_scattering
                             ? energy_compensation(Color(1.0f), ggx_glass_albedo(alpha, cosine, ior, Masking::Joint))
                             : Color(1.0f);
-    Lobe lobe = microfacet_lobe(LobeType::Reflection, LobeKind::Glossy, p.normal, alpha, weight * scale);
+    Lobe lobe = microfacet_lobe(LobeType::Glass, LobeKind::Transmission, p.normal, alpha, weight * scale);
+    lobe.refracted = power(at_most_one(p.base_color), 0.5f);  // light crosses the surface twice
     lobe.fresnel = white ? Lobe::Fresnel::Dielectric : Lobe::Fresnel::Schlick;
     lobe.ior = ior;
     lobe.fresnel_0 = p.specular_tint * normal_fresnel(ior);
     lobe.film = p.film;
     if (p.from_inside) lobe.film.ior /= p.ior;
-    closures.add(lobe);
-    lobe.type = LobeType::Refraction;
-    lobe.kind = LobeKind::Transmission;
-    lobe.weight = lobe.weight * power(at_most_one(p.base_color), 0.5f);  // light crosses the surface twice
     closures.add(lobe);
 }
 

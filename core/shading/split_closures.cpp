@@ -1,7 +1,7 @@
 #include "shading/split_closures.h"
 
-#include "shading/fresnel.h"
 #include "shading/lobe_frame.h"
+#include "shading/lobe_microfacet.h"
 #include "shading/lobes.h"
 
 #include <memory>
@@ -83,7 +83,7 @@ void SplitClosures::add_singular(const Lobe& lobe, const Vec3f& outgoing, const 
     const bool glass = lobe.type == LobeType::Glass;
     LobeView view;
     look_at(lobe, outgoing, view);
-    const float reflected = glass ? dielectric_fresnel(view.cosine, lobe.ior) : 1.0f;
+    const float reflected = glass ? glass_shares(lobe, view.cosine).reflects : 1.0f;
     for (const float random : {kReflect, kRefract}) {
         const bool second = random == kRefract;
         const float share = second ? 1.0f - reflected : reflected;

@@ -1,5 +1,7 @@
 """Closures conserve energy, and their samplers, densities and values agree."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import example, given
@@ -41,6 +43,11 @@ def rough_lobes():
         "metal": layers("GGX", base_color=(1.0, 0.7, 0.2), metallic=1.0, specular_tint=(0.3, 0.6, 1.0)),
         "sheet": layers(base_color=WHITE, roughness=0.7, transmission=1.0, thin_wall=1.0),
         "scattering_sheet": layers(subsurface=0.7, subsurface_anisotropy=0.4, transmission=0.3, thin_wall=1.0),
+        "tinted_glass": principled(base_color=(0.9, 0.5, 0.1), specular_tint=0.6, roughness=0.6, transmission=1.0),
+        "glass_of_two_roughnesses": principled(roughness=0.5, transmission=1.0, transmission_roughness=0.5),
+        "glass_with_tinted_reflection": layers(
+            base_color=(0.9, 0.5, 0.1), specular_tint=(0.2, 1.0, 0.6), roughness=0.6, transmission=1.0
+        ),
         "toon_in_front": program_with("toon", [1.0, WHITE, 0.8, 0.4, None], "GLOSSY", ints=[1]),
         "principled": principled(metallic=0.3, clearcoat=1.0, clearcoat_roughness=0.4, sheen=0.5, transmission=0.4),
     }
@@ -159,6 +166,17 @@ def test_compensated_glass_loses_nothing(roughness, ior, cosine):
     outgoing = direction(cosine)
     program = program_with("glass", [1.0, WHITE, roughness, ior], "MULTI_GGX")
     np.testing.assert_allclose(albedo(closures(program, outgoing), outgoing), 1.0, atol=0.015)
+
+
+@pytest.mark.parametrize("cosine", (0.9, 0.75, 0.7, 0.3))
+@pytest.mark.parametrize("ior", (1.45, 1 / 1.45))
+@pytest.mark.parametrize("shader", (principled, partial(layers, "GGX")))
+def test_no_sample_of_rough_glass_weighs_more_than_its_light(shader, ior, cosine):
+    """Also near the angle of total reflection, where some facets reflect all light and others hardly any."""
+    outgoing = direction(cosine)
+    program = shader(base_color=WHITE, roughness=0.6, transmission=1.0, ior=ior)
+    sample = closures(program, outgoing).sample(outgoing, UP, stratified(40))
+    assert sample["weight"][sample["valid"]].max() < 1.0 + 1e-4
 
 
 @pytest.mark.parametrize("ior", (1.0, 1 + 1e-6, 1 - 1e-6, 0.7, 1.33, 10.0))
