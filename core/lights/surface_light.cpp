@@ -1,6 +1,8 @@
 #include "lights/surface_light.h"
 
+#include "geometry/triangle_mesh.h"
 #include "lights/chosen_light.h"
+#include "lights/spherical_triangle.h"
 
 #include <algorithm>
 #include <array>
@@ -22,6 +24,34 @@ Vec3d area_at(const Affine3d& local_to_world, const Shape& shape, const ElementP
 double density_at(const Vec3d& offset, double distance, const Vec3d& area) {
     const double density = distance * distance * distance / std::abs(offset.dot(area));
     return std::isfinite(density) ? std::min(density, kLargestDensity) : 0.0;
+}
+
+/// Triangles that take less, steradians, are sampled by area: they look nearly the same from all their places.
+constexpr double kLeastSolidAngle = 1e-3;
+
+/// Twice the area of the largest triangle of an instance at any time; 0 of other shapes.
+double largest_triangle(const Tracer& tracer, const EmittingInstance& emitter) {
+    const TracedInstance& instance = tracer.instance(emitter.instance);
+    if (instance.shape->kind() != ShapeKind::TriangleMesh) return 0.0;
+    if (instance.motion || instance.shape->deforms()) return std::numeric_limits<double>::infinity();
+    const auto& mesh = static_cast<const TriangleMesh&>(*instance.shape);
+    const Affine3d local_to_world = tracer.local_to_world(emitter.instance, kMiddleTime);
+    double largest = 0.0;
+    for (const uint32_t element : emitter.elements) {
+        FacetCorners corners = mesh.corners(element);
+        for (Vec3d& corner : corners) corner = local_to_world.vector(corner);
+        largest = std::max(largest, area_vector(corners).length());
+    }
+    return largest;
+}
+
+double squared_distance(const Vec3d& from, const Box3d& box) {
+    double sum = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double outside = std::max({box.min[axis] - from[axis], from[axis] - box.max[axis], 0.0});
+        sum += outside * outside;
+    }
+    return sum;
 }
 
 /// Where an element is looked at to guess what it emits: parameters inside a triangle too.
@@ -111,6 +141,44 @@ SurfaceLights::Estimate estimate(const Tracer& tracer, const SurfaceEmission& em
 
 }  // namespace
 
+/// An element as it is seen from a place, if that is a triangle which takes enough of the view.
+class SurfaceLights::SeenTriangle {
+  public:
+    SeenTriangle() = default;
+    explicit SeenTriangle(const FacetCorners& from_there) : corners_(from_there) {
+        const double nearest2 = std::min({corners_[0].length2(), corners_[1].length2(), corners_[2].length2()});
+        if (area_vector(corners_).length() > kLeastSolidAngle * nearest2) sphere_.emplace(corners_);
+    }
+    /// Whether it is sampled by solid angle.
+    explicit operator bool() const { return sphere_ && (*sphere_).solid_angle() > kLeastSolidAngle; }
+    double density() const { return 1.0 / (*sphere_).solid_angle(); }
+    /// The parameters of a point: where a ray meets the triangle (Möller, Trumbore: Fast, Minimum Storage Ray-Triangle
+    /// Intersection, 1997).
+    Vec2f sample(const Vec2f& random) const {
+        const Vec3d direction = (*sphere_).sample(random);
+        const Vec3d to_1 = corners_[1] - corners_[0], to_2 = corners_[2] - corners_[0];
+        const Vec3d across = direction.cross(to_2), turned = to_1.cross(corners_[0]);
+        const double scale = 1.0 / to_1.dot(across);
+        const double u = -corners_[0].dot(across) * scale, v = direction.dot(turned) * scale;
+        if (!std::isfinite(u) || !std::isfinite(v)) return Vec2f(1.0f / 3.0f);
+        const auto inside_u = static_cast<float>(std::clamp(u, 0.0, 1.0));
+        return {inside_u, std::clamp(static_cast<float>(v), 0.0f, 1.0f - inside_u)};
+    }
+
+  private:
+    FacetCorners corners_{};
+    Maybe<SphericalTriangle> sphere_;
+};
+
+SurfaceLights::SeenTriangle SurfaceLights::seen(const Affine3d& local_to_world, uint32_t instance, uint32_t element,
+                                                float time, const Vec3d& from) const {
+    const double largest = largest_[static_cast<size_t>(table_of_instance_[instance])];
+    if (!(largest > kLeastSolidAngle * squared_distance(from, tracer_.bounds(instance)))) return {};
+    FacetCorners corners = static_cast<const TriangleMesh&>(*tracer_.instance(instance).shape).corners(element, time);
+    for (Vec3d& corner : corners) corner = local_to_world.point(corner) - from;
+    return SeenTriangle(corners);
+}
+
 SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
                              SurfaceEmission emission, EvenEmission even_emission)
     : tracer_(tracer), emission_(std::move(emission)), even_emission_(std::move(even_emission)) {
@@ -119,6 +187,7 @@ SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, cons
     for (const EmittingInstance& emitter : emitters) {
         if (emitter.elements.empty()) continue;
         if (linked) links_.push_back(emitter.link);
+        largest_.push_back(largest_triangle(tracer, emitter));
         if (emitter.instance >= table_of_instance_.size()) table_of_instance_.resize(emitter.instance + 1, -1);
         table_of_instance_[emitter.instance] = static_cast<int32_t>(item_of_element_.size());
         auto& items = item_of_element_.emplace_back(tracer.instance(emitter.instance).shape->element_count(), kNone);
@@ -194,13 +263,15 @@ Maybe<LightSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, c
                                          const PathState& path) const {
     const auto [instance, element] = elements_[item];
     const Shape& shape = *tracer_.instance(instance).shape;
-    const ElementPoint chosen = shape.element_point_at(element, random, time);
-    const Vec3d area = area_at(tracer_.local_to_world(instance, time), shape, chosen);
+    const Affine3d local_to_world = tracer_.local_to_world(instance, time);
+    const SeenTriangle seen = this->seen(local_to_world, instance, element, time, position);
+    const ElementPoint chosen = shape.element_point_at(element, seen ? seen.sample(random) : random, time);
     const Color* even = even_emission_(instance, chosen.hit);
     const SurfacePoint point =
         even ? tracer_.place(instance, chosen.hit, time) : tracer_.surface_point(instance, chosen.hit, time);
     const Vec3d offset = point.position - position;
-    const double distance = offset.length(), density = density_at(offset, distance, area);
+    const double distance = offset.length();
+    const double density = seen ? seen.density() : density_at(offset, distance, area_at(local_to_world, shape, chosen));
     Maybe<LightSample> result;
     if (!(density > 0)) return result;
     LightSample& sample = result.emplace();
@@ -217,11 +288,14 @@ Maybe<LightSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, c
 }
 
 double SurfaceLights::density(const Vec3d& from, const SurfacePoint& point) const {
-    const uint32_t element = point.shape->element_of(point.local);
-    const ElementPoint chosen = point.shape->element_point_at(element, Vec2f(point.local.u, point.local.v), point.time);
-    const Vec3d area = area_at(tracer_.local_to_world(point.instance, point.time), *point.shape, chosen);
+    const Shape& shape = *point.shape;
+    const uint32_t element = shape.element_of(point.local);
+    const Affine3d local_to_world = tracer_.local_to_world(point.instance, point.time);
+    const SeenTriangle seen = this->seen(local_to_world, point.instance, element, point.time, from);
+    if (seen) return seen.density();
+    const ElementPoint chosen = shape.element_point_at(element, Vec2f(point.local.u, point.local.v), point.time);
     const Vec3d offset = point.position - from;
-    return density_at(offset, offset.length(), area);
+    return density_at(offset, offset.length(), area_at(local_to_world, shape, chosen));
 }
 
 std::optional<uint32_t> SurfaceLights::item_of(const SurfacePoint& point) const {
@@ -239,7 +313,7 @@ uint16_t SurfaceLights::visibility(uint32_t item) const {
 
 size_t SurfaceLights::bytes() const {
     size_t total = elements_.capacity() * sizeof(Element) + table_of_instance_.capacity() * sizeof(int32_t) +
-                   links_.capacity() * sizeof(LightLink);
+                   links_.capacity() * sizeof(LightLink) + largest_.capacity() * sizeof(double);
     for (const auto& table : item_of_element_) total += table.capacity() * sizeof(uint32_t);
     return total;
 }

@@ -1,6 +1,7 @@
 // Emitting surfaces: the elements (triangles, patches) of instances whose material emits, each a light of its own.
 //
-// A point is chosen by the element's parameters; its density per area is one over the area that a unit of parameters
+// A triangle that takes much of the view is sampled evenly by solid angle. Of others a point is chosen by the
+// element's parameters; its density per area is one over the area that a unit of parameters
 // covers, so that patches of any shape need no table of their own.
 #pragma once
 
@@ -42,13 +43,18 @@ class SurfaceLights {
         uint32_t instance = 0, element = 0;
     };
     std::vector<Element> elements_;
-    std::vector<int32_t> table_of_instance_;              ///< -1: does not emit
-    std::vector<LightLink> links_;                        ///< per table; empty: all shine on all
+    std::vector<int32_t> table_of_instance_;  ///< -1: does not emit
+    std::vector<LightLink> links_;            ///< per table; empty: all shine on all
+    std::vector<double> largest_;  ///< per table: twice the area of its largest triangle, world units²; 0: has none
     std::vector<std::vector<uint32_t>> item_of_element_;  ///< per table; kNone: does not emit
     const Tracer& tracer_;
     SurfaceEmission emission_;
     EvenEmission even_emission_;
 
+    class SeenTriangle;
+    /// `instance` has a table.
+    SeenTriangle seen(const Affine3d& local_to_world, uint32_t instance, uint32_t element, float time,
+                      const Vec3d& from) const;
     bool is_around_all(uint32_t instance) const;
     void take_even_part_of_skies(std::vector<Estimate>& estimates) const;
     size_t table_of(uint32_t item) const { return static_cast<size_t>(table_of_instance_[instance(item)]); }

@@ -2,23 +2,11 @@
 
 import numpy as np
 import pytest
-from scenes import background, emission, look_down, matrix, quad, sphere_spline
+from light_support import NORMAL, POSITION, random_numbers, sphere_directions
+from scenes import background, emission, look_down, matrix
 
-POSITION = np.array([0.3, 0.2, -0.4])
-NORMAL = np.array([0.1, 0.2, 1.0]) / np.linalg.norm([0.1, 0.2, 1.0])
 POWER = 100.0
 AREA_RADIANCE = POWER / 4  # times 1 / area
-
-
-def random_numbers(count, seed=1):
-    return np.random.default_rng(seed).random((count, 2)).astype(np.float32).clip(0, np.float32(1 - 2**-24))
-
-
-def sphere_directions(count, seed=2):
-    r = np.random.default_rng(seed).random((count, 2))
-    z, phi = 1 - 2 * r[:, 0], 2 * np.pi * r[:, 1]
-    s = np.sqrt(1 - z * z)
-    return np.stack([s * np.cos(phi), s * np.sin(phi), z], 1)
 
 
 def tilted(translation=(0.0, 0.0, 1.0), angle=0.3):
@@ -206,59 +194,6 @@ def test_sizes_near_zero_and_huge_powers_stay_finite(core, lamp, size):
         assert np.isfinite(contribution).all()
         radiance, density = probe.look(position, sphere_directions(200))
         assert np.isfinite(radiance).all() and np.isfinite(density).all()
-
-
-def emitter_scene(core, add_shape, strength=5.0):
-    scene = core.SceneDescription()
-    look_down(scene, height=50)
-    material = scene.add_material("glow", emission(core, strength=strength))
-    scene.add_instance("emitter", add_shape(scene), matrix((0, 0, 1.5)), scene.add_material_list([material]))
-    return scene
-
-
-SHAPES = {
-    "two triangles": lambda core: lambda scene: quad(scene, "quad"),
-    "a spline sphere": lambda core: lambda scene: scene.add_surface("sphere", [sphere_spline(core)]),
-}
-
-
-@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES.keys())
-def test_an_emitting_surface_is_sampled_with_the_density_it_claims(core, shape):
-    probe = core.LightProbe(emitter_scene(core, shape(core)))
-    random = random_numbers(40000)
-    samples = probe.sample(POSITION, random)
-    used = samples["density"] > 0
-    radiance, density = probe.look(POSITION, samples["direction"][used].astype(np.float64))
-    # The far side of a sphere is chosen as well, but looking meets the near side: compare what is unoccluded.
-    front = np.isclose(density, samples["density"][used], rtol=1e-2)
-    directions = sphere_directions(200000)
-    seen, look_density = probe.look(POSITION, directions)
-    values = 4 * np.pi * seen[:, 0] * np.maximum(directions @ NORMAL, 0)
-    cosine = np.maximum(samples["direction"][used] @ NORMAL, 0)
-    sampled = np.zeros(len(random))
-    sampled[np.flatnonzero(used)[front]] = (5.0 * cosine / samples["density"][used])[front]
-    spread = np.hypot(sampled.std() / np.sqrt(len(sampled)), values.std() / np.sqrt(len(values)))
-    assert front.mean() > 0.3
-    assert abs(sampled.mean() - values.mean()) < 5 * spread
-
-
-def test_of_thousands_of_emitting_triangles_the_density_still_integrates_to_one(core):
-    rng = np.random.default_rng(5)
-    corners = rng.uniform(-3, 3, (3000, 1, 3)) + rng.normal(0, 0.15, (3000, 3, 3)) + [0, 0, 4]
-    vertices = corners.reshape(-1, 3).astype(np.float32)
-    triangles = np.arange(9000, dtype=np.int32).reshape(-1, 3)
-    probe = core.LightProbe(emitter_scene(core, lambda scene: scene.add_mesh("confetti", vertices, triangles)))
-    assert probe.count() == 3000
-    # The nearest triangle along a direction is only one of those a light sample may mean: the look's density stays
-    # below 1 in all, and no sample's density may differ from it where the sampled triangle is the nearest.
-    samples = probe.sample(POSITION, random_numbers(20000))
-    _, density = probe.look(POSITION, samples["direction"].astype(np.float64))
-    equal = np.isclose(density, samples["density"], rtol=1e-2).mean()
-    share = 4 * np.pi * probe.look(POSITION, sphere_directions(200000))[1]
-    visible = share.mean()
-    error = share.std() / np.sqrt(len(share)) + 1 / np.sqrt(len(samples["density"]))
-    assert 0.2 < visible < 1
-    assert abs(equal - visible) < 5 * error, "the share of unoccluded samples is the integral of the visible density"
 
 
 def striped_world(core):
