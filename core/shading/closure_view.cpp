@@ -144,7 +144,7 @@ std::optional<LobeSample> Closures::sample(const ClosureView& view, const Vec3f&
     const Side side = side_of(view.outgoing, direction->direction, facet_normal);
     LobeSample sample;
     sample.direction = direction->direction;
-    sample.kind = kind_of(lobe, side);
+    sample.kind = kind_of_ray(lobe, side);
     sample.singular = is_singular(lobe);
     sample.transmitted = side == Side::Transmitted;
     sample.eta = direction->eta;

@@ -113,7 +113,7 @@ struct LobeSample {
     Color weight{0, 0,
                  0};    ///< all closures' value * |cosine| / density; singular: value * |cosine| / discrete probability
     float density = 0;  ///< of all non-singular lobes, per solid angle; 0 for singular samples
-    LobeKind kind = LobeKind::Diffuse;  ///< of the lobe that was chosen
+    LobeKind kind = LobeKind::Diffuse;  ///< that the ray counts as
     bool singular = false;              ///< mirror or clear glass: no light sampling can find it
     bool transmitted = false;           ///< went through the surface
     float eta = 1;                      ///< refraction: index on the viewer's side over that beyond; else 1

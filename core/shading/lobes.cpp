@@ -149,6 +149,10 @@ LobeKind kind_of(const Lobe& lobe, Side side) {
     return side == Side::Reflected ? LobeKind::Glossy : LobeKind::Transmission;
 }
 
+LobeKind kind_of_ray(const Lobe& lobe, Side side) {
+    return lobe.type == LobeType::Velvet ? LobeKind::Diffuse : kind_of(lobe, side);
+}
+
 Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind) {
     const float cosine = lobe.normal.dot(outgoing);
     if (lobe.type == LobeType::Glass) {

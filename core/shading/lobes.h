@@ -107,6 +107,8 @@ void look_at(const Lobe& lobe, const Vec3f& outgoing, LobeView& view);
 Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind);
 /// The family of a direction scattered to `side`: the lobe's own, but for glass, which has two.
 LobeKind kind_of(const Lobe& lobe, Side side);
+/// What a ray counts as that goes on this way: velvet's light is Glossy, but its rays are Diffuse, as in Cycles.
+LobeKind kind_of_ray(const Lobe& lobe, Side side);
 /// 0..1: how wide the lobe is.
 float lobe_width(const Lobe& lobe);
 

@@ -71,6 +71,7 @@ Lobe translucent_lobe(const Operands& operands, const ShadingInputs& inputs) {
 Lobe velvet_lobe(const Operands& operands, const ShadingInputs& inputs) {
     Lobe lobe;
     lobe.type = LobeType::Velvet;
+    lobe.kind = LobeKind::Glossy;  // as Cycles' passes have it
     lobe.weight = weight_of(operands) * operands.vector(1);
     lobe.roughness = operands.scalar(2);
     lobe.normal = scattering_normal(operands, 3, inputs);

@@ -34,7 +34,8 @@ OTHERWISE = {
     ("BsdfGlass", "MULTI_GGX"): 0.5,
     ("BsdfPrincipled", "MULTI_GGX", "Transmission"): 0.4,
     ("MULTI_GGX",): 0.08,
-    # 3.4: up to a tenth brighter in the brightest channel, converged; why is not known.
+    # 3.4 takes Fresnel at the normal, so that what facets reflect totally is lost: up to a tenth in the brightest
+    # channel. Rayleaf, like Cycles since 4.0, takes it at the facet.
     ("BsdfPrincipled", "'GGX'", "Transmission"): 0.07,
     # Up to 0.04 dimmer in one channel, at a thousand samples too; why is not known.
     ("BsdfPrincipled", "RANDOM_WALK_FIXED_RADIUS"): 0.03,

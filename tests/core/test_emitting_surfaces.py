@@ -2,16 +2,8 @@
 
 import numpy as np
 import pytest
-from light_support import NORMAL, POSITION, random_numbers, sphere_directions
-from scenes import emission, look_down, matrix, quad, sphere_spline
-
-
-def emitter_scene(core, add_shape, strength=5.0):
-    scene = core.SceneDescription()
-    look_down(scene, height=50)
-    material = scene.add_material("glow", emission(core, strength=strength))
-    scene.add_instance("emitter", add_shape(scene), matrix((0, 0, 1.5)), scene.add_material_list([material]))
-    return scene
+from light_support import NORMAL, POSITION, emitter_scene, random_numbers, sphere_directions
+from scenes import quad, sphere_spline
 
 
 SHAPES = {

@@ -5,7 +5,8 @@ import numpy as np
 import path_scenes
 import pytest
 import scenes
-from test_lights_sampling import irradiance, random_numbers, sphere_directions
+from light_support import random_numbers, sphere_directions
+from test_lights_sampling import irradiance
 
 ANY, ALL_BLOCK = (1 << 63) - 1, (1 << 24) - 1
 UNLINKED = (-1, -1)

@@ -2,20 +2,11 @@
 
 import numpy as np
 import pytest
+from light_support import NORMAL, POSITION, emitter_scene, random_numbers
 from path_scenes import lit_plane, material, render
 from scenes import diffuse, emission, look_down, matrix, quad
-from test_lights_sampling import (
-    LAMPS,
-    NORMAL,
-    POSITION,
-    POWER,
-    SHAPES,
-    emitter_scene,
-    irradiance,
-    probe_of,
-    random_numbers,
-    tilted,
-)
+from test_emitting_surfaces import SHAPES
+from test_lights_sampling import LAMPS, POWER, irradiance, probe_of, tilted
 
 
 @pytest.mark.parametrize("normal", [[0, 0, 1.0], [1.0, 0, 0.2], [0, 0, -1.0]])

@@ -295,6 +295,17 @@ def test_evaluation_by_kind_adds_up():
     assert all(max(lobes.albedo(outgoing, kind)) > 0 for kind in kinds)
 
 
+def test_velvet_is_glossy_light_of_diffuse_rays():
+    outgoing, kinds = direction(0.6), shading.LobeKind
+    lobes = closures(program_with("velvet", [1.0, WHITE, 0.4]), outgoing)
+    sample = lobes.sample(outgoing, UP, stratified(8))
+    incoming = sample["direction"][sample["valid"]]
+    whole = lobes.evaluate(outgoing, incoming, UP)
+    np.testing.assert_array_equal(lobes.evaluate(outgoing, incoming, UP, kinds.GLOSSY), whole)
+    assert whole.max() > 0 and max(lobes.albedo(outgoing, kinds.DIFFUSE)) == 0
+    assert (sample["kind"][sample["valid"]] == int(kinds.DIFFUSE)).all()
+
+
 def many_lobes(count, mirror):
     """Diffuse lobes of different roughness, a hundredth each; perhaps a mirror comes last."""
     program = Program("many")
