@@ -1,5 +1,6 @@
 #include "scene/traced_surroundings.h"
 
+#include "base/circle.h"
 #include "shading/lobe_frame.h"
 
 #include <algorithm>
@@ -24,13 +25,15 @@ class CubicDisk {
     /// Newton's steps, for a radius of 1.
     float sample(float random) const {
         constexpr int kSteps = 12;
+        constexpr float kClose = 1e-6f;
         float low = 0.0f, high = 1.0f, r = 0.3f;
         for (int i = 0; i < kSteps; ++i) {
             const float share = r * r * (10.0f + r * (-20.0f + r * (15.0f - 4.0f * r)));
             (share > random ? high : low) = r;
             const float left = 1.0f - r, slope = 20.0f * r * left * left * left;
-            const float next = slope > 0.0f ? r - (share - random) / slope : low;
-            r = next > low && next < high ? next : 0.5f * (low + high);
+            const float newton = slope > 0.0f ? r - (share - random) / slope : low, before = r;
+            r = newton > low && newton < high ? newton : 0.5f * (low + high);
+            if (std::abs(r - before) < kClose) break;
         }
         return r * radius_;
     }
@@ -120,10 +123,10 @@ Vec3f TracedSurroundings::rounded_normal(const SurfacePoint& point, float radius
     for (int i = 0; i < rays; ++i) {
         Vec2f random = numbers.get(i, rays);
         const ProbeAxes chosen = choose_axes(point.facet_normal, random.x);
-        const float distance = disk.sample(random.x), turn = 2.0f * kPi * random.y;
+        const float distance = disk.sample(random.x);
+        const Vec2f turn = on_circle(random.y);
         const float height = std::sqrt(std::max(radius * radius - distance * distance, 0.0f));
-        const Vec3f across =
-            (chosen.axes[1] * std::cos(turn) + chosen.axes[2] * std::sin(turn)) * distance + chosen.axes[0] * height;
+        const Vec3f across = (chosen.axes[1] * turn.x + chosen.axes[2] * turn.y) * distance + chosen.axes[0] * height;
         Ray ray;
         ray.origin = point.position + Vec3d(across);
         ray.time = point.time;

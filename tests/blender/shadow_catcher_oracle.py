@@ -9,7 +9,7 @@ import both_engines
 import scenes
 
 report = globals()["report"]  # given by the test
-SIZE, SAMPLES = 48, 1024
+SIZE, SAMPLES = 48, 2048
 # By name: whether the film is transparent, whether the shadow is a pass of its own.
 CASES = {"alpha": (True, False), "pass": (True, True), "opaque": (False, False), "opaque_pass": (False, True)}
 
