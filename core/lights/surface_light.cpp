@@ -1,5 +1,7 @@
 #include "lights/surface_light.h"
 
+#include "base/box_distance.h"
+#include "geometry/facet.h"
 #include "geometry/triangle_mesh.h"
 #include "lights/chosen_light.h"
 #include "lights/spherical_triangle.h"
@@ -43,15 +45,6 @@ double largest_triangle(const Tracer& tracer, const EmittingInstance& emitter) {
         largest = std::max(largest, area_vector(corners).length());
     }
     return largest;
-}
-
-double squared_distance(const Vec3d& from, const Box3d& box) {
-    double sum = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double outside = std::max({box.min[axis] - from[axis], from[axis] - box.max[axis], 0.0});
-        sum += outside * outside;
-    }
-    return sum;
 }
 
 /// Where an element is looked at to guess what it emits: parameters inside a triangle too.
@@ -152,17 +145,12 @@ class SurfaceLights::SeenTriangle {
     /// Whether it is sampled by solid angle.
     explicit operator bool() const { return sphere_ && (*sphere_).solid_angle() > kLeastSolidAngle; }
     double density() const { return 1.0 / (*sphere_).solid_angle(); }
-    /// The parameters of a point: where a ray meets the triangle (Möller, Trumbore: Fast, Minimum Storage Ray-Triangle
-    /// Intersection, 1997).
+    /// The parameters of a point.
     Vec2f sample(const Vec2f& random) const {
-        const Vec3d direction = (*sphere_).sample(random);
-        const Vec3d to_1 = corners_[1] - corners_[0], to_2 = corners_[2] - corners_[0];
-        const Vec3d across = direction.cross(to_2), turned = to_1.cross(corners_[0]);
-        const double scale = 1.0 / to_1.dot(across);
-        const double u = -corners_[0].dot(across) * scale, v = direction.dot(turned) * scale;
-        if (!std::isfinite(u) || !std::isfinite(v)) return Vec2f(1.0f / 3.0f);
-        const auto inside_u = static_cast<float>(std::clamp(u, 0.0, 1.0));
-        return {inside_u, std::clamp(static_cast<float>(v), 0.0f, 1.0f - inside_u)};
+        const std::optional<FacetHit> hit = exact_facet_hit(corners_, Vec3d(0.0), (*sphere_).sample(random), 1.0);
+        if (!hit) return Vec2f(1.0f / 3.0f);
+        const auto u = static_cast<float>(hit->u);
+        return {u, std::min(static_cast<float>(hit->v), 1.0f - u)};
     }
 
   private:
@@ -173,7 +161,8 @@ class SurfaceLights::SeenTriangle {
 SurfaceLights::SeenTriangle SurfaceLights::seen(const Affine3d& local_to_world, uint32_t instance, uint32_t element,
                                                 float time, const Vec3d& from) const {
     const double largest = largest_[static_cast<size_t>(table_of_instance_[instance])];
-    if (!(largest > kLeastSolidAngle * squared_distance(from, tracer_.bounds(instance)))) return {};
+    const double nearest = distance(tracer_.bounds(instance), from);
+    if (!(largest > kLeastSolidAngle * nearest * nearest)) return {};
     FacetCorners corners = static_cast<const TriangleMesh&>(*tracer_.instance(instance).shape).corners(element, time);
     for (Vec3d& corner : corners) corner = local_to_world.point(corner) - from;
     return SeenTriangle(corners);

@@ -1,8 +1,8 @@
 // Emitting surfaces: the elements (triangles, patches) of instances whose material emits, each a light of its own.
 //
 // A triangle that takes much of the view is sampled evenly by solid angle. Of others a point is chosen by the
-// element's parameters; its density per area is one over the area that a unit of parameters
-// covers, so that patches of any shape need no table of their own.
+// element's parameters; its density per area is one over the area that a unit of parameters covers, so that patches of
+// any shape need no table of their own.
 #pragma once
 
 #include "lights/lamp_sample.h"

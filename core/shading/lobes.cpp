@@ -111,8 +111,10 @@ bool is_bent(const Lobe& lobe, const Closures& of) {
 
 namespace {
 
-/// What a facet of glass sends both ways.
-Color seen_of_glass(const Lobe& lobe, float cosine) {
+/// What a facet at the normal makes of light, before the weight.
+Color seen_at_normal(const Lobe& lobe, float cosine) {
+    if (lobe.type == LobeType::Refraction) return transmittance(lobe, cosine);
+    if (lobe.type != LobeType::Glass) return reflectance(lobe, cosine);
     const GlassShares shares = glass_shares(lobe, cosine);
     return shares.reflected + shares.refracted;
 }
@@ -127,11 +129,8 @@ float choice_weight(const Lobe& lobe, float cosine) {
         const float away = 1.0f - std::clamp(cosine, 0.0f, 1.0f);
         return mean * (0.001f + 0.23f * away * away);
     }
-    const bool plain = lobe.type == LobeType::Glass && lobe.refracted == Color(1.0f);
-    if (plain || lobe.type == LobeType::Subsurface || lobe.fresnel == Lobe::Fresnel::None) return mean;
-    const float share = average(lobe.type == LobeType::Refraction ? transmittance(lobe, cosine)
-                                : lobe.type == LobeType::Glass    ? seen_of_glass(lobe, cosine)
-                                                                  : reflectance(lobe, cosine));
+    if (lobe.type == LobeType::Subsurface || lobe.fresnel == Lobe::Fresnel::None) return mean;
+    const float share = average(seen_at_normal(lobe, cosine));
     // Facets of a rough surface tilt, so their Fresnel factor may be far from that at the normal.
     constexpr float kLeastShare = 0.05f;
     return mean * (is_singular(lobe) ? share : std::max(share, kLeastShare));

@@ -62,11 +62,6 @@ Lobe glass_lobe(MicrofacetVariant variant, const Operands& operands, const Shadi
         lobe.weight =
             lobe.weight * energy_compensation(operands.vector(1), ggx_glass_albedo(lobe.alpha_x, cosine, lobe.ior));
     }
-    return lobe;
-}
-
-Lobe filmed_glass_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
-    Lobe lobe = glass_lobe(variant, operands, inputs);
     const ThinFilm film{operands.scalar(5), operands.scalar(6, lobe.film.ior)};
     if (film.thickness > 0.0f) {
         lobe.film = film;
@@ -135,7 +130,7 @@ void add_microfacets(Operation operation, MicrofacetVariant variant, const Opera
         case Operation::refraction:
             return closures.add(refraction_lobe(variant, operands, inputs));
         case Operation::glass:
-            return closures.add(filmed_glass_lobe(variant, operands, inputs));
+            return closures.add(glass_lobe(variant, operands, inputs));
         default:
             return closures.add(metal_lobe(variant, operands, ints, inputs));
     }

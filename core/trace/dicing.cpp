@@ -1,5 +1,7 @@
 #include "trace/dicing.h"
 
+#include "base/box_distance.h"
+
 #include <algorithm>
 #include <numbers>
 
@@ -31,13 +33,6 @@ struct LocalView {
 /// change nothing.
 double tolerance_class(double tolerance) {
     return std::exp2(0.5 * std::floor(2.0 * std::log2(tolerance)));
-}
-
-double distance(const Box3d& box, const Vec3d& point) {
-    Vec3d outside;
-    for (int axis = 0; axis < 3; ++axis)
-        outside[axis] = std::max({box.min[axis] - point[axis], 0.0, point[axis] - box.max[axis]});
-    return outside.length();
 }
 
 /// Of one that moves those by which its motion is known, but for places in which it is flat.

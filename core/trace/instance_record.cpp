@@ -1,5 +1,6 @@
 #include "trace/instance_record.h"
 
+#include "base/box_distance.h"
 #include "base/largest.h"
 #include "trace/inside_length.h"
 
@@ -8,11 +9,7 @@ namespace {
 
 /// Whether a box is so near to a point; with a margin, for distances to places in it are taken in single precision.
 bool is_within(const Box3d& box, const Vec3d& point, float reach) {
-    Vec3d outside;
-    for (int axis = 0; axis < 3; ++axis)
-        outside[axis] = std::max({box.min[axis] - point[axis], 0.0, point[axis] - box.max[axis]});
-    const double margin = 1.01 * reach;
-    return outside.dot(outside) <= margin * margin;
+    return distance(box, point) <= 1.01 * reach;
 }
 
 /// Where rays of the picture that neighbour `ray` pass its object: as wide as the ray is there.

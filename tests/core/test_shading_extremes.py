@@ -12,19 +12,24 @@ extreme = st.one_of(
 unit = st.tuples(st.floats(-1, 1, width=32), st.floats(0, 6.25, width=32))
 
 
-@given(
-    st.lists(extreme, min_size=21, max_size=21),
-    st.sampled_from(["", "MULTI_GGX"]),
-    unit,
-    unit,
-    st.floats(0, 6.25, width=32),
-)
+def given_principled(count):
+    """So many numbers, the method, the directions of viewer and light, and how far the normal leans."""
+    method = st.sampled_from(["", "MULTI_GGX"])
+    return given(st.lists(extreme, min_size=count, max_size=count), method, unit, unit, st.floats(0, 6.25, width=32))
+
+
+def check_principled(operation, operands, text, view, light, tilt):
+    outgoing = direction(*view)
+    normal = np.float32((np.sin(tilt), 0, np.cos(tilt)))
+    check_finite(
+        closures(program_with(operation, operands, text), outgoing, normal=normal), outgoing, direction(*light)
+    )
+
+
+@given_principled(21)
 def test_principled_is_finite_for_any_numbers(numbers, text, view, light, tilt):
     operands = list(numbers[:18]) + [None, None, None]
-    outgoing, incoming = direction(*view), direction(*light)
-    normal = np.float32((np.sin(tilt), 0, np.cos(tilt)))
-    lobes = closures(program_with("principled", operands, text), outgoing, normal=normal)
-    check_finite(lobes, outgoing, incoming)
+    check_principled("principled", operands, text, view, light, tilt)
 
 
 def _layers(**at):
@@ -35,19 +40,10 @@ def _layers(**at):
 @example(_layers(n0=4.7e-38, n11=1.0, n14=1.0, n18=1.0, n19=1.0), "", (0.0, 0.0), (0.0, 0.0), 0.0)
 @example(_layers(n23=2.0**-24), "", (1.0, 0.0), (1.0, 0.0), 0.0)
 @example(_layers(n18=3e38, n19=1.0, n26=1.0), "", (0.5, 0.0), (0.5, 0.0), 0.0)
-@given(
-    st.lists(extreme, min_size=27, max_size=27),
-    st.sampled_from(["", "MULTI_GGX"]),
-    unit,
-    unit,
-    st.floats(0, 6.25, width=32),
-)
+@given_principled(27)
 def test_layers_are_finite_for_any_numbers(numbers, text, view, light, tilt):
     operands = [*numbers[:20], None, None, None, numbers[23], *[None] * 4, *numbers[24:]]
-    outgoing, incoming = direction(*view), direction(*light)
-    normal = np.float32((np.sin(tilt), 0, np.cos(tilt)))
-    lobes = closures(program_with("principled_layers", operands, text), outgoing, normal=normal)
-    check_finite(lobes, outgoing, incoming)
+    check_principled("principled_layers", operands, text, view, light, tilt)
 
 
 @example("conductor", "GGX", [1.0, 0.0, 0.0, 1.0, 1.0, 0.0], (1.0, 0.0), (1.0, 0.0))
