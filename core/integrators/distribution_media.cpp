@@ -15,16 +15,17 @@ void DistributionTracer::add_scattered_light(const Branch& branch, const MediumS
                                              const SegmentBounds& bounds) {
     FreeWay shadow = way_of(branch, branch.ray);
     shadow.differential = {};
-    shadow.kind = kVisibleShadow;
     shadow.state = branch.bounces.of_shadow_ray();
     shadow.widening = settings_.widening(branch.importance(), false);
-    const std::optional<ScatteredLight> light =
-        scattered_light(segment, bounds, branch.throughput, branch.sampler, branch.vertex, shadow);
+    const Maybe<ScatteredLight> light = scattered_light(segment, bounds, branch.throughput, branch.sampler,
+                                                        branch.vertex, kVisibleShadow, shadow.state);
     if (!light) return;
     Color value = branch.throughput * light->value;
-    if (light->way) {
+    if (light->casts_shadow) {
         ++(*counts_)[RayUse::Shadow];
-        value *= free_share(scene_, *light->way);
+        shadow.ray = light->ray;
+        shadow.kind = light->kind;
+        value *= free_share(scene_, shadow);
     }
     if (is_black(value)) return;
     if (branch.bounces.count() == 0)

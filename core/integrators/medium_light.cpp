@@ -6,9 +6,9 @@
 
 namespace rayleaf {
 
-std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, const SegmentBounds& bounds,
-                                              const Color& throughput, const Sampler& sampler, int vertex,
-                                              const FreeWay& shadow) {
+Maybe<ScatteredLight> scattered_light(const MediumSegment& segment, const SegmentBounds& bounds,
+                                      const Color& throughput, const Sampler& sampler, int vertex, Visibility kind,
+                                      const PathState& shadow) {
     const LightSet& lights = segment.scene.lights();
     if (lights.empty()) return std::nullopt;
     RandomStream random(sampler, dimension(vertex, PathDimension::MediumPlace));
@@ -20,25 +20,25 @@ std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, cons
     const std::optional<LitPlace> place = place_of_light(segment, bounds, throughput, passed, numbers, random);
     if (!place) return std::nullopt;
     const Vec3d position = segment.ray.at(place->t);
-    PathState path = shadow.state;
+    PathState path = shadow;
     path.shadow = false;
     const Maybe<LightSample> light =
         lights.sample(lit_in(segment.scene, segment.media, position),
                       sampler.get2(dimension(vertex, PathDimension::MediumLight)), segment.ray.time, path);
-    if (!light || !(light->visibility & in_world_of(shadow.kind, kVisibleVolume))) return std::nullopt;
+    if (!light || !(light->visibility & in_world_of(kind, kVisibleVolume))) return std::nullopt;
     const Vec3f outgoing = segment.outgoing();
     const float density = place->medium.density(outgoing, light->direction);
     const float weight = light->delta ? 1.0f : power_heuristic(light->density, density);
-    ScatteredLight result;
-    result.light_group = segment.scene.light_group(*light);
-    result.value = place->weight * place->medium.evaluate(outgoing, light->direction) *
-                   (light->radiance / light->density) * weight;
-    if (!is_finite(result.value) || is_black(result.value)) return std::nullopt;
-    if (!light->casts_shadow) return result;
-    result.way = shadow;
-    result.way->kind = to_light(shadow.kind, light->blockers);
-    Ray& ray = result.way->ray;
-    ray = Ray{};
+    const Color value = place->weight * place->medium.evaluate(outgoing, light->direction) *
+                        (light->radiance / light->density) * weight;
+    if (!is_finite(value) || is_black(value)) return std::nullopt;
+    Maybe<ScatteredLight> result;
+    ScatteredLight& scattered = result.emplace();
+    scattered.value = value;
+    scattered.light_group = segment.scene.light_group(*light);
+    scattered.casts_shadow = light->casts_shadow;
+    scattered.kind = to_light(kind, light->blockers);
+    Ray& ray = scattered.ray;
     ray.time = segment.ray.time;
     ray.origin = position;
     ray.direction = normalized_or(Vec3d(light->direction), Vec3d(0, 0, 1));
@@ -48,7 +48,6 @@ std::optional<ScatteredLight> scattered_light(const MediumSegment& segment, cons
         ray.direction = normalized_or(way, ray.direction);
         ray.t_max = way.length();
     }
-    result.way->media = segment.media;
     return result;
 }
 

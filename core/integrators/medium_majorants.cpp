@@ -10,7 +10,7 @@ BoundWalk::BoundWalk(const MediumSegment& segment) {
         if (medium->grid) {
             const Affine3d map = media.to_grid(*medium);
             const GridLine line(map.point(segment.ray.origin), map.vector(segment.ray.direction));
-            walks_[count_++] = GridWalk(*medium->grid, line);
+            walks_[count_++].emplace(*medium->grid, line);
             continue;
         }
         Closures closures;
@@ -26,20 +26,20 @@ BoundWalk::BoundWalk(const MediumSegment& segment) {
 
 void BoundWalk::advance() {
     for (size_t i = 0; i < count_; ++i)
-        if (walks_[i].end() <= end_) walks_[i].advance();
+        if (walks_[i]->end() <= end_) walks_[i]->advance();
     add_up();
 }
 
 void BoundWalk::add_up() {
     if (is_alone_) {
-        end_ = walks_[0].end();
+        end_ = walks_[0]->end();
         return;
     }
     bounds_ = even_;
     end_ = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < count_; ++i) {
-        bounds_ += walks_[i].bounds();
-        end_ = std::min(end_, walks_[i].end());
+        bounds_ += walks_[i]->bounds();
+        end_ = std::min(end_, walks_[i]->end());
     }
 }
 

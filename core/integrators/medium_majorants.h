@@ -1,6 +1,7 @@
 // How dense the media along a segment of a ray are: the sum of what bounds each, piece by piece.
 #pragma once
 
+#include "base/maybe.h"
 #include "integrators/medium_tracking.h"
 
 namespace rayleaf {
@@ -10,14 +11,14 @@ class BoundWalk {
   public:
     explicit BoundWalk(const MediumSegment& segment);
 
-    const DensityBounds& bounds() const { return is_alone_ ? walks_[0].bounds() : bounds_; }
+    const DensityBounds& bounds() const { return is_alone_ ? walks_[0]->bounds() : bounds_; }
     double end() const { return end_; }  ///< of the piece, along the ray; may be infinite
     void advance();
 
   private:
-    std::array<GridWalk, MediumStack::kMost> walks_;
+    std::array<Maybe<GridWalk>, MediumStack::kMost> walks_;
     size_t count_ = 0;
-    bool is_alone_ = false;  ///< one that varies, and nothing else
+    bool is_alone_ = false;                       ///< one that varies, and nothing else
     DensityBounds even_ = DensityBounds::none();  ///< of those that are the same everywhere
     DensityBounds bounds_ = DensityBounds::none();
     double end_ = 0;

@@ -106,10 +106,12 @@ struct EvenDepth {
         return -std::log1p(-static_cast<double>(random) * part(channel)) / static_cast<double>(extinction[channel]);
     }
     double density(double t) const {
-        double sum = 0.0;
-        for (int c = 0; c < 3; ++c)
-            if (extinction[c] > 0.0f)
-                sum += static_cast<double>(shares[c] * extinction[c] * exponential(extinction[c], t)) / part(c);
+        const Color through = exponential(extinction, t);
+        double sum = 0.0, part = 0.0;
+        for (int c = 0; c < 3; ++c) {
+            if (c == 0 || extinction[c] != extinction[c - 1]) part = this->part(c);
+            if (extinction[c] > 0.0f) sum += static_cast<double>(shares[c] * extinction[c] * through[c]) / part;
+        }
         return sum;
     }
 };

@@ -62,25 +62,29 @@ bool stays(Color& light, RandomStream& random) {
     return true;
 }
 
-/// Through the whole of it.
-MediumPassage pass_even(const MediumSegment& segment, const Closures& closures) {
-    const Color& extinction = closures.medium.extinction;
-    MediumPassage passage;
-    for (int c = 0; c < 3; ++c) passage.emission[c] = closures.emission[c] * lit_length(extinction[c], segment.end);
-    passage.weight = exponential(extinction, segment.end);
-    return passage;
+/// What all of it emits.
+Color emission_of_even(const MediumSegment& segment, const Closures& closures) {
+    Color emission = closures.emission;
+    if (is_black(emission)) return Color(0.0f);
+    for (int c = 0; c < 3; ++c) emission[c] *= lit_length(closures.medium.extinction[c], segment.end);
+    return emission;
 }
 
 MediumPassage pass_even(const MediumSegment& segment, const Color& throughput, const Vec2f& distance) {
     const Closures closures = segment.at(0.0);
     const Color& extinction = closures.medium.extinction;
-    MediumPassage passage = pass_even(segment, closures);
-    if (!closures.medium.scatters()) return passage;
+    MediumPassage passage;
+    passage.emission = emission_of_even(segment, closures);
+    if (!closures.medium.scatters()) {
+        passage.weight = exponential(extinction, segment.end);
+        return passage;
+    }
     const Color shares = shares_of(throughput);
     const float chosen = extinction[channel_of(shares, distance.y)];
     const double t = chosen > 0.0f ? -std::log1p(-static_cast<double>(distance.x)) / static_cast<double>(chosen)
                                    : std::numeric_limits<double>::infinity();
     if (!(t < segment.end)) {
+        passage.weight = exponential(extinction, segment.end);
         passage.weight /= shares.dot(passage.weight);
         return passage;
     }
@@ -240,7 +244,11 @@ MediumPassage pass(const MediumSegment& segment, const SegmentBounds& bounds, co
 
 MediumPassage pass_unscattered(const MediumSegment& segment, RandomStream& random) {
     if (segment.media.varies()) return pass_dimmed(segment, random);
-    return pass_even(segment, segment.at(0.0));
+    const Closures closures = segment.at(0.0);
+    MediumPassage passage;
+    passage.emission = emission_of_even(segment, closures);
+    passage.weight = exponential(closures.medium.extinction, segment.end);
+    return passage;
 }
 
 }  // namespace rayleaf

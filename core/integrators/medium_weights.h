@@ -13,7 +13,9 @@ inline float exponential(float extinction, double t) {
 }
 
 inline Color exponential(const Color& extinction, double t) {
-    return {exponential(extinction.x, t), exponential(extinction.y, t), exponential(extinction.z, t)};
+    const float x = exponential(extinction.x, t);
+    if (extinction.y == extinction.x && extinction.z == extinction.x) return Color(x);
+    return {x, exponential(extinction.y, t), exponential(extinction.z, t)};
 }
 
 /// With which probability each channel decides on a distance: by how much of its light there is.

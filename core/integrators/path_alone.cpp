@@ -13,13 +13,21 @@ PixelSample PathTracer::trace() {
 Arrival PathTracer::arrive_alone(ClosestHit& found) {
     const RayQuery query = next_ray();
     found = scene_.tracer().closest(*query.ray, query.kind, query.differential);
-    return arrive(found);
+    std::vector<LightRay> light_rays;
+    const Arrival arrival = arrive(found, light_rays);
+    receive_alone(light_rays);
+    return arrival;
+}
+
+/// What lights give of what was asked.
+void PathTracer::receive_alone(std::vector<LightRay>& light_rays) {
+    for (const LightRay& light : light_rays) receive(light, free_share(scene_, light));
+    light_rays.clear();
 }
 
 void PathTracer::follow(Arrival arrival, ClosestHit& found) {
     std::vector<LightRay> light_rays;
     for (;; arrival = arrive_alone(found)) {
-        light_rays.clear();
         if (arrival == Arrival::AtSurface && meets_catcher()) {
             PathTracer alone = split();
             ClosestHit found_alone;
@@ -28,7 +36,7 @@ void PathTracer::follow(Arrival arrival, ClosestHit& found) {
         }
         const bool goes_on = arrival == Arrival::GoesOn || (arrival == Arrival::AtSurface && shade_alone(light_rays)) ||
                              (arrival == Arrival::InWorld && see_world_alone());
-        for (const LightRay& light : light_rays) receive(light, free_share(scene_, light));
+        receive_alone(light_rays);
         if (!goes_on) return;
     }
 }

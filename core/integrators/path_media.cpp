@@ -11,7 +11,7 @@ Color PathTracer::free_of_media(double t) const {
     return transmittance({scene_, media_, seen.ray, t - seen.from, bounces_.at(0)}, random);
 }
 
-bool PathTracer::pass_media(double end) {
+bool PathTracer::pass_media(double end, std::vector<LightRay>& light_rays) {
     const SeenRay seen(ray_, vertex_);
     const MediumSegment segment{scene_, media_, seen.ray, end - seen.from, bounces_.at(0)};
     const bool scatters = !bounces_.is_last();
@@ -19,7 +19,7 @@ bool PathTracer::pass_media(double end) {
     MediumPassage passage;
     if (scatters) {
         const SegmentBounds bounds(segment);
-        add_scattered_light(segment, bounds);
+        add_scattered_light(segment, bounds, light_rays);
         passage = pass(segment, bounds, throughput_, sampler_.get2(dimension(vertex_, PathDimension::Medium)), random);
     } else {
         passage = pass_unscattered(segment, random);
@@ -35,27 +35,30 @@ bool PathTracer::pass_media(double end) {
     return true;
 }
 
-/// Whether anything hides the light is found out at once: few paths of a stream are in media.
-void PathTracer::add_scattered_light(const MediumSegment& segment, const SegmentBounds& bounds) {
-    FreeWay shadow;
-    shadow.kind = bounces_.kind_of_shadow_ray();
-    shadow.state = bounces_.of_shadow_ray();
-    shadow.transparent_left = bounces_.transparent_left();
-    shadow.widening = settings_.widening(importance(), false);
-    shadow.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
-    const std::optional<ScatteredLight> light =
-        scattered_light(segment, bounds, throughput_, sampler_, vertex_, shadow);
+void PathTracer::add_scattered_light(const MediumSegment& segment, const SegmentBounds& bounds,
+                                     std::vector<LightRay>& light_rays) {
+    const Visibility kind = bounces_.kind_of_shadow_ray();
+    const PathState shadow = bounces_.of_shadow_ray();
+    const Maybe<ScatteredLight> light = scattered_light(segment, bounds, throughput_, sampler_, vertex_, kind, shadow);
     if (!light) return;
-    Color value = throughput_ * light->value;
-    if (light->way) {
-        ++counts_[RayUse::Shadow];
-        value *= free_share(scene_, *light->way);
+    LightRay& way = light_rays.emplace_back(throughput_ * light->value);
+    way.shares = kMediumFirst;
+    way.first = bounces_.count() == 0;
+    way.group = light->light_group;
+    way.scatterings = bounces_.count() + 1;
+    if (!light->casts_shadow) {
+        receive(way, Color(1.0f));
+        light_rays.pop_back();
+        return;
     }
-    if (is_black(value)) return;
-    if (bounces_.count() == 0)
-        light_.add_first(value, kMediumFirst, light->light_group);
-    else
-        light_.add_scattered(value, bounces_.count() + 1, first_shares_, light->light_group);
+    ++counts_[RayUse::Shadow];
+    way.ray = light->ray;
+    way.kind = light->kind;
+    way.state = shadow;
+    way.transparent_left = bounces_.transparent_left();
+    way.widening = settings_.widening(importance(), false);
+    way.media = media_;
+    way.random = RandomStream(sampler_, dimension(vertex_, PathDimension::ShadowWalk));
 }
 
 /// Where the path ends, `vertex_` stays.

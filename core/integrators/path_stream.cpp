@@ -56,8 +56,9 @@ void PathStream::trace_all() {
     Coherence coherence = Coherence::Coherent;
     while (!active_.empty()) {
         trace_active(coherence);
+        trace_light_rays(coherence);
+        if (settings_.catches_shadows) split_at_catchers();
         see_world();
-        light_rays_.clear();
         bins_.for_each([this](const Program& program, std::span<const uint32_t> paths) { shade(program, paths); });
         keep_those_that_go_on();
         trace_light_rays(coherence);
@@ -79,7 +80,7 @@ void PathStream::trace_active(Coherence coherence) {
         scene_.tracer().closest({queries.data(), paths.size()}, coherence, found);
         for (size_t i = 0; i < paths.size(); ++i) {
             PathTracer& path = paths_[paths[i]];
-            const Arrival arrival = path.arrive(found[i]);
+            const Arrival arrival = arrive(paths[i], found[i]);
             goes_on_[paths[i]] = arrival == Arrival::GoesOn ? 1 : 0;
             if (arrival == Arrival::InWorld) in_world_.push_back(paths[i]);
             if (arrival == Arrival::AtSurface) add_to_bins(paths[i]);
@@ -87,7 +88,13 @@ void PathStream::trace_active(Coherence coherence) {
         }
         found += paths.size();
     });
-    if (settings_.catches_shadows) split_at_catchers();
+}
+
+Arrival PathStream::arrive(uint32_t path, ClosestHit& found) {
+    const size_t wanted = light_rays_.size();
+    const Arrival arrival = paths_[path].arrive(found, light_rays_);
+    for (size_t i = wanted; i < light_rays_.size(); ++i) light_rays_[i].path = path;
+    return arrival;
 }
 
 void PathStream::add_to_bins(uint32_t path) {
@@ -176,6 +183,7 @@ void PathStream::keep_those_that_go_on() {
 
 void PathStream::trace_light_rays(Coherence coherence) {
     for_each_packet(std::span(light_rays_), [&](std::span<LightRay> lights) { trace_light_packet(lights, coherence); });
+    light_rays_.clear();
 }
 
 void PathStream::trace_light_packet(std::span<LightRay> lights, Coherence coherence) {

@@ -59,6 +59,7 @@ class PathStream {
 
     void trace_all();
     void trace_active(Coherence coherence);
+    Arrival arrive(uint32_t path, ClosestHit& found);
     void add_to_bins(uint32_t path);
     void split_at_catchers();
     void see_world();

@@ -33,14 +33,14 @@ Vec2f numbers_of_part(const Vec2f& pair, int index, int count) {
 
 }  // namespace
 
-Arrival PathTracer::arrive(ClosestHit& found) {
+Arrival PathTracer::arrive(ClosestHit& found, std::vector<LightRay>& light_rays) {
     if (has_departed_) add_blocked_lights();
     take_hit(found);
     pass_volumes();
     const double end = hit_ ? hit_->t : std::numeric_limits<double>::infinity();
     add_lamps(end);
     const int vertex = vertex_;
-    if (scene_.has_media() && !media_.empty() && pass_media(end))
+    if (scene_.has_media() && !media_.empty() && pass_media(end, light_rays))
         return vertex_ > vertex ? Arrival::GoesOn : Arrival::Ends;
     if (!hit_) return leave_scene() ? Arrival::InWorld : Arrival::Ends;
     material_ = &scene_.material(hit_->instance, hit_->local);

@@ -95,7 +95,8 @@ class alignas(64) PathTracer {  // begins with a line of the cache
     }
     /// What the ray met, and what that gives but for the surface there. `found` is changed where the ray has left glass
     /// that it cannot meet again; it must stay until the path goes on.
-    Arrival arrive(ClosestHit& found);
+    /// Rays to lights that media scatter on the way are appended to `light_rays`.
+    Arrival arrive(ClosestHit& found, std::vector<LightRay>& light_rays);
     /// The ray that arrived, its hit and the material there, where a surface is to be shaded.
     const Ray& ray() const { return ray_; }
     const Hit& hit() const { return *hit_; }
@@ -171,14 +172,16 @@ class alignas(64) PathTracer {  // begins with a line of the cache
     RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
     void take_hit(ClosestHit& found);
     Arrival arrive_alone(ClosestHit& found);
+    void receive_alone(std::vector<LightRay>& light_rays);
     /// From where it has arrived by the answer `found`.
     void follow(Arrival arrival, ClosestHit& found);
     bool shade_alone(std::vector<LightRay>& light_rays);
     bool see_world_alone();
     void pass_volumes();
     /// True if a medium scattered the path's light before the ray's end.
-    bool pass_media(double end);
-    void add_scattered_light(const MediumSegment& segment, const SegmentBounds& bounds);
+    bool pass_media(double end, std::vector<LightRay>& light_rays);
+    void add_scattered_light(const MediumSegment& segment, const SegmentBounds& bounds,
+                             std::vector<LightRay>& light_rays);
     void scatter_in_medium(const MediumPassage& passage, const PhaseSample& sample);
     void pass_boundary();
     Vec2f random2(PathDimension use) const { return sampler_.get2(dimension(vertex_, use)); }
