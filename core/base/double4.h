@@ -3,6 +3,8 @@
 
 #include "base/vector.h"
 
+#include <cstring>
+
 namespace rayleaf {
 
 struct Double4 {
@@ -10,12 +12,21 @@ struct Double4 {
     Pair low, high;
 
     Double4(Pair xy, Pair zw) : low(xy), high(zw) {}
-    explicit Double4(const Vec4d& v) : low{v.x, v.y}, high{v.z, v.w} {}
+    explicit Double4(const Vec4d& v) {
+        std::memcpy(&low, &v.x, sizeof(low));
+        std::memcpy(&high, &v.z, sizeof(high));
+    }
     double x() const { return low[0]; }
     double y() const { return low[1]; }
     double z() const { return high[0]; }
     double w() const { return high[1]; }
-    explicit operator Vec4d() const { return {x(), y(), z(), w()}; }
+    /// Written as it is held: what is read as pairs soon after would wait for single numbers.
+    explicit operator Vec4d() const {
+        Vec4d v;
+        std::memcpy(&v.x, &low, sizeof(low));
+        std::memcpy(&v.z, &high, sizeof(high));
+        return v;
+    }
 };
 
 inline Double4 operator+(const Double4& a, const Double4& b) {

@@ -1,6 +1,6 @@
 #include "geometry/strand_curve.h"
 
-#include "base/double4.h"
+#include <limits>
 
 namespace rayleaf {
 namespace {
@@ -63,28 +63,32 @@ Box3d StrandSegment::bounds() const {
             Vec3d(most.x(), most.y(), most.z()) + Vec3d(radius)};
 }
 
-StrandSegment bezier_segment(StrandBasis basis, const std::array<StrandPoint, 4>& given) {
+StrandSegment bezier_segment(StrandBasis basis, const std::array<Double4, 4>& p) {
+    constexpr double kThird = 1.0 / 3.0, kSixth = 1.0 / 6.0;
     StrandSegment result;
-    const Double4 p[] = {Double4(given[0]), Double4(given[1]), Double4(given[2]), Double4(given[3])};
+    // A radius that overshoots below zero becomes zero.
+    const auto point = [](const Double4& q) {
+        const Double4::Pair least{-std::numeric_limits<double>::infinity(), 0.0};
+        return StrandPoint(Double4(q.low, q.high > least ? q.high : least));
+    };
     const auto set = [&](const Double4& a, const Double4& b, const Double4& c, const Double4& d) {
-        result.points = {StrandPoint(a), StrandPoint(b), StrandPoint(c), StrandPoint(d)};
+        result.points = {point(a), point(b), point(c), point(d)};
     };
     switch (basis) {
         case StrandBasis::Linear:
-            set(p[1], p[1] + (p[2] - p[1]) / 3.0, p[2] - (p[2] - p[1]) / 3.0, p[2]);
+            set(p[1], p[1] + (p[2] - p[1]) * kThird, p[2] - (p[2] - p[1]) * kThird, p[2]);
             break;
         case StrandBasis::CatmullRom:
-            set(p[1], p[1] + (p[2] - p[0]) / 6.0, p[2] - (p[3] - p[1]) / 6.0, p[2]);
+            set(p[1], p[1] + (p[2] - p[0]) * kSixth, p[2] - (p[3] - p[1]) * kSixth, p[2]);
             break;
         case StrandBasis::BSpline:
-            set((p[0] + p[1] * 4.0 + p[2]) / 6.0, (p[1] * 2.0 + p[2]) / 3.0, (p[1] + p[2] * 2.0) / 3.0,
-                (p[1] + p[2] * 4.0 + p[3]) / 6.0);
+            set((p[0] + p[1] * 4.0 + p[2]) * kSixth, (p[1] * 2.0 + p[2]) * kThird, (p[1] + p[2] * 2.0) * kThird,
+                (p[1] + p[2] * 4.0 + p[3]) * kSixth);
             break;
         case StrandBasis::Bezier:
-            result.points = given;
+            set(p[0], p[1], p[2], p[3]);
             break;
     }
-    for (StrandPoint& point : result.points) point.w = std::max(point.w, 0.0);
     return result;
 }
 

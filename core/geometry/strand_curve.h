@@ -1,7 +1,7 @@
 // One cubic segment of a strand: an axis and a radius over [0,1], as the control points of a Bezier curve.
 #pragma once
 
-#include "base/vector.h"
+#include "base/double4.h"
 
 #include <array>
 #include <cstdint>
@@ -36,6 +36,6 @@ inline Vec3d axis_point(const StrandPoint& p) {
 /// The Bezier form of the segment whose points are p[0] .. p[3] of the basis: for Linear and CatmullRom it runs from
 /// p[1] to p[2], for the others p are its four points. Points of the axis that two segments share have the same bits in
 /// both. A radius that overshoots below zero becomes zero.
-StrandSegment bezier_segment(StrandBasis basis, const std::array<StrandPoint, 4>& p);
+StrandSegment bezier_segment(StrandBasis basis, const std::array<Double4, 4>& p);
 
 }  // namespace rayleaf

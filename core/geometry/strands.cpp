@@ -223,16 +223,17 @@ int64_t Strands::first_of_segment(uint32_t segment) const {
     return number * points_of(basis_).stride - (centred ? 1 : 0);
 }
 
-std::array<StrandPoint, 4> Strands::points_at(const std::array<size_t, 4>& indices, float time) const {
-    std::array<StrandPoint, 4> p{};
-    if (!deforms()) {
-        for (size_t i = 0; i < 4; ++i) p[i] = points_[indices[i]];
-        return p;
-    }
+std::array<Double4, 4> Strands::points_at(const std::array<size_t, 4>& i, float time) const {
+    const StrandPoint* from = points_.data();
+    if (!deforms()) return {Double4(from[i[0]]), Double4(from[i[1]]), Double4(from[i[2]]), Double4(from[i[3]])};
     const StepShare step = step_share(time, steps());
-    const StrandPoint *from = &points_[step.first * point_count()], *to = from + point_count();
-    for (size_t i = 0; i < 4; ++i) p[i] = from[indices[i]] + (to[indices[i]] - from[indices[i]]) * step.share;
-    return p;
+    from += step.first * point_count();
+    const StrandPoint* to = from + point_count();
+    const auto mixed = [&](size_t k) {
+        const Double4 begin(from[k]);
+        return begin + (Double4(to[k]) - begin) * step.share;
+    };
+    return {mixed(i[0]), mixed(i[1]), mixed(i[2]), mixed(i[3])};
 }
 
 StrandSegment Strands::segment(uint32_t segment, float time) const {

@@ -132,7 +132,7 @@ class Strands final : public Shape {
     void add_point(const StrandPoint& point, size_t index);
     Box3d box_at(float time) const;
     size_t point_count() const { return points_.size() / steps(); }
-    std::array<StrandPoint, 4> points_at(const std::array<size_t, 4>& indices, float time) const;
+    std::array<Double4, 4> points_at(const std::array<size_t, 4>& indices, float time) const;
     void set_attributes(std::vector<StrandAttribute> attributes, AttributeId active_uv);
     void measure();
     Vec4f attribute_value(const StrandAttribute& attribute, const LocalHit& hit) const;

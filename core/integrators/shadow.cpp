@@ -38,6 +38,7 @@ void move_origin(const Scene& scene, const SurfacePoint& point, const Vec3f& dir
     /// pixel meet at less. At a pole they are narrow, and may be turned farther from the surface than that.
     constexpr float kGrazing = 0.1f;
     const float by_facet = direction.dot(point.facet_normal), by_surface = direction.dot(point.normal);
+    if (point.shape && point.shape->kind() == ShapeKind::Strands) return;  // it has no facets
     const bool is_flat = point.shape && point.shape->kind() == ShapeKind::TriangleMesh;
     const Vec3d way = is_flat ? way_to_smooth_surface(scene, point, direction) : Vec3d(0.0);
     const bool is_smoothed = way != Vec3d(0.0);

@@ -20,7 +20,7 @@ struct RayAnchor {
     uint32_t subpatch = 0;  ///< of the instance's shape, as the tracer numbers them
     uint32_t levels = 0;    ///< tessellation/level.h: SubpatchLevels::packed
     /// The facet, of shapes whose facets stay in memory (tessellation/ray_packet.h). A ray that starts on it, flat as
-    /// it is, cannot meet it again, so it is not asked.
+    /// it is, cannot meet it again, so it is not asked. Of hair, the segment (trace/strand_scene.h).
     uint32_t facet = kNone;
 };
 

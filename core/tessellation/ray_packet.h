@@ -32,7 +32,7 @@ struct alignas(64) RayPacket {
     float farthest[kPacketSize];           ///< along it: nothing beyond counts
     /// Along it: whatever lies wholly between counts, for sure.
     float sure_from[kPacketSize], sure_to[kPacketSize];
-    uint32_t start_facet[kPacketSize];  ///< the number of the facet that it starts on: not asked
+    uint32_t start_facet[kPacketSize];  ///< RayAnchor::facet where it starts on the shape: not asked
 
     // Set by PacketKernels::shear:
     float shear_x[kPacketSize], shear_y[kPacketSize], scale_z[kPacketSize];  ///< as GridRay's

@@ -122,7 +122,7 @@ double rising_zero(const Evaluate& evaluate, double low, double high, double sta
         probing = false;
         if (next <= low || next >= high) return next;
         if (usable && std::abs(next - s) <= at.step) {
-            if (at.trusted) return next;
+            if (at.trusted) return s;
             next = std::clamp(s + std::copysign(2.0 * at.step, next - s), low, high);
             probing = true;
         }
@@ -169,10 +169,16 @@ struct Nearest {
     }
 };
 
+/// A place of a piece, and its functions there.
+struct PlaceOnPiece {
+    double s;
+    At at;
+};
+
 /// The least of  side z - sqrt(inside)  over [0,1]: where its derivative times the root changes sign. Outside the balls
 /// the root counts as zero, and the sign is that of the way back to them.
-double extreme_parameter(const StrandSegment& piece, const Ends& ends, double side, const Nearest& nearest,
-                         double step) {
+PlaceOnPiece extreme_place(const StrandSegment& piece, const Ends& ends, double side, const Nearest& nearest,
+                           double step) {
     const auto slope_of = [&](const At& at) {
         const double inside = at.inside(), root = inside > 0.0 ? std::sqrt(inside) : 0.0;
         const double value = side * at.dz * root + at.phi_first();
@@ -180,12 +186,18 @@ double extreme_parameter(const StrandSegment& piece, const Ends& ends, double si
         const double own = at.phi_second();
         return Slope{value, own + bend, step, std::abs(bend) <= own};
     };
-    if (slope_of(ends.first).value >= 0.0) return 0.0;
-    if (slope_of(ends.last).value <= 0.0) return 1.0;
+    if (slope_of(ends.first).value >= 0.0) return {0.0, ends.first};
+    if (slope_of(ends.last).value <= 0.0) return {1.0, ends.last};
     // As if straight and of one radius: phi = A x² - W, so the extremum lies at -k sqrt(W / (A² + k² A)).
     const double a = nearest.bend, k = side * nearest.dz, w = std::max(nearest.inside, 0.0);
     const double offset = a > 0.0 ? -k * std::sqrt(w / (a * (a + k * k))) : 0.0;
-    return rising_zero([&](double s) { return slope_of(At(piece, s)); }, 0.0, 1.0, nearest.s + offset);
+    PlaceOnPiece place{0.0, ends.first};
+    const auto evaluate = [&](double s) {
+        place = {s, At(piece, s)};
+        return slope_of(place.at);
+    };
+    const double s = rising_zero(evaluate, 0.0, 1.0, nearest.s + offset);
+    return s == place.s ? place : PlaceOnPiece{s, At(piece, s)};
 }
 
 /// The span of a piece that has one nearest place at most.
@@ -195,8 +207,9 @@ std::optional<StrandSpan> simple_span(const StrandSegment& piece, double radius,
     const Nearest nearest(piece, ends);
     // Of a ray that passes by, both extrema are where it is nearest.
     const auto find_end = [&](double side, double& s, double& distance) {
-        s = extreme_parameter(piece, ends, side, nearest, step);
-        const At at(piece, s);
+        const PlaceOnPiece place = extreme_place(piece, ends, side, nearest, step);
+        const At& at = place.at;
+        s = place.s;
         const double inside = at.inside();
         distance = at.z - side * std::sqrt(std::max(inside, 0.0));
         return inside > 0.0;
@@ -325,23 +338,6 @@ bool is_one_ball(const StrandSegment& piece) {
 }
 
 }  // namespace
-
-StrandRay::StrandRay(const Vec3d& near_origin, const Vec3d& unit_direction)
-    : origin(near_origin), along(unit_direction) {
-    // Duff et al. 2017, as base/vector.h has it for floats.
-    const double sign = std::copysign(1.0, along.z), a = -1.0 / (sign + along.z), b = along.x * along.y * a;
-    across_x = Vec3d(1.0 + sign * along.x * along.x * a, sign * b, -sign * along.x);
-    across_y = Vec3d(b, sign + along.y * along.y * a, -along.y);
-}
-
-StrandSegment StrandRay::to_frame(const StrandSegment& local) const {
-    StrandSegment result;
-    for (int i = 0; i < 4; ++i) {
-        const Vec3d p = axis_point(local.points[i]) - origin;
-        result.points[i] = StrandPoint(p.dot(across_x), p.dot(across_y), p.dot(along), local.points[i].w);
-    }
-    return result;
-}
 
 void StrandSpans::add(StrandSpan span) {
     for (int i = 0; i < count;) {

@@ -8,24 +8,13 @@
 // halved.
 #pragma once
 
-#include "geometry/strand_curve.h"
+#include "trace/strand_frame.h"
 
 #include <array>
 #include <limits>
 #include <optional>
 
 namespace rayleaf {
-
-/// The ray's frame in local space.
-struct StrandRay {
-    Vec3d origin{0, 0, 0};                                       ///< near the shape
-    Vec3d along{0, 0, 1}, across_x{1, 0, 0}, across_y{0, 1, 0};  ///< unit, orthogonal
-
-    StrandRay() = default;
-    StrandRay(const Vec3d& near_origin, const Vec3d& unit_direction);
-    /// A segment in the ray's frame; radii stay.
-    StrandSegment to_frame(const StrandSegment& local) const;
-};
 
 /// Where the ray is inside a piece: distances along it from the frame's origin, and the parameters of the piece whose
 /// balls it touches there.

@@ -1,94 +1,16 @@
-#include "trace/strand_scene.h"
+#include "trace/strand_query.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 
 namespace rayleaf {
 namespace {
 
-/// How far single precision may move a place along a ray, local units.
-constexpr float kAlongError = 0x1p-18f;
-
 /// So few rays are parted at once.
 constexpr int kFewStrandRays = 2;
 
-enum class Crossing : uint8_t { Enters, Leaves };
-
-/// A strand that the start of a ray lies in, and where the ray leaves it.
-struct StrandExit {
-    uint32_t strand = 0;
-    StrandLeave place;
-};
-
 }  // namespace
-
-/// One ray on its way through the pieces.
-struct StrandScene::Query {
-    const StrandScene* scene = nullptr;
-    const LocalRay* ray = nullptr;
-    StrandRay frame;
-    CapsuleRay float_frame;
-    ShapeHit best;
-    double begin = 0;     ///< the true start in the frame, and a little beyond: the rounding of t
-    double farthest = 0;  ///< t of the best hit, or the ray's t_max
-    Crossing best_crossing = Crossing::Enters;
-    bool found = false;
-    bool any;                       ///< whether one hit is enough
-    std::vector<StrandExit> exits;  ///< of the strands that the ray starts in
-
-    // What `find_holding` looks for and finds.
-    uint32_t wanted_strand = 0;
-    double wanted_distance = 0;
-    bool holds = false;
-    StrandLeave last;
-
-    Query(const StrandScene& strand_scene, const LocalRay& local, Wanted wanted)
-        : scene(&strand_scene),
-          ray(&local),
-          frame(local.origin + local.direction * local.start, local.direction / local.speed),
-          float_frame{Vec3f(frame.origin), Vec3f(frame.across_x), Vec3f(frame.across_y), Vec3f(frame.along)},
-          begin((local.t_min - local.start) * local.speed + kBackstep),
-          farthest(local.t_max),
-          any(wanted == Wanted::Any) {}
-
-    /// How far the ray needs to be followed still, as the tree sees it.
-    float float_farthest() const { return found && any ? kDone : ray->float_distance(farthest); }
-    double t_of(double along) const { return ray->start + along / ray->speed; }
-
-    /// Takes a hit if it is the nearest so far.
-    void offer(const FacetId& facet, double s, double along, Crossing crossing) {
-        if (crossing == Crossing::Leaves && !scene->strands_->has_inside()) return;
-        const double t = t_of(along);
-        if (!(t >= ray->t_min && t <= farthest)) return;
-        if (found && t == farthest && best.facet < facet) return;
-        best.facet = facet;
-        best.point.t = t;
-        best.point.u = s;
-        best.point.position = frame.origin + frame.along * along;
-        farthest = t;
-        found = true;
-        best_crossing = crossing;
-    }
-    /// Takes back all hits, but those that leave.
-    void restart() {
-        found = false;
-        farthest = ray->t_max;
-        for (const StrandExit& exit : exits) offer(exit.place, Crossing::Leaves);
-    }
-    void offer(const StrandLeave& place, Crossing crossing) { offer(place.facet, place.s, place.distance, crossing); }
-    /// Whether the ray starts in a strand and a place lies before it has left it.
-    bool starts_before_exit(uint32_t strand, double t) const {
-        const StrandExit* exit = exit_of(strand);
-        return exit != nullptr && t <= t_of(exit->place.distance);
-    }
-    const StrandExit* exit_of(uint32_t strand) const {
-        const auto at =
-            std::find_if(exits.begin(), exits.end(), [strand](const StrandExit& e) { return e.strand == strand; });
-        return at == exits.end() ? nullptr : &*at;
-    }
-};
 
 StrandSpans StrandScene::spans(const Query& query, const Piece& piece, double needs_leave_before) const {
     if (strands_->form() == StrandForm::Spheres) {
@@ -127,16 +49,18 @@ void StrandScene::visit_pieces(Query& query, uint32_t leaf, const MetPieces& met
 }
 
 void StrandScene::visit(Query& query, const Piece& piece) const {
+    if (piece.segment == query.own_segment) return;
     if (strands_->form() == StrandForm::Ribbon) {
         visit_ribbon(query, piece);
         return;
     }
-    const StrandSpans found = spans(query, piece, query.begin);
+    constexpr double kNever = -std::numeric_limits<double>::infinity();
+    const StrandSpans found = spans(query, piece, query.knows_start() ? kNever : query.begin);
     for (int i = 0; i < found.count; ++i) {
         const StrandSpan& span = found.spans[i];
         if (query.t_of(span.enter) >= query.ray->t_min)
             enter(query, piece, span);
-        else if (query.t_of(span.leave) >= query.ray->t_min)
+        else if (!query.knows_start() && query.t_of(span.leave) >= query.ray->t_min)
             follow_out(query, strands_->strand_of(piece.segment),
                        {{piece.segment, piece.index}, place_of(piece, span.s_leave), span.leave});
     }
@@ -152,6 +76,11 @@ double StrandScene::place_of(const Piece& piece, double s) const {
 void StrandScene::enter(Query& query, const Piece& piece, const StrandSpan& span) const {
     const double t = query.t_of(span.enter);
     if (t > query.farthest) return;
+    if (query.knows_start()) {
+        if (strands_->strand_of(piece.segment) == query.own_strand && neighbours_hold(query, piece, span.enter)) return;
+        query.offer({piece.segment, piece.index}, place_of(piece, span.s_enter), span.enter, Crossing::Enters);
+        return;
+    }
     // Whoever wants any hit stops at this one, so it must be known now whether it lies inside the strand.
     if (query.any || !query.exits.empty()) {
         const uint32_t strand = strands_->strand_of(piece.segment);
@@ -159,67 +88,6 @@ void StrandScene::enter(Query& query, const Piece& piece, const StrandSpan& span
         if (knows_exit && query.starts_before_exit(strand, t)) return;
     }
     query.offer({piece.segment, piece.index}, place_of(piece, span.s_enter), span.enter, Crossing::Enters);
-}
-
-/// The ray starts in this strand: follows it through all pieces that hold it to where it leaves.
-void StrandScene::follow_out(Query& query, uint32_t strand, StrandLeave place) const {
-    if (query.exit_of(strand) != nullptr) return;
-    while (find_holding(query, strand, place.distance)) place = query.last;
-    // Where two pieces share a ball, both are left there: the first of them counts, whichever was met before.
-    const double just_before = std::nextafter(place.distance, -std::numeric_limits<double>::infinity());
-    if (find_holding(query, strand, just_before) && query.last.distance == place.distance &&
-        query.last.facet < place.facet)
-        place = query.last;
-    query.exits.push_back({strand, place});
-    query.offer(place, Crossing::Leaves);
-}
-
-/// Whether the ray starts inside the strand; if so, its exit is known then.
-bool StrandScene::starts_inside(Query& query, uint32_t strand) const {
-    if (query.exit_of(strand) != nullptr) return true;
-    if (query.ray->start >= query.ray->t_min) return false;  // it starts outside the whole shape
-    const double begin = (query.ray->t_min - query.ray->start) * query.ray->speed;
-    if (!find_holding(query, strand, begin)) return false;
-    follow_out(query, strand, query.last);
-    return true;
-}
-
-/// Whether pieces of a strand hold the place at a distance along the ray; `last` is then the one that is left last.
-bool StrandScene::find_holding(Query& query, uint32_t strand, double distance) const {
-    query.wanted_strand = strand;
-    query.wanted_distance = distance;
-    query.holds = false;
-    const Vec3f position(query.frame.origin + query.frame.along * distance);
-    const auto visit_holders = [](void* owner, uint32_t leaf, uint32_t, float*) {
-        Query& asked = *static_cast<Query*>(owner);
-        asked.scene->visit_holding(asked, leaf);
-    };
-    float reach = kAlongError;
-    tree_.alone(position, query.float_frame.along, query.ray->time, &reach, {visit_holders, &query});
-    return query.holds;
-}
-
-void StrandScene::visit_holding(Query& query, uint32_t leaf) const {
-    Maybe<Capsules> room;
-    const Capsules& capsules = this->capsules(leaf, query.ray->time, room);
-    const auto place = static_cast<float>(query.wanted_distance);
-    float nears[Capsules::kMost];
-    const uint32_t met = meet_capsules_(capsules, query.float_frame, {place - kAlongError, place + kAlongError}, nears);
-    for_each_lane(met, [&](size_t lane) { hold(query, pieces_[leaf].of[lane]); });
-}
-
-void StrandScene::hold(Query& query, const Piece& piece) const {
-    if (strands_->strand_of(piece.segment) != query.wanted_strand) return;
-    const FacetId facet{piece.segment, piece.index};
-    const StrandSpans found = spans(query, piece, std::numeric_limits<double>::infinity());
-    for (int i = 0; i < found.count; ++i) {
-        const StrandSpan& span = found.spans[i];
-        if (!(span.enter <= query.wanted_distance && query.wanted_distance < span.leave)) continue;
-        const bool further = !query.holds || span.leave > query.last.distance ||
-                             (span.leave == query.last.distance && facet < query.last.facet);
-        if (further) query.last = {facet, place_of(piece, span.s_leave), span.leave};
-        query.holds = true;
-    }
 }
 
 /// Whether the axis, past an end of a piece, comes no nearer to the ray: it ends there, cut straight, or runs on.
@@ -305,6 +173,7 @@ struct StrandScene::Packet {
             ray.start = from.start[lane];
             ray.speed = from.speed[lane];
             ray.time = packet.times[lane];
+            ray.start_facet = from.start_facet[lane];
             queries[lane].emplace(scene, ray, wanted);
         });
     }
@@ -380,6 +249,7 @@ LocalHit StrandScene::local_hit(const ShapeHit& hit) const {
     const StrandSegment curve = strands_->segment(hit.facet.primitive, hit.time);
     const double s = std::clamp(hit.point.u, 0.0, 1.0);
     local.primitive = hit.facet.primitive;
+    if (is_hair()) local.subpatch = local.facet = hit.facet.primitive;
     local.u = static_cast<float>(s);
     local.position = hit.point.position;
     local.normal = Vec3f(hit.point.normal);

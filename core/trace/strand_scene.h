@@ -2,7 +2,8 @@
 //
 // Several pieces of a strand may hold the place where a ray enters or leaves another: inside the strand there is no
 // surface. So an entry counts only if the ray does not start inside the strand, and a leave is followed through all
-// pieces that hold it (`inside`).
+// pieces that hold it (trace/strand_inside.cpp). Of hair, which has no inside, a ray knows the segment that it starts
+// on and does not meet it, as in Cycles; so nothing need be found out about its start.
 #pragma once
 
 #include "base/maybe.h"
@@ -99,6 +100,9 @@ class StrandScene final : public ShapeScene {
     void visit_pieces(Query& query, uint32_t leaf, const MetPieces& met, float& farthest) const;
     void visit(Query& query, const Piece& piece) const;
     void enter(Query& query, const Piece& piece, const StrandSpan& span) const;
+    /// Whether rays know the segment that they start on (RayAnchor::facet).
+    bool is_hair() const { return !strands_->has_inside() && strands_->form() != StrandForm::Spheres; }
+    bool neighbours_hold(const Query& query, const Piece& piece, double distance) const;
     void follow_out(Query& query, uint32_t strand, StrandLeave place) const;
     bool starts_inside(Query& query, uint32_t strand) const;
     bool find_holding(Query& query, uint32_t strand, double distance) const;

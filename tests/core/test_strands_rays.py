@@ -149,6 +149,50 @@ def test_a_ray_that_starts_in_hair_meets_other_hair_alone():
     assert (hair["t"] >= solid["t"]).all()
 
 
+def hair_loop(form):
+    """A closed loop of hair in the plane z = 0, of radius 1, and its tracer."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 25)[:-1]
+    points = np.stack([np.cos(angles), np.sin(angles), np.zeros(24)], 1)
+    closed = np.ones(1, np.uint8)
+    return tracer(strand(points, 0.05, cyclic=closed, form=form, has_inside=False))
+
+
+def rays_off(hits, side, seed):
+    """Rays from hits on hair: on the outer side of the wall, or through the fibre."""
+    random = np.random.default_rng(seed)
+    normals = hits["facet_normal"].astype(float)
+    directions = random.normal(size=normals.shape)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    cosines = np.einsum("ij,ij->i", directions, normals)
+    directions *= np.where(cosines * side < 0, -1.0, 1.0)[:, None]
+    origins = hits["facet_position"] + normals * (side * hits["start_offset"])[:, None]
+    clear = np.abs(cosines) > 1e-3
+    return origins[clear], directions[clear], hits["anchors"][clear]
+
+
+@pytest.mark.parametrize("together", [1, 16])
+@pytest.mark.parametrize("form, side", [("ROUND", 1), ("ROUND", -1), ("RIBBON", 1)])
+def test_a_ray_that_starts_on_hair_does_not_meet_it_there(form, side, together):
+    """It meets the far side of the loop, where it goes there."""
+    scene = hair_loop(form)
+    random = np.random.default_rng(7)
+    angles, sides = random.uniform(0, 2 * np.pi, 4000), random.uniform(-0.04, 0.04, 4000)
+    aims = np.stack([np.cos(angles) * (1 + sides), np.sin(angles) * (1 + sides), np.zeros(4000)], 1)
+    first = scene.closest_hits(aims + (0, 0, 2), np.tile([0.0, 0.0, -1.0], (4000, 1)))
+    assert np.isfinite(first["t"]).all()
+    origins, directions, starts = rays_off(first, side, 8)
+    hits = scene.closest_hits(origins, directions, starts=starts, together=together)
+    met = np.isfinite(hits["t"])
+    own, other = starts[met, 3].astype(int), hits["primitive"][met]
+    assert 5 < met.sum() < 0.1 * len(met)
+    assert (own != other).all()
+    if form == "ROUND":
+        assert (hits["t"][met] > 0.1).all()
+        assert (np.einsum("ij,ij->i", hits["facet_normal"][met], directions[met]) < 0).all()
+    else:  # the band beside it turns towards each ray
+        assert np.isin((own - other)[hits["t"][met] < 0.1] % 24, (1, 23)).all()
+
+
 def test_a_ribbon_is_cut_straight_at_its_ends_and_faces_the_ray():
     scene = tracer(strand([[0, 0, 0], [1, 0, 0]], 0.1, basis="LINEAR", form="RIBBON"))
     origins = [[-0.05, 0, 2], [0.05, 0.09, 2], [0.05, 0.11, 2], [0.95, -0.09, 2], [1.05, 0, 2]]
