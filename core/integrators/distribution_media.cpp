@@ -13,18 +13,18 @@ Color DistributionTracer::free_of_media(const Branch& branch, double t) const {
 
 void DistributionTracer::add_scattered_light(const Branch& branch, const MediumSegment& segment,
                                              const SegmentBounds& bounds) {
-    FreeWay shadow = way_of(branch, branch.ray);
-    shadow.differential = {};
-    shadow.state = branch.bounces.of_shadow_ray();
-    shadow.widening = settings_.widening(branch.importance(), false);
-    const Maybe<ScatteredLight> light = scattered_light(segment, bounds, branch.throughput, branch.sampler,
-                                                        branch.vertex, kVisibleShadow, shadow.state);
+    const PathState state = branch.bounces.of_shadow_ray();
+    const Maybe<ScatteredLight> light =
+        scattered_light(segment, bounds, branch.throughput, branch.sampler, branch.vertex, kVisibleShadow, state);
     if (!light) return;
     Color value = branch.throughput * light->value;
     if (light->casts_shadow) {
         ++(*counts_)[RayUse::Shadow];
-        shadow.ray = light->ray;
+        FreeWay shadow = way_of(branch, light->ray);
+        shadow.differential = {};
         shadow.kind = light->kind;
+        shadow.state = state;
+        shadow.widening = settings_.widening(branch.importance(), false);
         value *= free_share(scene_, shadow);
     }
     if (is_black(value)) return;

@@ -70,24 +70,29 @@ Color emission_of_even(const MediumSegment& segment, const Closures& closures) {
     return emission;
 }
 
+/// Through the whole of it.
+MediumPassage pass_even(const MediumSegment& segment, const Closures& closures) {
+    MediumPassage passage;
+    passage.emission = emission_of_even(segment, closures);
+    passage.weight = exponential(closures.medium.extinction, segment.end);
+    return passage;
+}
+
 MediumPassage pass_even(const MediumSegment& segment, const Color& throughput, const Vec2f& distance) {
     const Closures closures = segment.at(0.0);
     const Color& extinction = closures.medium.extinction;
-    MediumPassage passage;
-    passage.emission = emission_of_even(segment, closures);
-    if (!closures.medium.scatters()) {
-        passage.weight = exponential(extinction, segment.end);
-        return passage;
-    }
+    if (!closures.medium.scatters()) return pass_even(segment, closures);
     const Color shares = shares_of(throughput);
     const float chosen = extinction[channel_of(shares, distance.y)];
     const double t = chosen > 0.0f ? -std::log1p(-static_cast<double>(distance.x)) / static_cast<double>(chosen)
                                    : std::numeric_limits<double>::infinity();
     if (!(t < segment.end)) {
-        passage.weight = exponential(extinction, segment.end);
+        MediumPassage passage = pass_even(segment, closures);
         passage.weight /= shares.dot(passage.weight);
         return passage;
     }
+    MediumPassage passage;
+    passage.emission = emission_of_even(segment, closures);
     const Color through = exponential(extinction, t);
     passage.weight = through / (shares * extinction).dot(through);
     passage.t = t;
@@ -244,11 +249,7 @@ MediumPassage pass(const MediumSegment& segment, const SegmentBounds& bounds, co
 
 MediumPassage pass_unscattered(const MediumSegment& segment, RandomStream& random) {
     if (segment.media.varies()) return pass_dimmed(segment, random);
-    const Closures closures = segment.at(0.0);
-    MediumPassage passage;
-    passage.emission = emission_of_even(segment, closures);
-    passage.weight = exponential(closures.medium.extinction, segment.end);
-    return passage;
+    return pass_even(segment, segment.at(0.0));
 }
 
 }  // namespace rayleaf

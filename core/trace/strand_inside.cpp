@@ -10,20 +10,12 @@ namespace rayleaf {
 
 /// Whether pieces beside this one hold a place at a distance along the ray.
 bool StrandScene::neighbours_hold(const Query& query, const Piece& piece, double distance) const {
-    const auto holds = [&](const StrandSegment& segment, uint32_t level, uint32_t index) {
-        const StrandSpans found = round_spans(query.frame.to_frame(segment).part(level, index));
-        return std::any_of(found.spans.begin(), found.spans.begin() + found.count, [distance](const StrandSpan& span) {
-            return span.enter < distance && distance < span.leave;
-        });
-    };
-    for (const int step : {-1, 1}) {
-        const int64_t index = int64_t{piece.index} + step;
-        if (index >= 0 && index < int64_t{1} << piece.level) {
-            if (holds(segment_of(piece, query.ray->time), piece.level, static_cast<uint32_t>(index))) return true;
-            continue;
-        }
-        const std::optional<uint32_t> next = strands_->neighbour(piece.segment, step);
-        if (next && holds(strands_->segment(*next, query.ray->time), 0, 0)) return true;
+    const auto holds = [distance](const StrandSpan& span) { return span.enter < distance && distance < span.leave; };
+    for (const int end : {-1, 1}) {
+        const std::optional<StrandSegment> other = beside(query, piece, end);
+        if (!other) continue;
+        const StrandSpans found = round_spans(*other);
+        if (std::any_of(found.spans.begin(), found.spans.begin() + found.count, holds)) return true;
     }
     return false;
 }

@@ -90,22 +90,21 @@ void StrandScene::enter(Query& query, const Piece& piece, const StrandSpan& span
     query.offer({piece.segment, piece.index}, place_of(piece, span.s_enter), span.enter, Crossing::Enters);
 }
 
+std::optional<StrandSegment> StrandScene::beside(const Query& query, const Piece& piece, int end) const {
+    const int64_t index = int64_t{piece.index} + end;
+    if (index >= 0 && index < int64_t{1} << piece.level)
+        return query.frame.to_frame(segment_of(piece, query.ray->time)).part(piece.level, static_cast<uint32_t>(index));
+    const std::optional<uint32_t> next = strands_->neighbour(piece.segment, end);
+    if (!next) return std::nullopt;
+    return query.frame.to_frame(strands_->segment(*next, query.ray->time));
+}
+
 /// Whether the axis, past an end of a piece, comes no nearer to the ray: it ends there, cut straight, or runs on.
 bool StrandScene::is_nearest_at_end(const Query& query, const Piece& piece, const StrandSegment& in_frame,
                                     int end) const {
-    uint32_t segment = piece.segment;
-    int64_t index = int64_t{piece.index} + end;
-    uint16_t level = piece.level;
-    if (index < 0 || index >= int64_t{1} << level) {
-        const std::optional<uint32_t> next = strands_->neighbour(segment, end);
-        if (!next) return false;
-        segment = *next;
-        level = 0;
-        index = 0;
-    }
-    const StrandSegment other =
-        query.frame.to_frame(strands_->segment(segment, query.ray->time)).part(level, static_cast<uint32_t>(index));
-    const StrandPoint direction = other.derivative(end > 0 ? 0.0 : 1.0);
+    const std::optional<StrandSegment> other = beside(query, piece, end);
+    if (!other) return false;
+    const StrandPoint direction = other->derivative(end > 0 ? 0.0 : 1.0);
     return recedes(in_frame.points[end > 0 ? 3 : 0], direction, end);
 }
 

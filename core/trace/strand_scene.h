@@ -13,6 +13,7 @@
 #include "trace/shape_scene.h"
 #include "trace/strand_intersection.h"
 
+#include <optional>
 #include <vector>
 
 namespace rayleaf {
@@ -102,6 +103,9 @@ class StrandScene final : public ShapeScene {
     void enter(Query& query, const Piece& piece, const StrandSpan& span) const;
     /// Whether rays know the segment that they start on (RayAnchor::facet).
     bool is_hair() const { return !strands_->has_inside() && strands_->form() != StrandForm::Spheres; }
+    /// In the ray's frame, the piece before (end -1) or after (1) one of the same segment, or all of the segment there;
+    /// empty at an end of the strand.
+    std::optional<StrandSegment> beside(const Query& query, const Piece& piece, int end) const;
     bool neighbours_hold(const Query& query, const Piece& piece, double distance) const;
     void follow_out(Query& query, uint32_t strand, StrandLeave place) const;
     bool starts_inside(Query& query, uint32_t strand) const;
