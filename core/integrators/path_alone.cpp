@@ -19,7 +19,7 @@ Arrival PathTracer::arrive_alone(ClosestHit& found) {
     return arrival;
 }
 
-/// What lights give of what was asked.
+/// Traces the rays to lights, takes the light that arrives, and forgets the rays.
 void PathTracer::receive_alone(std::vector<LightRay>& light_rays) {
     for (const LightRay& light : light_rays) receive(light, free_share(scene_, light));
     light_rays.clear();
