@@ -45,10 +45,13 @@ void move_origin(const Scene& scene, const SurfacePoint& point, const Vec3f& dir
     const bool is_open = by_facet * by_surface > 0.0f && std::min(std::abs(by_facet), std::abs(by_surface)) > kGrazing;
     if (is_open && !is_smoothed) return;
     const Vec3d side = Vec3d(point.normal) * (by_surface > 0.0f ? 1.0 : -1.0);
-    const double rise = (point.position - point.facet_position).dot(side);
+    const Vec3d facet_normal(point.facet_normal);
+    const double facet_side = facet_normal.dot(side) > 0.0 ? 1.0 : -1.0;
+    // Above the facet's plane, not along the surface's normal: the surface's point also lies beside the facet's.
+    const double rise = (point.position - point.facet_position).dot(facet_normal) * facet_side;
     // Corners and edges of facets lie on the surface, but for rounding. Where a facet lies above the surface, that is
     // hollow, and light from behind the facet does not come: a ray from its back would start inside the body.
-    const bool is_behind = (ray.direction.dot(Vec3d(point.facet_normal)) > 0.0) != (by_surface > 0.0f);
+    const bool is_behind = (ray.direction.dot(facet_normal) > 0.0) != (by_surface > 0.0f);
     if (!is_smoothed && rise < -point.facet_error && !is_behind) return;
     const Vec3d start = is_smoothed ? point.facet_position + way : rise > 0.0 ? point.position : point.facet_position;
     ray.origin = start + side * point.start_offset;

@@ -10,7 +10,7 @@ namespace rayleaf {
 namespace {
 
 /// Boxes that reach into one another by this share of the smaller one's size only touch: a vase stands on a table.
-constexpr double kTouching = 1e-4;
+constexpr double kTouching = 1e-3;
 
 Box3d box_of_triangle(const TriangleMesh& mesh, uint32_t triangle) {
     Box3d box;

@@ -36,8 +36,8 @@ struct TracedInstance {
     bool operator==(const TracedInstance&) const = default;
 };
 
-/// The usual one of DicingView. Reflections and shadows of what lies off the picture need some shape too.
-inline constexpr double kCoarsestTolerance = 1e-4;
+/// The usual one of DicingView. Lenses and lamps enlarge what is small in the picture: a circle keeps 70 sides.
+inline constexpr double kCoarsestTolerance = 1e-3;
 
 /// How finely patches are diced. The grid of a subpatch has 17x17 vertices; patches are split evenly until the distance
 /// between facets and surface is below `tolerance(instance)`.

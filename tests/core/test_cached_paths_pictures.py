@@ -283,7 +283,8 @@ def test_textures_on_an_interpolated_surface_are_where_and_as_sharp_as_traced(co
         assert used(on)[0]["kind"] == "simple" and share_of(on, INTERPOLATED) > 0.1
         assert used(on)[0]["interpolated"] > 0.5 * (used(on)[0]["queries"] - used(on)[0]["missed"])
         apart = np.abs(picture(on) - picture(off))
-        assert apart.mean() < 0.005, (lines, apart.mean())
+        # Traced, a hit lies on a facet, a tenth of a pixel beside the surface: not little, where a stripe is a third.
+        assert apart.mean() < (0.01 if aliased else 0.005), (lines, apart.mean())
         if aliased:
             assert abs(picture(on).std() - picture(off).std()) < 0.1 * picture(off).std()
 

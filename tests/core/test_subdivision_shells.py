@@ -61,8 +61,9 @@ def test_hits_lie_on_the_surface_whose_normal_they_have():
     np.testing.assert_allclose(hits["position"], points[:, 0] * scale + center, atol=1e-9)
     normals = shapes.unit(np.cross(points[:, 2], points[:, 1]))
     np.testing.assert_allclose(hits["normal"], normals, atol=1e-5)
-    # A tenth of a pixel at three units' distance, and half more where samples told how the surface bends.
-    assert np.abs(hits["position"] - hits["facet_position"]).max() < 4.5e-4
+    # A tenth of a pixel at three units' distance; along the surface, equal parameters may lie farther apart.
+    away = np.sum((hits["position"] - hits["facet_position"]) * hits["normal"], axis=1)
+    assert np.abs(away).max() < 3e-4
 
 
 def test_a_ray_from_outside_crosses_a_shell_an_even_number_of_times():
