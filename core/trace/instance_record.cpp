@@ -64,7 +64,7 @@ const InstanceRecord* InstanceRecord::moved(float time, Maybe<InstanceRecord>& r
 
 Box3d InstanceRecord::world_box() const {
     if (motion) return motion->bounds(image_of(scene->box(), scene->shape().frame().to_object()));
-    return image_of(scene->box(), local_to_world);
+    return scene->image(local_to_world);
 }
 
 /// First, the ray that is tested must lie on the true ray's side of the facet: a ray that leaves at a grazing angle and

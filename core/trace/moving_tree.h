@@ -16,6 +16,8 @@ class MovingTree {
     MovingTree(BoxTree tree, size_t steps, const std::function<Box3f(uint32_t, size_t)>& box_of);
 
     bool empty() const { return tree_.empty(); }
+    /// Of the items at all times.
+    const BoxTree& still() const { return tree_; }
     uint64_t bytes() const { return tree_.bytes() + bounds_.bytes(); }
     /// As of BoxTraversal; `times` are of the shutter, by lane.
     void packet(const RayPacket& rays, const float* times, uint32_t lanes, int few, float* farthest,

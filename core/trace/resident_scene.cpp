@@ -1,6 +1,7 @@
 #include "trace/resident_scene.h"
 
 #include "tessellation/level.h"
+#include "trace/part_boxes.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -34,6 +35,7 @@ ResidentScene::ResidentScene(const Shape& shape, std::vector<DicedSurface> forms
     Box3f box;
     for (const DicedSurface& form : forms) box.extendBy(form.box);
     if (!tree_.empty()) set_box(box);
+    set_parts(part_boxes(tree_.still()));
     dicer_ = std::move(forms.front().dicer);
 }
 

@@ -2,6 +2,7 @@
 
 #include "geometry/patch_surface.h"
 #include "geometry/subdivision_surface.h"
+#include "trace/part_boxes.h"
 
 #include <algorithm>
 #include <limits>
@@ -23,6 +24,23 @@ void ShapeScene::set_scene(EmbreeScene scene, const Box3f& box) {
 void ShapeScene::set_box(const Box3f& box) {
     const Vec3d padding(kBoxPadding);
     box_ = Box3d(Vec3d(box.min) - padding, Vec3d(box.max) + padding);
+}
+
+void ShapeScene::set_parts(std::vector<Box3d> parts) {
+    parts_ = std::move(parts);
+    const Vec3d padding(kBoxPadding);
+    for (Box3d& part : parts_) part = Box3d(part.min - padding, part.max + padding);
+}
+
+Box3d ShapeScene::image(const Affine3d& map) const {
+    Box3d box = image_of(box_, map);
+    const Box3d of_parts = image_of(std::span(parts_), map);
+    if (box.isEmpty() || of_parts.isEmpty()) return box;
+    for (int axis = 0; axis < 3; ++axis) {
+        box.min[axis] = std::max(box.min[axis], of_parts.min[axis]);
+        box.max[axis] = std::min(box.max[axis], of_parts.max[axis]);
+    }
+    return box;
 }
 
 bool ShapeScene::closest(const LocalRay& ray, ShapeHit& hit) const {

@@ -157,6 +157,8 @@ class ShapeScene {
     bool deforms() const { return deforms_; }
     /// Bounds of everything a ray can hit, local space, padded for float rays; empty for an empty shape.
     const Box3d& box() const { return box_; }
+    /// The same of its image.
+    Box3d image(const Affine3d& map) const;
 
     /// Sets `hit` if there is one.
     virtual bool closest(const LocalRay& ray, ShapeHit& hit) const;
@@ -215,6 +217,8 @@ class ShapeScene {
     void set_scene(EmbreeScene scene, const Box3f& box);
     /// The same of a shape that has a tree of its own.
     void set_box(const Box3f& box);
+    /// Boxes that together hold what that box holds, not yet padded; see trace/part_boxes.h.
+    void set_parts(std::vector<Box3d> parts);
     RTCScene embree_scene() const { return scene_.get(); }
     const GeometryCache* geometry_cache() const { return geometry_cache_; }
     uint32_t first_subpatch() const { return first_subpatch_; }
@@ -233,6 +237,7 @@ class ShapeScene {
     uint32_t first_subpatch_ = 0;
     EmbreeScene scene_;
     Box3d box_;
+    std::vector<Box3d> parts_;  ///< none: the box is all that is known
 };
 
 }  // namespace rayleaf

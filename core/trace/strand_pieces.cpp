@@ -1,4 +1,5 @@
 // How a scene of strands is made: segments cut into pieces, and the tree over them.
+#include "trace/part_boxes.h"
 #include "trace/strand_scene.h"
 
 #include <algorithm>
@@ -30,6 +31,7 @@ StrandScene::StrandScene(const Strands& strands, const CancelToken& cancel)
     : ShapeScene(strands, FacetKind::Strands), strands_(&strands), meet_capsules_(capsule_kernel()) {
     build_tree(all_pieces(cancel), cancel);
     if (!tree_.empty()) set_box(strands.bounds());
+    set_parts(part_boxes(tree_.still()));
 }
 
 /// Segments are taken in parts, which count first, so that each knows where what it makes belongs.

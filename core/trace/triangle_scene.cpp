@@ -1,5 +1,7 @@
 #include "trace/triangle_scene.h"
 
+#include "trace/part_boxes.h"
+
 namespace rayleaf {
 namespace {
 
@@ -95,6 +97,7 @@ TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel
     EmbreeScene scene = new_embree_scene(cancel);
     build_embree_scene(scene, geometry);
     set_scene(std::move(scene), mesh.bounds());
+    set_parts(part_boxes(mesh));
 }
 
 bool FewTrianglesScene::suits(const TriangleMesh& mesh) {
@@ -105,6 +108,7 @@ bool FewTrianglesScene::suits(const TriangleMesh& mesh) {
 FewTrianglesScene::FewTrianglesScene(const TriangleMesh& mesh) : MeshScene(mesh), meet_few_(few_facets_kernel()) {
     for (uint32_t i = 0; i < mesh.triangles().size(); ++i) corners_.push_back(mesh.corners(i));
     set_box(mesh.bounds());
+    set_parts(part_boxes(mesh));
 }
 
 bool FewTrianglesScene::closest(const LocalRay& ray, ShapeHit& hit) const {

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from core import shapes
+from core import good_arguments, shapes
 
 trace, EVERYTHING = shapes.trace, shapes.EVERYTHING
 
@@ -51,6 +51,28 @@ def test_of_coinciding_instances_the_first_is_hit():
         random = np.random.default_rng(23)
         hits = tracer.closest_hits(np.zeros((500, 3)), shapes.random_directions(random, 500))
         assert (hits["instance"] == 0).all()
+
+
+@pytest.mark.parametrize("name", ["cube", "lumpy_mesh", "nurbs_sphere", "lumpy_torus", "strands"])
+def test_turned_instances_are_hit_as_each_is_alone(name):
+    """Their boxes in the world are around the images of the shape's parts."""
+    shape = good_arguments.strands() if name == "strands" else getattr(shapes, name)()
+    random = np.random.default_rng(27)
+    turned = []
+    for _ in range(12):
+        matrix = np.eye(4)
+        matrix[:3, :3] = np.linalg.qr(random.normal(size=(3, 3)))[0] * random.uniform(0.2, 2.0, 3)
+        matrix[:3, 3] = random.uniform(-4, 4, 3)
+        turned.append((shape, matrix))
+    count = 20_000
+    towards = np.stack([matrix[:3, 3] for _, matrix in turned])[random.integers(0, len(turned), count)]
+    origins = 12 * shapes.random_directions(random, count)
+    directions = shapes.unit(towards + 2 * shapes.random_directions(random, count) - origins)
+    together = tracer_of(*turned).closest_hits(origins, directions)
+    alone = [tracer_of(one).closest_hits(origins, directions) for one in turned]
+    distances = np.stack([np.where(hits["instance"] < 0, np.inf, hits["t"]) for hits in alone])
+    assert np.isfinite(distances.min(axis=0)).mean() > (0.01 if name == "strands" else 0.2)
+    np.testing.assert_array_equal(np.where(together["instance"] < 0, np.inf, together["t"]), distances.min(axis=0))
 
 
 def test_of_coinciding_triangles_the_first_is_hit():
