@@ -17,20 +17,23 @@
 namespace rayleaf {
 namespace {
 
-// Costs in units of one ray traced to its first hit on smooth patches, from measurements of caches and tracers on one
-// core. They should be right within about a third: an object whose gain is smaller is traced.
+// Costs in units of one ray traced in a packet to its first hit on facets that stay in memory, from whole frames with
+// and without caches. They should be right within about a third: an object whose gain is smaller is traced.
 constexpr double kTracedMiss = 0.2;         ///< a ray that enters the box and hits nothing
-constexpr double kInterpolatedQuery = 0.3;  ///< leaf found and evaluated
-/// Additional cost of derivatives, as paths need them (Scene::needs_differentials): a mirror's hit gains nothing then.
-constexpr double kDerivatives = 0.6;
-constexpr double kMissedQuery = 0.1;   ///< leaf found, nothing there
-constexpr double kAskedInVain = 0.15;  ///< leaf found, ray to be traced after all
-/// A path through glass or a volume, first hit included: rays of two hits, and of three.
-constexpr double kTracedGlass = 2.5, kTracedVolume = 3.0;
-/// The cost of following such a path through a convex body, as a share of tracing it.
-constexpr double kFollowedShare = 0.35;
-/// A sample is traced with its derivatives, and its cell is judged and stored.
-constexpr double kSampleFactor = 2.0;
+constexpr double kInterpolatedQuery = 4.0;  ///< leaf found and evaluated
+constexpr double kDerivatives = 1.0;        ///< in addition, as paths need them (Scene::needs_differentials)
+constexpr double kMissedQuery = 2.0;        ///< leaf found, nothing there
+constexpr double kAskedInVain = 5.0;        ///< leaf found, ray to be traced after all, and alone
+/// A path through glass or a volume, first hit included.
+constexpr double kTracedGlass = 3.0, kTracedVolume = 7.0;
+/// A first hit and a path through glass where facets go through the geometry cache.
+constexpr double kCachedRay = 5.0, kCachedGlass = 9.0;
+/// In addition to a query: where a path goes on that leaves glass.
+constexpr double kGlassExit = 5.0;
+/// Following a path through a convex body, for which no cell answers.
+constexpr double kFollowed = 8.0;
+/// A sample is traced with its derivatives, alone, and its cell is judged and stored.
+constexpr double kSample = 8.0;
 /// Smaller gains than this share of the tracing are ignored, because the costs are not more exact.
 constexpr double kLeastGain = 0.1;
 
@@ -55,24 +58,39 @@ constexpr uint64_t kTellingQueries = 256;
 constexpr double kHopeless = 1.5;
 
 /// The cost of making the tracer of a cache, by its parts.
-constexpr double kSetUpSubpatch = 10.0, kSetUpTriangle = 2.0;
+constexpr double kSetUpSubpatch = 40.0, kSetUpTriangle = 8.0;
 /// In addition, for glass, that of the tables of convex bodies.
-constexpr double kSetUpBody = 7000.0;
+constexpr double kSetUpBody = 28000.0;
 /// A path with its shading: at least two rays.
-constexpr double kPath = 3.0;
+constexpr double kPath = 10.0;
 /// Making all tried caches may take at most this share of the frame.
 constexpr double kSetUpShare = 0.03;
 
-/// The cost of the path behind a sample.
-double sample_way(OutputKind kind) {
-    if (kind == OutputKind::Glass) return kTracedGlass;
-    return kind == OutputKind::Volume ? kTracedVolume : 1.0;
+bool skips_glass(const PlannedRayCache& planned) {
+    return planned.samples.kind == OutputKind::Glass && !planned.first_hits_only;
 }
 
-/// The cost of tracing the answer of a ray.
-double traced_cost(const PlannedRayCache& planned) {
-    return planned.first_hits_only ? 1.0 : sample_way(planned.samples.kind);
-}
+/// The costs of a ray that meets an object.
+struct RayCosts {
+    double traced = 1.0, missed = kTracedMiss;
+    double interpolated = kInterpolatedQuery, followed = kFollowed;
+
+    RayCosts(const PlannedRayCache& planned, const Scene& scene) {
+        const bool is_cached = scene.tracer().goes_through_geometry_cache(planned.instances.front());
+        if (is_cached) missed *= kCachedRay;
+        if (planned.samples.kind == OutputKind::Volume)
+            traced = kTracedVolume;
+        else if (skips_glass(planned))
+            traced = is_cached ? kCachedGlass : kTracedGlass;
+        else if (is_cached)
+            traced = kCachedRay;
+        const double exit = skips_glass(planned) ? kGlassExit : 0.0;
+        interpolated += exit + (scene.needs_differentials() ? kDerivatives : 0.0);
+        followed += exit;
+    }
+    /// Whether a cache that answers every ray is faster by enough.
+    bool may_gain() const { return interpolated < (1.0 - kLeastGain) * traced; }
+};
 
 /// Queries that tell something about the object.
 uint64_t met_box(const RayCacheTotals& totals) {
@@ -167,12 +185,14 @@ std::vector<bool> worth_a_try(const std::vector<PlannedRayCache>& candidates, co
         const Ray ray = ray_at(scene, settings, even_point(i));
         for (size_t c = 0; c < candidates.size(); ++c) rank[c] += meets(ray, scene, candidates[c]) ? 1.0 : 0.0;
     }
-    std::vector<size_t> order(candidates.size());
+    std::vector<size_t> order;
     for (size_t c = 0; c < candidates.size(); ++c) {
         cancel.throw_if_cancelled();
+        const RayCosts costs(candidates[c], scene);
+        if (!costs.may_gain()) continue;
         cost[c] = set_up_cost(candidates[c]);
-        rank[c] *= traced_cost(candidates[c]) / std::max(cost[c], 1.0);
-        order[c] = c;
+        rank[c] *= costs.traced / std::max(cost[c], 1.0);
+        order.push_back(c);
     }
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return rank[a] > rank[b]; });
     double left = kSetUpShare * kPath * paths;
@@ -202,22 +222,22 @@ struct BlockSamples {
 /// `growth`: how many times as many samples of each pixel the frame has. Up to kFrameSamples they cross the same cells;
 /// beyond, mostly the same ones: the number of new samples grows with the root.
 Judgement judge(const RayCacheStatistics& statistics, const BlockSamples& taken, const PlannedRayCache& planned,
-                double growth, double interpolated_query) {
+                const Scene& scene, double growth) {
     const RayCacheTotals counts = totals_of(statistics);
     const uint64_t queries = met_box(counts);
     if (queries < kLeastQueries) return {{false, "the probe met too few rays", nullptr}, 0.0};
-    const double way = traced_cost(planned);
+    const RayCosts costs(planned, scene);
     const double roots = 2.0 * (std::sqrt(taken.blocks) - std::sqrt(taken.quarters));
     const double shared = std::min(growth, double{kFrameSamples});
     const double samples =
         std::max(roots * roots / (shared * std::sqrt(growth / shared)), kLeastSamples * static_cast<double>(queries));
     const auto followed = static_cast<double>(counts.followed);
     const double hits = static_cast<double>(counts.interpolated) + followed + static_cast<double>(counts.traced);
-    const double tracing = hits * way + static_cast<double>(counts.missed) * kTracedMiss;
-    const double asking =
-        static_cast<double>(counts.interpolated) * interpolated_query +
-        followed * (way * kFollowedShare + kAskedInVain) + static_cast<double>(counts.traced) * (way + kAskedInVain) +
-        static_cast<double>(counts.missed) * kMissedQuery + samples * sample_way(planned.samples.kind) * kSampleFactor;
+    const auto missed = static_cast<double>(counts.missed);
+    const double tracing = hits * costs.traced + missed * costs.missed;
+    const double asking = static_cast<double>(counts.interpolated) * costs.interpolated + followed * costs.followed +
+                          static_cast<double>(counts.traced) * (costs.traced + kAskedInVain) + missed * kMissedQuery +
+                          samples * kSample;
     const auto percent = [&](double part) { return 100.0 * part / static_cast<double>(queries); };
     char text[160];
     std::snprintf(
@@ -261,7 +281,6 @@ class Probe {
     int samples_;
     std::vector<ProbeResult> results_;
     std::vector<Trial> trials_;
-    double interpolated_query_ = kInterpolatedQuery;
 
     /// The counts of one trial in one block.
     struct BlockCounts {
@@ -281,6 +300,8 @@ void Probe::choose_trials(double paths) {
     for (size_t i = 0; i < candidates_.size(); ++i) {
         if (tried[i])
             trials_.push_back({i, nullptr, nullptr, {}, {}, false});
+        else if (!RayCosts(candidates_[i], scene_).may_gain())
+            results_[i].reason = "its rays are traced faster than interpolated";
         else
             results_[i].reason = "the picture has too few rays for what a cache of this object takes to make";
     }
@@ -299,7 +320,6 @@ void Probe::make_trees() {
         give(trial, std::make_shared<const RayCacheAdapter>(0, trial.asked, planned.shape, planned.samples.kind,
                                                             neighbour_scale_, cancel_));
     }
-    if (scene_.needs_differentials()) interpolated_query_ += kDerivatives;
 }
 
 void Probe::give(const Trial& trial, const std::shared_ptr<const RayCacheAdapter>& object) {
@@ -339,8 +359,7 @@ void Probe::judge_trials() {
     const double growth = static_cast<double>(settings_.samples) / samples_;
     for (Trial& trial : trials_) {
         if (trial.dropped) continue;
-        Judgement judgement =
-            judge(trial.counts, trial.taken, candidates_[trial.candidate], growth, interpolated_query_);
+        Judgement judgement = judge(trial.counts, trial.taken, candidates_[trial.candidate], scene_, growth);
         results_[trial.candidate] = std::move(judgement.result);
         trial.dropped = met_box(totals_of(trial.counts)) >= kTellingQueries && judgement.ratio > kHopeless;
         if (trial.dropped) give(trial, nullptr);

@@ -125,6 +125,10 @@ void Tracer::set_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> c
     implementation_->caches[instance] = std::move(cache);
 }
 
+bool Tracer::goes_through_geometry_cache(uint32_t instance) const {
+    return implementation_->records[instance].scene->has_levels();
+}
+
 const LocalRayCache* Tracer::cache(uint32_t instance) const {
     return implementation_->records[instance].cache;
 }

@@ -132,6 +132,8 @@ class Tracer {
     bool has_motion() const;
     /// Whether any surface is diced by the width of rays.
     bool has_levels() const { return has_levels_; }
+    /// Whether an instance's facets do.
+    bool goes_through_geometry_cache(uint32_t instance) const;
     /// Bounds of everything at all times, world space; empty for an empty scene.
     Box3d bounds() const;
     Box3d bounds(uint32_t instance) const;

@@ -12,6 +12,8 @@ from scenes import CUBE_TRIANGLES, CUBE_VERTICES, emission, look_down, matrix, s
 # A picture large enough for a probe.
 # A picture large enough for a probe, a part of it that is rendered, and a part of that.
 LARGE = dict(width=1024, height=1024, samples=4, crop_x=480, crop_y=480, crop_width=96, crop_height=96)
+NOTHING_RESIDENT = dict(resident_megabytes=0.0)  # rays to facets in the geometry cache cost more than interpolated ones
+DICED = LARGE | NOTHING_RESIDENT
 PART = dict(crop_x=512, crop_y=496, crop_width=40, crop_height=40)
 
 
@@ -114,24 +116,27 @@ def test_an_object_may_have_settings_of_its_own(core):
 
 def test_auto_says_what_it_decided_and_why(core):
     whole = dict(crop_x=0, crop_y=0, crop_width=0, crop_height=0)
-    small = render(core, ball_scene(core, "mirror"), "AUTO", **{**LARGE, **whole, "width": 64, "height": 64})
+    resident = render(core, ball_scene(core, "mirror"), "AUTO", **LARGE)
+    assert "traced faster than interpolated" in reports(resident)["ball"]["reason"]
+    small = render(core, ball_scene(core, "mirror"), "AUTO", **{**DICED, **whole, "width": 64, "height": 64})
     assert "too few rays" in reports(small)["ball"]["reason"] and not reports(small)["ball"]["used"]
-    large = [render(core, ball_scene(core, "mirror"), "AUTO", **LARGE) for _ in range(2)]
+    large = [render(core, ball_scene(core, "mirror"), "AUTO", **DICED) for _ in range(2)]
     reasons = [reports(session)["ball"]["reason"] for session in large]
     assert reasons[0] == reasons[1] and "queries" in reasons[0] and "of tracing" in reasons[0]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["mirror", "glass"])
-def test_auto_foretells_from_a_few_blocks_what_a_whole_picture_samples(core, kind):
-    whole = dict(crop_x=0, crop_y=0, crop_width=0, crop_height=0)
-    on, auto = (reports(render(core, ball_scene(core, kind), mode, **whole))["ball"] for mode in ("ON", "AUTO"))
+def test_auto_foretells_from_a_few_blocks_what_a_whole_picture_samples(core):
+    whole = dict(crop_x=0, crop_y=0, crop_width=0, crop_height=0, samples=8)
+    on, auto = (
+        reports(render(core, ball_scene(core, "mirror"), mode, **whole, **NOTHING_RESIDENT))["ball"]
+        for mode in ("ON", "AUTO")
+    )
     answers = on["answers"]
     queries = sum(count for name, count in answers.items() if name not in ("not a ray", "box missed"))
     told = float(re.search(r"([\d.]+) samples a query", auto["reason"]).group(1))
     # A block shares far fewer samples than its whole picture, so it takes many more of them per query.
     assert 1 / 3 < told / (on["samples_taken"] / queries) < 3
-    assert auto["used"]
 
 
 def test_auto_knows_that_glass_with_something_inside_is_answered_with_first_hits_alone(core):
@@ -141,18 +146,18 @@ def test_auto_knows_that_glass_with_something_inside_is_answered_with_first_hits
             red = material(core, scene, ("diffuse", 1.0, (1.0, 0.05, 0.05)), name="red")
             cube = scene.add_mesh("cube", CUBE_VERTICES, CUBE_TRIANGLES)
             scene.add_instance("cube", cube, matrix((0, 0, 0), 0.02), red)
-        reason = reports(render(core, scene, "AUTO", **LARGE))["ball"]["reason"]
-        return float(re.search(r"costs ([\d.]+) of tracing", reason).group(1))
+        return reports(render(core, scene, "AUTO", **DICED))["ball"]["reason"]
 
-    # A first hit costs two fifths of the whole path, but a sample always takes the whole path.
-    assert told(True) > 1.5 * told(False)
+    # Interpolated, a path goes on where it leaves the glass, and that costs as much as is saved; a first hit is less.
+    assert "queries" in told(True)
+    assert "traced faster than interpolated" in told(False)
 
 
 def test_auto_decides_alike_whatever_a_store_holds_and_whatever_part_is_rendered(core):
     store = core.RayCacheStore()
     render(core, ball_scene(core, "mirror"), "ON", caches=store)
-    whole = render(core, ball_scene(core, "mirror"), "AUTO", caches=store, **LARGE)
-    part = render(core, ball_scene(core, "mirror"), "AUTO", **{**LARGE, **PART})
+    whole = render(core, ball_scene(core, "mirror"), "AUTO", caches=store, **DICED)
+    part = render(core, ball_scene(core, "mirror"), "AUTO", **{**DICED, **PART})
     assert reports(whole)["ball"]["reason"] == reports(part)["ball"]["reason"]
     assert "queries" in reports(whole)["ball"]["reason"]
     assert np.array_equal(picture(part)[496:536, 512:552], picture(whole)[496:536, 512:552])
