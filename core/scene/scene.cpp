@@ -86,6 +86,7 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     DicingView view = Camera(*description.dicing_camera(), settings.width, settings.height).dicing_view();
     view.pixels = dicing_pixels(settings);
     view.coarsest = coarsest_tolerance(settings);
+    view.coarsest_cached = coarsest_cached_tolerance(settings);
     tracer_ = std::make_unique<Tracer>(std::move(traced), view, cancel, geometry_cache_settings(settings),
                                        &description.parts->shapes);
     if (asks_surroundings_) surroundings_.emplace(*tracer_);

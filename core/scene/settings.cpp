@@ -19,6 +19,9 @@ void check(const char* argument, Number value, double least, double most) {
                          "a number from " + number_text(least) + " to " + number_text(most));
 }
 
+/// How far a draft's facets may lie from the surface, local units.
+constexpr double kDraftTolerance = 0.01;
+
 }  // namespace
 
 void validate(const Settings& s) {
@@ -89,8 +92,11 @@ double dicing_pixels(const Settings& s) {
 }
 
 double coarsest_tolerance(const Settings& s) {
-    constexpr double kDraft = 0.01;
-    return s.draft ? kDraft : kCoarsestTolerance;
+    return s.draft ? kDraftTolerance : kCoarsestTolerance;
+}
+
+double coarsest_cached_tolerance(const Settings& s) {
+    return s.draft ? kDraftTolerance : kCoarsestCachedTolerance;
 }
 
 GeometryCacheSettings geometry_cache_settings(const Settings& s) {

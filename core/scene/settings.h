@@ -112,6 +112,8 @@ inline constexpr double kInterpolationShare = 0.5;
 double dicing_pixels(const Settings& settings);
 /// The same of what is far from the picture (trace/tracer.h).
 double coarsest_tolerance(const Settings& settings);
+/// That of facets that go through the geometry cache.
+double coarsest_cached_tolerance(const Settings& settings);
 /// The widest table of a draft's world.
 inline constexpr int kDraftWorldWidth = 128;
 

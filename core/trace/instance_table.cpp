@@ -37,7 +37,7 @@ struct TracedShapes {
 
 /// The shapes as they are traced, those that the store knows from there. It may be null.
 TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique, std::span<const uint32_t> uses,
-                           std::span<const ShapeTolerance> tolerances, uint64_t resident_budget,
+                           std::span<const ShapeTolerance> tolerances, double coarsest_cached, uint64_t resident_budget,
                            TracedShapeStore* store, const CancelToken& cancel) {
     const size_t count = unique.size();
     std::vector<TracedShapeKey> keys(count);
@@ -73,7 +73,14 @@ TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique,
             ++found;
             return;
         }
-        if (!plans[i]) plan(i);
+        if (lasts) {
+            if (!plans[i]) plan(i);
+        } else {
+            const auto tolerance = [&, i](const Box3d& box) {
+                return std::min(tolerances[i].tolerance(box), coarsest_cached);
+            };
+            plans[i] = plan_shape(*unique[i], tolerance, waiting, cancel);
+        }
         const auto made = std::make_shared<OwnShapeScene>();
         made->shape = unique[i];
         made->scene = make_scene(std::move(*plans[i]), residence[i], cancel);
@@ -180,7 +187,8 @@ void InstanceTable::trace_shapes(Changes& changes, TracedShapeStore* store, cons
     std::vector<uint32_t> uses(unique.size());
     for (const uint32_t shape : shape_of) ++uses[shape];
     const std::vector<std::shared_ptr<ShapeScene>> before = std::move(shapes);
-    TracedShapes traced = traced_shapes(unique, uses, tolerances, resident_budget_, store, cancel);
+    TracedShapes traced =
+        traced_shapes(unique, uses, tolerances, view_.coarsest_cached, resident_budget_, store, cancel);
     shapes = std::move(traced.all);
     kept_shapes = traced.kept;
     changes.of_shapes.assign(unique.size(), 1);

@@ -38,6 +38,8 @@ struct TracedInstance {
 
 /// The usual one of DicingView. Lenses and lamps enlarge what is small in the picture: a circle keeps 70 sides.
 inline constexpr double kCoarsestTolerance = 1e-3;
+/// The usual one of facets that go through the geometry cache: its coarsest level has one for 16 x 16 of these.
+inline constexpr double kCoarsestCachedTolerance = 1e-4;
 
 /// How finely patches are diced. The grid of a subpatch has 17x17 vertices; patches are split evenly until the distance
 /// between facets and surface is below `tolerance(instance)`.
@@ -49,6 +51,7 @@ struct DicingView {
     /// The largest such distance, whatever the view says: local units, where a shape's half extent is between 1/2 and
     /// 1.
     double coarsest = kCoarsestTolerance;
+    double coarsest_cached = kCoarsestCachedTolerance;  ///< of facets that go through the geometry cache
 
     bool operator==(const DicingView&) const = default;
 };

@@ -166,10 +166,9 @@ def test_what_a_magnifying_glass_shows_is_split_beyond_the_finest_level(core):
     assert counters["splits"] > 0 and counters["parts"]["diced"] > 0
     assert picture(False)[1]["splits"] == 0
     finest = picture(True, tessellation_factor=0.1)[0]
-    # Silhouettes are off by at most a tenth of a pixel, and one of four samples may be on the other side. Where the lens
-    # enlarges most, its own facets, a tenth of a pixel beside it, shift what it shows by more.
+    # Silhouettes are off by at most a tenth of a pixel, and one of four samples may be on the other side.
     assert 0.02 < finest.mean() < 0.98
-    assert np.mean(np.abs(image - finest) > 0.25) < 0.002 and image.mean() == pytest.approx(finest.mean(), abs=0.01)
+    assert np.abs(image - finest).max() <= 0.25 and image.mean() == pytest.approx(finest.mean(), abs=0.01)
 
 
 @pytest.mark.slow

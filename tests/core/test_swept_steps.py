@@ -41,7 +41,7 @@ def traced(depth: float, pixel_angle: float):
 
 @pytest.mark.parametrize("depth", [0.02, 0.05])
 def test_a_tube_of_visible_width_takes_half_the_memory(depth):
-    tracer, rays, distance = traced(depth, 2e-4)
+    tracer, rays, distance = traced(depth, 1e-3)
     assert bytes_of_a_grid(tracer, rays) == pytest.approx(STEPS, rel=0.05)  # the last unit may be half full
     # Facets lie within a quarter of the radius at the most, and mostly much nearer.
     assert distance < 0.02
