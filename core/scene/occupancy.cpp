@@ -2,6 +2,7 @@
 
 #include "geometry/patch_surface.h"
 #include "geometry/triangle_mesh.h"
+#include "trace/part_boxes.h"
 
 #include <algorithm>
 #include <numeric>
@@ -12,23 +13,13 @@ namespace {
 /// Boxes that reach into one another by this share of the smaller one's size only touch: a vase stands on a table.
 constexpr double kTouching = 1e-3;
 
-Box3d box_of_triangle(const TriangleMesh& mesh, uint32_t triangle) {
-    Box3d box;
-    for (size_t step = 0; step < mesh.steps(); ++step) {
-        const float time = mesh.deforms() ? time_of_step(step, mesh.steps()) : kMiddleTime;
-        for (const Vec3d& corner : mesh.corners(triangle, time)) box.extendBy(corner);
-    }
-    return box;
-}
-
 /// The box of an element, local space of the shape; for patches and triangles.
 GroupedBoxes::BoxOf element_boxes(const Shape& shape) {
     if (shape.kind() == ShapeKind::PatchSurface)
         return
             [&surface = static_cast<const PatchSurface&>(shape)](uint32_t patch) { return surface.patch_box(patch); };
-    return [&mesh = static_cast<const TriangleMesh&>(shape)](uint32_t triangle) {
-        return box_of_triangle(mesh, triangle);
-    };
+    return
+        [&mesh = static_cast<const TriangleMesh&>(shape)](uint32_t triangle) { return triangle_box(mesh, triangle); };
 }
 
 /// Where on a curve through all of a box a point lies: bits of its three places in turn (Morton 1966).

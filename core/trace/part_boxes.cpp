@@ -23,15 +23,6 @@ Box3d child_box(const BoxNode& node, uint32_t child) {
     return box;
 }
 
-Box3d triangle_box(const TriangleMesh& mesh, uint32_t triangle) {
-    Box3d box;
-    for (size_t step = 0; step < mesh.steps(); ++step) {
-        const float time = mesh.deforms() ? time_of_step(step, mesh.steps()) : kMiddleTime;
-        for (const Vec3d& corner : mesh.corners(triangle, time)) box.extendBy(corner);
-    }
-    return box;
-}
-
 size_t cell_of(const Vec3d& point, const Box3d& all) {
     size_t cell = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -43,6 +34,15 @@ size_t cell_of(const Vec3d& point, const Box3d& all) {
 }
 
 }  // namespace
+
+Box3d triangle_box(const TriangleMesh& mesh, uint32_t triangle) {
+    Box3d box;
+    for (size_t step = 0; step < mesh.steps(); ++step) {
+        const float time = mesh.deforms() ? time_of_step(step, mesh.steps()) : kMiddleTime;
+        for (const Vec3d& corner : mesh.corners(triangle, time)) box.extendBy(corner);
+    }
+    return box;
+}
 
 std::vector<Box3d> part_boxes(const BoxTree& tree) {
     if (tree.empty()) return {};

@@ -6,6 +6,7 @@
 #include "geometry/triangle_mesh.h"
 #include "trace/box_tree.h"
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,10 @@ std::vector<Box3d> part_boxes(const BoxTree& tree);
 /// Of a mesh, at all times: triangles are put together by where their boxes' middles lie.
 std::vector<Box3d> part_boxes(const TriangleMesh& mesh);
 
-/// Bounds of their images.
+/// Of one triangle, at all times.
+Box3d triangle_box(const TriangleMesh& mesh, uint32_t triangle);
+
+/// Bounds of the images of boxes.
 Box3d image_of(std::span<const Box3d> parts, const Affine3d& map);
 
 }  // namespace rayleaf
