@@ -88,6 +88,8 @@ struct FollowedWay {
     Color* share;  ///< of what gets through, up to here
     const Hit* hit = nullptr;
     const Material* material = nullptr;
+    const PassedHits* passed = nullptr;  ///< all that is on the way, where it is known
+    double from = 0;                     ///< t of the last surface on the ray
 };
 
 /// Up to where the ray meets something, if it does.
@@ -149,8 +151,8 @@ void shade(const Scene& scene, std::span<const FollowedWay> followed, const Surf
     }
 }
 
-/// The ways go on behind what they have met. They are put in order: each program runs for all points of its material.
-void go_behind(const Scene& scene, std::span<FollowedWay> followed) {
+/// What the ways have met takes its share. They are put in order: each program runs for all points of its material.
+std::vector<SurfacePoint> cross_surfaces(const Scene& scene, std::span<FollowedWay> followed) {
     std::vector<SurfacePoint> points(followed.size());
     std::array<SurfaceQuery, kPacketSize> surfaces;
     std::ranges::sort(followed, std::less<>(), &FollowedWay::material);
@@ -159,16 +161,33 @@ void go_behind(const Scene& scene, std::span<FollowedWay> followed) {
     scene.tracer().surface_points({surfaces.data(), followed.size()}, detail);
     for (size_t i = 0; i < followed.size(); ++i) {
         FreeWay& way = *followed[i].way;
-        way.state.ray_length += static_cast<float>(points[i].t);
+        const double length = points[i].t - followed[i].from;
+        way.state.ray_length += static_cast<float>(length);
         if (scene.needs_footprints())
-            way.differential =
-                way.differential.transferred(Vec3f(way.ray.direction), points[i].t, points[i].facet_normal);
+            way.differential = way.differential.transferred(Vec3f(way.ray.direction), length, points[i].facet_normal);
     }
     for (size_t first = 0, end = 0; first < followed.size(); first = end) {
         const Material* material = followed[first].material;
         while (end < followed.size() && followed[end].material == material) ++end;
         if (!material->bounds_medium_alone) shade(scene, followed.subspan(first, end - first), &points[first]);
     }
+    return points;
+}
+
+/// Keeps those through which light may come; how many.
+size_t keep_open(std::span<FollowedWay> followed) {
+    size_t left = 0;
+    for (const FollowedWay& each : followed)
+        if (max_component(*each.share) > 0.0f)
+            followed[left++] = each;
+        else
+            *each.share = Color(0.0f);
+    return left;
+}
+
+/// The ways go on behind what they have met.
+void go_behind(const Scene& scene, std::span<FollowedWay> followed) {
+    const std::vector<SurfacePoint> points = cross_surfaces(scene, followed);
     for (size_t i = 0; i < followed.size(); ++i) {
         FreeWay& way = *followed[i].way;
         cross(scene, points[i], Vec3f(way.ray.direction), way.media);
@@ -193,13 +212,56 @@ size_t pass_next(const Scene& scene, std::span<FollowedWay> going, Coherence coh
     }
     if (met == 0) return 0;
     go_behind(scene, going.first(met));
-    size_t left = 0;
-    for (const FollowedWay& each : going.first(met))
-        if (max_component(*each.share) > 0.0f)
-            going[left++] = each;
-        else
-            *each.share = Color(0.0f);
-    return left;
+    return keep_open(going.first(met));
+}
+
+/// Ways of which all surfaces are known, one surface of each after the other.
+void pass_known(const Scene& scene, std::span<FollowedWay> ways) {
+    std::array<Hit, kPacketSize> hits;
+    size_t left = ways.size();
+    for (size_t number = 0; left > 0; ++number) {
+        size_t met = 0;
+        for (FollowedWay each : ways.first(left)) {
+            if (number == each.passed->hits().size()) continue;
+            hits[met] = scene.tracer().hit_of(each.way->ray, each.passed->hits()[number]);
+            each.hit = &hits[met];
+            if (may_go_on(scene, each)) ways[met++] = each;
+        }
+        cross_surfaces(scene, ways.first(met));
+        for (FollowedWay& each : ways.first(met)) each.from = each.hit->t;
+        left = keep_open(ways.first(met));
+    }
+}
+
+/// Looks for all surfaces on the ways at once. The first ways, as many as the result says, have more on them than that
+/// tells.
+size_t pass_at_once(const Scene& scene, std::span<FollowedWay> going, Coherence coherence) {
+    // There, distances between surfaces count, and borders.
+    const auto in_media = [](const FollowedWay& each) { return !each.way->media.empty(); };
+    const auto first = std::partition(going.begin(), going.end(), in_media);
+    const std::span<FollowedWay> asked = going.subspan(static_cast<size_t>(first - going.begin()));
+    if (asked.empty()) return going.size();
+    std::array<RayQuery, kPacketSize> rays;
+    std::array<PassedHits, kPacketSize> passed;
+    for (size_t i = 0; i < asked.size(); ++i) {
+        rays[i] = {&asked[i].way->ray, asked[i].way->kind, nullptr};
+        passed[i].start(asked[i].way->transparent_left);
+    }
+    scene.tracer().pass({rays.data(), asked.size()}, coherence, passed.data());
+    std::array<FollowedWay, kPacketSize> known;
+    size_t known_count = 0, unknown = going.size() - asked.size();
+    for (size_t i = 0; i < asked.size(); ++i) {
+        if (passed[i].is_closed()) {
+            *asked[i].share = Color(0.0f);
+        } else if (passed[i].is_unknown()) {
+            going[unknown++] = asked[i];
+        } else {
+            known[known_count] = asked[i];
+            known[known_count++].passed = &passed[i];
+        }
+    }
+    pass_known(scene, {known.data(), known_count});
+    return unknown;
 }
 
 /// Where something may let light through.
@@ -212,6 +274,7 @@ void follow(const Scene& scene, std::span<FreeWay* const> ways, Coherence cohere
         shares[i] = free_of_volumes(scene, ways[i]->ray, ways[i]->kind);
         going[i] = {ways[i], &shares[i]};
     }
+    if (scene.finds_passages()) count = pass_at_once(scene, {going.data(), count}, coherence);
     for (int i = 0; i < kMostSurfaces && count > 0; ++i) count = pass_next(scene, {going.data(), count}, coherence);
     for (size_t i = 0; i < count; ++i) *going[i].share = Color(0.0f);
 }

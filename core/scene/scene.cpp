@@ -89,6 +89,7 @@ Scene::Scene(const SceneDescription& description, const Settings& settings, cons
     view.coarsest_cached = coarsest_cached_tolerance(settings);
     tracer_ = std::make_unique<Tracer>(std::move(traced), view, cancel, geometry_cache_settings(settings),
                                        &description.parts->shapes);
+    commit_passages();
     if (asks_surroundings_) surroundings_.emplace(*tracer_);
     cancel.throw_if_cancelled();
     commit_media(description, cancel);
@@ -155,6 +156,22 @@ void Scene::commit_motion(ChunkedVector<TracedInstance>& traced) {
         placed_.infos[i].motion = nullptr;
         is_as_described_ = false;
     }
+}
+
+void Scene::commit_passages() {
+    if (!has_transparency_) return;
+    const auto has_medium = [this](int index) { return material_at(index).medium != nullptr; };
+    const auto is_open = [this](int index) { return material_at(index).surface->may_be_transparent(); };
+    std::vector<LightPassage> of_lists;
+    for (const std::vector<int>& list : lists_)
+        of_lists.push_back(std::ranges::any_of(list, has_medium) ? LightPassage::Unknown
+                           : std::ranges::any_of(list, is_open)  ? LightPassage::Surface
+                                                                 : LightPassage::Closed);
+    std::vector<LightPassage> passages;
+    for (const int list : placed_.lists)
+        passages.push_back(list < 0 ? of_lists.back() : of_lists[static_cast<size_t>(list)]);
+    tracer_->set_passages(std::move(passages));
+    finds_passages_ = tracer_->finds_passages();
 }
 
 void Scene::commit_mattes(const SceneDescription& description) {

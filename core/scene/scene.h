@@ -142,6 +142,8 @@ class Scene {
     float object_index(uint32_t instance) const { return placed_.infos[instance].object_index; }
     /// Whether any material lets light straight through, so that shadow rays have to ask.
     bool has_transparency() const { return has_transparency_; }
+    /// Whether what shadow rays ask can be found by Tracer::pass.
+    bool finds_passages() const { return finds_passages_; }
     /// Participating media, where there are any.
     const SceneMedia& media() const { return media_; }
     bool has_media() const { return has_media_; }
@@ -183,6 +185,7 @@ class Scene {
     bool asks_surroundings_ = false;  ///< some material's program does
     bool reads_footprints_ = false;   ///< some material's program does
     bool has_transparency_ = false;
+    bool finds_passages_ = false;
     bool has_media_ = false;
     bool has_light_linking_ = false, has_blocked_lights_ = false;
     /// Hashes of names, where the settings ask for mattes.
@@ -195,6 +198,7 @@ class Scene {
     void commit_motion(ChunkedVector<TracedInstance>& traced);
     void commit_mattes(const SceneDescription& description);
     void commit_materials();
+    void commit_passages();
     void commit_media(const SceneDescription& description, const CancelToken& cancel);
     bool is_in_medium(uint32_t instance) const;
     void commit_glass(const SceneDescription& description, const CancelToken& cancel);

@@ -2,6 +2,7 @@
 
 #include "base/simd_choice.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
@@ -82,6 +83,42 @@ struct BoxesInMotion {
     HWY_INLINE float share(uint32_t lane) const { return of.share[lane]; }
 };
 
+/// Whether a ray meets the slabs.
+HWY_INLINE bool meets(const OrientedBox& box, const float (&origin)[3], const float (&direction)[3], float farthest) {
+    float near = 0.0f, far = farthest;
+    for (int i = 0; i < 3; ++i) {
+        const float(&axis)[3] = box.axis[i];
+        const float place = axis[0] * origin[0] + axis[1] * origin[1] + axis[2] * origin[2];
+        const float speed = axis[0] * direction[0] + axis[1] * direction[1] + axis[2] * direction[2];
+        const float inverse = std::abs(speed) > 1.0f / kHuge ? 1.0f / speed : std::copysign(kHuge, speed);
+        const float a = (box.low[i] - place) * inverse, b = (box.high[i] - place) * inverse;
+        near = std::max(near, std::min(a, b));
+        far = std::min(far, std::max(a, b));
+    }
+    return near <= far;
+}
+
+/// The lanes of the first and following rays that meet the slabs.
+HWY_INLINE uint32_t lanes_that_meet(const OrientedBox& box, const RayPacket& rays, const float* farthest, int first) {
+    RayVector near = hn::Zero(Rays()), far = hn::LoadU(Rays(), farthest + first);
+    const RayVector huge = hn::Set(Rays(), kHuge), least = hn::Set(Rays(), 1.0f / kHuge);
+    const auto along = [&](const float(&axis)[3], const auto& vectors) {
+        RayVector sum = hn::Mul(hn::Set(Rays(), axis[0]), hn::Load(Rays(), vectors[0] + first));
+        sum = hn::MulAdd(hn::Set(Rays(), axis[1]), hn::Load(Rays(), vectors[1] + first), sum);
+        return hn::MulAdd(hn::Set(Rays(), axis[2]), hn::Load(Rays(), vectors[2] + first), sum);
+    };
+    for (int i = 0; i < 3; ++i) {
+        const RayVector place = along(box.axis[i], rays.near_origin), speed = along(box.axis[i], rays.unit_direction);
+        const RayVector inverse = hn::IfThenElse(hn::Gt(hn::Abs(speed), least), hn::Div(hn::Set(Rays(), 1.0f), speed),
+                                                 hn::CopySign(huge, speed));
+        const RayVector a = hn::Mul(hn::Sub(hn::Set(Rays(), box.low[i]), place), inverse);
+        const RayVector b = hn::Mul(hn::Sub(hn::Set(Rays(), box.high[i]), place), inverse);
+        near = hn::Max(near, hn::Min(a, b));
+        far = hn::Min(far, hn::Max(a, b));
+    }
+    return mask_bits(Rays(), hn::Le(near, far)) << first;
+}
+
 /// One ray: the children of a node in the lanes.
 template <typename NodeBoxes>
 class OneRay {
@@ -97,8 +134,8 @@ class OneRay {
             offset_[axis] = hn::Set(Boxes(), origin[axis] * inverse);
         }
     }
-    HWY_INLINE void visit(const BoxNode* nodes, uint32_t root, uint32_t lane, float* farthest,
-                          const BoxVisitor& visitor) const {
+    HWY_INLINE void visit(const BoxNode* nodes, uint32_t root, const float (&origin)[3], const float (&direction)[3],
+                          uint32_t lane, float* farthest, const BoxVisitor& visitor) const {
         uint64_t waiting[kMostWaiting];
         int count = 0;
         waiting[count++] = waiting_at(0.0f, root);
@@ -108,8 +145,10 @@ class OneRay {
             auto child = static_cast<uint32_t>(next);
             while ((child & BoxNode::kLeaf) == 0 && go_down(nodes, farthest[lane], child, waiting, count, visitor)) {
             }
-            if ((child & BoxNode::kLeaf) != 0)
-                visitor.visit(visitor.owner, child & ~BoxNode::kLeaf, 1u << lane, farthest);
+            if ((child & BoxNode::kLeaf) == 0) continue;
+            const uint32_t item = child & ~BoxNode::kLeaf;
+            if (!visitor.oriented || meets(visitor.oriented[item], origin, direction, farthest[lane]))
+                visitor.visit(visitor.owner, item, 1u << lane, farthest);
         }
     }
 
@@ -191,7 +230,7 @@ class ManyRays {
             const uint32_t child = next.child, left = next.lanes & reached(next.near, farthest);
             if (left == 0) continue;
             if ((child & BoxNode::kLeaf) != 0)
-                visitor_.visit(visitor_.owner, child & ~BoxNode::kLeaf, left, farthest);
+                visit_item(child & ~BoxNode::kLeaf, left, farthest);
             else if (std::popcount(left) > few_)
                 add_children(nodes, child, left, farthest);
             else
@@ -219,6 +258,16 @@ class ManyRays {
                     << first;
         return bits;
     }
+    HWY_INLINE void visit_item(uint32_t item, uint32_t lanes, float* farthest) const {
+        if (visitor_.oriented) {
+            uint32_t met = 0;
+            for (int first = 0; first < kPacketSize; first += kRayWidth)
+                met |= lanes_that_meet(visitor_.oriented[item], rays_, farthest, first);
+            lanes &= met;
+            if (lanes == 0) return;
+        }
+        visitor_.visit(visitor_.owner, item, lanes, farthest);
+    }
     HWY_INLINE void visit_one_by_one(const BoxNode* nodes, uint32_t child, uint32_t lanes, float* farthest) const {
         for (; lanes != 0; lanes &= lanes - 1) {
             const auto lane = static_cast<uint32_t>(__builtin_ctz(lanes));
@@ -226,7 +275,8 @@ class ManyRays {
                                      rays_.near_origin[2][lane]};
             const float direction[3] = {rays_.unit_direction[0][lane], rays_.unit_direction[1][lane],
                                         rays_.unit_direction[2][lane]};
-            OneRay<NodeBoxes>(origin, direction, boxes_, lane).visit(nodes, child, lane, farthest, visitor_);
+            OneRay<NodeBoxes>(origin, direction, boxes_, lane)
+                .visit(nodes, child, origin, direction, lane, farthest, visitor_);
         }
     }
     /// The one that is nearest to the first ray comes last, to be visited first. A box around the ray's origin is as
@@ -292,13 +342,13 @@ void traverse_moving_packet(const BoxNode* nodes, const MovingBoxes& boxes, cons
 void traverse_alone(const BoxNode* nodes, const Vec3f& origin, const Vec3f& direction, float* farthest,
                     const BoxVisitor& visitor) {
     const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {direction.x, direction.y, direction.z};
-    OneRay<StillBoxes>(from, along, {}, 0).visit(nodes, 0, 0, farthest, visitor);
+    OneRay<StillBoxes>(from, along, {}, 0).visit(nodes, 0, from, along, 0, farthest, visitor);
 }
 
 void traverse_moving_alone(const BoxNode* nodes, const MovingBoxes& boxes, const Vec3f& origin, const Vec3f& direction,
                            float* farthest, const BoxVisitor& visitor) {
     const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {direction.x, direction.y, direction.z};
-    OneRay<BoxesInMotion>(from, along, {boxes}, 0).visit(nodes, 0, 0, farthest, visitor);
+    OneRay<BoxesInMotion>(from, along, {boxes}, 0).visit(nodes, 0, from, along, 0, farthest, visitor);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -5,6 +5,7 @@
 
 #include "tessellation/ray_packet.h"
 #include "trace/box_tree.h"
+#include "trace/oriented_box.h"
 
 #include <cstdint>
 #include <limits>
@@ -19,6 +20,7 @@ struct BoxVisitor {
     void* owner;
     const void* items = nullptr;  ///< what `visit` reads first, by item, to be fetched ahead of it; null: unknown
     uint32_t item_bytes = 0;      ///< of each
+    const OrientedBox* oriented = nullptr;  ///< of items, which rays have to meet as well; null: there are none
 };
 
 /// Where the boxes of a tree's nodes are at each ray's time: they move along lines (BoxTree::moving_bounds).

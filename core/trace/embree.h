@@ -79,8 +79,9 @@ inline void embree_any(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
 
 /// What Embree calls the id of a ray: of a packet's its lane, as callbacks need not meet it at that place, nor in
 /// company. Where the processor has no vectors of sixteen floats, Embree hands packets on in parts, or ray by ray.
-inline constexpr uint32_t kRayAlone = ~0u;  ///< the id of rays in no packet
-/// Whether a callback was called for such a ray, and not for some of a packet.
+inline constexpr uint32_t kRayAlone = ~0u;        ///< the id of rays in no packet
+inline constexpr uint32_t kRayPassing = ~0u - 1;  ///< of one in no packet that looks for all hits
+/// Whether a callback was called for a ray alone, and not for some of a packet.
 inline bool is_alone(RTCRayN* rays, unsigned count) {
     return count == 1 && RTCRayN_id(rays, 1, 0) == kRayAlone;
 }

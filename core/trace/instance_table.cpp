@@ -240,15 +240,39 @@ Box3f InstanceTable::box_in_tree(uint32_t index) const {
     return {frame.to_local(box.min) - padding, frame.to_local(box.max) + padding};
 }
 
+/// What moves has none: any ray meets it.
+OrientedBox InstanceTable::oriented_in_tree(uint32_t index) const {
+    const InstanceRecord& record = records[index];
+    const Box3d& box = record.scene->box();
+    OrientedBox turned;
+    if (record.motion || box.isEmpty()) return turned;
+    const Vec3d center = record.point_to_local(frame.center);
+    for (int i = 0; i < 3; ++i) {
+        const Vec3d row = Vec3d(record.to_local_x[i], record.to_local_y[i], record.to_local_z[i]) * frame.scale;
+        const double length = row.length();
+        for (int axis = 0; axis < 3; ++axis) turned.axis[i][axis] = static_cast<float>(row[axis] / length);
+        turned.low[i] = static_cast<float>((box.min[i] - center[i]) / length - 2.0 * kBoxPadding);
+        turned.high[i] = static_cast<float>((box.max[i] - center[i]) / length + 2.0 * kBoxPadding);
+    }
+    return turned;
+}
+
 void InstanceTable::renew_tree(std::span<const uint32_t> placed, const CancelToken& cancel) {
     const auto count = static_cast<uint32_t>(instances.size());
     const auto box_of = [this](uint32_t i) { return box_in_tree(i); };
     moved_ += static_cast<uint32_t>(std::min<size_t>(placed.size(), count));
-    if (!tree.empty() && moved_ <= count / kMovedShare && frame_holds() && tree.refit(placed, box_of)) return;
+    if (!tree.empty() && moved_ <= count / kMovedShare && frame_holds() && tree.refit(placed, box_of)) {
+        for (const uint32_t i : placed) oriented[i] = oriented_in_tree(i);
+        return;
+    }
     frame = LocalFrame::fitting(bounds);
     moved_ = 0;
     tree = {};
-    if (count > kDirectInstances && !bounds.isEmpty()) tree = BoxTree(count, box_of, cancel);
+    oriented.clear();
+    if (count <= kDirectInstances || bounds.isEmpty()) return;
+    tree = BoxTree(count, box_of, cancel);
+    oriented.resize(count);
+    tbb::parallel_for(0u, count, [&](uint32_t i) { oriented[i] = oriented_in_tree(i); });
 }
 
 }  // namespace rayleaf

@@ -7,6 +7,7 @@
 #include "trace/box_tree.h"
 #include "trace/dicing.h"
 #include "trace/instance_record.h"
+#include "trace/oriented_box.h"
 #include "trace/shape_scene.h"
 #include "trace/tracer.h"
 
@@ -31,8 +32,9 @@ struct InstanceTable {
     std::vector<Box3d> boxes;  ///< of instances in the world, of whole motions where they move
     uint32_t moving = 0;       ///< instances that do
     Box3d bounds;
-    LocalFrame frame;  ///< world -> the space of the tree
-    BoxTree tree;      ///< of instances; empty where there are few
+    LocalFrame frame;                   ///< world -> the space of the tree
+    BoxTree tree;                       ///< of instances; empty where there are few
+    std::vector<OrientedBox> oriented;  ///< of instances, in that space, where there is a tree
 
     /// Makes it the table of these instances. `store` may be null. After an exception, Cancelled too, it is of no use.
     void update(ChunkedVector<TracedInstance> instances_now, const DicingView& view_now, uint64_t resident_budget,
@@ -60,6 +62,7 @@ struct InstanceTable {
     bool frame_holds() const;
     void renew_tree(std::span<const uint32_t> placed, const CancelToken& cancel);
     Box3f box_in_tree(uint32_t index) const;
+    OrientedBox oriented_in_tree(uint32_t index) const;
 };
 
 }  // namespace rayleaf

@@ -18,6 +18,7 @@
 #include "tessellation/packet_intersection.h"
 #include "trace/embree.h"
 #include "trace/local_ray.h"
+#include "trace/passed_hits.h"
 
 #include <array>
 #include <cstdint>
@@ -170,6 +171,13 @@ class ShapeScene {
     /// The same for a packet, with `found` for each lane. For occluded, any hit will do.
     virtual void find_closest(PacketQuery& packet) const;
     virtual void find_any(PacketQuery& packet) const;
+
+    /// Whether all hits of a ray can be found at once.
+    virtual bool finds_all() const { return false; }
+    /// Adds them, as those of an instance, until the ray need not go on; whether it need not.
+    virtual bool find_all(const LocalRay& /*ray*/, uint32_t /*instance*/, PassedHits& /*passed*/) const {
+        return false;
+    }
 
     virtual LocalHit local_hit(const ShapeHit& hit) const = 0;
     /// The hit of a ray of a time.

@@ -125,6 +125,26 @@ void Tracer::set_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> c
     implementation_->caches[instance] = std::move(cache);
 }
 
+void Tracer::set_passages(std::vector<LightPassage> passages) {
+    implementation_->passages = std::move(passages);
+}
+
+bool Tracer::finds_passages() const {
+    const std::vector<LightPassage>& passages = implementation_->passages;
+    for (size_t i = 0; i < passages.size(); ++i)
+        if (passages[i] == LightPassage::Surface && implementation_->records[i].scene->finds_all()) return true;
+    return false;
+}
+
+Hit Tracer::hit_of(const Ray& ray, const PassedHit& passed) const {
+    Hit hit(passed.point.t, passed.instance, RayAnswer::NotAsked);
+    ShapeHit found;
+    found.facet.primitive = passed.primitive;
+    found.point = passed.point;
+    hit.local = implementation_->records[passed.instance].scene->hit_at(found, shutter_time(ray.time));
+    return hit;
+}
+
 bool Tracer::goes_through_geometry_cache(uint32_t instance) const {
     return implementation_->records[instance].scene->has_levels();
 }

@@ -17,6 +17,7 @@
 #include "splines/limit_normal.h"
 #include "tessellation/geometry_cache.h"
 #include "trace/local_ray_cache.h"
+#include "trace/passed_hits.h"
 #include "trace/visibility.h"
 
 #include <cstdint>
@@ -118,6 +119,14 @@ class Tracer {
     bool occluded(const Ray& ray, Visibility kind) const;
     /// The same for up to kPacketSize rays at once, a bit each.
     uint32_t occluded(std::span<const RayQuery> rays, Coherence coherence) const;
+    /// What each instance may let through; none: nothing does. Before any ray.
+    void set_passages(std::vector<LightPassage> passages);
+    /// Whether `pass` finds what lets rays through, of some instance at least.
+    bool finds_passages() const;
+    /// What up to kPacketSize rays meet up to their ends; `passed` has been started, one for each.
+    void pass(std::span<const RayQuery> rays, Coherence coherence, PassedHits* passed) const;
+    /// As one of them has met it.
+    Hit hit_of(const Ray& ray, const PassedHit& passed) const;
     /// Everything about a hit that shading needs, in world space.
     SurfacePoint surface_point(const Ray& ray, const Hit& hit, SurfaceDetail detail = SurfaceDetail::Curvature) const;
     /// The same for many hits at once: the same bits, in less time.

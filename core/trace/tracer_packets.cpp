@@ -95,6 +95,7 @@ uint32_t Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t 
     };
     const bool all_see = (packet.kinds & ~record.visibility) == 0;
     if (!all_see) keep([&](const RayQuery& asked) { return (asked.kind & record.visibility) != 0; });
+    if (packet.passed && passages[index] != LightPassage::Closed) return visit_open(packet, index, lanes);
     if (!record.scene->takes_packets() || !are_many(lanes)) return visit_alone(packet, index, lanes);
     if (!record.cache) return visit_together(packet, index, lanes);
     const uint32_t all = lanes;
@@ -114,6 +115,28 @@ uint32_t Tracer::Implementation::visit_alone(Packet& packet, uint32_t index, uin
     });
     packet.found |= nearer;
     return nearer;
+}
+
+/// An instance that may let rays through. Returns the lanes that need not go on.
+uint32_t Tracer::Implementation::visit_open(Packet& packet, uint32_t index, uint32_t lanes) const {
+    uint32_t closed = 0;
+    Maybe<InstanceRecord> room;
+    for_each_lane(lanes, [&](size_t lane) {
+        const Ray& world_ray = *packet.rays[lane].ray;
+        PassedHits& passed = packet.passed[lane];
+        const InstanceRecord* record = records[index].at(world_ray.time, room);
+        if (!record) return;
+        if (passages[index] == LightPassage::Unknown || record->cache || !record->scene->finds_all()) {
+            const Query query{packet.rays[lane], packet.reader ? &*packet.reader : nullptr, world_ray.t_max, nullptr,
+                              nullptr};
+            if (visit_any(query, index)) passed.set_unknown();
+            return;
+        }
+        const Maybe<LocalRay> ray = record->local_ray(index, world_ray, world_ray.t_max);
+        if (ray && record->scene->find_all(*ray, index, passed)) closed |= 1u << lane;
+    });
+    packet.found |= closed;
+    return closed;
 }
 
 /// The lanes of `packet.shape` that meet a moving instance: each ray where the instance is at its time.
@@ -192,6 +215,15 @@ uint32_t Tracer::occluded(std::span<const RayQuery> rays, Coherence coherence) c
     implementation_->start(packet);
     implementation_->ask_all(packet);
     return packet.found;
+}
+
+void Tracer::pass(std::span<const RayQuery> rays, Coherence coherence, PassedHits* passed) const {
+    const FloatEnvironment environment;
+    Implementation::Packet packet(rays, coherence, nullptr);
+    packet.passed = passed;
+    implementation_->start(packet);
+    implementation_->ask_all(packet);
+    for_each_lane(packet.found, [&](size_t lane) { passed[lane].close(); });
 }
 
 }  // namespace rayleaf

@@ -24,6 +24,7 @@ struct Tracer::Implementation : InstanceTable {
     BoxTraversal traversal = box_traversal();
     ClipPacket clip_packet = clip_kernel();
     std::unique_ptr<GeometryCache> cache;  ///< null without patches
+    std::vector<LightPassage> passages;    ///< of instances; none: all are closed
     uint64_t embree_held = 0;  ///< what Embree held more after the build; tracers built at the same time blur it
 
     /// One ray on its way through the instances.
@@ -55,7 +56,7 @@ struct Tracer::Implementation : InstanceTable {
     bool ask_above(Query& query) const;
     /// Of the tree above the instances.
     BoxVisitor visitor(BoxVisitor::Visit visit_instance, void* owner) const {
-        return {visit_instance, owner, records.data(), sizeof(InstanceRecord)};
+        return {visit_instance, owner, oriented.data(), sizeof(OrientedBox), oriented.data()};
     }
     void finish(const Ray& ray, Maybe<ShapeHit>& traced, ClosestHit& result) const;
     RaySight sight_from(const Ray& ray, const Hit& hit) const;
@@ -64,6 +65,7 @@ struct Tracer::Implementation : InstanceTable {
     struct Packet {
         std::span<const RayQuery> rays;
         ClosestHit* results;                              ///< as of Query
+        PassedHits* passed = nullptr;                     ///< where there are no results: gets what lets rays through
         uint32_t lanes = 0;                               ///< those that can hit anything, a bit each
         uint32_t found = 0;                               ///< those that have hit something
         uint64_t kinds = 0;                               ///< of any of the rays
@@ -82,6 +84,7 @@ struct Tracer::Implementation : InstanceTable {
     /// These return the lanes that have found something, nearer than what was.
     uint32_t visit(Packet& packet, uint32_t index, uint32_t lanes) const;
     uint32_t visit_alone(Packet& packet, uint32_t index, uint32_t lanes) const;
+    uint32_t visit_open(Packet& packet, uint32_t index, uint32_t lanes) const;
     uint32_t visit_together(Packet& packet, uint32_t index, uint32_t lanes) const;
     uint32_t take_nearest(Packet& packet, uint32_t index) const;
     uint32_t into_shape(Packet& packet, const InstanceRecord& record, uint32_t lanes) const;

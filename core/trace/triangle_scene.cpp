@@ -18,12 +18,28 @@ uint32_t triangle_of(const RTCFilterFunctionNArguments* arguments, unsigned plac
     return 2 * primitive + (is_second ? 1 : 0);
 }
 
+/// A ray that looks for all hits, as Embree's callbacks find it: the context is the first member.
+struct PassingRay {
+    EmbreeContext context;
+    const LocalRay* ray;
+    uint32_t instance;
+    PassedHits* passed;
+
+    static PassingRay& of(EmbreeContext* context) { return *reinterpret_cast<PassingRay*>(context); }
+    /// Whether the ray need not go on.
+    bool add(uint32_t triangle, const FacetCorners& corners) const {
+        const std::optional<FacetHit> hit = exact_facet_hit(corners, ray->origin, ray->direction, ray->speed);
+        return hit && hit->t >= ray->t_min && hit->t <= ray->t_max && passed->add({instance, triangle, *hit});
+    }
+};
+
 /// Of a single ray or of a packet's: whether the hit is the nearest so far.
 bool offer(const RTCFilterFunctionNArguments* arguments, unsigned place) {
     const uint32_t triangle = triangle_of(arguments, place);
     const FacetCorners corners =
         mesh_of(arguments).corners(triangle, RTCRayN_time(arguments->ray, arguments->N, place));
     const uint32_t lane = RTCRayN_id(arguments->ray, arguments->N, place);
+    if (lane == kRayPassing) return PassingRay::of(arguments->context).add(triangle, corners);
     if (lane == kRayAlone) return ShapeQuery::of(arguments->context).facets.offer({triangle, 0}, corners);
     PacketQuery& packet = PacketQuery::of(arguments->context);
     const RayPacket& rays = packet.rays;
@@ -100,6 +116,15 @@ TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel
     set_parts(part_boxes(mesh));
 }
 
+bool TriangleScene::find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const {
+    PassingRay passing{{}, &ray, instance, &passed};
+    initialize(passing.context);
+    RTCRay embree_ray = ray.embree_ray();
+    embree_ray.id = kRayPassing;
+    embree_any(embree_scene(), passing.context, embree_ray);
+    return passed.is_closed();
+}
+
 bool FewTrianglesScene::suits(const TriangleMesh& mesh) {
     constexpr size_t kMost = 12;  // a box
     return !mesh.deforms() && !mesh.triangles().empty() && mesh.triangles().size() <= kMost;
@@ -136,6 +161,15 @@ void FewTrianglesScene::find_closest(PacketQuery& packet) const {
 
 void FewTrianglesScene::find_any(PacketQuery& packet) const {
     packet.found = meet_few_.any(packet.rays, packet.lanes, corners_);
+}
+
+bool FewTrianglesScene::find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const {
+    const FacetRay facet_ray(ray.origin, ray.direction, ray.start);
+    for (uint32_t i = 0; i < corners_.size() && !passed.is_closed(); ++i) {
+        const std::optional<FacetHit> hit = facet_ray.meet(corners_[i]);
+        if (hit && hit->t >= ray.t_min && hit->t <= ray.t_max) passed.add({instance, i, *hit});
+    }
+    return passed.is_closed();
 }
 
 LocalHit MeshScene::local_hit(const ShapeHit& hit) const {

@@ -14,6 +14,7 @@ class MeshScene : public ShapeScene {
   public:
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override;
+    bool finds_all() const override { return true; }
     uint64_t triangle_count() const override { return mesh_->triangles().size(); }
 
   protected:
@@ -27,6 +28,8 @@ class MeshScene : public ShapeScene {
 class TriangleScene final : public MeshScene {
   public:
     TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel);
+
+    bool find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const override;
 
     /// Embree rounds vertices once more where it mixes those of two times.
     double float_error() const override { return deforms() ? 0x1p-20 : ShapeScene::float_error(); }
@@ -43,6 +46,7 @@ class FewTrianglesScene final : public MeshScene {
     bool occluded(const LocalRay& ray) const override;
     void find_closest(PacketQuery& packet) const override;
     void find_any(PacketQuery& packet) const override;
+    bool find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const override;
     /// Double precision decides.
     double float_error() const override { return 0x1p-49; }
 
