@@ -269,12 +269,15 @@ void PathTracer::record_surface(const Vertex& vertex) {
 }
 
 float PathTracer::straight_probability(const Closures& closures) const {
-    const float straight = max_component(closures.transparency);
+    /// How much light scattered rays find beside a ray that goes straight on, in the mean: lamps are seen by that, but
+    /// sampled for these.
+    constexpr float kScatteredLight = 0.5f;
+    const float straight = average(closures.transparency);
     if (!(straight > 0.0f)) return 0.0f;
     if (bounces_.is_last()) return 1.0f;
     float scattered = 0.0f;
-    for (int i = 0; i < closures.size(); ++i) scattered += max_component(closures[i].weight);
-    return straight / (straight + scattered);
+    for (int i = 0; i < closures.size(); ++i) scattered += average(closures[i].weight);
+    return straight / (straight + kScatteredLight * scattered);
 }
 
 bool PathTracer::leave(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {

@@ -20,7 +20,8 @@ enum class LightPassage : uint8_t {
 };
 
 struct PassedHit {
-    uint32_t instance = 0, primitive = 0;
+    uint32_t instance = 0;
+    uint32_t primitive = 0, part = 0;  ///< FacetId's
     FacetHit point;
 };
 
@@ -71,7 +72,8 @@ class PassedHits {
 
     static bool comes_before(const PassedHit& a, const PassedHit& b) {
         if (a.point.t != b.point.t) return a.point.t < b.point.t;
-        return a.instance != b.instance ? a.instance < b.instance : a.primitive < b.primitive;
+        if (a.instance != b.instance) return a.instance < b.instance;
+        return a.primitive != b.primitive ? a.primitive < b.primitive : a.part < b.part;
     }
 };
 

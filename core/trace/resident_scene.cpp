@@ -61,13 +61,18 @@ struct ResidentScene::Query {
     Wanted wanted;
 };
 
+void ResidentScene::add_candidates(const FacetBlock& block, const GridRay& ray, float t_max,
+                                   GridCandidates& candidates) const {
+    float room[kVertexRoom];
+    kernels_.add_block_of_floats(float_vertices(block, room), ray, t_max, candidates);
+}
+
 /// Offers the facets of a block that the ray may meet; the exact hit decides.
 bool ResidentScene::visit(Query& query, uint32_t number, float t_max) const {
     FacetBlock moved;
     const FacetBlock& block = blocks_.at(number, query.facets.ray->time, moved);
-    float room[kVertexRoom];
     GridCandidates candidates;
-    kernels_.add_block_of_floats(float_vertices(block, room), query.ray, t_max, candidates);
+    add_candidates(block, query.ray, t_max, candidates);
     FacetQuery& facets = query.facets;
     bool found = false;
     while (!candidates.empty()) {
@@ -90,6 +95,39 @@ bool ResidentScene::find(const LocalRay& ray, ShapeHit& hit, Wanted wanted) cons
     float farthest = ray.float_distance(ray.t_max);
     tree_.alone(ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_block, &query));
     return query.facets.found;
+}
+
+bool ResidentScene::find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const {
+    if (tree_.empty()) return false;
+    struct Asked {
+        const ResidentScene* scene;
+        const LocalRay* ray;
+        GridRay grid_ray;
+        FacetRay facet_ray;
+        uint32_t instance;
+        PassedHits* passed;
+    } asked{this,     &ray,   GridRay(ray.float_origin, ray.float_direction), {ray.origin, ray.direction, ray.start},
+            instance, &passed};
+    const auto visit_block = [](void* owner, uint32_t number, uint32_t, float* farthest) {
+        const Asked& all = *static_cast<const Asked*>(owner);
+        const ResidentScene& scene = *all.scene;
+        FacetBlock moved;
+        const FacetBlock& block = scene.blocks_.at(number, all.ray->time, moved);
+        GridCandidates candidates;
+        scene.add_candidates(block, all.grid_ray, *farthest, candidates);
+        while (!candidates.empty() && *farthest != kDone) {
+            const uint32_t triangle = candidates.take_nearest().triangle;
+            if ((block.facets >> triangle & 1u) == 0 || all.ray->start_facet == facet_number(number, triangle))
+                continue;
+            const std::optional<FacetHit> hit = all.facet_ray.meet(block.corners(triangle, scene.dicer_->format()));
+            if (hit && hit->t >= all.ray->t_min && hit->t <= all.ray->t_max &&
+                all.passed->add({all.instance, number, triangle, *hit}))
+                *farthest = kDone;
+        }
+    };
+    float farthest = ray.float_distance(ray.t_max);
+    tree_.alone(ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_block, &asked));
+    return passed.is_closed();
 }
 
 bool ResidentScene::closest(const LocalRay& ray, ShapeHit& hit) const {

@@ -24,6 +24,8 @@ class ResidentScene final : public ShapeScene {
     bool occluded(const LocalRay& ray) const override;
     void find_closest(PacketQuery& packet) const override;
     void find_any(PacketQuery& packet) const override;
+    bool finds_all() const override { return true; }
+    bool find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const override;
     LocalHit local_hit(const ShapeHit& hit) const override;
     LocalHit on_facet(const LocalHit& hit) const override;
     uint32_t subpatch_count() const override { return dicer_->subpatch_count(); }
@@ -52,6 +54,7 @@ class ResidentScene final : public ShapeScene {
     const float* float_vertices(const FacetBlock& block, float* room) const;
     bool find(const LocalRay& ray, ShapeHit& hit, Wanted wanted) const;
     void find(PacketQuery& packet, Wanted wanted) const;
+    void add_candidates(const FacetBlock& block, const GridRay& ray, float t_max, GridCandidates& candidates) const;
     bool visit(Query& query, uint32_t block, float t_max) const;
     uint32_t visit(PacketQuery& packet, uint32_t block, uint32_t lanes, float* farthest) const;
     uint32_t visit_moving(PacketQuery& packet, uint32_t block, uint32_t lanes, float* farthest) const;

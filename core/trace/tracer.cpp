@@ -139,7 +139,7 @@ bool Tracer::finds_passages() const {
 Hit Tracer::hit_of(const Ray& ray, const PassedHit& passed) const {
     Hit hit(passed.point.t, passed.instance, RayAnswer::NotAsked);
     ShapeHit found;
-    found.facet.primitive = passed.primitive;
+    found.facet = {passed.primitive, passed.part};
     found.point = passed.point;
     hit.local = implementation_->records[passed.instance].scene->hit_at(found, shutter_time(ray.time));
     return hit;

@@ -117,28 +117,6 @@ uint32_t Tracer::Implementation::visit_alone(Packet& packet, uint32_t index, uin
     return nearer;
 }
 
-/// An instance that may let rays through. Returns the lanes that need not go on.
-uint32_t Tracer::Implementation::visit_open(Packet& packet, uint32_t index, uint32_t lanes) const {
-    uint32_t closed = 0;
-    Maybe<InstanceRecord> room;
-    for_each_lane(lanes, [&](size_t lane) {
-        const Ray& world_ray = *packet.rays[lane].ray;
-        PassedHits& passed = packet.passed[lane];
-        const InstanceRecord* record = records[index].at(world_ray.time, room);
-        if (!record) return;
-        if (passages[index] == LightPassage::Unknown || record->cache || !record->scene->finds_all()) {
-            const Query query{packet.rays[lane], packet.reader ? &*packet.reader : nullptr, world_ray.t_max, nullptr,
-                              nullptr};
-            if (visit_any(query, index)) passed.set_unknown();
-            return;
-        }
-        const Maybe<LocalRay> ray = record->local_ray(index, world_ray, world_ray.t_max);
-        if (ray && record->scene->find_all(*ray, index, passed)) closed |= 1u << lane;
-    });
-    packet.found |= closed;
-    return closed;
-}
-
 /// The lanes of `packet.shape` that meet a moving instance: each ray where the instance is at its time.
 uint32_t Tracer::Implementation::into_shape(Packet& packet, const InstanceRecord& record, uint32_t lanes) const {
     uint32_t met = 0;
@@ -157,19 +135,26 @@ uint32_t Tracer::Implementation::into_shape(Packet& packet, const InstanceRecord
     return met;
 }
 
-uint32_t Tracer::Implementation::visit_together(Packet& packet, uint32_t index, uint32_t lanes) const {
+/// Makes `packet.shape` ask the shape of an instance; false if no ray may meet it.
+bool Tracer::Implementation::enter_shape(Packet& packet, uint32_t index, uint32_t lanes) const {
     const InstanceRecord& record = records[index];
-    if (record.scene->box().isEmpty()) return 0;
     PacketQuery& shape = packet.shape;
+    if (record.scene->box().isEmpty()) return false;
     for_each_lane(lanes, [&](size_t lane) {
         const RayStart& from = packet.rays[lane].ray->start;
         shape.rays.start_facet[lane] = from.instance == index ? from.facet : RayAnchor::kNone;
     });
     shape.lanes = record.motion ? into_shape(packet, record, lanes)
                                 : clip_packet(packet.world, lanes, record.to_local(), record.scene->box(), shape.rays);
-    if (shape.lanes == 0) return 0;
     if (record.scene->deforms())
         for_each_lane(shape.lanes, [&](size_t lane) { shape.times[lane] = shutter_time(packet.rays[lane].ray->time); });
+    return shape.lanes != 0;
+}
+
+uint32_t Tracer::Implementation::visit_together(Packet& packet, uint32_t index, uint32_t lanes) const {
+    if (!enter_shape(packet, index, lanes)) return 0;
+    const InstanceRecord& record = records[index];
+    PacketQuery& shape = packet.shape;
     if (packet.results) {
         record.scene->find_closest(shape);
         return take_nearest(packet, index);
@@ -177,6 +162,35 @@ uint32_t Tracer::Implementation::visit_together(Packet& packet, uint32_t index, 
     record.scene->find_any(shape);
     packet.found |= shape.found;
     return shape.found;
+}
+
+/// An instance that may let rays through. Returns the lanes that need not go on.
+uint32_t Tracer::Implementation::visit_open(Packet& packet, uint32_t index, uint32_t lanes) const {
+    const ShapeScene& scene = *records[index].scene;
+    const bool finds_all = passages[index] == LightPassage::Surface && !records[index].cache && scene.finds_all();
+    if (finds_all && scene.takes_packets() && are_many(lanes)) {
+        if (!enter_shape(packet, index, lanes)) return 0;
+        scene.find_any(packet.shape);
+        lanes = packet.shape.found;
+    }
+    uint32_t closed = 0;
+    Maybe<InstanceRecord> room;
+    for_each_lane(lanes, [&](size_t lane) {
+        const Ray& world_ray = *packet.rays[lane].ray;
+        PassedHits& passed = packet.passed[lane];
+        const InstanceRecord* record = records[index].at(world_ray.time, room);
+        if (!record) return;
+        if (!finds_all) {
+            const Query query{packet.rays[lane], packet.reader ? &*packet.reader : nullptr, world_ray.t_max, nullptr,
+                              nullptr};
+            if (visit_any(query, index)) passed.set_unknown();
+            return;
+        }
+        const Maybe<LocalRay> ray = record->local_ray(index, world_ray, world_ray.t_max);
+        if (ray && scene.find_all(*ray, index, passed)) closed |= 1u << lane;
+    });
+    packet.found |= closed;
+    return closed;
 }
 
 /// What the shape of an instance has found.

@@ -84,6 +84,7 @@ struct Tracer::Implementation : InstanceTable {
     /// These return the lanes that have found something, nearer than what was.
     uint32_t visit(Packet& packet, uint32_t index, uint32_t lanes) const;
     uint32_t visit_alone(Packet& packet, uint32_t index, uint32_t lanes) const;
+    bool enter_shape(Packet& packet, uint32_t index, uint32_t lanes) const;
     uint32_t visit_open(Packet& packet, uint32_t index, uint32_t lanes) const;
     uint32_t visit_together(Packet& packet, uint32_t index, uint32_t lanes) const;
     uint32_t take_nearest(Packet& packet, uint32_t index) const;

@@ -29,7 +29,7 @@ struct PassingRay {
     /// Whether the ray need not go on.
     bool add(uint32_t triangle, const FacetCorners& corners) const {
         const std::optional<FacetHit> hit = exact_facet_hit(corners, ray->origin, ray->direction, ray->speed);
-        return hit && hit->t >= ray->t_min && hit->t <= ray->t_max && passed->add({instance, triangle, *hit});
+        return hit && hit->t >= ray->t_min && hit->t <= ray->t_max && passed->add({instance, triangle, 0, *hit});
     }
 };
 
@@ -167,7 +167,7 @@ bool FewTrianglesScene::find_all(const LocalRay& ray, uint32_t instance, PassedH
     const FacetRay facet_ray(ray.origin, ray.direction, ray.start);
     for (uint32_t i = 0; i < corners_.size() && !passed.is_closed(); ++i) {
         const std::optional<FacetHit> hit = facet_ray.meet(corners_[i]);
-        if (hit && hit->t >= ray.t_min && hit->t <= ray.t_max) passed.add({instance, i, *hit});
+        if (hit && hit->t >= ray.t_min && hit->t <= ray.t_max) passed.add({instance, i, 0, *hit});
     }
     return passed.is_closed();
 }

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from path_scenes import lit_plane, material, render
-from scenes import look_down, matrix, quad
+from scenes import look_down, matrix, quad, sphere_spline
 
 TINT = (0.95, 0.8, 0.6)
 
@@ -19,9 +19,10 @@ def grid_mesh(scene, steps, bent=0.0):
 
 
 PANES = {
-    "a few triangles": lambda scene: quad(scene, "pane", 0.5),
-    "many triangles": lambda scene: grid_mesh(scene, 6),
-    "waves": lambda scene: grid_mesh(scene, 8, 0.2),
+    "a few triangles": lambda core, scene: quad(scene, "pane", 0.5),
+    "many triangles": lambda core, scene: grid_mesh(scene, 6),
+    "waves": lambda core, scene: grid_mesh(scene, 8, 0.2),
+    "spline spheres": lambda core, scene: scene.add_surface("ball", [sphere_spline(core, radius=0.3)]),
 }
 
 
@@ -37,7 +38,7 @@ def behind_panes(core, panes, count, followed, opaque=0):
     random = np.random.default_rng(7)
     scene = lit_plane(core)
     look_down(scene, half=1.0)
-    pane = PANES[panes](scene)
+    pane = PANES[panes](core, scene)
     program = core.Program("tint")
     program.operation("transparent", [program.constant(1, 1, 1, 1), program.constant(*TINT, 1)])
     slots = [scene.add_material("tint", program)]
