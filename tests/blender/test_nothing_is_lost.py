@@ -108,7 +108,8 @@ def test_every_property_and_input_of_every_node_is_rendered_or_named(run_blender
 lost = {{kind: [list(each) for each in unnoticed(kind)] for kind in kinds}}
 there = [each for each in {sorted(WITH_NAMED)!r} if each[0] in kinds and has(*each)]
 report(lost=lost, count=sum(len(changes_of(kind)) for kind in kinds), there=there)
-"""
+""",
+        timeout=300,  # hundreds of pictures
     ).report
     assert run["count"] > 350
     assert len(run["there"]) >= 1  # that of all versions
