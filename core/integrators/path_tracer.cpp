@@ -9,6 +9,7 @@
 #include "integrators/shadow.h"
 #include "integrators/subsurface_walk.h"
 #include "integrators/volumes.h"
+#include "shading/lobes.h"
 
 namespace rayleaf {
 namespace {
@@ -270,14 +271,15 @@ void PathTracer::record_surface(const Vertex& vertex) {
 
 float PathTracer::straight_probability(const Closures& closures) const {
     /// How much light scattered rays find beside a ray that goes straight on, in the mean: lamps are seen by that, but
-    /// sampled for these.
+    /// sampled for these, unless a mirror scatters them.
     constexpr float kScatteredLight = 0.5f;
     const float straight = average(closures.transparency);
     if (!(straight > 0.0f)) return 0.0f;
     if (bounces_.is_last()) return 1.0f;
     float scattered = 0.0f;
-    for (int i = 0; i < closures.size(); ++i) scattered += average(closures[i].weight);
-    return straight / (straight + kScatteredLight * scattered);
+    for (int i = 0; i < closures.size(); ++i)
+        scattered += average(closures[i].weight) * (is_singular(closures[i]) ? 1.0f : kScatteredLight);
+    return straight / (straight + scattered);
 }
 
 bool PathTracer::leave(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
